@@ -1,0 +1,35 @@
+"""The errors a user can cause, each saying in one sentence what is wrong, where, and what to do."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+
+class MechStyleError(Exception):
+    """Base of every error that is the input's or the machine's fault, not a defect of the program."""
+
+
+class BadInput(MechStyleError):
+    """A file or a value that cannot be used as it is."""
+
+
+class MissingPiece(MechStyleError):
+    """Something optional that this request needs is not installed or not there."""
+
+
+class SimulationFailed(MechStyleError):
+    """The drop test gave no usable answer; never read as VIABLE."""
+
+
+class DamagedStore(MechStyleError):
+    """A stored object does not have the content its name promises."""
+
+
+def unknown(kind: str, name: str, known: Iterable[str]) -> BadInput:
+    """The error for a name that is not in a list, with the nearest known names first."""
+    names = sorted(known)
+    near = difflib.get_close_matches(name.lower(), names, n=3, cutoff=0.5)
+    ordered = near + [other for other in names if other not in near]
+    hint = f"did you mean {near[0]!r}? " if near else ""
+    return BadInput(f"unknown {kind} {name!r}: {hint}known are {', '.join(ordered)}")

@@ -1,0 +1,212 @@
+"""The two meshes everything works on: a closed triangle surface and the tetrahedra inside it.
+
+Both are frozen, their arrays write-protected; methods named with a participle return new objects.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int32]
+
+
+def frozen_array(values: ArrayLike, dtype: Any, shape: tuple[int | None, ...], name: str) -> NDArray[Any]:
+    """A contiguous, write-protected copy of `values`, or a ValueError if its shape is not `shape` (None: any)."""
+    array = np.array(values, dtype=dtype, order="C", copy=True)
+    fits = array.ndim == len(shape) and all(want in (None, have) for want, have in zip(shape, array.shape, strict=True))
+    if not fits:
+        wanted = ", ".join("n" if size is None else str(size) for size in shape)
+        raise ValueError(f"{name} must have shape ({wanted}), not {array.shape}")
+    array.setflags(write=False)
+    return array
+
+
+def digest_of(*arrays: NDArray[Any]) -> str:
+    """SHA-256 over the type, shape and bytes of the arrays, in order."""
+    total = hashlib.sha256()
+    for array in arrays:
+        total.update(f"{array.dtype.str}{array.shape}".encode())
+        total.update(np.ascontiguousarray(array).tobytes())
+    return total.hexdigest()
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceMesh:
+    """A triangle surface in millimetres, z up, as it stands on the floor.
+
+    Attributes:
+        vertices: Positions [mm], shape [vertex_count, 3], float64.
+        faces: Vertex indices, anticlockwise seen from outside, shape [face_count, 3], int32.
+        colours: Linear RGB in [0, 1], shape [vertex_count, 3], float32, or None for an uncoloured part.
+    """
+
+    vertices: Floats
+    faces: Indices
+    colours: NDArray[np.float32] | None = None
+
+    def __post_init__(self) -> None:
+        """Freeze the arrays; a face that names no vertex raises ValueError."""
+        object.__setattr__(self, "vertices", frozen_array(self.vertices, np.float64, (None, 3), "vertices"))
+        object.__setattr__(self, "faces", frozen_array(self.faces, np.int32, (None, 3), "faces"))
+        if self.colours is not None:
+            object.__setattr__(self, "colours", frozen_array(self.colours, np.float32, (len(self.vertices), 3), "colours"))
+        if self.faces.size and not (self.faces.min() >= 0 and self.faces.max() < len(self.vertices)):
+            raise ValueError(f"faces must index the {len(self.vertices)} vertices")
+
+    def __repr__(self) -> str:
+        """Counts and size; never the arrays."""
+        x, y, z = self.extents if len(self.vertices) else (0.0, 0.0, 0.0)
+        return f"SurfaceMesh({len(self.vertices)} vertices, {len(self.faces)} faces, {x:.1f} x {y:.1f} x {z:.1f} mm)"
+
+    @cached_property
+    def corners(self) -> Floats:
+        """Corner positions [mm], shape [face_count, 3, 3]."""
+        return self.vertices[self.faces]
+
+    @cached_property
+    def face_vectors(self) -> Floats:
+        """Face normals times twice the area [mm²], shape [face_count, 3]."""
+        a, b, c = self.corners[:, 0], self.corners[:, 1], self.corners[:, 2]
+        return np.cross(b - a, c - a)
+
+    @cached_property
+    def face_areas(self) -> Floats:
+        """Face areas [mm²], shape [face_count]."""
+        return 0.5 * np.linalg.norm(self.face_vectors, axis=1)
+
+    @cached_property
+    def face_normals(self) -> Floats:
+        """Outward unit normals, shape [face_count, 3]; zero for a face without area."""
+        lengths = np.linalg.norm(self.face_vectors, axis=1, keepdims=True)
+        return np.divide(self.face_vectors, lengths, out=np.zeros_like(self.face_vectors), where=lengths > 0)
+
+    @cached_property
+    def vertex_normals(self) -> Floats:
+        """Angle-weighted outward unit normals (Thürmer and Wüthrich 1998), shape [vertex_count, 3]."""
+        total = np.zeros_like(self.vertices)
+        for corner in range(3):
+            here = self.corners[:, corner]
+            ahead = self.corners[:, (corner + 1) % 3] - here
+            behind = self.corners[:, (corner + 2) % 3] - here
+            sine = np.linalg.norm(np.cross(ahead, behind), axis=1)
+            angle = np.arctan2(sine, np.einsum("ij,ij->i", ahead, behind))
+            np.add.at(total, self.faces[:, corner], self.face_normals * angle[:, None])
+        lengths = np.linalg.norm(total, axis=1, keepdims=True)
+        return np.divide(total, lengths, out=np.zeros_like(total), where=lengths > 1e-12)
+
+    @cached_property
+    def vertex_areas(self) -> Floats:
+        """A third of the area of the faces around each vertex [mm²], shape [vertex_count]."""
+        thirds = np.repeat(self.face_areas / 3.0, 3)
+        return np.bincount(self.faces.ravel(), thirds, len(self.vertices))
+
+    @cached_property
+    def edges(self) -> Indices:
+        """Undirected edges, lower index first, sorted, shape [edge_count, 2]."""
+        pairs = np.sort(self.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+        return np.unique(pairs, axis=0)
+
+    @cached_property
+    def extents(self) -> Floats:
+        """Side lengths of the bounding box [mm], shape [3]."""
+        return np.ptp(self.vertices, axis=0)
+
+    @cached_property
+    def size(self) -> float:
+        """Diagonal of the bounding box [mm]."""
+        return float(np.linalg.norm(self.extents))
+
+    @cached_property
+    def volume(self) -> float:
+        """Enclosed volume [mm³]; negative if the faces point inwards."""
+        a, b, c = self.corners[:, 0], self.corners[:, 1], self.corners[:, 2]
+        return float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6.0)
+
+    @cached_property
+    def is_closed(self) -> bool:
+        """Whether every directed edge is met by exactly one opposite edge (watertight, manifold edges, oriented)."""
+        directed = self.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2).astype(np.int64)
+        forth = directed[:, 0] * len(self.vertices) + directed[:, 1]
+        back = directed[:, 1] * len(self.vertices) + directed[:, 0]
+        forth.sort()
+        back.sort()
+        return bool(len(forth) and np.array_equal(forth, back) and np.all(np.diff(forth) > 0))
+
+    @cached_property
+    def digest(self) -> str:
+        """SHA-256 of vertices and faces; colours do not count."""
+        return digest_of(self.vertices, self.faces)
+
+    def displaced(self, displacement: ArrayLike) -> SurfaceMesh:
+        """The surface with every vertex moved by `displacement` [mm], shape [vertex_count], along its normal."""
+        distance = np.asarray(displacement, dtype=np.float64)
+        return replace(self, vertices=self.vertices + self.vertex_normals * distance[:, None])
+
+    def moved(self, vertices: ArrayLike) -> SurfaceMesh:
+        """The same faces and colours on other vertex positions [mm], shape [vertex_count, 3]."""
+        return replace(self, vertices=vertices)
+
+    def coloured(self, colours: ArrayLike | None) -> SurfaceMesh:
+        """The same surface with other colours in [0, 1], shape [vertex_count, 3]."""
+        return replace(self, colours=colours)
+
+
+@dataclass(frozen=True, eq=False)
+class TetMesh:
+    """Linear tetrahedra in millimetres, positively oriented.
+
+    Attributes:
+        vertices: Positions [mm], shape [vertex_count, 3], float64.
+        tets: Vertex indices with positive volume, shape [tet_count, 4], int32.
+    """
+
+    vertices: Floats
+    tets: Indices
+
+    def __post_init__(self) -> None:
+        """Freeze the arrays; a tetrahedron that names no vertex raises ValueError."""
+        object.__setattr__(self, "vertices", frozen_array(self.vertices, np.float64, (None, 3), "vertices"))
+        object.__setattr__(self, "tets", frozen_array(self.tets, np.int32, (None, 4), "tets"))
+        if self.tets.size and not (self.tets.min() >= 0 and self.tets.max() < len(self.vertices)):
+            raise ValueError(f"tets must index the {len(self.vertices)} vertices")
+
+    def __repr__(self) -> str:
+        """Counts and volume; never the arrays."""
+        return f"TetMesh({len(self.vertices)} vertices, {len(self.tets)} tets, {self.volumes.sum():.0f} mm³)"
+
+    @cached_property
+    def volumes(self) -> Floats:
+        """Signed volumes [mm³], shape [tet_count]."""
+        a, b, c, d = (self.vertices[self.tets[:, k]] for k in range(4))
+        return np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6.0
+
+    @cached_property
+    def quality(self) -> Floats:
+        """Mean-ratio quality 12 (3V)^(2/3) / Σ l² (Liu and Joe 1994), signed, 1 for a regular tet, shape [tet_count]."""
+        pairs = ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3))
+        corners = self.vertices[self.tets]
+        lengths2 = sum(((corners[:, i] - corners[:, j]) ** 2).sum(axis=1) for i, j in pairs)
+        return np.sign(self.volumes) * 12.0 * (3.0 * np.abs(self.volumes)) ** (2.0 / 3.0) / lengths2
+
+    @cached_property
+    def boundary_faces(self) -> Indices:
+        """Faces with one tetrahedron only, anticlockwise seen from outside, shape [face_count, 3]."""
+        faces = self.tets[:, [0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3]].reshape(-1, 3)
+        _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
+        return np.ascontiguousarray(faces[np.sort(first[count == 1])])
+
+    @cached_property
+    def digest(self) -> str:
+        """SHA-256 of vertices and tets."""
+        return digest_of(self.vertices, self.tets)
+
+    def moved(self, vertices: ArrayLike) -> TetMesh:
+        """The same tetrahedra on other vertex positions [mm], shape [vertex_count, 3]."""
+        return replace(self, vertices=vertices)

@@ -1,0 +1,263 @@
+"""What a run is made of: the recipe that decides it, what a drop test measured, the verdict, and one checkpoint per iteration."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, fields
+from typing import Any, Literal
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from mechstyle.errors import BadInput, unknown
+from mechstyle.material import Material
+from mechstyle.mesh import frozen_array
+
+CONTROLS = ("linear", "exponential", "frozen", "none")
+NORMALISATIONS = ("headroom", "own_max", "sigma_c", "yield")
+SCHEDULES = ("every", "quadratic", "exponential", "geometry", "stress", "never", "always")
+CRITERIA = ("robust", "paper")
+
+Outcome = Literal["VIABLE", "FAILS", "UNKNOWN"]
+
+
+class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """All that decides a run, and nothing else: no times, hosts or paths.
+
+    Attributes:
+        surface: Digest of the standardised surface M_0.
+        tetrahedra: Digest of its tetrahedra (meshing is not deterministic, so they are part of the recipe).
+        prompt: The style asked for, as typed.
+        material: The material, in full.
+        iterations: Stylization iterations N.
+        seed: Seed of everything random in the style.
+        amplitude: Relief height over local wall thickness.
+        control: How demand becomes a mask, one of CONTROLS.
+        normalisation: How stress becomes demand, one of NORMALISATIONS.
+        memory: Whether a vertex once restrained stays so (running minimum of the mask).
+        retraction: Whether the relief shrinks by half where stress exceeds 0.9 of the allowable.
+        protect_resting_face: Whether the relief fades out towards the face the part rests on.
+        schedule: When to simulate, one of SCHEDULES.
+        every: Interval of the `every` schedule [iterations].
+        travel: Displacement since the last simulation over local thickness that triggers `geometry` and `stress`.
+        criterion: What viable means, one of CRITERIA.
+        guarantee: Whether the finished relief is backed off until it is viable.
+        orientations: Drops in the final test: as placed, then tilted ones.
+        drop_height: Height of fall [mm].
+        friction: Coulomb coefficient of the floor.
+        window: Simulated time after first touch [ms].
+        damping: Kelvin-Voigt time β [ms].
+        transfer: How stress gets from tets to surface, `barycentric` or `nearest` (the paper's unit-box nearest neighbour).
+    """
+
+    surface: str
+    tetrahedra: str
+    prompt: str
+    material: Material
+    iterations: int = 200
+    seed: int = 0
+    amplitude: float = 0.15
+    control: str = "exponential"
+    normalisation: str = "headroom"
+    memory: bool = True
+    retraction: bool = True
+    protect_resting_face: bool = True
+    schedule: str = "stress"
+    every: int = 20
+    travel: float = 0.1
+    criterion: str = "robust"
+    guarantee: bool = True
+    orientations: int = 5
+    drop_height: float = 1500.0
+    friction: float = 0.0
+    window: float = 1.5
+    damping: float = 1e-4
+    transfer: str = "barycentric"
+
+    def __post_init__(self) -> None:
+        """Refuse unknown names and values out of range, each in one sentence."""
+        for field, known in (("control", CONTROLS), ("normalisation", NORMALISATIONS), ("schedule", SCHEDULES),
+                             ("criterion", CRITERIA), ("transfer", ("barycentric", "nearest"))):
+            if getattr(self, field) not in known:
+                raise unknown(field, str(getattr(self, field)), known)
+        limits = {"iterations": (1, 100_000), "every": (1, 100_000), "seed": (0, 2**32 - 1), "amplitude": (0.0, 2.0), "travel": (1e-3, 10.0),
+                  "orientations": (1, 512), "drop_height": (1.0, 1e5), "friction": (0.0, 2.0), "window": (0.05, 50.0), "damping": (0.0, 0.1)}
+        for field, (low, high) in limits.items():
+            value = getattr(self, field)
+            if not low <= value <= high:
+                raise BadInput(f"{field.replace('_', ' ')} is {value:g}, but must lie between {low:g} and {high:g}")
+        if not self.prompt.strip():
+            raise BadInput("the prompt is empty: say a style, for example 'brick'")
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of the recipe's canonical JSON."""
+        return hashlib.sha256(msgspec.json.encode(self, order="deterministic")).hexdigest()
+
+    @property
+    def feedback(self) -> bool:
+        """Whether simulation restrains the style (MechStyle) or not (Freestyle)."""
+        return self.control != "none"
+
+
+class Measures(msgspec.Struct, frozen=True, kw_only=True):
+    """Scalar results of one drop test (or of the envelope of several): running-maximum von Mises stress [MPa].
+
+    Attributes:
+        peak: Largest 2 mm volume average.
+        p999: Volume-weighted 99.9th percentile.
+        p99: Volume-weighted 99th percentile.
+        maximum: Literal maximum over the elements; depends on the mesh where contact is a point.
+        where: Place of `peak` in the undeformed part [mm].
+        volume: Volume of the tetrahedra [mm³].
+    """
+
+    peak: float
+    p999: float
+    p99: float
+    maximum: float
+    where: tuple[float, float, float]
+    volume: float
+
+
+@dataclass(frozen=True, eq=False)
+class Simulation:
+    """One drop test brought to the surface.
+
+    Attributes:
+        displacement: What was simulated [mm], shape [vertex_count]: the request, less what the tets could not follow.
+        stress: Robust as-placed stress field that drives the mask and decides [MPa], shape [vertex_count].
+        envelope: The same over all orientations [MPa], shape [vertex_count]; equals `stress` for one orientation.
+        contact: Whether the surface there touched the floor in the as-placed drop, shape [vertex_count].
+        as_placed: Measures of the as-placed drop.
+        overall: Measures of the envelope over all orientations, None if only one was run.
+        backed_off: Share of the surface whose displacement the morph had to reduce.
+        deviation: Largest such reduction [mm].
+        time_step: Step of the explicit integration [ms].
+        steps: Steps per drop.
+        added_mass: Mass added by scaling slivers, over the mass of the part.
+        failure: Why there is no usable answer, "" if there is.
+    """
+
+    displacement: NDArray[np.float32]
+    stress: NDArray[np.float32]
+    envelope: NDArray[np.float32]
+    contact: NDArray[np.bool_]
+    as_placed: Measures
+    overall: Measures | None
+    backed_off: float
+    deviation: float
+    time_step: float
+    steps: int
+    added_mass: float
+    failure: str = ""
+
+    def __post_init__(self) -> None:
+        """Freeze the fields over the surface."""
+        count = len(self.displacement)
+        for name, kind in (("displacement", np.float32), ("stress", np.float32), ("envelope", np.float32), ("contact", np.bool_)):
+            object.__setattr__(self, name, frozen_array(getattr(self, name), kind, (count,), name))
+
+
+class Judgement(msgspec.Struct, frozen=True, kw_only=True):
+    """One rule applied to one simulation.
+
+    Attributes:
+        rule: What was compared, in words.
+        outcome: VIABLE, FAILS or UNKNOWN.
+        value: The measure [unit].
+        limit: What it may at most be [unit].
+        unit: "MPa" or "x the original".
+        marginal: Whether value and limit differ by less than 15 %.
+    """
+
+    rule: str
+    outcome: Outcome
+    value: float
+    limit: float
+    unit: str
+    marginal: bool
+
+    @property
+    def safety_factor(self) -> float:
+        """Limit over value; infinite for a value of zero."""
+        return self.limit / self.value if self.value > 0 else float("inf")
+
+
+class Verdict(msgspec.Struct, frozen=True, kw_only=True):
+    """Whether the part survives, with the figures behind it.
+
+    Attributes:
+        outcome: The worst of the judgements that count under the criterion.
+        criterion: `robust` or `paper`.
+        as_placed: (A) peak stress of the drop as placed.
+        all_orientations: (B) envelope over all orientations relative to the unstylized part, None if not run.
+        literal: The published rule, max σ_vM ≤ S_yield, always shown, mesh-dependent.
+        words: One sentence a person can act on.
+    """
+
+    outcome: Outcome
+    criterion: str
+    as_placed: Judgement
+    all_orientations: Judgement | None
+    literal: Judgement
+    words: str
+
+    @property
+    def deciding(self) -> Judgement:
+        """The as-placed judgement under the criterion in force; its value is the peak, its limit the allowable stress."""
+        return self.literal if self.criterion == "paper" else self.as_placed
+
+    @property
+    def viable(self) -> bool:
+        """Whether the outcome is VIABLE."""
+        return self.outcome == "VIABLE"
+
+
+@dataclass(frozen=True, eq=False)
+class Checkpoint:
+    """The state after one iteration: all that is needed to show it, resume from it and branch at it.
+
+    Attributes:
+        iteration: 0 for the unstylized part, then 1 to N; back-off rounds repeat N.
+        parent: Digest of the checkpoint before it, "" for the first.
+        recipe: Digest of the recipe in force.
+        displacement: D_i along the original normals [mm], shape [vertex_count].
+        colour: RGB in [0, 1], shape [vertex_count, 3].
+        mask: Factor on further movement in [0, 1], shape [vertex_count].
+        share: Factor on the style's target after retraction in [0, 1], shape [vertex_count].
+        anchor: Displacement at the last simulation [mm], shape [vertex_count].
+        stress: Field of the last simulation [MPa], shape [vertex_count].
+        demand: s_norm of the last simulation, shape [vertex_count].
+        simulated_at: Iteration of the last simulation.
+        style_loss: Loss of the stylizer's proposal at this iteration.
+        reason: Why this iteration was simulated, "" if it was not.
+        verdict: Verdict of this iteration's simulation, None if it was not simulated.
+        final: Whether the run ended with this checkpoint.
+    """
+
+    iteration: int
+    parent: str
+    recipe: str
+    displacement: NDArray[np.float32]
+    colour: NDArray[np.float32]
+    mask: NDArray[np.float32]
+    share: NDArray[np.float32]
+    anchor: NDArray[np.float32]
+    stress: NDArray[np.float32]
+    demand: NDArray[np.float32]
+    simulated_at: int
+    style_loss: float
+    reason: str = ""
+    verdict: Verdict | None = None
+    final: bool = False
+
+    def __post_init__(self) -> None:
+        """Freeze the fields over the surface."""
+        count = len(self.displacement)
+        for field in fields(self):
+            value: Any = getattr(self, field.name)
+            if isinstance(value, np.ndarray):
+                shape = (count, 3) if field.name == "colour" else (count,)
+                object.__setattr__(self, field.name, frozen_array(value, np.float32, shape, field.name))
