@@ -1,0 +1,1 @@
+"""Parametric printable models, in millimetres, standing as they are used."""

@@ -1,0 +1,1 @@
+"""Reading, repairing, meshing and measuring the shape of a part."""

@@ -1,0 +1,1 @@
+"""From a prompt to a relief and colours on the surface."""

@@ -1,0 +1,1 @@
+"""One style program a file."""
