@@ -137,6 +137,7 @@ class Simulation:
         time_step: Step of the explicit integration [ms].
         steps: Steps per drop.
         added_mass: Mass added by scaling slivers, over the mass of the part.
+        meshing: How the tetrahedra followed the surface: `morphed`, `fresh`, or why a fresh mesh could not be had.
         failure: Why there is no usable answer, "" if there is.
     """
 
@@ -151,6 +152,7 @@ class Simulation:
     time_step: float
     steps: int
     added_mass: float
+    meshing: str = "morphed"
     failure: str = ""
 
     def __post_init__(self) -> None:
@@ -231,10 +233,11 @@ class Checkpoint:
         stress: Field of the last simulation [MPa], shape [vertex_count].
         demand: s_norm of the last simulation, shape [vertex_count].
         simulated_at: Iteration of the last simulation.
-        style_loss: Loss of the stylizer's proposal at this iteration.
+        style_loss: Loss of this very surface and its colours against the style's target.
         reason: Why this iteration was simulated, "" if it was not.
         verdict: Verdict of this iteration's simulation, None if it was not simulated.
         final: Whether the run ended with this checkpoint.
+        keyframe: State of the stylizer, kept now and then so that resuming need not replay everything; None in between.
     """
 
     iteration: int
@@ -252,6 +255,7 @@ class Checkpoint:
     reason: str = ""
     verdict: Verdict | None = None
     final: bool = False
+    keyframe: dict[str, NDArray[np.float32]] | None = None
 
     def __post_init__(self) -> None:
         """Freeze the fields over the surface."""

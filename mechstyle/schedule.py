@@ -1,0 +1,116 @@
+"""When a simulation is worth its cost: pure functions of the iteration and of how far the surface has travelled.
+
+Every rule answers with the reason, in words shown to the user, or "" for no simulation. The last iteration is always
+simulated by the engine, whatever the schedule.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mechstyle.errors import unknown
+from mechstyle.records import SCHEDULES, Recipe
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+LATE_CHECK = 0.75
+"""Geometry and stress schedules look once more after this share of the iterations: their triggers come early."""
+
+SOFTEST = 0.1
+"""The stress schedule lowers a vertex's threshold to no less than this share, or it would simulate at every iteration."""
+
+
+@dataclass(frozen=True)
+class Progress:
+    """Where a run stands when a schedule is asked.
+
+    Attributes:
+        iteration: Current iteration, from 1.
+        simulated_at: Iteration of the last simulation, 0 if there was none.
+        travelled: Displacement since the last simulation [mm], shape [vertex_count].
+        thickness: Local wall thickness [mm], shape [vertex_count].
+        demand: s_norm of the last simulation, shape [vertex_count].
+    """
+
+    iteration: int
+    simulated_at: int
+    travelled: NDArray[np.float32]
+    thickness: NDArray[np.float32]
+    demand: NDArray[np.float32]
+
+
+def every(recipe: Recipe, progress: Progress) -> str:
+    """Every k iterations: the paper's control condition."""
+    return f"every {recipe.every} iterations" if progress.iteration % recipe.every == 0 else ""
+
+
+def quadratic(recipe: Recipe, progress: Progress) -> str:
+    """At 1, 4, 9, 16 …: dense early, when the surface moves most."""
+    root = round(progress.iteration**0.5)
+    return f"quadratic step {root}² = {progress.iteration}" if root * root == progress.iteration else ""
+
+
+def exponential(recipe: Recipe, progress: Progress) -> str:
+    """At 2, 4, 8, 16 …: each interval twice the one before."""
+    i = progress.iteration
+    return f"exponential step 2^{i.bit_length() - 1} = {i}" if i > 1 and i & (i - 1) == 0 else ""
+
+
+def _late_check(recipe: Recipe, progress: Progress) -> str:
+    late = round(LATE_CHECK * recipe.iterations)
+    if progress.iteration == late and progress.simulated_at < late:
+        return f"late check at {LATE_CHECK:.0%} of the iterations"
+    return ""
+
+
+def geometry(recipe: Recipe, progress: Progress) -> str:
+    """When some vertex has moved more than `travel` of its local thickness since the last simulation."""
+    ratio = np.abs(progress.travelled) / progress.thickness
+    worst = int(np.argmax(ratio))
+    if ratio[worst] > recipe.travel:
+        return f"vertex {worst} moved {abs(progress.travelled[worst]):.2f} mm, {ratio[worst]:.0%} of its {progress.thickness[worst]:.1f} mm wall"
+    return _late_check(recipe, progress)
+
+
+def stress(recipe: Recipe, progress: Progress) -> str:
+    """As `geometry`, each vertex's threshold lowered in proportion to its demand."""
+    threshold = recipe.travel * np.clip(1.0 - progress.demand, SOFTEST, 1.0)
+    ratio = np.abs(progress.travelled) / progress.thickness
+    worst = int(np.argmax(ratio / threshold))
+    if ratio[worst] > threshold[worst]:
+        return (f"vertex {worst} moved {ratio[worst]:.1%} of its {progress.thickness[worst]:.1f} mm wall; "
+                f"its limit at demand {progress.demand[worst]:.2f} is {threshold[worst]:.1%}")
+    return _late_check(recipe, progress)
+
+
+def never(recipe: Recipe, progress: Progress) -> str:
+    """Only the last iteration, which the engine always simulates."""
+    return ""
+
+
+def always(recipe: Recipe, progress: Progress) -> str:
+    """Every iteration."""
+    return "every iteration"
+
+
+RULES: dict[str, Callable[[Recipe, Progress], str]] = {
+    "every": every,
+    "quadratic": quadratic,
+    "exponential": exponential,
+    "geometry": geometry,
+    "stress": stress,
+    "never": never,
+    "always": always,
+}
+
+
+def due(recipe: Recipe, progress: Progress) -> str:
+    """Why this iteration is to be simulated under the recipe's schedule, "" if it is not."""
+    if recipe.schedule not in RULES:
+        raise unknown("schedule", recipe.schedule, SCHEDULES)
+    return RULES[recipe.schedule](recipe, progress)
