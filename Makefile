@@ -1,0 +1,52 @@
+# MechStyle's chores. `make` alone lists them.
+# Needs python3 (3.11 or newer) with its venv module; everything else goes into .venv.
+
+PYTHON ?= python3
+BIN := .venv/bin
+PINS := pyproject.toml constraints.txt
+# Two test workers share the cores; a thread pool in each would only make them wait for each other.
+export OMP_NUM_THREADS ?= 1
+export PIP_DISABLE_PIP_VERSION_CHECK = 1
+
+.PHONY: help demo test lab lint bench clean
+.DEFAULT_GOAL := help
+.NOTPARALLEL:
+
+help: ## list these targets
+	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-6s %s\n", $$1, $$2}' $(firstword $(MAKEFILE_LIST))
+
+demo: .venv/core.stamp ## stylize a pen holder as brick, drop it, write demo-out/
+	$(BIN)/mechstyle demo --out demo-out
+
+test: lint ## everything that must pass: lint, types, import directions, all tests
+	$(BIN)/python -m pytest -n 2
+
+lab: .venv/dev.stamp ## open the notebooks in JupyterLab
+	$(BIN)/jupyter lab --notebook-dir=notebooks
+
+lint: .venv/dev.stamp ## style, import directions and types only
+	$(BIN)/ruff check .
+	$(BIN)/lint-imports --no-cache
+	$(BIN)/mypy
+
+bench: .venv/core.stamp ## seconds per stage beside their budgets
+	$(BIN)/python benchmarks/stages.py
+
+clean: ## remove .venv, caches and demo-out/ (your runs stay)
+	rm -rf .venv .mypy_cache .ruff_cache .pytest_cache .hypothesis build *.egg-info demo-out
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+.venv/bin/python:
+	@command -v $(PYTHON) >/dev/null || { echo "There is no $(PYTHON): install Python 3.11 or newer (Debian: apt-get install python3 python3-venv)."; exit 1; }
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "$(PYTHON) is too old: MechStyle needs Python 3.11 or newer (say which with make PYTHON=python3.11)."; exit 1; }
+	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || { echo "Python's venv module is missing: install it (Debian: apt-get install python3-venv) and run make again."; exit 1; }
+	$(PYTHON) -m venv .venv
+
+# The development install contains the core install, so it renews both stamps; a renewed core leaves dev to renew itself when asked for.
+.venv/core.stamp: $(PINS) | .venv/bin/python
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable .
+	@touch $@
+
+.venv/dev.stamp: $(PINS) | .venv/bin/python
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev,jupyter]'
+	@touch .venv/core.stamp $@
