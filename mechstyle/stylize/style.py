@@ -1,0 +1,43 @@
+"""What a style is: a name, the words that ask for it, and a program that draws it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from mechstyle.mesh import Floats
+from mechstyle.stylize.canvas import Canvas
+
+
+class Relief(NamedTuple):
+    """What a style program draws.
+
+    Attributes:
+        height: Relief in about [-1, 1.2], inwards to outwards, shape [n].
+        colour: Display RGB in [0, 1], shape [n, 3].
+        body: Where a colour asked for goes, in [0, 1], shape [n]; the rest (mortar, spines) keeps the style's own.
+    """
+
+    height: Floats
+    colour: Floats
+    body: Floats
+
+
+@dataclass(frozen=True)
+class Style:
+    """A style that needs no network weights.
+
+    Attributes:
+        name: Its name.
+        words: Other words that ask for it, in the singular and lower case.
+        description: What it looks like, in one sentence.
+        feature_mm: Size of the feature the eye reads (a course, a stone, a rib) on a part of 100 mm [mm].
+        program: Draws it on a canvas.
+    """
+
+    name: str
+    words: tuple[str, ...]
+    description: str
+    feature_mm: float
+    program: Callable[[Canvas], Relief]
