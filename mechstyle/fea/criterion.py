@@ -1,0 +1,194 @@
+"""What counts as viable: stress averaged over a fixed physical radius, its measures, and the verdict with its words.
+
+Point contact is singular: the element maximum grows without bound as the mesh is refined, and even the unstylized part
+exceeds yield there. The volume average over a ball of fixed radius converges (the volume method of the theory of critical
+distances, Taylor 2007), so it is what drives the mask and what decides.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.sparse import coo_array, csr_array
+from scipy.spatial import cKDTree
+
+from mechstyle.errors import unknown
+from mechstyle.material import Material
+from mechstyle.mesh import Floats, TetMesh
+from mechstyle.records import CRITERIA, Judgement, Measures, Outcome, Simulation, Verdict
+
+ALL_ORIENTATIONS_LIMIT = 1.10
+"""Growth of the 99th percentile over all orientations that counts as unharmed; re-meshing alone changes it by 1 to 5 %."""
+
+STRESS_BAND = 0.15
+"""Relative distance to a stress limit below which a verdict is MARGINAL: what re-meshing changes a peak by."""
+
+RATIO_BAND = 0.05
+"""The same for the percentile relative to the original."""
+
+_SEVERITY: dict[Outcome, int] = {"VIABLE": 0, "UNKNOWN": 1, "FAILS": 2}
+
+
+class BallAverage:
+    """Volume average over the tetrahedra whose centroids lie within `radius` [mm], as a sparse operator.
+
+    Neighbours are those of the mesh given here, the undeformed one; weights are the volumes of the mesh averaged on, so
+    that the operator serves every morph of that mesh.
+    """
+
+    def __init__(self, tets: TetMesh, radius: float = 2.0) -> None:
+        centroids = tets.vertices[tets.tets].mean(axis=1)
+        pairs = cKDTree(centroids).query_pairs(radius, output_type="ndarray")
+        itself = np.arange(len(centroids))
+        rows = np.concatenate([pairs[:, 0], pairs[:, 1], itself])
+        columns = np.concatenate([pairs[:, 1], pairs[:, 0], itself])
+        size = (len(centroids), len(centroids))
+        self.radius = radius
+        self._near: csr_array = coo_array((np.ones(len(rows), dtype=np.float32), (rows, columns)), shape=size).tocsr()
+
+    def __call__(self, tets: TetMesh, values: ArrayLike) -> Floats:
+        """Averages of `values`, shape [tet_count], over `tets`, a morph of the mesh the operator was made for."""
+        volumes = tets.volumes
+        return np.asarray((self._near @ (volumes * np.asarray(values, dtype=np.float64))) / (self._near @ volumes))
+
+
+def robust_field(tets: TetMesh, von_mises: ArrayLike, average: BallAverage) -> Floats:
+    """Largest average among the tetrahedra around each vertex [MPa], shape [vertex_count].
+
+    The field that drives the mask and the verdict that decides must be the same field, or the mask sleeps while the
+    verdict fails; hence the maximum, not another mean. Its own maximum is `Measures.peak`.
+    """
+    averaged = average(tets, von_mises)
+    field = np.zeros(len(tets.vertices))
+    np.maximum.at(field, tets.tets.ravel(), np.repeat(averaged, 4))
+    return field
+
+
+def percentile(values: ArrayLike, weights: ArrayLike, share: float) -> float:
+    """Value below which the given share of the weight lies, linear between the values' cumulative weights."""
+    values, weights = np.asarray(values, dtype=np.float64), np.asarray(weights, dtype=np.float64)
+    order = np.argsort(values, kind="stable")
+    below = np.cumsum(weights[order])
+    return float(np.interp(share * below[-1], below, values[order]))
+
+
+def measures(tets: TetMesh, von_mises: ArrayLike, average: BallAverage) -> Measures:
+    """Peak average, volume-weighted percentiles and literal maximum of one stress field [MPa], shape [tet_count]."""
+    averaged = average(tets, von_mises)
+    highest = int(np.argmax(averaged))
+    x, y, z = tets.vertices[tets.tets[highest]].mean(axis=0)
+    return Measures(
+        peak=float(averaged[highest]),
+        p999=percentile(von_mises, tets.volumes, 0.999),
+        p99=percentile(von_mises, tets.volumes, 0.99),
+        maximum=float(np.max(von_mises)),
+        where=(float(x), float(y), float(z)),
+        volume=float(tets.volumes.sum()),
+    )
+
+
+def judge(simulation: Simulation, baseline: Simulation, material: Material, criterion: str) -> Verdict:
+    """Whether a part survives, under the criterion `robust` or `paper`.
+
+    (A) as placed: peak ≤ max(S_yield, the original's own peak). (B) all orientations: 99th percentile of the envelope at
+    most ALL_ORIENTATIONS_LIMIT times the original's. The literal published rule, maximum ≤ S_yield, is always shown.
+    `robust` is the worse of A and B, `paper` the literal rule. What was not computed, or not to a finite number, is UNKNOWN.
+    """
+    if criterion not in CRITERIA:
+        raise unknown("criterion", criterion, CRITERIA)
+    trouble = _trouble(simulation, baseline)
+    as_placed = _as_placed(simulation, baseline, material, trouble)
+    spread = _all_orientations(simulation, baseline, trouble)
+    literal = _judgement(
+        "largest element stress as placed ≤ yield strength",
+        simulation.as_placed.maximum, material.yield_strength, "MPa", STRESS_BAND, trouble,
+    )
+    counting = [literal] if criterion == "paper" else [as_placed] + ([spread] if spread else [])
+    outcome = max((judgement.outcome for judgement in counting), key=_SEVERITY.__getitem__)
+    words = f"UNKNOWN: {trouble}." if trouble else _words(outcome, counting, simulation, baseline, material)
+    return Verdict(outcome=outcome, criterion=criterion, as_placed=as_placed, all_orientations=spread, literal=literal, words=words)
+
+
+def input_warning(baseline: Simulation, material: Material) -> str:
+    """One sentence if the unstylized part itself exceeds yield as placed or could not be tested, "" otherwise."""
+    trouble = _trouble(baseline, baseline)
+    if trouble:
+        return f"The unstylized part could not be judged: {trouble}."
+    peak = baseline.as_placed.peak
+    if peak <= material.yield_strength:
+        return ""
+    return (
+        f"The unstylized part itself reaches {peak:.1f} MPa at {_place(baseline)} when dropped as placed, above the"
+        f" {material.yield_strength:.1f} MPa yield strength of {material.name}; the style is held to that peak instead."
+    )
+
+
+def _trouble(simulation: Simulation, baseline: Simulation) -> str:
+    """Why nothing can be judged, "" if it can."""
+    for part, name in ((simulation, "the part"), (baseline, "the original")):
+        if part.failure:
+            return part.failure if part is simulation else f"the original could not be simulated: {part.failure}"
+        for drop, which in ((part.as_placed, "as placed"), (part.overall, "in all orientations")):
+            if drop is not None and not all(map(math.isfinite, (drop.peak, drop.p999, drop.p99, drop.maximum))):
+                return f"the stress of {name} {which} is not a finite number"
+    if simulation.overall is not None and (baseline.overall is None or baseline.overall.p99 <= 0.0):
+        return "the original was not dropped in all orientations, so there is nothing to compare with"
+    return ""
+
+
+def _judgement(rule: str, value: float, limit: float, unit: str, band: float, trouble: str) -> Judgement:
+    """Compare a value with a limit; 0 stands for a value that is not known, because records hold finite numbers only."""
+    if trouble:
+        return Judgement(rule=rule, outcome="UNKNOWN", value=0.0, limit=limit if math.isfinite(limit) else 0.0, unit=unit, marginal=False)
+    marginal = abs(value - limit) <= band * limit
+    return Judgement(rule=rule, outcome="VIABLE" if value <= limit else "FAILS", value=value, limit=limit, unit=unit, marginal=marginal)
+
+
+def _as_placed(simulation: Simulation, baseline: Simulation, material: Material, trouble: str) -> Judgement:
+    """Rule (A); MARGINAL also where 99.9th percentile and peak disagree about the limit."""
+    own = baseline.as_placed.peak
+    # Of a baseline without a finite peak only the yield strength is left; the outcome is UNKNOWN then anyway.
+    limit = max(material.yield_strength, own) if math.isfinite(own) else material.yield_strength
+    rule = "peak 2 mm average as placed ≤ " + ("yield strength" if limit == material.yield_strength else "the original's own peak")
+    judged = _judgement(rule, simulation.as_placed.peak, limit, "MPa", STRESS_BAND, trouble)
+    disagree = (simulation.as_placed.p999 <= limit) != (simulation.as_placed.peak <= limit)
+    return Judgement(
+        rule=judged.rule, outcome=judged.outcome, value=judged.value, limit=judged.limit, unit=judged.unit,
+        marginal=judged.outcome != "UNKNOWN" and (judged.marginal or disagree),
+    )
+
+
+def _all_orientations(simulation: Simulation, baseline: Simulation, trouble: str) -> Judgement | None:
+    """Rule (B), None if only one orientation was dropped."""
+    if simulation.overall is None:
+        return None
+    rule = "99th percentile over all orientations relative to the original"
+    ratio = 0.0 if trouble or baseline.overall is None else simulation.overall.p99 / baseline.overall.p99
+    return _judgement(rule, ratio, ALL_ORIENTATIONS_LIMIT, "x the original", RATIO_BAND, trouble)
+
+
+def _place(simulation: Simulation) -> str:
+    """Where the peak is, in words."""
+    x, y, z = simulation.as_placed.where
+    return f"({x:.1f}, {y:.1f}, {z:.1f}) mm"
+
+
+def _words(outcome: Outcome, counting: list[Judgement], simulation: Simulation, baseline: Simulation, material: Material) -> str:
+    """The verdict in one sentence: outcome, figures, place, and how sure."""
+    head = outcome + (", MARGINAL" if any(judgement.marginal for judgement in counting) else "")
+    return f"{head}: " + "; ".join(_clause(judgement, simulation, baseline, material) for judgement in counting) + "."
+
+
+def _clause(judgement: Judgement, simulation: Simulation, baseline: Simulation, material: Material) -> str:
+    """One judgement in words."""
+    side = ("within" if judgement.outcome == "VIABLE" else "above") + (" (MARGINAL)" if judgement.marginal else "")
+    if judgement.unit != "MPa":
+        return f"in all orientations {judgement.value:.2f} times the stress of the original, {side} the limit of {judgement.limit:.2f}"
+    limit = f"the yield strength of {material.yield_strength:.1f} MPa"
+    if judgement.limit > material.yield_strength:
+        limit = f"the original's own peak of {baseline.as_placed.peak:.1f} MPa, which itself exceeds {limit}"
+    if judgement.value == simulation.as_placed.maximum:
+        return f"dropped as placed its largest element stress is {judgement.value:.1f} MPa, {side} {limit}"
+    return f"dropped as placed its peak stress is {judgement.value:.1f} MPa at {_place(simulation)}, {side} {limit}"
