@@ -1,0 +1,101 @@
+"""Colours for a field over a surface: readable on white, in grey and by the colour-blind, with a threshold set apart."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib import colormaps
+from numpy.typing import ArrayLike, NDArray
+
+from mechstyle.errors import BadInput
+
+Colours = NDArray[np.float32]
+
+ABOVE = (0.86, 0.15, 0.13)  # sRGB over-colour of values above the threshold: a red no part of the ramp has
+STRIPE = (0.33, 0.0, 0.03)  # sRGB hatch over it, so that it is not told by hue alone
+LINE = (0.05, 0.05, 0.06)  # sRGB isoline at the threshold
+UNKNOWN = (0.62, 0.62, 0.62)  # sRGB of a value that is not a number
+STEPS = 256
+
+
+def srgb_to_linear(colours: ArrayLike) -> Colours:
+    """Light intensity of display colours, both in [0, 1] (IEC 61966-2-1)."""
+    c = np.asarray(colours, dtype=np.float32)
+    return np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4).astype(np.float32)
+
+
+def linear_to_srgb(intensities: ArrayLike) -> Colours:
+    """Display colours of light intensities, both in [0, 1] (IEC 61966-2-1)."""
+    c = np.clip(np.asarray(intensities, dtype=np.float32), 0.0, 1.0)
+    return np.where(c <= 0.0031308, 12.92 * c, 1.055 * c ** (1 / 2.4) - 0.055).astype(np.float32)
+
+
+@dataclass(frozen=True)
+class Scale:
+    """How values become colours.
+
+    Attributes:
+        low: Value at the pale end [unit of the field].
+        high: Value at the dark end, or at the top of the scale where a threshold lies below it.
+        threshold: Values above it are set apart, None for none.
+    """
+
+    low: float
+    high: float
+    threshold: float | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse a scale without extent."""
+        if not (np.isfinite([self.low, self.high]).all() and self.low < self.high):
+            raise BadInput(f"a colour scale must rise from low to high, but low is {self.low:g} and high is {self.high:g}")
+        if self.threshold is not None and not np.isfinite(self.threshold):
+            raise BadInput(f"the threshold of a colour scale must be a number, not {self.threshold}")
+
+    @property
+    def top(self) -> float:
+        """Value at which the ramp ends: the threshold if it lies inside the scale, else `high`."""
+        inside = self.threshold is not None and self.low < self.threshold < self.high
+        return float(self.threshold) if inside and self.threshold is not None else self.high
+
+    def above(self, values: ArrayLike) -> NDArray[np.bool_]:
+        """Whether values lie above the threshold, same shape."""
+        given = np.asarray(values)
+        return np.zeros(given.shape, bool) if self.threshold is None else np.asarray(given > self.threshold)
+
+    def colours(self, values: ArrayLike) -> Colours:
+        """Linear RGB in [0, 1] of values of any shape, shape [..., 3]; grey where a value is not a number."""
+        given = np.asarray(values, dtype=np.float64)
+        place = np.clip((given - self.low) / (self.top - self.low), 0.0, 1.0)
+        known = np.isfinite(place)
+        colours = _RAMP[np.rint(np.where(known, place, 0.0) * (STEPS - 1)).astype(np.intp)]
+        colours[self.above(given)] = srgb_to_linear(ABOVE)
+        colours[~known] = srgb_to_linear(UNKNOWN)
+        return colours
+
+
+def field_colours(values: ArrayLike, low: float, high: float, threshold: float | None = None) -> Colours:
+    """Vertex colours of a field, in linear RGB as `SurfaceMesh.colours` has them.
+
+    Args:
+        values: The field [any unit], any shape.
+        low: Value at the pale end.
+        high: Value at the dark end.
+        threshold: Values above it get a colour of their own.
+
+    Returns:
+        Linear RGB in [0, 1], shape [..., 3], float32.
+
+    Raises:
+        BadInput: If low is not below high.
+    """
+    return Scale(low, high, threshold).colours(values)
+
+
+def hatch(rows: int, columns: int, period: int) -> NDArray[np.bool_]:
+    """Diagonal stripes a third of `period` pixels wide, shape [rows, columns]."""
+    diagonal = np.arange(rows)[:, None] + np.arange(columns)[None, :]
+    return np.asarray(diagonal % period < period // 3)
+
+
+_RAMP = srgb_to_linear(colormaps["viridis_r"](np.linspace(0.0, 1.0, STEPS))[:, :3])

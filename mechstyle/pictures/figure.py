@@ -1,0 +1,271 @@
+"""Parts side by side: titles, one colour bar per field with its threshold, and where the largest value is."""
+
+from __future__ import annotations
+
+import io
+import os
+import textwrap
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
+
+from mechstyle.errors import BadInput
+from mechstyle.mesh import SurfaceMesh
+from mechstyle.pictures.camera import Camera
+from mechstyle.pictures.colormap import STRIPE, Scale, hatch, linear_to_srgb
+from mechstyle.pictures.raster import visible
+from mechstyle.pictures.scene import BACKGROUND, Field, render
+
+DPI = 100.0
+INK, FAINT = "#1c1c1e", "#5f5f66"
+GAP, MARGIN, TITLE, PANEL_TITLE, NOTE, BAR = 14, 18, 44, 30, 20, 86  # heights and gaps [pixels]
+BAR_WIDTH, BAR_HEIGHT = 360, 13
+
+
+@dataclass(frozen=True, eq=False)
+class Panel:
+    """One picture of a figure.
+
+    Attributes:
+        mesh: The part; shown in its own colours unless there are values.
+        title: What it shows.
+        values: A field over the vertices [unit], shape [vertex_count], or None.
+        unit: Unit of the field, "" for a pure number.
+        label: Name of the field; panels of the same label, unit, limits and threshold share one colour bar.
+        limits: Ends of the colour bar, None for zero (or the least value) to the greatest value of the panels that share it.
+        threshold: Values above it are hatched and outlined, None for no threshold.
+        view: One of `camera.VIEWS`.
+        note: A line under the picture.
+    """
+
+    mesh: SurfaceMesh
+    title: str = ""
+    values: NDArray[np.floating] | None = None
+    unit: str = ""
+    label: str = ""
+    limits: tuple[float, float] | None = None
+    threshold: float | None = None
+    view: str = "three_quarter"
+    note: str = ""
+
+    @property
+    def field(self) -> tuple[str, str, tuple[float, float] | None, float | None] | None:
+        """What panels that share a colour bar have in common, None without values."""
+        return None if self.values is None else (self.label, self.unit, self.limits, self.threshold)
+
+
+def figure(
+    panels: Sequence[Panel],
+    *,
+    columns: int | None = None,
+    title: str = "",
+    panel_size: tuple[int, int] = (480, 480),
+    device: str = "cpu",
+) -> Figure:
+    """Panels in rows, as a matplotlib figure that depends on no global state.
+
+    Panels of one view whose parts fill nearly the same box share one camera, so that sizes compare.
+
+    Args:
+        panels: At least one.
+        columns: Panels per row; all in one row up to four by default.
+        title: Over all panels.
+        panel_size: Width and height of each picture [pixels].
+        device: Warp device, "cpu" or "cuda:0".
+
+    Raises:
+        BadInput: No panels, an unknown view, or values that do not fit their part.
+    """
+    if not panels:
+        raise BadInput("a figure needs at least one panel")
+    across = min(columns or (len(panels) if len(panels) <= 4 else 4), len(panels))
+    scales = _scales(panels)
+    page = _Page.of(len(panels), across, len(scales), panel_size, bool(title), any(panel.note for panel in panels))
+    sheet = Figure(figsize=(page.width / DPI, page.height / DPI), dpi=DPI, facecolor=BACKGROUND)
+    FigureCanvasAgg(sheet)
+    if title:
+        sheet.text(MARGIN / page.width, 1 - (MARGIN + 12) / page.height, title, size=13, weight="bold", color=INK, va="center")
+    for index, (panel, camera) in enumerate(zip(panels, _cameras(panels, panel_size), strict=True)):
+        scale = None if panel.field is None else scales[panel.field]
+        _draw_panel(page.picture_axes(sheet, index), panel, camera, scale, device)
+    for index, ((label, unit, _, _), scale) in enumerate(scales.items()):
+        _draw_bar(page.bar_axes(sheet, index), label, unit, scale)
+    return sheet
+
+
+def figure_png(
+    panels: Sequence[Panel],
+    *,
+    columns: int | None = None,
+    title: str = "",
+    panel_size: tuple[int, int] = (480, 480),
+    device: str = "cpu",
+) -> bytes:
+    """The figure as the bytes of a PNG file; arguments and errors as for `figure`."""
+    buffer = io.BytesIO()
+    sheet = figure(panels, columns=columns, title=title, panel_size=panel_size, device=device)
+    sheet.savefig(buffer, format="png", dpi=DPI, facecolor=sheet.get_facecolor(), metadata={"Software": "MechStyle"})
+    return buffer.getvalue()
+
+
+def save_figure(
+    panels: Sequence[Panel],
+    path: str | Path,
+    *,
+    columns: int | None = None,
+    title: str = "",
+    panel_size: tuple[int, int] = (480, 480),
+    device: str = "cpu",
+) -> Path:
+    """Write the figure as PNG, aside first and then renamed, and return its path; arguments and errors as for `figure`."""
+    target = Path(path)
+    if target.suffix.lower() != ".png":
+        raise BadInput(f"pictures are written as PNG: give {target.with_suffix('.png')} instead of {target}")
+    if not target.parent.is_dir():
+        raise BadInput(f"folder {target.parent} does not exist; create it or write {target.name} elsewhere")
+    png = figure_png(panels, columns=columns, title=title, panel_size=panel_size, device=device)
+    aside = target.with_name(f".{target.name}.{os.getpid()}")
+    try:
+        aside.write_bytes(png)
+        aside.replace(target)
+    finally:
+        aside.unlink(missing_ok=True)
+    return target
+
+
+@dataclass(frozen=True)
+class _Page:
+    """Where things are on the sheet [pixels, from the top left]."""
+
+    width: int
+    height: int
+    columns: int
+    top: int
+    size: tuple[int, int]
+    step: int
+    bars_top: int
+
+    @classmethod
+    def of(cls, panels: int, columns: int, bars: int, size: tuple[int, int], title: bool, notes: bool) -> _Page:
+        rows = -(-panels // columns)
+        step = PANEL_TITLE + size[1] + (NOTE if notes else 0) + GAP
+        top = MARGIN + (TITLE if title else 0)
+        width = max(columns * size[0] + (columns - 1) * GAP, min(bars, 1) * BAR_WIDTH) + 2 * MARGIN
+        bars_top = top + rows * step
+        bars_across = max((width - 2 * MARGIN) // (BAR_WIDTH + GAP), 1)
+        return cls(width, bars_top + BAR * -(-bars // bars_across) + (0 if bars else GAP // 2), columns, top, size, step, bars_top)
+
+    def axes(self, sheet: Figure, left: float, top: float, width: float, height: float) -> Axes:
+        return sheet.add_axes((left / self.width, 1 - (top + height) / self.height, width / self.width, height / self.height))
+
+    def picture_axes(self, sheet: Figure, index: int) -> Axes:
+        row, column = divmod(index, self.columns)
+        left = MARGIN + column * (self.size[0] + GAP)
+        return self.axes(sheet, left, self.top + row * self.step + PANEL_TITLE, *self.size)
+
+    def bar_axes(self, sheet: Figure, index: int) -> Axes:
+        row, column = divmod(index, max((self.width - 2 * MARGIN) // (BAR_WIDTH + GAP), 1))
+        return self.axes(sheet, MARGIN + 8 + column * (BAR_WIDTH + GAP), self.bars_top + row * BAR + 24, BAR_WIDTH - 24, BAR_HEIGHT)
+
+
+def _scales(panels: Sequence[Panel]) -> dict[tuple[str, str, tuple[float, float] | None, float | None], Scale]:
+    """One scale per field, over all panels that show it."""
+    scales: dict[tuple[str, str, tuple[float, float] | None, float | None], Scale] = {}
+    for panel in panels:
+        if panel.field is not None and panel.field not in scales:
+            shown = [np.ravel(other.values) for other in panels if other.values is not None and other.field == panel.field]
+            scales[panel.field] = _scale(np.concatenate(shown), panel.limits, panel.threshold)
+    return scales
+
+
+def _scale(values: NDArray[np.floating], limits: tuple[float, float] | None, threshold: float | None) -> Scale:
+    if limits is not None:
+        return Scale(*limits, threshold)
+    known = values[np.isfinite(values)]
+    low = min(float(known.min(initial=np.inf)), 0.0) if len(known) else 0.0
+    high = float(known.max(initial=-np.inf)) if len(known) else 1.0
+    if threshold is not None:
+        high = max(high, threshold + 0.05 * abs(threshold - low))
+    return Scale(low, high if high > low else low + 1.0, threshold)
+
+
+def _cameras(panels: Sequence[Panel], size: tuple[int, int]) -> list[Camera]:
+    """A camera per panel; panels of one view with nearly the same bounds get the same one."""
+    boxes = [np.stack([panel.mesh.vertices.min(axis=0), panel.mesh.vertices.max(axis=0)]) for panel in panels]
+    cameras = []
+    for panel, box in zip(panels, boxes, strict=True):
+        alike = [
+            other.mesh.vertices
+            for other, others in zip(panels, boxes, strict=True)
+            if other.view == panel.view and np.abs(others - box).max() <= 0.08 * panel.mesh.size
+        ]
+        cameras.append(Camera.named(panel.view, np.concatenate(alike), aspect=size[0] / size[1]))
+    return cameras
+
+
+def _draw_panel(axes: Axes, panel: Panel, camera: Camera, scale: Scale | None, device: str) -> None:
+    width, height = _pixels(axes)
+    field = None if panel.values is None or scale is None else Field(panel.values, scale)
+    picture = render(panel.mesh, camera=camera, width=width, height=height, field=field, device=device)
+    axes.imshow(picture, interpolation="none", extent=(0, width, height, 0), aspect="auto")
+    axes.set_axis_off()
+    letters = max(int(width / 7.6), 12)
+    axes.text(0, -10, textwrap.shorten(panel.title, letters, placeholder=" …"), size=11, weight="bold", color=INK, va="bottom")
+    axes.text(0, height + 4, textwrap.shorten(panel.note, int(letters * 1.15), placeholder=" …"), size=9.5, color=FAINT, va="top")
+    if field is not None:
+        _mark_extremes(axes, panel, camera)
+
+
+def _pixels(axes: Axes) -> tuple[int, int]:
+    box = axes.get_window_extent()
+    return round(box.width), round(box.height)
+
+
+def _mark_extremes(axes: Axes, panel: Panel, camera: Camera) -> None:
+    """A ring with the value where the field is greatest, a triangle where it is least; hollow words say if it is on the far side."""
+    values = np.asarray(panel.values, dtype=np.float64)
+    if not np.isfinite(values).any() or np.nanmin(values) == np.nanmax(values):
+        return
+    width, height = _pixels(axes)
+    points = camera.project(panel.mesh.vertices)
+    depth = visible(points, panel.mesh.faces, width, height).depth
+    for kind, marker, vertex in (("max", "o", int(np.nanargmax(values))), ("min", "v", int(np.nanargmin(values)))):
+        x, y = (points[vertex, 0] + 1) * width / 2, (1 - points[vertex, 1]) * height / 2
+        around = depth[max(int(y) - 2, 0) : int(y) + 3, max(int(x) - 2, 0) : int(x) + 3]
+        hidden = not (points[vertex, 2] <= around + 0.004 * panel.mesh.size).any()
+        size = 9.0 if kind == "max" else 5.0
+        axes.plot(x, y, marker, markersize=size + 2, markerfacecolor="none", markeredgecolor="white", markeredgewidth=3.2)
+        axes.plot(x, y, marker, markersize=size + 2, markerfacecolor="none", markeredgecolor=INK, markeredgewidth=1.4)
+        words = f"{kind} {values[vertex]:.3g}{' ' + panel.unit if panel.unit else ''}{' (far side)' if hidden else ''}"
+        right, low = x < width / 2, y < height / 2
+        label = axes.annotate(words, (x, y), xytext=(9 if right else -9, -7 if low else 7), textcoords="offset points", size=9, color=INK,
+                              ha="left" if right else "right", va="top" if low else "bottom", weight="bold" if kind == "max" else "normal")
+        label.set_path_effects([withStroke(linewidth=3.0, foreground="white", alpha=0.85)])
+
+
+def _draw_bar(axes: Axes, label: str, unit: str, scale: Scale) -> None:
+    width, height = _pixels(axes)
+    values = np.tile(np.linspace(scale.low, scale.high, width), (height, 1))
+    colours = linear_to_srgb(scale.colours(values))
+    colours[scale.above(values) & hatch(height, width, 9)] = STRIPE
+    axes.imshow(colours, extent=(scale.low, scale.high, 0, 1), aspect="auto", interpolation="none")
+    axes.set_yticks([])
+    axes.xaxis.set_major_locator(MaxNLocator(6))
+    axes.tick_params(labelsize=9, length=3, color=FAINT, labelcolor=INK)
+    for side in axes.spines.values():
+        side.set_visible(False)
+    name = f"{label} [{unit}]" if unit else label
+    axes.text(0, 1.35, name, transform=axes.transAxes, size=9.5, color=INK, va="bottom")
+    if scale.threshold is not None and scale.low < scale.threshold < scale.high:
+        axes.axvline(scale.threshold, ymin=-0.3, ymax=1.35, color=INK, linewidth=1.4, clip_on=False)
+        place = (scale.threshold - scale.low) / (scale.high - scale.low)
+        axes.text(min(place, 1.0), 1.35, f"limit {scale.threshold:.3g}", transform=axes.transAxes, size=9.5, weight="bold", color=INK,
+                  va="bottom", ha="right" if place > 0.5 else "left")

@@ -1,0 +1,127 @@
+"""The Warp kernels of the rasteriser."""
+
+# mypy: disable-error-code="arg-type,attr-defined,index,no-any-return,no-untyped-call,no-untyped-def,valid-type"
+# ruff: noqa: PLR0917
+# Warp reads the annotations of its functions itself (they are calls), types what they compute, and passes arguments by position.
+
+from __future__ import annotations
+
+import warp as wp
+
+wp.config.quiet = True  # standard output belongs to the command line's JSON; Warp before 1.12
+wp.config.log_level = 40  # the same since 1.12: errors only
+
+NOTHING = wp.constant(wp.int64(2**63 - 1))
+FACE_BITS = wp.constant(wp.int64(31))
+DEPTH_STEPS = wp.constant(wp.float64(2.0**32 - 1.0))
+
+
+@wp.func
+def _edge(p: wp.array2d(dtype=wp.int64), a: int, b: int, x: wp.int64, y: wp.int64) -> wp.int64:
+    return (p[b, 0] - p[a, 0]) * (y - p[a, 1]) - (p[b, 1] - p[a, 1]) * (x - p[a, 0])
+
+
+@wp.func
+def _covers(value: wp.int64, dx: wp.int64, dy: wp.int64) -> bool:
+    """Inside the edge; a pixel centre exactly on it belongs to one of the two faces that share it."""
+    zero = wp.int64(0)
+    return value > zero or (value == zero and (dy < zero or (dy == zero and dx > zero)))
+
+
+@wp.func
+def _first_pixel(low: wp.int64, step: wp.int64) -> int:
+    half = step / wp.int64(2)
+    return int((wp.max(low, half) - half + step - wp.int64(1)) / step)
+
+
+@wp.func
+def _last_pixel(high: wp.int64, step: wp.int64, count: int) -> int:
+    half = step / wp.int64(2)
+    if high < half:
+        return -1
+    return wp.min(int((high - half) / step), count - 1)
+
+
+@wp.kernel
+def draw(
+    points: wp.array2d(dtype=wp.int64),
+    inverse_depth: wp.array(dtype=wp.float64),
+    faces: wp.array2d(dtype=wp.int32),
+    size: wp.vec3i,
+    scale: wp.vec2d,
+    nearest: wp.array(dtype=wp.int64),
+) -> None:
+    """One thread per view and face; `size` is (points per view, height, width), `scale` (sub-pixels, 1 to skip back faces)."""
+    view = wp.tid() // faces.shape[0]
+    face = wp.tid() - view * faces.shape[0]
+    a = view * size[0] + faces[face, 0]
+    b = view * size[0] + faces[face, 1]
+    c = view * size[0] + faces[face, 2]
+    if inverse_depth[a] <= wp.float64(0.0) or inverse_depth[b] <= wp.float64(0.0) or inverse_depth[c] <= wp.float64(0.0):
+        return
+    area = _edge(points, a, b, points[c, 0], points[c, 1])
+    if area == wp.int64(0) or (scale[1] > wp.float64(0.0) and area > wp.int64(0)):
+        return
+    if area < wp.int64(0):  # rows run downwards, so front faces turn clockwise here
+        swap = b
+        b = c
+        c = swap
+        area = -area
+    step = wp.int64(scale[0])
+    half = step / wp.int64(2)
+    left = _first_pixel(wp.min(points[a, 0], wp.min(points[b, 0], points[c, 0])), step)
+    right = _last_pixel(wp.max(points[a, 0], wp.max(points[b, 0], points[c, 0])), step, size[2])
+    top = _first_pixel(wp.min(points[a, 1], wp.min(points[b, 1], points[c, 1])), step)
+    bottom = _last_pixel(wp.max(points[a, 1], wp.max(points[b, 1], points[c, 1])), step, size[1])
+    for row in range(top, bottom + 1):
+        y = wp.int64(row) * step + half
+        for column in range(left, right + 1):
+            x = wp.int64(column) * step + half
+            u = _edge(points, b, c, x, y)
+            v = _edge(points, c, a, x, y)
+            w = area - u - v
+            if (
+                _covers(u, points[c, 0] - points[b, 0], points[c, 1] - points[b, 1])
+                and _covers(v, points[a, 0] - points[c, 0], points[a, 1] - points[c, 1])
+                and _covers(w, points[b, 0] - points[a, 0], points[b, 1] - points[a, 1])
+            ):
+                inverse = wp.float64(u) * inverse_depth[a] + wp.float64(v) * inverse_depth[b] + wp.float64(w) * inverse_depth[c]
+                far = wp.clamp(wp.float64(1.0) - inverse / wp.float64(area), wp.float64(0.0), wp.float64(1.0))
+                key = (wp.int64(far * DEPTH_STEPS) << FACE_BITS) | wp.int64(face)
+                wp.atomic_min(nearest, (view * size[1] + row) * size[2] + column, key)
+
+
+@wp.kernel
+def resolve(
+    points: wp.array2d(dtype=wp.int64),
+    inverse_depth: wp.array(dtype=wp.float64),
+    faces: wp.array2d(dtype=wp.int32),
+    size: wp.vec3i,
+    scale: wp.vec2d,
+    nearest: wp.array(dtype=wp.int64),
+    face_seen: wp.array(dtype=wp.int32),
+    weights: wp.array(dtype=wp.vec3),
+    depth: wp.array(dtype=wp.float32),
+) -> None:
+    """One thread per pixel: unpack the nearest face and weigh its corners."""
+    pixel = wp.tid()
+    face_seen[pixel] = -1
+    depth[pixel] = wp.inf
+    if nearest[pixel] == NOTHING:
+        return
+    face = int(nearest[pixel] & ((wp.int64(1) << FACE_BITS) - wp.int64(1)))
+    view = pixel // (size[1] * size[2])
+    a = view * size[0] + faces[face, 0]
+    b = view * size[0] + faces[face, 1]
+    c = view * size[0] + faces[face, 2]
+    step = wp.int64(scale[0])
+    x = wp.int64(pixel % size[2]) * step + step / wp.int64(2)
+    y = wp.int64((pixel // size[2]) % size[1]) * step + step / wp.int64(2)
+    area = wp.float64(_edge(points, a, b, points[c, 0], points[c, 1]))
+    u = wp.float64(_edge(points, b, c, x, y)) / area * inverse_depth[a]
+    v = wp.float64(_edge(points, c, a, x, y)) / area * inverse_depth[b]
+    w = wp.float64(_edge(points, a, b, x, y)) / area * inverse_depth[c]
+    total = u + v + w
+    face_seen[pixel] = face
+    weights[pixel] = wp.vec3(wp.float32(u / total), wp.float32(v / total), wp.float32(w / total))
+    depth[pixel] = wp.float32(wp.float64(1.0) / total)
