@@ -44,7 +44,13 @@ def overloaded(simulation: Simulation, limit: Field, envelope_limit: Field) -> N
 
 
 def step(
-    rung: int, displacement: Field, before_scaling: Field, simulation: Simulation, vertices: NDArray[np.float64], limit: Field, envelope_limit: Field
+    rung: int,
+    displacement: Field,
+    before_scaling: Field,
+    simulation: Simulation,
+    vertices: NDArray[np.float64],
+    limit: Field,
+    envelope_limit: Field,
 ) -> tuple[Field, str]:
     """The next, smaller relief and what was done, in words.
 
@@ -61,7 +67,9 @@ def step(
         radius = LOCAL_RADIUS * (1.0 + 0.5 * rung)
         over = overloaded(simulation, limit, envelope_limit)
         weight = nearness(vertices, over, radius)
-        return displacement * (1.0 - np.float32(0.6 + 0.1 * rung) * weight), f"relief reduced within {radius:g} mm of {over.sum()} overloaded vertices"
+        return displacement * (
+            1.0 - np.float32(0.6 + 0.1 * rung) * weight
+        ), f"relief reduced within {radius:g} mm of {over.sum()} overloaded vertices"
     if rung == LOCAL_ROUNDS:
         weight = nearness(vertices, simulation.contact, CONTACT_RADIUS)
         return displacement * (1.0 - weight), f"relief removed within {CONTACT_RADIUS:g} mm of the contact"

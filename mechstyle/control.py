@@ -87,8 +87,3 @@ def mask(s_norm: Field, control: str) -> Field:
     if control not in MASKS:
         raise unknown("control", control, CONTROLS)
     return MASKS[control](s_norm)
-
-
-def default_normalisation(control: str) -> str:
-    """`frozen` compares with the part's own maximum, as published; the graded masks use headroom."""
-    return "own_max" if control == "frozen" else "headroom"

@@ -144,7 +144,8 @@ class Engine:
         while state.parent and state.iteration == self.recipe.iterations == self.store.entry(state.parent).iteration:
             digest, state = state.parent, self.store.checkpoint(state.parent)
         if state.iteration > self.recipe.iterations:
-            raise BadInput(f"lane {self.lane!r} stands at iteration {state.iteration}, beyond the {self.recipe.iterations} asked for; ask for more iterations")
+            beyond = f"beyond the {self.recipe.iterations} asked for; ask for more iterations"
+            raise BadInput(f"lane {self.lane!r} stands at iteration {state.iteration}, {beyond}")
         return digest, state
 
     def _original(self) -> Checkpoint:

@@ -29,7 +29,8 @@ class DamagedStore(MechStyleError):
 def unknown(kind: str, name: str, known: Iterable[str]) -> BadInput:
     """The error for a name that is not in a list, with the nearest known names first."""
     names = sorted(known)
-    near = difflib.get_close_matches(name.lower(), names, n=3, cutoff=0.5)
+    by_small_letters = {other.lower(): other for other in names}
+    near = [by_small_letters[match] for match in difflib.get_close_matches(name.lower(), by_small_letters, n=3, cutoff=0.5)]
     ordered = near + [other for other in names if other not in near]
     hint = f"did you mean {near[0]!r}? " if near else ""
     return BadInput(f"unknown {kind} {name!r}: {hint}known are {', '.join(ordered)}")

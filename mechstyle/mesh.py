@@ -146,16 +146,16 @@ class SurfaceMesh:
 
     def displaced(self, displacement: ArrayLike) -> SurfaceMesh:
         """The surface with every vertex moved by `displacement` [mm], shape [vertex_count], along its normal."""
-        distance = np.asarray(displacement, dtype=np.float64)
+        distance = frozen_array(displacement, np.float64, (len(self.vertices),), "displacement")
         return replace(self, vertices=self.vertices + self.vertex_normals * distance[:, None])
 
     def moved(self, vertices: ArrayLike) -> SurfaceMesh:
         """The same faces and colours on other vertex positions [mm], shape [vertex_count, 3]."""
-        return replace(self, vertices=vertices)
+        return replace(self, vertices=np.asarray(vertices, np.float64))
 
     def coloured(self, colours: ArrayLike | None) -> SurfaceMesh:
         """The same surface with other colours in [0, 1], shape [vertex_count, 3]."""
-        return replace(self, colours=colours)
+        return replace(self, colours=None if colours is None else np.asarray(colours, np.float32))
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,11 +189,12 @@ class TetMesh:
 
     @cached_property
     def quality(self) -> Floats:
-        """Mean-ratio quality 12 (3V)^(2/3) / Σ l² (Liu and Joe 1994), signed, 1 for a regular tet, shape [tet_count]."""
-        pairs = ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3))
+        """Mean-ratio quality 12 (3V)^(2/3) / Σ l² (Liu and Joe 1994), signed, 1 for a regular tet, 0 for a flat one, shape [tet_count]."""
         corners = self.vertices[self.tets]
-        lengths2 = sum(((corners[:, i] - corners[:, j]) ** 2).sum(axis=1) for i, j in pairs)
-        return np.sign(self.volumes) * 12.0 * (3.0 * np.abs(self.volumes)) ** (2.0 / 3.0) / lengths2
+        first, second = np.triu_indices(4, k=1)
+        lengths2 = ((corners[:, first] - corners[:, second]) ** 2).sum(axis=(1, 2))
+        shape = np.sign(self.volumes) * 12.0 * (3.0 * np.abs(self.volumes)) ** (2.0 / 3.0)
+        return np.divide(shape, lengths2, out=np.zeros_like(shape), where=lengths2 > 0)
 
     @cached_property
     def boundary_faces(self) -> Indices:
@@ -209,4 +210,4 @@ class TetMesh:
 
     def moved(self, vertices: ArrayLike) -> TetMesh:
         """The same tetrahedra on other vertex positions [mm], shape [vertex_count, 3]."""
-        return replace(self, vertices=vertices)
+        return replace(self, vertices=np.asarray(vertices, np.float64))

@@ -28,7 +28,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     Attributes:
         surface: Digest of the standardised surface M_0.
         tetrahedra: Digest of its tetrahedra (meshing is not deterministic, so they are part of the recipe).
-        prompt: The style asked for, as typed.
+        prompt: The style asked for, as typed; "" for none.
         material: The material, in full.
         iterations: Stylization iterations N.
         seed: Seed of everything random in the style.
@@ -77,18 +77,31 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
 
     def __post_init__(self) -> None:
         """Refuse unknown names and values out of range, each in one sentence."""
-        for field, known in (("control", CONTROLS), ("normalisation", NORMALISATIONS), ("schedule", SCHEDULES),
-                             ("criterion", CRITERIA), ("transfer", ("barycentric", "nearest"))):
+        for field, known in (
+            ("control", CONTROLS),
+            ("normalisation", NORMALISATIONS),
+            ("schedule", SCHEDULES),
+            ("criterion", CRITERIA),
+            ("transfer", ("barycentric", "nearest")),
+        ):
             if getattr(self, field) not in known:
                 raise unknown(field, str(getattr(self, field)), known)
-        limits = {"iterations": (1, 100_000), "every": (1, 100_000), "seed": (0, 2**32 - 1), "amplitude": (0.0, 2.0), "travel": (1e-3, 10.0),
-                  "orientations": (1, 512), "drop_height": (1.0, 1e5), "friction": (0.0, 2.0), "window": (0.05, 50.0), "damping": (0.0, 0.1)}
+        limits = {
+            "iterations": (1, 100_000),
+            "every": (1, 100_000),
+            "seed": (0, 2**32 - 1),
+            "amplitude": (0.0, 2.0),
+            "travel": (1e-3, 10.0),
+            "orientations": (1, 512),
+            "drop_height": (1.0, 1e5),
+            "friction": (0.0, 2.0),
+            "window": (0.05, 50.0),
+            "damping": (0.0, 0.1),
+        }
         for field, (low, high) in limits.items():
             value = getattr(self, field)
             if not low <= value <= high:
                 raise BadInput(f"{field.replace('_', ' ')} is {value:g}, but must lie between {low:g} and {high:g}")
-        if not self.prompt.strip():
-            raise BadInput("the prompt is empty: say a style, for example 'brick'")
 
     @property
     def digest(self) -> str:
@@ -183,8 +196,8 @@ class Judgement(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def safety_factor(self) -> float:
-        """Limit over value; infinite for a value of zero."""
-        return self.limit / self.value if self.value > 0 else float("inf")
+        """Limit over value; infinite for a value of zero, NaN for NaN."""
+        return float("inf") if self.value == 0 else self.limit / self.value
 
 
 class Verdict(msgspec.Struct, frozen=True, kw_only=True):

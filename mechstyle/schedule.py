@@ -49,13 +49,13 @@ def every(recipe: Recipe, progress: Progress) -> str:
     return f"every {recipe.every} iterations" if progress.iteration % recipe.every == 0 else ""
 
 
-def quadratic(recipe: Recipe, progress: Progress) -> str:
+def quadratic(_recipe: Recipe, progress: Progress) -> str:
     """At 1, 4, 9, 16 …: dense early, when the surface moves most."""
     root = round(progress.iteration**0.5)
     return f"quadratic step {root}² = {progress.iteration}" if root * root == progress.iteration else ""
 
 
-def exponential(recipe: Recipe, progress: Progress) -> str:
+def exponential(_recipe: Recipe, progress: Progress) -> str:
     """At 2, 4, 8, 16 …: each interval twice the one before."""
     i = progress.iteration
     return f"exponential step 2^{i.bit_length() - 1} = {i}" if i > 1 and i & (i - 1) == 0 else ""
@@ -73,7 +73,8 @@ def geometry(recipe: Recipe, progress: Progress) -> str:
     ratio = np.abs(progress.travelled) / progress.thickness
     worst = int(np.argmax(ratio))
     if ratio[worst] > recipe.travel:
-        return f"vertex {worst} moved {abs(progress.travelled[worst]):.2f} mm, {ratio[worst]:.0%} of its {progress.thickness[worst]:.1f} mm wall"
+        moved, wall = abs(progress.travelled[worst]), progress.thickness[worst]
+        return f"vertex {worst} moved {moved:.2f} mm, {ratio[worst]:.0%} of its {wall:.1f} mm wall"
     return _late_check(recipe, progress)
 
 
@@ -83,17 +84,19 @@ def stress(recipe: Recipe, progress: Progress) -> str:
     ratio = np.abs(progress.travelled) / progress.thickness
     worst = int(np.argmax(ratio / threshold))
     if ratio[worst] > threshold[worst]:
-        return (f"vertex {worst} moved {ratio[worst]:.1%} of its {progress.thickness[worst]:.1f} mm wall; "
-                f"its limit at demand {progress.demand[worst]:.2f} is {threshold[worst]:.1%}")
+        return (
+            f"vertex {worst} moved {ratio[worst]:.1%} of its {progress.thickness[worst]:.1f} mm wall; "
+            f"its limit at demand {progress.demand[worst]:.2f} is {threshold[worst]:.1%}"
+        )
     return _late_check(recipe, progress)
 
 
-def never(recipe: Recipe, progress: Progress) -> str:
+def never(_recipe: Recipe, _progress: Progress) -> str:
     """Only the last iteration, which the engine always simulates."""
     return ""
 
 
-def always(recipe: Recipe, progress: Progress) -> str:
+def always(_recipe: Recipe, _progress: Progress) -> str:
     """Every iteration."""
     return "every iteration"
 

@@ -106,7 +106,9 @@ class Objects:
         except (OSError, zlib.error) as error:
             raise DamagedStore(f"{self.path(digest)} is missing or unreadable: restore it from a copy, or start the run again") from error
         if hashlib.sha256(content).hexdigest() != digest:
-            raise DamagedStore(f"{self.path(digest)} does not have the content its name promises: restore it from a copy, or start the run again")
+            raise DamagedStore(
+                f"{self.path(digest)} does not have the content its name promises: restore it from a copy, or start the run again"
+            )
         return content
 
     def put_array(self, array: NDArray[Any]) -> str:
@@ -141,7 +143,7 @@ class Objects:
         cells = mesh.faces if isinstance(mesh, SurfaceMesh) else mesh.tets
         return self.put_record({"vertices": mesh.vertices, "cells": cells})
 
-    def get_mesh(self, digest: str, kind: type[SurfaceMesh] | type[TetMesh]) -> SurfaceMesh | TetMesh:
+    def get_mesh(self, digest: str, kind: type[SurfaceMesh | TetMesh]) -> SurfaceMesh | TetMesh:
         """A mesh as it was stored."""
         table = self.get_record(digest, dict[str, str])
         return kind(self.get_array(table["vertices"]), self.get_array(table["cells"]))
@@ -162,8 +164,9 @@ class Memo:
         return None
 
     def remember(self, key: str, result: object) -> None:
-        """Store the result of the inputs named by `key`."""
-        write_aside(self.folder / key, self.objects.put_record(result).encode("ascii"))
+        """Store the result of the inputs named by `key`, unless it is there already."""
+        if not (self.folder / key).exists():
+            write_aside(self.folder / key, self.objects.put_record(result).encode("ascii"))
 
 
 class Store:
@@ -244,7 +247,9 @@ class Store:
         for entry in reversed(history):
             if entry.iteration == iteration:
                 return entry
-        raise BadInput(f"iteration {iteration} is not in lane {lane!r} of {self.root}: it holds {history[0].iteration} to {history[-1].iteration}")
+        raise BadInput(
+            f"iteration {iteration} is not in lane {lane!r} of {self.root}: it holds {history[0].iteration} to {history[-1].iteration}"
+        )
 
 
 def parse_address(address: str) -> tuple[Path, str, int | None]:

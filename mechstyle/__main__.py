@@ -1,0 +1,25 @@
+"""`mechstyle` and `python -m mechstyle`."""
+
+import typer
+
+from mechstyle.cli import listing, looking, making, testing
+
+app = typer.Typer(
+    name="mechstyle",
+    help="Style a 3D-printable model from a prompt while a drop test watches its strength. Lengths in mm, stresses in MPa.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="rich",
+)
+for family in (making, testing, looking, listing):
+    app.add_typer(family.app)
+
+
+def main() -> None:
+    """Run the command line."""
+    app()
+
+
+if __name__ == "__main__":
+    main()

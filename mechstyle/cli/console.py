@@ -1,0 +1,143 @@
+"""What all commands share: errors in one sentence, JSON on stdout and nothing else, progress on stderr."""
+
+from __future__ import annotations
+
+import functools
+import sys
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any, NoReturn, ParamSpec, TypeVar
+
+import msgspec
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.table import Table
+
+from mechstyle.errors import MechStyleError
+from mechstyle.events import BackedOff, Event, Finished, Simulated, SimulationStarted, Stylized
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+EXIT_BAD_INPUT = 2
+EXIT_INTERRUPTED = 130
+
+out = Console(highlight=False, soft_wrap=True)
+err = Console(stderr=True, highlight=False, soft_wrap=True)
+
+COLOURS = {"VIABLE": "green", "FAILS": "red", "UNKNOWN": "yellow"}
+
+
+def print_json(value: object) -> None:
+    """Print one JSON object on stdout."""
+    sys.stdout.write(msgspec.json.format(msgspec.json.encode(value, enc_hook=str), indent=2).decode() + "\n")
+
+
+def command(function: Callable[P, R]) -> Callable[P, R]:
+    """Turn the errors a user can cause into one sentence and a non-zero exit; with --json the sentence is JSON as well."""
+
+    @functools.wraps(function)
+    def wrapped(*args: P.args, **kwargs: P.kwargs) -> R:
+        as_json = bool(kwargs.get("as_json"))
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # third-party warnings say nothing a user of the command line can act on
+                return function(*args, **kwargs)
+        except MechStyleError as error:
+            fail(str(error), EXIT_BAD_INPUT, as_json=as_json)
+        except OSError as error:
+            fail(
+                f"{error.filename or 'a file'}: {error.strerror or error}; check the path, the rights and the free space",
+                EXIT_BAD_INPUT,
+                as_json=as_json,
+            )
+        except KeyboardInterrupt:
+            fail("interrupted; what was checkpointed is kept, and the same command goes on from there", EXIT_INTERRUPTED, as_json=as_json)
+
+    return wrapped
+
+
+def fail(sentence: str, code: int, *, as_json: bool) -> NoReturn:
+    """Say what is wrong and leave."""
+    if as_json:
+        print_json({"error": sentence})
+    else:
+        err.print(f"[bold red]error:[/] {escape(sentence)}")
+    raise SystemExit(code)
+
+
+def escape(text: str) -> str:
+    """Text that rich prints as it is."""
+    return text.replace("[", r"\[")
+
+
+def verdict_text(outcome: str) -> str:
+    """The outcome in its colour."""
+    return f"[bold {COLOURS[outcome]}]{outcome}[/]"
+
+
+def table(*columns: str, title: str = "") -> Table:
+    """A table in the house style."""
+    made = Table(title=title or None, title_justify="left", header_style="bold", box=None, pad_edge=False, padding=(0, 2, 0, 0))
+    for column in columns:
+        made.add_column(column, overflow="fold")
+    return made
+
+
+class Teller:
+    """Shows what a run is doing: a bar over the iterations, the stage in hand, time left, a line per simulation."""
+
+    def __init__(self, progress: Progress, iterations: int) -> None:
+        """Start the bar."""
+        self._progress = progress
+        self._task = progress.add_task("preparing", total=iterations)
+        self._what = "preparing"
+
+    def stage(self, what: str) -> None:
+        """Say what is being done."""
+        self._what = what
+        self._progress.update(self._task, description=what)
+
+    def fraction(self, done: float) -> None:
+        """Say how far the drop in hand is."""
+        self._progress.update(self._task, description=f"{self._what} {done:4.0%}")
+
+    def event(self, event: Event) -> None:
+        """Show an event."""
+        if isinstance(event, Stylized):
+            self._progress.update(self._task, completed=event.iteration, description="stylizing")
+        elif isinstance(event, SimulationStarted):
+            self.stage(f"drop test at {event.iteration}")
+            self._progress.update(self._task, completed=event.iteration)
+        elif isinstance(event, Simulated):
+            decides = event.verdict.deciding
+            self._progress.console.print(
+                f"  {event.iteration:>4}  {verdict_text(event.verdict.outcome)}  peak {decides.value:.1f} of {decides.limit:.1f} MPa"
+                f"  [dim]{escape(event.reason)}[/]"
+            )
+        elif isinstance(event, BackedOff):
+            self._progress.console.print(f"        [dim]back-off: {escape(event.step)}, {event.kept:.0%} of the relief left[/]")
+        elif isinstance(event, Finished):
+            self.stage("done")
+
+
+@contextmanager
+def telling(iterations: int, *, quiet: bool) -> Iterator[Teller]:
+    """Progress on stderr while the block runs; none if `quiet`."""
+    columns: list[Any] = [
+        SpinnerColumn(),
+        BarColumn(30),
+        MofNCompleteColumn(),
+        TextColumn("{task.description}"),
+        TimeElapsedColumn(),
+        TextColumn("left"),
+        TimeRemainingColumn(),
+    ]
+    with Progress(*columns, console=err, disable=quiet, transient=True) as progress:
+        if quiet:
+            progress.console.quiet = True
+        try:
+            yield Teller(progress, iterations)
+        finally:
+            progress.console.quiet = False

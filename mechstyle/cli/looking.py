@@ -1,0 +1,134 @@
+"""Commands that look into run directories: log, show, export."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from mechstyle.cli.console import command, escape, out, print_json, table, verdict_text
+from mechstyle.cli.making import Json
+from mechstyle.errors import unknown
+
+app = typer.Typer()
+
+Address = Annotated[
+    str, typer.Argument(metavar="DIR@ITERATION", help="A run directory and an iteration: DIR@120, DIR@lane:120; DIR for the last.")
+]
+
+FORMATS = ("3mf", "glb", "obj", "ply", "stl")
+
+
+@app.command("log")
+@command
+def log_command(directory: Annotated[Path, typer.Argument(metavar="DIR", help="A run directory.")], as_json: Json = False) -> None:
+    """List the lanes of a run directory and what was simulated in each, and why."""
+    from mechstyle.run import Run  # noqa: PLC0415 — loaded when wanted
+    from mechstyle.store import Store  # noqa: PLC0415
+    from mechstyle.summary import simulations  # noqa: PLC0415
+
+    store = Store.open(directory)
+    lanes = []
+    for name in store.lanes():
+        run = Run(store, name)
+        history = run.history
+        fork = store.lane(name).forked_from
+        lanes.append(
+            {
+                "lane": name,
+                "prompt": run.recipe.prompt,
+                "recipe": run.recipe,
+                "iteration": history[-1].iteration if history else 0,
+                "finished": run.finished,
+                "forked_at": store.entry(fork).iteration if fork else None,
+                "simulations": simulations(history),
+            }
+        )
+    if as_json:
+        print_json({"directory": str(directory), "lanes": lanes})
+        return
+    for lane in lanes:
+        recipe = lane["recipe"]
+        state = "finished" if lane["finished"] else f"stands at iteration {lane['iteration']} of {recipe.iterations}"
+        fork_text = "" if lane["forked_at"] is None else f", branched at {lane['forked_at']}"
+        rows = table(
+            "iteration",
+            "verdict",
+            "peak [MPa]",
+            "reason",
+            title=f"[bold]{lane['lane']}[/]: “{escape(recipe.prompt)}” in {recipe.material.name}, "
+            f"{recipe.control} control, {recipe.schedule} schedule; {state}{fork_text}",
+        )
+        for line in lane["simulations"]:
+            rows.add_row(str(line.iteration), verdict_text(line.verdict), f"{line.peak_stress:.1f}", escape(line.reason))
+        out.print(rows)
+        out.print()
+
+
+@app.command("show")
+@command
+def show_command(
+    address: Address,
+    picture: Annotated[Path | None, typer.Option("--out", help="PNG to write; by default beside the run's objects.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Picture of a checkpoint: styled, stress, mask, side by side."""
+    from mechstyle.run import Run  # noqa: PLC0415 — loaded when wanted
+    from mechstyle.store import parse_address  # noqa: PLC0415
+
+    root, lane, iteration = parse_address(address)
+    run = Run.open(f"{root}@{lane}", "cpu")
+    state = run.checkpoint(iteration)
+    path = run.show(iteration).save(picture or root / f"{run.record.name}-{lane}-{state.iteration}.png")
+    if as_json:
+        fields = {
+            "iteration": state.iteration,
+            "reason": state.reason,
+            "verdict": state.verdict,
+            "style_loss": state.style_loss,
+            "simulated_at": state.simulated_at,
+        }
+        print_json({**fields, "lane": lane, "files": {"picture": str(path)}})
+        return
+    out.print(escape(str(path)))
+
+
+@app.command("export")
+@command
+def export_command(
+    address: Address,
+    form: Annotated[str, typer.Option("--format", "-f", help=f"One of {', '.join(FORMATS)}.")] = "3mf",
+    path: Annotated[Path | None, typer.Option("--out", help="File to write; by default in the run directory.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Write the surface of a checkpoint to a file, with its colours where the format can hold them."""
+    from mechstyle.run import Run  # noqa: PLC0415 — loaded when wanted
+    from mechstyle.store import parse_address  # noqa: PLC0415
+
+    chosen = form.lower().lstrip(".")
+    if chosen not in FORMATS:
+        raise unknown("format", form, FORMATS)
+    root, lane, iteration = parse_address(address)
+    run = Run.open(f"{root}@{lane}", "cpu")
+    state = run.checkpoint(iteration)
+    written = run.export(path or root / f"{run.record.name}-{lane}-{state.iteration}.{chosen}", iteration)
+    note = (
+        ""
+        if state.simulated_at == state.iteration
+        else f"this iteration was not simulated; the last simulation was at {state.simulated_at}"
+    )
+    if as_json:
+        print_json(
+            {
+                "iteration": state.iteration,
+                "lane": lane,
+                "simulated": state.simulated_at == state.iteration,
+                "note": note,
+                "files": {"model": str(written)},
+            }
+        )
+        return
+    out.print(escape(str(written)))
+    if note:
+        out.print(f"[dim]note: {note}[/]")

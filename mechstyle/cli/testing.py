@@ -1,0 +1,127 @@
+"""Commands that test and show off: simulate, demo."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from mechstyle.cli.console import command, err, escape, out, print_json, table, telling, verdict_text
+from mechstyle.cli.making import Criterion, Device, Json, MaterialName, Model, Scale, Vertices, carry_out, read_model
+
+app = typer.Typer()
+
+
+@app.command("simulate")
+@command
+def simulate_command(
+    model: Model,
+    material: MaterialName = "PLA",
+    orientations: Annotated[int, typer.Option(help="Drops, the first as placed.")] = 5,
+    criterion: Criterion = "robust",
+    vertices: Vertices = 25_000,
+    scale: Scale = None,
+    device: Device = "auto",
+    folder: Annotated[Path | None, typer.Option("--out", help="Folder for the picture; the current one by default.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Drop a part as it is, without any style."""
+    from mechstyle.simulate import simulate  # noqa: PLC0415 — physics is loaded when something is run
+
+    mesh, name = read_model(model, scale, quiet=as_json)
+    with telling(1, quiet=as_json) as teller:
+        dropped = simulate(
+            mesh,
+            material=material,
+            orientations=orientations,
+            criterion=criterion or "robust",
+            vertices=vertices,
+            device=device,
+            stage=teller.stage,
+            progress=teller.fraction,
+        )
+        picture = dropped.show().save((folder or Path()) / f"{name}-stress.png")
+    strength = dropped.strength
+    if as_json:
+        files = {"picture": str(picture)}
+        print_json(
+            {
+                **to_dict(strength),
+                "warning": dropped.warning,
+                "notes": dropped.part.notes,
+                "material": dropped.recipe.material,
+                "files": files,
+            }
+        )
+        return
+    rows = table("", "")
+    overall = "not run" if dropped.simulation.overall is None else f"{dropped.simulation.overall.p99:.1f} MPa"
+    for label, value in (
+        ("verdict", verdict_text(strength.verdict)),
+        (
+            "peak stress (2 mm average)",
+            f"{strength.peak_stress:.1f} MPa of {strength.allowable:.1f} MPa, safety factor {strength.safety_factor:.2f}",
+        ),
+        ("p99.9 as placed", f"{dropped.simulation.as_placed.p999:.1f} MPa"),
+        ("p99 over all orientations", overall),
+        ("literal maximum", f"{strength.maximum:.1f} MPa (depends on the mesh)"),
+        ("tetrahedra", f"{len(dropped.part.tets.tets)}"),
+        ("picture", escape(str(picture))),
+    ):
+        rows.add_row(label, value)
+    out.print(rows)
+    out.print(f"\n{escape(strength.words)}")
+    if dropped.warning:
+        err.print(f"[yellow]warning:[/] {escape(dropped.warning)}")
+
+
+def to_dict(record: Any) -> dict[str, Any]:
+    """The fields of a record by name."""
+    return {name: getattr(record, name) for name in record.__struct_fields__}
+
+
+@app.command("demo")
+@command
+def demo_command(
+    folder: Annotated[Path, typer.Option("--out", help="Where the runs, pictures and 3MF files go.")] = Path("demo-out"),
+    model: Annotated[str, typer.Option(help="What to style.")] = "gallery:pen_holder",
+    prompt: Annotated[str, typer.Option("--prompt", "-p", help="The style, in words.")] = "brick",
+    device: Device = "auto",
+    as_json: Json = False,
+) -> None:
+    """Style the gallery's pen holder as brick, freely and with feedback, and compare the verdicts."""
+    from mechstyle.look import comparison  # noqa: PLC0415 — matplotlib is loaded when a picture is wanted
+
+    runs = {}
+    for label, freestyle in (("Freestyle", True), ("MechStyle", False)):
+        if not as_json:
+            err.print(f"[bold]{label}[/]: {escape(model)} as “{escape(prompt)}”")
+        runs[label] = carry_out(model, prompt, "PLA", 25_000, None, device, folder / label.lower(), freestyle=freestyle, as_json=as_json)
+    free, fed = runs["Freestyle"], runs["MechStyle"]
+    finals = [(label, run.checkpoint(), run.recipe) for label, run in runs.items()]
+    picture = comparison(free.part.surface, free.checkpoint(0), finals).save(folder / "comparison.png")
+    if as_json:
+        print_json({"freestyle": free.summary, "mechstyle": fed.summary, "files": {"comparison": str(picture)}})
+        return
+    rows = table("", "verdict", "peak [MPa]", "allowable [MPa]", "safety factor", "simulations", "style kept")
+    base = fed.summary.baseline
+    rows.add_row(
+        "as it came", verdict_text(base.verdict), f"{base.peak_stress:.1f}", f"{base.allowable:.1f}", f"{base.safety_factor:.2f}", "1", "–"
+    )
+    for label, run in runs.items():
+        s = run.summary
+        rows.add_row(
+            label,
+            verdict_text(s.verdict),
+            f"{s.peak_stress:.1f}",
+            f"{s.allowable:.1f}",
+            f"{s.safety_factor:.2f}",
+            str(len(s.simulations)),
+            f"{s.kept:.0%}",
+        )
+    out.print(rows)
+    for label, run in runs.items():
+        out.print(f"\n{label}: {escape(run.summary.words)}")
+        out.print(f"  3MF: {escape(run.summary.files['model'])}")
+    out.print(f"\npicture: {escape(str(picture))}")

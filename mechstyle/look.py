@@ -1,0 +1,96 @@
+"""What a checkpoint looks like: styled, stressed, masked."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mechstyle.mesh import SurfaceMesh
+from mechstyle.records import Checkpoint, Recipe, Verdict
+from mechstyle.store import write_aside
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from mechstyle.pictures.figure import Panel
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A PNG a notebook displays."""
+
+    png: bytes
+
+    def _repr_png_(self) -> bytes:
+        return self.png
+
+    def save(self, path: str | Path) -> Path:
+        """Write the PNG to a file."""
+        write_aside(Path(path), self.png)
+        return Path(path)
+
+
+def stress_panel(
+    mesh: SurfaceMesh, stress: np.ndarray, verdict: Verdict | None, *, title: str, limit: float, view: str = "three_quarter"
+) -> Panel:
+    """A part coloured by stress [MPa], with the allowable stress marked."""
+    from mechstyle.pictures.figure import Panel  # noqa: PLC0415 — matplotlib is loaded when a picture is wanted
+
+    note = "" if verdict is None else f"{verdict.outcome}: peak {verdict.deciding.value:.0f} of {verdict.deciding.limit:.0f} MPa"
+    top = max(float(stress.max()), 1.05 * limit)
+    return Panel(mesh, title, values=stress, unit="MPa", label="von Mises stress", limits=(0.0, top), threshold=limit, note=note, view=view)
+
+
+def checkpoint_panels(original: SurfaceMesh, state: Checkpoint, recipe: Recipe) -> list[Panel]:
+    """Styled look, stress of the last simulation and mask, side by side."""
+    from mechstyle.pictures.figure import Panel  # noqa: PLC0415 — as above
+
+    styled = original.displaced(state.displacement).coloured(state.colour)
+    limit = state.verdict.deciding.limit if state.verdict is not None else recipe.material.yield_strength
+    when = "" if state.simulated_at == state.iteration else f" (iteration {state.simulated_at})"
+    return [
+        Panel(styled, f"“{recipe.prompt}”"),
+        stress_panel(styled, state.stress, state.verdict, title=f"stress{when}", limit=limit),
+        Panel(
+            styled,
+            "mask",
+            values=state.mask,
+            label="share of further movement",
+            limits=(0.0, 1.0),
+            note=f"{(state.mask < 0.5).mean():.0%} restrained",
+        ),
+    ]
+
+
+def picture(panels: Sequence[Panel], *, title: str = "", columns: int | None = None) -> Picture:
+    """Panels side by side as one PNG."""
+    from mechstyle.pictures.figure import figure_png  # noqa: PLC0415 — as above
+
+    return Picture(figure_png(panels, title=title, columns=columns))
+
+
+def comparison(original: SurfaceMesh, start: Checkpoint, finals: Sequence[tuple[str, Checkpoint, Recipe]]) -> Picture:
+    """The part as it came beside several results: look above, stress below and from underneath."""
+    from mechstyle.pictures.figure import Panel  # noqa: PLC0415 — as above
+
+    rows: list[list[Panel]] = [[], [], []]
+    shown = [("as it came", start, finals[0][2]), *finals]
+    top = max(float(state.stress.max()) for _, state, _ in shown)
+    for name, state, recipe in shown:
+        styled = original.displaced(state.displacement).coloured(state.colour)
+        limit = state.verdict.deciding.limit if state.verdict is not None else recipe.material.yield_strength
+        rows[0].append(Panel(styled, name if state is start else f"{name}: “{recipe.prompt}”"))
+        for row, view in ((1, "three_quarter"), (2, "below")):
+            panel = stress_panel(
+                styled,
+                state.stress,
+                state.verdict if row == 1 else None,
+                title="stress" if row == 1 else "from below",
+                limit=limit,
+                view=view,
+            )
+            rows[row].append(replace(panel, limits=(0.0, max(top, 1.05 * limit))))
+    return picture([panel for row in rows for panel in row], columns=len(shown))

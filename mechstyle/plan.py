@@ -1,0 +1,97 @@
+"""From what a person asks for to the recipe of a run, and from a recipe to its stylizer."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgspec
+
+from mechstyle.errors import unknown
+from mechstyle.material import Material, material_named
+from mechstyle.records import Recipe
+from mechstyle.stylize.procedural import ProceduralStylizer, target
+from mechstyle.stylize.prompt import read
+from mechstyle.workpiece import Workpiece
+
+FREESTYLE: dict[str, Any] = {
+    "control": "none",
+    "schedule": "never",
+    "memory": False,
+    "retraction": False,
+    "protect_resting_face": False,
+    "guarantee": False,
+}
+"""Stylization without feedback: one simulation, at the end."""
+
+PAPER: dict[str, Any] = {"memory": False, "retraction": False, "protect_resting_face": False, "guarantee": False, "transfer": "nearest"}
+"""The published method taken literally (Faruqi et al. 2025)."""
+
+DECIDED_BY_THE_PART = ("surface", "tetrahedra")
+
+
+def plan(part: Workpiece, prompt: str, material: str | Material = "PLA", *, freestyle: bool = False, **settings: Any) -> Recipe:
+    """The recipe for a part, a prompt and a material.
+
+    Args:
+        part: The prepared part.
+        prompt: The style, in words.
+        material: A library name, a .toml/.json file, or a Material.
+        freestyle: Whether to stylize without feedback.
+        settings: Fields of `Recipe` that are to differ from the defaults of the criterion chosen.
+
+    Raises:
+        BadInput: If a name is unknown or a value out of range.
+    """
+    read(prompt)
+    given = {name: value for name, value in settings.items() if value is not None}
+    check_settings(given)
+    paper = given.get("criterion") == "paper"
+    presets = {**(PAPER if paper else {}), **(FREESTYLE if freestyle else {})}
+    chosen = {**presets, **given}
+    chosen.setdefault("normalisation", default_normalisation(chosen.get("control", "exponential"), paper=paper))
+    return Recipe(surface=part.surface.digest, tetrahedra=part.tets.digest, prompt=prompt, material=material_named(material), **chosen)
+
+
+def changed(recipe: Recipe, changes: dict[str, Any]) -> Recipe:
+    """A recipe with some settings changed; another control brings its own normalisation unless one is given."""
+    given = {name: value for name, value in changes.items() if value is not None}
+    check_settings(given)
+    if "material" in given:
+        given["material"] = material_named(given["material"])
+    if "prompt" in given:
+        read(given["prompt"])
+    if "control" in given:
+        given.setdefault(
+            "normalisation", default_normalisation(given["control"], paper=given.get("criterion", recipe.criterion) == "paper")
+        )
+    return msgspec.structs.replace(recipe, **given)
+
+
+def check_settings(settings: dict[str, Any]) -> None:
+    """Refuse a setting no recipe has, with the nearest names."""
+    known = [name for name in Recipe.__struct_fields__ if name not in DECIDED_BY_THE_PART]
+    for name in settings:
+        if name not in known:
+            raise unknown("setting", name, known)
+
+
+def default_normalisation(control: str, *, paper: bool) -> str:
+    """`frozen` compares with the part's own maximum, as published; graded masks use headroom, or σ_c in the paper's preset."""
+    if control == "frozen":
+        return "own_max"
+    return "sigma_c" if paper else "headroom"
+
+
+def stylizer_for(part: Workpiece, recipe: Recipe) -> tuple[ProceduralStylizer, tuple[str, ...]]:
+    """The stylizer of a recipe, and what its user should know about how the prompt was read and what the mesh can carry."""
+    wish = read(recipe.prompt)
+    aim = target(
+        part.surface,
+        wish,
+        seed=recipe.seed,
+        amplitude=recipe.amplitude,
+        thickness=part.thickness,
+        inward=part.inward(),
+        outward=part.outward(),
+    )
+    return ProceduralStylizer(part.surface, aim), (*wish.notes, *aim.notes)

@@ -1,0 +1,313 @@
+"""Runs as people meet them: start one, carry it on, look into it, branch it, take the part out of it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from mechstyle.engine import Bounds, Engine
+from mechstyle.errors import BadInput
+from mechstyle.events import Event, Finished
+from mechstyle.fea.drop_test import resolve_device
+from mechstyle.geometry.files import save
+from mechstyle.look import Picture, checkpoint_panels, picture
+from mechstyle.material import Material
+from mechstyle.mesh import SurfaceMesh, TetMesh
+from mechstyle.plan import changed, plan, stylizer_for
+from mechstyle.records import Checkpoint, Recipe, Verdict
+from mechstyle.session import Session
+from mechstyle.simulator import DropSimulator, no_progress
+from mechstyle.store import Entry, Lane, Store, parse_address, write_aside
+from mechstyle.stylize.prompt import read
+from mechstyle.summary import Clock, Summary, summarise
+from mechstyle.workpiece import STANDARD_VERTICES, Stage, Workpiece, cache_folder, cached_memo, prepare, say_nothing
+
+Progress = Callable[[float], None]
+OnEvent = Callable[[Event], None]
+
+
+class PartRecord(msgspec.Struct, frozen=True, kw_only=True):
+    """The prepared part as a run directory keeps it: digests of stored meshes and arrays."""
+
+    name: str
+    surface: str
+    tets: str
+    thickness: str
+    stands: bool
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """One lane of a run directory.
+
+    Attributes:
+        store: The run directory.
+        lane: Name of the lane.
+        device: `cpu` or `cuda`: where it is simulated when it goes on.
+        clock: Seconds spent on it in this process.
+    """
+
+    store: Store
+    lane: str = "main"
+    device: str = "cpu"
+    clock: Clock = field(default_factory=Clock, repr=False)
+
+    @classmethod
+    def open(cls, address: str | Path, device: str = "auto") -> Run:
+        """A run directory, written as `DIR` or `DIR@LANE`."""
+        root, lane, _ = parse_address(str(address))
+        store = Store.open(root)
+        store.lane(lane)
+        return cls(store, lane, resolve_device(device))
+
+    def __repr__(self) -> str:
+        """Where it is and how far it came."""
+        history = self.history
+        where = f"iteration {history[-1].iteration} of {self.recipe.iterations}" if history else "not started"
+        return f"Run({str(self.store.root)!r}, lane {self.lane!r}, {self.recipe.prompt!r}, {where})"
+
+    # what it is
+
+    @property
+    def recipe(self) -> Recipe:
+        """The recipe in force."""
+        return self.store.recipe(self.store.lane(self.lane).recipe)
+
+    @property
+    def record(self) -> PartRecord:
+        """The part as stored."""
+        return msgspec.json.decode((self.store.root / "part.json").read_bytes(), type=PartRecord)
+
+    @cached_property
+    def part(self) -> Workpiece:
+        """The prepared part."""
+        record, objects = self.record, self.store.objects
+        surface, tets = objects.get_mesh(record.surface, SurfaceMesh), objects.get_mesh(record.tets, TetMesh)
+        return Workpiece(surface, tets, objects.get_array(record.thickness), record.stands, record.notes)
+
+    @property
+    def history(self) -> list[Entry]:
+        """Every checkpoint without its arrays, oldest first."""
+        return self.store.history(self.lane)
+
+    @property
+    def finished(self) -> bool:
+        """Whether the newest checkpoint is the end of the recipe in force."""
+        lane = self.store.lane(self.lane)
+        if not lane.head:
+            return False
+        entry = self.store.entry(lane.head)
+        return entry.final and entry.recipe == lane.recipe
+
+    @property
+    def verdict(self) -> Verdict:
+        """The verdict of the newest simulation."""
+        for entry in reversed(self.history):
+            if entry.verdict is not None:
+                return entry.verdict
+        raise BadInput(f"nothing has been simulated in lane {self.lane!r} of {self.store.root} yet")
+
+    @property
+    def summary(self) -> Summary:
+        """What the lane came to; BadInput if it is not finished."""
+        path = self._summary_path
+        if not (self.finished and path.is_file()):
+            how = "run the command that started it again, it goes on where it stopped"
+            raise BadInput(f"lane {self.lane!r} of {self.store.root} is not finished: {how}")
+        return msgspec.json.decode(path.read_bytes(), type=Summary)
+
+    def checkpoint(self, iteration: int | None = None) -> Checkpoint:
+        """The newest checkpoint of an iteration, None for the last."""
+        return self.store.checkpoint(self.store.find(iteration, self.lane).digest)
+
+    def surface(self, iteration: int | None = None) -> SurfaceMesh:
+        """The styled, coloured surface at an iteration, None for the last."""
+        state = self.checkpoint(iteration)
+        return self.part.surface.displaced(state.displacement).coloured(state.colour)
+
+    # what can be done with it
+
+    def show(self, iteration: int | None = None) -> Picture:
+        """Styled part, stress and mask side by side: a notebook displays it, `.save(path)` writes the PNG."""
+        state = self.checkpoint(iteration)
+        return picture(
+            checkpoint_panels(self.part.surface, state, self.store.recipe(state.recipe)),
+            title=f"{self.record.name}, iteration {state.iteration}",
+        )
+
+    def export(self, path: str | Path, iteration: int | None = None) -> Path:
+        """Write the surface at an iteration to a file; the suffix decides the format."""
+        return save(self.surface(iteration), path)
+
+    def branch(self, iteration: int | None = None, *, lane: str = "", **changes: Any) -> Run:
+        """A new lane from the checkpoint of an iteration, with other settings; `.go()` carries it on."""
+        entry = self.store.find(iteration, self.lane)
+        recipe = changed(self.store.recipe(entry.recipe), changes)
+        if recipe.iterations < entry.iteration:
+            raise BadInput(
+                f"a branch at iteration {entry.iteration} cannot end at {recipe.iterations}: ask for more iterations or branch earlier"
+            )
+        taken = self.store.lanes()
+        name = lane or next(f"branch-{number}" for number in range(1, len(taken) + 2) if f"branch-{number}" not in taken)
+        if name in taken:
+            raise BadInput(f"lane {name!r} is already in {self.store.root}; choose another name")
+        self.store.move(name, Lane(recipe=self.store.put_recipe(recipe), head=entry.digest, forked_from=entry.digest))
+        return Run(self.store, name, self.device)
+
+    def events(self, progress: Progress = no_progress) -> Iterator[Event]:
+        """Carry the lane on to its end, yielding what happens; the summary is written at the end."""
+        with self.clock.stage("style target"):
+            engine, notes = self._engine(progress)
+        with self.clock.stage("simulation of the unstylized part"):
+            _ = engine.simulator.baseline
+        for event in self.clock.timed(engine.run()):
+            if isinstance(event, Finished):
+                files = {"run": str(self.store.root)}
+                notes = (*self.part.notes, *notes)
+                self._save(summarise(engine, device=self.device, notes=notes, seconds=self.clock.seconds(), files=files))
+            yield event
+
+    def go(self, on_event: OnEvent | None = None, progress: Progress = no_progress) -> Run:
+        """Carry the lane on to its end."""
+        for event in self.events(progress):
+            if on_event is not None:
+                on_event(event)
+        return self
+
+    def session(self) -> Session:
+        """A background session that carries the lane on."""
+        return Session(self.events)
+
+    def add_files(self, files: dict[str, Path]) -> Summary:
+        """Name more files in the summary."""
+        known = self.summary
+        summary = msgspec.structs.replace(known, files={**known.files, **{what: str(path) for what, path in files.items()}})
+        self._save(summary)
+        return summary
+
+    def _engine(self, progress: Progress) -> tuple[Engine, tuple[str, ...]]:
+        recipe, part = self.recipe, self.part
+        stylizer, notes = stylizer_for(part, recipe)
+        protection = part.protection() if recipe.protect_resting_face else np.ones_like(part.thickness)
+        bounds = Bounds(part.thickness, part.inward(), part.outward(), protection)
+        simulator = DropSimulator(
+            part.surface, part.tets, recipe, self.store.memo, cached_memo(), self.device, cache_folder() / "tets", progress
+        )
+        return Engine(recipe, part.surface, bounds, stylizer, simulator, self.store, self.lane), notes
+
+    @property
+    def _summary_path(self) -> Path:
+        return self.store.root / "summaries" / f"{self.lane}.json"
+
+    def _save(self, summary: Summary) -> None:
+        write_aside(self._summary_path, msgspec.json.format(msgspec.json.encode(summary), indent=2))
+
+
+def begin(part: Workpiece, recipe: Recipe, out: str | Path, *, name: str = "part", device: str = "auto") -> Run:
+    """A run directory for a part and a recipe: new, or an earlier one of the same recipe, which then goes on where it stopped.
+
+    Raises:
+        BadInput: If `out` holds something else.
+    """
+    store = Store(out)
+    run = Run(store, "main", resolve_device(device))
+    if "main" in store.lanes():
+        if store.lane("main").recipe != recipe.digest:
+            raise BadInput(
+                f"{out} holds a run with other settings: choose another --out, or branch it with `mechstyle branch {out}@ITERATION`"
+            )
+        return run
+    if store.root.exists() and (not store.root.is_dir() or any(store.root.iterdir())) and not (store.root / "part.json").exists():
+        raise BadInput(f"{out} exists and is not a run directory: choose another --out")
+    objects = store.objects
+    record = PartRecord(
+        name=name,
+        surface=objects.put_mesh(part.surface),
+        tets=objects.put_mesh(part.tets),
+        thickness=objects.put_array(part.thickness),
+        stands=part.stands,
+        notes=part.notes,
+    )
+    write_aside(store.root / "part.json", msgspec.json.encode(record))
+    store.move("main", Lane(recipe=store.put_recipe(recipe)))
+    return run
+
+
+def stylize(
+    mesh: SurfaceMesh,
+    prompt: str,
+    *,
+    material: str | Material = "PLA",
+    freestyle: bool = False,
+    vertices: int = STANDARD_VERTICES,
+    out: str | Path | None = None,
+    name: str = "part",
+    device: str = "auto",
+    stage: Stage = say_nothing,
+    on_event: OnEvent | None = None,
+    **settings: Any,
+) -> Run:
+    """Style a part while a drop test watches its strength.
+
+    Args:
+        mesh: A closed surface [mm], z up, as it stands.
+        prompt: The style, in words: "brick", "small blue stones".
+        material: A library name, a .toml/.json file, or a Material.
+        freestyle: Whether to stylize without feedback.
+        vertices: Vertices of the standardised surface.
+        out: Run directory; by default one named by prompt and recipe under `mechstyle-runs`. The same recipe goes on where it stopped.
+        name: What the part is called in pictures and files.
+        device: `auto`, `cpu` or `cuda`.
+        stage: Told what is being prepared, in words.
+        on_event: Told every event.
+        settings: Fields of `Recipe`, such as control, schedule, iterations, criterion.
+
+    Returns:
+        The finished run.
+
+    Raises:
+        BadInput: If the part, the prompt or a setting cannot be used, in one sentence.
+    """
+    read(prompt)
+    device = resolve_device(device)
+    clock = Clock()
+    part = clock_stages(clock, stage, mesh, vertices)
+    recipe = plan(part, prompt, material, freestyle=freestyle, **settings)
+    run = begin(part, recipe, out if out is not None else default_folder(prompt, recipe), name=name, device=device)
+    run.clock.add(clock.seconds())
+    return run.go(on_event)
+
+
+def clock_stages(clock: Clock, stage: Stage, mesh: SurfaceMesh, vertices: int) -> Workpiece:
+    """Prepare a part, counting each announced stage."""
+    current: list[Any] = []
+
+    def announce(what: str) -> None:
+        end()
+        stage(what)
+        block = clock.stage(what)
+        block.__enter__()
+        current.append(block)
+
+    def end() -> None:
+        if current:
+            current.pop().__exit__(None, None, None)
+
+    try:
+        return prepare(mesh, vertices=vertices, stage=announce)
+    finally:
+        end()
+
+
+def default_folder(prompt: str, recipe: Recipe) -> Path:
+    """`mechstyle-runs/PROMPT-RECIPE`: the same request finds its run again."""
+    slug = re.sub(r"[^a-z0-9]+", "-", prompt.lower()).strip("-")[:40] or "run"
+    return Path("mechstyle-runs") / f"{slug}-{recipe.digest[:8]}"

@@ -1,0 +1,85 @@
+"""One drop test of a part as it is, without any style."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mechstyle.fea.criterion import input_warning
+from mechstyle.fea.drop_test import resolve_device
+from mechstyle.look import Picture, picture, stress_panel
+from mechstyle.material import Material, material_named
+from mechstyle.mesh import SurfaceMesh
+from mechstyle.records import Recipe, Simulation, Verdict
+from mechstyle.simulator import DropSimulator, Progress, no_progress
+from mechstyle.summary import Strength
+from mechstyle.workpiece import STANDARD_VERTICES, Stage, Workpiece, cached_memo, prepare, say_nothing
+
+
+@dataclass(frozen=True, eq=False)
+class Dropped:
+    """A part and what its drop test said.
+
+    Attributes:
+        part: The prepared part.
+        recipe: Material, drop and criterion.
+        simulation: What was measured.
+        verdict: What it means.
+        warning: "" or one sentence if the part itself exceeds what its material carries.
+    """
+
+    part: Workpiece
+    recipe: Recipe
+    simulation: Simulation
+    verdict: Verdict
+    warning: str
+
+    @property
+    def strength(self) -> Strength:
+        """The verdict in figures."""
+        return Strength.of(self.verdict)
+
+    def show(self) -> Picture:
+        """Stress of the as-placed drop from three sides."""
+        limit = self.verdict.deciding.limit
+        views = (("three_quarter", "stress as placed"), ("side", "side"), ("below", "from below"))
+        field = self.simulation.stress
+        return picture([stress_panel(self.part.surface, field, self.verdict, title=title, limit=limit, view=view) for view, title in views])
+
+
+def simulate(
+    mesh: SurfaceMesh,
+    *,
+    material: str | Material = "PLA",
+    orientations: int = 5,
+    criterion: str = "robust",
+    vertices: int = STANDARD_VERTICES,
+    device: str = "auto",
+    stage: Stage = say_nothing,
+    progress: Progress = no_progress,
+) -> Dropped:
+    """Drop a part as it is.
+
+    Args:
+        mesh: A closed surface [mm], z up, as it stands.
+        material: A library name, a .toml/.json file, or a Material.
+        orientations: Drops, the first as placed.
+        criterion: `robust` or `paper`.
+        vertices: Vertices of the standardised surface.
+        device: `auto`, `cpu` or `cuda`.
+        stage: Told what is being prepared, in words.
+        progress: Called with the fraction of the drop done; may raise to cancel.
+
+    Raises:
+        BadInput: If the part or a setting cannot be used, in one sentence.
+    """
+    chosen, where = material_named(material), resolve_device(device)
+    part = prepare(mesh, vertices=vertices, stage=stage)
+    recipe = Recipe(
+        surface=part.surface.digest, tetrahedra=part.tets.digest, prompt="", material=chosen, orientations=orientations, criterion=criterion
+    )
+    stage("dropping it")
+    simulator = DropSimulator(part.surface, part.tets, recipe, cached_memo(), device=where, progress=progress)
+    simulation = simulator.simulate(np.zeros(len(part.surface.vertices), np.float32), thorough=True)
+    return Dropped(part, recipe, simulation, simulator.judge(simulation), input_warning(simulation, chosen))

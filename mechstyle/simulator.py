@@ -1,0 +1,169 @@
+"""From a displaced surface to the stress on it: morph the tetrahedra, drop them, average, bring the field back, judge."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from mechstyle.errors import MechStyleError
+from mechstyle.fea.criterion import BallAverage, judge, measures, robust_field
+from mechstyle.fea.drop_test import Drop, DropTest, directions, drop
+from mechstyle.geometry.morph import Morph, Morphed
+from mechstyle.geometry.tetrahedra import tetrahedralise
+from mechstyle.geometry.transfer import Transfer
+from mechstyle.mesh import SurfaceMesh, TetMesh
+from mechstyle.records import Measures, Recipe, Simulation, Verdict
+from mechstyle.store import Memo
+
+PHYSICS_VERSION = 1
+"""Counts changes that alter results, so that remembered simulations of older code are not reused."""
+
+Progress = Callable[[float], None]
+
+
+def no_progress(fraction: float) -> None:
+    """Report to nobody."""
+
+
+@dataclass(frozen=True, eq=False)
+class DropSimulator:
+    """The drop test of one part under one recipe.
+
+    Attributes:
+        surface: The unstylized, standardised surface.
+        tets: Its tetrahedra.
+        recipe: What decides the physics: material, drop, orientations, transfer.
+        memo: Where results are remembered by the digest of their inputs.
+        shared: Where the unstylized part's result is remembered for other runs too, None for nowhere.
+        device: `cpu` or `cuda`.
+        cache: Folder for fresh tetrahedra, None to mesh anew each time.
+        progress: Called with the fraction done of the drop in hand; may raise to cancel it.
+    """
+
+    surface: SurfaceMesh
+    tets: TetMesh
+    recipe: Recipe
+    memo: Memo
+    shared: Memo | None = None
+    device: str = "cpu"
+    cache: Path | None = None
+    progress: Progress = field(default=no_progress)
+
+    @cached_property
+    def baseline(self) -> Simulation:
+        """The unstylized part in all orientations."""
+        return self.simulate(np.zeros(len(self.surface.vertices), np.float32), thorough=True)
+
+    def judge(self, simulation: Simulation) -> Verdict:
+        """What a simulation means under the recipe's criterion."""
+        return judge(simulation, self.baseline, self.recipe.material, self.recipe.criterion)
+
+    def simulate(self, displacement: NDArray[np.float32], *, thorough: bool) -> Simulation:
+        """Drop the displaced part, as placed or (`thorough`) in all orientations; remembered by its inputs.
+
+        A relief that reaches under a part whose resting face is not protected cannot be carried by morphed tetrahedra, so
+        the thorough test of such a part is run on a fresh mesh of the styled surface.
+        """
+        fresh = thorough and not self.recipe.protect_resting_face and bool(np.any(displacement))
+        key = self._key(displacement, thorough=thorough, fresh=fresh)
+        memos = [self.memo] if np.any(displacement) or self.shared is None else [self.memo, self.shared]
+        simulation = next((found for memo in memos if (found := memo.recall(key, Simulation)) is not None), None)
+        if simulation is None:
+            simulation = self._on_fresh_mesh(displacement) if fresh else self._on_morphed_mesh(displacement, thorough=thorough)
+        for memo in memos:
+            memo.remember(key, simulation)
+        return simulation
+
+    def detail(self, displacement: NDArray[np.float32]) -> tuple[TetMesh, Drop]:
+        """The tetrahedra and the whole drop result in all orientations, with its history in time; not remembered."""
+        morphed = self._morph.morphed(displacement)
+        return morphed.tets, self._drop(morphed.tets, thorough=True)
+
+    def _key(self, displacement: NDArray[np.float32], *, thorough: bool, fresh: bool) -> str:
+        recipe = self.recipe
+        physics = (
+            PHYSICS_VERSION,
+            self.device,
+            recipe.surface,
+            recipe.tetrahedra,
+            recipe.material,
+            recipe.drop_height,
+            recipe.friction,
+            recipe.window,
+            recipe.damping,
+            recipe.transfer,
+            recipe.orientations if thorough else 1,
+            fresh,
+        )
+        return hashlib.sha256(msgspec.json.encode(physics) + np.ascontiguousarray(displacement, np.float32).tobytes()).hexdigest()
+
+    @cached_property
+    def _morph(self) -> Morph:
+        return Morph(self.surface, self.tets)
+
+    @cached_property
+    def _transfer(self) -> Transfer:
+        return Transfer(self.surface, self.tets, self.recipe.transfer)
+
+    @cached_property
+    def _average(self) -> BallAverage:
+        return BallAverage(self.tets)
+
+    def _on_morphed_mesh(self, displacement: NDArray[np.float32], *, thorough: bool) -> Simulation:
+        morphed = self._morph.morphed(displacement)
+        return self._measured(morphed, self._drop(morphed.tets, thorough=thorough), self._average, self._transfer)
+
+    def _on_fresh_mesh(self, displacement: NDArray[np.float32]) -> Simulation:
+        """As above on new tetrahedra; if fTetWild cannot mesh the styled surface, on morphed ones, and the record says so."""
+        styled = self.surface.displaced(displacement)
+        try:
+            tets = tetrahedralise(styled, len(self.tets.tets), cache=self.cache)
+        except MechStyleError as error:
+            fallback = self._on_morphed_mesh(displacement, thorough=True)
+            return replace(fallback, meshing=f"morphed, as a fresh mesh of the styled surface could not be had: {error}")
+        whole = Morphed(tets=tets, displacement=np.asarray(displacement, np.float32), backed_off=0.0, deviation=0.0, remesh=False)
+        transfer = Transfer(styled, tets, self.recipe.transfer)
+        return replace(self._measured(whole, self._drop(tets, thorough=True), BallAverage(tets), transfer), meshing="fresh")
+
+    def _drop(self, tets: TetMesh, *, thorough: bool) -> Drop:
+        recipe = self.recipe
+        test = DropTest(height=recipe.drop_height, friction=recipe.friction, window=recipe.window, damping=recipe.damping)
+        floor_normals = directions(recipe.orientations if thorough else 1)
+        return drop(tets, recipe.material, floor_normals, test, device=self.device, progress=self.progress)
+
+    def _measured(self, morphed: Morphed, result: Drop, average: BallAverage, transfer: Transfer) -> Simulation:
+        """Averages, percentiles and surface fields of a drop; all zero, with the reason, for one that failed."""
+        tets, count = morphed.tets, len(self.surface.vertices)
+        nothing = Measures(peak=0.0, p999=0.0, p99=0.0, maximum=0.0, where=(0.0, 0.0, 0.0), volume=float(tets.volumes.sum()))
+        zeros = np.zeros(count, np.float32)
+        several = len(result.von_mises) > 1
+        if result.failure:
+            as_placed, overall, stress, envelope, contact = nothing, nothing if several else None, zeros, zeros, np.zeros(count, bool)
+        else:
+            worst = result.von_mises.max(axis=0)
+            as_placed = measures(tets, result.von_mises[0], average)
+            overall = measures(tets, worst, average) if several else None
+            stress = transfer.to_surface(robust_field(tets, result.von_mises[0], average))
+            envelope = transfer.to_surface(robust_field(tets, worst, average)) if several else stress
+            contact = transfer.to_surface(result.contact[0].astype(np.float64)) > 0.0
+        return Simulation(
+            displacement=morphed.displacement,
+            stress=stress,
+            envelope=envelope,
+            contact=contact,
+            as_placed=as_placed,
+            overall=overall,
+            backed_off=morphed.backed_off,
+            deviation=morphed.deviation,
+            time_step=result.time_step,
+            steps=result.steps,
+            added_mass=result.added_mass,
+            failure=result.failure,
+        )

@@ -1,0 +1,121 @@
+"""A part made ready for a run: standardised surface, tetrahedra, wall thickness and what it stands on, cached by content."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mechstyle.errors import BadInput
+from mechstyle.geometry.resting import resting_face, resting_weight
+from mechstyle.geometry.standardise import standardise
+from mechstyle.geometry.tetrahedra import tetrahedralise
+from mechstyle.geometry.thickness import local_thickness
+from mechstyle.mesh import SurfaceMesh, TetMesh
+from mechstyle.store import Memo, Objects
+
+PREPARATION_VERSION = 1
+"""Counts changes that alter the prepared part, so that cached parts of older code are not reused."""
+
+INWARD_SHARE = 0.25
+"""Relief may cut at most this share of the local wall."""
+CONTACT_RELIEF = 0.4
+"""Relief near the lowest point of a part [mm]."""
+CONTACT_REACH = 5.0
+"""… up to this height above the floor [mm]."""
+STANDARD_VERTICES = 25_000
+TARGET_TETS = 16_000
+
+Stage = Callable[[str], None]
+
+
+def say_nothing(stage: str) -> None:
+    """Tell nobody what is being done."""
+
+
+@dataclass(frozen=True, eq=False)
+class Workpiece:
+    """A part ready to be styled.
+
+    Attributes:
+        surface: Standardised surface M_0.
+        tets: Its tetrahedra.
+        thickness: Local wall thickness [mm], shape [vertex_count].
+        stands: Whether it rests on a flat face.
+        notes: What a user should know about it, one sentence each.
+    """
+
+    surface: SurfaceMesh
+    tets: TetMesh
+    thickness: NDArray[np.float32]
+    stands: bool
+    notes: tuple[str, ...] = ()
+
+    def inward(self) -> NDArray[np.float32]:
+        """Largest displacement into the material [mm], shape [vertex_count]."""
+        return np.float32(INWARD_SHARE) * self.thickness
+
+    def outward(self) -> NDArray[np.float32]:
+        """Largest displacement out of the material [mm], shape [vertex_count]: the wall's own thickness, little near the floor."""
+        height = self.surface.vertices[:, 2] - self.surface.vertices[:, 2].min()
+        return np.where(height < CONTACT_REACH, np.minimum(CONTACT_RELIEF, self.thickness), self.thickness).astype(np.float32)
+
+    def protection(self) -> NDArray[np.float32]:
+        """0 on the resting face, rising to 1 a few millimetres above it; 1 everywhere for a part without one."""
+        return resting_weight(self.surface).astype(np.float32)
+
+
+def cache_folder() -> Path:
+    """Where prepared parts are kept: $MECHSTYLE_CACHE, else the user's cache folder; safe to delete."""
+    given = os.environ.get("MECHSTYLE_CACHE")
+    base = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
+    return Path(given) if given else Path(base) / "mechstyle"
+
+
+def cached_memo() -> Memo:
+    """The user-wide memo: standardised surfaces, thickness and baseline simulations."""
+    return Memo(cache_folder() / "memo", Objects(cache_folder() / "objects"))
+
+
+def prepare(mesh: SurfaceMesh, *, vertices: int = STANDARD_VERTICES, tets: int = TARGET_TETS, stage: Stage = say_nothing) -> Workpiece:
+    """Standardise, tetrahedralise and measure a part, reusing what was done before for the same shape.
+
+    Args:
+        mesh: A closed surface [mm].
+        vertices: Vertices of the standardised surface, ± 5 %.
+        tets: Tetrahedra aimed at.
+        stage: Told what is being done, in words.
+
+    Raises:
+        BadInput: If the shape cannot be standardised or meshed.
+        SimulationFailed: If meshing takes too long or fails.
+    """
+    if not mesh.is_closed:
+        raise BadInput(
+            "the surface is not closed, so it has no inside to simulate: load it from a file, which repairs it, or close it first"
+        )
+    stage("standardising the surface")
+    surface = _standardised(mesh, vertices)
+    stage("filling it with tetrahedra")
+    solid = tetrahedralise(surface, tets, cache=cache_folder() / "tets")
+    stage("measuring its walls")
+    thickness = local_thickness(surface).astype(np.float32)
+    stands = resting_face(surface) is not None
+    notes = () if stands else ("it has no flat face to stand on, so no resting face is protected",)
+    return Workpiece(surface, solid, thickness, stands, notes)
+
+
+def _standardised(mesh: SurfaceMesh, vertices: int) -> SurfaceMesh:
+    memo = cached_memo()
+    key = hashlib.sha256(f"standardise {PREPARATION_VERSION} {vertices} {mesh.digest}".encode()).hexdigest()
+    stored = memo.recall(key, str)
+    if stored is not None:
+        return memo.objects.get_mesh(stored, SurfaceMesh)
+    surface = standardise(mesh, vertices)
+    memo.remember(key, memo.objects.put_mesh(surface))
+    return surface

@@ -1,0 +1,144 @@
+"""A loop without physics: a stylizer that grows a bump and a simulator whose stress is a known function of the relief."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from mechstyle.engine import Bounds, Engine
+from mechstyle.fea.criterion import judge
+from mechstyle.material import LIBRARY
+from mechstyle.mesh import SurfaceMesh
+from mechstyle.records import Measures, Recipe, Simulation
+from mechstyle.store import Lane, Store
+
+
+def grid(n: int = 8, step: float = 10.0) -> SurfaceMesh:
+    """A flat sheet of n × n vertices; the loop needs normals and areas only."""
+    x, y = np.meshgrid(np.arange(n) * step, np.arange(n) * step, indexing="ij")
+    vertices = np.stack([x.ravel(), y.ravel(), np.zeros(n * n)], axis=1)
+    a = np.arange(n * n).reshape(n, n)
+    lower = np.stack([a[:-1, :-1], a[1:, :-1], a[1:, 1:]], axis=-1).reshape(-1, 3)
+    upper = np.stack([a[:-1, :-1], a[1:, 1:], a[:-1, 1:]], axis=-1).reshape(-1, 3)
+    return SurfaceMesh(vertices, np.concatenate([lower, upper]))
+
+
+class Bump(NamedTuple):
+    displacement: np.ndarray
+    colour: np.ndarray
+
+
+class BumpStylizer:
+    """Approaches a relief of `height` mm by a tenth of the way each iteration."""
+
+    def __init__(self, count: int, height: float = 1.0) -> None:
+        self.target = np.linspace(0.2, 1.0, count, dtype=np.float32) * np.float32(height)
+        self.start_from(np.zeros(count, np.float32), np.full((count, 3), 0.5, np.float32))
+        self.steps = 0
+
+    def proposal(self) -> Bump:
+        return Bump(self._displacement, self._colour)
+
+    def step(self) -> Bump:
+        self.steps += 1
+        self._displacement = (self._displacement + np.float32(0.1) * (self.target - self._displacement)).astype(np.float32)
+        self._colour = (self._colour * np.float32(0.95)).astype(np.float32)
+        return self.proposal()
+
+    def loss(self, displacement: np.ndarray, colour: np.ndarray) -> float:
+        return float(((displacement - self.target) ** 2).mean() + (colour**2).mean())
+
+    def state(self) -> dict[str, np.ndarray]:
+        return {"displacement": self._displacement, "colour": self._colour}
+
+    def restore(self, state: dict[str, np.ndarray]) -> None:
+        self.start_from(state["displacement"], state["colour"])
+
+    def start_from(self, displacement: np.ndarray, colour: np.ndarray) -> None:
+        self._displacement = np.asarray(displacement, np.float32)
+        self._colour = np.asarray(colour, np.float32)
+
+
+@dataclass
+class LeverSimulator:
+    """Stress = 20 MPa + `gain` · |displacement|, everywhere; keeps a count of what it was asked."""
+
+    count: int
+    recipe: Recipe
+    gain: float = 50.0
+    broken_above: float = np.inf
+    asked: list[tuple[float, bool]] = field(default_factory=list)
+
+    @property
+    def baseline(self) -> Simulation:
+        return self._measured(np.zeros(self.count, np.float32), thorough=True)
+
+    def judge(self, simulation: Simulation):
+        return judge(simulation, self.baseline, self.recipe.material, self.recipe.criterion)
+
+    def simulate(self, displacement: np.ndarray, *, thorough: bool) -> Simulation:
+        self.asked.append((float(np.abs(displacement).max()), thorough))
+        return self._measured(displacement, thorough=thorough)
+
+    def _measured(self, displacement: np.ndarray, *, thorough: bool) -> Simulation:
+        stress = (20.0 + self.gain * np.abs(displacement)).astype(np.float32)
+        worst = int(stress.argmax())
+        top = float(stress[worst])
+        measured = Measures(peak=top, p999=top, p99=top, maximum=2 * top, where=(float(worst), 0.0, 0.0), volume=1000.0)
+        failure = "the integration blew up" if float(np.abs(displacement).max()) > self.broken_above else ""
+        mean = float(stress.mean())
+        overall = Measures(peak=top, p999=top, p99=0.5 * (mean + 20.0), maximum=2 * top, where=(0.0, 0.0, 0.0), volume=1000.0)
+        return Simulation(
+            displacement=displacement,
+            stress=stress,
+            envelope=stress,
+            contact=np.zeros(self.count, bool),
+            as_placed=measured,
+            overall=overall if thorough else None,
+            backed_off=0.0,
+            deviation=0.0,
+            time_step=1e-4,
+            steps=100,
+            added_mass=0.0,
+            failure=failure,
+        )
+
+
+@dataclass
+class Bench:
+    """Everything needed to run the loop on the sheet, anew or from where a store stands."""
+
+    root: object
+    height: float = 1.0
+    gain: float = 50.0
+    broken_above: float = np.inf
+    protection: np.ndarray | None = None
+
+    @property
+    def surface(self) -> SurfaceMesh:
+        return grid()
+
+    def recipe(self, **settings: object) -> Recipe:
+        defaults = {"surface": "s", "tetrahedra": "t", "prompt": "bump", "material": LIBRARY["PLA"], "iterations": 60}
+        return Recipe(**{**defaults, **settings})
+
+    def engine(self, recipe: Recipe, lane: str = "main") -> Engine:
+        surface = self.surface
+        count = len(surface.vertices)
+        store = Store(self.root)
+        digest = store.put_recipe(recipe)
+        if lane not in store.lanes():
+            store.move(lane, Lane(recipe=digest))
+        thick = np.full(count, 4.0, np.float32)
+        protection = np.ones(count, np.float32) if self.protection is None else self.protection
+        bounds = Bounds(thickness=thick, inward=np.float32(0.25) * thick, outward=thick, protection=protection)
+        simulator = LeverSimulator(count, recipe, self.gain, self.broken_above)
+        return Engine(recipe, surface, bounds, BumpStylizer(count, self.height), simulator, store, lane)
+
+
+@pytest.fixture
+def bench(tmp_path) -> Bench:
+    return Bench(tmp_path / "run")

@@ -1,0 +1,179 @@
+"""The loop: what moves, what is restrained, when it is simulated, and how it ends."""
+
+from __future__ import annotations
+
+import inspect
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from mechstyle.engine import STEP_LIMIT, Engine, kept
+from mechstyle.errors import BadInput
+from mechstyle.events import BackedOff, Checkpointed, Finished, Simulated, SimulationStarted, Stylized
+from mechstyle.store import Lane
+
+
+def states(events):
+    return [event.checkpoint for event in events if isinstance(event, Checkpointed)]
+
+
+def test_the_last_checkpoint_is_the_surface_that_was_simulated_last(bench):
+    engine = bench.engine(bench.recipe())
+    events = list(engine.run())
+    last = states(events)[-1]
+    simulated = [event.simulation for event in events if isinstance(event, Simulated)]
+    assert isinstance(events[-1], Finished)
+    assert last.final
+    assert np.array_equal(last.displacement, simulated[-1].displacement)
+    assert events[-1].verdict == engine.simulator.judge(simulated[-1])
+
+
+def test_every_iteration_is_checkpointed_and_names_its_parent(bench):
+    engine = bench.engine(bench.recipe())
+    saved = [event for event in engine.run() if isinstance(event, Checkpointed)]
+    assert [event.checkpoint.iteration for event in saved][:61] == list(range(61))
+    assert all(later.checkpoint.parent == earlier.digest for earlier, later in zip(saved, saved[1:], strict=False))
+
+
+def test_the_last_iteration_is_always_simulated_in_all_orientations(bench):
+    engine = bench.engine(bench.recipe(schedule="never"))
+    started = [event for event in engine.run() if isinstance(event, SimulationStarted)]
+    assert (started[0].iteration, started[0].reason) == (60, "last iteration")
+    assert engine.simulator.asked[0][1]
+
+
+def test_simulations_in_between_drop_the_part_as_placed_only(bench):
+    engine = bench.engine(bench.recipe(schedule="every", every=20))
+    simulated = [event for event in engine.run() if isinstance(event, Simulated)]
+    assert [event.iteration for event in simulated[:3]] == [20, 40, 60]
+    assert [event.simulation.overall is None for event in simulated[:3]] == [True, True, False]
+
+
+def test_freestyle_follows_the_proposal_exactly(bench):
+    engine = bench.engine(bench.recipe(control="none", schedule="never", memory=False, retraction=False, guarantee=False))
+    last = states(engine.run())[-1]
+    assert np.allclose(last.displacement, engine.stylizer.proposal().displacement, rtol=1e-5)  # float32 sums of 60 increments
+    assert kept(last.displacement, engine.stylizer.proposal().displacement, engine.surface.vertex_areas) == pytest.approx(1.0, rel=1e-5)
+
+
+def test_masked_vertices_do_not_move_but_their_colours_do(bench):
+    protection = np.ones(64, np.float32)
+    protection[:20] = 0.0
+    bench.protection = protection
+    saved = states(bench.engine(bench.recipe()).run())
+    assert not any(state.displacement[:20].any() for state in saved)
+    assert np.all(saved[40].displacement[20:] > 0)
+    assert np.all(saved[40].colour[:20] < saved[0].colour[:20])
+
+
+def test_feedback_keeps_stress_lower_than_freestyle(bench, tmp_path):
+    fed = bench.engine(bench.recipe(schedule="every", every=5, guarantee=False))
+    peak_fed = [event for event in fed.run() if isinstance(event, Simulated)][-1].simulation.as_placed.peak
+    free_bench = replace(bench, root=tmp_path / "free")
+    free = free_bench.engine(bench.recipe(control="none", schedule="never", memory=False, retraction=False, guarantee=False))
+    peak_free = [event for event in free.run() if isinstance(event, Simulated)][-1].simulation.as_placed.peak
+    assert peak_fed < 45.6 < peak_free
+
+
+def test_with_memory_the_mask_never_recovers(bench):
+    saved = states(bench.engine(bench.recipe(schedule="every", every=5)).run())
+    masks = np.stack([state.mask for state in saved])
+    assert np.all(np.diff(masks, axis=0) <= 0)
+    assert masks.min() >= 0
+    assert masks.max() <= 1
+
+
+def test_without_memory_the_mask_may_recover_after_retraction(bench):
+    settings = {"control": "frozen", "normalisation": "yield", "memory": False, "guarantee": False}
+    saved = states(bench.engine(bench.recipe(schedule="every", every=20, **settings)).run())
+    masks = np.stack([state.mask for state in saved])
+    assert np.any(np.diff(masks, axis=0) > 0)
+
+
+def test_retraction_takes_back_relief_where_stress_nears_the_limit(bench):
+    with_it = states(bench.engine(bench.recipe(schedule="every", every=20, control="frozen", normalisation="yield")).run())
+    assert with_it[-1].share.min() < 1.0
+    simulated = next(state for state in with_it if state.iteration == 20)
+    before = next(state for state in with_it if state.iteration == 19)
+    assert simulated.displacement[-1] < before.displacement[-1]
+
+
+def test_a_vertex_moves_at_most_one_percent_of_the_size_per_iteration(bench):
+    bench.height = 40.0
+    bench.gain = 0.0
+    engine = bench.engine(bench.recipe(guarantee=False))
+    moved = np.diff(np.stack([state.displacement for state in states(engine.run())]), axis=0)
+    assert np.abs(moved).max() == pytest.approx(STEP_LIMIT * engine.surface.size, rel=1e-5)
+
+
+def test_no_vertex_passes_its_bounds(bench):
+    bench.height = 40.0
+    bench.gain = 0.0
+    engine = bench.engine(bench.recipe(guarantee=False))
+    assert states(engine.run())[-1].displacement.max() <= engine.bounds.outward.max()
+
+
+def test_back_off_goes_on_until_the_part_is_viable(bench):
+    bench.gain = 200.0
+    events = list(bench.engine(bench.recipe(schedule="never")).run())
+    shrinking = [event.kept for event in events if isinstance(event, BackedOff)]
+    assert events[-1].verdict.viable
+    assert shrinking
+    assert shrinking == sorted(shrinking, reverse=True)
+
+
+def test_without_the_guarantee_a_failing_part_is_said_to_fail(bench):
+    bench.gain = 200.0
+    events = list(bench.engine(bench.recipe(schedule="never", guarantee=False)).run())
+    assert events[-1].verdict.outcome == "FAILS"
+    assert not any(isinstance(event, BackedOff) for event in events)
+
+
+def test_a_failed_simulation_is_unknown_and_is_backed_off_not_trusted(bench):
+    bench.broken_above = 0.5
+    bench.gain = 1.0
+    events = list(bench.engine(bench.recipe(schedule="never")).run())
+    outcomes = [event.verdict.outcome for event in events if isinstance(event, Simulated)]
+    assert outcomes[0] == "UNKNOWN"
+    assert outcomes[-1] == "VIABLE"
+    assert np.abs(states(events)[-1].displacement).max() <= 0.5
+
+
+def test_a_failed_simulation_in_between_leaves_the_mask_alone(bench):
+    bench.broken_above = 0.0
+    saved = states(bench.engine(bench.recipe(schedule="every", every=20, guarantee=False)).run())
+    assert all(np.array_equal(state.mask, saved[0].mask) for state in saved)
+
+
+def test_asking_for_fewer_iterations_than_the_lane_has_is_refused(bench):
+    list(bench.engine(bench.recipe()).run())
+    short = bench.recipe(iterations=30)
+    engine = bench.engine(short)
+    with pytest.raises(BadInput, match="beyond the 30 asked for"):
+        list(engine.run())
+
+
+def test_events_of_an_iteration_come_in_order(bench):
+    kinds = [type(event) for event in bench.engine(bench.recipe(schedule="every", every=20)).run()]
+    first = kinds.index(SimulationStarted)
+    assert kinds[0] is Checkpointed
+    assert kinds[first - 1 : first + 3] == [Stylized, SimulationStarted, Simulated, Checkpointed]
+
+
+def test_the_loop_is_short_enough_to_read_aloud():
+    assert len(inspect.getsource(Engine.run).splitlines()) <= 25
+
+
+def test_a_branch_with_another_style_starts_from_the_surface_it_branched_at(bench):
+    list(bench.engine(bench.recipe(schedule="never", guarantee=False)).run())
+    store = bench.engine(bench.recipe()).store
+    fork = store.find(30).digest
+    other = bench.recipe(prompt="another", schedule="never", guarantee=False)
+    store.move("other", Lane(recipe=store.put_recipe(other), head=fork, forked_from=fork))
+    bench.height = 0.1
+    saved = states(bench.engine(other, "other").run())
+    assert saved[0].iteration == 31
+    # the other target is lower, so the relief shrinks from where it stood instead of jumping
+    assert 0 < saved[0].displacement[-1] < store.checkpoint(fork).displacement[-1]
+    assert saved[0].displacement[-1] > 0.8 * store.checkpoint(fork).displacement[-1]

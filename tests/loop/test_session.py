@@ -1,0 +1,119 @@
+"""A background session pauses, steps and stops between events, and outlives its listeners."""
+
+from __future__ import annotations
+
+import threading
+
+import pytest
+
+from mechstyle.events import Finished, Simulated, Stylized
+from mechstyle.session import Session
+
+PATIENCE = 30.0  # seconds before a test gives up; nothing waits this long
+
+
+@pytest.fixture
+def engine(bench):
+    return bench.engine(bench.recipe(schedule="every", every=20))
+
+
+def session_of(engine) -> Session:
+    return Session(lambda _progress: engine.run())
+
+
+def test_it_runs_to_the_end_and_tells_every_event(engine):
+    session, heard = session_of(engine), []
+    session.listen(heard.append)
+    session.run()
+    assert session.wait(PATIENCE) == "finished"
+    assert isinstance(heard[-1], Finished)
+    assert sum(isinstance(event, Stylized) for event in heard) == 60
+
+
+def test_stepping_takes_one_event_at_a_time(engine):
+    session, heard = session_of(engine), []
+    session.listen(heard.append)
+    for count in (1, 2, 3):
+        session.step()
+        assert session.wait(PATIENCE) == "paused"
+        assert len(heard) == count
+
+
+def test_stepping_to_a_simulation_pauses_after_it(engine):
+    session, heard = session_of(engine), []
+    session.listen(heard.append)
+    session.step_to_simulation()
+    session.wait(PATIENCE)
+    assert isinstance(heard[-1], Simulated)
+    assert heard[-1].iteration == 20
+
+
+def test_a_stopped_session_leaves_a_run_that_goes_on(engine, bench):
+    session = session_of(engine)
+    session.step_to_simulation()
+    session.wait(PATIENCE)
+    session.stop()
+    assert session.wait(PATIENCE) == "stopped"
+    rest = session_of(bench.engine(engine.recipe))
+    rest.run()
+    assert rest.wait(PATIENCE) == "finished"
+
+
+def test_stopping_before_the_start_is_a_stop(engine):
+    session = session_of(engine)
+    session.stop()
+    assert session.state == "stopped"
+    with pytest.raises(RuntimeError, match="start a new one"):
+        session.run()
+
+
+def test_a_listener_that_raises_does_not_stop_the_run(engine, caplog):
+    session, heard = session_of(engine), []
+
+    def bad(_event):
+        raise ValueError("broken plot")
+
+    session.listen(bad)
+    session.listen(heard.append)
+    session.run()
+    assert session.wait(PATIENCE) == "finished"
+    assert isinstance(heard[-1], Finished)
+    assert "broken plot" in caplog.text
+
+
+def test_a_listener_can_leave(engine):
+    session, heard = session_of(engine), []
+    leave = session.listen(heard.append)
+    session.step()
+    session.wait(PATIENCE)
+    leave()
+    session.step()
+    session.wait(PATIENCE)
+    assert len(heard) == 1
+
+
+def test_an_error_in_the_run_is_kept_for_whoever_asks():
+    def broken(_progress):
+        yield Stylized(1, 0.0, 0.0)
+        raise RuntimeError("no more disk")
+
+    session = Session(broken)
+    session.run()
+    assert session.wait(PATIENCE) == "failed"
+    assert str(session.error) == "no more disk"
+
+
+def test_stopping_reaches_into_a_simulation():
+    inside = threading.Event()
+
+    def endless(progress):
+        while True:
+            inside.set()
+            progress(0.5)
+            yield from ()
+
+    session = Session(endless)
+    session.run()
+    assert inside.wait(PATIENCE)
+    session.stop()
+    assert session.wait(PATIENCE) == "stopped"
