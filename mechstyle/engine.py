@@ -73,7 +73,9 @@ class Stylizer(Protocol):
 class Simulator(Protocol):
     """Anything that tells what stress a displaced surface would see."""
 
-    baseline: Simulation
+    @property
+    def baseline(self) -> Simulation:
+        """The unstylized part in all orientations."""
 
     def simulate(self, displacement: Field, *, thorough: bool) -> Simulation:
         """Drop the displaced part: as placed, or in all orientations if `thorough`."""

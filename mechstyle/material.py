@@ -69,8 +69,14 @@ class Material(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
 LIBRARY: dict[str, Material] = {
     material.name: material
     for material in (
-        Material(name="PLA", youngs_modulus=3500.0, poisson_ratio=0.36, density=1.24e-3, yield_strength=45.6,
-                 source="Faruqi et al. 2025 (MechStyle), doi 10.1145/3745778.3766655"),
+        Material(
+            name="PLA",
+            youngs_modulus=3500.0,
+            poisson_ratio=0.36,
+            density=1.24e-3,
+            yield_strength=45.6,
+            source="Faruqi et al. 2025 (MechStyle), doi 10.1145/3745778.3766655",
+        ),
     )
 }
 

@@ -105,7 +105,7 @@ class SurfaceMesh:
     def vertex_areas(self) -> Floats:
         """A third of the area of the faces around each vertex [mm²], shape [vertex_count]."""
         thirds = np.repeat(self.face_areas / 3.0, 3)
-        return np.bincount(self.faces.ravel(), thirds, len(self.vertices))
+        return np.bincount(self.faces.ravel(), thirds, len(self.vertices)).astype(np.float64)
 
     @cached_property
     def edges(self) -> Indices:

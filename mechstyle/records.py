@@ -73,7 +73,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     friction: float = 0.0
     window: float = 1.5
     damping: float = 1e-4
-    transfer: str = "barycentric"
+    transfer: Literal["barycentric", "nearest"] = "barycentric"
 
     def __post_init__(self) -> None:
         """Refuse unknown names and values out of range, each in one sentence."""

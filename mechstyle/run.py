@@ -101,11 +101,7 @@ class Run:
     @property
     def finished(self) -> bool:
         """Whether the newest checkpoint is the end of the recipe in force."""
-        lane = self.store.lane(self.lane)
-        if not lane.head:
-            return False
-        entry = self.store.entry(lane.head)
-        return entry.final and entry.recipe == lane.recipe
+        return self.store.is_finished(self.lane)
 
     @property
     def verdict(self) -> Verdict:

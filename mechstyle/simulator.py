@@ -145,13 +145,15 @@ class DropSimulator:
         zeros = np.zeros(count, np.float32)
         several = len(result.von_mises) > 1
         if result.failure:
-            as_placed, overall, stress, envelope, contact = nothing, nothing if several else None, zeros, zeros, np.zeros(count, bool)
+            as_placed, overall = nothing, nothing if several else None
+            stress = envelope = zeros
+            contact = np.zeros(count, bool)
         else:
             worst = result.von_mises.max(axis=0)
             as_placed = measures(tets, result.von_mises[0], average)
             overall = measures(tets, worst, average) if several else None
-            stress = transfer.to_surface(robust_field(tets, result.von_mises[0], average))
-            envelope = transfer.to_surface(robust_field(tets, worst, average)) if several else stress
+            stress = transfer.to_surface(robust_field(tets, result.von_mises[0], average)).astype(np.float32)
+            envelope = transfer.to_surface(robust_field(tets, worst, average)).astype(np.float32)
             contact = transfer.to_surface(result.contact[0].astype(np.float64)) > 0.0
         return Simulation(
             displacement=morphed.displacement,

@@ -32,6 +32,7 @@ from mechstyle.mesh import SurfaceMesh, TetMesh
 from mechstyle.records import Checkpoint, Recipe, Verdict
 
 T = TypeVar("T")
+M = TypeVar("M", SurfaceMesh, TetMesh)
 
 
 class Lane(msgspec.Struct, frozen=True, kw_only=True):
@@ -143,7 +144,7 @@ class Objects:
         cells = mesh.faces if isinstance(mesh, SurfaceMesh) else mesh.tets
         return self.put_record({"vertices": mesh.vertices, "cells": cells})
 
-    def get_mesh(self, digest: str, kind: type[SurfaceMesh | TetMesh]) -> SurfaceMesh | TetMesh:
+    def get_mesh(self, digest: str, kind: type[M]) -> M:
         """A mesh as it was stored."""
         table = self.get_record(digest, dict[str, str])
         return kind(self.get_array(table["vertices"]), self.get_array(table["cells"]))
@@ -226,6 +227,14 @@ class Store:
     def entry(self, digest: str) -> Entry:
         """A stored checkpoint without its arrays."""
         return msgspec.structs.replace(self.objects.get_record(digest, Entry), digest=digest)
+
+    def is_finished(self, name: str = "main") -> bool:
+        """Whether a lane's newest checkpoint is the end of the recipe in force."""
+        lane = self.lane(name)
+        if not lane.head:
+            return False
+        entry = self.entry(lane.head)
+        return entry.final and entry.recipe == lane.recipe
 
     def history(self, lane: str = "main") -> list[Entry]:
         """All checkpoints of a lane, its inherited past included, oldest first."""

@@ -11,8 +11,8 @@ import msgspec
 
 from mechstyle.engine import Engine, kept
 from mechstyle.events import Event, SimulationStarted
-from mechstyle.records import Verdict
-from mechstyle.store import Entry
+from mechstyle.records import Recipe, Verdict
+from mechstyle.store import Entry, Store
 
 
 class Strength(msgspec.Struct, frozen=True, kw_only=True):
@@ -125,6 +125,39 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
 def simulations(history: list[Entry]) -> tuple[SimulationLine, ...]:
     """The simulations of a lane, the unstylized part's and the closing copy left out."""
     return tuple(SimulationLine.of(entry) for entry in history if entry.verdict is not None and entry.iteration > 0 and not entry.final)
+
+
+class LaneSummary(msgspec.Struct, frozen=True, kw_only=True):
+    """One lane of a run directory, finished or not.
+
+    Attributes:
+        lane: Its name.
+        recipe: The recipe in force.
+        iteration: Iteration it stands at.
+        finished: Whether that is its end.
+        forked_at: Iteration it was branched at, None for an original line.
+        simulations: Every simulation, its inherited past included.
+    """
+
+    lane: str
+    recipe: Recipe
+    iteration: int
+    finished: bool
+    forked_at: int | None
+    simulations: tuple[SimulationLine, ...]
+
+    @classmethod
+    def of(cls, store: Store, name: str) -> LaneSummary:
+        """What a lane has come to so far."""
+        lane, history = store.lane(name), store.history(name)
+        return cls(
+            lane=name,
+            recipe=store.recipe(lane.recipe),
+            iteration=history[-1].iteration if history else 0,
+            finished=store.is_finished(name),
+            forked_at=store.entry(lane.forked_from).iteration if lane.forked_from else None,
+            simulations=simulations(history),
+        )
 
 
 def summarise(engine: Engine, *, device: str, notes: tuple[str, ...], seconds: dict[str, float], files: dict[str, str]) -> Summary:

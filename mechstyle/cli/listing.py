@@ -123,7 +123,7 @@ def missing_pieces(devices: list[str]) -> list[dict[str, str]]:
         absent = [module for module in modules if importlib.util.find_spec(module) is None]
         if absent:
             missing.append({"what": ", ".join(absent), "why": f"needed for {reasons[extra]}", "how": f"pip install 'mechstyle[{extra}]'"})
-    if "cuda" not in devices:
+    if devices == ["cpu"]:
         missing.append(
             {
                 "what": "a CUDA device",

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from mechstyle.cli.console import command, escape, out, print_json, table, verdict_text
 from mechstyle.cli.making import Json
 from mechstyle.errors import unknown
+from mechstyle.store import Store, parse_address
+
+if TYPE_CHECKING:
+    from mechstyle.summary import LaneSummary
 
 app = typer.Typer()
 
@@ -24,46 +28,28 @@ FORMATS = ("3mf", "glb", "obj", "ply", "stl")
 @command
 def log_command(directory: Annotated[Path, typer.Argument(metavar="DIR", help="A run directory.")], as_json: Json = False) -> None:
     """List the lanes of a run directory and what was simulated in each, and why."""
-    from mechstyle.run import Run  # noqa: PLC0415 — loaded when wanted
-    from mechstyle.store import Store  # noqa: PLC0415
-    from mechstyle.summary import simulations  # noqa: PLC0415
+    from mechstyle.summary import LaneSummary  # noqa: PLC0415 — loaded when wanted
 
     store = Store.open(directory)
-    lanes = []
-    for name in store.lanes():
-        run = Run(store, name)
-        history = run.history
-        fork = store.lane(name).forked_from
-        lanes.append(
-            {
-                "lane": name,
-                "prompt": run.recipe.prompt,
-                "recipe": run.recipe,
-                "iteration": history[-1].iteration if history else 0,
-                "finished": run.finished,
-                "forked_at": store.entry(fork).iteration if fork else None,
-                "simulations": simulations(history),
-            }
-        )
+    lanes = [LaneSummary.of(store, name) for name in store.lanes()]
     if as_json:
         print_json({"directory": str(directory), "lanes": lanes})
         return
     for lane in lanes:
-        recipe = lane["recipe"]
-        state = "finished" if lane["finished"] else f"stands at iteration {lane['iteration']} of {recipe.iterations}"
-        fork_text = "" if lane["forked_at"] is None else f", branched at {lane['forked_at']}"
-        rows = table(
-            "iteration",
-            "verdict",
-            "peak [MPa]",
-            "reason",
-            title=f"[bold]{lane['lane']}[/]: “{escape(recipe.prompt)}” in {recipe.material.name}, "
-            f"{recipe.control} control, {recipe.schedule} schedule; {state}{fork_text}",
-        )
-        for line in lane["simulations"]:
+        rows = table("iteration", "verdict", "peak [MPa]", "reason", title=lane_title(lane))
+        for line in lane.simulations:
             rows.add_row(str(line.iteration), verdict_text(line.verdict), f"{line.peak_stress:.1f}", escape(line.reason))
         out.print(rows)
         out.print()
+
+
+def lane_title(lane: LaneSummary) -> str:
+    """What a lane is, above its table."""
+    recipe = lane.recipe
+    state = "finished" if lane.finished else f"stands at iteration {lane.iteration} of {recipe.iterations}"
+    fork = "" if lane.forked_at is None else f", branched at {lane.forked_at}"
+    how = f"{recipe.material.name}, {recipe.control} control, {recipe.schedule} schedule"
+    return f"[bold]{lane.lane}[/]: “{escape(recipe.prompt)}” in {how}; {state}{fork}"
 
 
 @app.command("show")
@@ -75,7 +61,6 @@ def show_command(
 ) -> None:
     """Picture of a checkpoint: styled, stress, mask, side by side."""
     from mechstyle.run import Run  # noqa: PLC0415 — loaded when wanted
-    from mechstyle.store import parse_address  # noqa: PLC0415
 
     root, lane, iteration = parse_address(address)
     run = Run.open(f"{root}@{lane}", "cpu")
@@ -104,7 +89,6 @@ def export_command(
 ) -> None:
     """Write the surface of a checkpoint to a file, with its colours where the format can hold them."""
     from mechstyle.run import Run  # noqa: PLC0415 — loaded when wanted
-    from mechstyle.store import parse_address  # noqa: PLC0415
 
     chosen = form.lower().lstrip(".")
     if chosen not in FORMATS:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import itertools
 from dataclasses import replace
 
 import numpy as np
@@ -33,7 +34,7 @@ def test_every_iteration_is_checkpointed_and_names_its_parent(bench):
     engine = bench.engine(bench.recipe())
     saved = [event for event in engine.run() if isinstance(event, Checkpointed)]
     assert [event.checkpoint.iteration for event in saved][:61] == list(range(61))
-    assert all(later.checkpoint.parent == earlier.digest for earlier, later in zip(saved, saved[1:], strict=False))
+    assert all(later.checkpoint.parent == earlier.digest for earlier, later in itertools.pairwise(saved))
 
 
 def test_the_last_iteration_is_always_simulated_in_all_orientations(bench):

@@ -97,8 +97,9 @@ def test_a_branch_without_changes_repeats_its_parent(bench):
 
 def test_resuming_replays_the_stylizer_from_the_nearest_keyframe_only(bench):
     recipe = bench.recipe(schedule="never", iterations=60, guarantee=False)
-    stopped = itertools.takewhile(lambda event: not (isinstance(event, Checkpointed) and event.checkpoint.iteration == 50), bench.engine(recipe).run())
-    list(stopped)
+    for event in bench.engine(recipe).run():
+        if isinstance(event, Checkpointed) and event.checkpoint.iteration == 50:
+            break
     engine = bench.engine(recipe)
     next(event for event in engine.run() if isinstance(event, Simulated))
     assert engine.stylizer.steps == 10 + (60 - 50)
