@@ -43,7 +43,7 @@ class Camera:
     def __post_init__(self) -> None:
         """Refuse a camera that sees nothing."""
         if not (self.distance > 0 and 0 < self.field_of_view < 170 and self.aspect > 0 and -90 <= self.elevation <= 90):
-            raise BadInput(f"{self} cannot see: distance and aspect must be positive, the opening 0 to 170, the elevation -90 to 90 degrees")
+            raise BadInput(f"{self}: distance and aspect must be positive, the opening 0 to 170, the elevation -90 to 90 degrees")
 
     @classmethod
     def fitted(cls, points: ArrayLike, azimuth: float, elevation: float, *, aspect: float = 1.0, margin: float = 0.06) -> Camera:
@@ -86,7 +86,7 @@ class Camera:
         return np.asarray(self.target + self.distance * self.axes[2])
 
     def project(self, points: ArrayLike) -> Floats:
-        """x and y in [-1, 1] across the picture (y up) and depth along the axis [mm], for points [mm], shape [n, 3]."""
+        """Picture coordinates in [-1, 1] across the picture (y up) and depth along the axis [mm] of points [mm], shape [n, 3]."""
         x, y, z = ((np.asarray(points, dtype=np.float64) - self.eye) @ self.axes.T).T
         reach = math.tan(math.radians(self.field_of_view / 2)) * np.where(z < 0, -z, 1.0)
         return np.stack([x / (reach * self.aspect), y / reach, -z], axis=-1)

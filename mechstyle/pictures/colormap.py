@@ -12,8 +12,8 @@ from mechstyle.errors import BadInput
 
 Colours = NDArray[np.float32]
 
-ABOVE = (0.86, 0.15, 0.13)  # sRGB over-colour of values above the threshold: a red no part of the ramp has
-STRIPE = (0.33, 0.0, 0.03)  # sRGB hatch over it, so that it is not told by hue alone
+ABOVE = (0.98, 0.36, 0.20)  # sRGB over-colour of values above the threshold: far from the dark end of the ramp in lightness and in hue
+STRIPE = (0.48, 0.0, 0.05)  # sRGB hatch over it, so that it is not told by colour alone
 LINE = (0.05, 0.05, 0.06)  # sRGB isoline at the threshold
 UNKNOWN = (0.62, 0.62, 0.62)  # sRGB of a value that is not a number
 STEPS = 256
@@ -68,7 +68,7 @@ class Scale:
         given = np.asarray(values, dtype=np.float64)
         place = np.clip((given - self.low) / (self.top - self.low), 0.0, 1.0)
         known = np.isfinite(place)
-        colours = _RAMP[np.rint(np.where(known, place, 0.0) * (STEPS - 1)).astype(np.intp)]
+        colours = np.array(_RAMP[np.rint(np.where(known, place, 0.0) * (STEPS - 1)).astype(np.intp)])
         colours[self.above(given)] = srgb_to_linear(ABOVE)
         colours[~known] = srgb_to_linear(UNKNOWN)
         return colours
@@ -98,4 +98,33 @@ def hatch(rows: int, columns: int, period: int) -> NDArray[np.bool_]:
     return np.asarray(diagonal % period < period // 3)
 
 
-_RAMP = srgb_to_linear(colormaps["viridis_r"](np.linspace(0.0, 1.0, STEPS))[:, :3])
+def oklab(colours: ArrayLike) -> NDArray[np.float64]:
+    """Perceptual coordinates (lightness, green-red, blue-yellow) of linear RGB, shape [..., 3] (Ottosson 2020)."""
+    cones = np.cbrt(np.asarray(colours, dtype=np.float64) @ _RGB_TO_CONES.T)
+    return np.asarray(cones @ _CONES_TO_OKLAB.T)
+
+
+def _even_ramp() -> Colours:
+    """ColorBrewer's YlGnBu without its palest tenth, in steps that look equal (equal distances in Oklab), as linear RGB [STEPS, 3]."""
+    fine = srgb_to_linear(colormaps["YlGnBu"].resampled(4096)(np.linspace(0.1, 1.0, 4096))[:, :3])
+    travelled = np.concatenate([[0.0], np.linalg.norm(np.diff(oklab(fine), axis=0), axis=1).cumsum()])
+    places = np.interp(np.linspace(0.0, travelled[-1], STEPS), travelled, np.arange(len(fine)))
+    return np.stack([np.interp(places, np.arange(len(fine)), fine[:, channel]) for channel in range(3)], axis=1).astype(np.float32)
+
+
+_RGB_TO_CONES = np.array(
+    [
+        [0.4122214708, 0.5363325363, 0.0514459929],
+        [0.2119034982, 0.6806995451, 0.1073969566],
+        [0.0883024619, 0.2817188376, 0.6299787005],
+    ]
+)
+_CONES_TO_OKLAB = np.array(
+    [
+        [0.2104542553, 0.7936177850, -0.0040720468],
+        [1.9779984951, -2.4285922050, 0.4505937099],
+        [0.0259040371, 0.7827717662, -0.8086757660],
+    ]
+)
+_RAMP = _even_ramp()
+_RAMP.setflags(write=False)

@@ -38,7 +38,7 @@ class Panel:
         mesh: The part; shown in its own colours unless there are values.
         title: What it shows.
         values: A field over the vertices [unit], shape [vertex_count], or None.
-        unit: Unit of the field, "" for a pure number.
+        unit: Unit of the field, "" for a pure number, whose extremes are not marked.
         label: Name of the field; panels of the same label, unit, limits and threshold share one colour bar.
         limits: Ends of the colour bar, None for zero (or the least value) to the greatest value of the panels that share it.
         threshold: Values above it are hatched and outlined, None for no threshold.
@@ -86,7 +86,7 @@ def figure(
     """
     if not panels:
         raise BadInput("a figure needs at least one panel")
-    across = min(columns or (len(panels) if len(panels) <= 4 else 4), len(panels))
+    across = min(columns or 4, len(panels))
     scales = _scales(panels)
     page = _Page.of(len(panels), across, len(scales), panel_size, bool(title), any(panel.note for panel in panels))
     sheet = Figure(figsize=(page.width / DPI, page.height / DPI), dpi=DPI, facecolor=BACKGROUND)
@@ -220,7 +220,7 @@ def _draw_panel(axes: Axes, panel: Panel, camera: Camera, scale: Scale | None, d
     letters = max(int(width / 7.6), 12)
     axes.text(0, -10, textwrap.shorten(panel.title, letters, placeholder=" …"), size=11, weight="bold", color=INK, va="bottom")
     axes.text(0, height + 4, textwrap.shorten(panel.note, int(letters * 1.15), placeholder=" …"), size=9.5, color=FAINT, va="top")
-    if field is not None:
+    if field is not None and panel.unit:
         _mark_extremes(axes, panel, camera)
 
 
@@ -230,7 +230,7 @@ def _pixels(axes: Axes) -> tuple[int, int]:
 
 
 def _mark_extremes(axes: Axes, panel: Panel, camera: Camera) -> None:
-    """A ring with the value where the field is greatest, a triangle where it is least; hollow words say if it is on the far side."""
+    """A ring with the value where a measured field is greatest, a triangle where it is least; words say if that is on the far side."""
     values = np.asarray(panel.values, dtype=np.float64)
     if not np.isfinite(values).any() or np.nanmin(values) == np.nanmax(values):
         return

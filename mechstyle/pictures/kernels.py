@@ -1,8 +1,7 @@
 """The Warp kernels of the rasteriser."""
 
 # mypy: disable-error-code="arg-type,attr-defined,index,no-any-return,no-untyped-call,no-untyped-def,valid-type"
-# ruff: noqa: PLR0917
-# Warp reads the annotations of its functions itself (they are calls), types what they compute, and passes arguments by position.
+# Warp reads the annotations of its functions itself (they are calls) and types what they compute.
 
 from __future__ import annotations
 

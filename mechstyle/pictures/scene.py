@@ -116,7 +116,7 @@ def _field_paint(mesh: SurfaceMesh, seen: Visibility, hit: NDArray[np.bool_], fi
     paint = field.scale.colours(here)
     above = np.zeros(hit.shape, bool)
     above[hit] = field.scale.above(here)
-    paint[(above & hatch(*hit.shape, 9 * supersampling))[hit]] = srgb_to_linear(STRIPE)
+    paint[(above & hatch(hit.shape[0], hit.shape[1], 9 * supersampling))[hit]] = srgb_to_linear(STRIPE)
     edge = binary_dilation(above, iterations=supersampling) & ~above
     paint[edge[hit]] = srgb_to_linear(LINE)
     return paint

@@ -92,14 +92,22 @@ def floor_shadow(mesh: SurfaceMesh, camera: Camera, width: int, height: int) -> 
     half = 0.9 * float(mesh.extents[:2].max()) + 0.15 * mesh.size
     dark = _footprint(mesh, middle, half, floor)
     cells = ((spots - middle) / half + 1.0) * (0.5 * len(dark)) - 0.5
-    return np.asarray(map_coordinates(dark, [cells[..., 1], cells[..., 0]], order=1, cval=0.0, prefilter=False), dtype=np.float32)
+    shadow = map_coordinates(dark, [cells[..., 1], cells[..., 0]], order=1, cval=0.0, prefilter=False)
+    return np.asarray(shadow * _vignette(width, height), dtype=np.float32)
+
+
+def _vignette(width: int, height: int) -> Image:
+    """1 inside, falling to 0 over the outer tenth of a picture, so that a shadow never ends at its border."""
+    across, down = (np.clip(5.0 - np.abs(np.linspace(-5.0, 5.0, count)), 0.0, 1.0) for count in (width, height))
+    return np.asarray(np.outer(down, across), dtype=np.float32)
 
 
 def _footprint(mesh: SurfaceMesh, middle: NDArray[np.float64], half: float, floor: float, cells: int = 160) -> Image:
     """Darkness of the floor in a square of half-width `half` [mm] around `middle`, shape [cells, cells], row 0 at low y."""
     away = 1e3 * mesh.size  # seen from so far below that the view is parallel
     plane = (mesh.vertices[:, :2] - middle) / half
-    height = visible(np.column_stack([plane[:, 0], -plane[:, 1], mesh.vertices[:, 2] - floor + away]), mesh.faces, cells, cells).depth - away
+    seen = visible(np.column_stack([plane[:, 0], -plane[:, 1], mesh.vertices[:, 2] - floor + away]), mesh.faces, cells, cells)
+    height = seen.depth - away
     cover = np.exp(-np.maximum(height, 0.0) / (0.12 * mesh.size))
     cell = 2 * half / cells
     near, wide = (gaussian_filter(cover, share * mesh.size / cell, mode="constant") for share in (0.012, 0.06))

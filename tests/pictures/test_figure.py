@@ -1,0 +1,119 @@
+import sys
+
+import matplotlib.image
+import numpy as np
+import pytest
+
+from mechstyle.errors import BadInput
+from mechstyle.pictures.figure import Panel, figure, figure_png, save_figure
+
+SMALL = {"panel_size": (140, 120)}
+
+
+def words(sheet):
+    return [text.get_text() for axes in sheet.axes for text in axes.texts] + [text.get_text() for text in sheet.texts]
+
+
+def bars(sheet):
+    return [axes for axes in sheet.axes if axes.axison]
+
+
+def stress(part, top):
+    return np.linspace(0.0, top, len(part.vertices))
+
+
+def test_panels_of_one_field_share_a_bar_that_names_unit_and_limit(ball):
+    panels = [Panel(ball, name, stress(ball, top), "MPa", "von Mises stress", threshold=45.6) for name, top in (("a", 20.0), ("b", 90.0))]
+    sheet = figure(panels, title="both", **SMALL)
+    assert len(bars(sheet)) == 1
+    assert bars(sheet)[0].get_xlim() == pytest.approx((0.0, 90.0))
+    assert {"a", "b", "both", "von Mises stress [MPa]", "limit 45.6"} <= set(words(sheet))
+
+
+def test_different_fields_have_bars_of_their_own_and_plain_panels_none(ball):
+    stressed = Panel(ball, "s", stress(ball, 9.0), "MPa", "stress")
+    panels = [Panel(ball, "plain"), stressed, Panel(ball, "m", stress(ball, 1.0), "", "mask", (0.0, 1.0))]
+    sheet = figure(panels, **SMALL)
+    assert [axes.texts[0].get_text() for axes in bars(sheet)] == ["stress [MPa]", "mask"]
+    assert not bars(figure(panels[:1], **SMALL))
+
+
+def test_a_bar_always_reaches_past_the_limit(ball):
+    sheet = figure([Panel(ball, "calm", stress(ball, 3.0), "MPa", "stress", threshold=45.6)], **SMALL)
+    low, high = bars(sheet)[0].get_xlim()
+    assert low == 0.0
+    assert 45.6 < high < 50.0
+
+
+def test_the_greatest_value_is_marked_and_said_where_it_is_hidden(ball):
+    values = np.zeros(len(ball.vertices))
+    values[ball.vertices[:, 1].argmin()] = 33.3  # towards the viewer
+    seen = words(figure([Panel(ball, "", values, "MPa", "stress", view="front")], **SMALL))
+    assert "max 33.3 MPa" in seen
+    hidden = words(figure([Panel(ball, "", values[_mirrored(ball)], "MPa", "stress", view="front")], **SMALL))
+    assert "max 33.3 MPa (far side)" in hidden
+
+
+def _mirrored(ball):
+    """Index of the vertex opposite in y, so that a field turns to the far side."""
+    flipped = ball.vertices * (1, -1, 1)
+    return np.array([np.linalg.norm(ball.vertices - spot, axis=1).argmin() for spot in flipped])
+
+
+@pytest.mark.parametrize("values", [np.full(8, np.nan), np.zeros(8), np.full(8, -2.0)])
+def test_a_field_without_extent_is_drawn(cube, values):
+    assert figure([Panel(cube, "flat", values, "MPa", "stress")], **SMALL)
+
+
+def test_parts_of_one_place_and_size_share_a_camera_so_that_growth_shows(cube):
+    grown = cube.moved(cube.vertices * 1.05)
+    far = cube.moved(cube.vertices * 2)
+    pictures = [axes.images[0].get_array() for axes in figure([Panel(cube), Panel(grown), Panel(far)], **SMALL).axes]
+    dark = [(picture.min(axis=2) < 200).mean() for picture in pictures]
+    assert dark[1] > 1.05 * dark[0]
+    assert dark[2] == pytest.approx(dark[1], rel=0.02)  # alone in its box: fitted by itself
+
+
+def test_the_sheet_has_the_size_its_panels_ask_for(cube, tmp_path):
+    path = save_figure([Panel(cube, str(k)) for k in range(5)], tmp_path / "sheet.png", columns=2, **SMALL)
+    picture = matplotlib.image.imread(path)
+    assert picture.shape[1] == 2 * 140 + 14 + 2 * 18
+    assert picture.shape[0] > 3 * 120
+    assert [file.name for file in tmp_path.iterdir()] == ["sheet.png"]
+
+
+def test_pictures_are_drawn_pixel_by_pixel(cube):
+    sheet = figure([Panel(cube, "x")], **SMALL)
+    sheet.canvas.draw()
+    drawn = np.asarray(sheet.canvas.buffer_rgba())[..., :3]
+    picture = np.asarray(sheet.axes[0].images[0].get_array())
+    box = sheet.axes[0].get_window_extent()
+    top, left = drawn.shape[0] - round(box.y1), round(box.x0)
+    assert (drawn[top : top + 120, left : left + 140] == picture).all()
+
+
+def test_equal_panels_give_equal_bytes_and_no_global_state(cube):
+    panels = [Panel(cube, "x", stress(cube, 5.0), "MPa", "stress", note="a note")]
+    assert figure_png(panels, **SMALL) == figure_png(panels, **SMALL)
+    assert "matplotlib.pyplot" not in sys.modules or not sys.modules["matplotlib.pyplot"].get_fignums()
+
+
+def test_long_words_are_shortened_to_the_panel(cube):
+    sheet = figure([Panel(cube, "word " * 40, note="note " * 60)], **SMALL)
+    renderer = sheet.canvas.get_renderer()
+    for text in sheet.axes[0].texts:
+        assert text.get_window_extent(renderer).width < 140 + 18
+
+
+def test_bad_requests_are_refused_and_leave_nothing_behind(cube, tmp_path):
+    with pytest.raises(BadInput, match="at least one panel"):
+        figure([])
+    with pytest.raises(BadInput, match="unknown view 'behind'"):
+        figure([Panel(cube, view="behind")])
+    with pytest.raises(BadInput, match=r"give .*sheet\.png"):
+        save_figure([Panel(cube)], tmp_path / "sheet.jpg")
+    with pytest.raises(BadInput, match="does not exist"):
+        save_figure([Panel(cube)], tmp_path / "none" / "sheet.png")
+    with pytest.raises(BadInput, match="one value for each of the 8 vertices"):
+        save_figure([Panel(cube, values=np.zeros(3))], tmp_path / "sheet.png", **SMALL)
+    assert not list(tmp_path.iterdir())
