@@ -161,7 +161,7 @@ class Engine:
             parent="",
             recipe=self.recipe.digest,
             displacement=nothing,
-            colour=start.colour,
+            colour=start.colour.astype(np.float16),
             mask=self._mask(demand, self.bounds.protection),
             share=np.ones(count, np.float32),
             anchor=nothing,
@@ -179,7 +179,7 @@ class Engine:
         steps = 0
         while True:
             if self._other_style(state):
-                self.stylizer.start_from(state.displacement, state.colour)
+                self.stylizer.start_from(state.displacement, state.colour.astype(np.float32))
                 break
             if state.keyframe is not None:
                 self.stylizer.restore(state.keyframe)
@@ -208,7 +208,7 @@ class Engine:
             parent=parent,
             recipe=self.recipe.digest,
             displacement=displacement,
-            colour=proposal.colour,
+            colour=proposal.colour.astype(np.float16),
             style_loss=self.stylizer.loss(displacement, proposal.colour),
             reason="",
             verdict=None,
@@ -231,7 +231,7 @@ class Engine:
         state = replace(state, displacement=simulation.displacement, simulated_at=state.iteration, reason=reason, verdict=verdict)
         if not simulation.failure:
             state = self._restrained(state, simulation, retract=self.recipe.retraction and not last)
-        state = replace(state, anchor=state.displacement, style_loss=self.stylizer.loss(state.displacement, state.colour))
+        state = replace(state, anchor=state.displacement, style_loss=self.stylizer.loss(state.displacement, state.colour.astype(np.float32)))
         return state, Simulated(state.iteration, reason, simulation, verdict, float((state.mask < 0.5).mean()))
 
     def _restrained(self, state: Checkpoint, simulation: Simulation, *, retract: bool) -> Checkpoint:

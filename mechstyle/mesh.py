@@ -44,7 +44,7 @@ class SurfaceMesh:
     Attributes:
         vertices: Positions [mm], shape [vertex_count, 3], float64.
         faces: Vertex indices, anticlockwise seen from outside, shape [face_count, 3], int32.
-        colours: Linear RGB in [0, 1], shape [vertex_count, 3], float32, or None for an uncoloured part.
+        colours: Display RGB in [0, 1], shape [vertex_count, 3], float32, or None for an uncoloured part.
     """
 
     vertices: Floats

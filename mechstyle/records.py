@@ -239,7 +239,7 @@ class Checkpoint:
         parent: Digest of the checkpoint before it, "" for the first.
         recipe: Digest of the recipe in force.
         displacement: D_i along the original normals [mm], shape [vertex_count].
-        colour: RGB in [0, 1], shape [vertex_count, 3].
+        colour: Display RGB in [0, 1], shape [vertex_count, 3]; half precision, finer than any screen, at half the disk.
         mask: Factor on further movement in [0, 1], shape [vertex_count].
         share: Factor on the style's target after retraction in [0, 1], shape [vertex_count].
         anchor: Displacement at the last simulation [mm], shape [vertex_count].
@@ -257,7 +257,7 @@ class Checkpoint:
     parent: str
     recipe: str
     displacement: NDArray[np.float32]
-    colour: NDArray[np.float32]
+    colour: NDArray[np.float16]
     mask: NDArray[np.float32]
     share: NDArray[np.float32]
     anchor: NDArray[np.float32]
@@ -276,5 +276,5 @@ class Checkpoint:
         for field in fields(self):
             value: Any = getattr(self, field.name)
             if isinstance(value, np.ndarray):
-                shape = (count, 3) if field.name == "colour" else (count,)
-                object.__setattr__(self, field.name, frozen_array(value, np.float32, shape, field.name))
+                kind, shape = (np.float16, (count, 3)) if field.name == "colour" else (np.float32, (count,))
+                object.__setattr__(self, field.name, frozen_array(value, kind, shape, field.name))

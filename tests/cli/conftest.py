@@ -1,0 +1,67 @@
+"""The command line as a user meets it: one process, one small run shared by the tests that only look at it."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+SMALL = ("--vertices", "2500", "--iterations", "12", "--orientations", "2")
+
+
+@dataclass(frozen=True)
+class Outcome:
+    code: int
+    stdout: str
+    stderr: str
+
+    @property
+    def json(self):
+        return json.loads(self.stdout)
+
+
+@dataclass(frozen=True)
+class CommandLine:
+    folder: Path
+    cache: Path
+    small: tuple[str, ...] = SMALL
+
+    def start(self, *arguments: object) -> subprocess.Popen[str]:
+        command = [sys.executable, "-m", "mechstyle", *map(str, arguments)]
+        return subprocess.Popen(command, cwd=self.folder, env=self.environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+    @property
+    def environment(self) -> dict[str, str]:
+        return {**os.environ, "MECHSTYLE_CACHE": str(self.cache), "COLUMNS": "160", "NO_COLOR": "1"}
+
+    def __call__(self, *arguments: object, code: int | None = 0) -> Outcome:
+        command = [sys.executable, "-m", "mechstyle", *map(str, arguments)]
+        done = subprocess.run(command, cwd=self.folder, env=self.environment, capture_output=True, text=True, timeout=600, check=False)
+        if code is not None:
+            assert done.returncode == code, done.stdout + done.stderr
+        return Outcome(done.returncode, done.stdout, done.stderr)
+
+
+@pytest.fixture(scope="session")
+def shared_cache(tmp_path_factory) -> Path:
+    """One cache for all command line tests, so that each part is meshed once."""
+    return tmp_path_factory.mktemp("cache")
+
+
+@pytest.fixture
+def mechstyle(tmp_path, shared_cache) -> CommandLine:
+    return CommandLine(tmp_path, shared_cache)
+
+
+@pytest.fixture(scope="session")
+def finished(tmp_path_factory, shared_cache) -> tuple[CommandLine, Path, dict]:
+    """A finished small run: the command line, its directory and the JSON it printed."""
+    folder = tmp_path_factory.mktemp("finished")
+    line = CommandLine(folder, shared_cache)
+    outcome = line("run", "gallery:pen_holder", "--prompt", "brick", *SMALL, "--out", "part", "--json")
+    return line, folder / "part", outcome.json

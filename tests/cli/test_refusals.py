@@ -1,0 +1,153 @@
+"""Bad input gets one clear sentence, a non-zero exit, and leaves nothing behind."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+import trimesh
+
+
+def box(tmp_path, name="box.stl", extents=(40.0, 30.0, 20.0)):
+    path = tmp_path / name
+    trimesh.creation.box(extents).export(path)
+    return path
+
+
+def refused(mechstyle, *arguments, code=2):
+    """The sentence a command was refused with; nothing may be left in the folder."""
+    before = sorted(path.name for path in mechstyle.folder.iterdir())
+    outcome = mechstyle(*arguments, code=code)
+    assert outcome.stdout == ""
+    assert "Traceback" not in outcome.stderr
+    assert sorted(path.name for path in mechstyle.folder.iterdir()) == before
+    lines = [line for line in outcome.stderr.splitlines() if line.startswith("error:")]
+    assert len(lines) == 1
+    return lines[0]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("--prompt", "brik wall", "--material", "PLAA"), "unknown material 'PLAA': did you mean"),
+        (("--prompt", "zzyzx"), "zzyzx"),
+        (("--prompt", "brick", "--control", "exponental"), "did you mean 'exponential'"),
+        (("--prompt", "brick", "--schedule", "stres"), "did you mean 'stress'"),
+        (("--prompt", "brick", "--criterion", "robst"), "did you mean 'robust'"),
+        (("--prompt", "brick", "--iterations", "0"), "iterations is 0, but must lie between 1 and"),
+        (("--prompt", "brick", "--amplitude", "-1"), "amplitude is -1"),
+        (("--prompt", "brick", "--orientations", "0"), "orientations is 0"),
+        (("--prompt", "brick", "--vertices", "10"), "vertices"),
+        (("--prompt", "brick", "--device", "cuda"), "device"),
+        (("--prompt", "brick", "--device", "tpu"), "unknown device 'tpu'"),
+    ],
+)
+def test_values_out_of_the_question(mechstyle, arguments, said):
+    assert said in refused(mechstyle, "run", "gallery:pen_holder", *arguments, "--out", "part")
+
+
+def test_an_unknown_gallery_model_names_the_nearest(mechstyle):
+    assert "did you mean 'pen_holder'" in refused(mechstyle, "run", "gallery:pen_holdr", "--prompt", "brick")
+
+
+def test_a_missing_file(mechstyle):
+    assert "nowhere.stl" in refused(mechstyle, "run", "nowhere.stl", "--prompt", "brick")
+
+
+def test_an_empty_file(mechstyle):
+    (mechstyle.folder / "empty.stl").touch()
+    assert "empty.stl" in refused(mechstyle, "run", "empty.stl", "--prompt", "brick")
+
+
+def test_a_truncated_file(mechstyle):
+    path = box(mechstyle.folder, "cut.stl")
+    path.write_bytes(path.read_bytes()[:-70])
+    assert "cut.stl" in refused(mechstyle, "run", "cut.stl", "--prompt", "brick")
+
+
+def test_something_that_is_no_mesh(mechstyle):
+    (mechstyle.folder / "letter.obj").write_text("Dear Sir or Madam\n")
+    assert "letter.obj" in refused(mechstyle, "run", "letter.obj", "--prompt", "brick")
+
+
+def test_a_mesh_with_nan(mechstyle):
+    mesh = trimesh.creation.box((40, 30, 20))
+    text = trimesh.exchange.obj.export_obj(mesh).replace("20.00000000", "nan", 1)
+    assert "nan" in text
+    (mechstyle.folder / "holes.obj").write_text(text)
+    assert "holes.obj" in refused(mechstyle, "run", "holes.obj", "--prompt", "brick")
+
+
+def test_a_part_in_metres_is_told_its_size_and_the_scale(mechstyle):
+    box(mechstyle.folder, "tiny.stl", (0.04, 0.03, 0.02))
+    assert "--scale 1000" in refused(mechstyle, "run", "tiny.stl", "--prompt", "brick")
+
+
+def test_two_separate_bodies(mechstyle):
+    a, b = trimesh.creation.box((20, 20, 20)), trimesh.creation.box((20, 20, 20))
+    b.apply_translation((60, 0, 0))
+    trimesh.util.concatenate([a, b]).export(mechstyle.folder / "two.stl")
+    assert "two.stl" in refused(mechstyle, "run", "two.stl", "--prompt", "brick")
+
+
+def test_a_surface_that_is_wide_open(mechstyle):
+    mesh = trimesh.creation.icosphere(subdivisions=3, radius=20)
+    mesh.update_faces(mesh.triangles_center[:, 2] < 2.0)
+    mesh.update_faces(np.abs(mesh.triangles_center[:, 0]) > 4.0)
+    mesh.export(mechstyle.folder / "shell.stl")
+    outcome = mechstyle("run", "shell.stl", "--prompt", "brick", code=None)
+    assert outcome.code == 2
+    assert "shell.stl" in outcome.stderr
+
+
+def test_a_bad_scale(mechstyle):
+    box(mechstyle.folder)
+    assert "scale" in refused(mechstyle, "run", "box.stl", "--prompt", "brick", "--scale", "0")
+
+
+def test_a_bad_material_file(mechstyle):
+    (mechstyle.folder / "wood.toml").write_text('name = "wood"\nyoungs_modulus = "stiff"\n')
+    assert "wood.toml" in refused(mechstyle, "run", "gallery:pen_holder", "--prompt", "brick", "--material", "wood.toml")
+
+
+def test_a_folder_that_is_no_run(mechstyle):
+    (mechstyle.folder / "photos").mkdir()
+    assert "is not a run directory" in refused(mechstyle, "log", "photos")
+
+
+def test_a_directory_with_something_else_in_it_is_not_written_to(mechstyle):
+    (mechstyle.folder / "photos").mkdir()
+    (mechstyle.folder / "photos" / "cat.jpg").write_bytes(b"meow")
+    said = refused(
+        mechstyle, "run", "gallery:pen_holder", "--prompt", "brick", "--vertices", "2500", "--iterations", "2", "--out", "photos"
+    )
+    assert "is not a run directory" in said
+
+
+def test_with_json_the_sentence_is_json_too(mechstyle):
+    outcome = mechstyle("run", "nowhere.stl", "--prompt", "brick", "--json", code=2)
+    assert "nowhere.stl" in json.loads(outcome.stdout)["error"]
+
+
+def test_an_unknown_export_format(finished):
+    line, root, _ = finished
+    assert "did you mean" in line("export", f"{root}", "--format", "3fm", code=2).stderr
+
+
+def test_a_damaged_object_is_named(finished, tmp_path):
+    import shutil  # noqa: PLC0415 — used here only
+
+    line, root, _ = finished
+    copy = tmp_path / "damaged"
+    shutil.copytree(root, copy)
+    for path in (copy / "objects").rglob("*"):
+        if path.is_file():
+            path.write_bytes(b"rust")
+    assert "restore it" in line("log", copy, code=2).stderr
+
+
+@pytest.mark.parametrize("command", ["materials", "styles", "gallery", "doctor"])
+def test_lists_print_one_json_object(mechstyle, command):
+    assert mechstyle(command, "--json").json
+    assert mechstyle(command).stdout.strip()

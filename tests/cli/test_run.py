@@ -1,0 +1,175 @@
+"""`run`, `freestyle`, `branch`, `simulate` and what can be done with what they leave."""
+
+from __future__ import annotations
+
+import shutil
+import signal
+
+import numpy as np
+import pytest
+import trimesh
+
+from mechstyle.run import Run
+from mechstyle.store import Store
+
+KEYS = {
+    "verdict",
+    "peak_stress",
+    "allowable",
+    "safety_factor",
+    "baseline",
+    "simulations",
+    "style_loss",
+    "style_loss_ratio",
+    "kept",
+    "seconds",
+    "files",
+}
+
+
+def contents(root, names=("objects", "lanes")):
+    return {str(path.relative_to(root)): path.read_bytes() for name in names for path in sorted((root / name).rglob("*")) if path.is_file()}
+
+
+def test_run_prints_one_json_object_with_what_the_run_came_to(finished):
+    _, _, summary = finished
+    assert set(summary) >= KEYS
+    assert summary["verdict"] == "VIABLE"
+    assert summary["safety_factor"] == pytest.approx(summary["allowable"] / summary["peak_stress"])
+    assert summary["baseline"]["verdict"] == "VIABLE"
+    assert summary["simulations"][-1]["iteration"] == 12
+    assert all(line["reason"] for line in summary["simulations"])
+    assert 0 < summary["kept"] <= 1
+    assert 0 < summary["style_loss_ratio"] < 1
+
+
+def test_json_figures_are_those_of_the_store(finished):
+    _, root, summary = finished
+    run = Run.open(root, "cpu")
+    assert run.verdict.deciding.value == summary["peak_stress"]
+    assert run.checkpoint().style_loss == summary["style_loss"]
+
+
+def test_the_delivered_file_is_the_surface_simulated_last(finished):
+    _, root, summary = finished
+    run = Run.open(root, "cpu")
+    delivered = trimesh.load(
+        summary["files"]["model"] if summary["files"]["model"].startswith("/") else root.parent / summary["files"]["model"],
+        process=False,
+        force="mesh",
+    )
+    state = run.checkpoint()
+    expected = run.part.surface.displaced(state.displacement)
+    assert state.simulated_at == state.iteration
+    assert np.abs(np.sort(delivered.vertices, axis=0) - np.sort(expected.vertices, axis=0)).max() < 1e-4  # decimals of the file
+
+
+def test_the_same_command_again_changes_nothing_and_says_the_same(finished):
+    line, root, summary = finished
+    before = contents(root)
+    again = line("run", "gallery:pen_holder", "--prompt", "brick", *line.small, "--out", "part", "--json").json
+    assert contents(root) == before
+    assert {key: again[key] for key in KEYS - {"seconds"}} == {key: summary[key] for key in KEYS - {"seconds"}}
+
+
+def test_other_settings_in_the_same_directory_are_refused(finished):
+    line, _, _ = finished
+    outcome = line("run", "gallery:pen_holder", "--prompt", "stone", *line.small, "--out", "part", code=2)
+    assert "other settings" in outcome.stderr
+    assert outcome.stdout == ""
+
+
+def test_a_run_killed_at_any_moment_resumes_to_the_same_bytes(finished, tmp_path):
+    line, root, _ = finished
+    arguments = ("run", "gallery:pen_holder", "--prompt", "brick", *line.small, "--out", tmp_path / "killed", "--json")
+    with line.start(*arguments) as process:
+        store = Store(tmp_path / "killed")
+        while process.poll() is None and not (store.lanes() and store.lane().head and store.find(None).iteration >= 3):
+            pass
+        process.send_signal(signal.SIGKILL)
+    assert not store.is_finished(), "it must have been killed on the way"
+    line(*arguments)
+    assert contents(tmp_path / "killed", ("lanes",)) == contents(root, ("lanes",))
+    kept = contents(tmp_path / "killed", ("objects",))
+    assert {name: data for name, data in kept.items() if ".new-" not in name} == contents(root, ("objects",))
+
+
+def test_freestyle_simulates_once_and_keeps_everything(mechstyle):
+    summary = mechstyle("freestyle", "gallery:pen_holder", "--prompt", "brick", *mechstyle.small, "--out", "free", "--json").json
+    assert [line["reason"] for line in summary["simulations"]] == ["last iteration"]
+    assert summary["kept"] == pytest.approx(1.0, abs=1e-4)
+
+
+@pytest.fixture
+def branched(finished, tmp_path):
+    line, root, _ = finished
+    copy = tmp_path / "part"
+    shutil.copytree(root, copy)
+    outcome = line("branch", f"{copy}@6", "--lane", "linear", "--control", "linear", "--schedule", "every", "--every", "3", "--json")
+    return line, copy, outcome.json
+
+
+def test_a_branch_shares_its_past_and_follows_its_own_settings(branched):
+    _, root, summary = branched
+    store = Store(root)
+    main, branch = store.history("main"), store.history("linear")
+    assert [entry.digest for entry in branch[:7]] == [entry.digest for entry in main[:7]]
+    assert branch[7].digest != main[7].digest
+    assert [entry["iteration"] for entry in summary["simulations"] if entry["iteration"] > 6][:2] == [9, 12]
+
+
+def test_log_lists_both_lanes_with_reasons(branched):
+    line, root, _ = branched
+    lanes = line("log", root, "--json").json["lanes"]
+    assert [lane["lane"] for lane in lanes] == ["main", "linear"]
+    assert lanes[1]["forked_at"] == 6
+    text = line("log", root).stdout
+    assert "branched at 6" in text
+    assert "every 3 iterations" in text
+
+
+def test_a_branch_needs_an_iteration_that_exists(finished):
+    line, root, _ = finished
+    assert "holds 0 to 12" in line("branch", f"{root}@99", "--control", "linear", code=2).stderr
+
+
+@pytest.mark.parametrize("form", ["3mf", "glb", "obj", "ply", "stl"])
+def test_export_writes_every_format(finished, tmp_path, form):
+    line, root, _ = finished
+    line("export", f"{root}@5", "--format", form, "--out", tmp_path / f"part.{form}")
+    mesh = trimesh.load(tmp_path / f"part.{form}", force="mesh")
+    assert mesh.is_watertight
+    scale = 1000.0 if form == "glb" else 1.0  # glTF is in metres
+    assert mesh.volume * scale**3 == pytest.approx(Run.open(root, "cpu").surface(5).volume, rel=1e-3)
+
+
+def test_an_unsimulated_iteration_says_so_when_exported(finished, tmp_path):
+    line, root, _ = finished
+    assert "was not simulated" in line("export", f"{root}@5", "--out", tmp_path / "x.stl").stdout
+
+
+def test_show_writes_a_picture(finished, tmp_path):
+    line, root, _ = finished
+    outcome = line("show", f"{root}@6", "--out", tmp_path / "six.png", "--json").json
+    assert outcome["iteration"] == 6
+    assert (tmp_path / "six.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
+
+
+def test_simulate_reports_the_part_as_it_is(mechstyle):
+    outcome = mechstyle("simulate", "gallery:pen_holder", "--vertices", "2500", "--orientations", "1", "--json").json
+    assert outcome["verdict"] == "VIABLE"
+    assert outcome["peak_stress"] < outcome["allowable"] == 45.6
+    assert (mechstyle.folder / outcome["files"]["picture"]).is_file()
+
+
+@pytest.mark.parametrize("control", ["linear", "exponential", "frozen"])
+@pytest.mark.parametrize("schedule", ["every", "quadratic", "exponential", "geometry", "stress", "never", "always"])
+def test_every_control_with_every_schedule_ends_viable(finished, tmp_path, control, schedule):
+    """In one process, on the part of the finished run: what the command line would do, without its start-up."""
+    _, root, _ = finished
+    copy = tmp_path / "part"
+    shutil.copytree(root, copy)
+    branch = Run.open(copy, "cpu").branch(0, control=control, schedule=schedule, every=4, iterations=8, orientations=1)
+    assert branch.go().verdict.outcome == "VIABLE"
+    reasons = [line.reason for line in branch.summary.simulations]
+    assert reasons[-1] == "last iteration" or reasons[-1].startswith("back-off")
