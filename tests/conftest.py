@@ -1,0 +1,38 @@
+"""What all tests share: repeatable Hypothesis runs, and two surfaces whose answers are known."""
+
+import itertools
+
+import numpy as np
+import pytest
+from hypothesis import settings
+
+from mechstyle.mesh import SurfaceMesh
+
+# Derandomised: a red test is red for everybody. No deadline: two workers share the cores, and a slow example is not a wrong one.
+settings.register_profile("repeatable", derandomize=True, deadline=None, max_examples=60)
+settings.load_profile("repeatable")
+
+# Corner 4x + 2y + z of the unit cube; two triangles a side, anticlockwise seen from outside.
+_CUBE_SIDES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+
+
+@pytest.fixture(scope="session")
+def cube() -> SurfaceMesh:
+    """A cube of side 10 mm in the positive octant: 8 vertices, 12 faces."""
+    corners = np.array(list(itertools.product((0.0, 10.0), repeat=3)))
+    return SurfaceMesh(corners, np.array([face for a, b, c, d in _CUBE_SIDES for face in ((a, b, c), (a, c, d))]))
+
+
+@pytest.fixture(scope="session")
+def sphere() -> SurfaceMesh:
+    """A sphere of radius 10 mm about the origin, octahedron quartered five times: 4098 vertices, 8192 faces."""
+    points = np.array([(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)], dtype=float)
+    faces = np.array([(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5)])
+    for _ in range(5):
+        edges, which = np.unique(np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0, return_inverse=True)
+        ab, bc, ca = (len(points) + which.reshape(-1, 3)).T
+        a, b, c = faces.T
+        points = np.vstack([points, points[edges].mean(axis=1)])
+        points /= np.linalg.norm(points, axis=1, keepdims=True)
+        faces = np.vstack([np.stack(three, axis=1) for three in ((a, ab, ca), (b, bc, ab), (c, ca, bc), (ab, bc, ca))])
+    return SurfaceMesh(10.0 * points, faces)
