@@ -58,8 +58,8 @@ def demand(stress: Field, baseline: Field, material: Material, normalisation: st
 
 
 def linear(s_norm: Field) -> Field:
-    """1 − s_norm, clamped to [0, 1]."""
-    return np.clip(1.0 - s_norm, 0.0, 1.0).astype(np.float32)
+    """1 − s_norm, clamped to [0, 1]; like the other masks 0 where s_norm is not a number."""
+    return np.fmin(np.fmax(1.0 - s_norm, 0.0), 1.0).astype(np.float32)
 
 
 def exponential(s_norm: Field) -> Field:

@@ -63,9 +63,7 @@ def exponential(_recipe: Recipe, progress: Progress) -> str:
 
 def _late_check(recipe: Recipe, progress: Progress) -> str:
     late = round(LATE_CHECK * recipe.iterations)
-    if progress.iteration == late and progress.simulated_at < late:
-        return f"late check at {LATE_CHECK:.0%} of the iterations"
-    return ""
+    return f"late check after {LATE_CHECK:.0%} of the iterations" if progress.iteration >= late > progress.simulated_at else ""
 
 
 def geometry(recipe: Recipe, progress: Progress) -> str:
