@@ -1,0 +1,182 @@
+"""From displacement to verdict: what is remembered, what is meshed anew, and what a failure becomes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import msgspec
+import numpy as np
+import pytest
+import trimesh
+
+from mechstyle import simulator as module
+from mechstyle.errors import SimulationFailed
+from mechstyle.geometry.tetrahedra import tetrahedralise
+from mechstyle.material import LIBRARY
+from mechstyle.mesh import SurfaceMesh
+from mechstyle.records import Recipe
+from mechstyle.simulator import DropSimulator
+from mechstyle.store import Memo, Objects
+
+
+@pytest.fixture(scope="module")
+def block():
+    """A 30 × 20 × 10 mm block and its tetrahedra."""
+    box = trimesh.creation.box((30.0, 20.0, 10.0))
+    box.apply_translation((0, 0, 5.0))
+    for _ in range(3):
+        box = box.subdivide()
+    surface = SurfaceMesh(box.vertices, box.faces)
+    return surface, tetrahedralise(surface, 600)
+
+
+@pytest.fixture
+def memo(tmp_path):
+    return Memo(tmp_path / "memo", Objects(tmp_path / "objects"))
+
+
+@pytest.fixture
+def drops(monkeypatch):
+    """Counts drop tests; each entry is the number of orientations."""
+    counted, real = [], module.drop
+
+    def counting(tets, material, floor_normals, test, **options):
+        counted.append(len(floor_normals))
+        return real(tets, material, floor_normals, test, **options)
+
+    monkeypatch.setattr(module, "drop", counting)
+    return counted
+
+
+def simulator(block, memo, **settings) -> DropSimulator:
+    surface, tets = block
+    chosen = {"orientations": 2, "window": 0.1, **settings}
+    recipe = Recipe(surface=surface.digest, tetrahedra=tets.digest, prompt="", material=LIBRARY["PLA"], **chosen)
+    return DropSimulator(surface, tets, recipe, memo)
+
+
+def bumps(block, height=0.2):
+    """A smooth relief that is zero on the resting face."""
+    x, y, z = block[0].vertices.T
+    return (height * np.sin(x) * np.sin(y) * (z > 3.0)).astype(np.float32)
+
+
+def test_no_relief_is_the_baseline_bit_for_bit_and_viable(block, memo):
+    sim = simulator(block, memo)
+    again = sim.simulate(np.zeros(len(block[0].vertices), np.float32), thorough=True)
+    assert np.array_equal(again.stress, sim.baseline.stress)
+    assert sim.judge(again).viable
+
+
+def test_stress_is_there_and_bounded_by_the_literal_maximum(block, memo):
+    base = simulator(block, memo).baseline
+    assert 0 < base.stress.max() <= base.as_placed.maximum
+    assert np.all(base.envelope >= base.stress - 1e-4)
+    assert base.contact.any()
+    assert block[0].vertices[base.contact, 2].max() < 1.5  # a block standing flat touches with its underside only
+
+
+def test_the_same_question_is_simulated_once(block, memo, drops):
+    sim = simulator(block, memo)
+    first = sim.simulate(bumps(block), thorough=False)
+    second = simulator(block, memo).simulate(bumps(block), thorough=False)
+    assert drops == [1]
+    assert np.array_equal(first.stress, second.stress)
+    assert first.as_placed == second.as_placed
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"window": 0.12},
+        {"drop_height": 1000.0},
+        {"damping": 2e-4},
+        {"friction": 0.3},
+        {"material": msgspec.structs.replace(LIBRARY["PLA"], youngs_modulus=2000.0)},
+    ],
+)
+def test_anything_that_matters_makes_it_another_question(block, memo, drops, settings):
+    sim = simulator(block, memo)
+    sim.simulate(bumps(block), thorough=False)
+    replace(sim, recipe=msgspec.structs.replace(sim.recipe, **settings)).simulate(bumps(block), thorough=False)
+    assert drops == [1, 1]
+
+
+def test_what_does_not_matter_does_not(block, memo, drops):
+    for settings in ({}, {"control": "linear"}, {"schedule": "never"}, {"iterations": 3}, {"seed": 7}):
+        simulator(block, memo, **settings).simulate(bumps(block), thorough=False)
+    assert drops == [1]
+
+
+def test_the_baseline_is_shared_between_runs(block, memo, tmp_path, drops):
+    shared = Memo(tmp_path / "shared", Objects(tmp_path / "shared-objects"))
+    for name in ("a", "b"):
+        own = Memo(tmp_path / name, Objects(tmp_path / f"{name}-objects"))
+        assert replace(simulator(block, own), shared=shared).baseline.stress.any()
+    assert drops == [2]
+
+
+def test_only_the_thorough_test_turns_the_part(block, memo, drops):
+    sim = simulator(block, memo)
+    assert sim.simulate(bumps(block), thorough=False).overall is None
+    assert sim.simulate(bumps(block), thorough=True).overall is not None
+    assert drops == [1, 2]
+
+
+def test_what_the_tets_could_not_follow_is_taken_out(block, memo):
+    wild = (np.random.default_rng(0).choice([-4.0, 4.0], len(block[0].vertices)) * (block[0].vertices[:, 2] > 3.0)).astype(np.float32)
+    result = simulator(block, memo).simulate(wild, thorough=False)
+    assert result.backed_off > 0
+    assert np.abs(result.displacement).max() <= 4.0
+    assert np.abs(result.displacement - wild).max() == pytest.approx(result.deviation, abs=1e-3)
+
+
+def test_relief_under_an_unprotected_part_is_meshed_fresh(block, memo, monkeypatch):
+    asked = []
+
+    def meshed(surface, target, **options):
+        asked.append(surface.digest)
+        return tetrahedralise(surface, target, **options)
+
+    monkeypatch.setattr(module, "tetrahedralise", meshed)
+    sim = simulator(block, memo, protect_resting_face=False, orientations=1)
+    assert sim.simulate(bumps(block), thorough=False).meshing == "morphed"
+    assert sim.simulate(bumps(block), thorough=True).meshing == "fresh"
+    assert asked == [block[0].displaced(bumps(block)).digest]
+
+
+def test_a_surface_that_cannot_be_meshed_fresh_falls_back_and_says_so(block, memo, monkeypatch):
+    def refuse(*_args, **_options):
+        raise SimulationFailed("fTetWild gave up")
+
+    monkeypatch.setattr(module, "tetrahedralise", refuse)
+    result = simulator(block, memo, protect_resting_face=False, orientations=1).simulate(bumps(block), thorough=True)
+    assert result.meshing.startswith("morphed, as")
+    assert "fTetWild gave up" in result.meshing
+
+
+def test_a_drop_that_breaks_down_is_unknown_never_viable(block, memo, monkeypatch):
+    sim = simulator(block, memo)
+    assert sim.judge(sim.baseline).viable
+    real = module.drop
+
+    def broken(*args, **options):
+        return replace(real(*args, **options), failure="the energy grew")
+
+    monkeypatch.setattr(module, "drop", broken)
+    result = sim.simulate(bumps(block), thorough=True)
+    assert result.failure == "the energy grew"
+    assert sim.judge(result).outcome == "UNKNOWN"
+
+
+def test_progress_can_cancel_a_drop(block, memo):
+    class Enough(Exception):
+        pass
+
+    def stop(_fraction):
+        raise Enough
+
+    sim = replace(simulator(block, memo), progress=stop)
+    with pytest.raises(Enough):
+        sim.simulate(bumps(block), thorough=False)
+    assert replace(sim, progress=lambda _: None).simulate(bumps(block), thorough=False).stress.any()
