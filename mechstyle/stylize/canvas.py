@@ -16,15 +16,16 @@ from mechstyle.stylize.operators import Operators
 
 _REFERENCE_AREA = 60_000.0  # surface of a 100 mm cube or pen holder [mm²], on which features have their nominal size
 _SCALES = (0.2, 4.0)
+_SOFTENING = 0.35  # halves a pattern that alternates from vertex to vertex, and leaves one of six edges nearly as it was
 
 
 class Bond(NamedTuple):
-    """Cells in rows, every second row shifted by half a cell.
+    """Cells in rows.
 
     Attributes:
         x: Place along the row in the cell, in [-½, ½], 0 in the middle, shape [n].
         y: Place across the row, upwards, in [-½, ½], shape [n].
-        odd: Whether the row is a shifted one, shape [n].
+        odd: Whether the row is one of every second, shape [n].
     """
 
     x: Floats
@@ -56,12 +57,6 @@ class Canvas:
         """Positions [mm], shape [n, 3]."""
         return self.mesh.vertices
 
-    @property
-    def height(self) -> Floats:
-        """Height above the lowest point over the part's whole height, shape [n]."""
-        z = self.mesh.vertices[:, 2]
-        return np.asarray((z - z.min()) / max(float(np.ptp(z)), 1e-9))
-
     @cached_property
     def chart(self) -> Chart:
         """Where rows and columns lie."""
@@ -85,12 +80,20 @@ class Canvas:
             )
         return max(self.scale, needed)
 
-    def bond(self, length: float, height: float, margin: float = 0.0) -> Bond:
-        """Rows of cells `length` by `height` [mm] in running bond; box-like parts end `margin` [mm] inside the outermost cells."""
+    def bond(self, length: float, height: float, *, shift: float = 0.5, margin: float = 0.0, grip: float = 1.0) -> Bond:
+        """Rows of cells, by default in running bond.
+
+        Args:
+            length: Of a cell along its row [mm].
+            height: Of a row [mm].
+            shift: How far every second row is shifted [cells].
+            margin: How far inside the outermost cells a box-like part ends [mm].
+            grip: How firmly cells stay above each other where the part gets narrower; below 1 they rather keep their length.
+        """
         row = self.chart.rows(height, margin)
         nearest = np.round(row)
         odd = nearest % 2 == 1
-        column = self.chart.columns(length, margin) + 0.5 * odd
+        column = self.chart.columns(length, margin, grip) + shift * odd
         return Bond(column - np.round(column), row - nearest, odd)
 
     def noise(self, wavelength: float, octaves: int = 4, salt: str = "", at: Floats | None = None) -> Floats:
@@ -127,6 +130,10 @@ class Canvas:
         if label is not None:
             together &= label[tail] == label[head]
         return self.operators.components(together)
+
+    def softened(self, values: Floats) -> Floats:
+        """Values [n] or [n, k] averaged with their neighbours' mean: edges sharper than the mesh can carry no longer look like combs."""
+        return (1.0 - _SOFTENING) * values + _SOFTENING * (self.operators.ring_mean @ values)
 
     def smoothed(self, values: Floats, length: float) -> Floats:
         """Values diffused over `length` [mm]."""

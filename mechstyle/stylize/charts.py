@@ -29,8 +29,8 @@ class Chart(Protocol):
     def up(self) -> Floats:
         """Unit tangent across the rows, upwards, shape [n, 3]."""
 
-    def columns(self, length: float, margin: float) -> Floats:
-        """Phase along the horizontal [columns], one every `length` [mm], shape [n]."""
+    def columns(self, length: float, margin: float, grip: float) -> Floats:
+        """Phase along the horizontal [columns], one every `length` [mm], modulo one; shape [n]."""
 
     def rows(self, height: float, margin: float) -> Floats:
         """Phase upwards [rows], one every `height` [mm], modulo two, shape [n]."""
@@ -49,13 +49,24 @@ class StripeChart:
         self.along = horizontal_lines(operators)
         self.up = np.cross(operators.mesh.vertex_normals, self.along)
 
-    def columns(self, length: float, margin: float) -> Floats:  # noqa: ARG002  (stripes end nowhere, so need no margin)
-        """Phase along the horizontal, modulo two columns so that their parity is known; see `Chart`."""
-        return stripes(self._operators, self.along, length)
+    def columns(self, length: float, margin: float, grip: float) -> Floats:  # noqa: ARG002  (stripes end nowhere)
+        """Phase along the horizontal; see `Chart`, and `stripes` for the grip."""
+        return stripes(self._operators, self.along, length, grip=grip)
 
-    def rows(self, height: float, margin: float) -> Floats:  # noqa: ARG002
-        """Phase upwards, solved at half the frequency so that the rows' parity is known; see `Chart`."""
-        return 2.0 * stripes(self._operators, self.up, 2.0 * height)
+    def rows(self, height: float, margin: float) -> Floats:
+        """Phase upwards; see `Chart`. It is solved at half the frequency, so that the rows' parity is known.
+
+        Rows are stretched a little so that a whole number fills the height from `margin` below the part to as much above it, and on the
+        outside of upright walls they start there; the solution is free to slide, so that this costs nothing.
+        """
+        mesh = self._operators.mesh
+        low, extent = mesh.vertices[:, 2].min() - margin, mesh.extents[2] + 2.0 * margin
+        period = 2.0 * extent / max(round(extent / height), 1.0)
+        wished = (mesh.vertices[:, 2] - low) / period - 0.25
+        outwards = mesh.vertices - mesh.vertices.mean(axis=0)
+        outside = np.einsum("ij,ij->i", outwards[:, :2], mesh.vertex_normals[:, :2]) > 0.0
+        upright = np.linalg.norm(mesh.vertex_normals[:, :2], axis=1) ** 4
+        return 2.0 * stripes(self._operators, self.up, period, start=outside * upright * np.exp(2j * np.pi * wished))
 
 
 class BoxChart:
@@ -85,7 +96,7 @@ class BoxChart:
         """Unit tangent across the rows, shape [n, 3]."""
         return np.asarray(self._axes[self._row_axis])
 
-    def columns(self, length: float, margin: float) -> Floats:
+    def columns(self, length: float, margin: float, grip: float) -> Floats:  # noqa: ARG002  (columns of a box are all alike)
         """Phase along the horizontal; see `Chart`."""
         phase = self._fitted(self._column_axis, length, 0.5, margin)
         return phase + np.where(self._face == 0, 0.5, 0.0)

@@ -13,7 +13,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from mechstyle.mesh import Floats
-from mechstyle.stylize.operators import Operators, factorised
+from mechstyle.stylize.operators import Complexes, Operators, factorised
 
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -47,23 +47,37 @@ def horizontal_lines(operators: Operators) -> Floats:
     return np.asarray(np.where(against[:, None], -lines, lines))
 
 
-def stripes(operators: Operators, direction: Floats, period: float) -> Floats:
+def stripes(
+    operators: Operators, direction: Floats, period: float, *, grip: float = 1.0, start: Complexes | None = None
+) -> Floats:
     """Phase of stripes [cycles] that grows by one every `period` [mm] along `direction`, a line field with arrows; shape [n], in [-½, ½].
 
     The smallest eigenvector of the energy of Knöppel et al. (2015), by inverse iteration from a fixed start. Where the arrows of an
     edge's ends point against each other the phases are compared mirrored. Edges across which the lines themselves disagree (a floor
     meeting a wall) hold little, so that the stripes break there rather than bend everywhere.
+
+    Args:
+        operators: Of the surface.
+        direction: Unit tangents, shape [n, 3].
+        period: Width of one stripe [mm].
+        grip: How firmly a stripe holds on to itself along its own length, in (0, 1]. Below 1 stripes rather end than get narrower
+            where the surface does; neighbouring rows of bricks may differ in number, ribs may not.
+        start: Wished waves e^{2πi phase} times how much they matter, shape [n]; of all equally smooth solutions the one most like them
+            is found. Without it, any.
     """
     count, tail, head = len(operators.mesh.vertices), operators.tail, operators.head
     agreement = np.einsum("ij,ij->i", operators.carried(direction[tail]), direction[head])
     sign = np.where(agreement < 0.0, -1.0, 1.0)
     along = np.einsum("ij,ij->i", operators.edge_vectors, 0.5 * (direction[tail] + sign[:, None] * direction[head]))
-    weights = operators.weights * np.maximum(agreement**2, 0.01) ** 4
+    across = along**2 / (operators.edge_vectors**2).sum(axis=1)
+    weights = operators.weights * np.maximum(agreement**2, 0.01) ** 4 * (grip + (1.0 - grip) * across)
     energy = _stripe_energy(count, operators, 2.0 * np.pi / period * along, sign, weights)
 
     mass = np.tile(operators.mesh.vertex_areas, 2)
     solver = factorised(energy + sp.diags_array(1e-6 * mass))
     psi = np.random.default_rng(0).normal(size=2 * count)
+    if start is not None:
+        psi = 1e-3 * psi + np.concatenate([start.real, start.imag])
     for _ in range(_INVERSE_ITERATIONS):
         psi = solver.solve(mass * psi)
         psi /= np.sqrt(mass @ psi**2)

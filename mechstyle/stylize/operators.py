@@ -98,6 +98,14 @@ class Operators:
         values = np.concatenate([turn, turn.conj(), degree.astype(np.complex128)])
         return sp.csr_array((values, (rows, columns)), (count, count))
 
+    @cached_property
+    def ring_mean(self) -> sp.csr_array:
+        """Matrix that takes the mean over each vertex's neighbours, shape [vertex_count, vertex_count]."""
+        count, ones = len(self.mesh.vertices), np.ones(len(self.tail))
+        graph = sp.csr_array((ones, (self.tail, self.head)), (count, count))
+        graph = graph + graph.T
+        return sp.csr_array(sp.diags_array(1.0 / np.maximum(graph.sum(axis=1), 1.0)) @ graph)
+
     def diffused(self, values: Floats, length: float) -> Floats:
         """Values [n] or [n, k] smoothed over `length` [mm]: one implicit step of heat flow."""
         mass = sp.diags_array(self.mesh.vertex_areas)

@@ -21,12 +21,10 @@ class Cells(NamedTuple):
 
     Attributes:
         identity: Index of the nearest point, shape [n].
-        centre: Distance to it [mm], shape [n].
         edge: Distance to the border with the second nearest's cell [mm], shape [n].
     """
 
     identity: Indices
-    centre: Floats
     edge: Floats
 
 
@@ -37,13 +35,11 @@ class Stamps(NamedTuple):
         identity: Index of the stamp.
         x: Offset along its first axis [mm].
         y: Offset along its second axis [mm].
-        depth: Offset along its normal [mm].
     """
 
     identity: Indices
     x: Floats
     y: Floats
-    depth: Floats
 
 
 def embedded(points: Floats, normals: Floats, spacing: float) -> Floats:
@@ -70,7 +66,7 @@ def worley(places: Floats, normals: Floats, points: Indices, queries: Floats, sp
     distance, nearest = cKDTree(sites).query(embedded(queries, normals, spacing), k=2)
     apart = np.linalg.norm(sites[nearest[:, 0]] - sites[nearest[:, 1]], axis=1)
     border = (distance[:, 1] ** 2 - distance[:, 0] ** 2) / (2.0 * np.maximum(apart, 1e-9))
-    return Cells(nearest[:, 0].astype(np.int32), distance[:, 0], border)
+    return Cells(nearest[:, 0].astype(np.int32), border)
 
 
 def stamps(mesh: SurfaceMesh, points: Indices, axis: Floats, count: int, spacing: float) -> Stamps:
@@ -81,10 +77,9 @@ def stamps(mesh: SurfaceMesh, points: Indices, axis: Floats, count: int, spacing
     identity = np.asarray(nearest, dtype=np.int32).reshape(len(coordinates), count)
     centre = points[identity]
     offset = mesh.vertices[:, None, :] - mesh.vertices[centre]
-    first, normal = axis[centre], mesh.vertex_normals[centre]
-    second = np.cross(normal, first)
-    x, y, depth = (np.einsum("nki,nki->nk", offset, direction) for direction in (first, second, normal))
+    first = axis[centre]
+    second = np.cross(mesh.vertex_normals[centre], first)
+    x, y = (np.einsum("nki,nki->nk", offset, direction) for direction in (first, second))
     # Around a bend the projection shortens offsets; the true distance is put back.
-    stretch = np.linalg.norm(offset, axis=2) / np.maximum(np.hypot(x, y), 1e-9)
-    stretch = np.clip(stretch, 1.0, 1.5)
-    return Stamps(identity, x * stretch, y * stretch, depth)
+    stretch = np.clip(np.linalg.norm(offset, axis=2) / np.maximum(np.hypot(x, y), 1e-9), 1.0, 1.5)
+    return Stamps(identity, x * stretch, y * stretch)

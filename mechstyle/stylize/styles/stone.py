@@ -23,11 +23,11 @@ def stone(canvas: Canvas) -> Relief:
     own = canvas.random(cells.identity, "height")
     top = 0.10 + 0.35 * own + 0.55 * rounding + 0.28 * rough
     tone = np.clip(0.5 + 0.55 * (canvas.random(cells.identity, "tone") - 0.5) + 0.30 * rough + 0.15 * grain, 0.0, 1.0)
-    cool = ramp(["4d4f52", "74777a", "9a9c9c", "c2c2be"], tone)
-    warm = ramp(["54493c", "7d6f5d", "a3947e", "c9bda7"], tone)
+    cool = ramp(["5d6064", "84878a", "a8aaaa", "cfcfca"], tone)
+    warm = ramp(["65584a", "8f806c", "b3a48d", "d6cab4"], tone)
     body = mix(cool, warm, smoothstep(0.35, 0.65, canvas.random(cells.identity, "hue")))
-    colour = mix(rgb("2f2c29"), body, smoothstep(0.15, 0.85, face))
-    return Relief(-0.85 + (0.85 + top) * face, colour, face)
+    colour = mix(rgb("4b453d"), body, face)
+    return Relief(canvas.softened(-0.85 + (0.85 + top) * face), canvas.softened(colour), face)
 
 
 STYLE = Style(
