@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import itertools
 import math
-import os
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -15,10 +12,22 @@ import warp as wp
 from numpy.typing import ArrayLike, NDArray
 
 from mechstyle.errors import BadInput, MissingPiece
-from mechstyle.fea import kernels
 from mechstyle.fea.discretisation import Discretisation, discretise
 from mechstyle.fea.elasticity import LAWS, law_named
-from mechstyle.fea.integration import RECORD_EVERY, Batch, DeviceBody, Scheme, largest_frequency
+from mechstyle.fea.integration import (
+    QUANTITIES,
+    RECORD_EVERY,
+    Batch,
+    Body,
+    Scheme,
+    failing,
+    integrate,
+    largest_frequency,
+    stable_step,
+    total_energy,
+)
+from mechstyle.fea.on_cores import CoreBody
+from mechstyle.fea.on_device import DeviceBody
 from mechstyle.material import Material
 from mechstyle.mesh import Floats, TetMesh, frozen_array
 
@@ -27,10 +36,6 @@ GRAVITY = 9.81e-3
 
 SAMPLES = 120
 """Samples of the history per drop, about: enough to see a bounce, a few per cent of the work."""
-
-SAMPLES_PER_CHUNK = 2
-ENERGY_GROWTH = 1.05
-"""Mechanical energy beyond this multiple of what fall and weight gave means an unstable integration, not physics."""
 
 Law = Literal["stable_neo_hookean", "st_venant_kirchhoff"]
 
@@ -78,8 +83,7 @@ class DropTest:
 class History:
     """Energies and forces over a drop; arrays over samples and orientations have shape [samples, orientations].
 
-    `kinetic + strain + contact_loss + damping_loss − gravity_work` stays what it was at first touch, but for the error of
-    the integration.
+    Energy is conserved: kinetic + strain + contact_loss + damping_loss − gravity_work is what it was at first touch.
 
     Attributes:
         time: Time since first touch [ms], shape [samples].
@@ -87,7 +91,8 @@ class History:
         strain: Strain energy [mJ].
         gravity_work: Work done by weight since first touch [mJ].
         contact_loss: Kinetic energy taken by the floor since first touch: impact of lumped masses and friction [mJ].
-        damping_loss: Energy dissipated in the material since first touch, trapezoidal over the samples [mJ].
+        damping_loss: What is missing then, the energy dissipated in the material, with the error of the integration [mJ]; the
+            error alone, within 3 % of the energy at first touch, without damping.
         peak_stress: Largest von Mises stress in the part at that moment [MPa].
         contact_force: Mean normal force of the floor since the sample before [N].
         momentum: Momentum along the floor normal, negative while falling [g mm/ms = mN s].
@@ -102,11 +107,6 @@ class History:
     peak_stress: Floats
     contact_force: Floats
     momentum: Floats
-
-    @property
-    def balance(self) -> Floats:
-        """The sum that should be constant [mJ], shape [samples, orientations]."""
-        return self.kinetic + self.strain + self.contact_loss + self.damping_loss - self.gravity_work
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,9 +179,13 @@ def drop(
     """
     normals = _unit(directions)
     where = resolve_device(device)
-    body = discretise(tets, material, test.added_mass)
-    scheme = _scheme(body, DeviceBody(body, where), material, test)
-    return integrate(tets, body, scheme, normals, where, progress)
+    discretisation = discretise(tets, material, test.added_mass)
+    body: Body = CoreBody(discretisation) if where == "cpu" else DeviceBody(discretisation, where)
+    scheme = scheme_for(body, discretisation, material, test)
+    heights = discretisation.tets.vertices @ normals.T
+    batches = body.batches(scheme, normals, heights - heights.min(axis=0))
+    rows = integrate(batches, scheme, discretisation.masses.sum(), progress or (lambda _: None))
+    return _drop(tets, discretisation, scheme, batches, rows)
 
 
 def resolve_device(device: str) -> str:
@@ -196,10 +200,14 @@ def resolve_device(device: str) -> str:
         raise MissingPiece(f"device {device!r} is not there; use 'cpu' or 'auto', or install an NVIDIA driver") from error
 
 
-def stable_step(frequency: float, damping: float, safety: float) -> float:
-    """Δt = safety (2/ω)(sqrt(1 + ξ²) − ξ), ξ = βω/2 [ms]: central differences with lagged viscous stress (Belytschko et al. 2014, §6.2)."""
-    xi = 0.5 * damping * frequency
-    return safety * 2.0 / frequency * (math.sqrt(1.0 + xi * xi) - xi)
+def scheme_for(body: Body, discretisation: Discretisation, material: Material, test: DropTest) -> Scheme:
+    """Step and sampling of a test: whole strides fill the window exactly, so that all meshes see the same time."""
+    law = law_named(test.law, material)
+    step = test.safety * stable_step(largest_frequency(body, discretisation, law), test.damping)
+    steps = math.ceil(test.window / step)
+    stride = RECORD_EVERY * math.ceil(steps / (RECORD_EVERY * SAMPLES))
+    samples = math.ceil(steps / stride)
+    return Scheme(law, test.window / (samples * stride), test.damping, GRAVITY, test.friction, test.speed, stride, samples)
 
 
 def _unit(directions: ArrayLike) -> Floats:
@@ -213,89 +221,47 @@ def _unit(directions: ArrayLike) -> Floats:
     return normals / lengths
 
 
-def _scheme(body: Discretisation, on_device: DeviceBody, material: Material, test: DropTest) -> Scheme:
-    """Step and sampling of a test: whole strides fill the window exactly, so that all meshes see the same time."""
-    law = law_named(test.law, material)
-    limit = stable_step(largest_frequency(on_device, body.masses, law), test.damping, test.safety)
-    steps = math.ceil(test.window / limit)
-    stride = RECORD_EVERY * math.ceil(steps / (RECORD_EVERY * SAMPLES))
-    samples = math.ceil(steps / stride)
-    return Scheme(law, test.window / (samples * stride), test.damping, GRAVITY, test.friction, test.speed, stride, samples)
+def _drop(tets: TetMesh, discretisation: Discretisation, scheme: Scheme, batches: Sequence[Batch], rows: Floats) -> Drop:
+    """Bring the results back to the caller's numbering; a failed drop has no stress but infinity."""
+    peak = np.concatenate([batch.peak() for batch in batches])
+    failure = _failure(rows, scheme)
+    von_mises = np.full((len(peak), len(tets.tets)), np.inf, dtype=np.float32)
+    if not failure:
+        von_mises[:, discretisation.tet_order] = peak
+    contact = np.zeros((len(peak), len(tets.vertices)), dtype=bool)
+    contact[:, discretisation.vertex_order] = np.concatenate([batch.touched() for batch in batches])
+    steps = scheme.samples * scheme.stride
+    return Drop(von_mises, contact, scheme.time_step, steps, discretisation.added_mass, _history(rows, scheme), failure)
 
 
-def integrate(
-    tets: TetMesh, body: Discretisation, scheme: Scheme, normals: Floats, device: str, progress: Callable[[float], None] | None
-) -> Drop:
-    """Run the batches chunk by chunk, one thread each, until the window is over or something breaks."""
-    heights = body.tets.vertices @ normals.T
-    heights -= heights.min(axis=0)
-    on_device = DeviceBody(body, device)
-    batches = [Batch(on_device, scheme, normals[part], heights[:, part]) for part in _parts(len(normals), device)]
-    wp.load_module(kernels, device=device)
-    done, failure = 0, ""
-    with ThreadPoolExecutor(len(batches)) as pool:
-        while done < scheme.samples and not failure:
-            chunk = min(SAMPLES_PER_CHUNK, scheme.samples - done)
-            list(pool.map(lambda batch: batch.advance(chunk), batches))  # noqa: B023 - used at once
-            done += chunk
-            history = _history(np.concatenate([batch.history(done) for batch in batches], axis=2), body, scheme)
-            failure = _failure(history, scheme)
-            if progress is not None:
-                progress(done / scheme.samples)
-    return _drop(tets, body, scheme, batches, history, failure)
-
-
-def _parts(count: int, device: str) -> list[slice]:
-    """Orientations per batch: all together on a GPU, one share per core on a CPU."""
-    threads = 1 if device.startswith("cuda") else min(count, len(os.sched_getaffinity(0)))
-    bounds = [count * k // threads for k in range(threads + 1)]
-    return [slice(start, end) for start, end in itertools.pairwise(bounds)]
-
-
-def _history(samples: Floats, body: Discretisation, scheme: Scheme) -> History:
-    """Physical quantities from the sums of the kernels, with the state at first touch in front."""
-    interval, mass = scheme.stride * scheme.time_step, body.masses.sum()
-    start = np.zeros((1, *samples.shape[1:]))
-    start[:, kernels.KINETIC] = 0.5 * mass * scheme.speed**2
-    start[:, kernels.MOMENTUM] = -mass * scheme.speed
-    rows = np.concatenate([start, samples]).transpose(1, 0, 2)
-    power = rows[kernels.DISSIPATION]
-    loss = np.concatenate([np.zeros_like(power[:1]), np.cumsum(0.5 * interval * (power[1:] + power[:-1]), axis=0)])
+def _history(rows: Floats, scheme: Scheme) -> History:
+    """Physical quantities from the sums of the kernels."""
+    interval = scheme.stride * scheme.time_step
+    of = {name: rows[:, place] for place, name in enumerate(QUANTITIES)}
+    energy = total_energy(rows, scheme)
     return History(
-        time=interval * np.arange(rows.shape[1], dtype=np.float64),
-        kinetic=rows[kernels.KINETIC],
-        strain=rows[kernels.STRAIN],
-        gravity_work=-scheme.gravity * rows[kernels.HEIGHT],
-        contact_loss=rows[kernels.CONTACT_LOSS],
-        damping_loss=loss,
-        peak_stress=np.sqrt(rows[kernels.PEAK]),
-        contact_force=np.diff(rows[kernels.IMPULSE], axis=0, prepend=0.0) / interval,
-        momentum=rows[kernels.MOMENTUM],
+        time=interval * np.arange(len(rows), dtype=np.float64),
+        kinetic=of["kinetic"],
+        strain=of["strain"],
+        gravity_work=-scheme.gravity * of["height"],
+        contact_loss=of["contact_loss"],
+        damping_loss=energy[0] - energy,
+        peak_stress=np.sqrt(of["peak_squared"]),
+        contact_force=np.diff(of["impulse"], axis=0, prepend=0.0) / interval,
+        momentum=of["momentum"],
     )
 
 
-def _failure(history: History, scheme: Scheme) -> str:
+def _failure(rows: Floats, scheme: Scheme) -> str:
     """Why a drop cannot be trusted: not finite, or more energy than fall and weight put in; "" if it can."""
-    energy = history.kinetic + history.strain - history.gravity_work
-    bad = ~np.isfinite(energy) | (energy > ENERGY_GROWTH * energy[0] + 1e-9)
+    bad = failing(rows, scheme)
     if not bad.any():
         return ""
     row, orientation = (int(index) for index in np.argwhere(bad)[0])
-    place = f"in orientation {orientation} at {history.time[row]:.3f} ms"
-    if not np.isfinite(energy[row, orientation]):
-        return f"the drop test broke down {place}: its state is no longer finite (time step {1e3 * scheme.time_step:.3g} µs)"
-    growth = energy[row, orientation] / max(energy[0, orientation], 1e-12)
-    return f"the drop test is unstable {place}: its energy grew {growth:.3g} times (time step {1e3 * scheme.time_step:.3g} µs)"
-
-
-def _drop(tets: TetMesh, body: Discretisation, scheme: Scheme, batches: list[Batch], history: History, failure: str) -> Drop:
-    """Bring the results back to the caller's numbering; a failed drop has no stress but infinity."""
-    peak = np.concatenate([batch.peak() for batch in batches])
-    touched = np.concatenate([batch.touched() for batch in batches])
-    von_mises = np.full((len(peak), len(tets.tets)), np.inf, dtype=np.float32)
-    if not failure:
-        von_mises[:, body.tet_order] = peak
-    contact = np.zeros((len(peak), len(tets.vertices)), dtype=bool)
-    contact[:, body.vertex_order] = touched
-    steps = scheme.samples * scheme.stride
-    return Drop(von_mises, contact, scheme.time_step, steps, body.added_mass, history, failure)
+    time, step = row * scheme.stride * scheme.time_step, 1e3 * scheme.time_step
+    place = f"in orientation {orientation} at {time:.3f} ms"
+    if not np.isfinite(rows[row, :, orientation]).all():
+        return f"the drop test broke down {place}: its state is no longer finite (time step {step:.3g} µs)"
+    energy = total_energy(rows, scheme)[:, orientation]
+    growth = energy[row] / max(energy[0], 1e-12)
+    return f"the drop test is unstable {place}: its energy grew {growth:.3g} times (time step {step:.3g} µs)"

@@ -16,10 +16,8 @@ wp.set_module_options({"enable_backward": False})
 PARTS = wp.constant(256)
 """Partial sums per history quantity: parallel enough for a GPU, a fixed order of summation everywhere."""
 
-KINETIC, STRAIN, DISSIPATION, IMPULSE, CONTACT_LOSS, HEIGHT, MOMENTUM, PEAK = range(8)
-"""Rows of a history sample; see `integration.Sample` for their meaning."""
-
-QUANTITIES = 8
+KINETIC, STRAIN, IMPULSE, CONTACT_LOSS, HEIGHT, MOMENTUM, PEAK = range(7)
+"""Places of `integration.QUANTITIES`."""
 
 
 @wp.func
@@ -211,7 +209,6 @@ def sample_parts(
     law: int,
     mu: float,
     la: float,
-    damping: float,
     u: wp.array2d(dtype=wp.vec3f),
     v: wp.array2d(dtype=wp.vec3f),
     impulse: wp.array2d(dtype=float),
@@ -220,16 +217,11 @@ def sample_parts(
 ):
     """The history quantities of every PARTS-th element and vertex, into parts[quantity, part, b]."""
     part, b = wp.tid()
-    strain, dissipation, peak = float(0.0), float(0.0), float(0.0)
+    strain, peak = float(0.0), float(0.0)
     for e in range(part, tets.shape[0], PARTS):
-        G = gradients[e]
-        H = gradient(u, tets[e], G, b)
-        rate = gradient(v, tets[e], G, b)
-        P = first_piola(H, mu, la, law)
-        viscous = first_piola(H + damping * rate, mu, la, law) - P
+        H = gradient(u, tets[e], gradients[e], b)
         strain += volumes[e] * energy_density(H, mu, la, law)
-        dissipation += volumes[e] * wp.ddot(viscous, rate)
-        peak = wp.max(peak, von_mises_squared(H, P))
+        peak = wp.max(peak, von_mises_squared(H, first_piola(H, mu, la, law)))
     kinetic, height, momentum = float(0.0), float(0.0), float(0.0)
     pushed, lost = float(0.0), float(0.0)
     for i in range(part, masses.shape[0], PARTS):
@@ -240,7 +232,6 @@ def sample_parts(
         lost += contact_loss[i, b]
     parts[KINETIC, part, b] = kinetic
     parts[STRAIN, part, b] = strain
-    parts[DISSIPATION, part, b] = dissipation
     parts[IMPULSE, part, b] = pushed
     parts[CONTACT_LOSS, part, b] = lost
     parts[HEIGHT, part, b] = height

@@ -1,0 +1,125 @@
+"""The drop test on a GPU: all orientations step together, a stride of steps is one CUDA graph.
+
+The same code runs on any device Warp knows; that is how it is tested where there is no GPU.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import warp as wp
+from numpy.typing import NDArray
+
+from mechstyle.fea import kernels
+from mechstyle.fea.discretisation import Discretisation
+from mechstyle.fea.elasticity import ElasticLaw
+from mechstyle.fea.integration import QUANTITIES, RECORD_EVERY, Scheme, law_number
+from mechstyle.mesh import Floats
+
+
+class DeviceBody:
+    """A discretised body as float32 arrays on a device."""
+
+    def __init__(self, body: Discretisation, device: str) -> None:
+        self.device = device
+        self.tet_count, self.vertex_count = len(body.tets.tets), len(body.tets.vertices)
+        self.masses = self.array(body.masses, float)
+        tets = wp.array(body.tets.tets, dtype=wp.vec4i, device=device)
+        self.elements = [tets, self.array(body.gradients, wp.mat33f), self.array(body.tets.volumes, float)]
+        self.corners = [wp.array(numbers, dtype=int, device=device) for numbers in (body.first_corner, body.corners)]
+        wp.load_module(kernels, device=device)
+
+    def array(self, values: Floats, dtype: Any) -> Any:
+        """A float32 array of Warp type `dtype` on the device."""
+        return wp.array(np.ascontiguousarray(values, dtype=np.float32), dtype=dtype, device=self.device)
+
+    def zeros(self, *shape: int, dtype: Any = float) -> Any:
+        """A zero array on the device."""
+        return wp.zeros(shape, dtype=dtype, device=self.device)
+
+    def launch(self, kernel: Any, dim: tuple[int, ...], *arguments: Any) -> None:
+        """Queue a kernel."""
+        wp.launch(kernel, dim=dim, inputs=arguments, device=self.device)
+
+    def internal_forces(self, law: ElasticLaw, displacement: Floats) -> Floats:
+        """As `elasticity.internal_forces`, in float32 [N], shape [vertex_count, 3]."""
+        w, total = self.array(displacement[:, None], wp.vec3f), self.zeros(self.vertex_count, 1, dtype=wp.vec3f)
+        forces, peak = self.zeros(self.tet_count, 4, 1, dtype=wp.vec3f), self.zeros(self.tet_count, 1)
+        constants = (law_number(law), law.mu, law.la)
+        self.launch(kernels.element_forces, (self.tet_count, 1), *self.elements, w, *constants, 0, forces, peak)
+        self.launch(kernels.gather_forces, (self.vertex_count, 1), forces, *self.corners, total)
+        return np.asarray(total.numpy()[:, 0], dtype=np.float64)
+
+    def batches(self, scheme: Scheme, normals: Floats, heights: Floats) -> list[DeviceBatch]:
+        """All orientations together, at first touch."""
+        return [DeviceBatch(self, scheme, normals, heights)]
+
+
+class DeviceBatch:
+    """Drops in several orientations, a `Batch`.
+
+    Args:
+        body: The body.
+        scheme: The step.
+        normals: Floor normals in the frame of the body, shape [orientations, 3].
+        heights: Height of every vertex above the floor at first touch [mm], shape [vertex_count, orientations].
+    """
+
+    def __init__(self, body: DeviceBody, scheme: Scheme, normals: Floats, heights: Floats) -> None:
+        self.body, self.scheme, self.count = body, scheme, len(normals)
+        each_vertex = (body.vertex_count, self.count)
+        self.normals, self.heights = body.array(normals, wp.vec3f), body.array(heights, float)
+        self.v = body.array(np.broadcast_to(-scheme.speed * normals, (*each_vertex, 3)), wp.vec3f)
+        self.u, self.w = body.zeros(*each_vertex, dtype=wp.vec3f), body.zeros(*each_vertex, dtype=wp.vec3f)
+        self.forces = body.zeros(body.tet_count, 4, self.count, dtype=wp.vec3f)
+        self.peak_squared = body.zeros(body.tet_count, self.count)
+        self.impulse, self.contact_loss = body.zeros(*each_vertex), body.zeros(*each_vertex)
+        self.parts = body.zeros(len(QUANTITIES), int(kernels.PARTS), self.count)
+        self.samples = body.zeros(scheme.samples, len(QUANTITIES), self.count)
+        self.row = body.zeros(1, dtype=int)
+        self._graph: Any = None
+
+    def advance(self, samples: int) -> None:
+        """Queue `samples` strides, on CUDA as replays of one graph: thousands of launches would cost more than the work in them."""
+        for _ in range(samples):
+            if not wp.get_device(self.body.device).is_cuda:
+                self._stride()
+                continue
+            if self._graph is None:
+                with wp.ScopedCapture(device=self.body.device) as capture:
+                    self._stride()
+                self._graph = capture.graph
+            wp.capture_launch(self._graph)
+
+    def history(self, samples: int) -> Floats:
+        """The first samples, waiting until they are there, shape [samples, QUANTITIES, orientations]."""
+        return np.asarray(self.samples.numpy()[:samples], dtype=np.float64)
+
+    def peak(self) -> NDArray[np.float32]:
+        """Running maximum of the von Mises stress [MPa], shape [orientations, tet_count]."""
+        return np.ascontiguousarray(np.sqrt(self.peak_squared.numpy()).T)
+
+    def touched(self) -> NDArray[np.bool_]:
+        """Whether each vertex has met the floor, shape [orientations, vertex_count]."""
+        return np.ascontiguousarray(self.impulse.numpy().T > 0.0)
+
+    def _stride(self) -> None:
+        body, scheme = self.body, self.scheme
+        for step in range(scheme.stride):
+            self._step(record=int(step % RECORD_EVERY == 0))
+        constants = (scheme.law_number, scheme.law.mu, scheme.law.la)
+        state = (self.u, self.v, self.impulse, self.contact_loss, self.parts)
+        body.launch(kernels.sample_parts, (int(kernels.PARTS), self.count), *body.elements, body.masses, self.normals, *constants, *state)
+        body.launch(kernels.sample_total, (len(QUANTITIES), self.count), self.parts, self.row, self.samples)
+        body.launch(kernels.next_row, (1,), self.row)
+
+    def _step(self, record: int) -> None:
+        body, scheme = self.body, self.scheme
+        constants = (scheme.law_number, scheme.law.mu, scheme.law.la)
+        outcome = (record, self.forces, self.peak_squared)
+        body.launch(kernels.element_forces, (body.tet_count, self.count), *body.elements, self.w, *constants, *outcome)
+        given = (self.forces, *body.corners, body.masses, self.heights, self.normals)
+        numbers = (scheme.time_step, scheme.damping, scheme.gravity, scheme.friction)
+        state = (self.u, self.v, self.w, self.impulse, self.contact_loss)
+        body.launch(kernels.advance, (body.vertex_count, self.count), *given, *numbers, *state)
