@@ -1,0 +1,124 @@
+"""Models that hold things: pen holder, vase, pill box."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from mechstyle.errors import BadInput
+from mechstyle.gallery import shells, solids
+from mechstyle.mesh import Floats, SurfaceMesh
+
+FOOT = 0.8  # chamfer under a standing model [mm]: a printed first layer spreads by about as much
+
+
+def pen_holder(
+    *,
+    diameter: float = 80.0,
+    height: float = 100.0,
+    wall: float = 3.0,
+    base: float = 3.2,
+) -> SurfaceMesh:
+    """A round cup for pens with a rounded rim.
+
+    Args:
+        diameter: Outer diameter [mm].
+        height: Height [mm].
+        wall: Thickness of the wall [mm].
+        base: Thickness of the floor [mm].
+    """
+    solids.within(diameter=(diameter, 30, 200), height=(height, 30, 250), wall=(wall, 1.2, 8), base=(base, 1.2, 10))
+    radius, half = diameter / 2, wall / 2
+    inside, fillet = radius - wall, min(5.0, 0.2 * (diameter - 2 * wall))
+    over = np.linspace(0.0, math.pi, 13)
+    into = np.linspace(0.0, math.pi / 2, 9)
+    outer = [(radius - FOOT, 0.0), (radius, FOOT)]
+    rim = np.column_stack([radius - half + half * np.cos(over), height - half + half * np.sin(over)])
+    floor = np.column_stack([inside - fillet * (1 - np.cos(into)), base + fillet * (1 - np.sin(into))])
+    return solids.standing(solids.turned(np.concatenate([outer, rim, floor])))
+
+
+def vase(
+    *,
+    height: float = 150.0,
+    diameter: float = 96.0,
+    wall: float = 2.4,
+    base: float = 3.0,
+    lobes: int = 9,
+    relief: float = 2.2,
+    twist: float = 70.0,
+) -> SurfaceMesh:
+    """A bellied vase with a narrow neck and lobes that wind around it.
+
+    Args:
+        height: Height [mm].
+        diameter: Greatest diameter between the lobes [mm].
+        wall: Thickness of the wall [mm].
+        base: Thickness of the floor [mm].
+        lobes: Waves around the vase.
+        relief: Depth of a wave, from its middle [mm].
+        twist: How far the waves wind from foot to rim [degrees].
+    """
+    solids.within(height=(height, 60, 260), diameter=(diameter, 40, 200), wall=(wall, 1.2, 6), base=(base, 1.2, 10))
+    solids.within(lobes=(lobes, 3, 24), relief=(relief, 0, 5), twist=(twist, -180, 180))
+    if relief * lobes > 0.7 * diameter:
+        raise BadInput(f"{lobes} waves of {relief:g} mm are too steep for a vase of {diameter:g} mm: take fewer or flatter ones")
+    turn = shells.angles(lobes)
+    up = np.concatenate([[0.0], np.linspace(FOOT / height, 1.0 - wall / (2 * height), 64)])
+    outer = _belly(up)[:, None] * diameter / 2 + _waves(up, turn, lobes, twist) * relief
+    inner = shells.inner_radius(outer, up * height, turn, wall)
+    outer[0] -= FOOT
+    lip, lip_level = shells.rim(outer[-1], inner[-1], up[-1] * height, wall / 2)
+    bowl, bowl_level = shells.bowl(inner, up * height, base, fillet=6.0)
+    radius, level = np.concatenate([outer, lip, bowl]), np.concatenate([up * height, lip_level, bowl_level])
+    return solids.standing(solids.skinned(shells.rings(radius, level, turn)))
+
+
+def pill_box(
+    *,
+    cells: int = 7,
+    width: float = 18.0,
+    length: float = 26.0,
+    depth: float = 15.0,
+    wall: float = 2.0,
+    base: float = 2.2,
+) -> SurfaceMesh:
+    """A tray with a row of cells, rounded inside so that pills slide out.
+
+    Args:
+        cells: Cells in the row, one for each day of a week by default.
+        width: Inner width of a cell along the row [mm].
+        length: Inner length of a cell across the row [mm].
+        depth: Depth of a cell [mm].
+        wall: Thickness of the walls [mm].
+        base: Thickness of the floor [mm].
+    """
+    solids.within(cells=(cells, 1, 14), width=(width, 12, 60), length=(length, 12, 80), depth=(depth, 6, 60))
+    solids.within(wall=(wall, 1.2, 5), base=(base, 1.2, 6))
+    corner = min(6.0, 0.3 * min(width, length))
+    outline = solids.box(cells * (width + wall) + wall, length + 2 * wall, corner + wall)
+    tray = solids.slab(outline, base + depth, foot=FOOT, top=0.5 * wall)
+    cell = solids.pocket(solids.box(width, length, corner), depth, floor=min(0.9 * corner, 0.5 * depth), flare=0.45 * wall)
+    for number in range(cells):
+        tray -= cell.translate(((number - (cells - 1) / 2) * (width + wall), 0.0, base + depth))
+    return solids.standing(tray)
+
+
+def _belly(up: Floats) -> Floats:
+    """Radius over greatest radius along the height (0 to 1): foot, belly, neck and lip, a Bernstein polynomial."""
+    weights = np.array([0.58, 0.80, 1.55, 1.05, 0.10, 0.45, 0.62])
+    degree = len(weights) - 1
+    terms = [w * math.comb(degree, k) * up**k * (1 - up) ** (degree - k) for k, w in enumerate(weights)]
+    return np.asarray(sum(terms))
+
+
+def _waves(up: Floats, turn: Floats, lobes: int, twist: float) -> Floats:
+    """Waves around a vase, from -1 to 1, that start round at the foot and calm down at the lip, shape [levels, points]."""
+    fade = _smoothstep(up / 0.2) * (1.0 - 0.6 * _smoothstep((up - 0.75) / 0.25))
+    return np.asarray(fade[:, None] * np.cos(lobes * (turn + math.radians(twist) * up[:, None])))
+
+
+def _smoothstep(x: Floats) -> Floats:
+    t = np.clip(x, 0.0, 1.0)
+    return np.asarray(t * t * (3.0 - 2.0 * t))

@@ -1,0 +1,57 @@
+"""Models around a lamp: lampshade."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from manifold3d import Manifold
+
+from mechstyle.gallery import shells, solids
+from mechstyle.mesh import SurfaceMesh
+
+
+def lampshade(
+    *,
+    lower: float = 130.0,
+    upper: float = 84.0,
+    height: float = 110.0,
+    wall: float = 2.0,
+    lobes: int = 14,
+    relief: float = 3.0,
+    twist: float = 40.0,
+    socket: float = 42.0,
+) -> SurfaceMesh:
+    """A fluted shade that stands on its wide end, with a ring for the lamp socket on three spokes.
+
+    Args:
+        lower: Diameter of the wide end [mm].
+        upper: Diameter of the narrow end [mm].
+        height: Height [mm].
+        wall: Thickness of the shade [mm].
+        lobes: Flutes around it.
+        relief: Depth of a flute, from its middle [mm].
+        twist: How far the flutes wind from bottom to top [degrees].
+        socket: Opening of the socket ring [mm].
+    """
+    solids.within(lower=(lower, 60, 240), upper=(upper, 60, 200), height=(height, 50, 220), wall=(wall, 1.2, 4))
+    solids.within(lobes=(lobes, 0, 36), relief=(relief, 0, 6), twist=(twist, -120, 120), socket=(socket, 20, upper - 24))
+    turn = shells.angles(lobes)
+    level = np.linspace(0.0, height - wall / 2, 49)
+    share = level[:, None] / height
+    middle = (lower + (upper - lower) * share) / 2
+    outer = middle * (1.0 + relief / (lower / 2) * np.cos(lobes * (turn + math.radians(twist) * share)))
+    inner = shells.inner_radius(outer, level, turn, wall)
+    lip, lip_level = shells.rim(outer[-1], inner[-1], float(level[-1]), wall / 2)
+    walls = shells.rings(np.concatenate([outer, lip, inner[::-1]]), np.concatenate([level, lip_level, level[::-1]]), turn)
+    core = solids.skinned(shells.rings((outer + inner) / 2, level, turn))
+    fitting = _fitting(socket, lower / 2).translate((0.0, 0.0, height - 20.0))
+    return solids.standing(solids.skinned(walls, closed=True) + (fitting ^ core))
+
+
+def _fitting(socket: float, reach: float, ring: float = 4.0, deep: float = 5.0) -> Manifold:
+    """A ring around a lamp socket with three spokes that reach out [mm]."""
+    flat = solids.disc(socket / 2 + ring)
+    for turn in (90.0, 210.0, 330.0):
+        flat += solids.stroke([(0.0, 0.0), (reach, 0.0)], 7.0).rotate(turn)
+    return solids.slab(solids.softened(flat, 1.5, 6.0) - solids.disc(socket / 2), deep, top=1.2)

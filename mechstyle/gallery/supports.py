@@ -1,0 +1,96 @@
+"""Models that carry things: phone stand, wall hook."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from mechstyle.gallery import solids
+from mechstyle.mesh import Floats, SurfaceMesh
+
+
+def phone_stand(
+    *,
+    width: float = 72.0,
+    height: float = 108.0,
+    angle: float = 66.0,
+    ledge: float = 15.0,
+    thickness: float = 5.0,
+    slot: float = 14.0,
+) -> SurfaceMesh:
+    """A desk stand for a phone: a leaning back on a strut, a ledge with a lip, a slot for the cable.
+
+    Args:
+        width: Width [mm].
+        height: Length of the back [mm].
+        angle: Lean of the back above the desk [degrees].
+        ledge: Depth of the ledge [mm].
+        thickness: Thickness of every bar [mm].
+        slot: Width of the cable slot through ledge and lip [mm].
+    """
+    solids.within(width=(width, 40, 140), height=(height, 60, 180), angle=(angle, 50, 80), ledge=(ledge, 8, 30))
+    solids.within(thickness=(thickness, 3, 10), slot=(slot, 6, 0.4 * width))
+    along = np.array([math.cos(math.radians(angle)), math.sin(math.radians(angle))])
+    across = np.array([-along[1], along[0]])
+    heel = np.array([0.0, 14.0])
+    end = heel + (ledge + 0.5 * thickness) * across
+    toe, rear = (float(end[0]) + 2.0, thickness / 2), (0.62 * height, thickness / 2)
+    frame = solids.stroke(np.array([heel + height * along, heel, toe, rear, heel + 0.62 * height * along]), thickness)
+    tray = solids.stroke(np.array([end + 9.0 * along, end, heel]), thickness)
+    edge, half = 0.25 * thickness, (width - slot) / 2
+    stand = solids.bar(solids.softened(frame, 0.3 * thickness, 4.0), width, edge)
+    side = solids.bar(solids.softened(frame + tray, 0.3 * thickness, 4.0), half, edge)
+    for y in (-(slot + half) / 2, (slot + half) / 2):
+        stand += side.translate((0.0, y, 0.0))
+    return solids.standing(stand.rotate((0.0, 0.0, 90.0)))
+
+
+def wall_hook(
+    *,
+    height: float = 92.0,
+    width: float = 34.0,
+    plate: float = 6.0,
+    reach: float = 48.0,
+    thickness: float = 12.0,
+    screw: float = 4.5,
+) -> SurfaceMesh:
+    """A coat hook with a screw plate, lying on the plate as it is printed.
+
+    Args:
+        height: Height of the plate on the wall [mm].
+        width: Width of the plate [mm].
+        plate: Thickness of the plate [mm].
+        reach: How far the hook stands out from the wall [mm].
+        thickness: Thickness of the arm [mm].
+        screw: Diameter of the two countersunk screw holes [mm].
+    """
+    solids.within(height=(height, 60, 160), width=(width, 24, 80), plate=(plate, 3, 12), reach=(reach, 32, 90))
+    solids.within(thickness=(thickness, 7, 18), screw=(screw, 2.5, 0.2 * width))
+    outline = solids.softened(solids.box(width, height, 0.42 * width), 3.0, 3.0)
+    body = solids.slab(outline, plate, top=0.35 * plate)
+    path, sizes = _hook_line(reach, thickness, 0.62 * width, plate)
+    body += solids.swept(path - (0.16 * height, 0.0), sizes)
+    sink = 0.55 * screw
+    hole = solids.turned([(screw / 2, -1.0), (screw / 2, plate - sink), (screw / 2 + sink + 1.0, plate + 1.0)])
+    for y in (0.5 * height - 0.42 * width, 0.42 * width - 0.5 * height):
+        body -= hole.translate((0.0, y, 0.0))
+    return solids.standing(body)
+
+
+def _hook_line(reach: float, thickness: float, width: float, plate: float) -> tuple[Floats, Floats]:
+    """Middle line (y, z) and sizes (width, thickness) of a hook that leaves the plate, bends upwards and ends round."""
+    bend = 0.42 * reach
+    straight = reach - thickness / 2 - bend
+    turn = np.linspace(0.0, math.radians(78.0), 25)
+    arc = np.column_stack([bend * (1 - np.cos(turn)), straight + bend * np.sin(turn)])
+    out = np.array([math.sin(turn[-1]), math.cos(turn[-1])])
+    tip = arc[-1] + 0.32 * reach * np.linspace(0.0, 1.0, 25)[1:, None] * out
+    root = np.column_stack([np.zeros(20), np.linspace(0.5 * plate, straight, 20)])
+    path = np.concatenate([root, arc[1:], tip])
+    way = np.concatenate([[0.0], np.linalg.norm(np.diff(path, axis=0), axis=1).cumsum()])
+    flare = 1.0 + 0.55 * np.exp(-np.maximum(way - 0.5 * plate, 0.0) / 5.0)
+    left = (way[-1] - way) / (0.5 * thickness)
+    end = np.sqrt(np.clip(1.0 - (1.0 - np.clip(left, 0.0, 1.0)) ** 2, 0.02, 1.0))
+    taper = 1.0 - 0.25 * way / way[-1]
+    return path, np.column_stack([width * np.minimum(flare, 1.3) * taper * end, thickness * flare * end])
