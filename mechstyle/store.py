@@ -4,7 +4,7 @@ Layout of a run directory:
 
     objects/ab/cdef…    arrays (.npy bytes) and records (JSON), each zlib-compressed, never changed once written
     lanes/main.json     where a lane stands: its recipe, its newest checkpoint, where it was forked
-    memo/0123….txt      digest of the result of a computation, named by the digest of its inputs
+    memo/0123…          digest of the result of a computation, named by the digest of its inputs
 
 Everything is written aside and renamed, so a process killed at any moment loses at most the iteration in flight.
 """
@@ -65,21 +65,22 @@ class Entry(msgspec.Struct, frozen=True, kw_only=True):
 
 def write_aside(path: Path, data: bytes) -> None:
     """Write `data` beside `path`, then rename over it; MechStyleError in one sentence if the disk refuses."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=".new-")
     try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(data)
-        Path(name).replace(path)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=".new-")
+        try:
+            with os.fdopen(handle, "wb") as file:
+                file.write(data)
+            Path(name).replace(path)
+        except BaseException:
+            with contextlib.suppress(OSError):
+                Path(name).unlink(missing_ok=True)
+            raise
     except OSError as error:
-        with contextlib.suppress(OSError):
-            Path(name).unlink(missing_ok=True)
-        why = "the disk is full" if error.errno in (errno.ENOSPC, errno.EDQUOT) else (error.strerror or str(error))
-        raise MechStyleError(f"could not write {path}: {why}; everything saved before is intact, free some space and run again") from error
-    except BaseException:
-        with contextlib.suppress(OSError):
-            Path(name).unlink(missing_ok=True)
-        raise
+        full = error.errno in (errno.ENOSPC, errno.EDQUOT)
+        why = "the disk is full" if full else (error.strerror or str(error))
+        remedy = "free some space" if full else "make the folder writable"
+        raise MechStyleError(f"could not write {path}: {why}; everything saved before is intact, {remedy} and run again") from error
 
 
 class Objects:
@@ -94,9 +95,11 @@ class Objects:
         return self.root / digest[:2] / digest[2:]
 
     def put(self, content: bytes) -> str:
-        """Store bytes, once; return their digest."""
+        """Store bytes, once; return their digest. A damaged object of the same name is mended."""
         digest = hashlib.sha256(content).hexdigest()
-        if not self.path(digest).exists():
+        try:
+            self.get(digest)
+        except DamagedStore:
             write_aside(self.path(digest), zlib.compress(content, 1))
         return digest
 
@@ -125,7 +128,7 @@ class Objects:
 
     def put_record(self, record: object) -> str:
         """Store a record; arrays inside become objects of their own, so equal arrays are kept once."""
-        return self.put(msgspec.json.encode(record, enc_hook=self._array_to_digest))
+        return self.put(msgspec.json.encode(record, enc_hook=self._array_to_digest, order="deterministic"))
 
     def get_record(self, digest: str, kind: type[T]) -> T:
         """A record of the given type; DamagedStore if it is not one."""
@@ -160,13 +163,13 @@ class Memo:
 
     def recall(self, key: str, kind: type[T]) -> T | None:
         """The stored result for `key`, or None if there is none that can be read."""
-        with contextlib.suppress(OSError, DamagedStore):
+        with contextlib.suppress(OSError, ValueError, DamagedStore):  # ValueError: the index is neither ASCII nor a path
             return self.objects.get_record((self.folder / key).read_text(encoding="ascii"), kind)
         return None
 
     def remember(self, key: str, result: object) -> None:
-        """Store the result of the inputs named by `key`, unless it is there already."""
-        if not (self.folder / key).exists():
+        """Store the result of the inputs named by `key`, unless it is there already and can be read."""
+        if self.recall(key, type(result)) is None:
             write_aside(self.folder / key, self.objects.put_record(result).encode("ascii"))
 
 
@@ -203,9 +206,10 @@ class Store:
             raise DamagedStore(f"{path} cannot be read: {error}") from error
 
     def move(self, name: str, lane: Lane) -> None:
-        """Point a lane somewhere; names are letters, digits, dots, dashes and underscores."""
-        if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9._-]*", name):
-            raise BadInput(f"lane name {name!r} may only hold letters, digits, '.', '-' and '_'")
+        """Point a lane somewhere; names are letters, digits, dots, dashes and underscores, but no number: `DIR@120` is an iteration."""
+        if name.isdigit() or not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9._-]*", name):
+            rest = "hold only letters, digits, '.', '-' and '_', and not be a number"
+            raise BadInput(f"lane name {name!r} must begin with a letter or digit, {rest}")
         write_aside(self.root / "lanes" / f"{name}.json", msgspec.json.encode(lane))
 
     def put_recipe(self, recipe: Recipe) -> str:
@@ -263,10 +267,12 @@ class Store:
 
 def parse_address(address: str) -> tuple[Path, str, int | None]:
     """Split `DIR`, `DIR@ITERATION`, `DIR@LANE` or `DIR@LANE:ITERATION` into directory, lane and iteration."""
-    root, _, place = address.rpartition("@") if "@" in address else (address, "", "")
-    lane, _, number = place.rpartition(":")
-    if not lane and number and not number.isdigit():
+    root, at, place = address.rpartition("@")
+    if not at or "/" in place or "\\" in place:  # an @ in the name of a folder is no address
+        return Path(address), "main", None
+    lane, colon, number = place.rpartition(":")
+    if not (colon or re.fullmatch("[0-9]+", number)):
         lane, number = number, ""
-    if number and not number.isdigit():
+    if not re.fullmatch("[0-9]*", number):
         raise BadInput(f"{address!r}: {number!r} is not an iteration; write DIR@120 or DIR@lane:120")
     return Path(root), lane or "main", int(number) if number else None
