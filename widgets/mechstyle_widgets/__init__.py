@@ -1,0 +1,10 @@
+"""Notebook widgets of MechStyle: views of a part and of a run. They import mechstyle, never the reverse."""
+
+try:
+    from mechstyle_widgets.viewer import Viewer
+except ModuleNotFoundError as error:
+    raise ModuleNotFoundError(
+        f"the notebook widgets need {error.name}, which is not installed: pip install 'mechstyle[jupyter]'", name=error.name
+    ) from error
+
+__all__ = ["Viewer"]
