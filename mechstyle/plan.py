@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import msgspec
+import numpy as np
 
-from mechstyle.errors import unknown
+from mechstyle.errors import BadInput, unknown
 from mechstyle.material import Material, material_named
 from mechstyle.records import Recipe
 from mechstyle.stylize.procedural import ProceduralStylizer, target
@@ -27,6 +28,8 @@ PAPER: dict[str, Any] = {"memory": False, "retraction": False, "protect_resting_
 """The published method taken literally (Faruqi et al. 2025)."""
 
 DECIDED_BY_THE_PART = ("surface", "tetrahedra")
+PLAIN = {int: "a whole number, such as 40", float: "a number", bool: "True or False"}
+"""Types of settings that are checked here, in words; names are checked by the recipe."""
 
 
 def plan(part: Workpiece, prompt: str, material: str | Material = "PLA", *, freestyle: bool = False, **settings: Any) -> Recipe:
@@ -43,21 +46,17 @@ def plan(part: Workpiece, prompt: str, material: str | Material = "PLA", *, free
         BadInput: If a name is unknown or a value out of range.
     """
     read(prompt)
-    given = {name: value for name, value in settings.items() if value is not None}
-    check_settings(given)
+    given = _given({"material": material, **settings})
     paper = given.get("criterion") == "paper"
     presets = {**(PAPER if paper else {}), **(FREESTYLE if freestyle else {})}
     chosen = {**presets, **given}
     chosen.setdefault("normalisation", default_normalisation(chosen.get("control", "exponential"), paper=paper))
-    return Recipe(surface=part.surface.digest, tetrahedra=part.tets.digest, prompt=prompt, material=material_named(material), **chosen)
+    return Recipe(surface=part.surface.digest, tetrahedra=part.tets.digest, prompt=prompt, **chosen)
 
 
 def changed(recipe: Recipe, changes: dict[str, Any]) -> Recipe:
     """A recipe with some settings changed; another control brings its own normalisation unless one is given."""
-    given = {name: value for name, value in changes.items() if value is not None}
-    check_settings(given)
-    if "material" in given:
-        given["material"] = material_named(given["material"])
+    given = _given(changes)
     if "prompt" in given:
         read(given["prompt"])
     if "control" in given:
@@ -73,6 +72,25 @@ def check_settings(settings: dict[str, Any]) -> None:
     for name in settings:
         if name not in known:
             raise unknown("setting", name, known)
+
+
+def _given(settings: dict[str, Any]) -> dict[str, Any]:
+    """The settings that are not None, in the types they have when read from disk: 1000 and 1000.0 must not be two recipes."""
+    given = {name: _built_in(value) for name, value in settings.items() if value is not None}
+    check_settings(given)
+    for field in msgspec.structs.fields(Recipe):
+        if field.name in given and field.type in PLAIN:
+            try:
+                given[field.name] = msgspec.convert(given[field.name], field.type)
+            except msgspec.ValidationError as error:
+                raise BadInput(f"{field.name.replace('_', ' ')} is {given[field.name]!r}, but must be {PLAIN[field.type]}") from error
+    if "material" in given:
+        given["material"] = msgspec.convert(msgspec.to_builtins(material_named(given["material"]), enc_hook=_built_in), Material)
+    return given
+
+
+def _built_in(value: Any) -> Any:
+    return value.item() if isinstance(value, np.generic) else value
 
 
 def default_normalisation(control: str, *, paper: bool) -> str:
