@@ -77,6 +77,55 @@ LIBRARY: dict[str, Material] = {
             yield_strength=45.6,
             source="Faruqi et al. 2025 (MechStyle), doi 10.1145/3745778.3766655",
         ),
+        Material(
+            name="PETG",
+            youngs_modulus=2200.0,
+            poisson_ratio=0.38,
+            density=1.27e-3,
+            yield_strength=50.0,
+            source="typical value, E 2.2 GPa as MakeItFrom tabulates PETG, strength midway in 44 to 56 MPa reported for flat prints",
+        ),
+        Material(
+            name="ABS",
+            youngs_modulus=2413.0,
+            poisson_ratio=0.35,
+            density=1.04e-3,
+            yield_strength=33.0,
+            source="Stratasys, Fortus ABS-M30 white paper: E (ASTM D638), tensile strength for yield (ISO 527); density and ν typical value",
+        ),
+        Material(
+            name="PA12",
+            youngs_modulus=1650.0,
+            poisson_ratio=0.40,
+            density=0.93e-3,
+            yield_strength=48.0,
+            source="laser-sintered EOS PA 2200: density (safety data sheet), tensile strength for yield (data sheet); E and ν typical value",
+        ),
+        Material(
+            name="TPU",
+            youngs_modulus=26.0,
+            poisson_ratio=0.48,
+            density=1.22e-3,
+            yield_strength=8.6,
+            source="typical value, thermoplastic polyurethane of 95 Shore A; it has no sharp yield",
+        ),
+        Material(
+            name="Vero",
+            youngs_modulus=2250.0,
+            poisson_ratio=0.38,
+            density=1.17e-3,
+            yield_strength=47.5,
+            source="Stratasys Vero (PolyJet), middle of E 2000 to 2500 MPa and tensile strength 40 to 55 MPa tabulated in PMC10406103; "
+            "density and ν typical value",
+        ),
+        Material(
+            name="Resin",
+            youngs_modulus=2500.0,
+            poisson_ratio=0.38,
+            density=1.18e-3,
+            yield_strength=50.0,
+            source="typical value, standard stereolithography resin, post-cured: tensile strength 38 to 65 MPa, it breaks with little yield",
+        ),
     )
 }
 
@@ -90,7 +139,9 @@ def read_material(path: str | Path) -> Material:
         text = file.read_text(encoding="utf-8")
         table = tomllib.loads(text) if file.suffix.lower() == ".toml" else msgspec.json.decode(text)
         return msgspec.convert(table, Material)
-    except (tomllib.TOMLDecodeError, msgspec.DecodeError, UnicodeDecodeError) as error:
+    except BadInput as error:
+        raise BadInput(f"material file {file}: {error}") from error
+    except (tomllib.TOMLDecodeError, msgspec.DecodeError, UnicodeDecodeError, OSError) as error:
         fields = "name, youngs_modulus, poisson_ratio, density, yield_strength"
         raise BadInput(f"material file {file}: {error}; it needs the fields {fields}") from error
 
