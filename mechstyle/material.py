@@ -91,7 +91,7 @@ LIBRARY: dict[str, Material] = {
             poisson_ratio=0.35,
             density=1.04e-3,
             yield_strength=33.0,
-            source="Stratasys, Fortus ABS-M30 white paper: E (ASTM D638), tensile strength for yield (ISO 527); density and ν typical value",
+            source="Stratasys, Fortus ABS-M30 white paper: E (ASTM D638), tensile strength for yield (ISO 527); ρ and ν typical value",
         ),
         Material(
             name="PA12",
@@ -99,7 +99,7 @@ LIBRARY: dict[str, Material] = {
             poisson_ratio=0.40,
             density=0.93e-3,
             yield_strength=48.0,
-            source="laser-sintered EOS PA 2200: density (safety data sheet), tensile strength for yield (data sheet); E and ν typical value",
+            source="sintered EOS PA 2200: density (safety data sheet), tensile strength for yield (data sheet); E and ν typical value",
         ),
         Material(
             name="TPU",
@@ -124,7 +124,7 @@ LIBRARY: dict[str, Material] = {
             poisson_ratio=0.38,
             density=1.18e-3,
             yield_strength=50.0,
-            source="typical value, standard stereolithography resin, post-cured: tensile strength 38 to 65 MPa, it breaks with little yield",
+            source="typical value, standard stereolithography resin, post-cured: tensile strength 38 to 65 MPa, hardly any yield",
         ),
     )
 }
