@@ -6,7 +6,6 @@ Only what is the same for a phase and its negative is meaningful (see `fields`):
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -75,31 +74,30 @@ class BoxChart:
     Periods are stretched a little so that whole rows, and half columns, fill the box from `margin` before its first face to as much
     after its last. On every second pair of sides columns start half a length later, so that at a corner the long and short faces of
     bricks alternate.
+
+    Attributes:
+        along: Unit tangent along the rows, shape [n, 3].
+        up: Unit tangent across the rows, upwards on walls, shape [n, 3].
     """
 
     def __init__(self, mesh: SurfaceMesh) -> None:
         self._axes = box_axes(mesh)
         self._place = mesh.vertices @ self._axes.T
-        self._face = np.abs(mesh.vertex_normals @ self._axes.T).argmax(axis=1)
+        facing = mesh.vertex_normals @ self._axes.T
+        self._face = np.abs(facing).argmax(axis=1)
         lying = (0, 1) if np.ptp(self._place[:, 0]) >= np.ptp(self._place[:, 1]) else (1, 0)
         # For a face across axis 0, 1 or 2: the axes that columns and rows are counted along.
         self._column_axis = np.array([1, 0, lying[0]])[self._face]
         self._row_axis = np.array([2, 2, lying[1]])[self._face]
-
-    @cached_property
-    def along(self) -> Floats:
-        """Unit tangent along the rows, shape [n, 3]."""
-        return np.asarray(self._axes[self._column_axis])
-
-    @cached_property
-    def up(self) -> Floats:
-        """Unit tangent across the rows, shape [n, 3]."""
-        return np.asarray(self._axes[self._row_axis])
+        self.up = self._axes[self._row_axis]
+        outwards = np.sign(facing[np.arange(len(facing)), self._face])[:, None] * self._axes[self._face]
+        self.along = np.cross(self.up, outwards)
+        self._sense = np.einsum("ij,ij->i", self.along, self._axes[self._column_axis])
 
     def columns(self, length: float, margin: float, grip: float) -> Floats:  # noqa: ARG002  (columns of a box are all alike)
         """Phase along the horizontal; see `Chart`."""
         phase = self._fitted(self._column_axis, length, 0.5, margin)
-        return phase + np.where(self._face == 0, 0.5, 0.0)
+        return self._sense * (phase + np.where(self._face == 0, 0.5, 0.0))
 
     def rows(self, height: float, margin: float) -> Floats:
         """Phase upwards; see `Chart`."""

@@ -18,7 +18,7 @@ from mechstyle.stylize.operators import Complexes, Operators, factorised
 UP = np.array([0.0, 0.0, 1.0])
 
 _FLAT = 0.2  # sine of the slope below which a patch counts as horizontal
-_ALIGNMENT_LENGTH = 6.0  # how far smoothness outweighs alignment [edge lengths]
+_ALIGNMENT_LENGTH = 2.0  # how far smoothness outweighs alignment at a slope of 45° [edge lengths]
 _INVERSE_ITERATIONS = 10
 
 
@@ -34,12 +34,16 @@ def horizontal_lines(operators: Operators) -> Floats:
     flat = slope < _FLAT
     axis = np.eye(3)[0 if operators.mesh.extents[0] >= operators.mesh.extents[1] else 1]
     wanted[flat] = axis - (normal[flat] @ axis)[:, None] * normal[flat]
-    trust = np.where(flat, 0.8, slope) ** 2 * areas / (_ALIGNMENT_LENGTH * operators.edge_length) ** 2
+    # The square of the tangent of the slope: a wall knows where the horizontal is, a gentle dome hardly.
+    steepness = np.where(flat, 1.0, slope**2 / (1.02 - slope**2))
+    trust = steepness * areas / (_ALIGNMENT_LENGTH * operators.edge_length) ** 2
 
     x, y = operators.frames
     square = (np.einsum("ij,ij->i", wanted, x) + 1j * np.einsum("ij,ij->i", wanted, y)) ** 2
     square /= np.maximum(np.abs(square), 1e-12)
-    system = operators.connection(2.0 * operators.transport, operators.weights) + sp.diags_array(trust)
+    bend = np.einsum("ij,ij->i", normal[operators.tail], normal[operators.head])
+    weights = operators.weights * np.maximum(bend, 0.1) ** 4  # a floor should not turn the lines of the wall it meets
+    system = operators.connection(2.0 * operators.transport, weights) + sp.diags_array(trust)
     root = np.sqrt(factorised(system).solve(trust * square))
     root /= np.maximum(np.abs(root), 1e-12)
     lines = root.real[:, None] * x + root.imag[:, None] * y

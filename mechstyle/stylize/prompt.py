@@ -44,8 +44,12 @@ _FILLERS = """
     rendering rendered render 3d image photo model object thing part unreal engine please some coloured colored colour color wall walls
 """
 FILLERS = frozenset(_FILLERS.split())
+_ENDINGS = (
+    ("ies", "y"), ("ves", "f"), ("es", ""), ("s", ""), ("ed", ""), ("ed", "e"), ("ing", ""), ("ing", "e"), ("ish", ""), ("y", ""),
+)
 _SHADES = {"dark": 0.55, "deep": 0.7, "light": 1.45, "pale": 1.6}
-_TYPO, _NEAR = 0.8, 0.5  # how alike a word must be to be read as another, or to be suggested
+# How alike a word must be to be read as a style, to be read as another word, and to be suggested.
+_STYLE_TYPO, _TYPO, _NEAR = 0.8, 0.85, 0.5
 _AMOUNT_RANGE, _SIZE_RANGE = (0.2, 3.0), (0.4, 3.0)
 
 
@@ -111,7 +115,7 @@ def _style_words() -> dict[str, str]:
 def _forms(word: str) -> Iterable[str]:
     """The word and what it may be a plural or participle of, likeliest first."""
     yield word
-    for ending, stem in (("ies", "y"), ("es", ""), ("s", ""), ("ed", ""), ("ed", "e"), ("ing", ""), ("ing", "e"), ("ish", ""), ("y", "")):
+    for ending, stem in _ENDINGS:
         if word.endswith(ending) and len(word) - len(ending) >= 3:
             yield word[: len(word) - len(ending)] + stem
 
@@ -119,15 +123,16 @@ def _forms(word: str) -> Iterable[str]:
 def _spelled(words: list[str]) -> tuple[list[str], list[str]]:
     """The known word each word stands for ("": none), and a note for every misspelling forgiven."""
     styles = _style_words()
-    meant = {**dict.fromkeys((*SIZES, *AMOUNTS, *COLOURS, *DEGREES, *_SHADES, *styles)), **dict.fromkeys(FILLERS)}
+    others = [word for word in (*SIZES, *AMOUNTS, *COLOURS, *DEGREES, *_SHADES) if word not in styles]
+    meant = {*styles, *others, *FILLERS}
     known = [next((form for form in _forms(word) if form in meant), "") for word in words]
-    # A misspelt word may stand for a style only if none is spelt out: "brick storey" is not about stone.
+    # A misspelt word may stand for a style only if none is spelt out: "brick store" is not about stone.
     named = any(word in styles for word in known)
-    candidates = [word for word in meant if word not in FILLERS and not (named and word in styles)]
     notes = []
     for place, word in enumerate(words):
         if not known[place] and len(word) >= 4:
-            close = difflib.get_close_matches(word, candidates, n=1, cutoff=_TYPO)
+            close = [] if named else difflib.get_close_matches(word, styles, n=1, cutoff=_STYLE_TYPO)
+            close = close or difflib.get_close_matches(word, others, n=1, cutoff=_TYPO)
             if close:
                 known[place] = close[0]
                 notes.append(f"read {word!r} as {close[0]!r}")

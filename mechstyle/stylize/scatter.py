@@ -29,10 +29,10 @@ class Cells(NamedTuple):
 
 
 class Stamps(NamedTuple):
-    """The nearest stamps at each vertex, in each stamp's own tangent plane; all shape [n, k].
+    """The nearest stamps at each vertex by rising identity, each in its own tangent plane; all shape [n, k].
 
     Attributes:
-        identity: Index of the stamp.
+        identity: Index of the stamp; scattered points have a random order, which serves to stack overlapping stamps.
         x: Offset along its first axis [mm].
         y: Offset along its second axis [mm].
     """
@@ -74,7 +74,7 @@ def stamps(mesh: SurfaceMesh, points: Indices, axis: Floats, count: int, spacing
     count = min(count, len(points))
     coordinates = embedded(mesh.vertices, mesh.vertex_normals, spacing)
     _, nearest = cKDTree(coordinates[points]).query(coordinates, k=count)
-    identity = np.asarray(nearest, dtype=np.int32).reshape(len(coordinates), count)
+    identity = np.sort(np.asarray(nearest, dtype=np.int32).reshape(len(coordinates), count), axis=1)
     centre = points[identity]
     offset = mesh.vertices[:, None, :] - mesh.vertices[centre]
     first = axis[centre]

@@ -16,16 +16,15 @@ def green(canvas: Canvas) -> Relief:
     unit = canvas.unit("leaf tips", 4.0)
     points = canvas.scattered(SPACING * unit, "leaves")
     stamps = canvas.stamps(points, SPACING * unit, count=8)
-    order = canvas.random(stamps.identity, "order").argsort(axis=1)
-    leaves, x, y = (np.take_along_axis(field, order, axis=1) for field in (stamps.identity, stamps.x / unit, stamps.y / unit))
-    turn = np.pi * (1.5 + 0.9 * (canvas.random(leaves, "turn") - 0.5))
+    x, y = stamps.x / unit, stamps.y / unit
+    turn = np.pi * (1.5 + 0.9 * (canvas.random(stamps.identity, "turn") - 0.5))
     along = (x * np.cos(turn) + y * np.sin(turn)) / LEAF + 0.45
     across = np.abs(y * np.cos(turn) - x * np.sin(turn)) / (0.5 * WIDTH)
     # A pointed oval, widest before its middle.
     inside = 2.4 * np.clip(along, 0.0, 1.0) ** 0.55 * np.clip(1.0 - along, 0.0, 1.0) ** 0.75 - across
     cover = smoothstep(-0.10, 0.30, inside)
     shadow = smoothstep(-0.65, -0.05, inside) * smoothstep(-0.2, 0.1, along) * smoothstep(1.2, 0.9, along)
-    age = canvas.random(leaves, "age")
+    age = canvas.random(stamps.identity, "age")
 
     colour, height = np.tile(rgb("14301d"), (len(x), 1)), np.full(len(x), -0.6)
     for k in range(x.shape[1]):
@@ -39,7 +38,7 @@ def green(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="green",
-    words=("leaf", "leafy", "leave", "foliage", "ivy", "plant", "verdant", "botanical", "greenery"),
+    words=("leaf", "leafy", "foliage", "ivy", "plant", "verdant", "botanical", "greenery"),
     description="small overlapping leaves in many greens, low in relief",
     feature_mm=SPACING,
     program=green,
