@@ -10,7 +10,6 @@ from ipywidgets.widgets.widget import _instances as alive
 
 from mechstyle.errors import BadInput
 from mechstyle.mesh import SurfaceMesh
-from mechstyle.pictures.colormap import linear_to_srgb
 from mechstyle_widgets import Viewer
 from mechstyle_widgets.viewer import BACKGROUNDS, PLASTIC
 
@@ -46,8 +45,9 @@ def test_the_buffers_hold_the_part(sphere):
     assert np.array_equal(viewer._index.array.reshape(-1, 3), sphere.faces)
 
 
-def test_colours_are_given_to_the_screen_as_the_screen_wants_them(painted):
-    assert np.array_equal(Viewer(painted)._colour.array, linear_to_srgb(painted.colours))
+def test_the_colours_of_the_part_reach_the_screen_as_they_are(painted):
+    """They are display colours already."""
+    assert np.array_equal(Viewer(painted)._colour.array, painted.colours)
 
 
 def test_a_part_without_colours_looks_like_plain_plastic(sphere):
@@ -144,7 +144,7 @@ def test_the_colour_bar_goes_with_the_field(painted, height):
     viewer = Viewer(painted, height, "height", "mm")
     viewer.layer = "style"
     assert viewer._bar.value == ""
-    assert np.array_equal(viewer._colour.array, linear_to_srgb(painted.colours))
+    assert np.array_equal(viewer._colour.array, painted.colours)
     viewer.values = None
     assert viewer.layer == "style"
 

@@ -217,9 +217,7 @@ def _stage(mesh: SurfaceMesh, geometry: Any, width: int, height: int) -> tuple[A
 
 def _plain(mesh: SurfaceMesh) -> Floats32:
     """Display colours of the part itself, shape [vertex_count, 3]."""
-    if mesh.colours is None:
-        return np.tile(np.array(PLASTIC, np.float32), (len(mesh.vertices), 1))
-    return linear_to_srgb(mesh.colours)
+    return _single(np.broadcast_to(PLASTIC, mesh.vertices.shape) if mesh.colours is None else mesh.colours)
 
 
 def _single(array: ArrayLike) -> Floats32:
