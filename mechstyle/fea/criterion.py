@@ -105,9 +105,15 @@ def judge(simulation: Simulation, baseline: Simulation, material: Material, crit
         "largest element stress as placed ≤ yield strength",
         simulation.as_placed.maximum, material.yield_strength, "MPa", STRESS_BAND, trouble,
     )
-    counting = [literal] if criterion == "paper" else [as_placed] + ([spread] if spread else [])
-    outcome = max((judgement.outcome for judgement in counting), key=_SEVERITY.__getitem__)
-    words = f"UNKNOWN: {trouble}." if trouble else _words(outcome, counting, simulation, baseline, material)
+    place = f" at {_place(simulation)}"
+    counting = [(as_placed, _stress_clause("peak stress", as_placed, place, baseline, material))]
+    if spread is not None:
+        counting.append((spread, f"in all orientations {spread.value:.2f} times the original's stress, {_side(spread)} the limit of {spread.limit:.2f}"))
+    if criterion == "paper":
+        counting = [(literal, _stress_clause("largest element stress", literal, "", baseline, material))]
+    outcome = max((judgement.outcome for judgement, _ in counting), key=_SEVERITY.__getitem__)
+    doubt = ", MARGINAL" if any(judgement.marginal for judgement, _ in counting) else ""
+    words = f"UNKNOWN: {trouble}." if trouble else f"{outcome}{doubt}: {'; '.join(clause for _, clause in counting)}."
     return Verdict(outcome=outcome, criterion=criterion, as_placed=as_placed, all_orientations=spread, literal=literal, words=words)
 
 
@@ -175,20 +181,14 @@ def _place(simulation: Simulation) -> str:
     return f"({x:.1f}, {y:.1f}, {z:.1f}) mm"
 
 
-def _words(outcome: Outcome, counting: list[Judgement], simulation: Simulation, baseline: Simulation, material: Material) -> str:
-    """The verdict in one sentence: outcome, figures, place, and how sure."""
-    head = outcome + (", MARGINAL" if any(judgement.marginal for judgement in counting) else "")
-    return f"{head}: " + "; ".join(_clause(judgement, simulation, baseline, material) for judgement in counting) + "."
+def _side(judgement: Judgement) -> str:
+    """On which side of its limit a value lies, and whether that is sure."""
+    return ("within" if judgement.outcome == "VIABLE" else "above") + (" (MARGINAL)" if judgement.marginal else "")
 
 
-def _clause(judgement: Judgement, simulation: Simulation, baseline: Simulation, material: Material) -> str:
-    """One judgement in words."""
-    side = ("within" if judgement.outcome == "VIABLE" else "above") + (" (MARGINAL)" if judgement.marginal else "")
-    if judgement.unit != "MPa":
-        return f"in all orientations {judgement.value:.2f} times the stress of the original, {side} the limit of {judgement.limit:.2f}"
+def _stress_clause(what: str, judgement: Judgement, place: str, baseline: Simulation, material: Material) -> str:
+    """A judgement on a stress in words."""
     limit = f"the yield strength of {material.yield_strength:.1f} MPa"
     if judgement.limit > material.yield_strength:
         limit = f"the original's own peak of {baseline.as_placed.peak:.1f} MPa, which itself exceeds {limit}"
-    if judgement.value == simulation.as_placed.maximum:
-        return f"dropped as placed its largest element stress is {judgement.value:.1f} MPa, {side} {limit}"
-    return f"dropped as placed its peak stress is {judgement.value:.1f} MPa at {_place(simulation)}, {side} {limit}"
+    return f"dropped as placed its {what} is {judgement.value:.1f} MPa{place}, {_side(judgement)} {limit}"

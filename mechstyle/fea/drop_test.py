@@ -88,11 +88,11 @@ class History:
     Attributes:
         time: Time since first touch [ms], shape [samples].
         kinetic: Kinetic energy [mJ].
-        strain: Strain energy [mJ].
+        strain: Strain energy half a step earlier, where velocity is [mJ].
         gravity_work: Work done by weight since first touch [mJ].
         contact_loss: Kinetic energy taken by the floor since first touch: impact of lumped masses and friction [mJ].
-        damping_loss: What is missing then, the energy dissipated in the material, with the error of the integration [mJ]; the
-            error alone, within 3 % of the energy at first touch, without damping.
+        damping_loss: What is missing then, the energy dissipated in the material and the error of the integration [mJ];
+            without damping the error alone, some 1e-5 of the energy at first touch.
         peak_stress: Largest von Mises stress in the part at that moment [MPa].
         contact_force: Mean normal force of the floor since the sample before [N].
         momentum: Momentum along the floor normal, negative while falling [g mm/ms = mN s].

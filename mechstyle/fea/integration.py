@@ -29,8 +29,7 @@ RECORD_EVERY = 4
 
 SAMPLES_PER_CHUNK = 2
 ENERGY_GROWTH = 1.05
-"""Energy beyond this multiple of what fall and weight gave means an unstable integration. Sound ones stay within 3 %: velocity
-and displacement of a sample are half a step apart, which shows in the fastest oscillations."""
+"""Energy beyond this multiple of what fall and weight gave means an unstable integration, not physics."""
 
 
 @dataclass(frozen=True)

@@ -108,7 +108,7 @@ class DeviceBatch:
         body, scheme = self.body, self.scheme
         for step in range(scheme.stride):
             self._step(record=int(step % RECORD_EVERY == 0))
-        constants = (scheme.law_number, scheme.law.mu, scheme.law.la)
+        constants = (scheme.law_number, scheme.law.mu, scheme.law.la, scheme.time_step)
         state = (self.u, self.v, self.impulse, self.contact_loss, self.parts)
         body.launch(kernels.sample_parts, (int(kernels.PARTS), self.count), *body.elements, body.masses, self.normals, *constants, *state)
         body.launch(kernels.sample_total, (len(QUANTITIES), self.count), self.parts, self.row, self.samples)

@@ -1,0 +1,48 @@
+"""Meshes whose answers are known: structured boxes of tetrahedra, straight or shaken."""
+
+import itertools
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from mechstyle.material import LIBRARY, Material
+from mechstyle.mesh import TetMesh
+
+Box = Callable[..., TetMesh]
+
+
+def box_mesh(counts: tuple[int, int, int], size: tuple[float, float, float], shake: float = 0.0) -> TetMesh:
+    """A box in the positive octant, each cell cut into the six Kuhn tetrahedra; inner vertices moved by `shake` of a cell."""
+    axes = [np.linspace(0.0, length, count + 1) for count, length in zip(counts, size, strict=True)]
+    vertices = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    strides = np.array([(counts[1] + 1) * (counts[2] + 1), counts[2] + 1, 1])
+    cells = np.stack(np.meshgrid(*[np.arange(count) for count in counts], indexing="ij"), axis=-1).reshape(-1, 3) @ strides
+    tets = []
+    for order in itertools.permutations(range(3)):
+        path = np.concatenate([[0], np.cumsum(strides[list(order)])])
+        if np.linalg.det(np.eye(3)[list(order)]) < 0.0:
+            path[[2, 3]] = path[[3, 2]]
+        tets.append(cells[:, None] + path)
+    inside = np.all((vertices > 1e-9) & (vertices < np.array(size) - 1e-9), axis=1)
+    cell = np.array(size) / np.array(counts)
+    vertices[inside] += shake * cell * np.random.default_rng(1).uniform(-1.0, 1.0, (int(inside.sum()), 3))
+    return TetMesh(vertices, np.stack(tets, axis=1).reshape(-1, 4))
+
+
+@pytest.fixture(scope="session")
+def box() -> Box:
+    """The mesher itself."""
+    return box_mesh
+
+
+@pytest.fixture(scope="session")
+def block() -> TetMesh:
+    """A shaken block of 12 x 10 x 16 mm, 288 tetrahedra."""
+    return box_mesh((4, 3, 4), (12.0, 10.0, 16.0), shake=0.2)
+
+
+@pytest.fixture(scope="session")
+def pla() -> Material:
+    """PLA from the library."""
+    return LIBRARY["PLA"]

@@ -1,0 +1,189 @@
+"""The two float32 implementations of a step against the float64 reference, and against each other."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.sparse import diags_array
+from scipy.sparse.linalg import eigsh
+from scipy.spatial.transform import Rotation
+
+from mechstyle.fea import elasticity
+from mechstyle.fea.discretisation import discretise
+from mechstyle.fea.elasticity import LAWS, law_named
+from mechstyle.fea.integration import QUANTITIES, RECORD_EVERY, Scheme, largest_frequency, stable_step
+from mechstyle.fea.on_cores import CoreBody
+from mechstyle.fea.on_device import DeviceBody
+
+each_law = pytest.mark.parametrize("name", LAWS)
+NORMALS = np.array([[0.0, 0.0, 1.0], [0.6, 0.0, 0.8], [-0.48, 0.64, 0.6]])
+
+
+def on_device(discretisation):
+    """The kernels that CUDA runs, on the CPU, where this test can run too."""
+    return DeviceBody(discretisation, "cpu")
+
+
+each_body = pytest.mark.parametrize("body_type", [CoreBody, on_device])
+
+
+@pytest.fixture(scope="module")
+def discretisation(block, pla):
+    return discretise(block, pla, 0.005)
+
+
+def scheme_of(discretisation, pla, name="stable_neo_hookean", samples=8, **changes):
+    law = law_named(name, pla)
+    step = 0.8 * stable_step(largest_frequency(CoreBody(discretisation), discretisation, law), 1e-4)
+    scheme = Scheme(law, step, damping=1e-4, gravity=9.81e-3, friction=0.3, speed=5.4, stride=RECORD_EVERY, samples=samples)
+    return replace(scheme, **changes)
+
+
+def heights_of(discretisation, normals=NORMALS):
+    heights = discretisation.tets.vertices @ normals.T
+    return heights - heights.min(axis=0)
+
+
+def reference_drop(discretisation, scheme, normal, heights):
+    """The scheme in float64 numpy: displacement, velocity, running σ_vM, and per sample the reference's own energies."""
+    tets, masses = discretisation.tets, discretisation.masses[:, None]
+    u, v = np.zeros_like(tets.vertices), np.tile(-scheme.speed * normal, (len(masses), 1))
+    peak, impulse, lost, samples = np.zeros(len(tets.tets)), 0.0, 0.0, []
+    for step in range(scheme.stride * scheme.samples):
+        w = u + scheme.damping * v
+        if step % RECORD_EVERY == 0:
+            H = elasticity.displacement_gradients(tets, w)
+            peak = np.maximum(peak, elasticity.von_mises(elasticity.cauchy_stress(H, scheme.law.first_piola(H))))
+        before = v
+        free = v + scheme.time_step * (elasticity.internal_forces(tets, scheme.law, w) / masses - scheme.gravity * normal)
+        gap = heights + (u + scheme.time_step * free) @ normal
+        push = np.maximum(-gap / scheme.time_step, 0.0)[:, None]
+        v = free + push * normal
+        tangential = v - (v @ normal)[:, None] * normal
+        v = v - tangential * np.minimum(1.0, scheme.friction * push / np.maximum(np.linalg.norm(tangential, axis=1, keepdims=True), 1e-12))
+        impulse += float((masses * push).sum())
+        lost -= float((0.5 * masses * (v - free) * (before + v)).sum())
+        u = u + scheme.time_step * v
+        if (step + 1) % scheme.stride == 0:
+            kinetic = float((0.5 * masses * v**2).sum())
+            H = elasticity.displacement_gradients(tets, u)
+            power = -float((elasticity.internal_forces(tets, scheme.law, u) * v).sum())
+            strain = elasticity.strain_energy(tets, scheme.law, u) - 0.5 * scheme.time_step * power
+            now = elasticity.von_mises(elasticity.cauchy_stress(H, scheme.law.first_piola(H))).max()
+            sums = ((masses * u).sum(axis=0) @ normal, (masses * v).sum(axis=0) @ normal)
+            samples.append((kinetic, strain, impulse, lost, *sums, now**2))
+    return u, peak, np.array(samples)
+
+
+@each_law
+@each_body
+@pytest.mark.parametrize("size", [1e-4, 0.3])
+def test_internal_forces_agree_with_the_reference(body_type, name, size, discretisation, pla):
+    law = law_named(name, pla)
+    u = size * np.random.default_rng(0).standard_normal(discretisation.tets.vertices.shape)
+    expected = elasticity.internal_forces(discretisation.tets, law, u)
+    # float32 carries 6e-8; a force is a sum of some hundred products.
+    np.testing.assert_allclose(body_type(discretisation).internal_forces(law, u), expected, rtol=0, atol=3e-6 * np.abs(expected).max())
+
+
+@each_law
+@each_body
+def test_a_large_rotation_alone_gives_next_to_no_force(body_type, name, discretisation, pla):
+    vertices, law = discretisation.tets.vertices, law_named(name, pla)
+    turned = vertices @ Rotation.from_rotvec([0.0, 0.5, 0.3]).as_matrix().T - vertices
+    strained = vertices * 1e-3
+    scale = np.abs(elasticity.internal_forces(discretisation.tets, law, strained)).max()
+    # Displacements of 10 mm in float32 (1e-6 mm) over edges of 3 mm: strain noise of some 1e-6 against 1e-3.
+    assert np.abs(body_type(discretisation).internal_forces(law, turned)).max() < 1e-2 * scale
+
+
+@each_law
+@each_body
+def test_a_drop_agrees_step_by_step_with_the_reference(body_type, name, discretisation, pla):
+    scheme, heights = scheme_of(discretisation, pla, name), heights_of(discretisation)
+    batches = body_type(discretisation).batches(scheme, NORMALS, heights)
+    for batch in batches:
+        batch.advance(scheme.samples)
+    peak = np.concatenate([batch.peak() for batch in batches])
+    touched = np.concatenate([batch.touched() for batch in batches])
+    history = np.concatenate([batch.history(scheme.samples) for batch in batches], axis=2)
+    for index, normal in enumerate(NORMALS):
+        _, expected, samples = reference_drop(discretisation, scheme, normal, heights[:, index])
+        # 32 steps of float32: the rounding of 6e-8 a step on displacements of 1e-2 mm, strains of 1e-2.
+        np.testing.assert_allclose(peak[index], expected, rtol=0, atol=2e-4 * expected.max())
+        scale = np.abs(samples).max(axis=0) + 1e-6 * np.abs(samples).max()
+        np.testing.assert_allclose(history[:, :, index] / scale, samples / scale, atol=1e-3)
+        assert touched[index].any()
+        assert not touched[index].all()
+
+
+def test_vectorised_and_gathering_kernels_agree_over_a_whole_bounce(discretisation, pla):
+    scheme, heights = scheme_of(discretisation, pla, samples=100), heights_of(discretisation)
+    results = []
+    for body in (CoreBody(discretisation), on_device(discretisation)):
+        batches = body.batches(scheme, NORMALS, heights)
+        for batch in batches:
+            batch.advance(scheme.samples)
+        results.append(np.concatenate([batch.peak() for batch in batches]))
+    # Different order of summation in float32 over 400 steps with contact.
+    assert np.abs(results[0] - results[1]).max() < 1e-3 * results[0].max()
+
+
+@each_body
+def test_a_body_in_the_air_falls_and_feels_nothing(body_type, discretisation, pla):
+    scheme = scheme_of(discretisation, pla)
+    (batch,) = body_type(discretisation).batches(scheme, NORMALS[1:2], heights_of(discretisation)[:, 1:2] + 1e3)
+    batch.advance(scheme.samples)
+    last = dict(zip(QUANTITIES, batch.history(scheme.samples)[-1, :, 0], strict=True))
+    time, mass = scheme.samples * scheme.stride * scheme.time_step, discretisation.masses.sum()
+    assert last["momentum"] == pytest.approx(-mass * (scheme.speed + scheme.gravity * time), rel=1e-5)
+    assert last["height"] == pytest.approx(-mass * (scheme.speed * time + scheme.gravity * time**2 / 2), rel=1e-3)
+    assert last["impulse"] == 0.0
+    assert last["contact_loss"] == 0.0
+    # Rounding of the velocities accumulates to a few 1e-6 mm between neighbours.
+    assert batch.peak().max() < 0.05
+    assert not batch.touched().any()
+
+
+@each_body
+def test_results_do_not_depend_on_what_runs_beside(body_type, discretisation, pla):
+    scheme, heights = scheme_of(discretisation, pla, samples=20), heights_of(discretisation)
+
+    def peaks(which):
+        batches = body_type(discretisation).batches(scheme, NORMALS[which], heights[:, which])
+        for batch in batches:
+            batch.advance(scheme.samples)
+        return np.concatenate([batch.peak() for batch in batches])
+
+    together = peaks([0, 1, 2])
+    assert peaks([2]).tobytes() == together[2:].tobytes()
+    assert peaks([1, 0]).tobytes() == together[[1, 0]].tobytes()
+
+
+def test_the_power_iteration_finds_the_largest_frequency(discretisation, pla):
+    root = diags_array(np.repeat(discretisation.masses, 3) ** -0.5)
+    scaled = root @ elasticity.stiffness_matrix(discretisation.tets, pla) @ root
+    exact = np.sqrt(eigsh(scaled, k=1, return_eigenvectors=False)[0])
+    for body in (CoreBody(discretisation), on_device(discretisation)):
+        found = largest_frequency(body, discretisation, law_named("stable_neo_hookean", pla))
+        assert 0.97 * exact < found < 1.001 * exact
+
+
+def test_damping_lets_a_mode_decay_as_the_textbook_says(box, pla):
+    """Amplitude ∝ exp(−β ω² t / 2), so energy ∝ exp(−β ω² t): an eigenmode released far from any floor."""
+    body = discretise(box((1, 1, 8), (2.0, 2.0, 16.0)), pla, 0.0)
+    root = np.repeat(body.masses, 3) ** -0.5
+    values, vectors = eigsh(diags_array(root) @ elasticity.stiffness_matrix(body.tets, pla) @ diags_array(root), k=40)
+    chosen = int(np.argmin(np.abs(np.sqrt(values) - 2500.0)))
+    omega, mode = float(np.sqrt(values[chosen])), (root * vectors[:, chosen]).reshape(-1, 3)
+    period, periods, samples, beta = 2.0 * np.pi / omega, 8, 8, 2e-5
+    law = law_named("stable_neo_hookean", pla)
+    scheme = Scheme(law, period / 80, beta, gravity=0.0, friction=0.0, speed=0.0, stride=80 // samples, samples=periods * samples)
+    (drop,) = CoreBody(body).batches(scheme, NORMALS[:1], np.full((len(mode), 1), 1e3))
+    start = np.pad(1e-4 * mode / np.abs(mode).max(), ((0, 0), (0, 1))).astype(np.float32).ravel()
+    drop.state.u.assign(start)
+    drop.state.w.assign(start)
+    drop.advance(scheme.samples)
+    rows = drop.history(scheme.samples)[:, :, 0]
+    energy = (rows[:, QUANTITIES.index("kinetic")] + rows[:, QUANTITIES.index("strain")]).reshape(periods, samples).mean(axis=1)
+    assert np.log(energy[0] / energy[-1]) == pytest.approx(beta * omega**2 * (periods - 1) * period, rel=0.02)
