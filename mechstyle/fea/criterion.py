@@ -108,7 +108,8 @@ def judge(simulation: Simulation, baseline: Simulation, material: Material, crit
     place = f" at {_place(simulation)}"
     counting = [(as_placed, _stress_clause("peak stress", as_placed, place, baseline, material))]
     if spread is not None:
-        counting.append((spread, f"in all orientations {spread.value:.2f} times the original's stress, {_side(spread)} the limit of {spread.limit:.2f}"))
+        clause = f"in all orientations {spread.value:.2f} times the original's stress, {_side(spread)} the limit of {spread.limit:.2f}"
+        counting.append((spread, clause))
     if criterion == "paper":
         counting = [(literal, _stress_clause("largest element stress", literal, "", baseline, material))]
     outcome = max((judgement.outcome for judgement, _ in counting), key=_SEVERITY.__getitem__)

@@ -230,8 +230,9 @@ def _drop(tets: TetMesh, discretisation: Discretisation, scheme: Scheme, batches
         von_mises[:, discretisation.tet_order] = peak
     contact = np.zeros((len(peak), len(tets.vertices)), dtype=bool)
     contact[:, discretisation.vertex_order] = np.concatenate([batch.touched() for batch in batches])
-    steps = scheme.samples * scheme.stride
-    return Drop(von_mises, contact, scheme.time_step, steps, discretisation.added_mass, _history(rows, scheme), failure)
+    finite = np.logical_and.accumulate(np.isfinite(rows).all(axis=(1, 2)))
+    history, steps = _history(rows[finite], scheme), scheme.samples * scheme.stride
+    return Drop(von_mises, contact, scheme.time_step, steps, discretisation.added_mass, history, failure)
 
 
 def _history(rows: Floats, scheme: Scheme) -> History:

@@ -157,7 +157,8 @@ def integrate(batches: Sequence[Batch], scheme: Scheme, mass: float, progress: C
 
 def failing(rows: Floats, scheme: Scheme) -> NDArray[np.bool_]:
     """Samples that are not finite or hold more energy than fall and weight put in, shape [samples, orientations]."""
-    return ~np.isfinite(rows).all(axis=1) | (total_energy(rows, scheme) > ENERGY_GROWTH * total_energy(rows[:1], scheme) + 1e-9)
+    with np.errstate(invalid="ignore"):  # sums of infinities, which is what is looked for
+        return ~np.isfinite(rows).all(axis=1) | (total_energy(rows, scheme) > ENERGY_GROWTH * total_energy(rows[:1], scheme) + 1e-9)
 
 
 def total_energy(rows: Floats, scheme: Scheme) -> Floats:

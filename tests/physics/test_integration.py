@@ -1,0 +1,81 @@
+"""The stable step of one oscillator, and the loop over batches with batches that misbehave."""
+
+import numpy as np
+import pytest
+
+from mechstyle.fea.elasticity import StVenantKirchhoff
+from mechstyle.fea.integration import QUANTITIES, Scheme, failing, integrate, stable_step
+
+SCHEME = Scheme(StVenantKirchhoff(1.0, 1.0), 1e-3, 0.0, 9.81e-3, 0.0, speed=2.0, stride=4, samples=10)
+
+
+class Recorded:
+    """A batch of one that plays back samples of a body of 1 g."""
+
+    def __init__(self, samples):
+        self.samples, self.taken = samples, 0
+
+    def advance(self, samples):
+        self.taken += samples
+
+    def history(self, samples):
+        return self.samples[:samples]
+
+
+def falling(kinetic=2.0, count=10):
+    samples = np.zeros((count, len(QUANTITIES), 1))
+    samples[:, QUANTITIES.index("kinetic")] = kinetic
+    return samples
+
+
+@pytest.mark.parametrize(("omega", "beta"), [(4000.0, 0.0), (4000.0, 1e-4), (300.0, 1e-2)])
+def test_the_stable_step_is_the_edge_between_decay_and_growth(omega, beta):
+    def last_amplitude(step):
+        u, v = 1.0, 0.0
+        for _ in range(4000):
+            v -= step * omega**2 * (u + beta * v)
+            u += step * v
+        return abs(u) + abs(v) / omega
+
+    limit = stable_step(omega, beta)
+    assert limit <= 2.0 / omega
+    assert last_amplitude(0.99 * limit) < 50.0
+    assert not last_amplitude(1.01 * limit) < 1e6, "infinite, or no longer a number"
+
+
+def test_all_batches_run_to_the_end_and_start_at_first_touch():
+    batches, fractions = [Recorded(falling()) for _ in range(5)], []
+    rows = integrate(batches, SCHEME, 1.0, fractions.append)
+    assert rows.shape == (11, len(QUANTITIES), 5)
+    np.testing.assert_array_equal(rows[0, QUANTITIES.index("kinetic")], 2.0)
+    np.testing.assert_array_equal(rows[0, QUANTITIES.index("momentum")], -2.0)
+    assert [batch.taken for batch in batches] == [10] * 5
+    assert fractions[-1] == 1.0
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, 3.0])
+def test_a_batch_that_breaks_down_stops_and_the_others_go_on(value):
+    broken = falling()
+    broken[3:, QUANTITIES.index("kinetic")] = value
+    batches = [Recorded(falling()), Recorded(broken)]
+    rows = integrate(batches, SCHEME, 1.0, lambda _: None)
+    assert [batch.taken for batch in batches] == [10, 4]
+    assert len(rows) == 5
+    bad = failing(rows, SCHEME)
+    assert not bad[:, 0].any()
+    np.testing.assert_array_equal(bad[:, 1], [False, False, False, False, True])
+
+
+def test_opposite_infinities_are_a_failure_not_a_warning():
+    broken = falling()
+    broken[0, QUANTITIES.index("strain")], broken[0, QUANTITIES.index("kinetic")] = -np.inf, np.inf
+    assert failing(broken, SCHEME)[0, 0]
+
+
+def test_what_a_batch_raises_reaches_the_caller():
+    class Torn(Recorded):
+        def advance(self, samples):  # noqa: ARG002 - it fails before
+            raise RuntimeError("out of memory")
+
+    with pytest.raises(RuntimeError, match="out of memory"):
+        integrate([Recorded(falling()), Torn(falling())], SCHEME, 1.0, lambda _: None)
