@@ -1,0 +1,47 @@
+"""One fTetWild run in a process of its own: `python -m mechstyle.geometry._tetwild_worker REQUEST.npz ANSWER.npz`.
+
+fTetWild holds the interpreter lock for its whole run, crashes on some input and leaves files where it stands. In a process
+that can be killed, in a folder that is thrown away, none of that matters.
+"""
+
+from __future__ import annotations
+
+import faulthandler
+import sys
+import types
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+def main(request: str, answer: str) -> None:
+    """Tetrahedralise the surface in `request` with the settings in it; write vertices and tets to `answer`."""
+    with np.load(request, allow_pickle=False) as asked:
+        # A C thread ends this process even if the parent died and can no longer kill it.
+        faulthandler.dump_traceback_later(float(asked["limit"]), exit=True)
+        tetrahedralize = _tetrahedralize()
+        vertices, tets = tetrahedralize(
+            asked["vertices"],
+            asked["faces"],
+            edge_length_abs=float(asked["edge_length"]),
+            epsilon=float(asked["epsilon"]),
+            stop_energy=float(asked["stop_energy"]),
+            num_opt_iter=int(asked["iterations"]),
+            simplify=False,
+            num_threads=1,
+            quiet=True,
+        )
+    np.savez(answer, vertices=vertices, tets=tets)
+
+
+def _tetrahedralize() -> Callable[..., tuple[NDArray[np.float64], NDArray[np.int32]]]:
+    """The function itself. Its package imports pyvista, and with it VTK, for others that are not used here: an empty module will do."""
+    sys.modules.setdefault("pyvista", types.ModuleType("pyvista"))
+    from pytetwild.pytetwild import tetrahedralize  # noqa: PLC0415 (the stand-in must be there first)
+
+    return tetrahedralize
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

@@ -1,0 +1,80 @@
+"""fTetWild (Hu et al. 2020) as a function that can be interrupted."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tempfile
+import zipfile
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mechstyle.errors import SimulationFailed
+from mechstyle.mesh import Floats
+
+GRACE = 10.0  # seconds after the limit at which an orphaned worker ends itself
+
+
+class Settings(NamedTuple):
+    """What decides a run of fTetWild.
+
+    Attributes:
+        edge_length: Edge length it aims at [mm].
+        epsilon: Half width of the envelope its boundary stays in, over the diagonal of the bounding box.
+        stop_energy: AMIPS energy at which it is content; 3 is a regular tetrahedron.
+        iterations: Most rounds of optimisation.
+    """
+
+    edge_length: float
+    epsilon: float
+    stop_energy: float = 10.0
+    iterations: int = 40
+
+
+def tetwild(vertices: Floats, faces: NDArray[np.int32], settings: Settings, *, timeout: float) -> tuple[Floats, NDArray[np.int32]]:
+    """Vertices [mm] and tetrahedra of the inside of a surface, in whatever order and orientation fTetWild leaves them.
+
+    The worker is killed after `timeout` seconds and when anything is raised here, Ctrl-C included.
+
+    Raises:
+        SimulationFailed: If it runs out of time, dies, or finds nothing inside.
+    """
+    with tempfile.TemporaryDirectory(prefix="mechstyle-") as name:
+        folder = Path(name)
+        request, answer = folder / "request.npz", folder / "answer.npz"
+        np.savez(request, vertices=vertices, faces=faces, limit=timeout + GRACE, **settings._asdict())
+        command = [sys.executable, "-m", "mechstyle.geometry._tetwild_worker", str(request), str(answer)]
+        try:
+            done = subprocess.run(  # noqa: S603 (this very interpreter, fixed arguments)
+                command, cwd=folder, env=_environment(), timeout=timeout, check=False,
+                stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+            )
+        except subprocess.TimeoutExpired as error:
+            raise SimulationFailed(f"fTetWild was stopped after {timeout:.0f} s without a mesh; the part may have walls or details "
+                                   "too fine for it") from error
+        return _answer(answer, done)
+
+
+def _answer(path: Path, done: subprocess.CompletedProcess[bytes]) -> tuple[Floats, NDArray[np.int32]]:
+    if done.returncode != 0:
+        said = done.stderr.decode(errors="replace").strip().splitlines()
+        raise SimulationFailed(f"fTetWild failed (exit code {done.returncode}): {said[-1] if said else 'without a word'}")
+    try:
+        with np.load(path, allow_pickle=False) as found:
+            vertices, tets = found["vertices"].astype(np.float64), found["tets"].astype(np.int32)
+    except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
+        raise SimulationFailed("fTetWild ended without leaving a mesh") from error
+    if not len(tets):
+        raise SimulationFailed("fTetWild found nothing inside the surface")
+    return vertices, tets
+
+
+def _environment() -> dict[str, str]:
+    """The environment with this package importable from another folder."""
+    root = str(Path(__file__).resolve().parents[2])
+    paths = [root, *filter(None, [os.environ.get("PYTHONPATH")])]
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}

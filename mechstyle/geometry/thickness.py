@@ -1,0 +1,64 @@
+"""Local wall thickness by the shrinking ball."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+import warp as wp
+from numpy.typing import NDArray
+from scipy.sparse.csgraph import dijkstra
+
+from mechstyle.geometry.kernels import shrink_balls
+from mechstyle.geometry.proximity import TriangleTree
+from mechstyle.mesh import Floats, SurfaceMesh
+
+# A ball counts as empty if nothing reaches deeper into it than a tenth of its radius. In the centre of a sphere every
+# triangle is equally near and the search visits all of them: 0.97 takes 11 times longer there, for exactness nobody needs.
+SLACK = 0.9
+
+
+def local_thickness(mesh: SurfaceMesh, *, separation: float = 100.0, slope: float = 0.5, device: str = "cpu") -> NDArray[np.float64]:
+    """Diameter of the largest ball inside the part that touches it at each vertex.
+
+    The shrinking ball of Ma, Bae and Choi (2012) as used for wall thickness by Inui, Umezu and Shimane (2016), on the
+    triangles themselves. It starts from half the way of a ray to the opposite wall and so never exceeds that way.
+
+    Args:
+        mesh: A closed surface.
+        separation: Least angle between the two contacts, seen from the centre of the ball [degrees]. 0 gives the pure
+            ball, which vanishes at convex edges; 100 measures the wall there instead.
+        slope: Most that thickness may grow per way along the surface. The narrow side of a plate looks across the whole
+            plate; this ties it to the plate's thickness. Infinity leaves the balls as they are.
+        device: Warp device.
+
+    Returns:
+        Thickness [mm], shape [vertex_count]. A ball is at most 10 % too large, because shallower contacts are not searched for.
+    """
+    tree = TriangleTree(mesh.vertices, mesh.faces, device)
+    count = len(mesh.vertices)
+    diameter: Any = wp.empty(count, dtype=wp.float32, device=device)
+    normals: Any = wp.array(mesh.vertex_normals.astype(np.float32), dtype=wp.vec3, device=device)
+    skin = 1e-4 * mesh.size
+    inputs = [tree.id, tree.points(mesh.vertices), normals, mesh.size, skin, math.cos(math.radians(separation)), SLACK, diameter]
+    wp.launch(shrink_balls, dim=count, inputs=inputs, device=device)
+    balls = np.asarray(diameter.numpy(), dtype=np.float64)
+    return balls if math.isinf(slope) else _limited(balls, mesh, slope)
+
+
+def _limited(values: Floats, mesh: SurfaceMesh, slope: float) -> Floats:
+    """The largest field below `values` that grows by at most `slope` per way along the edges: min over u of values(u) + slope·way(u, v).
+
+    One shortest-path search from an extra node, joined to every vertex by an edge as long as its value.
+    """
+    count = len(values)
+    a, b = mesh.edges.T
+    ways = slope * np.linalg.norm(mesh.vertices[a] - mesh.vertices[b], axis=1)
+    start = np.full(count, count)
+    rows, columns = np.concatenate([a, b, start]), np.concatenate([b, a, np.arange(count)])
+    # A stored zero means "no edge" to the search, so lengths stay above zero.
+    lengths = np.maximum(np.concatenate([ways, ways, values]), 1e-12)
+    graph = sp.csr_array((lengths, (rows, columns)), shape=(count + 1, count + 1))
+    return np.asarray(dijkstra(graph, indices=count)[:count], dtype=np.float64)
