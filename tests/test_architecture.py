@@ -1,0 +1,178 @@
+"""What keeps the tree in order, and that each of these gates really looks at something."""
+
+import ast
+import importlib
+import importlib.metadata
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
+
+import mechstyle
+
+ROOT = Path(__file__).parents[1]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
+_GIT = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True)
+TRACKED = [ROOT / line for line in _GIT.stdout.splitlines()]
+SOURCES = [path for folder in ("mechstyle", "widgets", "benchmarks") for path in sorted((ROOT / folder).rglob("*.py"))]
+HEAVY = {"gpytoolbox", "lxml", "manifold3d", "matplotlib", "networkx", "pytetwild", "rich", "scipy", "trimesh", "typer", "warp"}
+HEAVY |= {"IPython", "PIL", "ipywidgets", "pandas", "plotly", "pythreejs", "skimage", "torch", "transformers"}
+
+
+def loaded_by(program: str) -> set[str]:
+    """Top-level modules in memory after a program ran in a fresh process."""
+    ending = "\nimport sys; print(*{name.partition('.')[0] for name in sys.modules})"
+    return set(subprocess.run([sys.executable, "-c", program + ending], capture_output=True, text=True, check=True).stdout.split())
+
+
+def named(path: Path) -> str:
+    return str(path.relative_to(ROOT))
+
+
+# --- imports ------------------------------------------------------------------------------------------------------
+
+
+def test_import_contracts_hold():
+    contracts = [sys.executable, "-c", "from importlinter.cli import lint_imports_command; lint_imports_command()", "--no-cache"]
+    done = subprocess.run(contracts, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout
+    assert re.search(r"Contracts: \d+ kept, 0 broken", done.stdout)
+
+
+def test_the_layers_are_all_built_and_none_may_import_its_neighbours():
+    """An optional layer, in parentheses, or one joined by a colon would pass without being looked at."""
+    layers = next(contract["layers"] for contract in PROJECT["tool"]["importlinter"]["contracts"] if contract["type"] == "layers")
+    for name in re.split(r" \| ", " | ".join(layers)):
+        assert re.fullmatch(r"\w+", name), f"layer {name!r} is optional or not kept apart"
+        assert importlib.util.find_spec(f"mechstyle.{name}") is not None
+
+
+def test_importing_mechstyle_loads_nothing_heavy():
+    loaded = loaded_by("import mechstyle; dir(mechstyle); mechstyle.__all__")
+    assert "numpy" in loaded
+    assert not loaded & HEAVY
+
+
+def test_no_package_loads_anything_heavy_by_itself():
+    """Rooms are imported for one function of them; the others' libraries may be missing."""
+    folders = [path.parent for path in sorted((ROOT / "mechstyle").rglob("__init__.py"))]
+    packages = [".".join(folder.relative_to(ROOT).parts) for folder in folders]
+    assert "mechstyle.fea" in packages
+    packages.remove("mechstyle.cli")  # the command line is typer
+    assert not loaded_by("import " + ", ".join(packages)) & HEAVY
+
+
+def test_physics_runs_without_torch():
+    assert "torch" not in loaded_by("import mechstyle.simulator, mechstyle.run")
+
+
+# --- the public surface -------------------------------------------------------------------------------------------
+
+
+def test_all_is_exactly_what_is_exported():
+    ours = {name: value for name, value in vars(mechstyle).items() if getattr(value, "__module__", "").startswith("mechstyle.")}
+    assert {name for name in ours if not name.startswith("_")} <= set(mechstyle.__all__)
+    assert len(mechstyle.__all__) == len(set(mechstyle.__all__))
+    assert set(dir(mechstyle)) == {*mechstyle.__all__, "__version__"}
+
+
+def test_type_checkers_see_what_is_loaded_on_demand():
+    """The lazy names are listed once for Python and once for type checkers."""
+    tree = ast.parse((ROOT / "mechstyle/__init__.py").read_text())
+    block = next(node for node in tree.body if isinstance(node, ast.If))
+    for_checkers = {alias.name: node.module for node in block.body if isinstance(node, ast.ImportFrom) for alias in node.names}
+    assert for_checkers == {name: f"mechstyle.{module}" for name, module in mechstyle._WHERE.items()}
+
+
+@pytest.mark.parametrize("name", sorted(mechstyle.__all__))
+def test_every_public_name_stays_itself_whatever_else_was_imported(name):
+    """Importing a submodule puts it into its package under its own name, in place of a function of that name."""
+    assert importlib.util.find_spec(f"mechstyle.{name}") is None, f"mechstyle.{name} is a module as well"
+    if name in mechstyle._WHERE:
+        assert getattr(mechstyle, name) is getattr(importlib.import_module(f"mechstyle.{mechstyle._WHERE[name]}"), name)
+
+
+def test_a_name_that_is_not_there_is_an_attribute_error():
+    with pytest.raises(AttributeError, match="no attribute 'styllize'"):
+        mechstyle.styllize  # noqa: B018
+
+
+def test_versions_agree():
+    latest = re.search(r"^## \[([\d.]+)\]", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)
+    assert latest is not None
+    assert mechstyle.__version__ == PROJECT["project"]["version"] == latest[1]
+
+
+def test_the_command_is_where_the_package_says():
+    module, function = PROJECT["project"]["scripts"]["mechstyle"].split(":")
+    assert callable(getattr(importlib.import_module(module), function))
+
+
+# --- size and habits ----------------------------------------------------------------------------------------------
+
+
+def test_there_is_something_to_look_at():
+    assert len(SOURCES) > 40
+    assert len([path for path in TRACKED if path.name.startswith("test_")]) > 10
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=named)
+def test_modules_stay_short(path):
+    assert len(path.read_text().splitlines()) <= 400
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=named)
+def test_functions_stay_short_and_no_exception_is_swallowed_unnamed(path):
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+            assert node.end_lineno - node.lineno < 60, f"{node.name} is too long to read"
+        assert not (isinstance(node, ast.ExceptHandler) and node.type is None), f"bare except in line {node.lineno}"
+
+
+def test_no_file_names_a_package_registry_or_a_place_on_somebodys_machine():
+    """Where packages come from is the installer's business, and a path outside the repository is nobody else's."""
+    hosts = r"\b(?:pypi|pythonhosted|npmjs|unpkg|jsdelivr|anaconda|debian)\.(?:org|com|net)\b"
+    forbidden = re.compile(hosts + r"|(?<![\w.:/])/(?:home|root|work)/\w")
+    for path in TRACKED:
+        if path.is_file() and path.suffix not in {".png", ".stl", ".npz", ".3mf"}:
+            found = forbidden.search(path.read_text(encoding="utf-8"))
+            assert found is None, f"{named(path)}: {found[0]}"
+
+
+# --- gates look at something --------------------------------------------------------------------------------------
+
+
+def test_mypy_and_pytest_are_pointed_at_folders_with_code():
+    folders = PROJECT["tool"]["mypy"]["files"] + PROJECT["tool"]["pytest"]["ini_options"]["testpaths"]
+    assert set(folders) == {"mechstyle", "widgets", "tests"}
+    for folder in folders:
+        assert any((ROOT / folder).rglob("*.py")), folder
+
+
+def test_exceptions_from_the_gates_still_excuse_something():
+    for pattern in PROJECT["tool"]["ruff"]["lint"]["per-file-ignores"]:
+        assert any(path.match(pattern.replace("**", "*")) for path in TRACKED), pattern
+    for override in PROJECT["tool"]["mypy"]["overrides"]:
+        for module in override["module"] if override.get("ignore_errors") else []:
+            assert list(ROOT.glob(module.replace(".", "/") + ".py")), module
+
+
+def test_every_dependency_is_pinned_within_what_the_package_asks_for():
+    lines = (ROOT / "constraints.txt").read_text().splitlines()[1:]
+    pins = {canonicalize_name(name): version for name, version in (line.split("==") for line in lines)}
+    assert lines == sorted(lines)
+    extras = PROJECT["project"]["optional-dependencies"]
+    for text in [*PROJECT["project"]["dependencies"], *extras["dev"], *extras["jupyter"], "torch==2.13.0"]:
+        needed = Requirement(text)
+        assert needed.specifier.contains(pins[canonicalize_name(needed.name)]), text
+
+
+def test_installed_is_what_was_written():
+    """An old install in development mode would leave new packages out."""
+    assert importlib.metadata.version("mechstyle") == mechstyle.__version__
+    assert importlib.import_module("mechstyle_widgets").__all__ == ["Viewer"]
