@@ -10,6 +10,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+import typer
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
@@ -111,6 +112,18 @@ def test_versions_agree():
 def test_the_command_is_where_the_package_says():
     module, function = PROJECT["project"]["scripts"]["mechstyle"].split(":")
     assert callable(getattr(importlib.import_module(module), function))
+
+
+def test_the_readme_names_commands_options_and_functions_that_exist():
+    readme = (ROOT / "README.md").read_text()
+    commands = typer.main.get_command(importlib.import_module("mechstyle.__main__").app).commands
+    shown = re.findall(r"^mechstyle (\w+)(.*?)(?:#|$)", readme, re.MULTILINE)
+    assert len(shown) >= 3
+    for name, arguments in shown:
+        options = {option for parameter in commands[name].params for option in parameter.opts}
+        assert set(re.findall(r"--[\w-]+", arguments)) <= options, name
+    assert set(re.findall(r"\bms\.(\w+)", readme)) <= set(mechstyle.__all__)
+    assert all(hasattr(mechstyle.Run, name) for name in re.findall(r"\brun\.(\w+)", readme))
 
 
 # --- size and habits ----------------------------------------------------------------------------------------------
