@@ -57,6 +57,11 @@ class Scheme:
     samples: int
 
     @property
+    def steps(self) -> int:
+        """Steps of the whole drop."""
+        return self.stride * self.samples
+
+    @property
     def law_number(self) -> int:
         """How the kernels know the law."""
         return law_number(self.law)
@@ -121,13 +126,17 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def integrate(batches: Sequence[Batch], scheme: Scheme, mass: float, progress: Callable[[float], None]) -> Floats:
+def integrate(batches: Sequence[Batch], scheme: Scheme, energy: float, progress: Callable[[float], None]) -> Floats:
     """Carry all batches through the window, as many at once as there are cores; a batch that breaks down stops there.
 
-    `progress` is called in this thread with the fraction done; what it raises cancels the rest.
+    Args:
+        batches: Drops at first touch.
+        scheme: The step.
+        energy: Kinetic energy of the body at first touch [mJ].
+        progress: Called in this thread with the fraction done; what it raises cancels the rest.
 
     Returns:
-        The samples that all batches reached, with the state at first touch in front, shape [samples, QUANTITIES, orientations].
+        The samples that all batches reached, shape [samples, QUANTITIES, orientations].
     """
     done = [0] * len(batches)
     running: dict[Future[None], int] = {}
@@ -145,31 +154,21 @@ def integrate(batches: Sequence[Batch], scheme: Scheme, mass: float, progress: C
                 for future in wait(running, return_when=FIRST_COMPLETED).done:
                     index = running.pop(future)
                     future.result()
-                    rows = _from_touch(batches[index].history(done[index]), scheme, mass)
-                    if done[index] < scheme.samples and not failing(rows, scheme).any():
+                    if done[index] < scheme.samples and not failing(batches[index].history(done[index]), scheme, energy).any():
                         submit(index)
                 progress(sum(done) / (scheme.samples * len(batches)))
         finally:
             pool.shutdown(cancel_futures=True)
-    reached = min(done)
-    return _from_touch(np.concatenate([batch.history(reached) for batch in batches], axis=2), scheme, mass)
+    return np.concatenate([batch.history(min(done)) for batch in batches], axis=2)
 
 
-def failing(rows: Floats, scheme: Scheme) -> NDArray[np.bool_]:
-    """Samples that are not finite or hold more energy than fall and weight put in, shape [samples, orientations]."""
+def failing(samples: Floats, scheme: Scheme, energy: float) -> NDArray[np.bool_]:
+    """Samples that are not finite or hold more than the energy at first touch [mJ], shape [samples, orientations]."""
     with np.errstate(invalid="ignore"):  # sums of infinities, which is what is looked for
-        return ~np.isfinite(rows).all(axis=1) | (total_energy(rows, scheme) > ENERGY_GROWTH * total_energy(rows[:1], scheme) + 1e-9)
+        return ~np.isfinite(samples).all(axis=1) | (total_energy(samples, scheme) > ENERGY_GROWTH * energy)
 
 
-def total_energy(rows: Floats, scheme: Scheme) -> Floats:
+def total_energy(samples: Floats, scheme: Scheme) -> Floats:
     """Kinetic, strain and potential energy and what the floor took, from first touch [mJ], shape [samples, orientations]."""
-    of = {name: rows[:, place] for place, name in enumerate(QUANTITIES)}
+    of = {name: samples[:, place] for place, name in enumerate(QUANTITIES)}
     return of["kinetic"] + of["strain"] + of["contact_loss"] + scheme.gravity * of["height"]
-
-
-def _from_touch(samples: Floats, scheme: Scheme, mass: float) -> Floats:
-    """The samples with the state at first touch in front."""
-    start = np.zeros((1, *samples.shape[1:]))
-    start[:, QUANTITIES.index("kinetic")] = 0.5 * mass * scheme.speed**2
-    start[:, QUANTITIES.index("momentum")] = -mass * scheme.speed
-    return np.concatenate([start, samples])

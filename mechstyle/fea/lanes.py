@@ -2,8 +2,7 @@
 
 Warp compiles kernels for the CPU without vectorising them; these are the same steps as in `kernels` written with the
 vector extensions of clang, the compiler inside Warp. They are portable: the compiler maps the eight lanes to whatever the
-processor has (one AVX register, two of SSE or NEON). Five to eight times faster than the plain kernels, tested against the
-same reference.
+processor has (one AVX register, two of SSE or NEON). Five times as fast as the plain kernels, tested against the same reference.
 
 State is [vertex][x y z 0], one row of four floats a vertex, so that a row is one load. Tetrahedra come in blocks of LANES,
 their indices and geometry transposed, [block][quantity][lane]; the last block is filled up with tetrahedra without volume.

@@ -9,7 +9,7 @@ import warp as wp
 from scipy.spatial.transform import Rotation
 
 from mechstyle.errors import BadInput, MissingPiece
-from mechstyle.fea import integration
+from mechstyle.fea import drop_test, integration
 from mechstyle.fea.drop_test import GRAVITY, DropTest, directions, drop, resolve_device
 from mechstyle.fea.elasticity import LAWS
 
@@ -60,6 +60,14 @@ def test_energy_is_conserved_over_a_whole_drop(dropped):
     assert history.strain.max() > 0.1 * history.kinetic[0, 0], "something must have been squeezed"
     # Measured: 3e-6. What remains is float32, and central differences conserving a linear body's energy only.
     assert np.abs(history.damping_loss).max() < 1e-3 * history.kinetic[0, 0]
+
+
+def test_the_named_energies_add_up_at_every_moment(block, pla):
+    history = drop(block, pla, directions(3), SHORT, device="cpu").history
+    total = history.kinetic + history.strain + history.contact_loss + history.damping_loss - history.gravity_work
+    np.testing.assert_allclose(total, np.broadcast_to(total[0], total.shape), rtol=1e-12)
+    assert history.damping_loss[-1].min() > 0.0
+    assert history.gravity_work[1].min() > 0.0, "weight works while the part still sinks"
 
 
 def test_momentum_changes_by_the_impulse_of_floor_and_weight(dropped, block, pla):
@@ -154,6 +162,15 @@ def test_a_step_beyond_the_stable_limit_is_named_and_gives_no_stress(block, pla,
     assert result.history.time[-1] < 0.5 * DropTest().window, "it stops where it breaks"
 
 
+def test_a_drop_that_would_take_hours_is_not_started_and_names_the_place(block, pla, monkeypatch):
+    monkeypatch.setattr(drop_test, "MAX_STEPS", 100)
+    result = drop(block, pla, directions(2), device="cpu")
+    assert f"would need {result.steps} steps" in result.failure
+    assert "mm: mesh the part again" in result.failure
+    assert np.isposinf(result.von_mises).all()
+    assert result.history.time.tolist() == [0.0]
+
+
 def test_the_safe_step_is_stable_for_long(box, pla):
     result = drop(box((2, 2, 2), (10.0, 10.0, 10.0)), pla, directions(2), DropTest(window=5.0), device="cpu")
     assert result.failure == ""
@@ -190,7 +207,7 @@ def test_directions_start_upright_and_are_all_different():
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"height": -1.0}, "height is -1, but must lie between 0 and"),
+        ({"height": -1.0}, "height is -1, but must lie between 1 and"),
         ({"window": 0.0}, "window is 0"),
         ({"damping": float("nan")}, "damping is nan"),
         ({"added_mass": 0.5}, "added mass is 0.5"),
