@@ -11,6 +11,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from mechstyle.mesh import Floats, SurfaceMesh, frozen_array
 from mechstyle.stylize.canvas import Canvas
+from mechstyle.stylize.folds import unfolded
 from mechstyle.stylize.library import style_named
 from mechstyle.stylize.operators import Operators
 from mechstyle.stylize.prompt import Wish
@@ -19,6 +20,7 @@ from mechstyle.stylize.tones import recoloured
 NEUTRAL = 0.75  # the light grey of an uncoloured part, display value
 _COLOUR_WEIGHT = 4.0
 _RATE = 1.0 - float(np.exp(-1.0 / 40.0))  # 40 iterations bring the distance to the target down by e
+_NOTICEABLE, _WORTH_A_NOTE = 0.1, 0.02  # share of the relief lost at a vertex, and of the surface where it is
 _THICKNESS_SLOPE = 0.3  # how fast the relief may grow along the surface where the wall gets thicker [mm/mm]
 
 
@@ -53,7 +55,7 @@ class Proposal(NamedTuple):
 def target(
     mesh: SurfaceMesh, wish: Wish, *, seed: int, amplitude: float, thickness: ArrayLike, inward: ArrayLike, outward: ArrayLike
 ) -> Target:
-    """Draw a style on a part: height times amplitude times local wall thickness, zero on average, within limits.
+    """Draw a style on a part: height times amplitude times local wall thickness, zero on average, within limits, without folds.
 
     Args:
         mesh: The unstylized part.
@@ -71,8 +73,17 @@ def target(
     wall = gradual_thickness(canvas.operators, np.minimum(np.asarray(thickness, dtype=np.float64), style.feature_mm * canvas.scale))
     displacement = balanced(relief.height, amplitude * wish.amount * wall, mesh.vertex_areas)
     limited = np.clip(displacement, -np.asarray(inward, dtype=np.float64), np.asarray(outward, dtype=np.float64))
+    smooth = unfolded(canvas.operators, limited)
     colour = relief.colour if wish.colour is None else recoloured(relief.colour, relief.body, wish.colour)
-    return Target(limited.astype(np.float32), np.clip(colour, 0.0, 1.0).astype(np.float32), tuple(canvas.notes))
+    notes = (*canvas.notes, *_fold_notes(mesh, np.abs(smooth - limited) > _NOTICEABLE * np.abs(limited)))
+    return Target(smooth.astype(np.float32), np.clip(colour, 0.0, 1.0).astype(np.float32), notes)
+
+
+def _fold_notes(mesh: SurfaceMesh, lowered: NDArray[np.bool_]) -> tuple[str, ...]:
+    share = float(mesh.vertex_areas @ lowered) / float(mesh.vertex_areas.sum())
+    if share < _WORTH_A_NOTE:
+        return ()
+    return (f"the relief was lowered on {share:.0%} of the surface, where it would have folded over itself",)
 
 
 def balanced(height: Floats, depth: Floats, areas: Floats) -> Floats:
