@@ -185,7 +185,7 @@ def test_a_target_without_relief_still_gets_its_colour(holder):
 
 
 def test_a_target_does_not_fold_and_says_where_it_would_have(stand):
-    deep = drawn(stand, amplitude=2.0, inward=9.0, outward=9.0)
+    deep = drawn(stand, amplitude=4.0, inward=9.0, outward=9.0)
     turned = np.einsum("ij,ij->i", stand.displaced(deep.displacement).face_normals, stand.face_normals)
     assert turned.min() > 0.16
     assert any("folded over itself" in note for note in deep.notes)
