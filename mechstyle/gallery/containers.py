@@ -57,16 +57,17 @@ def vase(
         wall: Thickness of the wall [mm].
         base: Thickness of the floor [mm].
         lobes: Waves around the vase.
-        relief: Depth of a wave, from its middle [mm].
+        relief: Depth of a wave on the belly, from its middle [mm].
         twist: How far the waves wind from foot to rim [degrees].
     """
-    solids.within(height=(height, 60, 260), diameter=(diameter, 40, 200), wall=(wall, 1.2, 6), base=(base, 1.2, 10))
-    solids.within(lobes=(lobes, 3, 24), relief=(relief, 0, 5), twist=(twist, -180, 180))
-    if relief * lobes > 0.7 * diameter:
+    solids.within(height=(height, 60, 260), diameter=(diameter, 40, 200), wall=(wall, 1.5, 6), base=(base, 1.2, 10))
+    solids.within(relief=(relief, 0, 5), twist=(twist, -180, 180))
+    lobes = solids.count("lobes", lobes, 3, 24)
+    if relief * lobes > 0.35 * diameter:
         raise BadInput(f"{lobes} waves of {relief:g} mm are too steep for a vase of {diameter:g} mm: take fewer or flatter ones")
     turn = shells.angles(lobes)
     up = np.concatenate([[0.0], np.linspace(FOOT / height, 1.0 - wall / (2 * height), 64)])
-    outer = _belly(up)[:, None] * diameter / 2 + _waves(up, turn, lobes, twist) * relief
+    outer = _belly(up)[:, None] * (diameter / 2 + relief * _waves(up, turn, lobes, twist))
     inner = shells.inner_radius(outer, up * height, turn, wall)
     outer[0] -= FOOT
     lip, lip_level = shells.rim(outer[-1], inner[-1], up[-1] * height, wall / 2)
@@ -94,7 +95,8 @@ def pill_box(
         wall: Thickness of the walls [mm].
         base: Thickness of the floor [mm].
     """
-    solids.within(cells=(cells, 1, 14), width=(width, 12, 60), length=(length, 12, 80), depth=(depth, 6, 60))
+    cells = solids.count("cells", cells, 1, 14)
+    solids.within(width=(width, 12, 60), length=(length, 12, 80), depth=(depth, 6, 60))
     solids.within(wall=(wall, 1.2, 5), base=(base, 1.2, 6))
     corner = min(6.0, 0.3 * min(width, length))
     outline = solids.box(cells * (width + wall) + wall, length + 2 * wall, corner + wall)

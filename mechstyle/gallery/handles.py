@@ -31,9 +31,10 @@ def utensil_grip(
         slot_height: Height of that slot [mm].
         slot_depth: How far the slot reaches in [mm].
     """
-    solids.within(length=(length, 70, 180), diameter=(diameter, 22, 60), waves=(waves, 0, 8), relief=(relief, 0, 0.08 * diameter))
+    solids.within(length=(length, 70, 180), diameter=(diameter, 22, 60), relief=(relief, 0, 0.08 * diameter))
     solids.within(slot_width=(slot_width, 5, 0.55 * diameter), slot_height=(slot_height, 2, 0.3 * diameter))
     solids.within(slot_depth=(slot_depth, 20, length - 10))
+    waves = solids.count("waves", waves, 0, 8)
     path, radius = _profile(length, diameter / 2, waves, relief)
     body = solids.swept(np.column_stack([path, np.zeros_like(path)]), np.column_stack([2.0 * radius, 1.84 * radius]), power=2.2)
     body = body.trim_by_plane((0.0, 0.0, 1.0), -0.33 * diameter)  # deeper than the waves, so that the flat is one face

@@ -7,6 +7,7 @@ import math
 import numpy as np
 from manifold3d import Manifold
 
+from mechstyle.errors import BadInput
 from mechstyle.gallery import shells, solids
 from mechstyle.mesh import SurfaceMesh
 
@@ -30,12 +31,15 @@ def lampshade(
         height: Height [mm].
         wall: Thickness of the shade [mm].
         lobes: Flutes around it.
-        relief: Depth of a flute, from its middle [mm].
+        relief: Depth of a flute at the wide end, from its middle [mm].
         twist: How far the flutes wind from bottom to top [degrees].
         socket: Opening of the socket ring [mm].
     """
-    solids.within(lower=(lower, 60, 240), upper=(upper, 60, 200), height=(height, 50, 220), wall=(wall, 1.2, 4))
-    solids.within(lobes=(lobes, 0, 36), relief=(relief, 0, 6), twist=(twist, -120, 120), socket=(socket, 20, upper - 24))
+    solids.within(lower=(lower, 60, 240), upper=(upper, 60, 200), height=(height, 50, 220), wall=(wall, 1.5, 4))
+    lobes = solids.count("lobes", lobes, 0, 36)
+    solids.within(relief=(relief, 0, 6), twist=(twist, -120, 120), socket=(socket, 20, upper - 24))
+    if abs(lower - upper) / 2 + relief * lobes * abs(math.radians(twist)) > 0.6 * height:
+        raise BadInput(f"a wall {height:g} mm high would lean too far: bring the diameters together or take fewer or straighter flutes")
     turn = shells.angles(lobes)
     level = np.linspace(0.0, height - wall / 2, 49)
     share = level[:, None] / height

@@ -27,6 +27,14 @@ def within(**given: tuple[float, float, float]) -> None:
             raise BadInput(f"{name.replace('_', ' ')} is {value:g}, but must lie in {low:g} to {high:g}")
 
 
+def count(name: str, value: float, low: int, high: int) -> int:
+    """A whole number in a range; BadInput for anything else."""
+    within(**{name: (value, low, high)})
+    if value != int(value):
+        raise BadInput(f"{name} is {value:g}, but must be a whole number")
+    return int(value)
+
+
 def standing(body: Manifold) -> SurfaceMesh:
     """The surface of a body, centred over the origin and standing on z = 0; BadInput unless it is one closed body."""
     if body.status() != m3.Error.NoError or body.is_empty() or len(body.decompose()) != 1:
@@ -89,7 +97,8 @@ def lofted(section: CrossSection, levels: Sequence[Level]) -> Manifold:
     Corners of the section must be rounder than the insets are deep (see `softened`); every contour keeps its points, so that
     levels join without slivers.
     """
-    contours = [np.asarray(contour, dtype=np.float64) for contour in section.simplify(1e-3).to_polygons()]
+    insets = [inset for _, inset in levels]
+    contours = [_moveable(np.asarray(contour, dtype=np.float64), insets) for contour in section.simplify(1e-3).to_polygons()]
     flat = np.concatenate(contours)
     moves = np.concatenate([_mitres(contour) for contour in contours])
     layers = [np.column_stack([flat - inset * moves, np.full(len(flat), z)]) for z, inset in levels]
@@ -187,6 +196,25 @@ def _mitres(contour: Floats) -> Floats:
     normal = np.column_stack([edge[:, 1], -edge[:, 0]]) / np.linalg.norm(edge, axis=1, keepdims=True)
     before = np.roll(normal, 1, axis=0)
     return np.asarray((normal + before) / (1.0 + np.einsum("ij,ij->i", normal, before))[:, None])
+
+
+def _moveable(contour: Floats, insets: Sequence[float]) -> Floats:
+    """The polygon without spikes and without corners whose short edges would turn round when it is moved inwards by any inset."""
+    deepest = np.array([min(insets), max(insets)])
+    while len(contour) > 3:
+        edge = np.roll(contour, -1, axis=0) - contour
+        along = edge / np.linalg.norm(edge, axis=1, keepdims=True)
+        straight = np.einsum("ij,ij->i", along, np.roll(along, 1, axis=0))
+        growth = np.roll(_mitres(contour), -1, axis=0) - _mitres(contour)
+        left = 1.0 - deepest[:, None] * np.einsum("ij,ij->i", growth, edge) / np.einsum("ij,ij->i", edge, edge)
+        if straight.min() < -0.7:
+            worst = int(straight.argmin())
+        elif left.min() < 0.05:
+            worst = int(left.min(axis=0).argmin())
+        else:
+            return contour
+        contour = np.delete(contour, worst, axis=0)
+    raise BadInput("an edge of the model is rounded more than its corners allow: go back towards the defaults")
 
 
 def _split(values: NDArray[np.generic], contours: Sequence[Floats]) -> list[NDArray[np.generic]]:

@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from manifold3d import CrossSection
 
+from mechstyle.errors import BadInput
 from mechstyle.gallery import solids
 from mechstyle.mesh import Floats, SurfaceMesh
 
@@ -33,17 +35,14 @@ def phone_stand(
     solids.within(thickness=(thickness, 3, 10), slot=(slot, 6, 0.4 * width))
     along = np.array([math.cos(math.radians(angle)), math.sin(math.radians(angle))])
     across = np.array([-along[1], along[0]])
-    heel = np.array([0.0, 14.0])
-    end = heel + (ledge + 0.5 * thickness) * across
-    toe, rear = (float(end[0]) + 2.0, thickness / 2), (0.62 * height, thickness / 2)
-    frame = solids.stroke(np.array([heel + height * along, heel, toe, rear, heel + 0.62 * height * along]), thickness)
-    tray = solids.stroke(np.array([end + 9.0 * along, end, heel]), thickness)
-    edge, half = 0.25 * thickness, (width - slot) / 2
-    stand = solids.bar(solids.softened(frame, 0.3 * thickness, 4.0), width, edge)
-    side = solids.bar(solids.softened(frame + tray, 0.3 * thickness, 4.0), half, edge)
-    for y in (-(slot + half) / 2, (slot + half) / 2):
-        stand += side.translate((0.0, y, 0.0))
-    return solids.standing(stand.rotate((0.0, 0.0, 90.0)))
+    heel, end = (12.0 + 1.6 * thickness) * along, ledge + 0.5 * thickness
+    foot, rear, brace = (-0.22 * height, 0.0), (0.62 * height, 0.0), 0.64 * height * along
+    lines = ([foot, rear, brace], [(0.0, 0.0), height * along], [heel, heel + end * across, heel + end * across + 9.0 * along])
+    side = sum((solids.stroke(np.array(line), thickness) for line in lines), CrossSection())
+    stand = solids.bar(solids.softened(side, 0.3 * thickness, 4.0), width, 0.25 * thickness)
+    front, depth = heel - (0.5 * thickness + 2.0) * along + (0.5 * thickness + 1.0) * across, (ledge + 2.0 * thickness) * across
+    cut = solids.polygon([front, front + 40.0 * along, front + 40.0 * along + depth, front + depth])
+    return solids.standing((stand - solids.bar(cut, slot, 0.0)).rotate((0.0, 0.0, 90.0)))
 
 
 def wall_hook(
@@ -66,14 +65,17 @@ def wall_hook(
         screw: Diameter of the two countersunk screw holes [mm].
     """
     solids.within(height=(height, 60, 160), width=(width, 24, 80), plate=(plate, 3, 12), reach=(reach, 32, 90))
-    solids.within(thickness=(thickness, 7, 18), screw=(screw, 2.5, 0.2 * width))
+    solids.within(thickness=(thickness, 7, 18), screw=(screw, 2.5, min(0.2 * width, (plate - 1.8) / 0.55)))
+    hole_place, root = 0.5 * height - 0.42 * width, 0.16 * height
+    if hole_place - 1.1 * screw < root + 0.8 * thickness + 1.5:
+        raise BadInput(f"a plate {width:g} x {height:g} mm has no room for {screw:g} mm screws beside a {thickness:g} mm arm: lengthen it")
     outline = solids.softened(solids.box(width, height, 0.42 * width), 3.0, 3.0)
     body = solids.slab(outline, plate, top=0.35 * plate)
     path, sizes = _hook_line(reach, thickness, 0.62 * width, plate)
-    body += solids.swept(path - (0.16 * height, 0.0), sizes)
+    body += solids.swept(path - (root, 0.0), sizes)
     sink = 0.55 * screw
     hole = solids.turned([(screw / 2, -1.0), (screw / 2, plate - sink), (screw / 2 + sink + 1.0, plate + 1.0)])
-    for y in (0.5 * height - 0.42 * width, 0.42 * width - 0.5 * height):
+    for y in (-hole_place, hole_place):
         body -= hole.translate((0.0, y, 0.0))
     return solids.standing(body)
 
