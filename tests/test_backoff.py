@@ -87,6 +87,11 @@ def test_each_stress_has_its_own_limit():
     assert np.array_equal(overloaded(simulation(loaded(3), loaded(50)), LIMIT, generous), at(3))
 
 
+def test_stress_at_its_limit_is_no_overload():
+    stress = np.where(at(3), LIMIT, 20.0).astype(np.float32)
+    assert np.array_equal(overloaded(simulation(stress, loaded(50)), LIMIT, LIMIT), at(50))
+
+
 def test_without_overload_the_fifty_closest_to_their_limit_are_chosen():
     stress = np.linspace(1.0, 40.0, COUNT, dtype=np.float32)
     assert np.array_equal(overloaded(simulation(stress), LIMIT, LIMIT), np.arange(COUNT) >= COUNT - 50)
@@ -144,6 +149,7 @@ def test_the_contact_rung_removes_all_relief_at_the_contact_only():
     relief = np.ones(COUNT, np.float32)
     smaller, words = climb(LOCAL_ROUNDS, relief)
     assert smaller[10] == 0.0
+    assert smaller[11] == pytest.approx(1.0 - np.exp(-((3.0 / 4.0) ** 2)), rel=1e-6)  # 3 mm away
     assert smaller[30] == 1.0
     assert words == f"relief removed within {CONTACT_RADIUS:g} mm of the contact"
 

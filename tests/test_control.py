@@ -131,6 +131,7 @@ def test_headroom_is_used_up_at_the_allowable_stress(baseline, over):
 
 def test_own_max_compares_with_the_largest_unstylized_stress_anywhere():
     assert demand(field(20.0, 50.0), field(10.0, 40.0), PLA, "own_max").tolist() == [0.5, 1.25]
+    assert demand(field(0.25), field(0.5), PLA, "own_max").tolist() == [0.5]
 
 
 @given(stress=arrays(np.float32, 20, elements=stresses), baseline=arrays(np.float32, 20, elements=stresses.filter(lambda s: s > 1e-3)))

@@ -121,6 +121,13 @@ def test_stress_lowers_the_threshold_in_proportion_to_demand():
     assert due(recipe("stress"), loaded) == "vertex 1 moved 6.0% of its 4.0 mm wall; its limit at demand 0.50 is 5.0%"
 
 
+def test_stress_is_due_above_its_threshold_not_at_it():
+    at = np.float32(0.25)  # a sixteenth of 4 mm: half of an eighth, exact in binary
+    above = np.nextafter(at, np.float32(1))
+    assert due(recipe("stress", travel=0.125), progress(travelled=(0.0, at, 0.0), demand=(0.0, 0.5, 0.0))) == ""
+    assert due(recipe("stress", travel=0.125), progress(travelled=(0.0, above, 0.0), demand=(0.0, 0.5, 0.0)))
+
+
 def test_stress_names_the_vertex_furthest_beyond_its_own_threshold():
     """Not the one that moved furthest: 8 % of an unloaded wall is fine, 3 % of a loaded one is not."""
     loaded = progress(travelled=(0.16, 0.12, 0.0), demand=(0.0, 0.8, 0.0))

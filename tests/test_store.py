@@ -466,8 +466,8 @@ def test_find_gives_the_newest_of_an_iteration(forked):
 @pytest.mark.parametrize("iteration", [-1, 6, 120])
 def test_find_says_which_iterations_there_are(forked, iteration):
     store = forked[0]
-    with pytest.raises(BadInput, match=f"iteration {iteration} is not in lane 'main' of .*: it holds 0 to 5"):
-        store.find(iteration)
+    with pytest.raises(BadInput, match=f"iteration {iteration} is not in lane 'other' of .*: it holds 0 to 5$"):
+        store.find(iteration, "other")
 
 
 def test_a_lane_comes_back_as_it_was_moved(store):
