@@ -47,7 +47,7 @@ def phone_stand(
 
 def wall_hook(
     *,
-    height: float = 92.0,
+    height: float = 100.0,
     width: float = 34.0,
     plate: float = 6.0,
     reach: float = 48.0,

@@ -11,7 +11,7 @@ def surface(body):
 
 
 @pytest.fixture(scope="session")
-def cube():
+def block():
     return surface(manifold3d.Manifold.cube((20.0, 20.0, 20.0)).translate((-10.0, -10.0, 0.0)))
 
 

@@ -61,29 +61,29 @@ def _mirrored(ball):
 
 
 @pytest.mark.parametrize("values", [np.full(8, np.nan), np.zeros(8), np.full(8, -2.0)])
-def test_a_field_without_extent_is_drawn(cube, values):
-    assert figure([Panel(cube, "flat", values, "MPa", "stress")], **SMALL)
+def test_a_field_without_extent_is_drawn(block, values):
+    assert figure([Panel(block, "flat", values, "MPa", "stress")], **SMALL)
 
 
-def test_parts_of_one_place_and_size_share_a_camera_so_that_growth_shows(cube):
-    grown = cube.moved(cube.vertices * 1.05)
-    far = cube.moved(cube.vertices * 2)
-    pictures = [axes.images[0].get_array() for axes in figure([Panel(cube), Panel(grown), Panel(far)], **SMALL).axes]
+def test_parts_of_one_place_and_size_share_a_camera_so_that_growth_shows(block):
+    grown = block.moved(block.vertices * 1.05)
+    far = block.moved(block.vertices * 2)
+    pictures = [axes.images[0].get_array() for axes in figure([Panel(block), Panel(grown), Panel(far)], **SMALL).axes]
     dark = [(picture.min(axis=2) < 200).mean() for picture in pictures]
     assert dark[1] > 1.05 * dark[0]
     assert dark[2] == pytest.approx(dark[1], rel=0.02)  # alone in its box: fitted by itself
 
 
-def test_the_sheet_has_the_size_its_panels_ask_for(cube, tmp_path):
-    path = save_figure([Panel(cube, str(k)) for k in range(5)], tmp_path / "sheet.png", columns=2, **SMALL)
+def test_the_sheet_has_the_size_its_panels_ask_for(block, tmp_path):
+    path = save_figure([Panel(block, str(k)) for k in range(5)], tmp_path / "sheet.png", columns=2, **SMALL)
     picture = matplotlib.image.imread(path)
     assert picture.shape[1] == 2 * 140 + 14 + 2 * 18
     assert picture.shape[0] > 3 * 120
     assert [file.name for file in tmp_path.iterdir()] == ["sheet.png"]
 
 
-def test_pictures_are_drawn_pixel_by_pixel(cube):
-    sheet = figure([Panel(cube, "x")], **SMALL)
+def test_pictures_are_drawn_pixel_by_pixel(block):
+    sheet = figure([Panel(block, "x")], **SMALL)
     sheet.canvas.draw()
     drawn = np.asarray(sheet.canvas.buffer_rgba())[..., :3]
     picture = np.asarray(sheet.axes[0].images[0].get_array())
@@ -92,28 +92,28 @@ def test_pictures_are_drawn_pixel_by_pixel(cube):
     assert (drawn[top : top + 120, left : left + 140] == picture).all()
 
 
-def test_equal_panels_give_equal_bytes_and_no_global_state(cube):
-    panels = [Panel(cube, "x", stress(cube, 5.0), "MPa", "stress", note="a note")]
+def test_equal_panels_give_equal_bytes_and_no_global_state(block):
+    panels = [Panel(block, "x", stress(block, 5.0), "MPa", "stress", note="a note")]
     assert figure_png(panels, **SMALL) == figure_png(panels, **SMALL)
     assert "matplotlib.pyplot" not in sys.modules or not sys.modules["matplotlib.pyplot"].get_fignums()
 
 
-def test_long_words_are_shortened_to_the_panel(cube):
-    sheet = figure([Panel(cube, "word " * 40, note="note " * 60)], **SMALL)
+def test_long_words_are_shortened_to_the_panel(block):
+    sheet = figure([Panel(block, "word " * 40, note="note " * 60)], **SMALL)
     renderer = sheet.canvas.get_renderer()
     for text in sheet.axes[0].texts:
         assert text.get_window_extent(renderer).width < 140 + 18
 
 
-def test_bad_requests_are_refused_and_leave_nothing_behind(cube, tmp_path):
+def test_bad_requests_are_refused_and_leave_nothing_behind(block, tmp_path):
     with pytest.raises(BadInput, match="at least one panel"):
         figure([])
     with pytest.raises(BadInput, match="unknown view 'behind'"):
-        figure([Panel(cube, view="behind")])
+        figure([Panel(block, view="behind")])
     with pytest.raises(BadInput, match=r"give .*sheet\.png"):
-        save_figure([Panel(cube)], tmp_path / "sheet.jpg")
+        save_figure([Panel(block)], tmp_path / "sheet.jpg")
     with pytest.raises(BadInput, match="does not exist"):
-        save_figure([Panel(cube)], tmp_path / "none" / "sheet.png")
+        save_figure([Panel(block)], tmp_path / "none" / "sheet.png")
     with pytest.raises(BadInput, match="one value for each of the 8 vertices"):
-        save_figure([Panel(cube, values=np.zeros(3))], tmp_path / "sheet.png", **SMALL)
+        save_figure([Panel(block, values=np.zeros(3))], tmp_path / "sheet.png", **SMALL)
     assert not list(tmp_path.iterdir())

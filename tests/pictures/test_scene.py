@@ -54,10 +54,10 @@ def near(picture, colour, reach=60):
     return (np.abs(picture.astype(int) - np.array(colour) * 255).max(axis=2) < reach).mean()
 
 
-def test_a_field_is_hatched_above_its_threshold_and_outlined_at_it(cube):
-    camera = Camera.named("top", cube.vertices)
-    height = cube.vertices[:, 0]  # -10 to 10 from left to right
-    shown = {limit: render(cube, camera=camera, field=Field(height, Scale(-10, 12, limit)), **SIZE) for limit in (0.0, 11.0)}
+def test_a_field_is_hatched_above_its_threshold_and_outlined_at_it(block):
+    camera = Camera.named("top", block.vertices)
+    height = block.vertices[:, 0]  # -10 to 10 from left to right
+    shown = {limit: render(block, camera=camera, field=Field(height, Scale(-10, 12, limit)), **SIZE) for limit in (0.0, 11.0)}
     red, stripe, line = (near(shown[0.0], colour, reach) for colour, reach in ((ABOVE, 60), (STRIPE, 60), (LINE, 50)))
     assert 1.2 < red / stripe < 2.8  # a third of the hatch is stripes
     assert 0.003 < line < 0.05

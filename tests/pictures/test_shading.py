@@ -5,8 +5,8 @@ from mechstyle.pictures.camera import Camera
 from mechstyle.pictures.shading import corner_normals, floor_shadow, hollows, lit
 
 
-def test_a_cube_keeps_its_edges(cube):
-    assert corner_normals(cube) == pytest.approx(np.repeat(cube.face_normals[:, None], 3, axis=1), abs=1e-12)
+def test_a_cube_keeps_its_edges(block):
+    assert corner_normals(block) == pytest.approx(np.repeat(block.face_normals[:, None], 3, axis=1), abs=1e-12)
 
 
 def test_a_ball_is_smooth(ball):
@@ -14,10 +14,10 @@ def test_a_ball_is_smooth(ball):
     assert np.einsum("ijk,ijk->ij", corner_normals(ball), radial).min() > np.cos(np.radians(1.0))  # facets turn by 2.8 degrees
 
 
-def test_a_crease_angle_beyond_a_right_angle_rounds_the_cube(cube):
-    outward = cube.corners - (0, 0, 10)
+def test_a_crease_angle_beyond_a_right_angle_rounds_the_cube(block):
+    outward = block.corners - (0, 0, 10)
     outward /= np.linalg.norm(outward, axis=2, keepdims=True)
-    assert corner_normals(cube, crease=100.0) == pytest.approx(outward, abs=1e-12)
+    assert corner_normals(block, crease=100.0) == pytest.approx(outward, abs=1e-12)
 
 
 def test_faces_turned_to_the_key_lamp_are_brightest_and_none_is_black(ball):
@@ -43,9 +43,9 @@ def test_a_hollow_is_darker_than_its_rim_and_a_plane_is_not_darkened():
     assert dark[[0, 47, 52, 99]].max() < 1e-3
 
 
-def test_the_shadow_is_under_the_part_and_fades_before_the_border(cube):
-    camera = Camera.named("three_quarter", cube.vertices)
-    dark = floor_shadow(cube, camera, 120, 120)
+def test_the_shadow_is_under_the_part_and_fades_before_the_border(block):
+    camera = Camera.named("three_quarter", block.vertices)
+    dark = floor_shadow(block, camera, 120, 120)
     x, y, _ = camera.project([(0, 0, 0)])[0]
     middle = dark[int((1 - y) * 60), int((x + 1) * 60)]
     assert middle > 0.4
@@ -55,12 +55,12 @@ def test_the_shadow_is_under_the_part_and_fades_before_the_border(cube):
     assert dark.max() < 1
 
 
-def test_a_raised_part_throws_less_shadow_than_a_standing_one(cube):
-    table = cube.vertices * (1, 1, 0.2) + (0, 0, 16)  # the same footprint, but only a corner reaches the floor
-    table[0] = cube.vertices[0]
-    camera = Camera.named("top", cube.vertices)
-    assert floor_shadow(cube.moved(table), camera, 60, 60).sum() < 0.5 * floor_shadow(cube, camera, 60, 60).sum()
+def test_a_raised_part_throws_less_shadow_than_a_standing_one(block):
+    table = block.vertices * (1, 1, 0.2) + (0, 0, 16)  # the same footprint, but only a corner reaches the floor
+    table[0] = block.vertices[0]
+    camera = Camera.named("top", block.vertices)
+    assert floor_shadow(block.moved(table), camera, 60, 60).sum() < 0.5 * floor_shadow(block, camera, 60, 60).sum()
 
 
-def test_there_is_no_floor_to_see_from_below(cube):
-    assert not floor_shadow(cube, Camera.named("below", cube.vertices), 30, 30).any()
+def test_there_is_no_floor_to_see_from_below(block):
+    assert not floor_shadow(block, Camera.named("below", block.vertices), 30, 30).any()

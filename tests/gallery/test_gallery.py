@@ -1,0 +1,191 @@
+"""Every model of the gallery: one closed body with printable walls that stands as it is used."""
+
+import inspect
+import subprocess
+import sys
+from importlib import import_module
+
+import manifold3d
+import numpy as np
+import pytest
+from scipy.spatial import ConvexHull
+
+from mechstyle import gallery
+from mechstyle.errors import BadInput
+
+# What it is: genus by design, and the box it fits with its default measures [mm].
+DESIGN = {
+    "pen_holder": (0, (80.0, 80.0, 100.0)),
+    "vase": (0, (101.0, 101.0, 150.0)),
+    "pill_box": (0, (142.0, 30.0, 17.2)),
+    "phone_stand": (1, (72.0, 96.0, 104.0)),  # the triangle under the back
+    "wall_hook": (2, (34.0, 100.0, 49.5)),  # two screws
+    "spectacle_frame": (2, (139.0, 49.5, 4.4)),  # two lenses
+    "utensil_grip": (0, (34.0, 112.0, 27.0)),
+    "lampshade": (4, (136.0, 134.0, 110.0)),  # open at both ends, a ring, and three ways from the ring to the wall
+}
+NAMES = tuple(DESIGN)
+
+
+def builder(name):
+    entry = gallery._MODELS[name][0]
+    return getattr(import_module(f"mechstyle.gallery.{entry}"), name)
+
+
+def measures(name):
+    return {key: value.default for key, value in inspect.signature(builder(name)).parameters.items()}
+
+
+def solid(mesh):
+    return manifold3d.Manifold(manifold3d.Mesh64(np.array(mesh.vertices), np.array(mesh.faces, dtype=np.uint64)))
+
+
+def wall_thickness(mesh, count):
+    """Lengths of rays straight through the part from random places [mm], where the far side faces away from the near one.
+
+    A ray that leaves through a face turned by less than 120 degrees runs out at an edge, which has no thickness.
+    """
+    body, random = solid(mesh), np.random.default_rng(0)
+    chosen = random.choice(len(mesh.faces), count, p=mesh.face_areas / mesh.face_areas.sum())
+    spots = np.einsum("ij,ijk->ik", random.dirichlet((1, 1, 1), count), mesh.corners[chosen])
+    lengths = []
+    for spot, normal in zip(spots, mesh.face_normals[chosen], strict=True):
+        hits = body.ray_cast(spot - 1e-4 * normal, spot - mesh.size * normal)
+        if hits and np.dot(hits[0].normal, normal) < -0.5:
+            lengths.append(np.linalg.norm(np.array(hits[0].position) - spot))
+    return np.array(lengths)
+
+
+def centre_of_mass(mesh):
+    a, b, c = np.moveaxis(mesh.corners, 1, 0)
+    volumes = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0
+    return (volumes[:, None] * (a + b + c) / 4.0).sum(axis=0) / volumes.sum()
+
+
+def resting_faces(mesh):
+    return (mesh.face_normals[:, 2] < -0.9999) & (mesh.corners[:, :, 2].max(axis=1) < 1e-6)
+
+
+def test_the_gallery_lists_what_is_designed():
+    assert gallery.names() == NAMES
+    for name in NAMES:
+        assert 15 < len(gallery.describe(name)) < 80
+        assert "\n" not in gallery.describe(name)
+
+
+def test_listing_the_gallery_loads_nothing_heavy():
+    probe = "import sys; from mechstyle import gallery; gallery.names(); print({'manifold3d', 'scipy', 'warp'} & set(sys.modules))"
+    assert subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=True).stdout.strip() == "set()"
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_model_is_one_closed_body_of_its_genus(name, models):
+    mesh = models[name]
+    genus, _ = DESIGN[name]
+    assert mesh.is_closed
+    assert mesh.volume > 0
+    assert len(solid(mesh).decompose()) == 1
+    assert len(mesh.vertices) - len(mesh.edges) + len(mesh.faces) == 2 - 2 * genus  # Euler
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_model_has_its_size_and_stands_on_the_origin(name, models):
+    mesh = models[name]
+    _, size = DESIGN[name]
+    assert mesh.extents == pytest.approx(size, abs=1.5)
+    assert mesh.vertices[:, 2].min() == 0.0
+    assert 0.5 * (mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0))[:2] == pytest.approx((0.0, 0.0), abs=1e-9)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_model_rests_on_a_flat_face_and_does_not_tip_over(name, models):
+    mesh = models[name]
+    flat = resting_faces(mesh)
+    assert mesh.face_areas[flat].sum() > 150.0  # mm²
+    hull = ConvexHull(mesh.corners[flat][:, :, :2].reshape(-1, 2))
+    outside = hull.equations[:, :2] @ centre_of_mass(mesh)[:2] + hull.equations[:, 2]
+    assert outside.max() < -5.0  # mm inside the edge it would tip over
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_walls_can_be_printed(name, models):
+    thickness = wall_thickness(models[name], 1500)
+    assert len(thickness) > 500
+    assert thickness.min() >= 1.2  # three lines of a 0.4 mm nozzle
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_model_has_no_folded_faces(name, models):
+    mesh = models[name]
+    sides = np.sort(mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    pairs = np.repeat(np.arange(len(mesh.faces)), 3)[np.lexsort((sides[:, 1], sides[:, 0]))].reshape(-1, 2)
+    turn = np.einsum("ij,ij->i", mesh.face_normals[pairs[:, 0]], mesh.face_normals[pairs[:, 1]])
+    assert turn.min() > -0.9
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_equal_measures_give_equal_bytes(name, models):
+    assert gallery.make(name).digest == models[name].digest
+    assert gallery.make(name, **measures(name)).digest == models[name].digest
+
+
+@pytest.mark.parametrize(("name", "measure"), [(name, measure) for name in NAMES for measure in measures(name)])
+def test_every_measure_shows_in_the_model(name, measure, models):
+    default = measures(name)[measure]
+    changed = gallery.make(name, **{measure: type(default)(1.12 * default) if isinstance(default, float) else default + 1})
+    assert changed.digest != models[name].digest
+    assert changed.is_closed
+    assert changed.vertices[:, 2].min() == 0.0
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_random_measures_give_a_sound_model_or_a_sentence(name):
+    random = np.random.default_rng(7)
+    built = 0
+    for _ in range(8):
+        chosen = {key: type(value)(round(value * random.uniform(0.8, 1.2), 2)) for key, value in measures(name).items()}
+        try:
+            mesh = gallery.make(name, **chosen)
+        except BadInput:
+            continue
+        built += 1
+        assert mesh.is_closed
+        assert wall_thickness(mesh, 150).min() > 1.19
+    assert built >= 3
+
+
+@pytest.mark.parametrize("value", [0.0, -3.0, 1e4, np.nan, np.inf])
+@pytest.mark.parametrize(("name", "measure"), [(name, next(iter(measures(name)))) for name in NAMES])
+def test_measures_out_of_range_are_refused(name, measure, value):
+    with pytest.raises(BadInput, match=rf"{measure.replace('_', ' ')} is .*, but must lie in"):
+        gallery.make(name, **{measure: value})
+
+
+def test_counts_are_whole():
+    assert gallery.make("pill_box", cells=2.0).digest == gallery.make("pill_box", cells=2).digest
+    with pytest.raises(BadInput, match=r"cells is 2\.5, but must be a whole number"):
+        gallery.make("pill_box", cells=2.5)
+
+
+@pytest.mark.parametrize(
+    ("name", "measures", "words"),
+    [
+        ("vase", {"lobes": 20, "relief": 4.0}, "too steep"),
+        ("lampshade", {"lower": 200.0, "height": 90.0}, "lean too far"),
+        ("wall_hook", {"width": 60.0}, "no room for"),
+        ("utensil_grip", {"slot_depth": 110.0}, "slot depth is 110"),
+        ("lampshade", {"socket": 70.0}, "socket is 70"),
+    ],
+)
+def test_measures_that_do_not_go_together_are_refused(name, measures, words):
+    with pytest.raises(BadInput, match=words):
+        gallery.make(name, **measures)
+
+
+def test_unknown_names_are_answered_with_the_nearest():
+    with pytest.raises(BadInput, match="unknown gallery model 'penholder': did you mean 'pen_holder'"):
+        gallery.make("penholder")
+    with pytest.raises(BadInput, match="unknown gallery model"):
+        gallery.describe("")
+    with pytest.raises(BadInput, match="unknown measure of vase 'hight': did you mean 'height'"):
+        gallery.make("vase", hight=100.0)
