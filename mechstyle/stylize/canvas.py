@@ -15,7 +15,7 @@ from mechstyle.stylize.charts import Chart, chart_of
 from mechstyle.stylize.operators import Operators
 
 _REFERENCE_AREA = 60_000.0  # surface of a 100 mm cube or pen holder [mm²], on which features have their nominal size
-_SCALES = (0.2, 4.0)
+_SCALES = (0.1, 4.0)
 _SOFTENING = 0.35  # halves a pattern that alternates from vertex to vertex, and leaves one of six edges nearly as it was
 
 

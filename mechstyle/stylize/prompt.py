@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping
 import msgspec
 
 from mechstyle.errors import BadInput
-from mechstyle.stylize.library import library
+from mechstyle.stylize.library import library, style_named
 
 Rgb = tuple[float, float, float]
 
@@ -80,14 +80,14 @@ def read(prompt: str) -> Wish:
     words = _words(prompt)
     known, notes = _spelled(words)
     by_word = _style_words()
-    styles = _styles_in(known, by_word)
+    styles = [word for word in known if word in by_word]
     if not styles:
         raise _unknown_prompt(prompt, words, by_word)
-    chosen = by_word[styles[0]]
-    others = sorted({by_word[word] for word in styles} - {chosen})
+    chosen = next((by_word[word] for word in styles if not style_named(by_word[word]).yields), by_word[styles[0]])
+    others = sorted({by_word[word] for word in styles if word not in COLOURS} - {chosen})
     if others:
         notes.append(f"one style at a time: took {chosen!r}, left out {_quoted(others)}")
-    colour, colour_notes = _colour(known, styles)
+    colour, colour_notes = _colour(known, {word for word in styles if by_word[word] == chosen})
     left_out = [word for word, meant in zip(words, known, strict=True) if not meant]
     if left_out:
         notes.append(f"not understood and left out: {_quoted(left_out)}")
@@ -139,12 +139,6 @@ def _spelled(words: list[str]) -> tuple[list[str], list[str]]:
     return known, notes
 
 
-def _styles_in(known: list[str], by_word: Mapping[str, str]) -> list[str]:
-    """The style words in their order; those that are colours too count only if no other style is named."""
-    named = [word for word in known if word in by_word]
-    return [word for word in named if word not in COLOURS] or named[:1]
-
-
 def _factor(known: list[str], table: Mapping[str, float], limits: tuple[float, float]) -> float:
     """The product of the factors named, each to the power of a degree ("very") before it, within limits."""
     logarithm = 0.0
@@ -160,10 +154,10 @@ def _is_shade(known: list[str], place: int) -> bool:
     return known[place] in _SHADES and place + 1 < len(known) and known[place + 1] in COLOURS
 
 
-def _colour(known: list[str], styles: list[str]) -> tuple[Rgb | None, list[str]]:
-    """The first colour named besides the style, shaded by the word before it, and a note on any other."""
+def _colour(known: list[str], chosen: set[str]) -> tuple[Rgb | None, list[str]]:
+    """The first colour named besides the words for the style, shaded by the word before it, and a note on any other."""
     shaded = [place > 0 and _is_shade(known, place - 1) for place in range(len(known))]
-    places = [place for place, word in enumerate(known) if word in COLOURS and (word not in styles or shaded[place])]
+    places = [place for place, word in enumerate(known) if word in COLOURS and (word not in chosen or shaded[place])]
     if not places:
         return None, []
     first = places[0]

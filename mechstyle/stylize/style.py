@@ -34,6 +34,7 @@ class Style:
         description: What it looks like, in one sentence.
         feature_mm: Size of the feature the eye reads (a course, a stone, a rib) on a part of 100 mm [mm].
         program: Draws it on a canvas.
+        yields: Whether its words only describe, so that any other style beside them is the one meant ("old brick", "green stone").
     """
 
     name: str
@@ -41,3 +42,4 @@ class Style:
     description: str
     feature_mm: float
     program: Callable[[Canvas], Relief]
+    yields: bool = False

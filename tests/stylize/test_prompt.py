@@ -1,7 +1,7 @@
 import pytest
 
 from mechstyle.errors import BadInput
-from mechstyle.stylize.library import names
+from mechstyle.stylize.library import library, names
 from mechstyle.stylize.prompt import AMOUNTS, COLOURS, FILLERS, SIZES, Wish, read
 
 
@@ -69,6 +69,13 @@ def test_green_is_a_style_alone_and_a_colour_beside_another_style():
     assert read("dark green").colour is not None
 
 
+def test_a_style_that_only_describes_gives_way_to_any_other():
+    wish = read("old weathered brick")
+    assert wish.style == "brick"
+    assert wish.notes == ("one style at a time: took 'brick', left out 'realistic'",)
+    assert read("old green").style == "realistic"
+
+
 def test_only_the_first_style_and_colour_count_and_notes_say_so():
     wish = read("brick and stone in blue or red")
     assert wish.style == "brick"
@@ -109,4 +116,6 @@ def test_the_refusal_names_the_nearest_styles_first():
 def test_no_word_means_two_things():
     tables = [SIZES, AMOUNTS, COLOURS, FILLERS]
     words = [word for table in tables for word in table]
+    named = {word for style in library().values() for word in (style.name, *style.words)}
+    assert not named & {*SIZES, *AMOUNTS, *FILLERS}
     assert len(words) == len(set(words))

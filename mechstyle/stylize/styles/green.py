@@ -42,4 +42,5 @@ STYLE = Style(
     description="small overlapping leaves in many greens, low in relief",
     feature_mm=SPACING,
     program=green,
+    yields=True,
 )

@@ -39,4 +39,5 @@ STYLE = Style(
     description="worn, hand-finished plaster: soft unevenness, pits and cracks, dirt in the hollows, stains running down",
     feature_mm=11.0,
     program=realistic,
+    yields=True,
 )
