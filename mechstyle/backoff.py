@@ -20,7 +20,9 @@ CONTACT_RADIUS = 4.0
 """Reach around the contact [mm]."""
 SCALES = (0.7, 0.5, 0.25, 0.0)
 """Global factors, applied to what the local rounds and the contact step left."""
-RUNGS = LOCAL_ROUNDS + 1 + len(SCALES)
+SCALING = LOCAL_ROUNDS + 1
+"""The rung at which the whole relief is first scaled."""
+RUNGS = SCALING + len(SCALES)
 
 Field = NDArray[np.float32]
 
@@ -73,6 +75,6 @@ def step(
     if rung == LOCAL_ROUNDS:
         weight = nearness(vertices, simulation.contact, CONTACT_RADIUS)
         return displacement * (1.0 - weight), f"relief removed within {CONTACT_RADIUS:g} mm of the contact"
-    factor = SCALES[rung - LOCAL_ROUNDS - 1]
+    factor = SCALES[rung - SCALING]
     # Adding zero turns -0 into 0: the same bytes as the unstylized part, whose simulation is remembered.
     return before_scaling * np.float32(factor) + np.float32(0.0), f"whole relief scaled to {factor:.0%}"

@@ -231,7 +231,9 @@ class Engine:
         state = replace(state, displacement=simulation.displacement, simulated_at=state.iteration, reason=reason, verdict=verdict)
         if not simulation.failure:
             state = self._restrained(state, simulation, retract=self.recipe.retraction and not last)
-        state = replace(state, anchor=state.displacement, style_loss=self.stylizer.loss(state.displacement, state.colour.astype(np.float32)))
+        state = replace(
+            state, anchor=state.displacement, style_loss=self.stylizer.loss(state.displacement, state.colour.astype(np.float32))
+        )
         return state, Simulated(state.iteration, reason, simulation, verdict, float((state.mask < 0.5).mean()))
 
     def _restrained(self, state: Checkpoint, simulation: Simulation, *, retract: bool) -> Checkpoint:
@@ -257,12 +259,15 @@ class Engine:
         first = before_scaling = state.displacement
         verdict = state.verdict
         assert verdict is not None, "the last iteration is always simulated"
-        for rung in range(backoff.RUNGS if self.recipe.guarantee else 0):
-            if verdict.viable:
-                break
-            if rung == backoff.LOCAL_ROUNDS + 1:
+        rung = 0 if self.recipe.guarantee else backoff.RUNGS
+        while rung < backoff.RUNGS and not verdict.viable:
+            simulation = self.simulator.simulate(state.displacement, thorough=True)
+            if simulation.failure:  # there is no field to say where, so only scaling is left
+                rung = max(rung, backoff.SCALING)
+            if rung <= backoff.SCALING:
                 before_scaling = state.displacement
-            smaller, words = self._backed_off(rung, state, before_scaling)
+            smaller, words = self._backed_off(rung, simulation, state.displacement, before_scaling)
+            rung += 1
             state = replace(state, displacement=smaller, parent=digest, keyframe=None)
             yield BackedOff(words, self._kept(smaller, first))
             yield SimulationStarted(state.iteration, f"back-off: {words}")
@@ -276,14 +281,11 @@ class Engine:
             yield event
         yield Finished(verdict, digest)
 
-    def _backed_off(self, rung: int, state: Checkpoint, before_scaling: Field) -> tuple[Field, str]:
-        simulation = self.simulator.simulate(state.displacement, thorough=True)
+    def _backed_off(self, rung: int, simulation: Simulation, displacement: Field, before_scaling: Field) -> tuple[Field, str]:
         base = self.simulator.baseline
-        if simulation.failure:
-            rung = max(rung, backoff.LOCAL_ROUNDS + 1)
         limit = np.full_like(base.stress, max(self.recipe.material.yield_strength, float(base.stress.max())))
         envelope_limit = np.float32(control.HEADROOM_GROWTH) * base.envelope
-        return backoff.step(rung, state.displacement, before_scaling, simulation, self.surface.vertices, limit, envelope_limit)
+        return backoff.step(rung, displacement, before_scaling, simulation, self.surface.vertices, limit, envelope_limit)
 
     def _kept(self, displacement: Field, reference: Field) -> float:
         return kept(displacement, reference, self.surface.vertex_areas)

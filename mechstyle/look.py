@@ -56,9 +56,9 @@ def checkpoint_panels(original: SurfaceMesh, state: Checkpoint, recipe: Recipe) 
         stress_panel(styled, state.stress, state.verdict, title=f"stress{when}", limit=limit),
         Panel(
             styled,
-            "mask",
-            values=state.mask,
-            label="share of further movement",
+            "restraint",
+            values=1.0 - state.mask,
+            label="share of movement held back",
             limits=(0.0, 1.0),
             note=f"{(state.mask < 0.5).mean():.0%} restrained",
         ),

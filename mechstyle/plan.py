@@ -27,6 +27,9 @@ FREESTYLE: dict[str, Any] = {
 PAPER: dict[str, Any] = {"memory": False, "retraction": False, "protect_resting_face": False, "guarantee": False, "transfer": "nearest"}
 """The published method taken literally (Faruqi et al. 2025)."""
 
+ROBUST: dict[str, Any] = {"memory": True, "retraction": True, "protect_resting_face": True, "guarantee": True, "transfer": "barycentric"}
+"""What this project adds to it by default."""
+
 DECIDED_BY_THE_PART = ("surface", "tetrahedra")
 PLAIN = {int: "a whole number, such as 40", float: "a number", bool: "True or False"}
 """Types of settings that are checked here, in words; names are checked by the recipe."""
@@ -55,14 +58,17 @@ def plan(part: Workpiece, prompt: str, material: str | Material = "PLA", *, free
 
 
 def changed(recipe: Recipe, changes: dict[str, Any]) -> Recipe:
-    """A recipe with some settings changed; another control brings its own normalisation unless one is given."""
+    """A recipe with some settings changed; another criterion brings its presets, another control its normalisation, unless given."""
     given = _given(changes)
     if "prompt" in given:
         read(given["prompt"])
-    if "control" in given:
-        given.setdefault(
-            "normalisation", default_normalisation(given["control"], paper=given.get("criterion", recipe.criterion) == "paper")
-        )
+    control, paper = given.get("control", recipe.control), given.get("criterion", recipe.criterion) == "paper"
+    other_criterion = given.get("criterion", recipe.criterion) != recipe.criterion
+    if other_criterion:
+        presets = {**(PAPER if paper else ROBUST), **(FREESTYLE if control == "none" else {})}
+        given = {**presets, "schedule": recipe.schedule, **given}
+    if other_criterion or "control" in given:
+        given.setdefault("normalisation", default_normalisation(control, paper=paper))
     return msgspec.structs.replace(recipe, **given)
 
 

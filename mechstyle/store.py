@@ -71,6 +71,7 @@ def write_aside(path: Path, data: bytes) -> None:
         try:
             with os.fdopen(handle, "wb") as file:
                 file.write(data)
+            Path(name).chmod(0o644)  # temporary files are private, runs are for sharing
             Path(name).replace(path)
         except BaseException:
             with contextlib.suppress(OSError):

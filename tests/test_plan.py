@@ -260,3 +260,13 @@ def test_the_stylizer_keeps_within_what_the_part_can_bear(ball):
 def test_what_was_not_understood_of_the_prompt_is_said(ball):
     _, notes = stylizer_for(ball, plan(ball, "brick with sprinkles"))
     assert any("sprinkles" in note for note in notes)
+
+
+def test_branching_to_the_other_criterion_brings_its_presets(part):
+    robust = plan(part, "brick")
+    paper = changed(robust, {"criterion": "paper"})
+    assert paper == plan(part, "brick", criterion="paper")
+    assert changed(paper, {"criterion": "robust"}) == robust
+    free = plan(part, "brick", freestyle=True)
+    assert not changed(free, {"criterion": "paper"}).guarantee
+    assert changed(changed(free, {"criterion": "paper"}), {"criterion": "robust"}) == free

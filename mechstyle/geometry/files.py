@@ -136,6 +136,7 @@ def save(mesh: SurfaceMesh, path: str | Path) -> Path:
     try:
         with os.fdopen(handle, "wb") as aside:
             aside.write(content)
+        Path(name).chmod(0o644)  # temporary files are private, parts are for sharing
         Path(name).replace(file)
     except BaseException:
         Path(name).unlink(missing_ok=True)

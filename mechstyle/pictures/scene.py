@@ -18,7 +18,7 @@ from mechstyle.pictures.shading import corner_normals, floor_shadow, hollows, li
 __all__ = ["BACKGROUND", "VIEWS", "Camera", "Field", "render"]
 
 BACKGROUND = (0.965, 0.965, 0.96)  # sRGB
-PLAIN = (0.60, 0.60, 0.58)  # linear RGB of a part without colours
+PLAIN = (0.80, 0.80, 0.79)  # display RGB of a part without colours
 FLATNESS = 0.45  # share of the light on a coloured field that does not depend on the shape, so that colours stay near their legend
 
 
@@ -88,7 +88,7 @@ def _vertex_colours(mesh: SurfaceMesh, colours: ArrayLike | None) -> NDArray[np.
     given = np.asarray(colours, dtype=np.float32)
     if given.shape != mesh.vertices.shape:
         raise BadInput(f"colours must have one RGB row for each of the {len(mesh.vertices)} vertices, not shape {given.shape}")
-    return np.clip(given, 0.0, 1.0)
+    return srgb_to_linear(np.clip(given, 0.0, 1.0))
 
 
 def _across(mesh: SurfaceMesh, seen: Visibility, hit: NDArray[np.bool_], values: NDArray[np.float32]) -> NDArray[np.float32]:

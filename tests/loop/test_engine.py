@@ -178,3 +178,22 @@ def test_a_branch_with_another_style_starts_from_the_surface_it_branched_at(benc
     # the other target is lower, so the relief shrinks from where it stood instead of jumping
     assert 0 < saved[0].displacement[-1] < store.checkpoint(fork).displacement[-1]
     assert saved[0].displacement[-1] > 0.8 * store.checkpoint(fork).displacement[-1]
+
+
+def test_a_failure_in_the_middle_of_the_back_off_never_raises_the_relief_again(bench, monkeypatch):
+    bench.gain = 200.0
+    engine = bench.engine(bench.recipe(schedule="never"))
+    real, asked = engine.simulator.simulate, []
+
+    def failing_once(displacement, *, thorough):
+        result = real(displacement, thorough=thorough)
+        asked.append(np.abs(displacement).max())
+        locally_reduced = asked[0] * 0.2 < asked[-1] < asked[0] * 0.99
+        return replace(result, failure="the integration blew up") if locally_reduced and len(set(asked)) == 2 else result
+
+    monkeypatch.setattr(engine.simulator, "simulate", failing_once)
+    events = list(engine.run())
+    shrinking = [event.kept for event in events if isinstance(event, BackedOff)]
+    assert [event.verdict.outcome for event in events if isinstance(event, Simulated)][1] == "UNKNOWN"
+    assert shrinking == sorted(shrinking, reverse=True)
+    assert events[-1].verdict.viable
