@@ -13,6 +13,7 @@ from mechstyle.mesh import Floats, Indices, SurfaceMesh
 from mechstyle.stylize import noise, scatter
 from mechstyle.stylize.charts import Chart, chart_of
 from mechstyle.stylize.operators import Operators
+from mechstyle.stylize.tones import recoloured
 
 _REFERENCE_AREA = 60_000.0  # surface of a 100 mm cube or pen holder [mm²], on which features have their nominal size
 _SCALES = (0.1, 4.0)
@@ -34,7 +35,7 @@ class Bond(NamedTuple):
 
 
 class Canvas:
-    """A part and the tools to draw on it; equal part, seed and size draw equal pictures.
+    """A part and the tools to draw on it; equal part, seed, size and colour draw equal pictures.
 
     Attributes:
         mesh: The part.
@@ -44,7 +45,8 @@ class Canvas:
         notes: What the user should know of this drawing, in sentences.
     """
 
-    def __init__(self, mesh: SurfaceMesh, seed: int, size: float = 1.0) -> None:
+    def __init__(self, mesh: SurfaceMesh, seed: int, size: float = 1.0, colour: tuple[float, float, float] | None = None) -> None:
+        self._colour = colour
         self.mesh = mesh
         self.seed = seed
         self.operators = Operators(mesh)
@@ -130,6 +132,10 @@ class Canvas:
         if label is not None:
             together &= label[tail] == label[head]
         return self.operators.components(together)
+
+    def painted(self, colours: Floats) -> Floats:
+        """The style's own colours of its body (brick, not mortar), shape [n, 3], or the colour asked for with their lights and darks."""
+        return colours if self._colour is None else recoloured(colours, self._colour)
 
     def softened(self, values: Floats) -> Floats:
         """Values [n] or [n, k] averaged with their neighbours' mean: edges sharper than the mesh can carry no longer look like combs."""

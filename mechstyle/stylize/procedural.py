@@ -15,7 +15,6 @@ from mechstyle.stylize.folds import unfolded
 from mechstyle.stylize.library import style_named
 from mechstyle.stylize.operators import Operators
 from mechstyle.stylize.prompt import Wish
-from mechstyle.stylize.tones import recoloured
 
 NEUTRAL = 0.75  # the light grey of an uncoloured part, display value
 _COLOUR_WEIGHT = 4.0
@@ -67,16 +66,15 @@ def target(
         outward: The same outwards.
     """
     style = style_named(wish.style)
-    canvas = Canvas(mesh, seed, wish.size)
+    canvas = Canvas(mesh, seed, wish.size, wish.colour)
     relief = style.program(canvas)
     # No wall counts as thicker than the style's features are wide, or a solid ball would grow spikes.
     wall = gradual_thickness(canvas.operators, np.minimum(np.asarray(thickness, dtype=np.float64), style.feature_mm * canvas.scale))
     displacement = balanced(relief.height, amplitude * wish.amount * wall, mesh.vertex_areas)
     limited = np.clip(displacement, -np.asarray(inward, dtype=np.float64), np.asarray(outward, dtype=np.float64))
     smooth = unfolded(canvas.operators, limited)
-    colour = relief.colour if wish.colour is None else recoloured(relief.colour, relief.body, wish.colour)
     notes = (*canvas.notes, *_fold_notes(mesh, np.abs(smooth - limited) > _NOTICEABLE * np.abs(limited)))
-    return Target(smooth.astype(np.float32), np.clip(colour, 0.0, 1.0).astype(np.float32), notes)
+    return Target(smooth.astype(np.float32), np.clip(relief.colour, 0.0, 1.0).astype(np.float32), notes)
 
 
 def _fold_notes(mesh: SurfaceMesh, lowered: NDArray[np.bool_]) -> tuple[str, ...]:

@@ -16,12 +16,10 @@ class Relief(NamedTuple):
     Attributes:
         height: Relief in about [-1, 1.2], inwards to outwards, shape [n].
         colour: Display RGB in [0, 1], shape [n, 3].
-        body: Where a colour asked for goes, in [0, 1], shape [n]; the rest (mortar, spines) keeps the style's own.
     """
 
     height: Floats
     colour: Floats
-    body: Floats
 
 
 @dataclass(frozen=True)

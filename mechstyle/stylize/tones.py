@@ -39,18 +39,10 @@ def luminance(colours: Floats) -> Floats:
     return np.asarray(colours @ _LUMA)
 
 
-def recoloured(colours: Floats, body: Floats, wish: ArrayLike) -> Floats:
-    """The colours with their body in another colour, its lights and darks kept.
-
-    Args:
-        colours: Display RGB, shape [n, 3].
-        body: Where the colour asked for goes, in [0, 1], shape [n]; elsewhere (mortar, spines) the style's own stays.
-        wish: The colour asked for, shape [3].
-    """
+def recoloured(colours: Floats, wish: ArrayLike) -> Floats:
+    """Another colour, shape [3], with the lights and darks of `colours`, display RGB, shape [n, 3]."""
     light = luminance(colours)
-    mean = np.average(light, weights=np.maximum(body, 1e-6))
-    shade = np.clip(light / max(mean, 1e-6), 0.35, 1.8)[:, None]
+    shade = np.clip(light / max(float(light.mean()), 1e-6), 0.35, 1.8)[:, None]
     target = np.asarray(wish, dtype=np.float64)
     # Darker than the mean by scaling, lighter by mixing towards white: a light blue is not a clipped one.
-    painted = np.where(shade <= 1.0, target * shade, target + (1.0 - target) * (shade - 1.0) * 0.6)
-    return mix(colours, painted, body)
+    return np.asarray(np.where(shade <= 1.0, target * shade, target + (1.0 - target) * (shade - 1.0) * 0.6))

@@ -43,7 +43,6 @@ def test_a_style_draws_finite_relief_in_range_and_colours(name, part, request):
     count = len(mesh.vertices)
     assert relief.height.shape == (count,)
     assert relief.colour.shape == (count, 3)
-    assert relief.body.shape == (count,)
     assert np.isfinite(relief.height).all()
     assert relief.height.min() > -1.6
     assert relief.height.max() < 1.6
@@ -53,8 +52,6 @@ def test_a_style_draws_finite_relief_in_range_and_colours(name, part, request):
     assert high - low > 0.4
     assert relief.colour.min() >= 0.0
     assert relief.colour.max() <= 1.0
-    assert relief.body.min() >= -1e-9
-    assert relief.body.max() <= 1.0 + 1e-9
 
 
 @pytest.mark.parametrize("name", names())
@@ -91,9 +88,9 @@ def test_courses_of_brick_are_as_high_as_declared(fine_wall):
 
 def test_mortar_is_lighter_and_deeper_than_brick(fine_wall):
     relief = style_named("brick").program(Canvas(fine_wall, seed=0, size=1.5))
-    brick, mortar = relief.body > 0.95, relief.body < 0.05
-    assert relief.colour[mortar].mean(axis=0).min() > relief.colour[brick].mean(axis=0).max()
-    assert relief.height[brick].min() > relief.height[mortar].max()
+    high, low = relief.height > 0.4, relief.height < -0.4
+    assert low.sum() > 0.1 * len(low)
+    assert relief.colour[low].mean(axis=0).min() > relief.colour[high].mean(axis=0).max()
 
 
 def test_ribs_of_a_cactus_run_upwards(holder, outside):

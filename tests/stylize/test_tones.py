@@ -15,10 +15,9 @@ def test_mix_and_ramp_meet_their_ends():
     assert np.allclose(stops, [[0, 0, 0], [0.5, 0, 0], [1, 0, 0], [1, 1, 1]])
 
 
-def test_recolouring_keeps_light_and_dark_and_leaves_the_rest_alone():
-    colours = np.array([[0.2, 0.2, 0.2], [0.4, 0.4, 0.4], [0.6, 0.6, 0.6], [0.9, 0.1, 0.1]])
-    blue = recoloured(colours, np.array([1.0, 1.0, 1.0, 0.0]), (0.1, 0.2, 0.6))
-    assert np.array_equal(blue[3], colours[3])
-    assert np.all(np.diff(luminance(blue[:3])) > 0)
+def test_recolouring_keeps_light_and_dark():
+    colours = np.array([[0.2, 0.2, 0.2], [0.4, 0.4, 0.4], [0.6, 0.6, 0.6]])
+    blue = recoloured(colours, (0.1, 0.2, 0.6))
+    assert np.all(np.diff(luminance(blue)) > 0)
     assert np.allclose(blue[1], (0.1, 0.2, 0.6))
-    assert (blue.argmax(axis=1)[:3] == 2).all()
+    assert (blue.argmax(axis=1) == 2).all()

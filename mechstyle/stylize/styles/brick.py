@@ -13,7 +13,7 @@ LENGTH, HEIGHT, JOINT = 22.0, 10.0, 3.4
 
 def brick(canvas: Canvas) -> Relief:
     """Level courses of one size, each brick with its own tone, set and wear."""
-    unit = canvas.unit("mortar joints", JOINT)
+    unit = canvas.unit("mortar joints", JOINT, edges=1.6)
     length, height, joint = LENGTH * unit, HEIGHT * unit, JOINT * unit
     bond = canvas.bond(length, height, margin=0.75 * joint, grip=0.1)
     wear = canvas.noise(7.0 * unit, 2, "wear")
@@ -27,8 +27,8 @@ def brick(canvas: Canvas) -> Relief:
     fired = ramp(["7a3026", "96402f", "a84a34", "b55a3e", "c67d58"], np.clip(tone + 0.22 * wear, 0.0, 1.0))
     fired = fired * (1.0 + 0.14 * wear)[:, None]
     grime = 1.0 + 0.12 * canvas.noise(30.0 * unit, 3, "grime")
-    colour = mix(rgb("d9d1c2"), fired, smoothstep(0.25, 0.75, face)) * grime[:, None]
-    return Relief(canvas.softened(mortar + (bricks - mortar) * face), canvas.softened(np.clip(colour, 0.0, 1.0)), face)
+    colour = mix(rgb("d9d1c2"), canvas.painted(fired), smoothstep(0.25, 0.75, face)) * grime[:, None]
+    return Relief(canvas.softened(mortar + (bricks - mortar) * face), canvas.softened(np.clip(colour, 0.0, 1.0)))
 
 
 STYLE = Style(

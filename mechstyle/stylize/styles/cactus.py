@@ -27,8 +27,8 @@ def cactus(canvas: Canvas) -> Relief:
     skin = canvas.noise(9.0 * unit, 3, "skin")
     tone = np.clip(0.12 + 0.75 * ridge + 0.22 * skin, 0.0, 1.0)
     green = ramp(["14401f", "266b33", "46964a", "86bd66"], tone)
-    colour = mix(mix(green, rgb("f6eecb"), star), rgb("b0813f"), wool)
-    return Relief(-0.85 + 1.35 * ridge + 0.30 * star + 0.40 * wool + 0.06 * skin, colour, 1.0 - np.maximum(star, wool))
+    colour = mix(mix(canvas.painted(green), rgb("f6eecb"), star), rgb("b0813f"), wool)
+    return Relief(-0.85 + 1.35 * ridge + 0.30 * star + 0.40 * wool + 0.06 * skin, colour)
 
 
 STYLE = Style(

@@ -24,8 +24,8 @@ def crochet(canvas: Canvas) -> Relief:
     fluff = canvas.noise(6.0 * unit, 2, "fluff")
     heather = canvas.noise(45.0 * unit, 2, "heather")
     tone = np.clip(0.02 + 0.82 * lift + 0.10 * fluff + 0.10 * heather, 0.0, 1.0)
-    colour = ramp(["6a2238", "9f3a4e", "cf5f69", "eda3a0"], tone)
-    return Relief(canvas.softened(-1.0 + 2.0 * lift + 0.06 * fluff), canvas.softened(colour), np.ones(len(x)))
+    colour = canvas.painted(ramp(["6a2238", "9f3a4e", "cf5f69", "eda3a0"], tone))
+    return Relief(canvas.softened(-1.0 + 2.0 * lift + 0.06 * fluff), canvas.softened(colour))
 
 
 def leg(x: Floats, y: Floats) -> Floats:

@@ -33,7 +33,7 @@ def green(canvas: Canvas) -> Relief:
         colour = mix(colour, 0.45 * colour, shadow[:, k])
         colour = mix(colour, blade, cover[:, k])
         height += cover[:, k] * (0.10 + 0.45 * along[:, k] - 0.20 * rib - 0.55 * height)
-    return Relief(0.7 * height, canvas.softened(colour), np.ones(len(x)))
+    return Relief(0.7 * height, canvas.painted(canvas.softened(colour)))
 
 
 STYLE = Style(

@@ -29,8 +29,8 @@ def realistic(canvas: Canvas) -> Relief:
     colour = mix(colour, rgb("b58a6b"), 0.65 * worn)
     colour = mix(colour, rgb("96876d"), 0.45 * streak)
     colour = mix(colour, rgb("f2eadb"), 0.45 * rubbed)
-    colour = mix(colour, rgb("6b5d4a"), np.maximum(0.60 * dirt, 0.75 * crack))
-    return Relief(height, colour, 1.0 - crack)
+    colour = mix(canvas.painted(colour), rgb("6b5d4a"), np.maximum(0.60 * dirt, 0.75 * crack))
+    return Relief(height, colour)
 
 
 STYLE = Style(

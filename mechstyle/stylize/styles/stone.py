@@ -13,7 +13,7 @@ STONE, GAP = 15.0, 3.4
 
 def stone(canvas: Canvas) -> Relief:
     """Worley cells with broken outlines, each a stone of its own height, tilt and tone."""
-    unit = canvas.unit("gaps between stones", GAP)
+    unit = canvas.unit("gaps between stones", GAP, edges=1.6)
     cells = canvas.cells(STONE * unit, "stones", at=canvas.warped(14.0 * unit, 3.2 * unit, "outline"))
     edge = cells.edge / unit
     face = smoothstep(0.25 * GAP, 1.0 * GAP, edge)
@@ -26,8 +26,8 @@ def stone(canvas: Canvas) -> Relief:
     cool = ramp(["5d6064", "84878a", "a8aaaa", "cfcfca"], tone)
     warm = ramp(["65584a", "8f806c", "b3a48d", "d6cab4"], tone)
     body = mix(cool, warm, smoothstep(0.35, 0.65, canvas.random(cells.identity, "hue")))
-    colour = mix(rgb("4b453d"), body, face)
-    return Relief(canvas.softened(-0.85 + (0.85 + top) * face), canvas.softened(colour), face)
+    colour = mix(rgb("4b453d"), canvas.painted(body), face)
+    return Relief(canvas.softened(-0.85 + (0.85 + top) * face), canvas.softened(colour))
 
 
 STYLE = Style(
