@@ -53,7 +53,7 @@ def render(
         camera: Where from; its aspect should be width / height.
         width: Columns.
         height: Rows.
-        colours: Linear RGB in [0, 1], shape [vertex_count, 3]; the surface's own colours by default, plain grey if it has none.
+        colours: Display RGB in [0, 1], shape [vertex_count, 3]; the surface's own colours by default, plain grey if it has none.
         field: A field to show instead of colours, mapped per pixel, with an isoline at its threshold and a hatch above it.
         supersampling: Samples per pixel and direction.
         device: Warp device of the visibility, "cpu" or "cuda:0".
