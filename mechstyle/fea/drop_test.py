@@ -195,6 +195,11 @@ def drop(
     return _drop(tets, discretisation, scheme, batches, samples, failure)
 
 
+def available_devices() -> list[str]:
+    """Names of the devices a drop can run on, "cpu" first."""
+    return ["cpu", *(str(device) for device in wp.get_cuda_devices())]
+
+
 def resolve_device(device: str) -> str:
     """A device Warp knows, for "auto" or a name; MissingPiece if it is not there."""
     if device == "auto":

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from mechstyle.errors import BadInput, MissingPiece
 from mechstyle.fea import drop_test, integration
-from mechstyle.fea.drop_test import GRAVITY, DropTest, directions, drop, resolve_device
+from mechstyle.fea.drop_test import DropTest, GRAVITY, available_devices, directions, drop, resolve_device
 from mechstyle.fea.elasticity import LAWS
 
 UPRIGHT = [[0.0, 0.0, 1.0]]
@@ -247,3 +247,9 @@ def test_nothing_is_printed_to_standard_output():
     )
     outcome = subprocess.run([sys.executable, "-c", program], capture_output=True, check=True, timeout=300)
     assert outcome.stdout == b""
+
+
+def test_the_cpu_is_always_there_and_every_device_named_can_be_used():
+    devices = available_devices()
+    assert devices[0] == "cpu"
+    assert [resolve_device(device) for device in devices] == devices
