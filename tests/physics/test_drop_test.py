@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from mechstyle.errors import BadInput, MissingPiece
 from mechstyle.fea import drop_test, integration
-from mechstyle.fea.drop_test import DropTest, GRAVITY, available_devices, directions, drop, resolve_device
+from mechstyle.fea.drop_test import GRAVITY, DropTest, available_devices, directions, drop, resolve_device
 from mechstyle.fea.elasticity import LAWS
 
 UPRIGHT = [[0.0, 0.0, 1.0]]
