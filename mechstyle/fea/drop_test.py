@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-import warp as wp
 from numpy.typing import ArrayLike, NDArray
 
 from mechstyle.errors import BadInput, MissingPiece
@@ -30,6 +29,7 @@ from mechstyle.fea.on_cores import CoreBody
 from mechstyle.fea.on_device import DeviceBody
 from mechstyle.material import Material
 from mechstyle.mesh import Floats, TetMesh, frozen_array
+from mechstyle.quiet import wp
 
 GRAVITY = 9.81e-3
 """Standard gravity [mm/ms²]."""

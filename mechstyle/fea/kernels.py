@@ -7,10 +7,8 @@ kernel gathers them in a fixed order. There are no atomic sums, so the same inpu
 
 # ruff: noqa: UP018 - float(0.0) declares a Warp variable that changes in a loop, 0.0 a constant
 
-import warp as wp
+from mechstyle.quiet import wp
 
-wp.config.quiet = True  # standard output belongs to the command line's JSON; Warp before 1.12
-wp.config.log_level = 40  # the same since 1.12: errors only
 wp.set_module_options({"enable_backward": False})
 
 PARTS = wp.constant(256)

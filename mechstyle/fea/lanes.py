@@ -14,10 +14,8 @@ Forces are added to the vertices in the order of the tetrahedra: the same inputs
 
 from __future__ import annotations
 
-import warp as wp
+from mechstyle.quiet import wp
 
-wp.config.quiet = True  # standard output belongs to the command line's JSON; Warp before 1.12
-wp.config.log_level = 40  # the same since 1.12: errors only
 wp.set_module_options({"enable_backward": False})
 
 LANES = 8

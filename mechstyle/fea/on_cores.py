@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import warp as wp
 from numpy.typing import NDArray
 
 from mechstyle.fea import lanes
@@ -13,6 +12,7 @@ from mechstyle.fea.discretisation import Discretisation
 from mechstyle.fea.elasticity import ElasticLaw
 from mechstyle.fea.integration import QUANTITIES, RECORD_EVERY, Scheme, law_number
 from mechstyle.mesh import Floats
+from mechstyle.quiet import wp
 
 
 class CoreBody:

@@ -5,10 +5,7 @@
 
 from __future__ import annotations
 
-import warp as wp
-
-wp.config.quiet = True  # standard output belongs to the command line's JSON; Warp before 1.12
-wp.config.log_level = 40  # the same since 1.12: errors only
+from mechstyle.quiet import wp
 
 
 @wp.kernel

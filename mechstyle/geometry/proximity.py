@@ -6,11 +6,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
-import warp as wp
 from numpy.typing import ArrayLike, NDArray
 
 from mechstyle.geometry.kernels import nearest_points
 from mechstyle.mesh import Floats
+from mechstyle.quiet import wp
 
 
 class Nearest(NamedTuple):

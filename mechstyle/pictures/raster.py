@@ -11,11 +11,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import warp as wp
 from numpy.typing import ArrayLike, NDArray
 
 from mechstyle.errors import BadInput
 from mechstyle.pictures import kernels
+from mechstyle.quiet import wp
 
 SUBPIXELS = 1024  # grid steps per pixel
 GUARD = 1 << 16  # pixels beyond which a face is dropped: products of two coordinates must fit an int64
