@@ -64,7 +64,7 @@ class Scale:
         return np.zeros(given.shape, bool) if self.threshold is None else np.asarray(given > self.threshold)
 
     def colours(self, values: ArrayLike) -> Colours:
-        """Linear RGB in [0, 1] of values of any shape, shape [..., 3]; grey where a value is not a number."""
+        """Linear RGB in [0, 1], to be lit, of values of any shape, shape [..., 3]; grey where a value is not a number."""
         given = np.asarray(values, dtype=np.float64)
         place = np.clip((given - self.low) / (self.top - self.low), 0.0, 1.0)
         known = np.isfinite(place)
@@ -75,7 +75,7 @@ class Scale:
 
 
 def field_colours(values: ArrayLike, low: float, high: float, threshold: float | None = None) -> Colours:
-    """Vertex colours of a field, in linear RGB as `SurfaceMesh.colours` has them.
+    """Vertex colours of a field, in display RGB as `SurfaceMesh.colours` has them.
 
     Args:
         values: The field [any unit], any shape.
@@ -84,12 +84,12 @@ def field_colours(values: ArrayLike, low: float, high: float, threshold: float |
         threshold: Values above it get a colour of their own.
 
     Returns:
-        Linear RGB in [0, 1], shape [..., 3], float32.
+        Display RGB in [0, 1], shape [..., 3], float32.
 
     Raises:
         BadInput: If low is not below high.
     """
-    return Scale(low, high, threshold).colours(values)
+    return linear_to_srgb(Scale(low, high, threshold).colours(values))
 
 
 def hatch(rows: int, columns: int, period: int) -> NDArray[np.bool_]:

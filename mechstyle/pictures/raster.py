@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mechstyle.errors import BadInput
+from mechstyle.errors import BadInput, MissingPiece
 from mechstyle.pictures import kernels
 from mechstyle.quiet import wp
 
@@ -53,6 +53,7 @@ def visible(points_ndc: ArrayLike, faces: ArrayLike, width: int, height: int, *,
 
     Raises:
         BadInput: A size or array that cannot be drawn.
+        MissingPiece: A device that is not there.
     """
     points = np.asarray(points_ndc, dtype=np.float64)
     triangles = np.ascontiguousarray(faces, dtype=np.int32)
@@ -64,7 +65,7 @@ def visible(points_ndc: ArrayLike, faces: ArrayLike, width: int, height: int, *,
     snapped, kept = _snapped(points, width, height)
     size = wp.vec3i(points.shape[-2], height, width)
     scale = wp.vec2d(float(SUBPIXELS), float(cull))
-    with wp.ScopedDevice(device):
+    with wp.ScopedDevice(_device(device)):
         nearest = wp.full(math.prod(shape), 2**63 - 1, dtype=wp.int64)
         seen, weights, depth = (wp.zeros(math.prod(shape), dtype=kind) for kind in (wp.int32, wp.vec3, wp.float32))
         corners: Any = wp.array(snapped, dtype=wp.int64)
@@ -77,6 +78,13 @@ def visible(points_ndc: ArrayLike, faces: ArrayLike, width: int, height: int, *,
             barycentrics=weights.numpy().reshape(*shape, 3),
             depth=(depth.numpy() * np.float32(near)).reshape(shape),
         )
+
+
+def _device(name: str) -> Any:
+    try:
+        return wp.get_device(name)
+    except (ValueError, RuntimeError) as error:
+        raise MissingPiece(f"pictures cannot be drawn on {name!r}, which is not there: use 'cpu'") from error
 
 
 def _check(points: NDArray[np.float64], faces: NDArray[np.int32], width: int, height: int) -> None:

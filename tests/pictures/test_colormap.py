@@ -10,7 +10,7 @@ DEFICIENCIES = {
     "deuteranopia": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],
     "tritanopia": [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.303900]],
 }
-RAMP = field_colours(np.linspace(0.0, 1.0, 256), 0.0, 1.0)
+RAMP = Scale(0.0, 1.0).colours(np.linspace(0.0, 1.0, 256))
 
 
 def test_oklab_of_white_and_of_pure_red():
@@ -37,14 +37,19 @@ def test_the_ramp_and_the_threshold_are_told_by_the_colour_blind(kind):
     lab = oklab(np.clip(RAMP @ np.transpose(DEFICIENCIES[kind]), 0, 1))
     apart = np.linalg.norm(lab[None, ::16] - lab[::16, None], axis=2)
     assert apart[~np.eye(len(apart), dtype=bool)].min() > 0.02  # a just noticeable difference in Oklab
-    above = oklab(np.clip(field_colours(2.0, 0.0, 1.0, 0.9) @ np.transpose(DEFICIENCIES[kind]), 0, 1))
+    above = oklab(np.clip(Scale(0.0, 1.0, 0.9).colours(2.0) @ np.transpose(DEFICIENCIES[kind]), 0, 1))
     assert abs(above[0] - lab[-1, 0]) > 0.2  # lightness alone tells it from the dark end it borders on
 
 
 def test_values_map_linearly_and_saturate():
-    assert field_colours([-5.0, 0.0], 0.0, 10.0) == pytest.approx(RAMP[[0, 0]])
-    assert field_colours([10.0, 99.0], 0.0, 10.0) == pytest.approx(RAMP[[-1, -1]])
-    assert field_colours(np.full((2, 3), 2.0), 0.0, 10.0) == pytest.approx(np.broadcast_to(RAMP[51], (2, 3, 3)))
+    scale = Scale(0.0, 10.0)
+    assert scale.colours([-5.0, 0.0]) == pytest.approx(RAMP[[0, 0]])
+    assert scale.colours([10.0, 99.0]) == pytest.approx(RAMP[[-1, -1]])
+    assert scale.colours(np.full((2, 3), 2.0)) == pytest.approx(np.broadcast_to(RAMP[51], (2, 3, 3)))
+
+
+def test_field_colours_are_for_display():
+    assert srgb_to_linear(field_colours([3.0, 8.0], 0.0, 10.0, 5.0)) == pytest.approx(Scale(0.0, 10.0, 5.0).colours([3.0, 8.0]), abs=1e-6)
 
 
 def test_the_ramp_ends_at_the_threshold_and_beyond_it_one_colour_rules():

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.spatial import Delaunay
 
-from mechstyle.errors import BadInput
+from mechstyle.errors import BadInput, MissingPiece
 from mechstyle.pictures.camera import Camera
 from mechstyle.pictures.raster import visible
 
@@ -91,3 +91,8 @@ def test_several_views_at_once_are_the_views_one_by_one(ball):
 def test_what_cannot_be_drawn_is_refused(points, faces, width, words):
     with pytest.raises(BadInput, match=words):
         visible(points, faces, width, 8)
+
+
+def test_a_device_that_is_not_there_is_named():
+    with pytest.raises(MissingPiece, match="'cuda:99', which is not there"):
+        visible(np.zeros((3, 3)), [[0, 1, 2]], 8, 8, device="cuda:99")

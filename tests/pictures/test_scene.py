@@ -3,7 +3,7 @@ import pytest
 
 from mechstyle.errors import BadInput
 from mechstyle.pictures.camera import Camera
-from mechstyle.pictures.colormap import ABOVE, LINE, STRIPE, Scale, srgb_to_linear
+from mechstyle.pictures.colormap import ABOVE, LINE, STRIPE, Scale
 from mechstyle.pictures.scene import BACKGROUND, Field, render
 
 SIZE = {"width": 96, "height": 96}
@@ -41,7 +41,7 @@ def test_a_surface_turned_inside_out_looks_the_same(ball):
 
 def test_colours_are_taken_from_the_argument_then_the_part_then_grey(ball):
     camera = Camera.named("front", ball.vertices)
-    red = np.tile(srgb_to_linear((0.9, 0.1, 0.1)), (len(ball.vertices), 1))
+    red = np.tile((0.9, 0.1, 0.1), (len(ball.vertices), 1))
     grey = render(ball, camera=camera, **SIZE)[48, 48].astype(int)
     own = render(ball.coloured(red), camera=camera, **SIZE)[48, 48].astype(int)
     given = render(ball.coloured(red), camera=camera, colours=red[:, ::-1], **SIZE)[48, 48].astype(int)
