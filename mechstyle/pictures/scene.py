@@ -19,7 +19,7 @@ __all__ = ["BACKGROUND", "VIEWS", "Camera", "Field", "render"]
 
 BACKGROUND = (0.965, 0.965, 0.96)  # sRGB
 PLAIN = (0.80, 0.80, 0.79)  # display RGB of a part without colours
-FLATNESS = 0.45  # share of the light on a coloured field that does not depend on the shape, so that colours stay near their legend
+FLATNESS = 0.35  # share of the light on a coloured field that does not depend on the shape, so that colours stay near their legend
 
 
 @dataclass(frozen=True, eq=False)
