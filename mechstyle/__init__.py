@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from mechstyle.plan import changed, plan
     from mechstyle.run import Run, begin, stylize
     from mechstyle.session import Session
+    from mechstyle.dropped import simulate
     from mechstyle.simulator import DropSimulator
     from mechstyle.store import Store
     from mechstyle.workpiece import Workpiece, prepare
@@ -41,6 +42,7 @@ _WHERE = {
     "plan": "plan",
     "prepare": "workpiece",
     "save": "geometry.files",
+    "simulate": "dropped",
     "stylize": "run",
 }
 
@@ -73,6 +75,7 @@ __all__ = [
     "plan",
     "prepare",
     "save",
+    "simulate",
     "stylize",
 ]
 

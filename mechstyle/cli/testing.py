@@ -27,7 +27,7 @@ def simulate_command(
     as_json: Json = False,
 ) -> None:
     """Drop a part as it is, without any style."""
-    from mechstyle.simulate import simulate  # noqa: PLC0415 — physics is loaded when something is run
+    from mechstyle.dropped import simulate  # noqa: PLC0415 — physics is loaded when something is run
 
     mesh, name = read_model(model, scale, quiet=as_json)
     with telling(1, quiet=as_json) as teller:
