@@ -17,12 +17,12 @@ from mechstyle.mesh import SurfaceMesh, TetMesh
 from mechstyle.records import Checkpoint, Judgement, Measures, Recipe, Simulation, Verdict
 
 if TYPE_CHECKING:
+    from mechstyle.dropped import simulate
     from mechstyle.engine import Engine
     from mechstyle.geometry.files import load, save
     from mechstyle.plan import changed, plan
     from mechstyle.run import Run, begin, stylize
     from mechstyle.session import Session
-    from mechstyle.dropped import simulate
     from mechstyle.simulator import DropSimulator
     from mechstyle.store import Store
     from mechstyle.workpiece import Workpiece, prepare
