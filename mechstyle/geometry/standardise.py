@@ -44,9 +44,9 @@ def standardise(mesh: SurfaceMesh, vertices: int = 25_000, tolerance: float = 0.
     body = manifold_of(mesh)
     if body.status() != manifold3d.Error.NoError or body.is_empty():
         raise BadInput("cannot standardise a surface that is not closed; load it with mechstyle, which repairs it or says why not")
-    edge = math.sqrt(4.0 / math.sqrt(3.0) * body.surface_area() / (2 * vertices))
+    edge = even_edge(mesh, 2 * vertices)  # a closed surface has about two faces per vertex (Euler)
     for trial in range(TRIALS):
-        found = _remeshed(body, edge, TRIAL_ITERATIONS if trial == 0 else ITERATIONS)
+        found = remeshed(body, edge, tolerance=0.05 * edge, iterations=TRIAL_ITERATIONS if trial == 0 else ITERATIONS)
         if trial > 0 and abs(len(found.vertices) / vertices - 1.0) <= tolerance and _shape(found) == _shape(mesh):
             return found
         edge *= math.sqrt(len(found.vertices) / vertices)
@@ -65,8 +65,16 @@ def surface_of(body: Any) -> SurfaceMesh:
     return SurfaceMesh(mesh.vert_properties[:, :3], mesh.tri_verts)
 
 
-def _remeshed(body: Any, edge: float, iterations: int) -> SurfaceMesh:
-    fine = surface_of(body.simplify(0.05 * edge).refine_to_length(edge))
+def remeshed(body: Any, edge: float, *, tolerance: float, iterations: int = ITERATIONS) -> SurfaceMesh:
+    """A Manifold in even triangles.
+
+    Args:
+        body: The Manifold.
+        edge: Edge length [mm].
+        tolerance: Most by which removing needless vertices beforehand may move the surface [mm].
+        iterations: Rounds of splits, collapses, flips and smoothing.
+    """
+    fine = surface_of(body.simplify(tolerance).refine_to_length(edge))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the remesher warns if every vertex is fixed; the count then says so
         from gpytoolbox import remesh_botsch  # noqa: PLC0415 (importing it warns of its own use of SciPy)
@@ -75,6 +83,11 @@ def _remeshed(body: Any, edge: float, iterations: int) -> SurfaceMesh:
             fine.vertices.copy(), fine.faces.copy(), i=iterations, h=edge, project=True, feature=_sharp_vertices(fine)
         )
     return SurfaceMesh(vertices, faces)
+
+
+def even_edge(mesh: SurfaceMesh, faces: float) -> float:
+    """Edge length [mm] of equilateral triangles, so many that `faces` of them have the area of the mesh."""
+    return math.sqrt(4.0 / math.sqrt(3.0) * float(mesh.face_areas.sum()) / faces)
 
 
 def _sharp_vertices(mesh: SurfaceMesh) -> NDArray[np.int32]:
