@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from manifold3d import Manifold
+from manifold3d import CrossSection, Manifold
 
 from mechstyle.errors import BadInput
 from mechstyle.gallery import shells, solids
@@ -54,8 +54,9 @@ def lampshade(
 
 
 def _fitting(socket: float, reach: float, ring: float = 4.0, deep: float = 5.0) -> Manifold:
-    """A ring around a lamp socket with three spokes that reach out [mm]."""
+    """A ring around a lamp socket with three spokes that reach out and widen, so that they do not tear off the wall [mm]."""
     flat = solids.disc(socket / 2 + ring)
+    spoke = CrossSection.batch_hull([solids.disc(3.5), solids.disc(11.0).translate((reach, 0.0))])
     for turn in (90.0, 210.0, 330.0):
-        flat += solids.stroke([(0.0, 0.0), (reach, 0.0)], 7.0).rotate(turn)
+        flat += spoke.rotate(turn)
     return solids.slab(solids.softened(flat, 1.5, 6.0) - solids.disc(socket / 2), deep, top=1.2)

@@ -26,7 +26,7 @@ from mechstyle.pictures.scene import BACKGROUND, Field, render
 
 DPI = 100.0
 INK, FAINT = "#1c1c1e", "#5f5f66"
-GAP, MARGIN, TITLE, PANEL_TITLE, NOTE, BAR = 14, 18, 44, 30, 20, 86  # heights and gaps [pixels]
+GAP, MARGIN, TITLE, PANEL_TITLE, NOTE, BAR = 14, 18, 44, 30, 20, 102  # heights and gaps [pixels]
 BAR_WIDTH, BAR_HEIGHT = 360, 13
 
 
@@ -173,7 +173,7 @@ class _Page:
 
     def bar_axes(self, sheet: Figure, index: int) -> Axes:
         row, column = divmod(index, max((self.width - 2 * MARGIN) // (BAR_WIDTH + GAP), 1))
-        return self.axes(sheet, MARGIN + 8 + column * (BAR_WIDTH + GAP), self.bars_top + row * BAR + 24, BAR_WIDTH - 24, BAR_HEIGHT)
+        return self.axes(sheet, MARGIN + 8 + column * (BAR_WIDTH + GAP), self.bars_top + row * BAR + 40, BAR_WIDTH - 24, BAR_HEIGHT)
 
 
 def _scales(panels: Sequence[Panel]) -> dict[tuple[str, str, tuple[float, float] | None, float | None], Scale]:
@@ -205,7 +205,7 @@ def _cameras(panels: Sequence[Panel], size: tuple[int, int]) -> list[Camera]:
         alike = [
             other.mesh.vertices
             for other, others in zip(panels, boxes, strict=True)
-            if other.view == panel.view and np.abs(others - box).max() <= 0.08 * panel.mesh.size
+            if other.view == panel.view and np.abs(others - box).max() <= 0.05 * panel.mesh.size
         ]
         cameras.append(Camera.named(panel.view, np.concatenate(alike), aspect=size[0] / size[1]))
     return cameras
@@ -242,8 +242,9 @@ def _mark_extremes(axes: Axes, panel: Panel, camera: Camera) -> None:
         around = depth[max(int(y) - 2, 0) : int(y) + 3, max(int(x) - 2, 0) : int(x) + 3]
         hidden = not (points[vertex, 2] <= around + 0.004 * panel.mesh.size).any()
         size = 9.0 if kind == "max" else 5.0
-        axes.plot(x, y, marker, markersize=size + 2, markerfacecolor="none", markeredgecolor="white", markeredgewidth=3.2)
-        axes.plot(x, y, marker, markersize=size + 2, markerfacecolor="none", markeredgecolor=INK, markeredgewidth=1.4)
+        faint = 0.5 if hidden else 1.0
+        for edge, wide in (("white", 3.2), (INK, 1.4)):
+            axes.plot(x, y, marker, ms=size + 2, mfc="none", mec=edge, mew=wide, alpha=faint)
         words = f"{kind} {values[vertex]:.3g}{' ' + panel.unit if panel.unit else ''}{' (far side)' if hidden else ''}"
         right, low = x < width / 2, y < height / 2
         label = axes.annotate(words, (x, y), xytext=(9 if right else -9, -7 if low else 7), textcoords="offset points", size=9, color=INK,
@@ -263,7 +264,7 @@ def _draw_bar(axes: Axes, label: str, unit: str, scale: Scale) -> None:
     for side in axes.spines.values():
         side.set_visible(False)
     name = f"{label} [{unit}]" if unit else label
-    axes.text(0, 1.35, name, transform=axes.transAxes, size=9.5, color=INK, va="bottom")
+    axes.text(0, 2.6, name, transform=axes.transAxes, size=9.5, color=INK, va="bottom")
     if scale.threshold is not None and scale.low < scale.threshold < scale.high:
         axes.axvline(scale.threshold, ymin=-0.3, ymax=1.35, color=INK, linewidth=1.4, clip_on=False)
         place = (scale.threshold - scale.low) / (scale.high - scale.low)
