@@ -36,10 +36,19 @@ PLAIN = {int: "a whole number, such as 40", float: "a number", bool: "True or Fa
 
 
 def plan(part: Workpiece, prompt: str, material: str | Material = "PLA", *, freestyle: bool = False, **settings: Any) -> Recipe:
-    """The recipe for a part, a prompt and a material.
+    """The recipe for a part: `draft` fitted to it."""
+    return fitted(draft(prompt, material, freestyle=freestyle, **settings), part)
+
+
+def fitted(recipe: Recipe, part: Workpiece) -> Recipe:
+    """A recipe for the very surface and tetrahedra of a part."""
+    return msgspec.structs.replace(recipe, surface=part.surface.digest, tetrahedra=part.tets.digest)
+
+
+def draft(prompt: str, material: str | Material = "PLA", *, freestyle: bool = False, **settings: Any) -> Recipe:
+    """A recipe for any part, so that a bad request is refused before anything slow is done.
 
     Args:
-        part: The prepared part.
         prompt: The style, in words.
         material: A library name, a .toml/.json file, or a Material.
         freestyle: Whether to stylize without feedback.
@@ -54,7 +63,7 @@ def plan(part: Workpiece, prompt: str, material: str | Material = "PLA", *, free
     presets = {**(PAPER if paper else {}), **(FREESTYLE if freestyle else {})}
     chosen = {**presets, **given}
     chosen.setdefault("normalisation", default_normalisation(chosen.get("control", "exponential"), paper=paper))
-    return Recipe(surface=part.surface.digest, tetrahedra=part.tets.digest, prompt=prompt, **chosen)
+    return Recipe(surface="", tetrahedra="", prompt=prompt, **chosen)
 
 
 def changed(recipe: Recipe, changes: dict[str, Any]) -> Recipe:

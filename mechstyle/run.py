@@ -20,12 +20,11 @@ from mechstyle.geometry.files import save
 from mechstyle.look import Picture, checkpoint_panels, picture
 from mechstyle.material import Material
 from mechstyle.mesh import SurfaceMesh, TetMesh
-from mechstyle.plan import changed, plan, stylizer_for
+from mechstyle.plan import changed, draft, fitted, stylizer_for
 from mechstyle.records import Checkpoint, Recipe, Verdict
 from mechstyle.session import Session
 from mechstyle.simulator import DropSimulator, no_progress
 from mechstyle.store import Entry, Lane, Store, parse_address, write_aside
-from mechstyle.stylize.prompt import read
 from mechstyle.summary import Clock, Summary, summarise
 from mechstyle.workpiece import STANDARD_VERTICES, Stage, Workpiece, cache_folder, cached_memo, prepare, say_nothing
 
@@ -272,11 +271,11 @@ def stylize(
     Raises:
         BadInput: If the part, the prompt or a setting cannot be used, in one sentence.
     """
-    read(prompt)
+    wanted = draft(prompt, material, freestyle=freestyle, **settings)
     device = resolve_device(device)
     clock = Clock()
     part = clock_stages(clock, stage, mesh, vertices)
-    recipe = plan(part, prompt, material, freestyle=freestyle, **settings)
+    recipe = fitted(wanted, part)
     run = begin(part, recipe, out if out is not None else default_folder(prompt, recipe), name=name, device=device)
     run.clock.add(clock.seconds())
     return run.go(on_event)

@@ -71,22 +71,21 @@ def carry_out(
 ) -> Any:
     """Run a stylization with progress; the finished run, its part exported and pictured."""
     from mechstyle.fea.drop_test import resolve_device  # noqa: PLC0415 — physics is loaded when something is run
-    from mechstyle.plan import check_settings, plan  # noqa: PLC0415
+    from mechstyle.plan import draft, fitted  # noqa: PLC0415
     from mechstyle.run import begin, clock_stages, default_folder  # noqa: PLC0415
     from mechstyle.stylize.prompt import read as read_prompt  # noqa: PLC0415
     from mechstyle.summary import Clock  # noqa: PLC0415
 
-    wish = read_prompt(prompt)
-    check_settings(settings)
+    wanted = draft(prompt, material, freestyle=freestyle, **settings)
     device = resolve_device(device)
     if not as_json:
-        for note in wish.notes:
+        for note in read_prompt(prompt).notes:
             err.print(f"[dim]prompt: {escape(note)}[/]")
     mesh, name = read_model(model, scale, quiet=as_json)
-    with telling(settings.get("iterations") or 200, quiet=as_json) as teller:
+    with telling(wanted.iterations, quiet=as_json) as teller:
         clock = Clock()
         part = clock_stages(clock, teller.stage, mesh, vertices)
-        recipe = plan(part, prompt, material, freestyle=freestyle, **settings)
+        recipe = fitted(wanted, part)
         run = begin(part, recipe, folder if folder is not None else default_folder(prompt, recipe), name=name, device=device)
         run.clock.add(clock.seconds())
         return finish(run, teller)
