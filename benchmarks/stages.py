@@ -15,7 +15,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
@@ -25,7 +25,7 @@ from rich.console import Console
 from rich.table import Table
 
 from mechstyle.errors import MechStyleError
-from mechstyle.events import Stylized
+from mechstyle.events import Event, Stylized
 from mechstyle.fea.drop_test import DropTest, directions, drop
 from mechstyle.gallery import make
 from mechstyle.geometry.morph import Morph
@@ -35,7 +35,7 @@ from mechstyle.geometry.thickness import local_thickness
 from mechstyle.geometry.transfer import Transfer
 from mechstyle.material import LIBRARY
 from mechstyle.mesh import SurfaceMesh, TetMesh
-from mechstyle.plan import plan
+from mechstyle.planning import plan
 from mechstyle.run import begin
 from mechstyle.stylize.procedural import Target, target
 from mechstyle.stylize.prompt import read
@@ -110,7 +110,9 @@ def run(stage: Stages, model: str, device: str) -> str:
     thickness = stage("thickness", lambda: local_thickness(surface))
     aim = stage("style target", lambda: brick(surface, thickness))
     part = Workpiece(surface, tets, thickness.astype(np.float32), stands=True)
-    stage(f"{ITERATIONS} style iterations", lambda: iterated(part), again=False)
+    with tempfile.TemporaryDirectory() as folder:
+        events = iterations(part, folder)
+        stage(f"{ITERATIONS} style iterations", lambda: iterated(events), again=False)
     moved = stage("morph and transfer", lambda: morphed(surface, tets, aim))
     stage("one drop", lambda: drop(moved, LIBRARY["PLA"], directions(1), DropTest(), device=device))
     result = stage("five drops", lambda: drop(moved, LIBRARY["PLA"], directions(5), DropTest(), device=device))
@@ -123,13 +125,19 @@ def brick(surface: SurfaceMesh, thickness: np.ndarray[Any, Any]) -> Target:
     return target(surface, read("brick"), seed=0, amplitude=0.15, thickness=thickness, inward=0.25 * thickness, outward=thickness)
 
 
-def iterated(part: Workpiece) -> None:
+def iterations(part: Workpiece, folder: str) -> Iterator[Event]:
+    """The events of a run that simulates at its end only, its target drawn and the part as it came simulated already."""
+    run = begin(part, plan(part, "green", schedule="never", iterations=ITERATIONS), Path(folder) / "run", device="cpu")
+    events = run.events()
+    next(events)
+    return events
+
+
+def iterated(events: Iterator[Event]) -> None:
     """The whole loop with its checkpoints on disk, up to where the first simulation would begin."""
-    with tempfile.TemporaryDirectory() as folder:
-        run = begin(part, plan(part, "green", schedule="never", iterations=ITERATIONS), Path(folder) / "run", device="cpu")
-        for event in run.events():
-            if isinstance(event, Stylized) and event.iteration == ITERATIONS:
-                return
+    for event in events:
+        if isinstance(event, Stylized) and event.iteration == ITERATIONS:
+            return
 
 
 def morphed(surface: SurfaceMesh, tets: TetMesh, aim: Target) -> TetMesh:

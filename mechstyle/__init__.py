@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from mechstyle.dropped import simulate
     from mechstyle.engine import Engine
     from mechstyle.geometry.files import load, save
-    from mechstyle.plan import changed, plan
+    from mechstyle.planning import changed, plan
     from mechstyle.run import Run, begin, stylize
     from mechstyle.session import Session
     from mechstyle.simulator import DropSimulator
@@ -37,9 +37,9 @@ _WHERE = {
     "Store": "store",
     "Workpiece": "workpiece",
     "begin": "run",
-    "changed": "plan",
+    "changed": "planning",
     "load": "geometry.files",
-    "plan": "plan",
+    "plan": "planning",
     "prepare": "workpiece",
     "save": "geometry.files",
     "simulate": "dropped",

@@ -20,7 +20,7 @@ from mechstyle.geometry.files import save
 from mechstyle.look import Picture, checkpoint_panels, picture
 from mechstyle.material import Material
 from mechstyle.mesh import SurfaceMesh, TetMesh
-from mechstyle.plan import changed, draft, fitted, stylizer_for
+from mechstyle.planning import changed, draft, fitted, stylizer_for
 from mechstyle.records import Checkpoint, Recipe, Verdict
 from mechstyle.session import Session
 from mechstyle.simulator import DropSimulator, no_progress

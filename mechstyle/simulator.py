@@ -154,7 +154,7 @@ class DropSimulator:
             overall = measures(tets, worst, average) if several else None
             stress = transfer.to_surface(robust_field(tets, result.von_mises[0], average)).astype(np.float32)
             envelope = transfer.to_surface(robust_field(tets, worst, average)).astype(np.float32)
-            contact = transfer.to_surface(result.contact[0].astype(np.float64)) > 0.0
+            contact = transfer.to_surface(result.contact[0].astype(np.float64)) > 0.5
         return Simulation(
             displacement=morphed.displacement,
             stress=stress,

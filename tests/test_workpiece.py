@@ -24,7 +24,8 @@ def ready(tmp_path_factory):
         patch.setenv("MECHSTYLE_CACHE", str(tmp_path_factory.mktemp("cache")))
         first = prepare(block(), vertices=1200)
         patch.setattr(module, "standardise", None)  # a second preparation must not need it
-        yield first, prepare(block(), vertices=1200)
+        second = prepare(block(), vertices=1200)
+    return first, second
 
 
 def test_a_second_preparation_gives_the_same_bytes_from_the_cache(ready):

@@ -5,6 +5,7 @@ STL, OBJ and PLY have no unit and are taken as millimetres; 3MF names its unit; 
 
 from __future__ import annotations
 
+import io
 import os
 import tempfile
 import warnings
@@ -24,7 +25,9 @@ FORMATS = ("stl", "obj", "ply", "glb", "3mf")
 MOST_FACES = 1_000_000
 SMALLEST, LARGEST = 5.0, 1000.0
 """Sizes of a printable part, longest side [mm]."""
-MILLIMETRES = {"micron": 1e-3, "millimeter": 1.0, "centimeter": 10.0, "inch": 25.4, "foot": 304.8, "meter": 1000.0, "meters": 1000.0}
+MILLIMETRES = {"micron": 1e-3, "millimeter": 1.0, "centimeter": 10.0, "inch": 25.4, "foot": 304.8, "meter": 1000.0}
+GUESSES = {"millimetres": 1.0, "inches": 25.4, "centimetres": 10.0, "metres": 1000.0, "micrometres": 1e-3}
+"""Units that a file may be in without saying so, likeliest first, and their millimetres."""
 Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 """Rotation that takes a y-up position to a z-up one."""
 
@@ -56,11 +59,10 @@ def read(path: str | Path, *, scale: float | None = None) -> Loaded:
         raise BadInput(f"scale is {scale:g}, but must be a positive number, such as 25.4 for inches")
     vertices, faces, unit = _triangles(file)
     factor = unit if scale is None else scale
-    vertices = vertices * factor
-    _check_size(file.name, vertices, scale)
-    mesh, notes = repaired(vertices, faces, file.name)
-    if scale is None and unit != 1.0:
-        notes = (f"converted to millimetres (times {unit:g})", *notes)
+    _check_size(file.name, vertices[faces].reshape(-1, 3), factor)
+    mesh, notes = repaired(vertices * factor, faces, file.name)
+    if factor != 1.0:
+        notes = (f"converted to millimetres (times {factor:g})", *notes)
     return Loaded(mesh, notes)
 
 
@@ -68,80 +70,105 @@ def _triangles(file: Path) -> tuple[Floats, NDArray[np.int64], float]:
     """Vertices in file units, faces, and the millimetres of one file unit."""
     suffix = file.suffix.lower().lstrip(".")
     if suffix not in FORMATS:
-        raise BadInput(f"{file.name}: cannot read .{suffix} files; convert it to {', '.join(FORMATS)}")
-    if not file.is_file():
-        raise BadInput(f"{file} does not exist; check the path")
-    if file.stat().st_size == 0:
-        raise BadInput(f"{file.name} is empty; export it again")
-    scene = _scene(file)
-    mesh = scene.to_mesh()
-    vertices, faces = np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64)
+        raise BadInput(f"{file.name}: cannot read {_kind(suffix)}; convert it to {', '.join(FORMATS)}")
+    vertices, faces, unit = _parsed(file.name, _content(file), suffix)
     if not len(faces):
         raise BadInput(f"{file.name} holds no triangles: it is no mesh, or was cut off; export it again")
     if len(faces) > MOST_FACES:
         raise BadInput(f"{file.name} has {len(faces)} faces, more than {MOST_FACES}: simplify it in the program it was made with")
     if not np.isfinite(vertices).all():
         raise BadInput(f"{file.name} has vertices that are not finite numbers; export it again")
-    if suffix == "glb":
-        vertices = vertices @ Y_UP.T
-    unit = MILLIMETRES.get(str(scene.units), 1.0) if suffix in ("glb", "3mf") else 1.0
+    if faces.min() < 0 or faces.max() >= len(vertices):
+        raise BadInput(f"{file.name} has faces with vertices that are not there: it is damaged or was cut off; export it again")
     return vertices, faces, unit
 
 
-def _scene(file: Path) -> Any:
+def _kind(suffix: str) -> str:
+    return f".{suffix} files" if suffix else "files without a suffix"
+
+
+def _content(file: Path) -> bytes:
+    """The bytes of a file that is there and not empty."""
+    if not file.exists():
+        raise BadInput(f"{file} does not exist; check the path")
+    if not file.is_file():
+        raise BadInput(f"{file} is not a file; name the mesh file itself")
+    try:
+        content = file.read_bytes()
+    except OSError as error:
+        raise BadInput(f"{file} cannot be opened: {error.strerror}; check its permissions") from error
+    if not content:
+        raise BadInput(f"{file.name} is empty; export it again")
+    return content
+
+
+def _parsed(name: str, content: bytes, suffix: str) -> tuple[Floats, NDArray[np.int64], float]:
     """What trimesh reads, with everything it may raise turned into one sentence."""
     try:
-        with warnings.catch_warnings():
+        with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")  # a reader's remarks; what matters is checked afterwards
-            return trimesh.load_scene(file, process=False)
+            scene: Any = trimesh.load_scene(io.BytesIO(content), file_type=suffix, process=False)
+            mesh = scene.to_mesh()
+            vertices, faces = np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64)
     except Exception as error:
         raise BadInput(
-            f"{file.name} cannot be read as {file.suffix.lstrip('.').upper()}: it is damaged, cut off, or something else; export it again"
+            f"{name} cannot be read as {suffix.upper()}: it is damaged, was cut off, or is something else; export it again"
         ) from error
+    if suffix == "glb":
+        return vertices @ Y_UP.T, faces, MILLIMETRES["meter"]
+    return vertices, faces, MILLIMETRES.get(str(scene.units), 1.0) if suffix == "3mf" else 1.0
 
 
-def _check_size(name: str, vertices: Floats, scale: float | None) -> None:
-    """Refuse a part that is not of a printable size, guessing at its unit."""
-    size = float(np.ptp(vertices, axis=0).max())
-    if SMALLEST <= size <= LARGEST:
+def _check_size(name: str, vertices: Floats, factor: float) -> None:
+    """Refuse a part that is not of a printable size, guessing at its unit.
+
+    Args:
+        name: What to call the file.
+        vertices: Positions in file units, shape [n, 3].
+        factor: Millimetres of one file unit, as far as is known.
+    """
+    length = float(np.ptp(vertices, axis=0).max())
+    if SMALLEST <= length * factor <= LARGEST:
         return
-    if size == 0.0:
+    if length == 0.0:
         raise BadInput(f"{name} has no extent: all its vertices coincide")
-    if scale is not None:
-        raise BadInput(f"{name} is {size:g} mm long with --scale {scale:g}; parts must be {SMALLEST:g} to {LARGEST:g} mm")
-    guesses = [
-        f"{unit} (--scale {factor:g})"
-        for unit, factor in (("inches", 25.4), ("metres", 1000.0), ("centimetres", 10.0))
-        if SMALLEST <= size * factor <= LARGEST
-    ]
-    if size > LARGEST:
-        guesses = [f"micrometres (--scale {factor:g})" for factor in (0.001,) if SMALLEST <= size * factor <= LARGEST]
-    hint = f"if it is in {' or '.join(guesses)}, say so" if guesses else "give a factor with --scale"
-    raise BadInput(f"{name} is {size:.4g} mm long; parts must be {SMALLEST:g} to {LARGEST:g} mm: {hint}")
+    guesses = [f"{unit} (--scale {other:g})" for unit, other in GUESSES.items() if SMALLEST <= length * other <= LARGEST]
+    hint = f"if its coordinates are {' or '.join(guesses)}, say so" if guesses else "give a factor with --scale"
+    shown = f"{length * factor:.0f}" if length * factor >= 100.0 else f"{length * factor:.3g}"
+    raise BadInput(f"{name} is {shown} mm long; parts must be {SMALLEST:g} to {LARGEST:g} mm: {hint}")
 
 
 def save(mesh: SurfaceMesh, path: str | Path) -> Path:
     """Write a surface in the format its suffix names; colours survive in OBJ, PLY, GLB and 3MF. The file appears whole or not at all.
 
     Raises:
-        BadInput: If the suffix is not one of FORMATS.
+        BadInput: If the suffix is not one of FORMATS, or the place cannot be written to.
     """
     file = Path(path)
     suffix = file.suffix.lower().lstrip(".")
     if suffix not in FORMATS:
-        raise BadInput(f"{file.name}: cannot write .{suffix} files; use {', '.join(FORMATS)}")
+        raise BadInput(f"{file.name}: cannot write {_kind(suffix)}; use {', '.join(FORMATS)}")
     content = threemf_bytes(mesh) if suffix == "3mf" else _exported(mesh, suffix)
+    try:
+        _write_aside(file, content)
+    except OSError as error:
+        raise BadInput(f"cannot write {file}: {error.strerror}; choose another place, or make room") from error
+    return file
+
+
+def _write_aside(file: Path, content: bytes) -> None:
+    """Write next to the file, then rename, so that it appears whole or not at all."""
     file.parent.mkdir(parents=True, exist_ok=True)
     handle, name = tempfile.mkstemp(dir=file.parent, prefix=".new-")
+    aside = Path(name)
     try:
-        with os.fdopen(handle, "wb") as aside:
-            aside.write(content)
-        Path(name).chmod(0o644)  # temporary files are private, parts are for sharing
-        Path(name).replace(file)
+        with os.fdopen(handle, "wb") as stream:
+            stream.write(content)
+        aside.chmod(0o644)  # temporary files are private, parts are for sharing
+        aside.replace(file)
     except BaseException:
-        Path(name).unlink(missing_ok=True)
+        aside.unlink(missing_ok=True)
         raise
-    return file
 
 
 def _exported(mesh: SurfaceMesh, suffix: str) -> bytes:

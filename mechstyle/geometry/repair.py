@@ -2,27 +2,41 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import manifold3d
 import numpy as np
+import scipy.sparse as sp
 import trimesh
 from numpy.typing import NDArray
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
 
 from mechstyle.errors import BadInput, SimulationFailed
 from mechstyle.geometry.standardise import manifold_of, surface_of
 from mechstyle.geometry.tetwild import Settings, tetwild
-from mechstyle.mesh import Floats, SurfaceMesh, TetMesh
+from mechstyle.mesh import Floats, Indices, SurfaceMesh, TetMesh
 
-DEBRIS = 1e-3
-"""Bodies smaller than this share of the largest are dropped as debris."""
+HAIRLINE = 1e-4
+"""Gaps up to this share of the part's diagonal, finer than printers resolve, are closed by moving their sides together."""
 LARGEST_HOLE = 0.02
-"""Openings whose edges are together longer than this share of all edges are not holes but a missing side."""
+"""An opening larger than this share of the surface is no hole but a missing side, and filling it would invent a body."""
+CROOKED = 1.5
+"""A fan with more than this many times the area of its opening is folded: the opening is a crack and not a hole."""
+DEBRIS = 1e-3
+"""Bodies smaller than this share of the largest are dropped."""
+FLATTEST = 0.01
+"""Thickness below which something is a sheet and no body [mm]."""
+INSIDE = 0.99
+"""A shell that faces inwards is a cavity if this share of it lies within a body; else it is a body inside out."""
 REMESH_TIMEOUT = 120.0
+"""Seconds for fTetWild."""
 
 
 def repaired(vertices: Floats, faces: NDArray[np.int64], name: str) -> tuple[SurfaceMesh, tuple[str, ...]]:
     """One closed body from a triangle soup, and what had to be done to it, one sentence each.
+
+    A single body whose surface cuts through itself is closed and therefore left as it is.
 
     Args:
         vertices: Positions [mm], shape [n, 3].
@@ -33,119 +47,202 @@ def repaired(vertices: Floats, faces: NDArray[np.int64], name: str) -> tuple[Sur
         BadInput: If it encloses nothing, cannot be closed, or consists of separate bodies.
     """
     notes: list[str] = []
-    mesh = _welded(trimesh.Trimesh(vertices, faces, process=False), notes)
-    if not len(mesh.faces):
+    surface = _welded(vertices, faces, notes)
+    if not len(surface.faces):
         raise BadInput(f"{name} holds no triangle with an area: export it again from the program it was made with")
-    body = _closed(mesh, name, notes)
-    body = _one_body(body, name, notes)
+    if _is_flat(surface):
+        raise BadInput(f"{name} is flat and encloses no volume: give it a thickness, and export it again")
+    body = _one_body(_closed(surface, name, notes), name, notes)
     return surface_of(body), tuple(notes)
 
 
-def _welded(mesh: trimesh.Trimesh, notes: list[str]) -> trimesh.Trimesh:
-    """Equal vertices merged, whatever their normals and texture say; degenerate and repeated faces dropped.
+def _counted(number: int, thing: str, things: str) -> str:
+    return f"{number} {thing if number == 1 else things}"
 
-    Faces with repeated indices go, faces without area stay: they close gaps between their neighbours.
+
+def _area(area: float) -> str:
+    return f"{area:.0f} mm²" if area >= 10.0 else f"{area:.2g} mm²"
+
+
+# --- a closed surface ---------------------------------------------------------------------------------------------
+
+
+def _welded(vertices: Floats, faces: NDArray[np.int64], notes: list[str]) -> SurfaceMesh:
+    """Equal positions made one vertex; degenerate and repeated faces dropped.
+
+    Faces with repeated indices go, faces without area stay: they close gaps between their neighbours. Faces back to back stay
+    for now: bodies that share a side have them, and Manifold takes them out in pairs.
     """
-    before = len(mesh.vertices)
-    mesh.merge_vertices(merge_tex=True, merge_norm=True)
-    if len(mesh.vertices) < before:
-        notes.append(f"welded {before - len(mesh.vertices)} duplicate vertices")
-    a, b, c = mesh.faces.T
-    proper = (a != b) & (b != c) & (c != a)
-    once = np.zeros(len(mesh.faces), bool)
-    once[mesh.unique_faces()] = True
-    keep = proper & once
-    if not keep.all():
-        notes.append(f"dropped {int((~keep).sum())} degenerate or repeated faces")
-        mesh.update_faces(keep)
+    mesh = trimesh.Trimesh(vertices, faces, process=False)
     mesh.remove_unreferenced_vertices()
-    return mesh
+    before = len(mesh.vertices)
+    mesh.merge_vertices()
+    if len(mesh.vertices) < before:
+        notes.append(f"welded {_counted(before - len(mesh.vertices), 'duplicate vertex', 'duplicate vertices')}")
+    surface = SurfaceMesh(mesh.vertices, mesh.faces)
+    lowest_first = (surface.faces.argmin(axis=1)[:, None] + np.arange(3)) % 3
+    kept = _without_repeats(surface, np.take_along_axis(surface.faces, lowest_first, axis=1))
+    dropped = len(surface.faces) - len(kept.faces)
+    if dropped:
+        notes.append(f"dropped {_counted(dropped, 'degenerate or repeated face', 'degenerate or repeated faces')}")
+    return kept
 
 
-def _closed(mesh: trimesh.Trimesh, name: str, notes: list[str]) -> Any:
-    """The mesh as a valid Manifold: as it is, welded closer, wound the right way, holes filled, or meshed anew from its inside."""
-    body = _accepted(_surface(mesh))
+def _without_repeats(surface: SurfaceMesh, key: NDArray[Any]) -> SurfaceMesh:
+    """The first face of every `key`, shape [face_count, 3], that has three different vertices."""
+    once = np.sort(np.unique(key, axis=0, return_index=True)[1])
+    faces = surface.faces[once]
+    a, b, c = faces.T
+    return _of(surface.vertices, faces[(a != b) & (b != c) & (c != a)])
+
+
+def _of(vertices: Floats, faces: NDArray[Any]) -> SurfaceMesh:
+    """A surface of the vertices that the faces use."""
+    used, index = np.unique(faces, return_inverse=True)
+    return SurfaceMesh(vertices[used], index.reshape(-1, 3).astype(np.int32))
+
+
+def _is_flat(surface: SurfaceMesh) -> bool:
+    """Whether all vertices lie in a plane, or nearly."""
+    spread = np.linalg.svd(surface.vertices - surface.vertices.mean(axis=0), compute_uv=False) / np.sqrt(len(surface.vertices))
+    return bool(spread[-1] < FLATTEST)
+
+
+def _closed(surface: SurfaceMesh, name: str, notes: list[str]) -> Any:
+    """The surface as a valid Manifold of positive volume, mended no more than it takes."""
+    body = _accepted(surface)
+    for mend in (_joined, _wound, _plugged):
+        if body is None:
+            surface = mend(surface, name, notes)
+            body = _accepted(surface)
     if body is None:
-        body = _accepted(_surface(mesh), merge=True)
-        if body is not None:
-            notes.append("closed hairline gaps between its faces")
-    if body is None:
-        body = _filled(mesh, notes)
-    if body is None:
-        body = _from_inside(mesh, name, notes)
+        body = _from_inside(surface, name, notes)
     if body.volume() < 0:
         notes.append("turned its faces outwards")
-        body = _accepted(_flipped(surface_of(body)))
+        body = _inside_out(body)
     return body
 
 
-def _surface(mesh: trimesh.Trimesh) -> SurfaceMesh:
-    return SurfaceMesh(mesh.vertices, mesh.faces)
-
-
-def _flipped(mesh: SurfaceMesh) -> SurfaceMesh:
-    return SurfaceMesh(mesh.vertices, mesh.faces[:, ::-1])
-
-
-def _accepted(surface: SurfaceMesh, *, merge: bool = False) -> Any | None:
+def _accepted(surface: SurfaceMesh) -> Any | None:
     """A Manifold of the surface, or None if it is not one."""
-    if merge:
-        loose = manifold3d.Mesh(surface.vertices.astype(np.float32), surface.faces.astype(np.uint32))
-        body = manifold3d.Manifold(loose) if loose.merge() else None
-    else:
-        body = manifold_of(surface)
-    fits = body is not None and body.status() == manifold3d.Error.NoError and not body.is_empty()
-    return body if fits and abs(body.volume()) > 0 else None
+    body = manifold_of(surface)
+    return body if body.status() == manifold3d.Error.NoError and not body.is_empty() else None
 
 
-def _filled(mesh: trimesh.Trimesh, notes: list[str]) -> Any | None:
-    """Consistent winding and small holes closed."""
-    mended = mesh.copy()
-    trimesh.repair.fix_winding(mended)
-    trimesh.repair.fix_inversion(mended, multibody=True)
-    body = _accepted(_surface(mended))
-    if body is not None:
+def _inside_out(body: Any) -> Any:
+    surface = surface_of(body)
+    return manifold_of(SurfaceMesh(surface.vertices, surface.faces[:, ::-1]))
+
+
+def _joined(surface: SurfaceMesh, _name: str, notes: list[str]) -> SurfaceMesh:
+    """Vertices on open edges joined to others closer than a hairline."""
+    open_ones = np.unique(_rim(surface))
+    pairs = cKDTree(surface.vertices[open_ones]).query_pairs(HAIRLINE * surface.size, output_type="ndarray")
+    if not len(pairs):
+        return surface
+    notes.append("closed hairline gaps between its faces")
+    cluster = _linked(pairs, len(open_ones))
+    index = np.arange(len(surface.vertices), dtype=np.int32)
+    index[open_ones] = open_ones[np.unique(cluster, return_index=True)[1][cluster]]
+    faces = index[surface.faces]
+    return _without_repeats(SurfaceMesh(surface.vertices, faces), faces)
+
+
+def _linked(pairs: NDArray[Any], count: int) -> NDArray[np.int32]:
+    """The connected component of each of `count` things, shape [count], by the pairs that hang together, shape [k, 2]."""
+    return connected_components(sp.coo_array((np.ones(len(pairs)), pairs.T), shape=(count, count)), directed=False)[1]
+
+
+def _rim(surface: SurfaceMesh) -> Indices:
+    """The edges with one face, directed as in that face, shape [k, 2]."""
+    directed = surface.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    _, edge, count = np.unique(np.sort(directed, axis=1), axis=0, return_inverse=True, return_counts=True)
+    return directed[count[edge.reshape(-1)] == 1]
+
+
+def _wound(surface: SurfaceMesh, _name: str, notes: list[str]) -> SurfaceMesh:
+    """Copies of faces dropped, whichever way they face, and every shell wound one way: that of most of its area."""
+    single = _without_repeats(surface, np.sort(surface.faces, axis=1))
+    if len(single.faces) < len(surface.faces):
+        notes.append(f"dropped {_counted(len(surface.faces) - len(single.faces), 'face', 'faces')} with another back to back")
+    mesh = trimesh.Trimesh(single.vertices, single.faces, process=False)
+    with np.errstate(divide="ignore", invalid="ignore"):  # of flat parts, whose volume it divides by
+        trimesh.repair.fix_winding(mesh)  # type: ignore[no-untyped-call]  # trimesh annotates in part
+    turned = (mesh.faces != single.faces).any(axis=1)
+    shell = _linked(mesh.face_adjacency, len(mesh.faces))
+    most_turned = np.bincount(shell, single.face_areas * np.where(turned, 1.0, -1.0)) > 0
+    turned ^= most_turned[shell]
+    if turned.any():
         notes.append("made the winding of its faces consistent")
-        return body
-    before = len(mended.faces)
-    if _open_share(mended) > LARGEST_HOLE:
-        return None
-    trimesh.repair.fill_holes(mended)
-    body = _accepted(_surface(mended)) or _accepted(_surface(mended), merge=True)
-    if body is not None:
-        notes.append(f"closed its holes with {len(mended.faces) - before} faces")
-    return body
+    return SurfaceMesh(single.vertices, np.where(turned[:, None], single.faces[:, ::-1], single.faces))
 
 
-def _open_share(mesh: trimesh.Trimesh) -> float:
-    """Length of the edges with one face over that of all edges."""
-    edges = mesh.edges_sorted
-    _, first, count = np.unique(edges, axis=0, return_index=True, return_counts=True)
-    lengths = np.linalg.norm(np.diff(mesh.vertices[edges[first]], axis=1)[:, 0], axis=1)
-    return float(lengths[count == 1].sum() / max(lengths.sum(), 1e-12))
+class _Openings(NamedTuple):
+    """Edges with one face, by the opening they surround.
+
+    Attributes:
+        rim: Directed as in their faces, shape [k, 2].
+        number: Opening of each, shape [k].
+        middles: Mean of the rim of each opening [mm], shape [count, 3].
+        areas: Length of the vector area, the area of the opening if it is plane [mm²], shape [count].
+        fan_areas: Area of the fan of triangles from the rim to the middle [mm²], shape [count].
+    """
+
+    rim: Indices
+    number: NDArray[np.int64]
+    middles: Floats
+    areas: Floats
+    fan_areas: Floats
 
 
-def _from_inside(mesh: trimesh.Trimesh, name: str, notes: list[str]) -> Any:
-    """What fTetWild takes for its inside: the last resort for surfaces that cut through themselves or do not quite meet."""
-    share = _open_share(mesh)
-    if share > LARGEST_HOLE:
+def _openings(surface: SurfaceMesh) -> _Openings:
+    rim = _rim(surface)
+    number = np.unique(_linked(rim, len(surface.vertices))[rim[:, 0]], return_inverse=True)[1].reshape(-1)
+    start, end = surface.vertices[rim[:, 0]], surface.vertices[rim[:, 1]]
+    middles = _sums(number, start) / np.bincount(number)[:, None]
+    spokes = 0.5 * np.cross(start - middles[number], end - middles[number])
+    areas = np.linalg.norm(_sums(number, spokes), axis=1)
+    fan_areas = np.bincount(number, np.linalg.norm(spokes, axis=1)).astype(np.float64)
+    return _Openings(rim, number, middles, areas, fan_areas)
+
+
+def _sums(group: NDArray[np.int64], rows: Floats) -> Floats:
+    """Sum of the rows of each group, shape [group_count, 3]."""
+    return np.stack([np.bincount(group, column) for column in rows.T], axis=1)
+
+
+def _plugged(surface: SurfaceMesh, name: str, notes: list[str]) -> SurfaceMesh:
+    """Every small hole closed by a fan of triangles around its middle; cracks stay open."""
+    openings = _openings(surface)
+    if not len(openings.areas):
+        return surface
+    largest, total = openings.areas.max(), surface.face_areas.sum()
+    if largest > LARGEST_HOLE * total:
         raise BadInput(
-            f"{name} is open and cannot be closed: {share:.0%} of its edge length borders nothing; "
-            "close it (give it a thickness, cap its openings) and export it again"
+            f"{name} is open and cannot be closed: an opening of {_area(largest)} is no small hole in a surface of {_area(total)}; "
+            "give it a thickness or cap the opening, and export it again"
         )
-    size = float(np.linalg.norm(mesh.extents))
+    round_ones = np.flatnonzero((openings.areas > 0) & (openings.fan_areas <= CROOKED * openings.areas))
+    if not len(round_ones):
+        return surface
+    fans = np.isin(openings.number, round_ones)
+    rim, middle = openings.rim[fans], len(surface.vertices) + openings.number[fans]
+    notes.append(f"closed {_counted(len(round_ones), 'hole', 'holes')} of {_area(openings.areas[round_ones].sum())} in all")
+    plugs = np.stack([rim[:, 1], rim[:, 0], middle], axis=1)
+    return _of(np.vstack([surface.vertices, openings.middles]), np.vstack([surface.faces, plugs]))
+
+
+def _from_inside(surface: SurfaceMesh, name: str, notes: list[str]) -> Any:
+    """What fTetWild takes for its inside: the last resort for surfaces that do not quite meet, or meet three at an edge."""
+    advice = "repair it in the program it was made with"
     try:
-        vertices, tets = tetwild(
-            np.asarray(mesh.vertices), np.asarray(mesh.faces, np.int32), Settings(0.03 * size, 5e-4), timeout=REMESH_TIMEOUT
-        )
+        vertices, tets = tetwild(surface.vertices, surface.faces, Settings(0.03 * surface.size, 5e-4), timeout=REMESH_TIMEOUT)
     except SimulationFailed as error:
-        raise BadInput(
-            f"{name} is not a closed surface and could not be repaired ({error}); repair it in the program it was made with"
-        ) from error
+        raise BadInput(f"{name} is not a closed surface and could not be repaired ({error}); {advice}") from error
     body = _accepted(_boundary(vertices, tets))
     if body is None:
-        raise BadInput(f"{name} is not a closed surface and could not be repaired; repair it in the program it was made with")
-    notes.append("rebuilt its surface from the volume inside it, because its faces cut through each other or do not meet")
+        raise BadInput(f"{name} is not a closed surface and could not be repaired; {advice}")
+    notes.append("rebuilt its surface from the volume inside it, because its faces do not meet two at an edge")
     return body
 
 
@@ -153,32 +250,54 @@ def _boundary(vertices: Floats, tets: NDArray[np.int32]) -> SurfaceMesh:
     """The outer surface of tetrahedra of any orientation."""
     volumes = TetMesh(vertices, tets).volumes
     upright = np.where((volumes < 0)[:, None], tets[:, [0, 2, 1, 3]], tets)
-    faces = TetMesh(vertices, upright).boundary_faces
-    used, index = np.unique(faces, return_inverse=True)
-    return SurfaceMesh(vertices[used], index.reshape(-1, 3))
+    return _of(vertices, TetMesh(vertices, upright).boundary_faces)
+
+
+# --- one body -----------------------------------------------------------------------------------------------------
 
 
 def _one_body(body: Any, name: str, notes: list[str]) -> Any:
-    """Debris dropped and overlapping bodies united; separate ones refused."""
-    shells = body.decompose()
-    solids = sorted((shell for shell in shells if shell.volume() > 0), key=lambda shell: -shell.volume())
-    cavities = [shell for shell in shells if shell.volume() < 0]
-    if not solids:
-        raise BadInput(f"{name} encloses no volume: its faces cancel out")
-    large = [solid for solid in solids if solid.volume() >= DEBRIS * solids[0].volume()]
-    if len(large) < len(solids):
-        notes.append(f"dropped {len(solids) - len(large)} specks smaller than {DEBRIS:.1%} of the part")
-    if len(large) == 1 and len(solids) == 1:
+    """Specks dropped, shells that are inside out turned, cavities kept, overlapping bodies united; separate ones refused."""
+    # twice the volume over the surface is the thickness of a sheet
+    shells = [shell for shell in body.decompose() if 2 * abs(shell.volume()) > FLATTEST * shell.surface_area()]
+    if not shells:
+        raise BadInput(f"{name} encloses no volume: give it a thickness, and export it again")
+    least = DEBRIS * max(abs(shell.volume()) for shell in shells)
+    solids = [shell for shell in shells if shell.volume() >= least]
+    inward = [_inside_out(shell) for shell in shells if shell.volume() < 0]
+    hosts = [_host(shell, solids) for shell in inward]
+    turned = [shell for shell, host in zip(inward, hosts, strict=True) if host is None and shell.volume() >= least]
+    cavities = [(shell, host) for shell, host in zip(inward, hosts, strict=True) if host is not None]
+    specks = len(body.decompose()) - len(solids) - len(turned) - len(cavities)
+    if specks:
+        notes.append(f"dropped {_counted(specks, 'speck', 'specks')} smaller than {DEBRIS:.1%} of the part")
+    if turned:
+        notes.append(f"turned {_counted(len(turned), 'body', 'bodies')} outwards")
+    if len(solids) == 1 and not (turned or specks):
         return body
-    united = manifold3d.Manifold.batch_boolean(large, manifold3d.OpType.Add)
-    for cavity in cavities:
-        united -= _accepted(_flipped(surface_of(cavity))) or manifold3d.Manifold()
-    left = [part for part in united.decompose() if part.volume() > 0]
-    if len(left) > 1:
-        sizes = ", ".join(f"{part.volume():.0f} mm³" for part in sorted(left, key=lambda part: -part.volume())[:4])
-        raise BadInput(
-            f"{name} holds {len(left)} separate bodies ({sizes}): a drop test needs one; save the part you want alone, or join them"
-        )
-    if len(large) > 1:
-        notes.append(f"united {len(large)} overlapping bodies")
-    return united
+    for shell, host in cavities:
+        solids[host] -= shell
+    return _united(solids + turned, name, notes)
+
+
+def _host(shell: Any, solids: list[Any]) -> int | None:
+    """Which of the solids, the smallest if it is several, a shell lies within; None if it lies within none."""
+    around = [index for index, solid in enumerate(solids) if (solid ^ shell).volume() >= INSIDE * shell.volume()]
+    return min(around, key=lambda index: solids[index].volume()) if around else None
+
+
+def _united(solids: list[Any], name: str, notes: list[str]) -> Any:
+    """The union of the solids, which must be one body."""
+    union = manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add)
+    parts = sorted((part for part in union.decompose() if part.volume() > 0), key=lambda part: -part.volume())
+    if len(parts) > 1:
+        sizes = ", ".join(_size(part) for part in parts[:4]) + (", ..." if len(parts) > 4 else "")
+        raise BadInput(f"{name} holds {len(parts)} separate bodies ({sizes}): a drop test needs one; join them, or save one alone")
+    if len(solids) > 1:
+        notes.append(f"united {len(solids)} overlapping bodies")
+    return union
+
+
+def _size(body: Any) -> str:
+    low, high = np.reshape(body.bounding_box(), (2, 3))
+    return " x ".join(f"{side:.1f}" for side in high - low) + " mm"

@@ -6,6 +6,7 @@ Slicers map colours to filaments, so a file with thousands of them is useless; t
 from __future__ import annotations
 
 import io
+import warnings
 import zipfile
 
 import numpy as np
@@ -42,7 +43,7 @@ def _model(mesh: SurfaceMesh) -> str:
     """The model part."""
     group, corner_colours = _colour_group(mesh)
     attributes = ' pid="2" pindex="0"' if group else ""
-    vertices = "".join(f'<vertex x="{x:.6g}" y="{y:.6g}" z="{z:.6g}"/>' for x, y, z in mesh.vertices)
+    vertices = "".join(f'<vertex x="{x:.9g}" y="{y:.9g}" z="{z:.9g}"/>' for x, y, z in mesh.vertices)
     if corner_colours is None:
         triangles = "".join(f'<triangle v1="{a}" v2="{b}" v3="{c}"/>' for a, b, c in mesh.faces)
     else:
@@ -74,7 +75,9 @@ def reduced_colours(colours: NDArray[np.float32], most: int = MOST_COLOURS) -> t
     exact, index = np.unique(np.round(np.clip(colours, 0, 1) * 255).astype(np.uint8), axis=0, return_inverse=True)
     if len(exact) <= most:
         return exact, index.reshape(-1)
-    points = np.asarray(colours, dtype=np.float64)
-    centres, label = kmeans2(points, most, iter=12, minit="++", seed=0, missing="warn" if len(points) < most else "raise")
-    used, label = np.unique(label, return_inverse=True)
-    return np.round(np.clip(centres[used], 0, 1) * 255).astype(np.uint8), label.reshape(-1)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # a cluster that ran empty is a colour less, no fault
+        centres, label = kmeans2(np.asarray(colours, dtype=np.float64), most, iter=12, minit="++", seed=0, missing="warn")
+    rounded = np.round(np.clip(centres, 0, 1) * 255).astype(np.uint8)
+    palette, index = np.unique(rounded[label], axis=0, return_inverse=True)
+    return palette, index.reshape(-1)

@@ -106,6 +106,16 @@ class Operators:
         graph = graph + graph.T
         return sp.csr_array(sp.diags_array(1.0 / np.maximum(graph.sum(axis=1), 1.0)) @ graph)
 
+    def slope(self, values: Floats) -> Floats:
+        """How fast values [n] change along the surface, averaged over the edges around each vertex [1/mm], shape [n]."""
+        steps = np.abs(values[self.head] - values[self.tail])
+        lengths = np.linalg.norm(self.edge_vectors, axis=1)
+        count = len(values)
+        squares, runs = (
+            np.bincount(self.tail, part, count) + np.bincount(self.head, part, count) for part in (steps**2, lengths**2)
+        )
+        return np.asarray(np.sqrt(2.0 * squares / np.maximum(runs, 1e-12)))  # an edge sees half of a slope's square on average
+
     def diffused(self, values: Floats, length: float) -> Floats:
         """Values [n] or [n, k] smoothed over `length` [mm]: one implicit step of heat flow."""
         mass = sp.diags_array(self.mesh.vertex_areas)

@@ -35,11 +35,13 @@ class Stamps(NamedTuple):
         identity: Index of the stamp; scattered points have a random order, which serves to stack overlapping stamps.
         x: Offset along its first axis [mm].
         y: Offset along its second axis [mm].
+        facing: Cosine between the normals here and at its centre; a stamp drawn around a sharp edge would be smeared along it.
     """
 
     identity: Indices
     x: Floats
     y: Floats
+    facing: Floats
 
 
 def embedded(points: Floats, normals: Floats, spacing: float) -> Floats:
@@ -82,4 +84,5 @@ def stamps(mesh: SurfaceMesh, points: Indices, axis: Floats, count: int, spacing
     x, y = (np.einsum("nki,nki->nk", offset, direction) for direction in (first, second))
     # Around a bend the projection shortens offsets; the true distance is put back.
     stretch = np.clip(np.linalg.norm(offset, axis=2) / np.maximum(np.hypot(x, y), 1e-9), 1.0, 1.5)
-    return Stamps(identity, x * stretch, y * stretch)
+    facing = np.einsum("nki,ni->nk", mesh.vertex_normals[centre], mesh.vertex_normals)
+    return Stamps(identity, x * stretch, y * stretch, facing)

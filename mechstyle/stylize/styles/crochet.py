@@ -37,7 +37,7 @@ def leg(x: Floats, y: Floats) -> Floats:
 
 STYLE = Style(
     name="crochet",
-    words=("knit", "knitted", "knitting", "yarn", "wool", "woolen", "woollen", "amigurumi", "stitch", "stitched"),
+    words=("crocheting", "yarn", "amigurumi", "stitch", "stitched"),
     description="rows of plump V-shaped stitches in thick yarn",
     feature_mm=HEIGHT,
     program=crochet,

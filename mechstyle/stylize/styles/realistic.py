@@ -35,7 +35,7 @@ def realistic(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="realistic",
-    words=("realism", "real", "lifelike", "natural", "photorealistic", "plaster", "worn", "aged", "weathered", "antique", "old"),
+    words=("realism", "real", "lifelike", "natural", "photorealistic", "plaster", "worn", "aged", "antique", "old"),
     description="worn, hand-finished plaster: soft unevenness, pits and cracks, dirt in the hollows, stains running down",
     feature_mm=11.0,
     program=realistic,

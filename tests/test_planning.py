@@ -7,7 +7,7 @@ import pytest
 from mechstyle.errors import BadInput
 from mechstyle.material import LIBRARY, Material
 from mechstyle.mesh import TetMesh
-from mechstyle.plan import changed, check_settings, plan, stylizer_for
+from mechstyle.planning import changed, check_settings, plan, stylizer_for
 from mechstyle.records import CONTROLS, Recipe
 from mechstyle.store import Store
 from mechstyle.workpiece import Workpiece
