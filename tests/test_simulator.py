@@ -73,7 +73,7 @@ def test_stress_is_there_and_bounded_by_the_literal_maximum(block, memo):
     assert 0 < base.stress.max() <= base.as_placed.maximum
     assert np.all(base.envelope >= base.stress - 1e-4)
     assert base.contact.any()
-    assert block[0].vertices[base.contact, 2].max() < 1.5  # a block standing flat touches with its underside only
+    assert block[0].vertices[base.contact, 2].max() < 4.0  # a block standing flat touches with its underside, seen through 4 mm elements
 
 
 def test_the_same_question_is_simulated_once(block, memo, drops):

@@ -17,7 +17,7 @@ from mechstyle.mesh import SurfaceMesh
 
 FEWEST, MOST = 500, 400_000
 SHARP = math.cos(math.radians(30.0))  # of the angle between the normals of two faces, below which their edge is a feature
-TRIALS = 6
+TRIALS = 9
 TRIAL_ITERATIONS, ITERATIONS = 3, 8  # of the remesher: few suffice to see the count
 
 
@@ -45,13 +45,25 @@ def standardise(mesh: SurfaceMesh, vertices: int = 25_000, tolerance: float = 0.
     if body.status() != manifold3d.Error.NoError or body.is_empty():
         raise BadInput("cannot standardise a surface that is not closed; load it with mechstyle, which repairs it or says why not")
     edge = even_edge(mesh, 2 * vertices)  # a closed surface has about two faces per vertex (Euler)
+    short, long = 0.0, math.inf
     for trial in range(TRIALS):
         found = remeshed(body, edge, tolerance=0.05 * edge, iterations=TRIAL_ITERATIONS if trial == 0 else ITERATIONS)
         if trial > 0 and abs(len(found.vertices) / vertices - 1.0) <= tolerance and _shape(found) == _shape(mesh):
             return found
-        edge *= math.sqrt(len(found.vertices) / vertices)
+        edge, short, long = _corrected(edge, len(found.vertices) / vertices, short, long)
     raise BadInput(f"this part could not be brought to {vertices} even vertices (the nearest was {len(found.vertices)}); "
                    f"ask for {'more' if len(found.vertices) > vertices else 'another number'}")
+
+
+def _corrected(edge: float, excess: float, short: float, long: float) -> tuple[float, float, float]:
+    """The next edge length to try [mm], and the longest known to give too many vertices and the shortest known to give too few.
+
+    The count goes with the inverse square of the edge length, roughly: it jumps where the first cut of a coarse input changes, and
+    then halving the bracket finds what the square root steps over.
+    """
+    short, long = (max(short, edge), long) if excess > 1.0 else (short, min(long, edge))
+    wanted = edge * math.sqrt(excess)
+    return (wanted if short < wanted < long else math.sqrt(short * long)), short, long
 
 
 def manifold_of(mesh: SurfaceMesh) -> Any:
