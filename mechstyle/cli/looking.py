@@ -36,7 +36,7 @@ def log_command(directory: Annotated[Path, typer.Argument(metavar="DIR", help="A
         print_json({"directory": str(directory), "lanes": lanes})
         return
     for lane in lanes:
-        rows = table("iteration", "verdict", "peak [MPa]", "reason", title=lane_title(lane))
+        rows = table("iteration", "verdict", "MPa", "reason", title=lane_title(lane))
         for line in lane.simulations:
             rows.add_row(str(line.iteration), verdict_text(line.verdict), f"{line.peak_stress:.1f}", escape(line.reason))
         out.print(rows)

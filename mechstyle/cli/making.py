@@ -108,7 +108,7 @@ def report(run: Any, *, as_json: bool) -> None:
     if as_json:
         print_json(summary)
         return
-    rows = table("", "verdict", "peak [MPa]", "allowable [MPa]", "safety factor", "literal max [MPa]", "all orientations")
+    rows = table("stresses in MPa", "verdict", "peak", "allowed", "safety", "literal max", "all turns")
     for name, strength in (("as it came", summary.baseline), ("styled", summary.result)):
         overall = "–" if strength.all_orientations is None else f"{strength.all_orientations:.2f} x"
         rows.add_row(

@@ -104,7 +104,7 @@ def demo_command(
     if as_json:
         print_json({"freestyle": free.summary, "mechstyle": fed.summary, "files": {"comparison": str(picture)}})
         return
-    rows = table("", "verdict", "peak [MPa]", "allowable [MPa]", "safety factor", "simulations", "style kept")
+    rows = table("stresses in MPa", "verdict", "peak", "allowed", "safety", "drops", "style kept")
     base = fed.summary.baseline
     rows.add_row(
         "as it came", verdict_text(base.verdict), f"{base.peak_stress:.1f}", f"{base.allowable:.1f}", f"{base.safety_factor:.2f}", "1", "–"
