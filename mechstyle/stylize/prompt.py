@@ -33,7 +33,7 @@ COLOURS: dict[str, str] = {
     "lime": "9ac43a", "green": "4c8f3c", "olive": "75782f", "emerald": "1f8f5f", "mint": "9ad4b4", "teal": "1f7f80",
     "turquoise": "3bb5b0", "cyan": "35b3c9", "blue": "2f5fa8", "navy": "1f2f5c", "azure": "3f8fd0", "indigo": "3c3a86",
     "purple": "6f3f93", "violet": "7d55ad", "lavender": "b3a1d6", "magenta": "b8358a", "white": "ebeae6", "silver": "b9bcc0",
-    "grey": "85868a", "gray": "85868a", "charcoal": "3b3c40", "black": "262629",
+    "grey": "85868a", "gray": "85868a", "charcoal": "3b3c40", "black": "262629", "mahogany": "5e2318",
 }
 DEGREES: dict[str, float] = {
     "very": 1.6, "extremely": 2.0, "really": 1.6, "super": 1.8, "slightly": 0.5, "somewhat": 0.6, "quite": 1.2,
@@ -42,6 +42,7 @@ _FILLERS = """
     a an the of in on with from to for and or by as is it its this that my all over into out at made make turn like look looks looking
     style styled stylized stylised texture textures textured pattern patterns patterned surface finish effect covered coated built
     rendering rendered render 3d image photo model object thing part unreal engine please some coloured colored colour color wall walls
+    colourful colorful
 """
 FILLERS = frozenset(_FILLERS.split())
 _ENDINGS = (
@@ -78,8 +79,9 @@ def read(prompt: str) -> Wish:
         BadInput: If no style is named; it lists the nearest and all known ones.
     """
     words = _words(prompt)
-    known, notes = _spelled(words)
     by_word = _style_words()
+    known, notes = _spelled(words)
+    known = _phrased(known, by_word)
     styles = [word for word in known if word in by_word]
     if not styles:
         raise _unknown_prompt(prompt, words, by_word)
@@ -137,6 +139,27 @@ def _spelled(words: list[str]) -> tuple[list[str], list[str]]:
                 known[place] = close[0]
                 notes.append(f"read {word!r} as {close[0]!r}")
     return known, notes
+
+
+def _phrased(known: list[str], by_word: Mapping[str, str]) -> list[str]:
+    """The known words with those of a phrase ("dragon_scale") read as one, wherever they stand: "the scales of a dragon".
+
+    The style takes the place of the first word and a filler that of the others; phrases of more words are read first.
+    """
+    phrases = {phrase: [_root(part) for part in phrase.split("_")] for phrase in by_word if "_" in phrase}
+    roots, read = [_root(word) for word in known], list(known)
+    for phrase, parts in sorted(phrases.items(), key=lambda item: (-len(item[1]), item[0])):
+        if all(part in roots for part in parts):
+            places = sorted(roots.index(part) for part in parts)
+            for place in places:
+                read[place], roots[place] = "the", ""
+            read[places[0]] = phrase
+    return read
+
+
+def _root(word: str) -> str:
+    """The word without a plural's s, so that "scales" and "scale" are alike."""
+    return word.removesuffix("s")
 
 
 def _factor(known: list[str], table: Mapping[str, float], limits: tuple[float, float]) -> float:

@@ -28,7 +28,7 @@ class Style:
 
     Attributes:
         name: Its name.
-        words: Other words that ask for it, in the singular and lower case.
+        words: Other words that ask for it, in the singular and lower case; joined by "_" if they do so only together.
         description: What it looks like, in one sentence.
         feature_mm: Size of the feature the eye reads (a course, a stone, a rib) on a part of 100 mm [mm].
         program: Draws it on a canvas.

@@ -19,7 +19,23 @@ from mechstyle.stylize.prompt import AMOUNTS, COLOURS, FILLERS, SIZES, Wish, rea
         ("a cactus", "cactus"),
         ("crocheted", "crochet"),
         ("Crochêt", "crochet"),
-        ("knitted yarn", "crochet"),
+        ("yarn", "crochet"),
+        ("knitted wool", "knit"),
+        ("fish scales", "fish_scales"),
+        ("fish_scales", "fish_scales"),
+        ("scales", "fish_scales"),
+        ("dragon scales", "dragon_scales"),
+        ("the scales of a dragon", "dragon_scales"),
+        ("Damascus steel", "damascus"),
+        ("steel", "hammered"),
+        ("hammered metal", "hammered"),
+        ("wood grain", "wood"),
+        ("floral patterns", "floral"),
+        ("basket weave", "basket_weave"),
+        ("cracked earth", "cracked_earth"),
+        ("weathered", "weathered"),
+        ("colorful mandala texture on mahogany wood", "mandala"),
+        ("mandala on wood", "mandala"),
         ("green", "green"),
         ("leaves", "green"),
         ("ivy", "green"),
@@ -72,7 +88,7 @@ def test_green_is_a_style_alone_and_a_colour_beside_another_style():
 def test_a_style_that_only_describes_gives_way_to_any_other():
     wish = read("old weathered brick")
     assert wish.style == "brick"
-    assert wish.notes == ("one style at a time: took 'brick', left out 'realistic'",)
+    assert wish.notes == ("one style at a time: took 'brick', left out 'realistic', 'weathered'",)
     assert read("old green").style == "realistic"
 
 
@@ -81,6 +97,21 @@ def test_only_the_first_style_and_colour_count_and_notes_say_so():
     assert wish.style == "brick"
     assert wish.colour == read("blue brick").colour
     assert wish.notes == ("one style at a time: took 'brick', left out 'stone'", "one colour at a time: took 'blue', left out 'red'")
+
+
+def test_words_of_a_phrase_count_together_and_what_is_left_of_another_phrase_alone():
+    wish = read("fish and dragon scales")
+    assert wish.style == "fish_scales"
+    assert wish.notes == ("one style at a time: took 'fish_scales', left out 'dragon_scales'",)
+    assert read("mahogany wood").style == "wood"
+    assert read("mahogany wood").colour == read("mahogany brick").colour is not None
+
+
+def test_every_word_of_a_phrase_means_something_alone():
+    phrases = [word for style in library().values() for word in (style.name, *style.words) if "_" in word]
+    assert phrases
+    for part in {part for phrase in phrases for part in phrase.split("_")}:
+        assert part in COLOURS or read(part).style in names()
 
 
 def test_misspelt_colours_and_sizes_are_forgiven_too():
@@ -97,7 +128,7 @@ def test_a_word_near_a_style_does_not_compete_with_a_style_spelt_out():
     assert read("brick store").style == "brick"
 
 
-@pytest.mark.parametrize("prompt", ["mahogany mandala", "zebra", "", "   ", "blue", "very small", "3d"])
+@pytest.mark.parametrize("prompt", ["mahogany zebra", "zebra", "", "   ", "blue", "very small", "3d"])
 def test_a_prompt_without_a_style_is_refused_and_never_replaced(prompt):
     with pytest.raises(BadInput, match="names no style") as refusal:
         read(prompt)
