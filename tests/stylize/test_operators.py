@@ -45,3 +45,13 @@ def test_components_are_the_pieces_held_together_by_the_edges_kept(sphere):
     labels = operators.components(above[operators.tail] == above[operators.head])
     assert len(np.unique(labels)) == 2
     assert len(np.unique(labels[above])) == 1
+
+
+def test_the_slope_of_the_height_is_one_on_a_wall_and_scales_with_it(stand):
+    operators = Operators(stand)
+    z = stand.vertices[:, 2]
+    slope = operators.slope(z)
+    wall = (np.abs(stand.vertex_normals[:, 1]) > 0.999) & (z > 20.0) & (z < 70.0)
+    # Its edges run along both axes and one diagonal: half of their squared length is up the wall.
+    assert np.allclose(slope[wall], 1.0)
+    assert np.allclose(operators.slope(0.5 * z), 0.5 * slope)

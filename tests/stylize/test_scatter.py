@@ -50,3 +50,6 @@ def test_a_stamp_has_its_own_upright_axes(stand):
     offset = stand.vertices[inside] - stand.vertices[centre]
     assert np.allclose(around.x[inside, 0], offset[:, 0])
     assert np.allclose(around.y[inside, 0], offset[:, 2])
+    assert np.allclose(around.facing[inside, 0], stand.vertex_normals[inside] @ stand.vertex_normals[centre])
+    assert np.allclose(around.facing[centre, 0], 1.0)
+    assert np.abs(around.facing[np.abs(stand.vertex_normals[:, 0]) > 0.999, 0]).max() < 1e-9  # the sides across its plane
