@@ -20,7 +20,7 @@ from mechstyle.quiet import wp
 SLACK = 0.9
 
 
-def local_thickness(mesh: SurfaceMesh, *, separation: float = 100.0, slope: float = 0.5, device: str = "cpu") -> NDArray[np.float64]:
+def local_thickness(mesh: SurfaceMesh, *, separation: float = 100.0, slope: float = 1.0, device: str = "cpu") -> NDArray[np.float64]:
     """Diameter of the largest ball inside the part that touches it at each vertex.
 
     The shrinking ball of Ma, Bae and Choi (2012) as used for wall thickness by Inui, Umezu and Shimane (2016), on the
