@@ -128,7 +128,7 @@ def _check_size(name: str, vertices: Floats, factor: float) -> None:
         factor: Millimetres of one file unit, as far as is known.
     """
     length = float(np.ptp(vertices, axis=0).max())
-    if SMALLEST <= length * factor <= LARGEST:
+    if SMALLEST <= round(length * factor, 2) <= LARGEST:  # a metre converted from single precision is not exactly one
         return
     if length == 0.0:
         raise BadInput(f"{name} has no extent: all its vertices coincide")
