@@ -37,8 +37,8 @@ from mechstyle.material import LIBRARY
 from mechstyle.mesh import SurfaceMesh, TetMesh
 from mechstyle.planning import plan
 from mechstyle.run import begin
-from mechstyle.stylize.procedural import Target, target
-from mechstyle.stylize.prompt import read
+from mechstyle.styling.procedural import Target, target
+from mechstyle.styling.prompt import read
 from mechstyle.workpiece import STANDARD_VERTICES, TETS_PER_VERTEX, Workpiece
 
 Result = TypeVar("Result")

@@ -10,8 +10,8 @@ import numpy as np
 from mechstyle.errors import BadInput, unknown
 from mechstyle.material import Material, material_named
 from mechstyle.records import Recipe
-from mechstyle.stylize.procedural import ProceduralStylizer, target
-from mechstyle.stylize.prompt import read
+from mechstyle.styling.procedural import ProceduralStylizer, target
+from mechstyle.styling.prompt import read
 from mechstyle.workpiece import Workpiece
 
 FREESTYLE: dict[str, Any] = {

@@ -37,7 +37,7 @@ def materials_command(as_json: Json = False) -> None:
 @command
 def styles_command(as_json: Json = False) -> None:
     """List the offline styles and the words that call them."""
-    from mechstyle.stylize.library import library  # noqa: PLC0415 — loaded when wanted
+    from mechstyle.styling.library import library  # noqa: PLC0415 — loaded when wanted
 
     known = library().values()
     if as_json:

@@ -73,7 +73,7 @@ def carry_out(
     from mechstyle.fea.drop_test import resolve_device  # noqa: PLC0415 — physics is loaded when something is run
     from mechstyle.planning import draft, fitted  # noqa: PLC0415
     from mechstyle.run import begin, clock_stages, default_folder  # noqa: PLC0415
-    from mechstyle.stylize.prompt import read as read_prompt  # noqa: PLC0415
+    from mechstyle.styling.prompt import read as read_prompt  # noqa: PLC0415
     from mechstyle.summary import Clock  # noqa: PLC0415
 
     wanted = draft(prompt, material, freestyle=freestyle, **settings)

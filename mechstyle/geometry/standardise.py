@@ -47,7 +47,7 @@ def standardise(mesh: SurfaceMesh, vertices: int = 25_000, tolerance: float = 0.
     edge = even_edge(mesh, 2 * vertices)  # a closed surface has about two faces per vertex (Euler)
     short, long = 0.0, math.inf
     for trial in range(TRIALS):
-        found = remeshed(body, edge, tolerance=0.05 * edge, iterations=TRIAL_ITERATIONS if trial == 0 else ITERATIONS)
+        found = remeshed(body, edge, tolerance=0.01 * edge, iterations=TRIAL_ITERATIONS if trial == 0 else ITERATIONS)
         if trial > 0 and abs(len(found.vertices) / vertices - 1.0) <= tolerance and _shape(found) == _shape(mesh):
             return found
         edge, short, long = _corrected(edge, len(found.vertices) / vertices, short, long)

@@ -208,7 +208,7 @@ def _fault(surface: SurfaceMesh, tets: TetMesh, deviation: float) -> str:
 def _read(file: Path) -> TetMesh | None:
     """A kept mesh, or None if there is none that can be read and is what was written."""
     try:
-        with np.load(file, allow_pickle=False) as kept:
+        with file.open("rb") as stream, np.load(stream, allow_pickle=False) as kept:
             tets = TetMesh(kept["vertices"], kept["tets"])
             return tets if str(kept["digest"]) == tets.digest else None
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):

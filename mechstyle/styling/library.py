@@ -1,0 +1,31 @@
+"""The styles by name: every module of `styles` defines one `STYLE`."""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from functools import cache
+
+from mechstyle.errors import unknown
+from mechstyle.styling import styles
+from mechstyle.styling.style import Style
+
+
+@cache
+def names() -> tuple[str, ...]:
+    """Names of all styles, sorted; imports none of them."""
+    return tuple(sorted(module.name for module in pkgutil.iter_modules(styles.__path__)))
+
+
+@cache
+def style_named(name: str) -> Style:
+    """The style of that name; BadInput names the known ones, nearest first."""
+    if name not in names():
+        raise unknown("style", name, names())
+    style: Style = importlib.import_module(f"{styles.__name__}.{name}").STYLE
+    return style
+
+
+def library() -> dict[str, Style]:
+    """All styles by name, in the order of their names."""
+    return {name: style_named(name) for name in names()}

@@ -1,0 +1,43 @@
+"""What a style is: a name, the words that ask for it, and a program that draws it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from mechstyle.mesh import Floats
+from mechstyle.styling.canvas import Canvas
+
+
+class Relief(NamedTuple):
+    """What a style program draws.
+
+    Attributes:
+        height: Relief in about [-1, 1.2], inwards to outwards, shape [n].
+        colour: Display RGB in [0, 1], shape [n, 3].
+    """
+
+    height: Floats
+    colour: Floats
+
+
+@dataclass(frozen=True)
+class Style:
+    """A style that needs no network weights.
+
+    Attributes:
+        name: Its name.
+        words: Other words that ask for it, in the singular and lower case; joined by "_" if they do so only together.
+        description: What it looks like, in one sentence.
+        feature_mm: Size of the feature the eye reads (a course, a stone, a rib) on a part of 100 mm [mm].
+        program: Draws it on a canvas.
+        yields: Whether its words only describe, so that any other style beside them is the one meant ("old brick", "green stone").
+    """
+
+    name: str
+    words: tuple[str, ...]
+    description: str
+    feature_mm: float
+    program: Callable[[Canvas], Relief]
+    yields: bool = False

@@ -1,0 +1,40 @@
+"""Upright ribs with clusters of spines along their ridges."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mechstyle.styling.canvas import Canvas
+from mechstyle.styling.style import Relief, Style
+from mechstyle.styling.tones import mix, ramp, rgb, smoothstep
+
+RIB, PITCH, SPINE = 15.0, 19.0, 7.5
+
+
+def cactus(canvas: Canvas) -> Relief:
+    """Ribs an even number around, areoles on the ridges, staggered from rib to rib."""
+    unit = canvas.unit("spines", 4.0)
+    # Cells two ribs wide and half a pitch high, in running bond: their centres are the areoles of staggered ribs.
+    bond = canvas.bond(2.0 * RIB * unit, 0.5 * PITCH * unit)
+    beside = np.abs(2.0 * bond.x) > 0.5
+    x = (np.abs(bond.x) - np.where(beside, 0.5, 0.0)) * 2.0 * RIB
+    y = (np.abs(bond.y) - np.where(beside, 1.0, 0.0)) * 0.5 * PITCH
+    ridge = np.cos(np.pi * x / RIB)
+    radius, angle = np.hypot(x, y), np.arctan2(y, x)
+    reach = SPINE * (0.30 + 0.70 * np.cos(3.0 * angle) ** 2)
+    star = smoothstep(1.0, 0.30, radius / reach)
+    wool = smoothstep(2.4, 0.9, radius)
+    skin = canvas.noise(9.0 * unit, 3, "skin")
+    tone = np.clip(0.12 + 0.75 * ridge + 0.22 * skin, 0.0, 1.0)
+    green = ramp(["14401f", "266b33", "46964a", "86bd66"], tone)
+    colour = mix(mix(canvas.painted(green), rgb("f6eecb"), star), rgb("b0813f"), wool)
+    return Relief(-0.85 + 1.35 * ridge + 0.30 * star + 0.40 * wool + 0.06 * skin, colour)
+
+
+STYLE = Style(
+    name="cactus",
+    words=("cacti", "cactuses", "saguaro", "succulent", "spiny", "thorny", "prickly"),
+    description="upright green ribs with clusters of pale spines along their ridges",
+    feature_mm=RIB,
+    program=cactus,
+)

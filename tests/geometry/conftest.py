@@ -1,0 +1,32 @@
+"""A cup with a 3 mm wall, standardised and filled once: small, thin, curved, standing on a flat face."""
+
+from __future__ import annotations
+
+import manifold3d
+import pytest
+
+from mechstyle.geometry.standardise import standardise, surface_of
+from mechstyle.geometry.tetrahedra import tetrahedralise
+from mechstyle.mesh import SurfaceMesh, TetMesh
+
+
+def cup_body(wall: float = 3.0) -> manifold3d.Manifold:
+    """A cup of 40 mm diameter and 30 mm height."""
+    outer = manifold3d.Manifold.cylinder(30.0, 20.0, 20.0, 64)
+    return outer - manifold3d.Manifold.cylinder(30.0, 20.0 - wall, 20.0 - wall, 64).translate((0.0, 0.0, wall))
+
+
+@pytest.fixture(scope="session")
+def cup() -> SurfaceMesh:
+    return standardise(surface_of(cup_body()), 3000)
+
+
+@pytest.fixture(scope="session")
+def cup_tets(cup) -> TetMesh:
+    return tetrahedralise(cup, 3000)
+
+
+@pytest.fixture(scope="session")
+def block() -> SurfaceMesh:
+    """A 20 mm cube, filled in a second."""
+    return standardise(surface_of(manifold3d.Manifold.cube((20.0, 20.0, 20.0))), 600)

@@ -1,0 +1,73 @@
+"""Morphing: exact at rest, honest about what could not be followed, and idempotent."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mechstyle.geometry.morph import Morph
+from mechstyle.mesh import SurfaceMesh
+
+
+@pytest.fixture(scope="module")
+def morph(cup, cup_tets):
+    return Morph(cup, cup_tets)
+
+
+def waves(cup, height):
+    x, y, z = cup.vertices.T
+    return (height * np.sin(0.7 * x) * np.sin(0.6 * y + 0.5 * z)).astype(np.float32)
+
+
+def test_no_displacement_gives_the_same_vertices_bit_for_bit(cup, cup_tets, morph):
+    result = morph.morphed(np.zeros(len(cup.vertices), np.float32))
+    assert result.tets.vertices.tobytes() == cup_tets.vertices.tobytes()
+    assert (result.backed_off, result.deviation, result.remesh) == (0.0, 0.0, False)
+
+
+def test_small_relief_is_followed_in_full(cup, morph):
+    request = waves(cup, 0.3)
+    result = morph.morphed(request)
+    assert result.backed_off == 0.0
+    assert np.array_equal(result.displacement, request)
+    assert result.tets.quality.min() > 0.0
+
+
+def test_growth_of_the_whole_surface_grows_the_volume(cup, cup_tets, morph):
+    result = morph.morphed(np.full(len(cup.vertices), 0.1, np.float32))
+    gained = result.tets.volumes.sum() - cup_tets.volumes.sum()
+    assert gained == pytest.approx(0.1 * cup.face_areas.sum(), rel=0.1)  # vertex normals cut the corners of sharp edges
+
+
+def test_the_boundary_goes_where_the_surface_goes(cup, cup_tets, morph):
+    shift = 0.2
+    result = morph.morphed(np.full(len(cup.vertices), shift, np.float32))
+    outer = np.unique(cup_tets.boundary_faces)
+    wall = outer[(np.abs(np.hypot(*cup_tets.vertices[outer, :2].T) - 20) < 0.05) & (np.abs(cup_tets.vertices[outer, 2] - 15) < 8)]
+    moved = np.hypot(*result.tets.vertices[wall, :2].T) - np.hypot(*cup_tets.vertices[wall, :2].T)
+    assert moved == pytest.approx(shift, abs=0.02)
+
+
+def test_what_would_spoil_a_tetrahedron_is_backed_off_and_reported(cup, morph):
+    request = waves(cup, 6.0)
+    result = morph.morphed(request)
+    assert result.tets.volumes.min() > 0.0
+    assert 0.0 < result.backed_off <= 1.0
+    assert result.deviation == pytest.approx(np.abs(request - result.displacement).max(), rel=1e-3)
+    assert np.all(np.abs(result.displacement) <= np.abs(request) + 1e-6)
+    assert result.remesh
+
+
+def test_asking_again_for_what_was_given_changes_nothing(cup, morph):
+    once = morph.morphed(waves(cup, 6.0))
+    twice = morph.morphed(once.displacement)
+    assert twice.backed_off == 0.0
+    assert np.array_equal(twice.displacement, once.displacement)
+    assert np.array_equal(twice.tets.vertices, once.tets.vertices)
+
+
+def test_inner_vertices_stay_inside_the_surface(cup, morph):
+    result = morph.morphed(waves(cup, 0.5))
+    surface = SurfaceMesh(result.tets.vertices, result.tets.boundary_faces)
+    assert surface.is_closed
+    assert surface.volume == pytest.approx(result.tets.volumes.sum(), rel=1e-9)

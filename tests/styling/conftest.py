@@ -1,0 +1,92 @@
+"""Small parts whose rows, columns and sides are known: a pen holder and an L-shaped stand."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from mechstyle.mesh import SurfaceMesh
+from mechstyle.styling.operators import Operators
+
+EDGE = 4.0  # mm
+
+
+def revolved(profile: list[tuple[float, float]], edge: float = EDGE) -> SurfaceMesh:
+    """The solid of revolution of a closed outline (radius, z) [mm] from axis to axis, counter-clockwise, in rings of about `edge`."""
+    outline = [np.array(profile[0])]
+    for start, end in itertools.pairwise(profile):
+        steps = max(round(float(np.hypot(end[0] - start[0], end[1] - start[1])) / edge), 1)
+        outline += [np.array(start) + (np.array(end) - np.array(start)) * k / steps for k in range(1, steps + 1)]
+    around = round(2.0 * np.pi * max(radius for radius, _ in profile) / edge)
+    angle = 2.0 * np.pi * np.arange(around) / around
+    points, rings = [], []
+    for radius, z in outline:
+        here = np.zeros(1) if radius == 0.0 else angle
+        rings.append(len(points) + np.arange(len(here)))
+        points += list(np.stack([radius * np.cos(here), radius * np.sin(here), np.full(len(here), z)], axis=1))
+    faces = []
+    for below, above in itertools.pairwise(rings):
+        for k in range(around):
+            a, b = below[k % len(below)], below[(k + 1) % len(below)]
+            c, d = above[(k + 1) % len(above)], above[k % len(above)]
+            faces += [face for face in ((a, b, c), (a, c, d)) if len(set(face)) == 3]
+    return SurfaceMesh(np.array(points), np.array(faces))
+
+
+def boxed(steps: tuple[int, int, int], inside, edge: float = EDGE) -> SurfaceMesh:
+    """The surface of the cells of a grid for which `inside(i, j, k)`, two triangles a side."""
+    cells = {cell for cell in np.ndindex(*steps) if inside(*cell)}
+    sides = {(0, 0, 1): ((0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)), (0, 0, -1): ((0, 0, 0), (0, 1, 0), (1, 1, 0), (1, 0, 0)),
+             (0, 1, 0): ((0, 1, 0), (0, 1, 1), (1, 1, 1), (1, 1, 0)), (0, -1, 0): ((0, 0, 0), (1, 0, 0), (1, 0, 1), (0, 0, 1)),
+             (1, 0, 0): ((1, 0, 0), (1, 1, 0), (1, 1, 1), (1, 0, 1)), (-1, 0, 0): ((0, 0, 0), (0, 0, 1), (0, 1, 1), (0, 1, 0))}
+    index: dict[tuple[int, ...], int] = {}
+    faces = []
+    for cell in sorted(cells):
+        for direction, corners in sides.items():
+            if tuple(np.add(cell, direction)) not in cells:
+                a, b, c, d = (index.setdefault(tuple(map(int, np.add(cell, corner))), len(index)) for corner in corners)
+                faces += [(a, b, c), (a, c, d)]
+    return SurfaceMesh(np.array(list(index), dtype=float) * edge, np.array(faces))
+
+
+@pytest.fixture(scope="session")
+def holder() -> SurfaceMesh:
+    """A pen holder, 80 mm wide, 100 mm high, 3 mm wall: smooth walls inside and out, flat floors, a narrow rim."""
+    return revolved([(0, 0), (40, 0), (40, 100), (37, 100), (37, 4), (0, 4)])
+
+
+@pytest.fixture(scope="session")
+def hourglass() -> SurfaceMesh:
+    """A solid of revolution 100 mm high, 60 mm wide at its ends and 30 mm at its waist."""
+    z = np.linspace(0.0, 100.0, 26)
+    return revolved([(0, 0), *zip(22.5 + 7.5 * np.cos(np.pi * z / 50.0), z, strict=True), (0, 100)])
+
+
+@pytest.fixture(scope="session")
+def stand() -> SurfaceMesh:
+    """An L of 60 x 48 x 80 mm, 8 mm thick: all its faces along the axes."""
+    return boxed((15, 12, 20), lambda _i, j, k: k < 2 or j >= 10)
+
+
+@pytest.fixture(scope="session")
+def fine_wall() -> SurfaceMesh:
+    """A wall of 80 x 10 x 60 mm with edges of 1 mm, fine enough for bricks of their nominal size."""
+    return boxed((80, 10, 60), lambda *_: True, edge=1.0)
+
+
+@pytest.fixture(scope="session")
+def holder_operators(holder) -> Operators:
+    return Operators(holder)
+
+
+@pytest.fixture(scope="session")
+def outside(holder) -> np.ndarray:
+    """Which vertices of the holder lie on its outer wall, edges left out."""
+    radius = np.hypot(holder.vertices[:, 0], holder.vertices[:, 1])
+    z = holder.vertices[:, 2]
+    return (np.abs(radius - 40.0) < 1e-6) & (z > 2.0) & (z < 98.0)
+
+
+@pytest.fixture(scope="session")
+def sphere_operators(sphere) -> Operators:
+    return Operators(sphere)
