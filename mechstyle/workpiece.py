@@ -68,8 +68,9 @@ class Workpiece:
         return np.where(height < CONTACT_REACH, np.minimum(CONTACT_RELIEF, self.thickness), self.thickness).astype(np.float32)
 
     def protection(self) -> NDArray[np.float32]:
-        """0 on the resting face, rising to 1 a few millimetres above it; 1 everywhere for a part without one."""
-        return resting_weight(self.surface).astype(np.float32)
+        """0 up to 1 mm above the resting face, rising to 1 at a quarter of the height, 2 to 5 mm; 1 everywhere for a part without one."""
+        quarter = 0.25 * float(self.surface.extents[2])
+        return resting_weight(self.surface, high=min(max(quarter, 2.0), 5.0)).astype(np.float32)
 
 
 def cache_folder() -> Path:
