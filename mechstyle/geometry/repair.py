@@ -259,7 +259,8 @@ def _boundary(vertices: Floats, tets: NDArray[np.int32]) -> SurfaceMesh:
 def _one_body(body: Any, name: str, notes: list[str]) -> Any:
     """Specks dropped, shells that are inside out turned, cavities kept, overlapping bodies united; separate ones refused."""
     # twice the volume over the surface is the thickness of a sheet
-    shells = [shell for shell in body.decompose() if 2 * abs(shell.volume()) > FLATTEST * shell.surface_area()]
+    found = body.decompose()
+    shells = [shell for shell in found if 2 * abs(shell.volume()) > FLATTEST * shell.surface_area()]
     if not shells:
         raise BadInput(f"{name} encloses no volume: give it a thickness, and export it again")
     least = DEBRIS * max(abs(shell.volume()) for shell in shells)
@@ -268,7 +269,7 @@ def _one_body(body: Any, name: str, notes: list[str]) -> Any:
     hosts = [_host(shell, solids) for shell in inward]
     turned = [shell for shell, host in zip(inward, hosts, strict=True) if host is None and shell.volume() >= least]
     cavities = [(shell, host) for shell, host in zip(inward, hosts, strict=True) if host is not None]
-    specks = len(body.decompose()) - len(solids) - len(turned) - len(cavities)
+    specks = len(found) - len(solids) - len(turned) - len(cavities)
     if specks:
         notes.append(f"dropped {_counted(specks, 'speck', 'specks')} smaller than {DEBRIS:.1%} of the part")
     if turned:
@@ -281,9 +282,8 @@ def _one_body(body: Any, name: str, notes: list[str]) -> Any:
 
 
 def _host(shell: Any, solids: list[Any]) -> int | None:
-    """Which of the solids, the smallest if it is several, a shell lies within; None if it lies within none."""
-    around = [index for index, solid in enumerate(solids) if (solid ^ shell).volume() >= INSIDE * shell.volume()]
-    return min(around, key=lambda index: solids[index].volume()) if around else None
+    """The first of the solids that a shell lies within; a second one around it fills it again. None if there is none."""
+    return next((index for index, solid in enumerate(solids) if (solid ^ shell).volume() >= INSIDE * shell.volume()), None)
 
 
 def _united(solids: list[Any], name: str, notes: list[str]) -> Any:

@@ -4,6 +4,7 @@ import io
 import os
 import re
 import stat
+import warnings
 import zipfile
 from xml.etree import ElementTree as ET
 
@@ -320,8 +321,17 @@ def test_coordinates_that_are_not_finite_are_refused(tmp_path, capfd, name, valu
     vertices[2, 1] = value
     content = threemf(xml_object(1, vertices), '<item objectid="1"/>') if name == "part.3mf" else None
     with np.errstate(all="ignore"):
-        refusal(put(tmp_path, name, content or exported(name[-3:], vertices)))
+        assert "not finite numbers" in refusal(put(tmp_path, name, content or exported(name[-3:], vertices)))
     assert capfd.readouterr() == ("", "")
+
+
+def test_remarks_of_the_reader_go_no_further(tmp_path):
+    """NumPy remarks on the words among the numbers, and NumPy's remark says nothing to whoever has the file."""
+    content = threemf(xml_object(1, [("a", "b", "c"), *PART.vertices[1:]]), '<item objectid="1"/>')
+    with warnings.catch_warnings(record=True) as heard:
+        warnings.simplefilter("always")
+        refusal(put(tmp_path, "part.3mf", content))
+    assert not heard
 
 
 def test_a_million_faces_are_the_limit(tmp_path, monkeypatch):

@@ -1,5 +1,7 @@
 """Repair: what is mended is said and gives the right body; what cannot be is refused in one sentence."""
 
+import itertools
+
 import manifold3d
 import numpy as np
 import pytest
@@ -118,6 +120,15 @@ def test_faces_with_a_vertex_twice_are_dropped():
     surface, notes = fixed((vertices, np.vstack([faces, [[0, 0, 1], [2, 2, 2]]])))
     assert notes == ("dropped 2 degenerate or repeated faces",)
     assert len(surface.faces) == 12
+
+
+def test_vertices_of_dropped_faces_have_no_say():
+    """Were the part as long as they say, its holes would be hairlines."""
+    vertices, faces = ball()
+    far = np.array([(1e6, 0.0, 0.0)])
+    surface, notes = fixed((np.vstack([vertices, far]), np.vstack([faces[1:], [[0, 0, len(vertices)]]])))
+    assert [note.split(" of ")[0] for note in notes] == ["dropped 1 degenerate or repeated face", "closed 1 hole"]
+    assert surface.volume == pytest.approx(4 / 3 * np.pi * 1000, rel=0.01)
 
 
 def test_faces_without_area_close_the_surface_and_stay():
@@ -339,6 +350,28 @@ def test_an_edge_of_three_faces_needs_the_last_resort(monkeypatch):
     assert notes[-1].startswith("rebuilt its surface from the volume inside it")
     assert surface.volume == pytest.approx(1000 / 6 + 1000 / 3)
     assert len(surface.faces) == 6
+
+
+def test_a_crack_is_no_hole(monkeypatch):
+    """One loop of gaps along three edges at right angles: a fan over it would fold over the sides of the box."""
+    vertices, faces = box()
+    corner_path = [0, 1, 3, 7]  # neighbours by one coordinate each
+    for a, b in itertools.pairwise(corner_path):
+        side = np.flatnonzero([{a, b} <= set(face) for face in faces])[0]
+        middle = vertices[[a, b]].mean(axis=0) * 0.99
+        new = len(vertices)
+        vertices = np.vstack([vertices, middle])
+        halves = [np.where(faces[side] == old, new, faces[side]) for old in (a, b)]
+        faces = np.vstack([np.delete(faces, side, axis=0), halves])
+    asked = []
+
+    def answer(vertices, faces, settings, *, timeout):
+        asked.append(len(faces))
+        raise SimulationFailed("no answer")
+
+    monkeypatch.setattr(repair, "tetwild", answer)
+    refusal((vertices, faces))
+    assert asked == [15]  # twelve and the three halves, and not one of a fan
 
 
 def test_a_last_resort_that_fails_is_a_refusal(monkeypatch):

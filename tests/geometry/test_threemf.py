@@ -1,12 +1,14 @@
 """3MF packages: valid against what the specification asks of a mesh, exact, deterministic, with few colours."""
 
 import io
+import warnings
 import zipfile
 from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
 
+from mechstyle.geometry import threemf
 from mechstyle.geometry.threemf import MOST_COLOURS, reduced_colours, threemf_bytes
 
 CORE = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
@@ -131,8 +133,20 @@ def test_separate_hues_are_told_apart():
     assert np.abs(palette[index].reshape(3, 200, 3) / 255 - middles[:, None]).max() < 0.02
 
 
-def test_clusters_that_run_empty_are_no_error():
-    """One colour nearly everywhere and a few specks: k-means has more centres than there are clouds to stand in."""
+def test_a_cluster_that_runs_empty_is_a_colour_less_and_no_warning(monkeypatch):
+    """Rare, so the clustering stands in here; under pytest a warning would be an error."""
+
+    def clusters(points, count, **_):
+        warnings.warn("One of the clusters is empty.", stacklevel=1)
+        return np.linspace(0, 1, count)[:, None].repeat(3, axis=1), np.full(len(points), 2)
+
+    monkeypatch.setattr(threemf, "kmeans2", clusters)
+    palette, index = reduced_colours(rainbow(100), 3)
+    assert palette.tolist() == [[255, 255, 255]]
+    assert index.tolist() == [0] * 100
+
+
+def test_rare_colours_do_not_spoil_the_common_one():
     colours = np.full((5000, 3), 0.5, dtype=np.float32)
     colours[:60] += np.linspace(0, 0.4, 60, dtype=np.float32)[:, None]
     palette, index = reduced_colours(colours)
