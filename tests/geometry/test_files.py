@@ -325,13 +325,19 @@ def test_coordinates_that_are_not_finite_are_refused(tmp_path, capfd, name, valu
     assert capfd.readouterr() == ("", "")
 
 
-def test_remarks_of_the_reader_go_no_further(tmp_path):
-    """NumPy remarks on the words among the numbers, and NumPy's remark says nothing to whoever has the file."""
-    content = threemf(xml_object(1, [("a", "b", "c"), *PART.vertices[1:]]), '<item objectid="1"/>')
-    with warnings.catch_warnings(record=True) as heard:
-        warnings.simplefilter("always")
-        refusal(put(tmp_path, "part.3mf", content))
-    assert not heard
+def test_remarks_of_the_reader_go_no_further(tmp_path, monkeypatch):
+    path, reader = put(tmp_path, "part.stl", exported("stl")), trimesh.load_scene
+
+    def remarks(*args, **options):
+        warnings.warn("something deprecated", DeprecationWarning, stacklevel=1)
+        return reader(*args, **options)
+
+    monkeypatch.setattr(trimesh, "load_scene", remarks)
+    assert_is_part(load(path))
+
+
+def test_words_for_coordinates_are_refused(tmp_path):
+    refusal(put(tmp_path, "part.3mf", threemf(xml_object(1, [("a", "b", "c"), *PART.vertices[1:]]), '<item objectid="1"/>')))
 
 
 def test_a_million_faces_are_the_limit(tmp_path, monkeypatch):
