@@ -31,8 +31,8 @@ class Settings(NamedTuple):
 
     edge_length: float
     epsilon: float
-    stop_energy: float = 12.0
-    iterations: int = 25
+    stop_energy: float = 30.0
+    iterations: int = 20
 
 
 def tetwild(vertices: Floats, faces: NDArray[np.int32], settings: Settings, *, timeout: float) -> tuple[Floats, NDArray[np.int32]]:
