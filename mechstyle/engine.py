@@ -121,11 +121,12 @@ class Engine:
             yield event
             state = event.checkpoint
         proposed = self._wind_stylizer(state).displacement
+        state = self._under_this_recipe(state)
         while state.iteration < self.recipe.iterations:
-            proposal = self.stylizer.step()
+            proposal, before = self.stylizer.step(), state.displacement
             state = self._moved(state, proposal, proposal.displacement - proposed, parent=digest)
             proposed = proposal.displacement
-            yield Stylized(state.iteration, state.style_loss, float(np.abs(state.displacement - state.anchor).max()))
+            yield Stylized(state.iteration, state.style_loss, float(np.abs(state.displacement - before).max()))
             reason = self._reason(state)
             if reason:
                 yield SimulationStarted(state.iteration, reason)
@@ -174,9 +175,17 @@ class Engine:
             keyframe=self.stylizer.state(),
         )
 
+    def _under_this_recipe(self, state: Checkpoint) -> Checkpoint:
+        """A checkpoint of another recipe as this one judges it: its stress stays, its restraint is worked out anew."""
+        if state.recipe == self.recipe.digest:
+            return state
+        base = self.simulator.baseline.stress
+        demand = control.demand(state.stress, base, self.recipe.material, self.recipe.normalisation)
+        return replace(state, demand=demand, mask=self._mask(demand, self.bounds.protection))
+
     def _wind_stylizer(self, state: Checkpoint) -> Proposal:
         """Bring the stylizer to where it was after `state`: from the nearest keyframe, or afresh where another style ended."""
-        steps = 0
+        last = state.iteration
         while True:
             if self._other_style(state):
                 self.stylizer.start_from(state.displacement, state.colour.astype(np.float32))
@@ -184,9 +193,8 @@ class Engine:
             if state.keyframe is not None:
                 self.stylizer.restore(state.keyframe)
                 break
-            steps += 1
             state = self.store.checkpoint(state.parent)
-        for _ in range(steps):
+        for _ in range(last - state.iteration):  # back-off rounds are checkpoints too, but no iterations
             self.stylizer.step()
         return self.stylizer.proposal()
 

@@ -62,7 +62,9 @@ class Run:
     @classmethod
     def open(cls, address: str | Path, device: str = "auto") -> Run:
         """A run directory, written as `DIR` or `DIR@LANE`."""
-        root, lane, _ = parse_address(str(address))
+        root, lane, iteration = parse_address(str(address))
+        if iteration is not None:
+            raise BadInput(f"{address} names an iteration: open {root}@{lane} and give the iteration to show, surface, export or branch")
         store = Store.open(root)
         store.lane(lane)
         return cls(store, lane, resolve_device(device))
@@ -146,9 +148,9 @@ class Run:
         """A new lane from the checkpoint of an iteration, with other settings; `.go()` carries it on."""
         entry = self.store.find(iteration, self.lane)
         recipe = changed(self.store.recipe(entry.recipe), changes)
-        if recipe.iterations < entry.iteration:
+        if recipe.iterations <= entry.iteration:
             raise BadInput(
-                f"a branch at iteration {entry.iteration} cannot end at {recipe.iterations}: ask for more iterations or branch earlier"
+                f"a branch at iteration {entry.iteration} must go beyond it, not to {recipe.iterations}: ask for more iterations"
             )
         taken = self.store.lanes()
         name = lane or next(f"branch-{number}" for number in range(1, len(taken) + 2) if f"branch-{number}" not in taken)

@@ -22,7 +22,7 @@ class Stopped(Exception):
 class Session:
     """Pumps an iterator of events in a worker thread.
 
-    Pausing and stopping act between two events, and inside a drop test between two chunks of time steps. A listener that
+    Pausing and stopping act between two events, stopping also inside a drop test, between two chunks of time steps. A listener that
     raises is logged and dropped for that event; it never stops the run. Whatever happens, the run on disk stands at its
     last checkpoint, from which a new session goes on.
     """

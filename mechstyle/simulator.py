@@ -79,6 +79,8 @@ class DropSimulator:
             simulation = self._on_fresh_mesh(displacement) if fresh else self._on_morphed_mesh(displacement, thorough=thorough)
         for memo in memos:
             memo.remember(key, simulation)
+            if not fresh:  # what the tets did follow has the same answer
+                memo.remember(self._key(simulation.displacement, thorough=thorough, fresh=False), simulation)
         return simulation
 
     def detail(self, displacement: NDArray[np.float32]) -> tuple[TetMesh, Drop]:

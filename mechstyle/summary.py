@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections import defaultdict
 from collections.abc import Iterator
@@ -22,7 +23,7 @@ class Strength(msgspec.Struct, frozen=True, kw_only=True):
         verdict: VIABLE, FAILS or UNKNOWN.
         peak_stress: Stress that decides as placed [MPa].
         allowable: What it may at most be [MPa].
-        safety_factor: allowable / peak_stress.
+        safety_factor: allowable / peak_stress, None if the peak is not known.
         maximum: Literal maximum over the elements [MPa].
         all_orientations: p99 over all orientations relative to the unstylized part, None if not run.
         words: The verdict in one sentence.
@@ -31,7 +32,7 @@ class Strength(msgspec.Struct, frozen=True, kw_only=True):
     verdict: str
     peak_stress: float
     allowable: float
-    safety_factor: float
+    safety_factor: float | None
     maximum: float
     all_orientations: float | None
     words: str
@@ -44,7 +45,7 @@ class Strength(msgspec.Struct, frozen=True, kw_only=True):
             verdict=verdict.outcome,
             peak_stress=decides.value,
             allowable=decides.limit,
-            safety_factor=decides.safety_factor,
+            safety_factor=decides.safety_factor if math.isfinite(decides.safety_factor) else None,
             maximum=verdict.literal.value,
             all_orientations=None if verdict.all_orientations is None else verdict.all_orientations.value,
             words=verdict.words,
@@ -81,7 +82,7 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
         verdict: VIABLE, FAILS or UNKNOWN.
         peak_stress: Stress that decides as placed [MPa].
         allowable: What it may at most be [MPa].
-        safety_factor: allowable / peak_stress.
+        safety_factor: allowable / peak_stress, None if the peak is not known.
         words: The verdict in one sentence.
         result: The figures of the delivered part in full.
         baseline: The same of the unstylized part.
@@ -103,7 +104,7 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
     verdict: str
     peak_stress: float
     allowable: float
-    safety_factor: float
+    safety_factor: float | None
     words: str
     result: Strength
     baseline: Strength

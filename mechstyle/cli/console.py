@@ -77,6 +77,11 @@ def verdict_text(outcome: str) -> str:
     return f"[bold {COLOURS[outcome]}]{outcome}[/]"
 
 
+def factor(value: float | None) -> str:
+    """A safety factor, a dash if it is not known."""
+    return "–" if value is None else f"{value:.2f}"
+
+
 def table(*columns: str, title: str = "") -> Table:
     """A table in the house style."""
     made = Table(title=title or None, title_justify="left", header_style="bold", box=None, pad_edge=False, padding=(0, 2, 0, 0))

@@ -117,7 +117,11 @@ def examined() -> dict[str, Any]:
 
 def missing_pieces(devices: list[str]) -> list[dict[str, str]]:
     """Optional things that are not here, why one would want them, and the command that gets them."""
-    reasons = {"jupyter": "the notebook interface", "clip": "styles from any prompt", "study": "parameter studies"}
+    reasons = {
+        "jupyter": "the notebook interface",
+        "clip": "styles from any prompt, which a later version brings",
+        "study": "parameter studies, which a later version brings",
+    }
     missing = []
     for extra, modules in EXTRAS.items():
         absent = [module for module in modules if importlib.util.find_spec(module) is None]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+import numpy as np
 import typer
 
 from mechstyle.cli.console import command, escape, out, print_json, table, verdict_text
@@ -102,12 +103,14 @@ def export_command(
         if state.simulated_at == state.iteration
         else f"this iteration was not simulated; the last simulation was at {state.simulated_at}"
     )
+    if not note and state.parent and not np.array_equal(state.share, run.store.checkpoint(state.parent).share):
+        note = "the relief was reduced right after this iteration's simulation, so this very surface was not simulated"
     if as_json:
         print_json(
             {
                 "iteration": state.iteration,
                 "lane": lane,
-                "simulated": state.simulated_at == state.iteration,
+                "simulated": not note,
                 "note": note,
                 "files": {"model": str(written)},
             }

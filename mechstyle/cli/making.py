@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from mechstyle.cli.console import command, err, escape, out, print_json, table, telling, verdict_text
+from mechstyle.cli.console import command, err, escape, factor, out, print_json, table, telling, verdict_text
 from mechstyle.errors import BadInput
 from mechstyle.records import CONTROLS, CRITERIA, NORMALISATIONS, SCHEDULES
 
@@ -96,8 +96,8 @@ def finish(run: Any, teller: Any) -> Any:
     teller.stage("simulating the unstylized part")
     run.go(teller.event, teller.fraction)
     teller.stage("writing files")
-    stem = run.store.root / f"{run.record.name}-{run.lane}"
-    files = {"model": run.export(stem.with_suffix(".3mf")), "picture": run.show().save(stem.with_suffix(".png"))}
+    stem = f"{run.record.name}-{run.lane}"
+    files = {"model": run.export(run.store.root / f"{stem}.3mf"), "picture": run.show().save(run.store.root / f"{stem}.png")}
     run.add_files(files)
     return run
 
@@ -116,7 +116,7 @@ def report(run: Any, *, as_json: bool) -> None:
             verdict_text(strength.verdict),
             f"{strength.peak_stress:.1f}",
             f"{strength.allowable:.1f}",
-            f"{strength.safety_factor:.2f}",
+            factor(strength.safety_factor),
             f"{strength.maximum:.1f}",
             overall,
         )

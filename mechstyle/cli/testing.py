@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from mechstyle.cli.console import command, err, escape, out, print_json, table, telling, verdict_text
+from mechstyle.cli.console import command, err, escape, factor, out, print_json, table, telling, verdict_text
 from mechstyle.cli.making import Criterion, Device, Json, MaterialName, Model, Scale, Vertices, carry_out, read_model
 
 app = typer.Typer()
@@ -61,7 +61,7 @@ def simulate_command(
         ("verdict", verdict_text(strength.verdict)),
         (
             "peak stress (2 mm average)",
-            f"{strength.peak_stress:.1f} MPa of {strength.allowable:.1f} MPa, safety factor {strength.safety_factor:.2f}",
+            f"{strength.peak_stress:.1f} MPa of {strength.allowable:.1f} MPa, safety factor {factor(strength.safety_factor)}",
         ),
         ("p99.9 as placed", f"{dropped.simulation.as_placed.p999:.1f} MPa"),
         ("p99 over all orientations", overall),
@@ -107,7 +107,7 @@ def demo_command(
     rows = table("stresses in MPa", "verdict", "peak", "allowed", "safety", "drops", "style kept")
     base = fed.summary.baseline
     rows.add_row(
-        "as it came", verdict_text(base.verdict), f"{base.peak_stress:.1f}", f"{base.allowable:.1f}", f"{base.safety_factor:.2f}", "1", "–"
+        "as it came", verdict_text(base.verdict), f"{base.peak_stress:.1f}", f"{base.allowable:.1f}", factor(base.safety_factor), "1", "–"
     )
     for label, run in runs.items():
         s = run.summary
@@ -116,7 +116,7 @@ def demo_command(
             verdict_text(s.verdict),
             f"{s.peak_stress:.1f}",
             f"{s.allowable:.1f}",
-            f"{s.safety_factor:.2f}",
+            factor(s.safety_factor),
             str(len(s.simulations)),
             f"{s.kept:.0%}",
         )

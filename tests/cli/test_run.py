@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from mechstyle.errors import BadInput
 from mechstyle.run import Run
 from mechstyle.store import Store
 
@@ -173,3 +174,15 @@ def test_every_control_with_every_schedule_ends_viable(finished, tmp_path, contr
     assert branch.go().verdict.outcome == "VIABLE"
     reasons = [line.reason for line in branch.summary.simulations]
     assert reasons[-1] == "last iteration" or reasons[-1].startswith("back-off")
+
+
+def test_a_branch_that_goes_nowhere_is_refused_and_leaves_no_lane(finished):
+    line, root, _ = finished
+    assert "must go beyond it" in line("branch", root, "--material", "ABS", code=2).stderr
+    assert Store(root).lanes() == ("main",)
+
+
+def test_an_address_with_an_iteration_does_not_open_the_last_one_silently(finished):
+    _, root, _ = finished
+    with pytest.raises(BadInput, match="names an iteration"):
+        Run.open(f"{root}@5", "cpu")

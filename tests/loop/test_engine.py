@@ -197,3 +197,30 @@ def test_a_failure_in_the_middle_of_the_back_off_never_raises_the_relief_again(b
     assert [event.verdict.outcome for event in events if isinstance(event, Simulated)][1] == "UNKNOWN"
     assert shrinking == sorted(shrinking, reverse=True)
     assert events[-1].verdict.viable
+
+
+def branched(bench, iteration, **settings):
+    """The states of a branch of a finished, restrained run."""
+    list(bench.engine(bench.recipe(schedule="every", every=5, guarantee=False)).run())
+    other = bench.recipe(schedule="never", guarantee=False, **settings)
+    engine = bench.engine(other, "main")
+    fork = engine.store.find(iteration).digest
+    engine.store.move("other", Lane(recipe=engine.store.put_recipe(other), head=fork, forked_from=fork))
+    engine = bench.engine(other, "other")
+    return states(engine.run()), engine
+
+
+def test_a_branch_is_restrained_by_its_own_control_from_its_first_iteration_on(bench):
+    saved, engine = branched(bench, 30, control="none", retraction=False)
+    assert engine.store.checkpoint(engine.store.find(30).digest).mask.min() < 0.5
+    assert all(np.all(state.mask == 1.0) for state in saved)
+
+
+def test_extending_a_finished_run_winds_the_stylizer_by_iterations_not_by_checkpoints(bench):
+    bench.gain = 200.0
+    list(bench.engine(bench.recipe(schedule="never")).run())
+    longer = bench.recipe(schedule="never", iterations=70)
+    engine = bench.engine(longer)
+    assert len([entry for entry in engine.store.history() if entry.iteration == 60]) > 1
+    list(engine.run())
+    assert engine.stylizer.steps == 10  # 60 is a keyframe

@@ -1,0 +1,74 @@
+"""The worker: killed whatever happens here, and every way it can fail said in words."""
+
+from __future__ import annotations
+
+import subprocess
+
+import numpy as np
+import pytest
+from manifold3d import Manifold
+
+from mechstyle.errors import SimulationFailed
+from mechstyle.geometry import tetwild as module
+from mechstyle.geometry.standardise import surface_of
+from mechstyle.geometry.tetwild import Settings, tetwild
+from mechstyle.mesh import TetMesh
+
+
+@pytest.fixture(scope="module")
+def box():
+    return surface_of(Manifold.cube((10.0, 20.0, 30.0)))
+
+
+def run(box, **options):
+    return tetwild(box.vertices, box.faces, Settings(8.0, 1e-3), timeout=60.0, **options)
+
+
+def answering(monkeypatch, script):
+    """Let another program stand in for the worker; it finds the answer's path in sys.argv[2]."""
+    real = subprocess.run
+    monkeypatch.setattr(module.subprocess, "run", lambda command, **options: real([command[0], "-c", script, *command[3:]], **options))
+
+
+def test_a_box_is_filled(box):
+    vertices, tets = run(box)
+    assert np.abs(TetMesh(vertices, tets).volumes).sum() == pytest.approx(6000.0, rel=0.01)  # the envelope: .04 mm of 2200 mm²
+
+
+@pytest.mark.parametrize("interruption", [KeyboardInterrupt, SystemExit, RuntimeError])
+def test_whatever_is_raised_here_kills_the_worker(box, monkeypatch, interruption):
+    started = []
+
+    def interrupted(process, *_, **__):
+        started.append(process)
+        raise interruption
+
+    monkeypatch.setattr(subprocess.Popen, "communicate", interrupted)
+    with pytest.raises(interruption):
+        run(box)
+    assert [process.returncode for process in started] == [-9]  # killed, and waited for: a zombie has no return code
+
+
+def test_the_last_words_of_a_dead_worker_are_passed_on(box, monkeypatch):
+    answering(monkeypatch, "import sys; sys.exit('first\\nno memory left')")
+    with pytest.raises(SimulationFailed, match=r"exit code 1\): no memory left$"):
+        run(box)
+
+
+def test_a_worker_that_dies_in_silence_is_told(box, monkeypatch):
+    answering(monkeypatch, "import os; os.abort()")
+    with pytest.raises(SimulationFailed, match=r"exit code -6\): without a word$"):
+        run(box)
+
+
+@pytest.mark.parametrize("script", ["", "import sys; open(sys.argv[2], 'wb').write(b'PK cut off')"], ids=["no answer", "half an answer"])
+def test_an_answer_that_is_not_there_is_told(box, monkeypatch, script):
+    answering(monkeypatch, script)
+    with pytest.raises(SimulationFailed, match="ended without leaving a mesh"):
+        run(box)
+
+
+def test_a_mesh_of_nothing_is_told(box, monkeypatch):
+    answering(monkeypatch, "import sys, numpy; numpy.savez(sys.argv[2], vertices=numpy.zeros((0, 3)), tets=numpy.zeros((0, 4), int))")
+    with pytest.raises(SimulationFailed, match="found nothing inside"):
+        run(box)
