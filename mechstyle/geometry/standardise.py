@@ -13,15 +13,10 @@ from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
 from mechstyle.errors import BadInput
-from mechstyle.geometry.proximity import TriangleTree
-from mechstyle.mesh import Floats, SurfaceMesh
+from mechstyle.mesh import SurfaceMesh
 
 FEWEST, MOST = 500, 400_000
-SHARP = math.cos(math.radians(30.0))  # of the angle by which the surface turns at an edge: sharper ones are kept
-FOLDED = math.cos(math.radians(110.0))  # the same: sharper ones are flaps of the remesher, unless they are in the part
-UNFOLDINGS = 3  # rounds
-NEEDED = 0.15  # of the edge length: a flap may be removed if the surface then misses its tip by no more
-COARSENING = 0.05  # share of the edge length by which needless vertices may leave the surface: rounds narrower than a triangle become edges
+SHARP = math.cos(math.radians(30.0))  # of the angle between the normals of two faces, below which their edge is a feature
 TRIALS = 9
 TRIAL_ITERATIONS, ITERATIONS = 3, 8  # of the remesher: few suffice to see the count
 
@@ -52,7 +47,7 @@ def standardise(mesh: SurfaceMesh, vertices: int = 25_000, tolerance: float = 0.
     edge = even_edge(mesh, 2 * vertices)  # a closed surface has about two faces per vertex (Euler)
     short, long = 0.0, math.inf
     for trial in range(TRIALS):
-        found = remeshed(body, edge, tolerance=COARSENING * edge, iterations=TRIAL_ITERATIONS if trial == 0 else ITERATIONS)
+        found = remeshed(body, edge, tolerance=0.01 * edge, iterations=TRIAL_ITERATIONS if trial == 0 else ITERATIONS)
         if trial > 0 and abs(len(found.vertices) / vertices - 1.0) <= tolerance and _shape(found) == _shape(mesh):
             return found
         edge, short, long = _corrected(edge, len(found.vertices) / vertices, short, long)
@@ -91,49 +86,15 @@ def remeshed(body: Any, edge: float, *, tolerance: float, iterations: int = ITER
         tolerance: Most by which removing needless vertices beforehand may move the surface [mm].
         iterations: Rounds of splits, collapses, flips and smoothing.
     """
-    original = surface_of(body)
-    tree = TriangleTree(original.vertices, original.faces)
     fine = surface_of(body.simplify(tolerance).refine_to_length(edge))
-    edges, turns = _turns(fine)
-    fixed = np.unique(edges[turns < SHARP]).astype(np.int32)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the remesher warns if every vertex is fixed; the count then says so
         from gpytoolbox import remesh_botsch  # noqa: PLC0415 (importing it warns of its own use of SciPy)
 
-        # Fixed vertices come first in the answer, in the order given.
-        vertices, faces = remesh_botsch(fine.vertices.copy(), fine.faces.copy(), i=iterations, h=edge, project=True, feature=fixed)
-    even = SurfaceMesh(tree.nearest(vertices).point, faces)
-    return _unfolded(even, tree, np.flatnonzero(np.isin(fixed, edges[turns < FOLDED])), edge)
-
-
-def _unfolded(mesh: SurfaceMesh, tree: TriangleTree, creases: NDArray[np.intp], edge: float) -> SurfaceMesh:
-    """The mesh without the few flaps that remeshing leaves where a round is narrower than a triangle.
-
-    Vertices of edges folded sharper than 110°, fixed or not, move to the middle of their neighbours and back onto the surface.
-    Those of `creases`, as sharp in the part itself, stay, and so do those without which the mesh would leave the surface.
-    """
-    middle, edges = _averaging(mesh), _turns(mesh)[0]
-    flat = mesh
-    for _ in range(UNFOLDINGS):
-        folded = np.setdiff1d(edges[_turns(flat)[1] < FOLDED], creases)
-        if not len(folded):
-            break
-        vertices = flat.vertices.copy()
-        vertices[folded] = tree.nearest((middle @ vertices)[folded]).point
-        flat = flat.moved(vertices)
-    moved = np.flatnonzero((flat.vertices != mesh.vertices).any(axis=1))
-    needed = moved[TriangleTree(flat.vertices, flat.faces).nearest(mesh.vertices[moved]).distance > NEEDED * edge]
-    vertices = flat.vertices.copy()
-    vertices[needed] = mesh.vertices[needed]
-    return flat.moved(vertices)
-
-
-def _averaging(mesh: SurfaceMesh) -> sp.csr_array:
-    """The map from values at the vertices to the mean over the neighbours of each, shape [vertex_count, vertex_count]."""
-    ends = np.vstack([mesh.edges, mesh.edges[:, ::-1]]).T
-    count = len(mesh.vertices)
-    links = sp.coo_array((np.ones(ends.shape[1]), ends), shape=(count, count)).tocsr()
-    return sp.csr_array(sp.diags_array(1.0 / np.maximum(links.sum(axis=1), 1.0)) @ links)
+        vertices, faces = remesh_botsch(
+            fine.vertices.copy(), fine.faces.copy(), i=iterations, h=edge, project=True, feature=_sharp_vertices(fine)
+        )
+    return SurfaceMesh(vertices, faces)
 
 
 def even_edge(mesh: SurfaceMesh, faces: float) -> float:
@@ -141,13 +102,14 @@ def even_edge(mesh: SurfaceMesh, faces: float) -> float:
     return math.sqrt(4.0 / math.sqrt(3.0) * float(mesh.face_areas.sum()) / faces)
 
 
-def _turns(mesh: SurfaceMesh) -> tuple[NDArray[np.int32], Floats]:
-    """The edges of a closed surface, shape [k, 2], and the cosine of the angle by which it turns there, shape [k]."""
+def _sharp_vertices(mesh: SurfaceMesh) -> NDArray[np.int32]:
+    """Vertices of edges where the surface turns by more than 30°, ascending."""
     directed = mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     face = np.repeat(np.arange(len(mesh.faces)), 3)
-    order = np.lexsort(np.sort(directed, axis=1).T)  # each edge is there twice, now side by side
+    order = np.lexsort(np.sort(directed, axis=1).T)  # a closed surface has each edge twice, now side by side
     one, other = face[order].reshape(-1, 2).T
-    return directed[order][::2], np.einsum("ij,ij->i", mesh.face_normals[one], mesh.face_normals[other])
+    turn = np.einsum("ij,ij->i", mesh.face_normals[one], mesh.face_normals[other])
+    return np.unique(directed[order].reshape(-1, 4)[turn < SHARP]).astype(np.int32)
 
 
 def _shape(mesh: SurfaceMesh) -> tuple[bool, int, int]:
