@@ -48,5 +48,5 @@ clean: ## remove .venv, caches and demo-out/ (your runs stay)
 	@touch $@
 
 .venv/dev.stamp: $(PINS) | .venv/bin/python
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev,jupyter]'
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev,jupyter,clip]'
 	@touch .venv/core.stamp $@
