@@ -169,6 +169,7 @@ class Engine:
             stress=base.stress,
             demand=demand,
             simulated_at=0,
+            simulation=self.store.objects.put_record(base),
             style_loss=self.stylizer.loss(nothing, start.colour),
             reason="the part as it came",
             verdict=self.simulator.judge(base),
@@ -240,7 +241,10 @@ class Engine:
         if not simulation.failure:
             state = self._restrained(state, simulation, retract=self.recipe.retraction and not last)
         state = replace(
-            state, anchor=state.displacement, style_loss=self.stylizer.loss(state.displacement, state.colour.astype(np.float32))
+            state,
+            anchor=state.displacement,
+            simulation=self.store.objects.put_record(simulation),
+            style_loss=self.stylizer.loss(state.displacement, state.colour.astype(np.float32)),
         )
         return state, Simulated(state.iteration, reason, simulation, verdict, float((state.mask < 0.5).mean()))
 

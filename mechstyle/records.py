@@ -246,6 +246,7 @@ class Checkpoint:
         stress: Field of the last simulation [MPa], shape [vertex_count].
         demand: s_norm of the last simulation, shape [vertex_count].
         simulated_at: Iteration of the last simulation.
+        simulation: Digest of the stored last simulation, which also holds contact and all orientations.
         style_loss: Loss of this very surface and its colours against the style's target.
         reason: Why this iteration was simulated, "" if it was not.
         verdict: Verdict of this iteration's simulation, None if it was not simulated.
@@ -265,6 +266,7 @@ class Checkpoint:
     demand: NDArray[np.float32]
     simulated_at: int
     style_loss: float
+    simulation: str = ""
     reason: str = ""
     verdict: Verdict | None = None
     final: bool = False

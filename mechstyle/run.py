@@ -21,7 +21,7 @@ from mechstyle.look import Picture, checkpoint_panels, picture
 from mechstyle.material import Material
 from mechstyle.mesh import SurfaceMesh, TetMesh
 from mechstyle.planning import changed, draft, fitted, stylizer_for
-from mechstyle.records import Checkpoint, Recipe, Verdict
+from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict
 from mechstyle.session import Session
 from mechstyle.simulator import DropSimulator, no_progress
 from mechstyle.store import Entry, Lane, Store, parse_address, write_aside
@@ -124,6 +124,10 @@ class Run:
     def checkpoint(self, iteration: int | None = None) -> Checkpoint:
         """The newest checkpoint of an iteration, None for the last."""
         return self.store.checkpoint(self.store.find(iteration, self.lane).digest)
+
+    def simulation(self, iteration: int | None = None) -> Simulation:
+        """The last simulation before or at an iteration, None for the last."""
+        return self.store.objects.get_record(self.checkpoint(iteration).simulation, Simulation)
 
     def surface(self, iteration: int | None = None) -> SurfaceMesh:
         """The styled, coloured surface at an iteration, None for the last."""

@@ -12,6 +12,7 @@ import pytest
 from mechstyle.engine import STEP_LIMIT, Engine, kept
 from mechstyle.errors import BadInput
 from mechstyle.events import BackedOff, Checkpointed, Finished, Simulated, SimulationStarted, Stylized
+from mechstyle.records import Simulation
 from mechstyle.store import Lane
 
 
@@ -28,6 +29,18 @@ def test_the_last_checkpoint_is_the_surface_that_was_simulated_last(bench):
     assert last.final
     assert np.array_equal(last.displacement, simulated[-1].displacement)
     assert events[-1].verdict == engine.simulator.judge(simulated[-1])
+
+
+def test_a_checkpoint_names_the_simulation_its_stress_comes_from(bench):
+    engine = bench.engine(bench.recipe(schedule="every", every=20))
+    last = None
+    for event in engine.run():
+        if isinstance(event, Simulated):
+            last = event.simulation
+        elif isinstance(event, Checkpointed):
+            kept_one = engine.store.objects.get_record(event.checkpoint.simulation, Simulation)
+            assert np.array_equal(kept_one.stress, event.checkpoint.stress)
+            assert last is None or kept_one.as_placed == last.as_placed
 
 
 def test_every_iteration_is_checkpointed_and_names_its_parent(bench):
