@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+import msgspec
 import numpy as np
 
-from mechstyle.fea.criterion import input_warning
+from mechstyle.fea.criterion import input_warning, judge
 from mechstyle.fea.drop_test import resolve_device
 from mechstyle.look import Picture, picture, stress_panel
 from mechstyle.material import Material, material_named
 from mechstyle.mesh import SurfaceMesh
+from mechstyle.planning import fitted
 from mechstyle.records import Recipe, Simulation, Verdict
 from mechstyle.simulator import DropSimulator, Progress, no_progress
 from mechstyle.summary import Strength
@@ -75,11 +77,21 @@ def simulate(
         BadInput: If the part or a setting cannot be used, in one sentence.
     """
     chosen, where = material_named(material), resolve_device(device)
+    wanted = Recipe(surface="", tetrahedra="", prompt="", material=chosen, orientations=orientations, criterion=criterion)
     part = prepare(mesh, vertices=vertices, stage=stage)
-    recipe = Recipe(
-        surface=part.surface.digest, tetrahedra=part.tets.digest, prompt="", material=chosen, orientations=orientations, criterion=criterion
-    )
+    recipe = fitted(wanted, part)
     stage("dropping it")
     simulator = DropSimulator(part.surface, part.tets, recipe, cached_memo(), device=where, progress=progress)
     simulation = simulator.simulate(np.zeros(len(part.surface.vertices), np.float32), thorough=True)
-    return Dropped(part, recipe, simulation, simulator.judge(simulation), input_warning(simulation, chosen))
+    return Dropped(part, recipe, simulation, judge_alone(simulation, chosen, criterion), input_warning(simulation, chosen))
+
+
+def judge_alone(simulation: Simulation, material: Material, criterion: str) -> Verdict:
+    """Whether a part that has no original to be compared with survives: its peak as placed against the yield strength.
+
+    The rule over all orientations compares with the original and therefore does not apply. An original without stress leaves
+    nothing but the yield strength of `fea.criterion.judge`.
+    """
+    as_placed = replace(simulation, overall=None)
+    original = replace(as_placed, as_placed=msgspec.structs.replace(simulation.as_placed, peak=0.0))
+    return judge(as_placed, original, material, criterion)

@@ -57,10 +57,11 @@ def simulate_command(
         return
     rows = table("", "")
     overall = "not run" if dropped.simulation.overall is None else f"{dropped.simulation.overall.p99:.1f} MPa"
+    peak = "largest element stress" if dropped.verdict.criterion == "paper" else "peak stress (2 mm average)"
     for label, value in (
         ("verdict", verdict_text(strength.verdict)),
         (
-            "peak stress (2 mm average)",
+            peak,
             f"{strength.peak_stress:.1f} MPa of {strength.allowable:.1f} MPa, safety factor {factor(strength.safety_factor)}",
         ),
         ("p99.9 as placed", f"{dropped.simulation.as_placed.p999:.1f} MPa"),

@@ -163,6 +163,14 @@ def test_simulate_reports_the_part_as_it_is(mechstyle):
     assert (mechstyle.folder / outcome["files"]["picture"]).is_file()
 
 
+def test_simulate_names_the_stress_its_criterion_looks_at(mechstyle):
+    small = ("simulate", "gallery:pen_holder", "--vertices", "2500", "--orientations", "1")
+    assert "peak stress (2 mm average)" in mechstyle(*small).stdout
+    paper = mechstyle(*small, "--criterion", "paper").stdout
+    assert "2 mm" not in paper
+    assert "largest element stress" in paper
+
+
 @pytest.mark.parametrize("control", ["linear", "exponential", "frozen"])
 @pytest.mark.parametrize("schedule", ["every", "quadratic", "exponential", "geometry", "stress", "never", "always"])
 def test_every_control_with_every_schedule_ends_viable(finished, tmp_path, control, schedule):
