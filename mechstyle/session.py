@@ -11,6 +11,7 @@ from mechstyle.events import Event, Simulated
 
 State = Literal["ready", "running", "paused", "stopped", "finished", "failed"]
 Listener = Callable[[Event], None]
+Watcher = Callable[[State], None]
 
 logger = logging.getLogger(__name__)
 
@@ -31,6 +32,7 @@ class Session:
         """Prepare to pump `events(progress)`; `progress` must be passed on to the simulator, so that stopping can reach it."""
         self._events = events
         self._listeners: list[Listener] = []
+        self._watchers: list[Watcher] = []
         self._changed = threading.Condition()
         self._state: State = "ready"
         self._wanted: Literal["run", "pause", "stop"] = "pause"
@@ -49,6 +51,10 @@ class Session:
         self._listeners.append(listener)
         return lambda: self._listeners.remove(listener) if listener in self._listeners else None
 
+    def watch(self, watcher: Watcher) -> None:
+        """Call `watcher` with every state the session comes to, at once and in whatever thread brought it there; it must not wait."""
+        self._watchers.append(watcher)
+
     def run(self) -> None:
         """Start, or go on after a pause."""
         self._go(None)
@@ -60,6 +66,10 @@ class Session:
     def step_to_simulation(self) -> None:
         """Go on until a simulation has ended, then pause."""
         self._go(lambda event: isinstance(event, Simulated))
+
+    def run_until(self, reached: Callable[[Event], bool]) -> None:
+        """Go on until an event for which `reached` holds, then pause."""
+        self._go(reached)
 
     def pause(self) -> None:
         """Pause after the event in hand."""
@@ -100,6 +110,8 @@ class Session:
     def _become(self, state: State) -> None:
         with self._changed:
             self._state = state
+            for watcher in self._watchers:
+                watcher(state)
             self._changed.notify_all()
 
     def _work(self) -> None:

@@ -6,7 +6,7 @@ import threading
 
 import pytest
 
-from mechstyle.events import Finished, Simulated, Stylized
+from mechstyle.events import Checkpointed, Finished, Simulated, Stylized
 from mechstyle.session import Session
 
 PATIENCE = 30.0  # seconds before a test gives up; nothing waits this long
@@ -117,3 +117,21 @@ def test_stopping_reaches_into_a_simulation():
     assert inside.wait(PATIENCE)
     session.stop()
     assert session.wait(PATIENCE) == "stopped"
+
+
+def test_it_runs_until_what_was_asked_for_has_happened(engine):
+    session, heard = session_of(engine), []
+    session.listen(heard.append)
+    session.run_until(lambda event: isinstance(event, Checkpointed) and event.checkpoint.iteration == 3)
+    assert session.wait(PATIENCE) == "paused"
+    assert heard[-1].checkpoint.iteration == 3
+
+
+def test_a_watcher_is_told_every_state(engine):
+    session, states = session_of(engine), []
+    session.watch(states.append)
+    session.step()
+    session.wait(PATIENCE)
+    session.run()
+    session.wait(PATIENCE)
+    assert states == ["running", "paused", "running", "finished"]

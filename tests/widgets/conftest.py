@@ -1,0 +1,79 @@
+"""A run without physics for the widgets to look at: the sheet, the bump and the lever of the loop's own tests."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import msgspec
+import numpy as np
+import pytest
+from ipywidgets import Widget
+
+from mechstyle.mesh import TetMesh
+from mechstyle.run import PartRecord, Run
+from mechstyle.session import Session
+from mechstyle.store import write_aside
+
+_SPEC = importlib.util.spec_from_file_location("loop_fakes", Path(__file__).parents[1] / "loop" / "conftest.py")
+assert _SPEC is not None
+assert _SPEC.loader is not None
+loop = importlib.util.module_from_spec(_SPEC)
+sys.modules[_SPEC.name] = loop  # dataclasses look their module up
+_SPEC.loader.exec_module(loop)
+
+PATIENCE = 30.0  # seconds before a test gives up; nothing waits this long
+
+
+class FakeRun:
+    """A run directory of the sheet, carried on by the lever simulator instead of a drop test."""
+
+    def __init__(self, folder: Path, **settings: object) -> None:
+        self.bench = loop.Bench(folder)
+        defaults = {"prompt": "brick", "iterations": 12, "schedule": "every", "every": 4}
+        self.engine = self.bench.engine(self.bench.recipe(**{**defaults, **settings}))
+        surface, objects = self.bench.surface, self.engine.store.objects
+        corners = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], float)
+        record = PartRecord(
+            name="sheet",
+            surface=objects.put_mesh(surface),
+            tets=objects.put_mesh(TetMesh(corners, np.array([(0, 1, 2, 3)]))),
+            thickness=objects.put_array(np.full(len(surface.vertices), 4.0, np.float32)),
+            stands=True,
+            notes=(),
+        )
+        write_aside(folder / "part.json", msgspec.json.encode(record))
+        self.run = Run(self.engine.store)
+
+    def session(self, lane: str = "main") -> Session:
+        """Carries a lane on."""
+        recipe = self.run.store.recipe(self.run.store.lane(lane).recipe)
+        return Session(lambda _progress: self.bench.engine(recipe, lane).run())
+
+    def go(self, lane: str = "main") -> Run:
+        """The lane, finished."""
+        for _ in self.session(lane)._events(lambda _fraction: None):
+            pass
+        return Run(self.run.store, lane)
+
+
+@pytest.fixture
+def fake(tmp_path) -> FakeRun:
+    """A run directory that has not begun."""
+    return FakeRun(tmp_path / "run")
+
+
+@pytest.fixture(scope="session")
+def done(tmp_path_factory) -> Run:
+    """A finished run with a branch `soft` at iteration 6; not to be written to."""
+    made = FakeRun(tmp_path_factory.mktemp("done") / "run")
+    made.go().branch(6, lane="soft", control="linear", every=3)
+    return Run(made.go("soft").store)
+
+
+@pytest.fixture(autouse=True)
+def close_what_a_test_opened() -> Iterator[None]:
+    yield
+    Widget.close_all()
