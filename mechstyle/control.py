@@ -82,8 +82,14 @@ def unrestrained(s_norm: Field) -> Field:
 MASKS = {"linear": linear, "exponential": exponential, "frozen": frozen, "none": unrestrained}
 
 
-def mask(s_norm: Field, control: str) -> Field:
-    """Factor on further movement in [0, 1], shape [vertex_count], for one of CONTROLS."""
+def mask(s_norm: Field, control: str, threshold: float = 1.0) -> Field:
+    """Factor on further movement in [0, 1], shape [vertex_count].
+
+    Args:
+        s_norm: Demand, shape [vertex_count].
+        control: One of CONTROLS.
+        threshold: Demand that is to count as 1, where the masks become 0; above 0.
+    """
     if control not in MASKS:
         raise unknown("control", control, CONTROLS)
-    return MASKS[control](s_norm)
+    return MASKS[control](s_norm / np.float32(threshold))

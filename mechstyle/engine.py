@@ -261,7 +261,7 @@ class Engine:
 
     def _mask(self, demand: Field, ceiling: Field) -> Field:
         """The control's mask under a ceiling: the protection of the resting face, or with memory the mask so far."""
-        allowed = control.mask(demand, self.recipe.control)
+        allowed = control.mask(demand, self.recipe.control, self.recipe.threshold)
         return np.minimum(allowed * self.bounds.protection, ceiling)
 
     # the end

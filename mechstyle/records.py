@@ -35,6 +35,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         amplitude: Relief height over local wall thickness.
         control: How demand becomes a mask, one of CONTROLS.
         normalisation: How stress becomes demand, one of NORMALISATIONS.
+        threshold: Demand at which a vertex may move no further; 1 is the normalisation's own limit, less is stricter.
         memory: Whether a vertex once restrained stays so (running minimum of the mask).
         retraction: Whether the relief shrinks by half where stress exceeds 0.9 of the allowable.
         protect_resting_face: Whether the relief fades out towards the face the part rests on.
@@ -60,6 +61,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     amplitude: float = 0.15
     control: str = "exponential"
     normalisation: str = "headroom"
+    threshold: float = 1.0
     memory: bool = True
     retraction: bool = True
     protect_resting_face: bool = True
@@ -92,6 +94,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
             "seed": (0, 2**32 - 1),
             "amplitude": (0.0, 2.0),
             "travel": (1e-3, 10.0),
+            "threshold": (0.01, 100.0),
             "orientations": (1, 512),
             "drop_height": (1.0, 1e5),
             "friction": (0.0, 2.0),

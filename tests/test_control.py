@@ -169,3 +169,18 @@ def test_demand_is_finite_and_never_negative(normalisation, stress, baseline):
 def test_an_unknown_normalisation_is_refused_with_the_nearest():
     with pytest.raises(BadInput, match="unknown normalisation 'headrom': did you mean 'headroom'"):
         demand(field(1.0), field(1.0), PLA, "headrom")
+
+
+@pytest.mark.parametrize("control", ["linear", "exponential", "frozen"])
+def test_the_threshold_is_the_demand_at_which_movement_ends(control):
+    """exp(−½ / (1 − ½)) = exp(−1) halfway there, whatever the threshold."""
+    found = mask(field(0.0, 0.2, 0.39, 0.41), control, 0.4)
+    assert found[0] == 1.0
+    assert found[1] == pytest.approx({"linear": 0.5, "exponential": np.exp(-1.0), "frozen": 1.0}[control])
+    assert found[2] > 0.0
+    assert found[3] == 0.0
+
+
+def test_a_threshold_of_one_changes_nothing():
+    demands = field(0.0, 0.3, 0.999, 1.0, 2.0)
+    assert np.array_equal(mask(demands, "exponential", 1.0), exponential(demands))

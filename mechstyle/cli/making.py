@@ -18,6 +18,7 @@ MaterialName = Annotated[
 ]
 Control = Annotated[str | None, typer.Option(help=f"How stress restrains: {', '.join(CONTROLS)}.")]
 Normalisation = Annotated[str | None, typer.Option(help=f"What stress is compared with: {', '.join(NORMALISATIONS)}.")]
+Threshold = Annotated[float | None, typer.Option(help="Demand at which a vertex may move no further; 1 is the limit, less is stricter.")]
 Schedule = Annotated[str | None, typer.Option(help=f"When to simulate: {', '.join(SCHEDULES)}.")]
 Every = Annotated[int | None, typer.Option(help="Interval of the schedule `every` [iterations].")]
 Iterations = Annotated[int | None, typer.Option(help="Stylization iterations.")]
@@ -139,6 +140,7 @@ def run_command(
     material: MaterialName = "PLA",
     control: Control = None,
     normalisation: Normalisation = None,
+    threshold: Threshold = None,
     schedule: Schedule = None,
     every: Every = None,
     iterations: Iterations = None,
@@ -166,6 +168,7 @@ def run_command(
         as_json=as_json,
         control=control,
         normalisation=normalisation,
+        threshold=threshold,
         schedule=schedule,
         every=every,
         iterations=iterations,
@@ -224,6 +227,7 @@ def branch_command(
     material: Annotated[str | None, typer.Option("--material", "-m", help="Another material.")] = None,
     control: Control = None,
     normalisation: Normalisation = None,
+    threshold: Threshold = None,
     schedule: Schedule = None,
     every: Every = None,
     iterations: Iterations = None,
@@ -248,6 +252,7 @@ def branch_command(
         material=material,
         control=control,
         normalisation=normalisation,
+        threshold=threshold,
         schedule=schedule,
         every=every,
         iterations=iterations,

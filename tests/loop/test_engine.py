@@ -237,3 +237,12 @@ def test_extending_a_finished_run_winds_the_stylizer_by_iterations_not_by_checkp
     assert len([entry for entry in engine.store.history() if entry.iteration == 60]) > 1
     list(engine.run())
     assert engine.stylizer.steps == 10  # 60 is a keyframe
+
+
+def test_a_stricter_threshold_holds_back_more(bench, tmp_path):
+    def let_through(name: str, threshold: float) -> float:
+        other = replace(bench, root=tmp_path / name)
+        engine = other.engine(other.recipe(control="linear", schedule="every", every=5, threshold=threshold))
+        return next(float(state.mask.mean()) for state in states(engine.run()) if state.iteration == 5)
+
+    assert let_through("strict", 0.4) < let_through("plain", 1.0) < let_through("loose", 5.0)
