@@ -39,21 +39,40 @@ def stress_panel(
     """A part coloured by stress [MPa], with the allowable stress marked."""
     from mechstyle.pictures.figure import Panel  # noqa: PLC0415 — matplotlib is loaded when a picture is wanted
 
-    note = "" if verdict is None else f"{verdict.outcome}: peak {verdict.deciding.value:.0f} of {verdict.deciding.limit:.0f} MPa"
     top = max(float(stress.max()), 1.05 * limit)
+    note = _note(verdict)
     return Panel(mesh, title, values=stress, unit="MPa", label="von Mises stress", limits=(0.0, top), threshold=limit, note=note, view=view)
 
 
-def checkpoint_panels(original: SurfaceMesh, state: Checkpoint, recipe: Recipe) -> list[Panel]:
-    """Styled look, stress of the last simulation and mask, side by side."""
+def _note(verdict: Verdict | None) -> str:
+    """A verdict in the line under a picture, "" for none."""
+    if verdict is None:
+        return ""
+    if verdict.outcome == "UNKNOWN":
+        return "UNKNOWN: this drop gave no answer"
+    return f"{verdict.outcome}: peak {verdict.deciding.value:.0f} of {verdict.deciding.limit:.0f} MPa"
+
+
+def checkpoint_panels(original: SurfaceMesh, state: Checkpoint, recipe: Recipe, measured_at: int | None) -> list[Panel]:
+    """Styled look, stress of the last drop that gave an answer and mask, side by side.
+
+    Args:
+        original: The unstylized surface.
+        state: What to show.
+        recipe: Its recipe.
+        measured_at: Iteration of that drop, None if none gave an answer; if a later one failed, the picture says so.
+    """
     from mechstyle.pictures.figure import Panel  # noqa: PLC0415 — as above
 
     styled = original.displaced(state.displacement).coloured(state.colour)
     limit = state.verdict.deciding.limit if state.verdict is not None else recipe.material.yield_strength
-    when = "" if state.simulated_at == state.iteration else f" (iteration {state.simulated_at})"
+    when = "" if measured_at in (None, state.iteration) else f" (iteration {measured_at})"
+    stress = stress_panel(styled, state.stress, state.verdict, title=f"stress{when}", limit=limit)
+    if state.verdict is None and measured_at != state.simulated_at:
+        stress = replace(stress, note=f"UNKNOWN: the later drop at iteration {state.simulated_at} gave no answer")
     return [
         Panel(styled, f"“{recipe.prompt}”"),
-        stress_panel(styled, state.stress, state.verdict, title=f"stress{when}", limit=limit),
+        stress,
         Panel(
             styled,
             "restraint",
@@ -63,6 +82,15 @@ def checkpoint_panels(original: SurfaceMesh, state: Checkpoint, recipe: Recipe) 
             note=f"{(state.mask < 0.5).mean():.0%} restrained",
         ),
     ]
+
+
+def with_protected(panel: Panel, protected: np.ndarray) -> Panel:
+    """A field with the vertices the style must leave alone in hatched grey, shape [vertex_count], and their share in the note."""
+    if not protected.any():
+        return panel
+    share = panel.mesh.vertex_areas @ protected / panel.mesh.vertex_areas.sum()
+    note = f"{panel.note}; {share:.0%} protected (grey)" if panel.note else f"{share:.0%} protected (grey)"
+    return replace(panel, values=np.where(protected, np.nan, np.asarray(panel.values)), note=note)
 
 
 def picture(panels: Sequence[Panel], *, title: str = "", columns: int | None = None) -> Picture:

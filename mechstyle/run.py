@@ -3,28 +3,29 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator
+from contextlib import closing
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import msgspec
-import numpy as np
 
-from mechstyle.engine import Bounds, Engine
+from mechstyle.engine import Engine
 from mechstyle.errors import BadInput
 from mechstyle.events import Event, Finished
 from mechstyle.fea.drop_test import resolve_device
 from mechstyle.geometry.files import save
-from mechstyle.look import Picture, checkpoint_panels, picture
+from mechstyle.lock import exclusive
+from mechstyle.look import Picture, checkpoint_panels, picture, with_protected
 from mechstyle.material import Material
 from mechstyle.mesh import SurfaceMesh, TetMesh
-from mechstyle.planning import changed, draft, fitted, stylizer_for
+from mechstyle.planning import bounds_for, changed, draft, fitted, stylizer_for
 from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict
 from mechstyle.session import Session
 from mechstyle.simulator import DropSimulator, no_progress
-from mechstyle.store import Entry, Lane, Store, parse_address, write_aside
+from mechstyle.store import Entry, Lane, Store, from_json, parse_address, to_json, write_aside
 from mechstyle.summary import Clock, Summary, summarise
 from mechstyle.workpiece import STANDARD_VERTICES, Stage, Workpiece, cache_folder, cached_memo, prepare, say_nothing
 
@@ -119,7 +120,7 @@ class Run:
         if not (self.finished and path.is_file()):
             how = "run the command that started it again, it goes on where it stopped"
             raise BadInput(f"lane {self.lane!r} of {self.store.root} is not finished: {how}")
-        return msgspec.json.decode(path.read_bytes(), type=Summary)
+        return from_json(path.read_bytes(), Summary)
 
     def checkpoint(self, iteration: int | None = None) -> Checkpoint:
         """The newest checkpoint of an iteration, None for the last."""
@@ -139,32 +140,51 @@ class Run:
     def show(self, iteration: int | None = None) -> Picture:
         """Styled part, stress and mask side by side: a notebook displays it, `.save(path)` writes the PNG."""
         state = self.checkpoint(iteration)
-        return picture(
-            checkpoint_panels(self.part.surface, state, self.store.recipe(state.recipe)),
-            title=f"{self.record.name}, iteration {state.iteration}",
-        )
+        recipe = self.store.recipe(state.recipe)
+        *panels, restraint = checkpoint_panels(self.part.surface, state, recipe, self._measured_at(iteration))
+        protected = bounds_for(self.part, recipe)[0].protection == 0.0
+        return picture([*panels, with_protected(restraint, protected)], title=f"{self.record.name}, iteration {state.iteration}")
 
     def export(self, path: str | Path, iteration: int | None = None) -> Path:
         """Write the surface at an iteration to a file; the suffix decides the format."""
         return save(self.surface(iteration), path)
 
     def branch(self, iteration: int | None = None, *, lane: str = "", **changes: Any) -> Run:
-        """A new lane from the checkpoint of an iteration, with other settings; `.go()` carries it on."""
+        """A lane from the checkpoint of an iteration, with other settings; `.go()` carries it on.
+
+        It is new unless the same was asked for before: that lane then goes on where it stopped.
+        """
         entry = self.store.find(iteration, self.lane)
         recipe = changed(self.store.recipe(entry.recipe), changes)
         if recipe.iterations <= entry.iteration:
             raise BadInput(
                 f"a branch at iteration {entry.iteration} must go beyond it, not to {recipe.iterations}: ask for more iterations"
             )
-        taken = self.store.lanes()
-        name = lane or next(f"branch-{number}" for number in range(1, len(taken) + 2) if f"branch-{number}" not in taken)
-        if name in taken:
-            raise BadInput(f"lane {name!r} is already in {self.store.root}; choose another name")
-        self.store.move(name, Lane(recipe=self.store.put_recipe(recipe), head=entry.digest, forked_from=entry.digest))
-        return Run(self.store, name, self.device)
+        fork = Lane(recipe=self.store.put_recipe(recipe), head=entry.digest, forked_from=entry.digest)
+        return Run(self.store, self._forked(fork, lane), self.device)
 
-    def events(self, progress: Progress = no_progress) -> Iterator[Event]:
-        """Carry the lane on to its end, yielding what happens; the summary is written at the end."""
+    def _forked(self, fork: Lane, wanted: str) -> str:
+        """Name of the lane of this recipe and fork: one that is there, by the wanted name if there is one, or a new one."""
+        lanes = {name: self.store.lane(name) for name in self.store.lanes()}
+        same = [name for name, lane in lanes.items() if (lane.recipe, lane.forked_from) == (fork.recipe, fork.forked_from)]
+        if found := [name for name in same if wanted in ("", name)]:
+            return found[0]
+        name = wanted or next(f"branch-{number}" for number in range(1, len(lanes) + 2) if f"branch-{number}" not in lanes)
+        if name in lanes:
+            raise BadInput(f"lane {name!r} of {self.store.root} has other settings or another fork; choose another name")
+        self.store.move(name, fork)
+        return name
+
+    def events(self, progress: Progress = no_progress) -> Generator[Event, None, None]:
+        """Carry the lane on to its end, yielding what happens; the summary is written at the end.
+
+        Raises:
+            BadInput: If another process, or another session of this one, is carrying it on.
+        """
+        with exclusive(self.store.root / "locks" / f"{self.lane}.lock", f"lane {self.lane!r} of {self.store.root}"):
+            yield from self._carried_on(progress)
+
+    def _carried_on(self, progress: Progress) -> Generator[Event, None, None]:
         with self.clock.stage("style target"):
             engine, notes = self._engine(progress)
         with self.clock.stage("simulation of the unstylized part"):
@@ -178,9 +198,10 @@ class Run:
 
     def go(self, on_event: OnEvent | None = None, progress: Progress = no_progress) -> Run:
         """Carry the lane on to its end."""
-        for event in self.events(progress):
-            if on_event is not None:
-                on_event(event)
+        with closing(self.events(progress)) as events:  # a listener that raises ends it at once
+            for event in events:
+                if on_event is not None:
+                    on_event(event)
         return self
 
     def session(self) -> Session:
@@ -197,23 +218,35 @@ class Run:
     def _engine(self, progress: Progress) -> tuple[Engine, tuple[str, ...]]:
         recipe, part = self.recipe, self.part
         stylizer, notes = stylizer_for(part, recipe)
-        protection = part.protection() if recipe.protect_resting_face else np.ones_like(part.thickness)
-        bounds = Bounds(part.thickness, part.inward(), part.outward(), protection)
+        bounds, protected = bounds_for(part, recipe)
         simulator = DropSimulator(
             part.surface, part.tets, recipe, self.store.memo, cached_memo(), self.device, cache_folder() / "tets", progress
         )
-        return Engine(recipe, part.surface, bounds, stylizer, simulator, self.store, self.lane), notes
+        return Engine(recipe, part.surface, bounds, stylizer, simulator, self.store, self.lane), (*protected, *notes)
+
+    def _measured_at(self, iteration: int | None) -> int | None:
+        """Iteration of the last drop up to this one that gave an answer, None if there is none."""
+        shown = self.store.find(iteration, self.lane).digest
+        measured = None
+        for entry in self.history:
+            if entry.verdict is not None and entry.verdict.outcome != "UNKNOWN":
+                measured = entry.iteration
+            if entry.digest == shown:
+                break
+        return measured
 
     @property
     def _summary_path(self) -> Path:
         return self.store.root / "summaries" / f"{self.lane}.json"
 
     def _save(self, summary: Summary) -> None:
-        write_aside(self._summary_path, msgspec.json.format(msgspec.json.encode(summary), indent=2))
+        write_aside(self._summary_path, msgspec.json.format(to_json(summary), indent=2))
 
 
 def begin(part: Workpiece, recipe: Recipe, out: str | Path, *, name: str = "part", device: str = "auto") -> Run:
     """A run directory for a part and a recipe: new, or an earlier one of the same recipe, which then goes on where it stopped.
+
+    The earlier one keeps its tetrahedra: those of a part that was meshed anew are others, without anything else being other.
 
     Raises:
         BadInput: If `out` holds something else.
@@ -221,7 +254,7 @@ def begin(part: Workpiece, recipe: Recipe, out: str | Path, *, name: str = "part
     store = Store(out)
     run = Run(store, "main", resolve_device(device))
     if "main" in store.lanes():
-        if store.lane("main").recipe != recipe.digest:
+        if msgspec.structs.replace(run.recipe, tetrahedra=recipe.tetrahedra) != recipe:
             raise BadInput(
                 f"{out} holds a run with other settings: choose another --out, or branch it with `mechstyle branch {out}@ITERATION`"
             )
@@ -269,7 +302,8 @@ def stylize(
         device: `auto`, `cpu` or `cuda`.
         stage: Told what is being prepared, in words.
         on_event: Told every event.
-        settings: Fields of `Recipe`, such as control, schedule, iterations, criterion.
+        settings: Fields of `Recipe`, such as control, schedule, iterations, criterion, protect=["inside", ms.Box(low, high, ramp=2)],
+            stylizer (a registered name, or a function as docs/plug-in.md shows).
 
     Returns:
         The finished run.
@@ -309,6 +343,6 @@ def clock_stages(clock: Clock, stage: Stage, mesh: SurfaceMesh, vertices: int) -
 
 
 def default_folder(prompt: str, recipe: Recipe) -> Path:
-    """`mechstyle-runs/PROMPT-RECIPE`: the same request finds its run again."""
+    """`mechstyle-runs/PROMPT-RECIPE`: the same request finds its run again, with whatever tetrahedra it was begun."""
     slug = re.sub(r"[^a-z0-9]+", "-", prompt.lower()).strip("-")[:40] or "run"
-    return Path("mechstyle-runs") / f"{slug}-{recipe.digest[:8]}"
+    return Path("mechstyle-runs") / f"{slug}-{msgspec.structs.replace(recipe, tetrahedra='').digest[:8]}"

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import logging
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator
+from contextlib import closing
 from typing import Literal
 
 from mechstyle.events import Event, Simulated
@@ -21,14 +22,15 @@ class Stopped(Exception):
 
 
 class Session:
-    """Pumps an iterator of events in a worker thread.
+    """Pumps a generator of events in a worker thread.
 
-    Pausing and stopping act between two events, stopping also inside a drop test, between two chunks of time steps. A listener that
+    Pausing and stopping act between two events, stopping also inside a drop test, between two chunks of time steps. What was told to
+    stop stops, whatever is asked of it afterwards. A listener that
     raises is logged and dropped for that event; it never stops the run. Whatever happens, the run on disk stands at its
     last checkpoint, from which a new session goes on.
     """
 
-    def __init__(self, events: Callable[[Callable[[float], None]], Iterator[Event]]) -> None:
+    def __init__(self, events: Callable[[Callable[[float], None]], Generator[Event, None, None]]) -> None:
         """Prepare to pump `events(progress)`; `progress` must be passed on to the simulator, so that stopping can reach it."""
         self._events = events
         self._listeners: list[Listener] = []
@@ -94,8 +96,9 @@ class Session:
 
     def _go(self, until: Callable[[Event], bool] | None) -> None:
         with self._changed:
-            if self._state not in ("ready", "paused", "running"):
-                raise RuntimeError(f"this session has {self._state}; start a new one to go on from its last checkpoint")
+            if self._wanted == "stop" or self._state not in ("ready", "paused", "running"):
+                how = "was told to stop" if self._wanted == "stop" else f"has {self._state}"
+                raise RuntimeError(f"this session {how}; start a new one to go on from its last checkpoint")
             self._wanted, self._until = "run", until
             self._become("running")
             if self._thread is None:
@@ -104,7 +107,8 @@ class Session:
 
     def _want(self, wanted: Literal["pause", "stop"]) -> None:
         with self._changed:
-            self._wanted = wanted
+            if self._wanted != "stop":
+                self._wanted = wanted
             self._changed.notify_all()
 
     def _become(self, state: State) -> None:
@@ -116,22 +120,27 @@ class Session:
 
     def _work(self) -> None:
         try:
-            for event in self._events(self._progress):
-                self._tell(event)
-                if not self._may_go_on(event):
-                    self._become("stopped")
-                    return
-            self._become("finished")
+            state = self._pumped()
         except Stopped:
-            self._become("stopped")
+            state = "stopped"
         except BaseException as error:  # noqa: BLE001 — kept for whoever asks; a thread has nobody to raise to
             self.error = error
-            self._become("failed")
+            state = "failed"
+        self._become(state)
+
+    def _pumped(self) -> State:
+        """Tell all events; how it ended. The generator is closed before anybody hears of it, so that a new session can go on at once."""
+        with closing(self._events(self._progress)) as events:
+            for event in events:
+                self._tell(event)
+                if not self._may_go_on(event):
+                    return "stopped"
+        return "finished"
 
     def _may_go_on(self, event: Event) -> bool:
         """Wait out a pause; False to stop."""
         with self._changed:
-            if self._until is not None and self._until(event):
+            if self._wanted == "run" and self._until is not None and self._until(event):
                 self._wanted, self._until = "pause", None
             if self._wanted == "pause":
                 self._become("paused")

@@ -5,6 +5,7 @@ Layout of a run directory:
     objects/ab/cdef…    arrays (.npy bytes) and records (JSON), each zlib-compressed, never changed once written
     lanes/main.json     where a lane stands: its recipe, its newest checkpoint, where it was forked
     memo/0123…          digest of the result of a computation, named by the digest of its inputs
+    locks/main.lock     which process carries the lane on
 
 Everything is written aside and renamed, so a process killed at any moment loses at most the iteration in flight.
 """
@@ -15,11 +16,12 @@ import contextlib
 import errno
 import hashlib
 import io
+import math
 import os
 import re
 import tempfile
 import zlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -84,6 +86,29 @@ def write_aside(path: Path, data: bytes) -> None:
         raise MechStyleError(f"could not write {path}: {why}; everything saved before is intact, {remedy} and run again") from error
 
 
+def to_json(record: object, enc_hook: Callable[[Any], Any] | None = None) -> bytes:
+    """A record as JSON. NaN and the infinities, for which JSON has no number, become words that `from_json` reads back.
+
+    Args:
+        record: A msgspec Struct, a dataclass or plain values.
+        enc_hook: Turns what is none of these into something that is.
+    """
+    return msgspec.json.encode(_spelled(msgspec.to_builtins(record, enc_hook=enc_hook, order="deterministic")))
+
+
+def from_json(data: bytes, kind: type[T], dec_hook: Callable[[type, Any], Any] | None = None) -> T:
+    """What `to_json` wrote; msgspec.DecodeError if it is no such record."""
+    return msgspec.json.decode(data, type=kind, dec_hook=dec_hook, strict=False)
+
+
+def _spelled(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _spelled(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_spelled(item) for item in value]
+    return str(value) if isinstance(value, float) and not math.isfinite(value) else value
+
+
 class Objects:
     """A folder of immutable objects named by the SHA-256 of their uncompressed content."""
 
@@ -129,12 +154,12 @@ class Objects:
 
     def put_record(self, record: object) -> str:
         """Store a record; arrays inside become objects of their own, so equal arrays are kept once."""
-        return self.put(msgspec.json.encode(record, enc_hook=self._array_to_digest, order="deterministic"))
+        return self.put(to_json(record, self._array_to_digest))
 
     def get_record(self, digest: str, kind: type[T]) -> T:
         """A record of the given type; DamagedStore if it is not one."""
         try:
-            return msgspec.json.decode(self.get(digest), type=kind, dec_hook=lambda _, name: self.get_array(name))
+            return from_json(self.get(digest), kind, lambda _, name: self.get_array(name))
         except msgspec.DecodeError as error:
             raise DamagedStore(f"{self.path(digest)} is not a {kind.__name__}: {error}") from error
 
@@ -267,9 +292,9 @@ class Store:
 
 
 def parse_address(address: str) -> tuple[Path, str, int | None]:
-    """Split `DIR`, `DIR@ITERATION`, `DIR@LANE` or `DIR@LANE:ITERATION` into directory, lane and iteration."""
+    """Split `DIR`, `DIR@ITERATION`, `DIR@LANE` or `DIR@LANE:ITERATION` into directory, lane and iteration; a folder of that name is DIR."""
     root, at, place = address.rpartition("@")
-    if not at or "/" in place or "\\" in place:  # an @ in the name of a folder is no address
+    if not at or "/" in place or "\\" in place or Path(address).is_dir():  # an @ in the name of a folder is no address
         return Path(address), "main", None
     lane, colon, number = place.rpartition(":")
     if not (colon or re.fullmatch("[0-9]+", number)):

@@ -109,6 +109,21 @@ def test_fields_of_a_checkpoint_read_back_are_frozen(store):
         back.mask[0] = 1.0
 
 
+NOT_FINITE = Measures(peak=np.nan, p999=np.inf, p99=-np.inf, maximum=np.nan, where=(np.nan, 0.0, 0.0), volume=1000.0)
+
+
+def test_numbers_that_are_none_come_back(store):
+    """JSON has no word for them; a run that met one must still be readable, if only to say UNKNOWN."""
+    back = store.objects.get_record(store.objects.put_record(simulation(as_placed=NOT_FINITE)), Simulation)
+    assert repr(back.as_placed) == repr(NOT_FINITE)
+    assert np.isnan(store.checkpoint(store.put_checkpoint(checkpoint(style_loss=np.nan))).style_loss)
+
+
+def test_words_that_look_like_numbers_stay_words(store):
+    one = simulation(failure="nan", meshing="12")
+    assert_same(store.objects.get_record(store.objects.put_record(one), Simulation), one)
+
+
 @pytest.mark.parametrize("changes", [{}, {"overall": simulation().as_placed, "failure": ""}], ids=["failed", "thorough"])
 def test_simulation_comes_back_bit_for_bit(store, changes):
     one = simulation(**changes)
@@ -567,6 +582,13 @@ def test_an_address_without_a_proper_iteration_is_refused_with_the_forms_there_a
         parse_address(address)
     assert str(caught.value).endswith("is not an iteration; write DIR@120 or DIR@lane:120")
     assert repr(address) in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ["mug@home", "part@120", "part@lane:3"])
+def test_a_folder_with_an_at_in_its_name_is_opened_by_its_name(tmp_path, name):
+    (tmp_path / name).mkdir()
+    assert parse_address(str(tmp_path / name)) == (tmp_path / name, "main", None)
+    assert parse_address(f"{tmp_path / name}@thin:7") == (tmp_path / name, "thin", 7)
 
 
 @given(address=st.text(st.sampled_from("aZ09@:/.-²٣ \\"), max_size=12))

@@ -10,7 +10,7 @@ import typer
 
 from mechstyle.cli.console import command, escape, out, print_json, table, verdict_text
 from mechstyle.cli.making import Json
-from mechstyle.errors import unknown
+from mechstyle.errors import BadInput, unknown
 from mechstyle.store import Store, parse_address
 
 if TYPE_CHECKING:
@@ -80,20 +80,32 @@ def show_command(
     out.print(escape(str(path)))
 
 
+def chosen_format(form: str | None, path: Path | None) -> str:
+    """The format that was named, or that of the file; BadInput if there is no such format or the two contradict each other."""
+    suffix = "" if path is None else path.suffix.lower().lstrip(".")
+    named = (form or suffix or "3mf").lower().lstrip(".")
+    if named not in FORMATS:
+        raise unknown("format", named, FORMATS)
+    if path is not None and suffix and named != suffix:
+        other = path.with_suffix(f".{named}").name
+        raise BadInput(f"--format {named} contradicts --out {path}: leave --format out, or call the file {other}")
+    return named
+
+
 @app.command("export")
 @command
 def export_command(
     address: Address,
-    form: Annotated[str, typer.Option("--format", "-f", help=f"One of {', '.join(FORMATS)}.")] = "3mf",
+    form: Annotated[
+        str | None, typer.Option("--format", "-f", help=f"One of {', '.join(FORMATS)}; that of the file, else 3mf, by default.")
+    ] = None,
     path: Annotated[Path | None, typer.Option("--out", help="File to write; by default in the run directory.")] = None,
     as_json: Json = False,
 ) -> None:
     """Write the surface of a checkpoint to a file, with its colours where the format can hold them."""
     from mechstyle.run import Run  # noqa: PLC0415 — loaded when wanted
 
-    chosen = form.lower().lstrip(".")
-    if chosen not in FORMATS:
-        raise unknown("format", form, FORMATS)
+    chosen = chosen_format(form, path)
     root, lane, iteration = parse_address(address)
     run = Run.open(f"{root}@{lane}", "cpu")
     state = run.checkpoint(iteration)

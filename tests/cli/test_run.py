@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import shutil
 import signal
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import trimesh
 
 from mechstyle.errors import BadInput
-from mechstyle.run import Run
+from mechstyle.events import Checkpointed
+from mechstyle.mesh import TetMesh
+from mechstyle.planning import fitted
+from mechstyle.run import Run, begin, default_folder
 from mechstyle.store import Store
 
 KEYS = {
@@ -144,6 +148,16 @@ def test_export_writes_every_format(finished, tmp_path, form):
     assert mesh.volume * scale**3 == pytest.approx(Run.open(root, "cpu").surface(5).volume, rel=1e-3)
 
 
+def test_export_takes_the_format_from_the_file_and_refuses_a_contradiction(finished, tmp_path):
+    line, root, _ = finished
+    line("export", root, "--out", tmp_path / "part.stl")
+    assert (tmp_path / "part.stl").read_bytes()[:2] != b"PK", "it is no 3MF"
+    refused = line("export", root, "--format", "stl", "--out", tmp_path / "x.3mf", code=2).stderr
+    assert f"--format stl contradicts --out {tmp_path}/x.3mf" in refused
+    assert "call the file x.stl" in refused
+    assert not (tmp_path / "x.3mf").exists()
+
+
 def test_an_unsimulated_iteration_says_so_when_exported(finished, tmp_path):
     line, root, _ = finished
     assert "was not simulated" in line("export", f"{root}@5", "--out", tmp_path / "x.stl").stdout
@@ -194,3 +208,68 @@ def test_an_address_with_an_iteration_does_not_open_the_last_one_silently(finish
     _, root, _ = finished
     with pytest.raises(BadInput, match="names an iteration"):
         Run.open(f"{root}@5", "cpu")
+
+
+@pytest.fixture
+def part(finished, tmp_path):
+    """A copy of the finished run's directory with an @ in its name."""
+    copy = tmp_path / "part@home"
+    shutil.copytree(finished[1], copy)
+    return copy
+
+
+@pytest.mark.parametrize("lane", ["", "mine"])
+def test_an_interrupted_branch_is_carried_on_by_asking_again(part, lane):
+    def ask():
+        return Run.open(part, "cpu").branch(6, lane=lane, control="linear", orientations=1)
+
+    first = ask()
+    next(event for event in first.events() if isinstance(event, Checkpointed) and event.checkpoint.iteration == 8)
+    again = ask()
+    assert again.lane == first.lane
+    assert again.history[-1].iteration == 8
+    assert again.go().finished
+    assert ask().go().history[-1].digest == again.history[-1].digest
+    assert Store(part).lanes() == ("main", first.lane)
+
+
+def test_other_settings_or_another_fork_are_another_branch(part):
+    run = Run.open(part, "cpu")
+    lanes = [run.branch(6, control="linear").lane, run.branch(6, control="frozen").lane, run.branch(5, control="linear").lane]
+    assert lanes == ["branch-1", "branch-2", "branch-3"]
+    with pytest.raises(BadInput, match=r"'branch-1' of .* has other settings or another fork"):
+        run.branch(5, lane="branch-1", control="linear")
+
+
+def test_a_part_meshed_anew_finds_its_run_again(part):
+    run = Run.open(part, "cpu")
+    anew = replace(run.part, tets=TetMesh(run.part.tets.vertices, run.part.tets.tets[::-1]))
+    recipe = fitted(run.recipe, anew)
+    assert recipe != run.recipe
+    assert default_folder("brick", recipe) == default_folder("brick", run.recipe)
+    assert begin(anew, recipe, part, device="cpu").recipe == run.recipe
+    moved = replace(anew, surface=anew.surface.moved(2 * anew.surface.vertices))
+    with pytest.raises(BadInput, match="other settings"):
+        begin(moved, fitted(recipe, moved), part, device="cpu")
+
+
+def test_a_lane_is_carried_on_by_one_at_a_time(part):
+    run = Run.open(part, "cpu")
+    events = run.branch(6, control="linear").events()
+    next(events)
+    with pytest.raises(BadInput, match=r"lane 'branch-1' of .* is being carried on by process"):
+        run.branch(6, control="linear").go()
+    run.branch(6, control="frozen", iterations=7, orientations=1).go()
+    events.close()
+    assert next(run.branch(6, control="linear").events())
+
+
+def test_a_listener_that_raises_leaves_the_lane_free(part):
+    run = Run.open(part, "cpu").branch(6, control="linear")
+
+    def broken(_event):
+        raise ValueError("broken plot")
+
+    with pytest.raises(ValueError, match="broken plot") as kept:
+        run.go(broken)
+    assert next(run.events()), kept

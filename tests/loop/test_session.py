@@ -103,6 +103,66 @@ def test_an_error_in_the_run_is_kept_for_whoever_asks():
     assert str(session.error) == "no more disk"
 
 
+@pytest.mark.parametrize("ask", [Session.run, Session.step, Session.step_to_simulation])
+def test_a_session_told_to_stop_cannot_be_told_to_go_on(ask):
+    inside, leave = threading.Event(), threading.Event()
+
+    def held(_progress):
+        yield Stylized(1, 0.0, 0.0)
+        inside.set()
+        assert leave.wait(PATIENCE)
+        yield Stylized(2, 0.0, 0.0)
+        yield Stylized(3, 0.0, 0.0)
+
+    session, heard = Session(held), []
+    session.listen(heard.append)
+    session.run()
+    assert inside.wait(PATIENCE)
+    session.stop()
+    with pytest.raises(RuntimeError, match="told to stop"):
+        ask(session)
+    session.pause()
+    leave.set()
+    assert session.wait(PATIENCE) == "stopped"
+    assert [event.iteration for event in heard] == [1, 2]
+
+
+def test_a_stop_while_stepping_is_a_stop():
+    inside, leave = threading.Event(), threading.Event()
+
+    def held(_progress):
+        inside.set()
+        assert leave.wait(PATIENCE)
+        yield Stylized(1, 0.0, 0.0)
+
+    session = Session(held)
+    session.step()
+    assert inside.wait(PATIENCE)
+    session.stop()
+    leave.set()
+    assert session.wait(PATIENCE) == "stopped"
+
+
+def test_events_are_closed_before_a_session_says_that_it_stopped():
+    """What they hold, such as the lock of a lane, must be free for the next session."""
+    held, closed = threading.Event(), []
+
+    def holding(_progress):
+        try:
+            while True:
+                held.set()
+                yield Stylized(1, 0.0, 0.0)
+        finally:
+            closed.append(session.state)
+
+    session = Session(holding)
+    session.run()
+    assert held.wait(PATIENCE)
+    session.stop()
+    assert session.wait(PATIENCE) == "stopped"
+    assert closed == ["running"]
+
+
 def test_stopping_reaches_into_a_simulation():
     inside = threading.Event()
 
