@@ -1,6 +1,8 @@
 """What all tests share: repeatable Hypothesis runs, and two surfaces whose answers are known."""
 
 import itertools
+import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -36,3 +38,24 @@ def sphere() -> SurfaceMesh:
         points /= np.linalg.norm(points, axis=1, keepdims=True)
         faces = np.vstack([np.stack(three, axis=1) for three in ((a, ab, ca), (b, bc, ab), (c, ca, bc), (ab, bc, ca))])
     return SurfaceMesh(10.0 * points, faces)
+
+
+@pytest.fixture(scope="session")
+def tiny_clip(tmp_path_factory) -> Path:
+    """A folder with a CLIP of a few thousand random parameters and a tokenizer of single letters, as transformers saves the real one."""
+    import torch  # noqa: PLC0415 — seconds, and few tests need it
+    from tokenizers.pre_tokenizers import ByteLevel  # noqa: PLC0415
+    from transformers import CLIPConfig, CLIPModel  # noqa: PLC0415
+
+    folder = tmp_path_factory.mktemp("clip") / "tiny"
+    letters = sorted(ByteLevel.alphabet())
+    tokens = [*letters, *(letter + "</w>" for letter in letters), "<|startoftext|>", "<|endoftext|>"]
+    size = {"hidden_size": 32, "intermediate_size": 64, "num_hidden_layers": 2, "num_attention_heads": 2}
+    words = {**size, "vocab_size": len(tokens), "bos_token_id": len(tokens) - 2, "eos_token_id": len(tokens) - 1}
+    config = CLIPConfig(text_config=words, vision_config={**size, "image_size": 32, "patch_size": 8}, projection_dim=16)
+    with torch.random.fork_rng(devices=[]):
+        torch.manual_seed(0)
+        CLIPModel(config).save_pretrained(folder)
+    (folder / "vocab.json").write_text(json.dumps({token: number for number, token in enumerate(tokens)}))
+    (folder / "merges.txt").write_text("#version: 0.2\n")
+    return folder

@@ -17,7 +17,7 @@ from mechstyle.styling.operators import Operators
 from mechstyle.styling.prompt import Wish
 
 NEUTRAL = 0.75  # the light grey of an uncoloured part, display value
-_COLOUR_WEIGHT = 4.0
+COLOUR_WEIGHT = 4.0
 _RATE = 1.0 - float(np.exp(-1.0 / 40.0))  # 40 iterations bring the distance to the target down by e
 _NOTICEABLE, _WORTH_A_NOTE = 0.1, 0.02  # share of the relief lost at a vertex, and of the surface where it is
 _THICKNESS_SLOPE = 0.3  # how fast the relief may grow along the surface where the wall gets thicker [mm/mm]
@@ -141,7 +141,7 @@ class ProceduralStylizer:
         """One iteration of descent, preconditioned by the areas so that all vertices approach their target alike."""
         slope, colour_slope = self._gradient()
         displacement = self._displacement - _RATE * slope * self._reference**2 / (2.0 * self._share)
-        colour = self._colour - _RATE * colour_slope / (2.0 * _COLOUR_WEIGHT * self._share[:, None])
+        colour = self._colour - _RATE * colour_slope / (2.0 * COLOUR_WEIGHT * self._share[:, None])
         self.start_from(displacement, colour)
         return self.proposal()
 
@@ -155,7 +155,7 @@ class ProceduralStylizer:
         """Loss of any displacement [mm], shape [n], and colour, shape [n, 3], for example of what a mask let through."""
         relief = (np.asarray(displacement, dtype=np.float64) - self._target[0]) / self._reference
         tint = np.asarray(colour, dtype=np.float64) - self._target[1]
-        return float(self._share @ (relief**2 + _COLOUR_WEIGHT * (tint**2).sum(axis=1)))
+        return float(self._share @ (relief**2 + COLOUR_WEIGHT * (tint**2).sum(axis=1)))
 
     def state(self) -> dict[str, NDArray[np.float32]]:
         """All that `restore` needs to go on with the same bytes."""
@@ -168,5 +168,5 @@ class ProceduralStylizer:
     def _gradient(self) -> tuple[Floats, Floats]:
         """∂loss/∂displacement [1/mm], shape [n], and ∂loss/∂colour, shape [n, 3]."""
         relief = 2.0 * self._share * (self._displacement - self._target[0]) / self._reference**2
-        tint = 2.0 * _COLOUR_WEIGHT * self._share[:, None] * (self._colour - self._target[1])
+        tint = 2.0 * COLOUR_WEIGHT * self._share[:, None] * (self._colour - self._target[1])
         return relief, tint

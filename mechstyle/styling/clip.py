@@ -1,0 +1,81 @@
+"""CLIP (Radford et al. 2021): how well a picture fits words, through the public model classes of transformers, frozen."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import torch
+from safetensors import SafetensorError
+from transformers import CLIPModel, CLIPTokenizer
+from transformers.utils import logging
+
+from mechstyle.errors import BadInput
+
+MEAN = (0.48145466, 0.4578275, 0.40821073)
+DEVIATION = (0.26862954, 0.26130258, 0.27577711)
+"""Of the pictures CLIP was trained on, per channel."""
+
+
+class Clip:
+    """Frozen CLIP weights on a device.
+
+    Attributes:
+        picture_size: Side of the pictures it reads [pixels].
+        text_size: Length of its embeddings.
+    """
+
+    def __init__(self, model: CLIPModel, tokenizer: CLIPTokenizer, device: str = "cpu") -> None:
+        self._model = model.to(device=device, dtype=precision(device)).eval().requires_grad_(requires_grad=False)
+        self._tokenizer = tokenizer
+        self._device = device
+        self._mean, self._deviation = (torch.tensor(value, device=device).view(3, 1, 1) for value in (MEAN, DEVIATION))
+        self.picture_size = int(model.config.vision_config.image_size)
+        self.text_size = int(model.config.projection_dim)
+
+    @classmethod
+    def load(cls, folder: Path, device: str = "cpu") -> Clip:
+        """The model and tokenizer saved in a folder, from safetensors only.
+
+        Raises:
+            BadInput: If they cannot be read.
+        """
+        shown = logging.is_progress_bar_enabled()
+        logging.disable_progress_bar()
+        try:
+            model = CLIPModel.from_pretrained(folder, local_files_only=True, use_safetensors=True)
+            tokenizer = CLIPTokenizer.from_pretrained(folder, local_files_only=True)
+        except (OSError, ValueError, RuntimeError, SafetensorError) as error:
+            reason = str(error).strip().splitlines()[0]
+            raise BadInput(f"{folder} cannot be read as a CLIP model ({reason}): save one there with transformers, or fetch it") from error
+        finally:
+            if shown:
+                logging.enable_progress_bar()
+        return cls(model, tokenizer, device)
+
+    def text(self, prompt: str) -> torch.Tensor:
+        """Embedding of a prompt, not normalised, shape [text_size]."""
+        tokens = self._tokenizer(prompt, return_tensors="pt")
+        longest = self._model.config.text_config.max_position_embeddings
+        if tokens["input_ids"].shape[1] > longest:
+            raise BadInput(f"the prompt has {tokens['input_ids'].shape[1] - 2} tokens, but CLIP reads {longest - 2}: make it shorter")
+        with torch.no_grad():
+            pooled = self._model.text_model(**tokens.to(self._device)).pooler_output
+            return self._model.text_projection(pooled)[0].float()
+
+    def pictures(self, images: torch.Tensor) -> torch.Tensor:
+        """Embeddings, not normalised, shape [b, text_size].
+
+        Args:
+            images: Pictures with values from 0 to 1, shape [b, 3, picture_size, picture_size].
+        """
+        normalised = ((images - self._mean) / self._deviation).to(self._model.dtype)
+        pooled = self._model.vision_model(pixel_values=normalised).pooler_output
+        return self._model.visual_projection(pooled).float()
+
+
+def precision(device: str) -> torch.dtype:
+    """bfloat16 where the processor multiplies it directly, two to three times faster; embeddings agree to a cosine of 0.9999."""
+    if device.startswith("cuda"):
+        return torch.bfloat16
+    able = torch.cpu.get_capabilities()
+    return torch.bfloat16 if able.get("avx512_bf16") or able.get("amx_bf16") else torch.float32
