@@ -1,0 +1,110 @@
+"""Load cases on a body: places picked once on the unstylized part, loads and stresses worked out on every morph of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from mechstyle.errors import BadInput
+from mechstyle.fea.drop_test import GRAVITY
+from mechstyle.fea.elements import GAUSS_POINTS, ElementName, Elements, elements, shape_functions
+from mechstyle.fea.patches import Boundary, Picked
+from mechstyle.fea.statics import Response, Restraint, solve
+from mechstyle.load_cases import Load, LoadCase, Place, Support
+from mechstyle.material import Material
+from mechstyle.mesh import Floats, TetMesh
+
+
+@dataclass(frozen=True, eq=False)
+class StaticTest:
+    """The load cases of one part.
+
+    Attributes:
+        tets: The unstylized part, on which places are picked.
+        cases: Its load cases.
+        element: `tet10` or `tet4`; linear tetrahedra are several times too stiff in thin walls.
+    """
+
+    tets: TetMesh
+    cases: tuple[LoadCase, ...]
+    element: ElementName = "tet10"
+
+    def run(self, tets: TetMesh, material: Material) -> dict[str, Response]:
+        """The response of a morph of the part to every case, by the case's name; one factorisation per set of supports.
+
+        Raises:
+            BadInput: If a place selects nothing, a case does not hold the part, or its loads cancel out at every node.
+            SimulationFailed: If the equations cannot be solved.
+        """
+        body = elements(tets, self.element)
+        loads = {case.name: self._nodal_loads(case, body, material) for case in self.cases}
+        responses: dict[str, Response] = {}
+        for supports, restraint in self._restraints.items():
+            names = [case.name for case in self.cases if case.supports == supports]
+            responses |= zip(names, solve(body, material, restraint, [loads[name] for name in names]), strict=True)
+        return {case.name: responses[case.name] for case in self.cases}
+
+    @cached_property
+    def _undeformed(self) -> Elements:
+        return elements(self.tets, self.element)
+
+    @cached_property
+    def _picked(self) -> dict[Place, Picked]:
+        """Every place that a case names."""
+        boundary, picked = Boundary(self._undeformed), dict[Place, Picked]()
+        for case in self.cases:
+            places = [support.at for support in case.supports] + [load.at for load in case.loads if load.at is not None]
+            for place in places:
+                if place not in picked:
+                    with _naming(case):
+                        picked[place] = boundary.pick(place)
+        return picked
+
+    @cached_property
+    def _restraints(self) -> dict[tuple[Support, ...], Restraint]:
+        """The motion every set of supports leaves."""
+        restraints = dict[tuple[Support, ...], Restraint]()
+        for case in self.cases:
+            if case.supports not in restraints:
+                held = [(support, self._picked[support.at]) for support in case.supports]
+                with _naming(case):
+                    restraints[case.supports] = Restraint.of(self._undeformed, held)
+        return restraints
+
+    def _nodal_loads(self, case: LoadCase, body: Elements, material: Material) -> Floats:
+        total = sum((self._nodal_load(load, body, material) for load in case.loads), np.zeros_like(body.nodes))
+        if not total.any():
+            raise BadInput(f"load case {case.name!r}: its loads cancel out everywhere; leave it out or change a load")
+        return total
+
+    def _nodal_load(self, load: Load, body: Elements, material: Material) -> Floats:
+        """One load in consistent nodal forces [N], shape [node_count, 3]."""
+        if load.gravity is not None:
+            down = np.array(load.direction) / np.linalg.norm(load.direction)
+            return weight(body, material.density, load.gravity * GRAVITY * down)
+        assert load.at is not None, "a load case refuses a force or pressure without a place"
+        picked = self._picked[load.at]
+        if load.force is not None:
+            areas = np.linalg.norm(body.area_vectors, axis=1)
+            return picked.spread(body, areas[:, None] * np.array(load.force) / picked.area(body))
+        assert load.pressure is not None, "a load is a force, a pressure or gravity"
+        return picked.spread(body, -load.pressure * body.area_vectors)
+
+
+@contextmanager
+def _naming(case: LoadCase) -> Iterator[None]:
+    """Say which case a complaint is about."""
+    try:
+        yield
+    except BadInput as error:
+        raise BadInput(f"load case {case.name!r}: {error}") from error
+
+
+def weight(body: Elements, density: float, acceleration: Floats) -> Floats:
+    """Nodal forces of a body force, f_a = ∫ N_a ρ g dV [N], shape [node_count, 3]; `acceleration` g [mm/ms²] is [3]."""
+    shares = np.outer(density * body.tets.volumes, shape_functions(GAUSS_POINTS, body.degree).mean(axis=0))
+    return np.bincount(body.connectivity.ravel(), shares.ravel(), len(body.nodes))[:, None] * acceleration

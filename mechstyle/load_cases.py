@@ -1,0 +1,202 @@
+"""Loads a part must carry in use, as people write them down: where it is held, what pulls or presses on it, and the file format.
+
+A load file is TOML, one `[[case]]` per situation, in mm, N and MPa:
+
+    [[case]]
+    name = "hand on the rim"
+    supports = [{ at = "resting face" }]
+    loads = [{ at = { sphere = [40, 0, 100, 8] }, force = [0, 0, -50] }, { gravity = 1 }]
+
+Places are picked on the unstylized part as it stands, so that a style does not move them.
+"""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, Literal
+
+import msgspec
+
+from mechstyle.errors import BadInput
+
+RESTING_FACE = "resting face"
+SHAPES = ("sphere", "box", "plane", "near", "facet")
+EFFECTS = ("force", "pressure", "gravity")
+
+
+class Patch(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, omit_defaults=True):
+    """A piece of the surface: exactly one of sphere, box, plane, near and facet [mm].
+
+    Attributes:
+        sphere: All surface inside a ball: x, y, z of its centre and its radius.
+        box: All surface inside a box: x, y, z of its lowest and of its highest corner.
+        plane: All surface on one side of a plane: x, y, z of a point on it, then of a vector towards that side.
+        near: Surface around the place nearest to x, y, z, up to a radius, on the same side of a wall.
+        facet: The smooth face around the place nearest to x, y, z.
+        angle: How far the normals of a facet may turn from that place's [degrees].
+    """
+
+    sphere: tuple[float, float, float, float] | None = None
+    box: tuple[float, float, float, float, float, float] | None = None
+    plane: tuple[float, float, float, float, float, float] | None = None
+    near: tuple[float, float, float, float] | None = None
+    facet: tuple[float, float, float] | None = None
+    angle: float = 20.0
+
+    def __post_init__(self) -> None:
+        """Refuse patches that are none, several, or cannot be."""
+        given = [shape for shape in SHAPES if getattr(self, shape) is not None]
+        if len(given) != 1:
+            raise BadInput(f"a patch is one of {', '.join(SHAPES)}, not {' and '.join(given) or 'nothing'}")
+        numbers = getattr(self, given[0])
+        _finite(given[0], numbers)
+        if given[0] in ("sphere", "near") and numbers[3] <= 0.0:
+            raise BadInput(f"the radius of {given[0]} {_plain(numbers)} is {numbers[3]:g} mm, but must be above 0")
+        if self.box is not None and any(low > high for low, high in zip(self.box[:3], self.box[3:], strict=True)):
+            raise BadInput(f"box {_plain(self.box)} must give its lowest corner first, then its highest")
+        if self.plane is not None and not any(self.plane[3:]):
+            raise BadInput(f"plane {_plain(self.plane)} has no direction: its last three numbers point to the side that is meant")
+        if not 0.0 < self.angle <= 90.0:
+            raise BadInput(f"angle is {self.angle:g}, but must lie above 0 and up to 90 degrees")
+
+    @property
+    def words(self) -> str:
+        """What it is, as in a load file."""
+        shape = next(shape for shape in SHAPES if getattr(self, shape) is not None)
+        return f"{shape} {_plain(getattr(self, shape))}"
+
+
+Place = Patch | Literal["resting face"]
+
+
+class Support(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, omit_defaults=True):
+    """Where a part is held.
+
+    Attributes:
+        at: The place.
+        kind: `fixed`, or `roller`: free to slide along the surface, held across it.
+    """
+
+    at: Place
+    kind: Literal["fixed", "roller"] = "fixed"
+
+
+class Load(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, omit_defaults=True):
+    """What acts on a part: exactly one of force, pressure and gravity.
+
+    Attributes:
+        at: The place a force or a pressure acts on.
+        force: Total force, spread evenly over the place [N].
+        pressure: Pressure into the surface [MPa].
+        gravity: The part's own weight, as a multiple of standard gravity.
+        direction: Where gravity points; any length.
+    """
+
+    at: Place | None = None
+    force: tuple[float, float, float] | None = None
+    pressure: float | None = None
+    gravity: float | None = None
+    direction: tuple[float, float, float] = (0.0, 0.0, -1.0)
+
+    def __post_init__(self) -> None:
+        """Refuse loads that are none, several, nowhere or zero."""
+        given = [effect for effect in EFFECTS if getattr(self, effect) is not None]
+        if len(given) != 1:
+            raise BadInput(f"a load is one of {', '.join(EFFECTS)}, not {' and '.join(given) or 'nothing'}")
+        value = getattr(self, given[0])
+        numbers = (value,) if isinstance(value, int | float) else value
+        _finite(given[0], numbers)
+        _finite("direction", self.direction)
+        if not any(numbers):
+            raise BadInput(f"{given[0]} is zero: leave the load out or give it a size")
+        if self.gravity is not None and not any(self.direction):
+            raise BadInput("the direction of gravity is zero: (0, 0, -1) is down")
+        if (self.at is None) != (self.gravity is not None):
+            raise BadInput("gravity acts everywhere: leave out its `at`" if self.gravity is not None else f"{given[0]} needs a place: `at`")
+
+
+class LoadCase(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """One situation a part must carry.
+
+    Attributes:
+        name: What people call it, "hand on the rim".
+        supports: Where the part is held.
+        loads: What acts on it.
+    """
+
+    name: str
+    supports: tuple[Support, ...]
+    loads: tuple[Load, ...]
+
+    def __post_init__(self) -> None:
+        """Refuse a case without a name, supports or loads."""
+        if not self.name.strip():
+            raise BadInput("a load case needs a name, such as 'hand on the rim'")
+        for what in ("supports", "loads"):
+            if not getattr(self, what):
+                raise BadInput(f"load case {self.name!r} has no {what}: give at least one")
+
+
+def read_loads(path: str | Path) -> tuple[LoadCase, ...]:
+    """The load cases of a TOML file; BadInput names the file, the case and the key that cannot be used."""
+    file = Path(path)
+    try:
+        table = tomllib.loads(file.read_text(encoding="utf-8"))
+    except FileNotFoundError as error:
+        raise BadInput(f"load file {file} does not exist") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, OSError) as error:
+        raise BadInput(f"load file {file} cannot be read: {error}") from error
+    cases, others = table.get("case"), sorted(set(table) - {"case"})
+    if others:
+        raise BadInput(f"load file {file}: unknown key {others[0]!r}; a load file holds [[case]] tables only")
+    if not isinstance(cases, list) or not cases:
+        raise BadInput(f"load file {file} has no load case: begin one with [[case]]")
+    return _distinct(tuple(_case(case, f"load file {file}", number) for number, case in enumerate(cases, start=1)), f"load file {file}")
+
+
+def load_cases(loads: str | Path | LoadCase | Sequence[LoadCase]) -> tuple[LoadCase, ...]:
+    """Load cases from a file, or as given in Python, with every number in the type it has when read from disk."""
+    if isinstance(loads, str | Path):
+        return read_loads(loads)
+    given = [loads] if isinstance(loads, LoadCase) else list(loads)
+    if not all(isinstance(case, LoadCase) for case in given):
+        raise BadInput("loads must be a load file or a list of LoadCase")
+    return _distinct(tuple(_case(msgspec.to_builtins(case), "loads", number) for number, case in enumerate(given, start=1)), "loads")
+
+
+def _case(table: Any, source: str, number: int) -> LoadCase:
+    name = table.get("name") if isinstance(table, dict) else None
+    try:
+        return msgspec.convert(table, LoadCase)
+    except (msgspec.ValidationError, BadInput) as error:
+        label = repr(name) if isinstance(name, str) and name else f"number {number}"
+        raise BadInput(f"{source}, case {label}: {_in_words(str(error))}") from error
+
+
+def _in_words(complaint: str) -> str:
+    """A complaint of the parser without its dollar signs, and with what a place may be where that was it."""
+    words = complaint.replace(" - at `$.", " at `").replace("Object missing", "it is missing").replace("Object contains", "it contains")
+    if words.endswith(".at`"):
+        words += f"; a place is {RESTING_FACE!r} or a table of one of {', '.join(SHAPES)}"
+    return words
+
+
+def _distinct(cases: tuple[LoadCase, ...], source: str) -> tuple[LoadCase, ...]:
+    """The cases, unless two have one name: a verdict could not say which it means."""
+    names = [case.name for case in cases]
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise BadInput(f"{source}: two cases are called {twice!r}; give each its own name")
+    return cases
+
+
+def _finite(what: str, numbers: Sequence[float]) -> None:
+    if not all(map(math.isfinite, numbers)):
+        raise BadInput(f"{what} {_plain(numbers)} must be finite numbers")
+
+
+def _plain(numbers: Sequence[float]) -> str:
+    return "[" + ", ".join(f"{number:g}" for number in numbers) + "]"
