@@ -6,7 +6,7 @@ import io
 import os
 import textwrap
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -42,7 +42,7 @@ class Panel:
         label: Name of the field; panels of the same label, unit, limits and threshold share one colour bar.
         limits: Ends of the colour bar, None for zero (or the least value) to the greatest value of the panels that share it.
         threshold: Values above it are hatched and outlined, None for no threshold.
-        view: One of `camera.VIEWS`.
+        view: One of `camera.VIEWS`, or the very camera.
         note: A line under the picture.
     """
 
@@ -53,7 +53,7 @@ class Panel:
     label: str = ""
     limits: tuple[float, float] | None = None
     threshold: float | None = None
-    view: str = "three_quarter"
+    view: str | Camera = "three_quarter"
     note: str = ""
 
     @property
@@ -202,6 +202,9 @@ def _cameras(panels: Sequence[Panel], size: tuple[int, int]) -> list[Camera]:
     boxes = [np.stack([panel.mesh.vertices.min(axis=0), panel.mesh.vertices.max(axis=0)]) for panel in panels]
     cameras = []
     for panel, box in zip(panels, boxes, strict=True):
+        if isinstance(panel.view, Camera):
+            cameras.append(replace(panel.view, aspect=size[0] / size[1]))
+            continue
         alike = [
             other.mesh.vertices
             for other, others in zip(panels, boxes, strict=True)
