@@ -24,10 +24,24 @@ FREESTYLE: dict[str, Any] = {
 }
 """Stylization without feedback: one simulation, at the end."""
 
-PAPER: dict[str, Any] = {"memory": False, "retraction": False, "protect_resting_face": False, "guarantee": False, "transfer": "nearest"}
+PAPER: dict[str, Any] = {
+    "memory": False,
+    "retraction": False,
+    "protect_resting_face": False,
+    "guarantee": False,
+    "transfer": "nearest",
+    "element": "tet4",
+}
 """The published method taken literally (Faruqi et al. 2025)."""
 
-ROBUST: dict[str, Any] = {"memory": True, "retraction": True, "protect_resting_face": True, "guarantee": True, "transfer": "barycentric"}
+ROBUST: dict[str, Any] = {
+    "memory": True,
+    "retraction": True,
+    "protect_resting_face": True,
+    "guarantee": True,
+    "transfer": "barycentric",
+    "element": "tet10",
+}
 """What this project adds to it by default."""
 
 DECIDED_BY_THE_PART = ("surface", "tetrahedra")

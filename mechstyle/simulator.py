@@ -22,7 +22,7 @@ from mechstyle.mesh import SurfaceMesh, TetMesh
 from mechstyle.records import Measures, Recipe, Simulation, Verdict
 from mechstyle.store import Memo
 
-PHYSICS_VERSION = 1
+PHYSICS_VERSION = 2
 """Counts changes that alter results, so that remembered simulations of older code are not reused."""
 
 Progress = Callable[[float], None]
@@ -100,6 +100,7 @@ class DropSimulator:
             recipe.friction,
             recipe.window,
             recipe.damping,
+            recipe.element,
             recipe.transfer,
             recipe.orientations if thorough else 1,
             fresh,
@@ -136,7 +137,9 @@ class DropSimulator:
 
     def _drop(self, tets: TetMesh, *, thorough: bool) -> Drop:
         recipe = self.recipe
-        test = DropTest(height=recipe.drop_height, friction=recipe.friction, window=recipe.window, damping=recipe.damping)
+        test = DropTest(
+            height=recipe.drop_height, friction=recipe.friction, window=recipe.window, damping=recipe.damping, element=recipe.element
+        )
         floor_normals = directions(recipe.orientations if thorough else 1)
         return drop(tets, recipe.material, floor_normals, test, device=self.device, progress=self.progress)
 

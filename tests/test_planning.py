@@ -46,7 +46,7 @@ def test_freestyle_is_stylization_without_feedback(part):
 
 
 def test_the_paper_criterion_brings_the_published_method(part):
-    expected = defaults(part, criterion="paper", normalisation="sigma_c", transfer="nearest", **WITHOUT_OUR_ADDITIONS)
+    expected = defaults(part, criterion="paper", normalisation="sigma_c", transfer="nearest", element="tet4", **WITHOUT_OUR_ADDITIONS)
     assert plan(part, "brick", criterion="paper") == expected
 
 

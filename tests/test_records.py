@@ -36,6 +36,7 @@ NAMES = {
     "schedule": SCHEDULES,
     "criterion": CRITERIA,
     "transfer": ("barycentric", "nearest"),
+    "element": ("tet10", "tet4"),
 }
 
 
@@ -92,7 +93,7 @@ def test_digest_is_the_same_in_another_process(hash_seed):
 def test_every_field_decides_the_digest(field):
     other = {
         "surface": "6" * 64, "tetrahedra": "8" * 64, "prompt": "stone", "material": msgspec.structs.replace(PLA, yield_strength=40.0),
-        "control": "linear", "normalisation": "yield", "schedule": "every", "criterion": "paper", "transfer": "nearest",
+        "control": "linear", "normalisation": "yield", "schedule": "every", "criterion": "paper", "transfer": "nearest", "element": "tet4",
         "memory": False, "retraction": False, "protect_resting_face": False, "guarantee": False,
         "iterations": 7, "seed": 7, "every": 7, "amplitude": 0.7, "travel": 0.7, "orientations": 7, "drop_height": 700.0, "friction": 0.7,
         "window": 0.7, "damping": 0.007, "threshold": 0.7,

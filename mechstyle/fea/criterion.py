@@ -15,6 +15,7 @@ from scipy.sparse import coo_array, csr_array
 from scipy.spatial import cKDTree
 
 from mechstyle.errors import unknown
+from mechstyle.fea.interpolation import GAUSS_A, GAUSS_B
 from mechstyle.material import Material
 from mechstyle.mesh import Floats, TetMesh
 from mechstyle.records import CRITERIA, Judgement, Measures, Outcome, Simulation, Verdict
@@ -31,36 +32,62 @@ RATIO_BAND = 0.05
 _SEVERITY: dict[Outcome, int] = {"VIABLE": 0, "UNKNOWN": 1, "FAILS": 2}
 
 
-class BallAverage:
-    """Volume average over the tetrahedra whose centroids lie within `radius` [mm], as a sparse operator.
+ENOUGH = 8
+"""Tetrahedra in the ball, on average, from which their means are points enough to average over."""
 
+NEAR_CORNERS, NEAR_FACES = np.full((4, 4), GAUSS_B) + (GAUSS_A - GAUSS_B) * np.eye(4), np.full((4, 4), 7 / 24) - np.eye(4) / 6
+SUB_POINTS = np.concatenate([NEAR_CORNERS, NEAR_FACES])
+"""Barycentric coordinates of eight points that stand for an eighth of a tetrahedron each: the Gauss points and four between them, so
+that nothing is extrapolated, shape [8, 4]."""
+
+
+class BallAverage:
+    """Volume average over what lies within `radius` [mm], as a sparse operator.
+
+    A tetrahedron is taken as eight points, between which the stress is linear, or, where the mesh is fine, as one.
     Neighbours are those of the mesh given here, the undeformed one; weights are the volumes of the mesh averaged on, so
     that the operator serves every morph of that mesh.
     """
 
     def __init__(self, tets: TetMesh, radius: float = 2.0) -> None:
-        centroids = tets.vertices[tets.tets].mean(axis=1)
-        pairs = cKDTree(centroids).query_pairs(radius, output_type="ndarray")
-        itself = np.arange(len(centroids))
+        in_ball = 4.0 / 3.0 * math.pi * radius**3 * len(tets.tets) / float(tets.volumes.sum())
+        self.radius = radius
+        self.coordinates = SUB_POINTS if in_ball < ENOUGH else np.full((1, 4), 0.25)
+        points = self.points(tets).reshape(-1, 3)
+        pairs = cKDTree(points).query_pairs(radius, output_type="ndarray").astype(np.int32)
+        itself = np.arange(len(points), dtype=np.int32)
         rows = np.concatenate([pairs[:, 0], pairs[:, 1], itself])
         columns = np.concatenate([pairs[:, 1], pairs[:, 0], itself])
-        size = (len(centroids), len(centroids))
-        self.radius = radius
-        self._near: csr_array = coo_array((np.ones(len(rows), dtype=np.float32), (rows, columns)), shape=size).tocsr()
+        self._near: csr_array = coo_array((np.ones(len(rows), dtype=np.float32), (rows, columns)), shape=(len(points),) * 2).tocsr()
+
+    def points(self, tets: TetMesh) -> Floats:
+        """The points averages are taken at [mm], shape [tet_count, sub_points, 3]."""
+        return np.einsum("sk,nkx->nsx", self.coordinates, tets.vertices[tets.tets])
 
     def __call__(self, tets: TetMesh, values: ArrayLike) -> Floats:
-        """Averages of `values`, shape [tet_count], over `tets`, a morph of the mesh the operator was made for."""
-        volumes = tets.volumes
-        return np.asarray((self._near @ (volumes * np.asarray(values, dtype=np.float64))) / (self._near @ volumes))
+        """Averages of `values` at the Gauss points, shape [tet_count, points], over `tets`, a morph of the mesh the operator was made for.
+
+        Returns:
+            Averages around the sub-points, shape [tet_count, sub_points].
+        """
+        at_points = np.asarray(values, dtype=np.float64) @ self._from_gauss(np.shape(values)[1]).T
+        weights = np.repeat(tets.volumes, len(self.coordinates))
+        return np.asarray((self._near @ (weights * at_points.ravel())) / (self._near @ weights)).reshape(at_points.shape)
+
+    def _from_gauss(self, points: int) -> Floats:
+        """Linear interpolation from Gauss points to sub-points, shape [sub_points, points]."""
+        if points == 1:
+            return np.ones((len(self.coordinates), 1))
+        return np.asarray(self.coordinates @ np.linalg.inv(NEAR_CORNERS))
 
 
 def robust_field(tets: TetMesh, von_mises: ArrayLike, average: BallAverage) -> Floats:
-    """Largest average among the tetrahedra around each vertex [MPa], shape [vertex_count].
+    """Largest average in the tetrahedra around each vertex [MPa], shape [vertex_count].
 
     The field that drives the mask and the verdict that decides must be the same field, or the mask sleeps while the
     verdict fails; hence the maximum, not another mean. Its own maximum is `Measures.peak`.
     """
-    averaged = average(tets, von_mises)
+    averaged = average(tets, von_mises).max(axis=1)
     field = np.zeros(len(tets.vertices))
     np.maximum.at(field, tets.tets.ravel(), np.repeat(averaged, 4))
     return field
@@ -75,15 +102,17 @@ def percentile(values: ArrayLike, weights: ArrayLike, share: float) -> float:
 
 
 def measures(tets: TetMesh, von_mises: ArrayLike, average: BallAverage) -> Measures:
-    """Peak average, volume-weighted percentiles and literal maximum of one stress field [MPa], shape [tet_count]."""
-    averaged = average(tets, von_mises)
-    highest = int(np.argmax(averaged))
-    x, y, z = tets.vertices[tets.tets[highest]].mean(axis=0)
+    """Peak average, volume-weighted percentiles and literal maximum of one stress field [MPa], shape [tet_count, points]."""
+    stress = np.asarray(von_mises, dtype=np.float64)
+    weights = np.repeat(tets.volumes, stress.shape[1])
+    averaged = average(tets, stress)
+    highest = np.unravel_index(np.argmax(averaged), averaged.shape)
+    x, y, z = average.points(tets)[highest]
     return Measures(
         peak=float(averaged[highest]),
-        p999=percentile(von_mises, tets.volumes, 0.999),
-        p99=percentile(von_mises, tets.volumes, 0.99),
-        maximum=float(np.max(von_mises)),
+        p999=percentile(stress.ravel(), weights, 0.999),
+        p99=percentile(stress.ravel(), weights, 0.99),
+        maximum=float(stress.max()),
         where=(float(x), float(y), float(z)),
         volume=float(tets.volumes.sum()),
     )

@@ -1,4 +1,4 @@
-"""Hyperelasticity on linear tetrahedra, in readable float64 numpy: the reference the fast kernels are tested against.
+"""Hyperelasticity on tetrahedra, in readable float64 numpy: the reference the fast kernels are tested against.
 
 Units: mm, g, ms → N, MPa = N/mm² = g/(mm ms²), mJ. The kinematic variable everywhere is the displacement gradient
 H = F − I, never F: strains of 1e-3 are differences of nearly equal numbers in F, but not in H. Every formula below is
@@ -14,6 +14,7 @@ import numpy as np
 from scipy import sparse
 
 from mechstyle.errors import unknown
+from mechstyle.fea.interpolation import ElementMesh
 from mechstyle.material import Material
 from mechstyle.mesh import Floats, TetMesh
 
@@ -33,10 +34,10 @@ class ElasticLaw(Protocol):
         """Second constant of the law [MPa]."""
 
     def energy_density(self, H: Floats) -> Floats:
-        """Ψ(H) [MPa = mJ/mm³], zero for H = 0, shape [n]; H has shape [n, 3, 3]."""
+        """Ψ(H) [MPa = mJ/mm³], zero for H = 0, shape [...]; H has shape [..., 3, 3]."""
 
     def first_piola(self, H: Floats) -> Floats:
-        """First Piola–Kirchhoff stress P = ∂Ψ/∂H [MPa], shape [n, 3, 3]."""
+        """First Piola–Kirchhoff stress P = ∂Ψ/∂H [MPa], shape [..., 3, 3]."""
 
 
 @dataclass(frozen=True)
@@ -47,14 +48,14 @@ class StVenantKirchhoff:
     la: float
 
     def energy_density(self, H: Floats) -> Floats:
-        """Ψ(H) [MPa], shape [n]."""
+        """Ψ(H) [MPa], shape [...]."""
         E = green_strain(H)
-        return 0.5 * self.la * trace(E) ** 2 + self.mu * np.einsum("nij,nij->n", E, E)
+        return 0.5 * self.la * trace(E) ** 2 + self.mu * np.einsum("...ij,...ij->...", E, E)
 
     def first_piola(self, H: Floats) -> Floats:
-        """P = F S = S + H S with S = λ tr(E) I + 2μ E [MPa], shape [n, 3, 3]."""
+        """P = F S = S + H S with S = λ tr(E) I + 2μ E [MPa], shape [..., 3, 3]."""
         E = green_strain(H)
-        S = self.la * trace(E)[:, None, None] * np.eye(3) + 2.0 * self.mu * E
+        S = self.la * trace(E)[..., None, None] * np.eye(3) + 2.0 * self.mu * E
         return S + H @ S
 
 
@@ -78,25 +79,25 @@ class StableNeoHookean:
     la: float
 
     def energy_density(self, H: Floats) -> Floats:
-        """Ψ(H) [MPa], shape [n]."""
+        """Ψ(H) [MPa], shape [...]."""
         q, volume_change = self._invariants(H)
-        square = np.einsum("nij,nij->n", H, H)
+        square = np.einsum("...ij,...ij->...", H, H)
         shape = square - 2.0 * (volume_change - trace(H))
         return 0.375 * self.mu * shape + 0.5 * self.mu * (0.25 * q - np.log1p(0.25 * q)) + 0.5 * self.la * volume_change**2
 
     def first_piola(self, H: Floats) -> Floats:
-        """P = ∂Ψ/∂H [MPa], shape [n, 3, 3]."""
-        q, volume_change = (value[:, None, None] for value in self._invariants(H))
-        cof, spherical = cofactor(H), trace(H)[:, None, None] * np.eye(3)
-        transposed = H.transpose(0, 2, 1)
+        """P = ∂Ψ/∂H [MPa], shape [..., 3, 3]."""
+        q, volume_change = (value[..., None, None] for value in self._invariants(H))
+        cof, spherical = cofactor(H), trace(H)[..., None, None] * np.eye(3)
+        transposed = np.swapaxes(H, -1, -2)
         cof_F = np.eye(3) + spherical - transposed + cof
         shape = H + transposed - spherical - cof
         return 0.75 * self.mu * shape + self.mu * q / (4.0 * (4.0 + q)) * (np.eye(3) + H) + self.la * volume_change * cof_F
 
     @staticmethod
     def _invariants(H: Floats) -> tuple[Floats, Floats]:
-        """Both of q = I_C − 3 and J − 1, each of shape [n]."""
-        return 2.0 * trace(H) + np.einsum("nij,nij->n", H, H), trace(H) + trace(cofactor(H)) + np.linalg.det(H)
+        """Both of q = I_C − 3 and J − 1, each of shape [...]."""
+        return 2.0 * trace(H) + np.einsum("...ij,...ij->...", H, H), trace(H) + trace(cofactor(H)) + np.linalg.det(H)
 
 
 def law_named(name: str, material: Material) -> ElasticLaw:
@@ -110,94 +111,99 @@ def law_named(name: str, material: Material) -> ElasticLaw:
 
 
 def trace(A: Floats) -> Floats:
-    """Σ A_ii, shape [n]."""
-    return np.einsum("nii->n", A)
+    """Σ A_ii, shape [...]."""
+    return np.einsum("...ii->...", A)
 
 
 def cofactor(A: Floats) -> Floats:
-    """The cofactors cof A = det(A) A⁻ᵀ, defined for singular A too, shape [n, 3, 3]."""
-    a, b, c = A[:, 0], A[:, 1], A[:, 2]
-    return np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)
+    """The cofactors cof A = det(A) A⁻ᵀ, defined for singular A too, shape [..., 3, 3]."""
+    a, b, c = A[..., 0, :], A[..., 1, :], A[..., 2, :]
+    return np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=-2)
 
 
 def green_strain(H: Floats) -> Floats:
-    """E = (H + Hᵀ + HᵀH)/2, shape [n, 3, 3]."""
-    transposed = H.transpose(0, 2, 1)
+    """E = (H + Hᵀ + HᵀH)/2, shape [..., 3, 3]."""
+    transposed = np.swapaxes(H, -1, -2)
     return 0.5 * (H + transposed + transposed @ H)
 
 
 def cauchy_stress(H: Floats, P: Floats) -> Floats:
-    """Cauchy stress σ = P Fᵀ / J [MPa], shape [n, 3, 3]."""
+    """Cauchy stress σ = P Fᵀ / J [MPa], shape [..., 3, 3]."""
     J = 1.0 + trace(H) + trace(cofactor(H)) + np.linalg.det(H)
-    return (P + P @ H.transpose(0, 2, 1)) / J[:, None, None]
+    return (P + P @ np.swapaxes(H, -1, -2)) / J[..., None, None]
 
 
 def von_mises(stress: Floats) -> Floats:
-    """Equivalent stress sqrt(3/2 s:s), s the deviator of `stress` [MPa], shape [n]."""
-    xx, yy, zz = stress[:, 0, 0], stress[:, 1, 1], stress[:, 2, 2]
-    xy, yz, zx = stress[:, 0, 1], stress[:, 1, 2], stress[:, 2, 0]
-    normal = 0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2)
-    return np.asarray(np.sqrt(normal + 3.0 * (xy**2 + yz**2 + zx**2)))
+    """Equivalent stress sqrt(3/2 s:s), s the deviator of `stress` [MPa], shape [...]."""
+    deviator = stress - trace(stress)[..., None, None] / 3.0 * np.eye(3)
+    return np.asarray(np.sqrt(1.5 * np.einsum("...ij,...ij->...", deviator, deviator)))
 
 
-def shape_gradients(tets: TetMesh) -> Floats:
-    """Gradients of the four linear shape functions [1/mm], shape [tet_count, 4, 3]; they sum to zero."""
+def barycentric_gradients(tets: TetMesh) -> Floats:
+    """∇L_0 to ∇L_3 [1/mm], shape [tet_count, 4, 3]; they sum to zero."""
     corners = tets.vertices[tets.tets]
     inverse = np.linalg.inv((corners[:, 1:] - corners[:, :1]).transpose(0, 2, 1))
     return np.concatenate([-inverse.sum(axis=1, keepdims=True), inverse], axis=1)
 
 
-def displacement_gradients(tets: TetMesh, displacement: Floats) -> Floats:
-    """H = Σ_a u_a ⊗ ∇N_a, constant in each tetrahedron, shape [tet_count, 3, 3]; `displacement` [mm] is [vertex_count, 3]."""
-    corners = displacement[tets.tets]
-    return np.einsum("nai,naj->nij", corners[:, 1:] - corners[:, :1], shape_gradients(tets)[:, 1:])
+def shape_gradients(mesh: ElementMesh) -> Floats:
+    """∇N_a at the Gauss points [1/mm], shape [tet_count, points, nodes, 3]; they sum to zero over the nodes."""
+    return np.einsum("qai,nij->nqaj", mesh.element.derivatives, barycentric_gradients(mesh.tets))
 
 
-def strain_energy(tets: TetMesh, law: ElasticLaw, displacement: Floats) -> float:
+def point_volumes(mesh: ElementMesh) -> Floats:
+    """Volume that each Gauss point stands for [mm³], shape [tet_count, points]."""
+    points = mesh.element.points
+    return np.repeat(mesh.tets.volumes[:, None] / points, points, axis=1)
+
+
+def displacement_gradients(mesh: ElementMesh, displacement: Floats) -> Floats:
+    """H = Σ_a u_a ⊗ ∇N_a at the Gauss points, shape [tet_count, points, 3, 3]; `displacement` [mm] is [node_count, 3]."""
+    nodal = displacement[mesh.connectivity]
+    return np.einsum("nai,nqaj->nqij", nodal - nodal[:, :1], shape_gradients(mesh))
+
+
+def strain_energy(mesh: ElementMesh, law: ElasticLaw, displacement: Floats) -> float:
     """U = Σ V Ψ(H) [mJ]."""
-    return float(tets.volumes @ law.energy_density(displacement_gradients(tets, displacement)))
+    return float((point_volumes(mesh) * law.energy_density(displacement_gradients(mesh, displacement))).sum())
 
 
-def internal_forces(tets: TetMesh, law: ElasticLaw, displacement: Floats) -> Floats:
-    """Forces the deformed body exerts on its vertices, f_a = −Σ V P ∇N_a = −∂U/∂u_a [N], shape [vertex_count, 3]."""
-    P = law.first_piola(displacement_gradients(tets, displacement))
-    shares = -tets.volumes[:, None, None] * np.einsum("nij,naj->nai", P, shape_gradients(tets))
-    forces = np.zeros_like(tets.vertices)
-    np.add.at(forces, tets.tets, shares)
+def internal_forces(mesh: ElementMesh, law: ElasticLaw, displacement: Floats) -> Floats:
+    """Forces the deformed body exerts on its nodes, f_a = −Σ V P ∇N_a = −∂U/∂u_a [N], shape [node_count, 3]."""
+    P = law.first_piola(displacement_gradients(mesh, displacement))
+    shares = -np.einsum("nq,nqij,nqaj->nai", point_volumes(mesh), P, shape_gradients(mesh))
+    forces = np.zeros_like(mesh.nodes)
+    np.add.at(forces, mesh.connectivity, shares)
     return forces
 
 
-def element_masses(tets: TetMesh, density: float) -> Floats:
-    """Mass of each tetrahedron [g], shape [tet_count]."""
-    return density * tets.volumes
+def lumped_masses(mesh: ElementMesh, masses: Floats) -> Floats:
+    """The mass of every tetrahedron, [tet_count], shared out to its nodes [g], shape [node_count]."""
+    shares = np.outer(masses, mesh.element.mass_shares)
+    return np.asarray(np.bincount(mesh.connectivity.ravel(), shares.ravel(), len(mesh.nodes)), dtype=np.float64)
 
 
-def lumped_masses(tets: TetMesh, masses: Floats) -> Floats:
-    """A quarter of the mass of every tetrahedron to each of its vertices [g], shape [vertex_count]; `masses` is [tet_count]."""
-    return np.asarray(np.bincount(tets.tets.ravel(), np.repeat(masses / 4.0, 4), len(tets.vertices)), dtype=np.float64)
-
-
-def stiffness_matrix(tets: TetMesh, material: Material) -> sparse.csr_array:
-    """Small-strain stiffness K = Σ V Bᵀ C B [N/mm], shape [3 vertex_count, 3 vertex_count], x, y, z of a vertex adjacent."""
-    g = shape_gradients(tets)
+def stiffness_matrix(mesh: ElementMesh, material: Material) -> sparse.csr_array:
+    """Small-strain stiffness K = Σ V Bᵀ C B [N/mm], shape [3 node_count, 3 node_count], x, y, z of a node adjacent."""
+    g, volumes = shape_gradients(mesh), point_volumes(mesh)
     mu, la = material.shear_modulus, material.lame_lambda
-    blocks = la * np.einsum("nai,nbj->naibj", g, g) + mu * np.einsum("naj,nbi->naibj", g, g)
-    blocks += mu * np.einsum("nak,nbk,ij->naibj", g, g, np.eye(3))
-    blocks *= tets.volumes[:, None, None, None, None]
-    unknowns = (3 * tets.tets[:, :, None] + np.arange(3)).reshape(-1, 12)
-    rows, columns = np.repeat(unknowns, 12, axis=1).ravel(), np.tile(unknowns, (1, 12)).ravel()
-    size = 3 * len(tets.vertices)
+    products = np.einsum("nq,nqai,nqbj->naibj", volumes, g, g, optimize=True)
+    blocks = la * products + mu * products.transpose(0, 1, 4, 3, 2)
+    blocks += mu * np.einsum("nakbk,ij->naibj", products, np.eye(3))
+    size, width = 3 * len(mesh.nodes), 3 * mesh.element.nodes
+    unknowns = (3 * mesh.connectivity[:, :, None] + np.arange(3)).reshape(-1, width)
+    rows, columns = np.repeat(unknowns, width, axis=1).ravel(), np.tile(unknowns, (1, width)).ravel()
     return sparse.coo_array((blocks.ravel(), (rows, columns)), shape=(size, size)).tocsr()
 
 
 def element_frequencies(tets: TetMesh, material: Material) -> Floats:
-    """Largest eigenfrequency of each tetrahedron on its own, with lumped masses [rad/ms], shape [tet_count].
+    """Largest eigenfrequency of each linear tetrahedron on its own, with lumped masses [rad/ms], shape [tet_count].
 
     With equal masses ρV/4 at the corners, M⁻¹K acts on displacement gradients as H ↦ 4/ρ (C : H) A, A = Σ_a ∇N_a ⊗ ∇N_a.
     In the principal axes of A (principal values a_i) shear and normal parts decouple; the largest eigenvalue belongs to
     the normal part, that is to 4/ρ √a (λ 11ᵀ + 2μ I) √a, because it is at least (λ + 2μ) a_max and shear gives μ (a_i + a_j).
     """
-    g = shape_gradients(tets)
+    g = barycentric_gradients(tets)
     root = np.sqrt(np.linalg.eigvalsh(np.einsum("nai,naj->nij", g, g)))
     normal = material.lame_lambda * np.ones((3, 3)) + 2.0 * material.shear_modulus * np.eye(3)
     largest = np.linalg.eigvalsh(root[:, :, None] * normal * root[:, None, :])[:, -1]

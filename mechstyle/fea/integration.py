@@ -82,20 +82,20 @@ class Batch(Protocol):
         """The first samples, shape [samples, QUANTITIES, orientations]."""
 
     def peak(self) -> NDArray[np.float32]:
-        """Running maximum of the von Mises stress [MPa], shape [orientations, tet_count]."""
+        """Running maximum of the von Mises stress at the Gauss points [MPa], shape [orientations, tet_count, points]."""
 
     def touched(self) -> NDArray[np.bool_]:
-        """Whether each vertex has met the floor, shape [orientations, vertex_count]."""
+        """Whether each node has met the floor, shape [orientations, node_count]."""
 
 
 class Body(Protocol):
     """A discretised body where it is computed."""
 
     def internal_forces(self, law: ElasticLaw, displacement: Floats) -> Floats:
-        """As `elasticity.internal_forces`, in the numbering of the discretisation, float32 inside, shape [vertex_count, 3]."""
+        """As `elasticity.internal_forces`, in the numbering of the discretisation, float32 inside, shape [node_count, 3]."""
 
     def batches(self, scheme: Scheme, normals: Floats, heights: Floats) -> Sequence[Batch]:
-        """Drops at first touch; `normals` is [orientations, 3], `heights` above the floor [mm] is [vertex_count, orientations]."""
+        """Drops at first touch; `normals` is [orientations, 3], `heights` above the floor [mm] is [node_count, orientations]."""
 
 
 def largest_frequency(body: Body, discretisation: Discretisation, law: ElasticLaw, iterations: int = 60) -> float:
@@ -106,7 +106,7 @@ def largest_frequency(body: Body, discretisation: Discretisation, law: ElasticLa
     """
     root = np.sqrt(discretisation.masses)[:, None]
     mode = np.random.default_rng(0).standard_normal((len(root), 3)) / root
-    small, frequency2 = 1e-4 * float(np.cbrt(discretisation.tets.volumes.min())), 0.0
+    small, frequency2 = 1e-4 * float(np.cbrt(discretisation.volumes.min())), 0.0
     for _ in range(iterations):
         mode *= small / np.abs(mode).max()
         image = -body.internal_forces(law, mode) / root**2

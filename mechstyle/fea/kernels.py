@@ -1,17 +1,21 @@
 """One step of the drop test as Warp kernels, float32, for any device; the formulas are those of `elasticity`.
 
-Layout: [vertex][orientation] and [tetrahedron][orientation], orientation fastest, so that neighbouring threads of a GPU
-touch neighbouring memory. The element kernel writes each tetrahedron's corner forces to a buffer of its own; the vertex
-kernel gathers them in a fixed order. There are no atomic sums, so the same inputs give the same bytes.
+Layout: [node][orientation] and [tetrahedron][orientation], orientation fastest, so that neighbouring threads of a GPU touch
+neighbouring memory. The element kernels write each tetrahedron's nodal forces to slots of its own; the node kernel gathers them in
+a fixed order. There are no atomic sums, so the same inputs give the same bytes.
 """
 
 # ruff: noqa: UP018 - float(0.0) declares a Warp variable that changes in a loop, 0.0 a constant
 
+from mechstyle.fea.interpolation import GAUSS_A, GAUSS_B
 from mechstyle.quiet import wp
 
 wp.set_module_options({"enable_backward": False})
 
-PARTS = wp.constant(256)
+NEAR, FAR = wp.constant(4.0 * GAUSS_A), wp.constant(4.0 * GAUSS_B)
+"""4 L at a Gauss point of the quadratic element for its near corner and for the others: ∂N_ij/∂L_i = 4 L_j."""
+
+PARTS = wp.constant(1024)
 """Partial sums per history quantity: parallel enough for a GPU, a fixed order of summation everywhere."""
 
 KINETIC, STRAIN, IMPULSE, CONTACT_LOSS, HEIGHT, MOMENTUM, PEAK = range(7)
@@ -84,16 +88,71 @@ def von_mises_squared(H: wp.mat33f, P: wp.mat33f):
     return (0.5 * (a * a + b * b + c * c) + 3.0 * shear) / (J * J)
 
 
+Nodes4 = wp.types.matrix(shape=(4, 3), dtype=float)
+Nodes10 = wp.types.matrix(shape=(10, 3), dtype=float)
+Between = wp.types.matrix(shape=(4, 4), dtype=int)
+
+BETWEEN = wp.constant(Between(0, 4, 5, 6, 4, 1, 7, 8, 5, 7, 2, 9, 6, 8, 9, 3))
+"""Node between two corners of a quadratic element, the corner itself on the diagonal; see `interpolation.EDGES`."""
+
+
 @wp.func
-def gradient(field: wp.array2d(dtype=wp.vec3f), tet: wp.vec4i, G: wp.mat33f, b: int):
-    """∇ of a vertex field in one tetrahedron and orientation, from differences to corner 0."""
-    origin = field[tet[0], b]
-    return wp.matrix_from_cols(field[tet[1], b] - origin, field[tet[2], b] - origin, field[tet[3], b] - origin) * G
+def plus_linear(H: wp.mat33f, x0: wp.vec3f, x1: wp.vec3f, x2: wp.vec3f, x3: wp.vec3f, G: wp.mat33f):
+    """H and the gradient of the linear field with the values x_0 to x_3 at the corners; rows of G are ∇L_1 to ∇L_3."""
+    return H + wp.matrix_from_cols(x1 - x0, x2 - x0, x3 - x0) * G
+
+
+@wp.func
+def linear_gradient(field: wp.array2d(dtype=wp.vec3f), nodes: wp.array2d(dtype=int), G: wp.mat33f, e: int, b: int):
+    """∇ of a nodal field in a linear element."""
+    return plus_linear(wp.mat33f(), field[nodes[e, 0], b], field[nodes[e, 1], b], field[nodes[e, 2], b], field[nodes[e, 3], b], G)
+
+
+@wp.func
+def nodal_values(field: wp.array2d(dtype=wp.vec3f), nodes: wp.array2d(dtype=int), e: int, b: int):
+    """A nodal field in a quadratic element, less its value at corner 0, which no gradient sees."""
+    x = Nodes10()
+    first = field[nodes[e, 0], b]
+    for a in range(10):
+        x[a] = field[nodes[e, a], b] - first
+    return x
+
+
+@wp.func
+def common_gradient(x: Nodes10, G: wp.mat33f):
+    """What the gradients at the four Gauss points of a quadratic element have in common."""
+    base = Nodes4()
+    for i in range(4):
+        edges = wp.vec3f()
+        for j in range(4):
+            if i != j:
+                edges += x[BETWEEN[i, j]]
+        base[i] = (FAR - 1.0) * x[i] + FAR * edges
+    return plus_linear(wp.mat33f(), base[0], base[1], base[2], base[3], G)
+
+
+@wp.func
+def quadratic_gradient(common: wp.mat33f, x: Nodes10, G: wp.mat33f, q: int):
+    """∇ at Gauss point q of a quadratic element."""
+    extra = (NEAR - FAR) * G
+    return plus_linear(common, x[BETWEEN[0, q]], x[BETWEEN[1, q]], x[BETWEEN[2, q]], x[BETWEEN[3, q]], extra)
+
+
+@wp.func
+def corner_forces(P: wp.mat33f, G: wp.mat33f, volume: float):
+    """−V P ∇L_i for the four corners as rows [N]."""
+    F = wp.transpose((-volume) * (P * wp.transpose(G)))
+    g = Nodes4()
+    g[0] = -(F[0] + F[1] + F[2])
+    g[1] = F[0]
+    g[2] = F[1]
+    g[3] = F[2]
+    return g
 
 
 @wp.kernel
-def element_forces(
-    tets: wp.array(dtype=wp.vec4i),
+def linear_forces(
+    nodes: wp.array2d(dtype=int),
     gradients: wp.array(dtype=wp.mat33f),
     volumes: wp.array(dtype=float),
     w: wp.array2d(dtype=wp.vec3f),
@@ -101,45 +160,76 @@ def element_forces(
     mu: float,
     la: float,
     record: int,
-    forces: wp.array3d(dtype=wp.vec3f),
-    peak_squared: wp.array2d(dtype=float),
+    forces: wp.array2d(dtype=wp.vec3f),
+    peak_squared: wp.array3d(dtype=float),
 ):
-    """Corner forces −V P ∇N [N] into forces[e, a, b]; every recorded step also the running maximum of σ_vM² [MPa²]."""
+    """Nodal forces −V P ∇N [N] into forces[4 e + a, b]; every recorded step also the running maximum of σ_vM² [MPa²]."""
     e, b = wp.tid()
     G = gradients[e]
-    H = gradient(w, tets[e], G, b)
+    H = linear_gradient(w, nodes, G, e, b)
     P = first_piola(H, mu, la, law)
     if record == 1:
-        peak_squared[e, b] = wp.max(peak_squared[e, b], von_mises_squared(H, P))
-    F = wp.transpose((-volumes[e]) * (P * wp.transpose(G)))
-    forces[e, 0, b] = -(F[0] + F[1] + F[2])
-    forces[e, 1, b] = F[0]
-    forces[e, 2, b] = F[1]
-    forces[e, 3, b] = F[2]
+        peak_squared[e, 0, b] = wp.max(peak_squared[e, 0, b], von_mises_squared(H, P))
+    g = corner_forces(P, G, volumes[e])
+    for a in range(4):
+        forces[4 * e + a, b] = g[a]
+
+
+@wp.kernel
+def quadratic_forces(
+    nodes: wp.array2d(dtype=int),
+    gradients: wp.array(dtype=wp.mat33f),
+    volumes: wp.array(dtype=float),
+    w: wp.array2d(dtype=wp.vec3f),
+    law: int,
+    mu: float,
+    la: float,
+    record: int,
+    forces: wp.array2d(dtype=wp.vec3f),
+    peak_squared: wp.array3d(dtype=float),
+):
+    """As `linear_forces` for the quadratic element, into forces[10 e + a, b]."""
+    e, b = wp.tid()
+    G = gradients[e]
+    x = nodal_values(w, nodes, e, b)
+    common = common_gradient(x, G)
+    total = Nodes4()
+    f = Nodes10()
+    for q in range(4):
+        H = quadratic_gradient(common, x, G, q)
+        P = first_piola(H, mu, la, law)
+        if record == 1:
+            peak_squared[e, q, b] = wp.max(peak_squared[e, q, b], von_mises_squared(H, P))
+        g = corner_forces(P, G, 0.25 * volumes[e])
+        total += g
+        for i in range(4):
+            f[BETWEEN[i, q]] += g[i]
+    for i in range(4):
+        forces[10 * e + i, b] = (FAR - 1.0) * total[i] + (NEAR - FAR) * f[i]
+        for j in range(i + 1, 4):
+            middle = BETWEEN[i, j]
+            forces[10 * e + middle, b] = FAR * (total[i] + total[j]) + (NEAR - FAR) * f[middle]
 
 
 @wp.func
-def gathered(
-    forces: wp.array3d(dtype=wp.vec3f), first_corner: wp.array(dtype=int), corners: wp.array(dtype=int), i: int, b: int
-):
-    """Sum of the corner forces at vertex i [N], in ascending order of the tetrahedra."""
+def gathered(forces: wp.array2d(dtype=wp.vec3f), first_slot: wp.array(dtype=int), slots: wp.array(dtype=int), i: int, b: int):
+    """Sum of the forces in the slots of node i [N], in ascending order of the tetrahedra."""
     total = wp.vec3f()
-    for k in range(first_corner[i], first_corner[i + 1]):
-        corner = corners[k]
-        total += forces[corner // 4, corner % 4, b]
+    for k in range(first_slot[i], first_slot[i + 1]):
+        total += forces[slots[k], b]
     return total
 
 
 @wp.kernel
 def gather_forces(
-    forces: wp.array3d(dtype=wp.vec3f),
-    first_corner: wp.array(dtype=int),
-    corners: wp.array(dtype=int),
+    forces: wp.array2d(dtype=wp.vec3f),
+    first_slot: wp.array(dtype=int),
+    slots: wp.array(dtype=int),
     total: wp.array2d(dtype=wp.vec3f),
 ):
     """The assembled internal forces alone [N], for the power iteration."""
     i, b = wp.tid()
-    total[i, b] = gathered(forces, first_corner, corners, i, b)
+    total[i, b] = gathered(forces, first_slot, slots, i, b)
 
 
 @wp.func
@@ -159,9 +249,9 @@ def after_contact(v: wp.vec3f, gap: float, n: wp.vec3f, dt: float, friction: flo
 
 @wp.kernel
 def advance(
-    forces: wp.array3d(dtype=wp.vec3f),
-    first_corner: wp.array(dtype=int),
-    corners: wp.array(dtype=int),
+    forces: wp.array2d(dtype=wp.vec3f),
+    first_slot: wp.array(dtype=int),
+    slots: wp.array(dtype=int),
     masses: wp.array(dtype=float),
     heights: wp.array2d(dtype=float),
     normals: wp.array(dtype=wp.vec3f),
@@ -175,14 +265,14 @@ def advance(
     impulse: wp.array2d(dtype=float),
     contact_loss: wp.array2d(dtype=float),
 ):
-    """Symplectic Euler for one vertex: v ← v + dt a, contact, u ← u + dt v, and w = u + β v for the next forces.
+    """Symplectic Euler for one node: v ← v + dt a, contact, u ← u + dt v, and w = u + β v for the next forces.
 
     The floor's work is that of its force on the mean of the velocities before and after the step, as that of every other
-    force in the exact change of kinetic energy over a step: zero for a vertex that rests, m v²/2 for one that lands.
+    force in the exact change of kinetic energy over a step: zero for a node that rests, m v²/2 for one that lands.
     """
     i, b = wp.tid()
     n = normals[b]
-    force = gathered(forces, first_corner, corners, i, b)
+    force = gathered(forces, first_slot, slots, i, b)
     before = v[i, b]
     free = before + dt * (force / masses[i] - gravity * n)
     gap = heights[i, b] + wp.dot(n, u[i, b] + dt * free)
@@ -197,36 +287,65 @@ def advance(
     w[i, b] = displacement + damping * velocity
 
 
+@wp.func
+def strain_at(H: wp.mat33f, rate: wp.mat33f, P: wp.mat33f, dt: float, mu: float, la: float, law: int):
+    """Strain energy density half a step ago [MPa].
+
+    Velocities belong to the middle of the step that led to the displacements, so strain energy is taken there too,
+    U − Δt/2 dU/dt: with kinetic energy this is what central differences conserve exactly in a linear body.
+    """
+    return energy_density(H, mu, la, law) - 0.5 * dt * wp.ddot(P, rate)
+
+
 @wp.kernel
-def sample_parts(
-    tets: wp.array(dtype=wp.vec4i),
+def sample_elements(
+    nodes: wp.array2d(dtype=int),
     gradients: wp.array(dtype=wp.mat33f),
     volumes: wp.array(dtype=float),
-    masses: wp.array(dtype=float),
-    normals: wp.array(dtype=wp.vec3f),
     law: int,
     mu: float,
     la: float,
     dt: float,
     u: wp.array2d(dtype=wp.vec3f),
     v: wp.array2d(dtype=wp.vec3f),
+    parts: wp.array3d(dtype=float),
+):
+    """Strain energy and peak of every PARTS-th element into parts[quantity, part, b]."""
+    part, b = wp.tid()
+    strain, peak = float(0.0), float(0.0)
+    for e in range(part, nodes.shape[0], PARTS):
+        G = gradients[e]
+        if nodes.shape[1] == 4:
+            H = linear_gradient(u, nodes, G, e, b)
+            P = first_piola(H, mu, la, law)
+            strain += volumes[e] * strain_at(H, linear_gradient(v, nodes, G, e, b), P, dt, mu, la, law)
+            peak = wp.max(peak, von_mises_squared(H, P))
+        else:
+            x = nodal_values(u, nodes, e, b)
+            y = nodal_values(v, nodes, e, b)
+            x_common = common_gradient(x, G)
+            y_common = common_gradient(y, G)
+            for q in range(4):
+                H = quadratic_gradient(x_common, x, G, q)
+                P = first_piola(H, mu, la, law)
+                strain += 0.25 * volumes[e] * strain_at(H, quadratic_gradient(y_common, y, G, q), P, dt, mu, la, law)
+                peak = wp.max(peak, von_mises_squared(H, P))
+    parts[STRAIN, part, b] = strain
+    parts[PEAK, part, b] = peak
+
+
+@wp.kernel
+def sample_nodes(
+    masses: wp.array(dtype=float),
+    normals: wp.array(dtype=wp.vec3f),
+    u: wp.array2d(dtype=wp.vec3f),
+    v: wp.array2d(dtype=wp.vec3f),
     impulse: wp.array2d(dtype=float),
     contact_loss: wp.array2d(dtype=float),
     parts: wp.array3d(dtype=float),
 ):
-    """The history quantities of every PARTS-th element and vertex, into parts[quantity, part, b].
-
-    Velocities belong to the middle of the step that led to the displacements, so strain energy is taken there too,
-    U − Δt/2 dU/dt: with kinetic energy this is what central differences conserve exactly in a linear body.
-    """
+    """The sums over every PARTS-th node into parts[quantity, part, b]."""
     part, b = wp.tid()
-    strain, peak = float(0.0), float(0.0)
-    for e in range(part, tets.shape[0], PARTS):
-        H = gradient(u, tets[e], gradients[e], b)
-        rate = gradient(v, tets[e], gradients[e], b)
-        P = first_piola(H, mu, la, law)
-        strain += volumes[e] * (energy_density(H, mu, la, law) - 0.5 * dt * wp.ddot(P, rate))
-        peak = wp.max(peak, von_mises_squared(H, P))
     kinetic, height, momentum = float(0.0), float(0.0), float(0.0)
     pushed, lost = float(0.0), float(0.0)
     for i in range(part, masses.shape[0], PARTS):
@@ -236,12 +355,10 @@ def sample_parts(
         pushed += impulse[i, b]
         lost += contact_loss[i, b]
     parts[KINETIC, part, b] = kinetic
-    parts[STRAIN, part, b] = strain
     parts[IMPULSE, part, b] = pushed
     parts[CONTACT_LOSS, part, b] = lost
     parts[HEIGHT, part, b] = height
     parts[MOMENTUM, part, b] = momentum
-    parts[PEAK, part, b] = peak
 
 
 @wp.kernel

@@ -1,4 +1,4 @@
-"""The drop test on CPU cores: one drop is one job, computed by the vectorised kernels of `lanes`."""
+"""The drop test on CPU cores: a job is one drop (`tet_lanes`) or eight drops side by side (`drop_lanes`), and a core does one job."""
 
 from __future__ import annotations
 
@@ -7,46 +7,51 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mechstyle.fea import lanes
+from mechstyle.fea import drop_lanes, tet_lanes
 from mechstyle.fea.discretisation import Discretisation
 from mechstyle.fea.elasticity import ElasticLaw
-from mechstyle.fea.integration import QUANTITIES, RECORD_EVERY, Scheme, law_number
+from mechstyle.fea.integration import QUANTITIES, RECORD_EVERY, Scheme, cores, law_number
+from mechstyle.fea.lane_state import LaneBody, LaneScheme, LaneState
 from mechstyle.mesh import Floats
 from mechstyle.quiet import wp
 
+ONE_BY_ONE = 4
+"""Drops that a core does one by one faster than eight lanes of drops, filled or not: a lane of drops is twice as fast as a drop alone."""
+
 
 class CoreBody:
-    """A discretised body in blocks of LANES tetrahedra, shared by the drops of all orientations."""
+    """A discretised body in both layouts, shared by the drops of all orientations."""
 
     def __init__(self, body: Discretisation) -> None:
-        tet_count = len(body.tets.tets)
-        blocks = -(-tet_count // lanes.LANES)
-        tets = np.zeros((blocks * lanes.LANES, 4), dtype=np.int32)
-        tets[:tet_count] = body.tets.tets
-        geometry = np.zeros((blocks * lanes.LANES, 10), dtype=np.float32)
-        geometry[:tet_count, :9] = body.gradients.reshape(tet_count, 9)
-        geometry[:tet_count, 9] = body.tets.volumes
-        self.tet_count, self.vertex_count, self.padded_count = tet_count, len(body.tets.vertices), len(tets)
-        self.arguments = lanes.LaneBody()
-        self.arguments.tets = _cpu(_transposed(tets))
-        self.arguments.geometry = _cpu(_transposed(geometry))
-        self.arguments.masses = _cpu(body.masses.astype(np.float32))
-        wp.load_module(lanes, device="cpu")
+        self.tet_count, self.node_count = len(body.volumes), len(body.masses)
+        self.points = body.mesh.element.points
+        geometry = np.concatenate([body.gradients.reshape(-1, 9), body.volumes[:, None]], axis=1).astype(np.float32)
+        padding = ((0, -self.tet_count % tet_lanes.LANES), (0, 0))
+        masses = _cpu(body.masses.astype(np.float32))
+        self.by_drop = _lane_body(body.connectivity, geometry, masses, self.tet_count)
+        nodes_of, geometry = (_transposed(np.pad(table, padding), tet_lanes.LANES) for table in (body.connectivity, geometry))
+        self.by_tet = _lane_body(nodes_of, geometry, masses, -(-self.tet_count // tet_lanes.LANES))
+        for module in (tet_lanes, drop_lanes):
+            wp.load_module(module, device="cpu")
 
     def internal_forces(self, law: ElasticLaw, displacement: Floats) -> Floats:
-        """As `elasticity.internal_forces`, in float32 [N], shape [vertex_count, 3]."""
-        state = lanes.LaneState()
+        """As `elasticity.internal_forces`, in float32 [N], shape [node_count, 3]."""
+        state = LaneState()
         state.w = _cpu(_rows(displacement))
-        state.forces = _zeros(4 * self.vertex_count)
-        state.peak_squared = _zeros(self.padded_count)
-        scheme = lanes.LaneScheme()
+        state.forces = _zeros(4 * self.node_count)
+        state.peak_squared = _zeros(self.points * tet_lanes.LANES * self.by_tet.blocks)
+        scheme = LaneScheme()
         scheme.law, scheme.mu, scheme.la = law_number(law), law.mu, law.la
-        wp.launch(lanes.forces_only, dim=1, inputs=[self.arguments, state, scheme], device="cpu")
+        wp.launch(tet_lanes.forces_only, dim=1, inputs=[self.by_tet, state, scheme], device="cpu")
         return state.forces.numpy().reshape(-1, 4)[:, :3].astype(np.float64)
 
-    def batches(self, scheme: Scheme, normals: Floats, heights: Floats) -> list[CoreDrop]:
-        """One drop per orientation, at first touch."""
-        return [CoreDrop(self, scheme, normal, heights[:, index]) for index, normal in enumerate(normals)]
+    def batches(self, scheme: Scheme, normals: Floats, heights: Floats) -> list[CoreDrop | CoreDrops]:
+        """Drops at first touch, eight in a job; a rest too small for that, one in a job."""
+        rest = len(normals) % (drop_lanes.LANES * cores())
+        together = len(normals) - (rest if rest <= ONE_BY_ONE * cores() else 0)
+        parts = [slice(first, min(first + drop_lanes.LANES, together)) for first in range(0, together, drop_lanes.LANES)]
+        jobs: list[CoreDrop | CoreDrops] = [CoreDrops(self, scheme, normals[part], heights[:, part]) for part in parts]
+        return jobs + [CoreDrop(self, scheme, normals[index], heights[:, index]) for index in range(together, len(normals))]
 
 
 class CoreDrop:
@@ -56,28 +61,21 @@ class CoreDrop:
         body: The body.
         scheme: The step.
         normal: Floor normal in the frame of the body, shape [3].
-        heights: Height of every vertex above the floor at first touch [mm], shape [vertex_count].
+        heights: Height of every node above the floor at first touch [mm], shape [node_count].
     """
 
     def __init__(self, body: CoreBody, scheme: Scheme, normal: Floats, heights: Floats) -> None:
         self.body, self.scheme, self.done = body, scheme, 0
-        count = body.vertex_count
-        state = lanes.LaneState()
-        state.heights = _cpu(heights.astype(np.float32))
-        state.u, state.w, state.forces = _zeros(4 * count), _zeros(4 * count), _zeros(4 * count)
-        state.v = _cpu(_rows(np.broadcast_to(-scheme.speed * normal, (count, 3))))
-        state.impulse, state.contact_loss = _zeros(count), _zeros(count)
-        state.peak_squared = _zeros(body.padded_count)
-        state.samples = _zeros(scheme.samples * len(QUANTITIES))
-        step = lanes.LaneScheme()
-        step.law, step.mu, step.la, step.normal = scheme.law_number, scheme.law.mu, scheme.law.la, wp.vec3f(*normal)
-        step.time_step, step.damping, step.gravity, step.friction = scheme.time_step, scheme.damping, scheme.gravity, scheme.friction
-        self.state, self.step = state, step
+        count = body.node_count
+        self.state = _state(heights.astype(np.float32), _rows(np.broadcast_to(-scheme.speed * normal, (count, 3))))
+        self.state.peak_squared = _zeros(body.points * tet_lanes.LANES * body.by_tet.blocks)
+        self.state.samples = _zeros(scheme.samples * len(QUANTITIES))
+        self.step = _step(scheme, normal)
 
     def advance(self, samples: int) -> None:
         """Take `samples` strides and samples; Warp releases the interpreter lock meanwhile."""
-        arguments = [self.body.arguments, self.state, self.step, self.done, samples, self.scheme.stride, RECORD_EVERY]
-        wp.launch(lanes.strides, dim=1, inputs=arguments, device="cpu")
+        arguments = [self.body.by_tet, self.state, self.step, self.done, samples, self.scheme.stride, RECORD_EVERY]
+        wp.launch(tet_lanes.strides, dim=1, inputs=arguments, device="cpu")
         self.done += samples
 
     def history(self, samples: int) -> Floats:
@@ -85,17 +83,86 @@ class CoreDrop:
         return self.state.samples.numpy().reshape(-1, len(QUANTITIES), 1)[:samples].astype(np.float64)
 
     def peak(self) -> NDArray[np.float32]:
-        """Running maximum of the von Mises stress [MPa], shape [1, tet_count]."""
-        return np.sqrt(self.state.peak_squared.numpy()[None, : self.body.tet_count])
+        """Running maximum of the von Mises stress at the Gauss points [MPa], shape [1, tet_count, points]."""
+        blocks = self.state.peak_squared.numpy().reshape(-1, self.body.points, tet_lanes.LANES)
+        return np.sqrt(blocks.transpose(0, 2, 1).reshape(1, -1, self.body.points)[:, : self.body.tet_count])
 
     def touched(self) -> NDArray[np.bool_]:
-        """Whether each vertex has met the floor, shape [1, vertex_count]."""
+        """Whether each node has met the floor, shape [1, node_count]."""
         return np.asarray(self.state.impulse.numpy()[None] > 0.0)
 
 
-def _transposed(table: NDArray[Any]) -> NDArray[Any]:
-    """[tetrahedron][quantity] as [block][quantity][lane], flat."""
-    return np.ascontiguousarray(table.reshape(-1, lanes.LANES, table.shape[1]).transpose(0, 2, 1)).ravel()
+class CoreDrops:
+    """Up to eight orientations side by side, a `Batch`; lanes to spare repeat the last.
+
+    Args:
+        body: The body.
+        scheme: The step.
+        normals: Floor normals in the frame of the body, shape [orientations, 3].
+        heights: Height of every node above the floor at first touch [mm], shape [node_count, orientations].
+    """
+
+    def __init__(self, body: CoreBody, scheme: Scheme, normals: Floats, heights: Floats) -> None:
+        self.body, self.scheme, self.done, self.count = body, scheme, 0, len(normals)
+        lanes = np.minimum(np.arange(drop_lanes.LANES), self.count - 1)
+        velocity = np.broadcast_to(-scheme.speed * normals[lanes].T, (body.node_count, 3, drop_lanes.LANES))
+        self.state = _state(heights[:, lanes].astype(np.float32).ravel(), velocity.astype(np.float32).ravel())
+        self.state.peak_squared = _zeros(body.tet_count * body.points * drop_lanes.LANES)
+        self.state.samples = _zeros(scheme.samples * len(QUANTITIES) * drop_lanes.LANES)
+        self.step = _step(scheme, normals[lanes].T)
+
+    def advance(self, samples: int) -> None:
+        """Take `samples` strides and samples; Warp releases the interpreter lock meanwhile."""
+        arguments = [self.body.by_drop, self.state, self.step, self.done, samples, self.scheme.stride, RECORD_EVERY]
+        wp.launch(drop_lanes.strides_of_drops, dim=1, inputs=arguments, device="cpu")
+        self.done += samples
+
+    def history(self, samples: int) -> Floats:
+        """The first samples, shape [samples, QUANTITIES, orientations]."""
+        return self._lanes(self.state.samples, len(QUANTITIES))[:samples].astype(np.float64)
+
+    def peak(self) -> NDArray[np.float32]:
+        """Running maximum of the von Mises stress at the Gauss points [MPa], shape [orientations, tet_count, points]."""
+        return np.sqrt(np.moveaxis(self._lanes(self.state.peak_squared, self.body.points), -1, 0))
+
+    def touched(self) -> NDArray[np.bool_]:
+        """Whether each node has met the floor, shape [orientations, node_count]."""
+        return np.asarray(self._lanes(self.state.impulse, 1)[:, 0].T > 0.0)
+
+    def _lanes(self, values: Any, width: int) -> NDArray[np.float32]:
+        """An array as [item, quantity, orientation], without the lanes to spare."""
+        return np.asarray(values.numpy().reshape(-1, width, drop_lanes.LANES)[..., : self.count])
+
+
+def _lane_body(nodes_of: NDArray[Any], geometry: NDArray[Any], masses: Any, blocks: int) -> Any:
+    """A body in blocks; axis 1 of `nodes_of` counts the nodes of an element."""
+    body = LaneBody()
+    body.nodes, body.blocks = nodes_of.shape[1], blocks
+    body.nodes_of, body.geometry, body.masses = _cpu(nodes_of.astype(np.int32).ravel()), _cpu(geometry.ravel()), masses
+    return body
+
+
+def _state(heights: NDArray[np.float32], velocity: NDArray[np.float32]) -> Any:
+    """Drops at first touch."""
+    state = LaneState()
+    state.heights, state.v = _cpu(heights), _cpu(velocity)
+    state.u, state.w, state.forces = (_zeros(len(velocity)) for _ in range(3))
+    state.impulse, state.contact_loss = _zeros(len(heights)), _zeros(len(heights))
+    return state
+
+
+def _step(scheme: Scheme, normals: Floats) -> Any:
+    """The scheme as the kernels read it."""
+    step = LaneScheme()
+    step.law, step.mu, step.la = scheme.law_number, scheme.law.mu, scheme.law.la
+    step.time_step, step.damping, step.gravity, step.friction = scheme.time_step, scheme.damping, scheme.gravity, scheme.friction
+    step.normals = _cpu(normals.astype(np.float32).ravel())
+    return step
+
+
+def _transposed(table: NDArray[Any], lanes: int) -> NDArray[Any]:
+    """[tetrahedron][quantity] as [block][quantity][lane]."""
+    return np.ascontiguousarray(table.reshape(-1, lanes, table.shape[1]).transpose(0, 2, 1))
 
 
 def _rows(vectors: Floats) -> NDArray[np.float32]:

@@ -23,11 +23,13 @@ class DeviceBody:
 
     def __init__(self, body: Discretisation, device: str) -> None:
         self.device = device
-        self.tet_count, self.vertex_count = len(body.tets.tets), len(body.tets.vertices)
+        self.tet_count, self.node_count = len(body.volumes), len(body.masses)
+        self.element = body.mesh.element
+        self.element_forces = kernels.linear_forces if self.element.nodes == 4 else kernels.quadratic_forces
         self.masses = self.array(body.masses, float)
-        tets = wp.array(body.tets.tets, dtype=wp.vec4i, device=device)
-        self.elements = [tets, self.array(body.gradients, wp.mat33f), self.array(body.tets.volumes, float)]
-        self.corners = [wp.array(numbers, dtype=int, device=device) for numbers in (body.first_corner, body.corners)]
+        nodes, *slots = (wp.array(numbers, dtype=int, device=device) for numbers in (body.connectivity, body.first_slot, body.slots))
+        self.elements = [nodes, self.array(body.gradients, wp.mat33f), self.array(body.volumes, float)]
+        self.slots = slots
         wp.load_module(kernels, device=device)
 
     def array(self, values: Floats, dtype: Any) -> Any:
@@ -42,13 +44,18 @@ class DeviceBody:
         """Queue a kernel."""
         wp.launch(kernel, dim=dim, inputs=arguments, device=self.device)
 
+    def forces_and_peak(self, orientations: int) -> tuple[Any, Any]:
+        """Where the element kernels write: forces in slots and the running maximum at the Gauss points."""
+        forces = self.zeros(self.tet_count * self.element.nodes, orientations, dtype=wp.vec3f)
+        return forces, self.zeros(self.tet_count, self.element.points, orientations)
+
     def internal_forces(self, law: ElasticLaw, displacement: Floats) -> Floats:
-        """As `elasticity.internal_forces`, in float32 [N], shape [vertex_count, 3]."""
-        w, total = self.array(displacement[:, None], wp.vec3f), self.zeros(self.vertex_count, 1, dtype=wp.vec3f)
-        forces, peak = self.zeros(self.tet_count, 4, 1, dtype=wp.vec3f), self.zeros(self.tet_count, 1)
+        """As `elasticity.internal_forces`, in float32 [N], shape [node_count, 3]."""
+        w, total = self.array(displacement[:, None], wp.vec3f), self.zeros(self.node_count, 1, dtype=wp.vec3f)
+        forces, peak = self.forces_and_peak(1)
         constants = (law_number(law), law.mu, law.la)
-        self.launch(kernels.element_forces, (self.tet_count, 1), *self.elements, w, *constants, 0, forces, peak)
-        self.launch(kernels.gather_forces, (self.vertex_count, 1), forces, *self.corners, total)
+        self.launch(self.element_forces, (self.tet_count, 1), *self.elements, w, *constants, 0, forces, peak)
+        self.launch(kernels.gather_forces, (self.node_count, 1), forces, *self.slots, total)
         return np.asarray(total.numpy()[:, 0], dtype=np.float64)
 
     def batches(self, scheme: Scheme, normals: Floats, heights: Floats) -> list[DeviceBatch]:
@@ -63,18 +70,17 @@ class DeviceBatch:
         body: The body.
         scheme: The step.
         normals: Floor normals in the frame of the body, shape [orientations, 3].
-        heights: Height of every vertex above the floor at first touch [mm], shape [vertex_count, orientations].
+        heights: Height of every node above the floor at first touch [mm], shape [node_count, orientations].
     """
 
     def __init__(self, body: DeviceBody, scheme: Scheme, normals: Floats, heights: Floats) -> None:
         self.body, self.scheme, self.count = body, scheme, len(normals)
-        each_vertex = (body.vertex_count, self.count)
+        each_node = (body.node_count, self.count)
         self.normals, self.heights = body.array(normals, wp.vec3f), body.array(heights, float)
-        self.v = body.array(np.broadcast_to(-scheme.speed * normals, (*each_vertex, 3)), wp.vec3f)
-        self.u, self.w = body.zeros(*each_vertex, dtype=wp.vec3f), body.zeros(*each_vertex, dtype=wp.vec3f)
-        self.forces = body.zeros(body.tet_count, 4, self.count, dtype=wp.vec3f)
-        self.peak_squared = body.zeros(body.tet_count, self.count)
-        self.impulse, self.contact_loss = body.zeros(*each_vertex), body.zeros(*each_vertex)
+        self.v = body.array(np.broadcast_to(-scheme.speed * normals, (*each_node, 3)), wp.vec3f)
+        self.u, self.w = body.zeros(*each_node, dtype=wp.vec3f), body.zeros(*each_node, dtype=wp.vec3f)
+        self.forces, self.peak_squared = body.forces_and_peak(self.count)
+        self.impulse, self.contact_loss = body.zeros(*each_node), body.zeros(*each_node)
         self.parts = body.zeros(len(QUANTITIES), int(kernels.PARTS), self.count)
         self.samples = body.zeros(scheme.samples, len(QUANTITIES), self.count)
         self.row = body.zeros(1, dtype=int)
@@ -97,11 +103,11 @@ class DeviceBatch:
         return np.asarray(self.samples.numpy()[:samples], dtype=np.float64)
 
     def peak(self) -> NDArray[np.float32]:
-        """Running maximum of the von Mises stress [MPa], shape [orientations, tet_count]."""
-        return np.ascontiguousarray(np.sqrt(self.peak_squared.numpy()).T)
+        """Running maximum of the von Mises stress at the Gauss points [MPa], shape [orientations, tet_count, points]."""
+        return np.ascontiguousarray(np.moveaxis(np.sqrt(self.peak_squared.numpy()), -1, 0))
 
     def touched(self) -> NDArray[np.bool_]:
-        """Whether each vertex has met the floor, shape [orientations, vertex_count]."""
+        """Whether each node has met the floor, shape [orientations, node_count]."""
         return np.ascontiguousarray(self.impulse.numpy().T > 0.0)
 
     def _stride(self) -> None:
@@ -109,8 +115,9 @@ class DeviceBatch:
         for step in range(scheme.stride):
             self._step(record=int(step % RECORD_EVERY == 0))
         constants = (scheme.law_number, scheme.law.mu, scheme.law.la, scheme.time_step)
-        state = (self.u, self.v, self.impulse, self.contact_loss, self.parts)
-        body.launch(kernels.sample_parts, (int(kernels.PARTS), self.count), *body.elements, body.masses, self.normals, *constants, *state)
+        parts = (int(kernels.PARTS), self.count)
+        body.launch(kernels.sample_elements, parts, *body.elements, *constants, self.u, self.v, self.parts)
+        body.launch(kernels.sample_nodes, parts, body.masses, self.normals, self.u, self.v, self.impulse, self.contact_loss, self.parts)
         body.launch(kernels.sample_total, (len(QUANTITIES), self.count), self.parts, self.row, self.samples)
         body.launch(kernels.next_row, (1,), self.row)
 
@@ -118,8 +125,8 @@ class DeviceBatch:
         body, scheme = self.body, self.scheme
         constants = (scheme.law_number, scheme.law.mu, scheme.law.la)
         outcome = (record, self.forces, self.peak_squared)
-        body.launch(kernels.element_forces, (body.tet_count, self.count), *body.elements, self.w, *constants, *outcome)
-        given = (self.forces, *body.corners, body.masses, self.heights, self.normals)
+        body.launch(body.element_forces, (body.tet_count, self.count), *body.elements, self.w, *constants, *outcome)
+        given = (self.forces, *body.slots, body.masses, self.heights, self.normals)
         numbers = (scheme.time_step, scheme.damping, scheme.gravity, scheme.friction)
         state = (self.u, self.v, self.w, self.impulse, self.contact_loss)
-        body.launch(kernels.advance, (body.vertex_count, self.count), *given, *numbers, *state)
+        body.launch(kernels.advance, (body.node_count, self.count), *given, *numbers, *state)

@@ -8,10 +8,12 @@ from scipy.sparse import diags_array
 from scipy.sparse.linalg import eigsh
 from scipy.spatial.transform import Rotation
 
-from mechstyle.fea import elasticity
+from mechstyle.fea import elasticity, on_cores
 from mechstyle.fea.discretisation import discretise
+from mechstyle.fea.drop_test import directions
 from mechstyle.fea.elasticity import LAWS, law_named
 from mechstyle.fea.integration import QUANTITIES, RECORD_EVERY, Scheme, largest_frequency, stable_step
+from mechstyle.fea.interpolation import ELEMENTS, LINEAR
 from mechstyle.fea.on_cores import CoreBody
 from mechstyle.fea.on_device import DeviceBody
 
@@ -27,9 +29,29 @@ def on_device(discretisation):
 each_body = pytest.mark.parametrize("body_type", [CoreBody, on_device])
 
 
-@pytest.fixture(scope="module")
-def discretisation(block, pla):
-    return discretise(block, pla, 0.005)
+@pytest.fixture(scope="module", params=ELEMENTS.values(), ids=ELEMENTS)
+def discretisation(block, pla, request):
+    return discretise(block, pla, 0.005, request.param)
+
+
+def reference_forces(body, law, u):
+    """`elasticity.internal_forces` in the order of computation."""
+    forces = np.empty_like(u)
+    forces[body.place] = elasticity.internal_forces(body.mesh, law, u[body.place])
+    return forces
+
+
+def reference_stress(body, law, u):
+    """Von Mises stress at the Gauss points in the order of computation [MPa]."""
+    H = elasticity.displacement_gradients(body.mesh, u[body.place])
+    return elasticity.von_mises(elasticity.cauchy_stress(H, law.first_piola(H)))[body.tet_order]
+
+
+def stiffness(body, material):
+    """`elasticity.stiffness_matrix` in the order of computation."""
+    number = np.empty(3 * len(body.place), dtype=int)
+    number[(3 * body.place[:, None] + np.arange(3)).ravel()] = np.arange(3 * len(body.place))
+    return elasticity.stiffness_matrix(body.mesh, material)[number][:, number]
 
 
 def scheme_of(discretisation, pla, name="stable_neo_hookean", samples=8, **changes):
@@ -40,22 +62,21 @@ def scheme_of(discretisation, pla, name="stable_neo_hookean", samples=8, **chang
 
 
 def heights_of(discretisation, normals=NORMALS):
-    heights = discretisation.tets.vertices @ normals.T
+    heights = discretisation.positions @ normals.T
     return heights - heights.min(axis=0)
 
 
 def reference_drop(discretisation, scheme, normal, heights):
     """The scheme in float64 numpy: displacement, velocity, running σ_vM, and per sample the reference's own energies."""
-    tets, masses = discretisation.tets, discretisation.masses[:, None]
-    u, v = np.zeros_like(tets.vertices), np.tile(-scheme.speed * normal, (len(masses), 1))
-    peak, impulse, lost, samples = np.zeros(len(tets.tets)), 0.0, 0.0, []
+    masses = discretisation.masses[:, None]
+    u, v = np.zeros((len(masses), 3)), np.tile(-scheme.speed * normal, (len(masses), 1))
+    peak, impulse, lost, samples = np.zeros((1, 1)), 0.0, 0.0, []
     for step in range(scheme.stride * scheme.samples):
         w = u + scheme.damping * v
         if step % RECORD_EVERY == 0:
-            H = elasticity.displacement_gradients(tets, w)
-            peak = np.maximum(peak, elasticity.von_mises(elasticity.cauchy_stress(H, scheme.law.first_piola(H))))
+            peak = np.maximum(peak, reference_stress(discretisation, scheme.law, w))
         before = v
-        free = v + scheme.time_step * (elasticity.internal_forces(tets, scheme.law, w) / masses - scheme.gravity * normal)
+        free = v + scheme.time_step * (reference_forces(discretisation, scheme.law, w) / masses - scheme.gravity * normal)
         gap = heights + (u + scheme.time_step * free) @ normal
         push = np.maximum(-gap / scheme.time_step, 0.0)[:, None]
         v = free + push * normal
@@ -66,10 +87,9 @@ def reference_drop(discretisation, scheme, normal, heights):
         u = u + scheme.time_step * v
         if (step + 1) % scheme.stride == 0:
             kinetic = float((0.5 * masses * v**2).sum())
-            H = elasticity.displacement_gradients(tets, u)
-            power = -float((elasticity.internal_forces(tets, scheme.law, u) * v).sum())
-            strain = elasticity.strain_energy(tets, scheme.law, u) - 0.5 * scheme.time_step * power
-            now = elasticity.von_mises(elasticity.cauchy_stress(H, scheme.law.first_piola(H))).max()
+            power = -float((reference_forces(discretisation, scheme.law, u) * v).sum())
+            strain = elasticity.strain_energy(discretisation.mesh, scheme.law, u[discretisation.place]) - 0.5 * scheme.time_step * power
+            now = reference_stress(discretisation, scheme.law, u).max()
             sums = ((masses * u).sum(axis=0) @ normal, (masses * v).sum(axis=0) @ normal)
             samples.append((kinetic, strain, impulse, lost, *sums, now**2))
     return u, peak, np.array(samples)
@@ -80,8 +100,8 @@ def reference_drop(discretisation, scheme, normal, heights):
 @pytest.mark.parametrize("size", [1e-4, 0.3])
 def test_internal_forces_agree_with_the_reference(body_type, name, size, discretisation, pla):
     law = law_named(name, pla)
-    u = size * np.random.default_rng(0).standard_normal(discretisation.tets.vertices.shape)
-    expected = elasticity.internal_forces(discretisation.tets, law, u)
+    u = size * np.random.default_rng(0).standard_normal(discretisation.positions.shape)
+    expected = reference_forces(discretisation, law, u)
     # float32 carries 6e-8; a force is a sum of some hundred products.
     np.testing.assert_allclose(body_type(discretisation).internal_forces(law, u), expected, rtol=0, atol=3e-6 * np.abs(expected).max())
 
@@ -89,10 +109,10 @@ def test_internal_forces_agree_with_the_reference(body_type, name, size, discret
 @each_law
 @each_body
 def test_a_large_rotation_alone_gives_next_to_no_force(body_type, name, discretisation, pla):
-    vertices, law = discretisation.tets.vertices, law_named(name, pla)
+    vertices, law = discretisation.positions, law_named(name, pla)
     turned = vertices @ Rotation.from_rotvec([0.0, 0.5, 0.3]).as_matrix().T - vertices
     strained = vertices * 1e-3
-    scale = np.abs(elasticity.internal_forces(discretisation.tets, law, strained)).max()
+    scale = np.abs(reference_forces(discretisation, law, strained)).max()
     # Displacements of 10 mm in float32 (1e-6 mm) over edges of 3 mm: strain noise of some 1e-6 against 1e-3.
     assert np.abs(body_type(discretisation).internal_forces(law, turned)).max() < 1e-2 * scale
 
@@ -115,6 +135,22 @@ def test_a_drop_agrees_step_by_step_with_the_reference(body_type, name, discreti
         np.testing.assert_allclose(history[:, :, index] / scale, samples / scale, atol=1e-3)
         assert touched[index].any()
         assert not touched[index].all()
+
+
+def test_eight_drops_side_by_side_are_the_eight_drops(discretisation, pla, monkeypatch):
+    normals = directions(11)
+    scheme, heights = scheme_of(discretisation, pla, samples=20), heights_of(discretisation, normals)
+    results = []
+    for cores in (1, 8):  # on one core in lanes of drops, on eight cores one by one
+        monkeypatch.setattr(on_cores, "cores", lambda cores=cores: cores)
+        batches = CoreBody(discretisation).batches(scheme, normals, heights)
+        for batch in batches:
+            batch.advance(scheme.samples)
+        results.append([np.concatenate([batch.history(20) for batch in batches], axis=2)])
+        results[-1] += [np.concatenate([getattr(batch, name)() for batch in batches]) for name in ("peak", "touched")]
+        assert len(batches) == {1: 4, 8: 11}[cores]
+    for side_by_side, alone in zip(*results, strict=True):
+        np.testing.assert_allclose(side_by_side.astype(float), alone.astype(float), rtol=0, atol=1e-4 * np.abs(alone).max())
 
 
 def test_vectorised_and_gathering_kernels_agree_over_a_whole_bounce(discretisation, pla):
@@ -162,7 +198,7 @@ def test_results_do_not_depend_on_what_runs_beside(body_type, discretisation, pl
 
 def test_the_power_iteration_finds_the_largest_frequency(discretisation, pla):
     root = diags_array(np.repeat(discretisation.masses, 3) ** -0.5)
-    scaled = root @ elasticity.stiffness_matrix(discretisation.tets, pla) @ root
+    scaled = root @ stiffness(discretisation, pla) @ root
     exact = np.sqrt(eigsh(scaled, k=1, return_eigenvectors=False)[0])
     for body in (CoreBody(discretisation), on_device(discretisation)):
         found = largest_frequency(body, discretisation, law_named("stable_neo_hookean", pla))
@@ -171,9 +207,9 @@ def test_the_power_iteration_finds_the_largest_frequency(discretisation, pla):
 
 def test_damping_lets_a_mode_decay_as_the_textbook_says(box, pla):
     """Amplitude ∝ exp(−β ω² t / 2), so energy ∝ exp(−β ω² t): an eigenmode released far from any floor."""
-    body = discretise(box((1, 1, 8), (2.0, 2.0, 16.0)), pla, 0.0)
+    body = discretise(box((1, 1, 8), (2.0, 2.0, 16.0)), pla, 0.0, LINEAR)
     root = np.repeat(body.masses, 3) ** -0.5
-    values, vectors = eigsh(diags_array(root) @ elasticity.stiffness_matrix(body.tets, pla) @ diags_array(root), k=40)
+    values, vectors = eigsh(diags_array(root) @ stiffness(body, pla) @ diags_array(root), k=40)
     chosen = int(np.argmin(np.abs(np.sqrt(values) - 2500.0)))
     omega, mode = float(np.sqrt(values[chosen])), (root * vectors[:, chosen]).reshape(-1, 3)
     period, periods, samples, beta = 2.0 * np.pi / omega, 8, 8, 2e-5

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from mechstyle.errors import BadInput
 from mechstyle.fea.criterion import BallAverage, input_warning, judge, measures, percentile, robust_field
+from mechstyle.fea.interpolation import GAUSS_A, GAUSS_B
 from mechstyle.material import LIBRARY
 from mechstyle.records import Measures, Simulation, Verdict
 
@@ -34,34 +35,48 @@ def simulation(peak=20.0, p99=15.0, p999=None, maximum=30.0, overall=10.0, failu
 
 
 def test_the_average_of_a_constant_field_is_the_constant(block, average):
-    np.testing.assert_allclose(average(block, np.full(len(block.tets), 7.0)), 7.0, rtol=1e-6)
+    np.testing.assert_allclose(average(block, np.full((len(block.tets), 4), 7.0)), 7.0, rtol=1e-6)
 
 
 def test_the_average_is_the_volume_weighted_mean_over_the_ball(block, average):
-    values = np.random.default_rng(0).uniform(0.0, 50.0, len(block.tets))
-    centroids = block.vertices[block.tets].mean(axis=1)
-    averaged = average(block, values)
-    for index in (0, 57, 200):
-        near = np.linalg.norm(centroids - centroids[index], axis=1) <= 2.0
+    values = np.random.default_rng(0).uniform(0.0, 50.0, (len(block.tets), 1))
+    points, averaged = average.points(block), average(block, values)
+    assert points.shape == (len(block.tets), 8, 3)
+    for tet, point in ((0, 0), (57, 3), (200, 7)):
+        near = np.linalg.norm(points - points[tet, point], axis=2) <= 2.0
         assert near.sum() > 1
-        assert averaged[index] == pytest.approx(np.average(values[near], weights=block.volumes[near]), rel=1e-5)
+        weights = np.repeat(block.volumes[:, None], 8, axis=1)[near]
+        assert averaged[tet, point] == pytest.approx(np.average(np.repeat(values, 8, axis=1)[near], weights=weights), rel=1e-5)
+
+
+def test_sub_points_are_shares_of_the_volume_between_which_stress_is_linear(block):
+    tiny = BallAverage(block, radius=1e-6)  # the value at the point itself
+    gauss = np.full((4, 4), GAUSS_B) + (GAUSS_A - GAUSS_B) * np.eye(4)
+    slope = np.array([1.0, -2.0, 0.5])
+    at_gauss = np.einsum("qk,nkx,x->nq", gauss, block.vertices[block.tets], slope)
+    np.testing.assert_allclose(tiny(block, at_gauss), tiny.points(block) @ slope, atol=1e-9)
+    np.testing.assert_allclose(tiny.points(block).mean(axis=1), block.vertices[block.tets].mean(axis=1), atol=1e-12)
+
+
+def test_a_fine_mesh_is_averaged_tetrahedron_by_tetrahedron(box):
+    fine = box((8, 8, 8), (6.0, 6.0, 6.0))
+    average, values = BallAverage(fine), np.random.default_rng(0).uniform(0.0, 50.0, (len(fine.tets), 4))
+    assert average(fine, values).shape == (len(fine.tets), 1)
+    centroids = fine.vertices[fine.tets].mean(axis=1)
+    near = np.linalg.norm(centroids - centroids[100], axis=1) <= 2.0
+    assert average(fine, values)[100, 0] == pytest.approx(values[near].mean(), rel=1e-5)
 
 
 def test_the_average_keeps_its_neighbours_on_a_morph_but_weighs_with_its_volumes(block, average):
-    values = np.random.default_rng(0).uniform(0.0, 50.0, len(block.tets))
+    values = np.random.default_rng(0).uniform(0.0, 50.0, (len(block.tets), 4))
     stretched = block.moved(block.vertices * [3.0, 1.0, 1.0])
     np.testing.assert_allclose(average(stretched, values), average(block, values), rtol=1e-5)
     bulged = block.moved(block.vertices * (1.0 + 0.05 * block.vertices[:, 2:]))
     assert np.abs(average(bulged, values) / average(block, values) - 1.0).max() > 1e-3
 
 
-def test_a_tiny_radius_averages_over_the_tetrahedron_itself(block):
-    values = np.random.default_rng(0).uniform(0.0, 50.0, len(block.tets))
-    np.testing.assert_allclose(BallAverage(block, radius=1e-6)(block, values), values, rtol=1e-6)
-
-
 def test_the_robust_field_is_the_largest_average_around_a_vertex_and_its_maximum_the_peak(block, average):
-    values = np.random.default_rng(0).uniform(0.0, 50.0, len(block.tets))
+    values = np.random.default_rng(0).uniform(0.0, 50.0, (len(block.tets), 4))
     field, averaged = robust_field(block, values, average), average(block, values)
     for vertex in (0, 40, 99):
         assert field[vertex] == averaged[(block.tets == vertex).any(axis=1)].max()
@@ -85,7 +100,7 @@ def test_percentiles_lie_among_the_values_and_do_not_see_the_unit_of_weight(valu
 
 
 def test_measures_find_peak_place_and_volume(block, average):
-    values = np.zeros(len(block.tets))
+    values = np.zeros((len(block.tets), 4))
     values[123] = 40.0
     found = measures(block, values, average)
     assert found.maximum == 40.0
@@ -218,5 +233,5 @@ def test_an_unknown_criterion_is_refused():
 
 
 def test_the_measures_of_a_failed_drop_are_never_viable(block, average):
-    failed = measures(block, np.full(len(block.tets), np.inf), average)
+    failed = measures(block, np.full((len(block.tets), 1), np.inf), average)
     assert judge(replace(simulation(), as_placed=failed), simulation(), PLA, "robust").outcome == "UNKNOWN"

@@ -6,7 +6,10 @@ import pytest
 from mechstyle.errors import BadInput
 from mechstyle.fea.discretisation import discretise, sliver_scale
 from mechstyle.fea.elasticity import element_frequencies
+from mechstyle.fea.interpolation import ELEMENTS
 from mechstyle.mesh import TetMesh
+
+each_element = pytest.mark.parametrize("element", ELEMENTS.values(), ids=ELEMENTS)
 
 
 @pytest.fixture(scope="module")
@@ -22,26 +25,39 @@ def sliver(block) -> TetMesh:
     return mesh
 
 
-def test_orders_lead_back_to_the_callers_numbering(block, pla):
-    body = discretise(block, pla, 0.0)
-    np.testing.assert_array_equal(body.tets.vertices, block.vertices[body.vertex_order])
-    np.testing.assert_array_equal(body.vertex_order[body.tets.tets], block.tets[body.tet_order])
+@each_element
+def test_orders_lead_back_to_the_callers_numbering(element, block, pla):
+    body = discretise(block, pla, 0.0, element)
+    np.testing.assert_array_equal(body.mesh.nodes[: len(block.vertices)], block.vertices[body.vertices])
+    np.testing.assert_array_equal(body.positions[body.place], body.mesh.nodes)
+    np.testing.assert_array_equal(body.place[body.mesh.connectivity][body.tet_order], body.connectivity)
+    np.testing.assert_array_equal(body.positions[body.connectivity[:, :4]], block.vertices[block.tets[body.tet_order]])
 
 
-def test_corner_lists_name_every_corner_once_in_ascending_order(block, pla):
-    body = discretise(block, pla, 0.0)
-    assert sorted(body.corners) == list(range(4 * len(block.tets)))
-    for vertex in range(0, len(block.vertices), 17):
-        mine = body.corners[body.first_corner[vertex] : body.first_corner[vertex + 1]]
+@each_element
+def test_nodes_that_share_an_element_lie_close_in_memory(element, block, pla):
+    body = discretise(block, pla, 0.0, element)
+    spread = np.ptp(body.connectivity, axis=1)
+    assert spread.max() < 0.5 * len(body.masses)
+    assert (np.diff(body.connectivity.min(axis=1)) >= 0).all()
+
+
+@each_element
+def test_slots_name_every_place_once_in_ascending_order(element, block, pla):
+    body = discretise(block, pla, 0.0, element)
+    assert sorted(body.slots) == list(range(element.nodes * len(block.tets)))
+    for node in range(0, len(body.masses), 17):
+        mine = body.slots[body.first_slot[node] : body.first_slot[node + 1]]
         assert (np.diff(mine) > 0).all()
-        assert (body.tets.tets.ravel()[mine] == vertex).all()
+        assert (body.connectivity.ravel()[mine] == node).all()
 
 
-def test_unused_vertices_are_left_out(block, pla):
-    crowded = TetMesh(np.vstack([block.vertices, [[99.0, 99.0, -99.0]]]), block.tets)
-    body = discretise(crowded, pla, 0.0)
-    assert len(body.tets.vertices) == len(block.vertices)
-    assert len(block.vertices) not in body.vertex_order
+@each_element
+def test_unused_vertices_are_left_out(element, block, pla):
+    crowded = TetMesh(np.vstack([[[99.0, 99.0, -99.0]], block.vertices]), block.tets + 1)
+    body, plain = discretise(crowded, pla, 0.0, element), discretise(block, pla, 0.0, element)
+    assert len(body.masses) == len(plain.masses)
+    np.testing.assert_array_equal(body.vertices, plain.vertices + 1)
 
 
 def test_sliver_scaling_uses_the_allowance_and_no_more(sliver, pla):
@@ -59,8 +75,9 @@ def test_no_allowance_means_no_scaling(sliver, pla):
     np.testing.assert_array_equal(sliver_scale(sliver, pla, 0.0), 1.0)
 
 
-def test_added_mass_is_what_the_masses_say(sliver, pla):
-    body = discretise(sliver, pla, 0.005)
+@each_element
+def test_added_mass_is_what_the_masses_say(element, sliver, pla):
+    body = discretise(sliver, pla, 0.005, element)
     true_mass = pla.density * sliver.volumes.sum()
     assert body.masses.sum() / true_mass - 1.0 == pytest.approx(body.added_mass, rel=1e-9)
     assert body.added_mass <= 0.005 * (1 + 1e-9)

@@ -12,9 +12,11 @@ from mechstyle.errors import BadInput, MissingPiece
 from mechstyle.fea import drop_test, integration
 from mechstyle.fea.drop_test import GRAVITY, DropTest, available_devices, directions, drop, resolve_device
 from mechstyle.fea.elasticity import LAWS
+from mechstyle.fea.interpolation import ELEMENTS
 
 UPRIGHT = [[0.0, 0.0, 1.0]]
 SHORT = DropTest(window=0.05)
+each_element = pytest.mark.parametrize("element", ELEMENTS)
 
 
 @pytest.fixture(scope="module")
@@ -23,15 +25,16 @@ def bar(box):
     return box((2, 2, 30), (4.0, 4.0, 60.0))
 
 
-@pytest.fixture(scope="module")
-def dropped(block, pla):
+@pytest.fixture(scope="module", params=ELEMENTS)
+def dropped(block, pla, request):
     """The block in three orientations, undamped: what the energy balance misses then is the integration's error."""
-    return drop(block, pla, directions(3), DropTest(window=0.4, damping=0.0), device="cpu")
+    return drop(block, pla, directions(3), DropTest(window=0.4, damping=0.0, element=request.param), device="cpu")
 
 
 @pytest.mark.parametrize("law", LAWS)
-def test_a_bar_that_lands_on_its_end_carries_rho_c_v(bar, pla, law):
-    test, c = DropTest(law=law, window=0.06), pla.bar_wave_speed
+@each_element
+def test_a_bar_that_lands_on_its_end_carries_rho_c_v(bar, pla, element, law):
+    test, c = DropTest(law=law, window=0.06, element=element), pla.bar_wave_speed
     history = drop(bar, pla, UPRIGHT, test, device="cpu").history
     # The plateau lasts until the wave returns at 2L/c = 0.071 ms; the first tenth is the rise of the front.
     plateau = history.time > 0.1 * 2 * 60.0 / c
@@ -39,14 +42,15 @@ def test_a_bar_that_lands_on_its_end_carries_rho_c_v(bar, pla, law):
     assert stress == pytest.approx(pla.density * c * test.speed, rel=0.02)
 
 
-def test_the_stress_front_runs_up_the_bar_at_the_bar_wave_speed(bar, pla):
+@each_element
+def test_the_stress_front_runs_up_the_bar_at_the_bar_wave_speed(bar, pla, element):
     c = pla.bar_wave_speed
     half = 0.5 * pla.density * c * DropTest().speed
     heights = bar.vertices[bar.tets].mean(axis=1)[:, 2]
     levels = np.unique(np.round(heights, 1))
 
     def front(window):
-        peak = drop(bar, pla, UPRIGHT, DropTest(window=window), device="cpu").von_mises[0]
+        peak = drop(bar, pla, UPRIGHT, DropTest(window=window, element=element), device="cpu").von_mises[0].mean(axis=1)
         mean = np.array([peak[np.abs(heights - level) < 0.06].mean() for level in levels])
         return np.interp(half, mean[::-1], levels[::-1])
 
@@ -154,7 +158,7 @@ def test_mass_scaling_lengthens_the_step_within_its_limit(block, pla):
 
 @pytest.mark.parametrize("safety", [1.15, 2.0])
 def test_a_step_beyond_the_stable_limit_is_named_and_gives_no_stress(block, pla, safety):
-    result = drop(block, pla, directions(2), DropTest(safety=safety), device="cpu")
+    result = drop(block, pla, directions(2), DropTest(safety=safety, element="tet4"), device="cpu")
     assert "orientation 0 at" in result.failure
     assert "unstable" in result.failure or "no longer finite" in result.failure
     assert np.isposinf(result.von_mises).all()
@@ -212,6 +216,7 @@ def test_directions_start_upright_and_are_all_different():
         ({"damping": float("nan")}, "damping is nan"),
         ({"added_mass": 0.5}, "added mass is 0.5"),
         ({"law": "rubber"}, "unknown elastic law 'rubber'.*stable_neo_hookean"),
+        ({"element": "tet20"}, "unknown element 'tet20'.*tet10"),
     ],
 )
 def test_settings_out_of_range_are_refused_by_name(changes, words):

@@ -12,12 +12,14 @@ from scipy.spatial.transform import Rotation
 from mechstyle.errors import BadInput
 from mechstyle.fea import elasticity
 from mechstyle.fea.elasticity import LAWS, StableNeoHookean, law_named
+from mechstyle.fea.interpolation import ELEMENTS, LINEAR, QUADRATIC, with_nodes
 from mechstyle.material import LIBRARY, Material
 from mechstyle.mesh import TetMesh
 
 PLA = LIBRARY["PLA"]
 SEEDS = st.integers(0, 2**32 - 1)
 each_law = pytest.mark.parametrize("name", LAWS)
+each_element = pytest.mark.parametrize("element", ELEMENTS.values(), ids=ELEMENTS)
 
 
 def irregular_tets():
@@ -47,12 +49,13 @@ def test_stress_is_the_derivative_of_energy(name, seed):
 
 
 @each_law
+@each_element
 @given(seed=SEEDS)
-def test_force_is_minus_the_gradient_of_strain_energy(name, seed):
-    mesh, law, step = irregular_tets(), law_named(name, PLA), 1e-6
-    u = 0.05 * np.random.default_rng(seed).standard_normal(mesh.vertices.shape)
+def test_force_is_minus_the_gradient_of_strain_energy(element, name, seed):
+    mesh, law, step = with_nodes(irregular_tets(), element), law_named(name, PLA), 1e-6
+    u = 0.05 * np.random.default_rng(seed).standard_normal(mesh.nodes.shape)
     forces = elasticity.internal_forces(mesh, law, u)
-    for vertex, axis in ((0, 0), (13, 1), (26, 2)):
+    for vertex, axis in ((0, 0), (13, 1), (len(u) - 1, 2)):
         change = np.zeros_like(u)
         change[vertex, axis] = step
         up, down = (elasticity.strain_energy(mesh, law, u + sign * change) for sign in (1.0, -1.0))
@@ -60,14 +63,15 @@ def test_force_is_minus_the_gradient_of_strain_energy(name, seed):
 
 
 @each_law
-def test_rigid_motion_gives_no_stress(name, block):
-    law, Q = law_named(name, PLA), Rotation.from_rotvec([0.4, -1.1, 0.7]).as_matrix()
-    u = block.vertices @ Q.T - block.vertices + [3.0, -2.0, 5.0]
-    H = elasticity.displacement_gradients(block, u)
+@each_element
+def test_rigid_motion_gives_no_stress(element, name, block):
+    law, Q, mesh = law_named(name, PLA), Rotation.from_rotvec([0.4, -1.1, 0.7]).as_matrix(), with_nodes(block, element)
+    u = mesh.nodes @ Q.T - mesh.nodes + [3.0, -2.0, 5.0]
+    H = elasticity.displacement_gradients(mesh, u)
     # Rounding only: 1e-16 relative of numbers of order one, times moduli of 5000 MPa.
     assert np.abs(law.first_piola(H)).max() < 1e-9
-    assert np.abs(elasticity.internal_forces(block, law, u)).max() < 1e-8
-    assert abs(elasticity.strain_energy(block, law, u)) < 1e-9
+    assert np.abs(elasticity.internal_forces(mesh, law, u)).max() < 1e-8
+    assert abs(elasticity.strain_energy(mesh, law, u)) < 1e-9
 
 
 @each_law
@@ -120,31 +124,38 @@ def test_lame_round_trip(young, poisson):
 
 
 @each_law
-def test_patch_test_an_affine_displacement_is_reproduced_without_inner_forces(name, block):
+@each_element
+def test_patch_test_an_affine_displacement_is_reproduced_without_inner_forces(element, name, block):
+    mesh = with_nodes(block, element)
     gradient = np.array([[1e-3, 2e-4, 0.0], [-3e-4, 5e-4, 1e-4], [2e-4, 0.0, -8e-4]])
-    u = block.vertices @ gradient.T
-    np.testing.assert_allclose(elasticity.displacement_gradients(block, u), np.broadcast_to(gradient, (len(block.tets), 3, 3)), atol=1e-15)
-    forces = elasticity.internal_forces(block, law_named(name, PLA), u)
-    inner = np.setdiff1d(np.arange(len(block.vertices)), block.boundary_faces)
-    assert len(inner) > 0
+    u = mesh.nodes @ gradient.T
+    found = elasticity.displacement_gradients(mesh, u)
+    np.testing.assert_allclose(found, np.broadcast_to(gradient, (len(block.tets), element.points, 3, 3)), atol=1e-15)
+    forces = elasticity.internal_forces(mesh, law_named(name, PLA), u)
+    inner = np.all((mesh.nodes > 1e-9) & (mesh.nodes < np.array([12.0, 10.0, 16.0]) - 1e-9), axis=1)
+    assert inner.any()
     assert np.abs(forces[inner]).max() < 1e-11 * np.abs(forces).max() * len(block.tets)
     np.testing.assert_allclose(forces.sum(axis=0), 0.0, atol=1e-9)
 
 
 @each_law
-def test_stiffness_matrix_is_the_linearisation_of_the_forces(name, block):
-    law, u, step = law_named(name, PLA), np.random.default_rng(0).standard_normal(block.vertices.shape), 1e-6
-    difference = elasticity.internal_forces(block, law, step * u) - elasticity.internal_forces(block, law, -step * u)
+@each_element
+def test_stiffness_matrix_is_the_linearisation_of_the_forces(element, name, block):
+    mesh = with_nodes(block, element)
+    law, u, step = law_named(name, PLA), np.random.default_rng(0).standard_normal(mesh.nodes.shape), 1e-6
+    difference = elasticity.internal_forces(mesh, law, step * u) - elasticity.internal_forces(mesh, law, -step * u)
     numeric = -difference.ravel() / (2.0 * step)
-    K = elasticity.stiffness_matrix(block, PLA)
+    K = elasticity.stiffness_matrix(mesh, PLA)
     np.testing.assert_allclose(K @ u.ravel(), numeric, rtol=0, atol=1e-8 * np.abs(numeric).max())
     assert np.abs(K - K.T).max() < 1e-9
 
 
-def test_stiffness_matrix_knows_the_six_rigid_motions(block):
-    K = elasticity.stiffness_matrix(block, PLA)
+@each_element
+def test_stiffness_matrix_knows_the_six_rigid_motions(element, block):
+    mesh = with_nodes(block, element)
+    K = elasticity.stiffness_matrix(mesh, PLA)
     for axis in np.eye(3):
-        for motion in (np.broadcast_to(axis, block.vertices.shape), np.cross(axis, block.vertices)):
+        for motion in (np.broadcast_to(axis, mesh.nodes.shape), np.cross(axis, mesh.nodes)):
             assert np.abs(K @ motion.ravel()).max() < 1e-8
 
 
@@ -152,13 +163,30 @@ def test_element_frequency_is_the_largest_eigenvalue_of_the_element(block):
     closed = elasticity.element_frequencies(block, PLA)
     for index in (0, 100, 287):
         single = type(block)(block.vertices[block.tets[index]], np.arange(4)[None])
-        K = elasticity.stiffness_matrix(single, PLA).toarray()
-        mass = PLA.density * single.volumes[0] / 4.0
-        assert closed[index] == pytest.approx(np.sqrt(eigh(K, eigvals_only=True)[-1] / mass), rel=1e-9)
+        assert closed[index] == pytest.approx(largest_frequency(with_nodes(single, LINEAR)), rel=1e-9)
 
 
-def test_lumped_masses_add_up_to_the_mass(block):
-    masses = elasticity.lumped_masses(block, elasticity.element_masses(block, PLA.density))
+def largest_frequency(single):
+    """Of one element on its own, by its whole eigenproblem [rad/ms]."""
+    masses = elasticity.lumped_masses(single, PLA.density * single.tets.volumes)
+    root = np.repeat(masses, 3) ** -0.5
+    K = elasticity.stiffness_matrix(single, PLA).toarray()
+    return float(np.sqrt(eigh(root[:, None] * K * root, eigvals_only=True)[-1]))
+
+
+@given(seed=SEEDS, flat=st.floats(0.02, 1.0))
+def test_a_quadratic_element_vibrates_about_twice_as_fast_as_the_linear_one_whatever_its_shape(seed, flat):
+    corners = np.random.default_rng(seed).standard_normal((4, 3))
+    corners[3] = corners[:3].mean(axis=0) + flat * corners[3]
+    order = [0, 1, 2, 3] if np.linalg.det(corners[1:] - corners[0]) > 0 else [0, 2, 1, 3]
+    single = TetMesh(corners[order], [[0, 1, 2, 3]])
+    ratio = largest_frequency(with_nodes(single, QUADRATIC)) / elasticity.element_frequencies(single, PLA)[0]
+    assert 1.9 < ratio < 2.6, "slivers of linear elements are those of quadratic ones"
+
+
+@each_element
+def test_lumped_masses_add_up_to_the_mass(element, block):
+    masses = elasticity.lumped_masses(with_nodes(block, element), PLA.density * block.volumes)
     assert masses.sum() == pytest.approx(PLA.density * 12.0 * 10.0 * 16.0, rel=1e-12)
     assert (masses > 0).all()
 

@@ -1,0 +1,125 @@
+"""Eight drops on one CPU core, one tetrahedron at a time: the lanes are orientations.
+
+Everything about the body is shared by the drops, everything that differs lies side by side: state is [node][x y z][lane], so that no
+transposition is needed and each number of the body is read once for eight drops. Forces are added in the order of the tetrahedra.
+"""
+
+# mypy: disable-error-code="untyped-decorator,valid-type"
+# Warp reads the annotations of its functions itself: they are calls.
+
+from __future__ import annotations
+
+from mechstyle.fea.lane_code import ALGEBRA, ELEMENTS, FORCES, STRAIN, STRESS, TYPES
+from mechstyle.fea.lane_state import LaneBody, LaneScheme, LaneState
+from mechstyle.quiet import wp
+
+wp.set_module_options({"enable_backward": False})
+
+LANES = 8
+"""Drops computed together."""
+
+_LAYOUT = """
+    typedef float Number;  // what lies in no lane: the body is the same for all drops
+    auto geometry = [&](int block) { return (const Number *)body.geometry.data + 10 * block; };
+    auto load = [&](auto element, const float *field, int block, Vector *x) INLINE {
+        constexpr int nodes = decltype(element)::nodes;
+        const int *node = body.nodes_of.data + nodes * block;
+        const Lanes *first = (const Lanes *)(field + 3 * LANES * node[0]);
+        for (int a = 0; a < nodes; a++)
+            for (int k = 0; k < 3; k++) x[a][k] = ((const Lanes *)(field + 3 * LANES * node[a]))[k] - first[k];
+    };
+    auto add = [&](auto element, const Vector *f, int block) INLINE {
+        constexpr int nodes = decltype(element)::nodes;
+        const int *node = body.nodes_of.data + nodes * block;
+        for (int a = 0; a < nodes; a++)
+            for (int k = 0; k < 3; k++) ((Lanes *)(state.forces.data + 3 * LANES * node[a]))[k] += f[a][k];
+    };
+"""
+
+_ADVANCE = f"    constexpr int LANES = {LANES};" + TYPES + """
+    const float dt = scheme.time_step, beta = scheme.damping;
+    const Lanes *n = (const Lanes *)scheme.normals.data;
+    auto dot = [](const Lanes *a, const Lanes *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; };
+    for (int i = 0; i < body.masses.shape[0]; i++) {
+        const float mass = body.masses.data[i];
+        Lanes *u = (Lanes *)state.u.data + 3 * i, *v = (Lanes *)state.v.data + 3 * i, *w = (Lanes *)state.w.data + 3 * i;
+        Lanes *force = (Lanes *)state.forces.data + 3 * i, velocity[3], ahead[3];
+        for (int k = 0; k < 3; k++) {
+            velocity[k] = v[k] + dt * (force[k] / mass - scheme.gravity * n[k]);
+            ahead[k] = u[k] + dt * velocity[k];
+        }
+        const Lanes gap = ((const Lanes *)state.heights.data)[i] + dot(n, ahead);
+        bool touching = false;
+        for (int l = 0; l < LANES; l++) touching |= gap[l] < 0.0f;
+        if (touching) {
+            Lanes tangential[3], change[3], sum[3], length;
+            const Lanes zero = {}, push = gap < 0.0f ? -gap / dt : zero;
+            const Lanes along = dot(velocity, n) + push;
+            for (int k = 0; k < 3; k++) tangential[k] = velocity[k] + push * n[k] - along * n[k];
+            const Lanes square = dot(tangential, tangential);
+            for (int l = 0; l < LANES; l++) length[l] = sqrtf(square[l]) > 1.0e-12f ? sqrtf(square[l]) : 1.0e-12f;
+            const Lanes clipped = scheme.friction * push / length, kept = clipped < 1.0f ? 1.0f - clipped : zero;
+            for (int k = 0; k < 3; k++) {
+                const Lanes landed = along * n[k] + kept * tangential[k], after = gap < 0.0f ? landed : velocity[k];
+                change[k] = after - velocity[k];
+                sum[k] = v[k] + after;
+                velocity[k] = after;
+            }
+            ((Lanes *)state.impulse.data)[i] += mass * push;
+            ((Lanes *)state.contact_loss.data)[i] -= 0.5f * mass * dot(change, sum);
+        }
+        for (int k = 0; k < 3; k++) {
+            v[k] = velocity[k];
+            u[k] += dt * velocity[k];
+            w[k] = u[k] + beta * velocity[k];
+            force[k] = Lanes{};
+        }
+    }
+"""
+
+_SAMPLE = """
+    DoubleLanes kinetic = {}, height = {}, momentum = {}, impulse = {}, contact_loss = {};
+    const Lanes *n = (const Lanes *)scheme.normals.data;
+    auto wide = [](Lanes x) { return __builtin_convertvector(x, DoubleLanes); };
+    for (int i = 0; i < body.masses.shape[0]; i++) {
+        const Lanes *u = (const Lanes *)state.u.data + 3 * i, *v = (const Lanes *)state.v.data + 3 * i;
+        const float mass = body.masses.data[i];
+        kinetic += wide(0.5f * mass * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]));
+        height += wide(mass * (u[0] * n[0] + u[1] * n[1] + u[2] * n[2]));
+        momentum += wide(mass * (v[0] * n[0] + v[1] * n[1] + v[2] * n[2]));
+        impulse += wide(((const Lanes *)state.impulse.data)[i]);
+        contact_loss += wide(((const Lanes *)state.contact_loss.data)[i]);
+    }
+    const DoubleLanes values[] = {kinetic, strain, impulse, contact_loss, height, momentum, wide(peak)};
+    for (int k = 0; k < 7; k++)
+        for (int l = 0; l < LANES; l++) state.samples.data[(7 * row + k) * LANES + l] = (float)values[k][l];
+"""
+
+_HEAD = f"    constexpr int LANES = {LANES};" + TYPES + ALGEBRA + STRESS + _LAYOUT + ELEMENTS
+
+
+@wp.func_native(_HEAD + FORCES)
+def element_forces_of_drops(body: LaneBody, state: LaneState, scheme: LaneScheme, record: int) -> None:
+    """Internal forces of all tetrahedra, added to state.forces [N]; if `record`, the running maximum of σ_vM² [MPa²]."""
+
+
+@wp.func_native(_ADVANCE)
+def advance_drops(body: LaneBody, state: LaneState, scheme: LaneScheme) -> None:
+    """Symplectic Euler with contact for every node, as `kernels.advance`; clears the forces."""
+
+
+@wp.func_native(_HEAD + STRAIN + _SAMPLE)
+def sample_drops(body: LaneBody, state: LaneState, scheme: LaneScheme, row: int) -> None:
+    """One row of the history, in the order of `kernels.KINETIC` to `kernels.PEAK`."""
+
+
+@wp.kernel
+def strides_of_drops(
+    body: LaneBody, state: LaneState, scheme: LaneScheme, first_row: int, rows: int, steps: int, record_every: int
+) -> None:
+    """`rows` times `steps` steps and a sample."""
+    for row in range(rows):
+        for step in range(steps):
+            element_forces_of_drops(body, state, scheme, wp.where(step % record_every == 0, 1, 0))
+            advance_drops(body, state, scheme)
+        sample_drops(body, state, scheme, first_row + row)

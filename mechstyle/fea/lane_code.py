@@ -1,0 +1,232 @@
+"""The element arithmetic of the CPU kernels as C++ text: a number becomes a vector of lanes, all else stays as in the textbook.
+
+Warp compiles kernels for the CPU without vectorising them. These are the same steps as in `kernels`, written with the vector
+extensions of clang, the compiler inside Warp: `Lanes` adds and multiplies like a float, and the compiler maps it to whatever the
+processor has (AVX, SSE or NEON registers, one or several). What lies in the lanes is for the layouts to say: eight tetrahedra of one
+drop (`tet_lanes`) or one tetrahedron of eight drops (`drop_lanes`). A layout provides `load`, `geometry` and `add`, and everything
+here is written in terms of these; `Linear` and `Quadratic` are the elements of `interpolation`.
+"""
+
+from __future__ import annotations
+
+from mechstyle.fea.interpolation import GAUSS_A, GAUSS_B
+
+TYPES = """
+    #define INLINE __attribute__((always_inline))
+    #define UNROLL _Pragma("clang loop unroll(full)")
+    typedef float Lanes __attribute__((vector_size(4 * LANES), aligned(4)));
+    typedef double DoubleLanes __attribute__((vector_size(8 * LANES), aligned(8)));
+    struct Vector {
+        Lanes entry[3];
+        Lanes &operator[](int i) { return entry[i]; }
+        const Lanes &operator[](int i) const { return entry[i]; }
+    };
+    struct Matrix {
+        Lanes entry[3][3];
+        Lanes *operator[](int i) { return entry[i]; }
+        const Lanes *operator[](int i) const { return entry[i]; }
+    };
+    struct Linear { enum { nodes = 4, points = 1 }; };
+    struct Quadratic { enum { nodes = 10, points = 4 }; };
+"""
+
+ALGEBRA = """
+    auto trace = [](const Matrix &A) { return A[0][0] + A[1][1] + A[2][2]; };
+    auto contraction = [](const Matrix &A, const Matrix &B) {
+        Lanes sum = {};
+        for (int i = 0; i < 3; i++)
+            for (int j = 0; j < 3; j++) sum += A[i][j] * B[i][j];
+        return sum;
+    };
+    auto cofactor = [](const Matrix &A) {
+        Matrix C;
+        for (int i = 0; i < 3; i++)
+            for (int j = 0; j < 3; j++) {
+                const int a = (i + 1) % 3, b = (i + 2) % 3, c = (j + 1) % 3, d = (j + 2) % 3;
+                C[i][j] = A[a][c] * A[b][d] - A[a][d] * A[b][c];
+            }
+        return C;
+    };
+    // J - 1 = tr H + tr cof H + det H
+    auto volume_change = [&](const Matrix &H, const Matrix &C) {
+        return trace(H) + trace(C) + (H[0][0] * C[0][0] + H[0][1] * C[0][1] + H[0][2] * C[0][2]);
+    };
+"""
+
+STRESS = """
+    const float mu = scheme.mu, la = scheme.la;
+    auto green_strain = [](const Matrix &H) {
+        Matrix E;
+        for (int i = 0; i < 3; i++)
+            for (int j = 0; j < 3; j++)
+                E[i][j] = 0.5f * (H[i][j] + H[j][i] + H[0][i] * H[0][j] + H[1][i] * H[1][j] + H[2][i] * H[2][j]);
+        return E;
+    };
+    auto st_venant_kirchhoff = [&](const Matrix &H) {
+        Matrix S = green_strain(H), P;
+        const Lanes spherical = la * trace(S);
+        for (int i = 0; i < 3; i++)
+            for (int j = 0; j < 3; j++) S[i][j] = 2.0f * mu * S[i][j] + (i == j ? spherical : Lanes{});
+        for (int i = 0; i < 3; i++)
+            for (int j = 0; j < 3; j++) P[i][j] = S[i][j] + H[i][0] * S[0][j] + H[i][1] * S[1][j] + H[i][2] * S[2][j];
+        return P;
+    };
+    auto stable_neo_hookean = [&](const Matrix &H) {
+        const Matrix C = cofactor(H);
+        const Lanes tr = trace(H), q = 2.0f * tr + contraction(H, H), k = mu * q / (4.0f * (4.0f + q));
+        const Lanes pressure = la * volume_change(H, C);
+        const float m = 0.75f * mu;
+        Matrix P;
+        for (int i = 0; i < 3; i++)
+            for (int j = 0; j < 3; j++) {
+                P[i][j] = m * (H[i][j] + H[j][i] - C[i][j]) + k * H[i][j] + pressure * (C[i][j] - H[j][i]);
+                if (i == j) P[i][j] += k + pressure + (pressure - m) * tr;
+            }
+        return P;
+    };
+    auto first_piola = [&](const Matrix &H) { return scheme.law == 0 ? st_venant_kirchhoff(H) : stable_neo_hookean(H); };
+    auto von_mises_squared = [&](const Matrix &H, const Matrix &P) {
+        Matrix T;  // Kirchhoff stress J sigma = P F^T
+        for (int i = 0; i < 3; i++)
+            for (int j = 0; j < 3; j++) T[i][j] = P[i][j] + P[i][0] * H[j][0] + P[i][1] * H[j][1] + P[i][2] * H[j][2];
+        const Lanes a = T[0][0] - T[1][1], b = T[1][1] - T[2][2], c = T[2][2] - T[0][0];
+        const Lanes shear = T[0][1] * T[0][1] + T[1][2] * T[1][2] + T[2][0] * T[2][0], J = 1.0f + volume_change(H, cofactor(H));
+        return (0.5f * (a * a + b * b + c * c) + 3.0f * shear) / (J * J);
+    };
+    auto energy_density = [&](const Matrix &H) {
+        if (scheme.law == 0) {
+            const Matrix E = green_strain(H);
+            return 0.5f * la * trace(E) * trace(E) + mu * contraction(E, E);
+        }
+        const Matrix C = cofactor(H);
+        const Lanes change = volume_change(H, C), square = contraction(H, H), x = 0.25f * (2.0f * trace(H) + square);
+        const Lanes s = x / (2.0f + x);  // x - ln(1 + x) by the series of artanh s
+        const Lanes remainder = s * (x - s * s * (2.0f / 3.0f + s * s * (2.0f / 5.0f + s * s * 2.0f / 7.0f)));
+        return 0.375f * mu * (square - 2.0f * (change - trace(H))) + 0.5f * mu * remainder + 0.5f * la * change * change;
+    };
+"""
+
+ELEMENTS = (
+    f"    constexpr float NEAR = 4.0f * {GAUSS_A}f, FAR = 4.0f * {GAUSS_B}f, SELF = FAR - 1.0f, EXTRA = NEAR - FAR;"
+     """
+    // Node between corners i and j, the corner itself for i = j.
+    constexpr int between[4][4] = {{0, 4, 5, 6}, {4, 1, 7, 8}, {5, 7, 2, 9}, {6, 8, 9, 3}};
+    // H + factor sum_i (x_i - x_0) (x) grad L_i: the gradient of what has the values x at the corners.
+    auto plus_linear = [](Matrix H, const Vector &x0, const Vector &x1, const Vector &x2, const Vector &x3, const Number *B) INLINE {
+        for (int k = 0; k < 3; k++) {
+            const Lanes a = x1[k] - x0[k], b = x2[k] - x0[k], c = x3[k] - x0[k];
+            for (int j = 0; j < 3; j++) H[k][j] += a * B[j] + b * B[3 + j] + c * B[6 + j];
+        }
+        return H;
+    };
+    // What the gradients at the four Gauss points of a quadratic element have in common; x are nodal values less that of node 0.
+    auto common_gradient = [&](const Vector *x, const Number *B) INLINE {
+        Vector base[4];
+        for (int i = 0; i < 4; i++)
+            for (int k = 0; k < 3; k++) {
+                Lanes edges = {};
+                for (int j = 0; j < 4; j++)
+                    if (j != i) edges += x[between[i][j]][k];
+                base[i][k] = SELF * x[i][k] + FAR * edges;
+            }
+        return plus_linear(Matrix{}, base[0], base[1], base[2], base[3], B);
+    };
+    // The gradient at Gauss point q; `extra` is EXTRA grad L_i.
+    auto gradient = [&](auto element, const Matrix &common, const Vector *x, const Number *B, const Number *extra, int q) INLINE {
+        if constexpr (decltype(element)::points == 1) return plus_linear(Matrix{}, x[0], x[1], x[2], x[3], B);
+        else return plus_linear(common, x[between[0][q]], x[between[1][q]], x[between[2][q]], x[between[3][q]], extra);
+    };
+    // g_i = P b_i for i = 1 to 3 and minus their sum for i = 0, b_i = -V/points grad L_i: corner forces of a linear element.
+    auto corner_forces = [](const Matrix &P, const Number *b, Vector *g) INLINE {
+        for (int k = 0; k < 3; k++) {
+            for (int i = 0; i < 3; i++) g[i + 1][k] = P[k][0] * b[3 * i] + P[k][1] * b[3 * i + 1] + P[k][2] * b[3 * i + 2];
+            g[0][k] = -(g[1][k] + g[2][k] + g[3][k]);
+        }
+    };
+    // Nodal forces -sum_q V/points P_q grad N_a of an element, `stress(q, H)` being P at its Gauss points.
+    auto nodal_forces = [&](auto element, const Vector *x, const Number *G, auto stress, Vector *f) INLINE {
+        constexpr int points = decltype(element)::points;
+        Number b[9], extra[9];
+        for (int i = 0; i < 9; i++) b[i] = (-1.0f / points) * G[9] * G[i], extra[i] = EXTRA * G[i];
+        if constexpr (points == 1) {
+            corner_forces(stress(0, gradient(element, Matrix{}, x, G, extra, 0)), b, f);
+        } else {
+            const Matrix common = common_gradient(x, G);
+            Vector total[4] = {}, g[4];
+            for (int a = 0; a < 10; a++) f[a] = Vector{};
+            UNROLL
+            for (int q = 0; q < 4; q++) {
+                corner_forces(stress(q, gradient(element, common, x, G, extra, q)), b, g);
+                UNROLL
+                for (int i = 0; i < 4; i++)
+                    for (int k = 0; k < 3; k++) {
+                        total[i][k] += g[i][k];
+                        f[between[q][i]][k] += g[i][k];
+                    }
+            }
+            for (int k = 0; k < 3; k++) {
+                for (int i = 0; i < 4; i++) f[i][k] = SELF * total[i][k] + EXTRA * f[i][k];
+                for (int i = 0; i < 4; i++)
+                    for (int j = i + 1; j < 4; j++) {
+                        Lanes &middle = f[between[i][j]][k];
+                        middle = FAR * (total[i][k] + total[j][k]) + EXTRA * middle;
+                    }
+            }
+        }
+    };
+"""
+)
+
+FORCES = """
+    // Adds the internal forces of every block to the nodes in ascending order; if `record`, keeps the running maximum of sigma_vM^2.
+    auto all_forces = [&](auto element) INLINE {
+        constexpr int nodes = decltype(element)::nodes, points = decltype(element)::points;
+        Lanes *peak = (Lanes *)state.peak_squared.data;
+        for (int block = 0; block < body.blocks; block++) {
+            const Number *G = geometry(block);
+            Vector x[nodes], f[nodes];
+            load(element, state.w.data, block, x);
+            auto stress = [&](int q, const Matrix &H) INLINE {
+                const Matrix P = first_piola(H);
+                if (record) {
+                    const Lanes now = von_mises_squared(H, P), before = peak[points * block + q];
+                    peak[points * block + q] = now > before ? now : before;
+                }
+                return P;
+            };
+            nodal_forces(element, x, G, stress, f);
+            add(element, f, block);
+        }
+    };
+    if (body.nodes == 4) all_forces(Linear{});
+    else all_forces(Quadratic{});
+"""
+
+STRAIN = """
+    // Strain energy half a step ago and the largest von Mises stress now, lane by lane.
+    DoubleLanes strain = {};
+    Lanes peak = {};
+    auto all_energy = [&](auto element) INLINE {
+        constexpr int nodes = decltype(element)::nodes, points = decltype(element)::points;
+        for (int block = 0; block < body.blocks; block++) {
+            const Number *G = geometry(block);
+            Number extra[9];
+            for (int i = 0; i < 9; i++) extra[i] = EXTRA * G[i];
+            Vector x[nodes], v[nodes];
+            load(element, state.u.data, block, x);
+            load(element, state.v.data, block, v);
+            Matrix x_common = {}, v_common = {};
+            if constexpr (points > 1) x_common = common_gradient(x, G), v_common = common_gradient(v, G);
+            for (int q = 0; q < points; q++) {
+                const Matrix H = gradient(element, x_common, x, G, extra, q), rate = gradient(element, v_common, v, G, extra, q);
+                const Matrix P = first_piola(H);
+                const Lanes now = von_mises_squared(H, P);
+                const Lanes energy = G[9] * (energy_density(H) - 0.5f * scheme.time_step * contraction(P, rate)) * (1.0f / points);
+                strain += __builtin_convertvector(energy, DoubleLanes);
+                peak = now > peak ? now : peak;
+            }
+        }
+    };
+    if (body.nodes == 4) all_energy(Linear{});
+    else all_energy(Quadratic{});
+"""
