@@ -1,1 +1,1 @@
-"""Pictures of parts without a display: rasteriser, shading and figures."""
+"""Pictures of parts without a display: shading and figures."""

@@ -12,8 +12,8 @@ from mechstyle.errors import BadInput
 from mechstyle.mesh import SurfaceMesh
 from mechstyle.pictures.camera import VIEWS, Camera
 from mechstyle.pictures.colormap import LINE, STRIPE, Scale, hatch, linear_to_srgb, srgb_to_linear
-from mechstyle.pictures.raster import Visibility, visible
 from mechstyle.pictures.shading import corner_normals, floor_shadow, hollows, lit
+from mechstyle.raster.visibility import Visibility, visible
 
 __all__ = ["BACKGROUND", "VIEWS", "Camera", "Field", "render"]
 

@@ -10,7 +10,7 @@ from scipy.ndimage import gaussian_filter, map_coordinates
 
 from mechstyle.mesh import SurfaceMesh
 from mechstyle.pictures.camera import Camera
-from mechstyle.pictures.raster import visible
+from mechstyle.raster.visibility import visible
 
 Image = NDArray[np.float32]
 

@@ -1,4 +1,4 @@
-"""The Warp kernels of the rasteriser."""
+"""The Warp kernels of the rasteriser: faces into a z-buffer, the z-buffer into weights, and the edges that part two pixels."""
 
 # mypy: disable-error-code="arg-type,attr-defined,index,no-any-return,no-untyped-call,no-untyped-def,valid-type"
 # Warp reads the annotations of its functions itself (they are calls) and types what they compute.
@@ -10,6 +10,8 @@ from mechstyle.quiet import wp
 NOTHING = wp.constant(wp.int64(2**63 - 1))
 FACE_BITS = wp.constant(wp.int64(31))
 DEPTH_STEPS = wp.constant(wp.float64(2.0**32 - 1.0))
+EDGE_BITS = wp.constant(wp.int64(32))
+REACH_STEPS = wp.constant(wp.float64(2.0**31 - 2.0))
 
 
 @wp.func
@@ -46,8 +48,14 @@ def draw(
     size: wp.vec3i,
     scale: wp.vec2d,
     nearest: wp.array(dtype=wp.int64),
+    hidden: wp.array(dtype=wp.bool),
 ) -> None:
-    """One thread per view and face; `size` is (points per view, height, width), `scale` (sub-pixels, 1 to skip back faces)."""
+    """One thread per view and face.
+
+    `size` is (points per view, height, width), `scale` (sub-pixels, 1 to skip back faces), `hidden` the faces to skip, none if empty.
+    """
+    if hidden.shape[0] > 0 and hidden[wp.tid()]:
+        return
     view = wp.tid() // faces.shape[0]
     face = wp.tid() - view * faces.shape[0]
     a = view * size[0] + faces[face, 0]
@@ -121,3 +129,86 @@ def resolve(
     face_seen[pixel] = face
     weights[pixel] = wp.vec3(wp.float32(u / total), wp.float32(v / total), wp.float32(w / total))
     depth[pixel] = wp.float32(wp.float64(1.0) / total)
+
+
+@wp.func
+def _sign(value: wp.int64) -> int:
+    if value > wp.int64(0):
+        return 1
+    if value < wp.int64(0):
+        return -1
+    return 0
+
+
+@wp.func
+def _inner_side(points: wp.array2d(dtype=wp.int64), a: int, b: int, c: int, d: int) -> int:
+    """The side of an edge, as a sign, on which its faces' third corners c and d lie; 0 if they lie on both. d is -1 if there is none."""
+    side = _sign(_edge(points, a, b, points[c, 0], points[c, 1]))
+    if d < 0:
+        return side
+    other = _sign(_edge(points, a, b, points[d, 0], points[d, 1]))
+    if side * other < 0:
+        return 0
+    if side == 0:
+        return other
+    return side
+
+
+@wp.func
+def _pixel(line: int, place: int, along: int, width: int) -> int:
+    """The pixel at a place on a row (along 1) or on a column (along 0) of one picture."""
+    if along == 1:
+        return line * width + place
+    return place * width + line
+
+
+@wp.kernel
+def part(
+    points: wp.array2d(dtype=wp.int64),
+    inverse_depth: wp.array(dtype=wp.float64),
+    edges: wp.array2d(dtype=wp.int32),
+    size: wp.vec3i,
+    step: wp.int64,
+    nearest: wp.array(dtype=wp.int64),
+    parting: wp.array2d(dtype=wp.int64),
+) -> None:
+    """One thread per view and edge: where an outline passes between the centres of two neighbouring pixels, remember the edge there.
+
+    An edge is of the outline where both its faces lie on one side of it in the picture. A steep edge crosses the centre lines of rows and
+    is remembered in `parting[0]`, a flat one those of columns, in `parting[1]`, at the first pixel of the pair. What lies outside it must
+    be farther than the edge, or the edge is hidden. Of several edges the one that reaches farthest out is kept, packed with a bit that
+    says whether the second pixel is the inner one.
+    """
+    view = wp.tid() // edges.shape[0]
+    edge = wp.tid() - view * edges.shape[0]
+    a = view * size[0] + edges[edge, 0]
+    b = view * size[0] + edges[edge, 1]
+    d = edges[edge, 3]
+    if d >= 0:
+        d += view * size[0]
+    inner = _inner_side(points, a, b, view * size[0] + edges[edge, 2], d)
+    if inner == 0 or inverse_depth[a] <= wp.float64(0.0) or inverse_depth[b] <= wp.float64(0.0):
+        return
+    along = int(wp.abs(points[b, 1] - points[a, 1]) >= wp.abs(points[b, 0] - points[a, 0]))  # the coordinate that numbers the lines crossed
+    across = 1 - along
+    half = step / wp.int64(2)
+    length = points[b, along] - points[a, along]
+    second_inside = int(inner == (1 - 2 * along) * _sign(length))
+    low = wp.min(points[a, along], points[b, along])
+    high = wp.max(points[a, along], points[b, along]) - wp.int64(1)  # a line through the common end of two edges is crossed once
+    for line in range(_first_pixel(low, step), _last_pixel(high, step, size[2 - along]) + 1):
+        share = wp.float64(wp.int64(line) * step + half - points[a, along]) / wp.float64(length)
+        crossing = wp.float64(points[a, across]) + share * wp.float64(points[b, across] - points[a, across])
+        place = (crossing - wp.float64(half)) / wp.float64(step)
+        first = int(wp.floor(place))
+        if first >= 0 and first + 1 < size[2 - across]:
+            picture = view * size[1] * size[2]
+            inside = picture + _pixel(line, first + second_inside, along, size[2])
+            outside = picture + _pixel(line, first + 1 - second_inside, along, size[2])
+            inverse = (wp.float64(1.0) - share) * inverse_depth[a] + share * inverse_depth[b]
+            far = wp.int64(wp.clamp(wp.float64(1.0) - inverse, wp.float64(0.0), wp.float64(1.0)) * DEPTH_STEPS)
+            behind = nearest[outside] >> FACE_BITS
+            if far < behind and (nearest[inside] >> FACE_BITS) < behind:
+                short = wp.abs(place - wp.float64(first + 1 - second_inside))  # from the outer pixel
+                key = (wp.int64(short * REACH_STEPS) << EDGE_BITS) | (wp.int64(edge) << wp.int64(1)) | wp.int64(second_inside)
+                wp.atomic_min(parting, across, picture + _pixel(line, first, along, size[2]), key)

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mechstyle.errors import BadInput, MissingPiece
-from mechstyle.pictures import kernels
 from mechstyle.quiet import wp
+from mechstyle.raster import kernels
 
 SUBPIXELS = 1024  # grid steps per pixel
 GUARD = 1 << 16  # pixels beyond which a face is dropped: products of two coordinates must fit an int64
@@ -71,7 +71,7 @@ def visible(points_ndc: ArrayLike, faces: ArrayLike, width: int, height: int, *,
         corners: Any = wp.array(snapped, dtype=wp.int64)
         nearness: Any = wp.array((np.where(kept, inverse, 0.0) * near).ravel(), dtype=wp.float64)
         inputs: list[Any] = [corners, nearness, wp.array(triangles, dtype=wp.int32, ndim=2), size, scale, nearest]
-        wp.launch(kernels.draw, dim=math.prod(views) * len(triangles), inputs=inputs)
+        wp.launch(kernels.draw, dim=math.prod(views) * len(triangles), inputs=[*inputs, wp.empty(0, dtype=wp.bool)])
         wp.launch(kernels.resolve, dim=math.prod(shape), inputs=[*inputs, seen, weights, depth])
         return Visibility(
             face=seen.numpy().reshape(shape),
