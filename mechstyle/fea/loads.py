@@ -10,13 +10,17 @@ from functools import cached_property
 import numpy as np
 
 from mechstyle.errors import BadInput
+from mechstyle.fea.boundary import Boundary
 from mechstyle.fea.drop_test import GRAVITY
-from mechstyle.fea.elements import GAUSS_POINTS, ElementName, Elements, elements, shape_functions
-from mechstyle.fea.patches import Boundary, Picked
+from mechstyle.fea.interpolation import ElementMesh, element_named, with_nodes
+from mechstyle.fea.patches import Picked, pick
 from mechstyle.fea.statics import Response, Restraint, solve
 from mechstyle.load_cases import Load, LoadCase, Place, Support
 from mechstyle.material import Material
 from mechstyle.mesh import Floats, TetMesh
+
+BODY_SHARES = {"tet4": np.full(4, 1.0 / 4.0), "tet10": np.array([-1.0 / 20.0] * 4 + [1.0 / 5.0] * 6)}
+"""∫ N_a dV / V by element: the share of a body force that goes to each node (Zienkiewicz and Taylor, vol. 1, §8.8)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +35,7 @@ class StaticTest:
 
     tets: TetMesh
     cases: tuple[LoadCase, ...]
-    element: ElementName = "tet10"
+    element: str = "tet10"
 
     def run(self, tets: TetMesh, material: Material) -> dict[str, Response]:
         """The response of a morph of the part to every case, by the case's name; one factorisation per set of supports.
@@ -40,28 +44,28 @@ class StaticTest:
             BadInput: If a place selects nothing, a case does not hold the part, or its loads cancel out at every node.
             SimulationFailed: If the equations cannot be solved.
         """
-        body = elements(tets, self.element)
-        loads = {case.name: self._nodal_loads(case, body, material) for case in self.cases}
+        boundary = Boundary(with_nodes(tets, element_named(self.element)))
+        loads = {case.name: self._nodal_loads(case, boundary, material) for case in self.cases}
         responses: dict[str, Response] = {}
         for supports, restraint in self._restraints.items():
             names = [case.name for case in self.cases if case.supports == supports]
-            responses |= zip(names, solve(body, material, restraint, [loads[name] for name in names]), strict=True)
+            responses |= zip(names, solve(boundary.mesh, material, restraint, [loads[name] for name in names]), strict=True)
         return {case.name: responses[case.name] for case in self.cases}
 
     @cached_property
-    def _undeformed(self) -> Elements:
-        return elements(self.tets, self.element)
+    def _undeformed(self) -> Boundary:
+        return Boundary(with_nodes(self.tets, element_named(self.element)))
 
     @cached_property
     def _picked(self) -> dict[Place, Picked]:
         """Every place that a case names."""
-        boundary, picked = Boundary(self._undeformed), dict[Place, Picked]()
+        picked = dict[Place, Picked]()
         for case in self.cases:
             places = [support.at for support in case.supports] + [load.at for load in case.loads if load.at is not None]
             for place in places:
                 if place not in picked:
                     with _naming(case):
-                        picked[place] = boundary.pick(place)
+                        picked[place] = pick(self._undeformed, place)
         return picked
 
     @cached_property
@@ -75,24 +79,23 @@ class StaticTest:
                     restraints[case.supports] = Restraint.of(self._undeformed, held)
         return restraints
 
-    def _nodal_loads(self, case: LoadCase, body: Elements, material: Material) -> Floats:
-        total = sum((self._nodal_load(load, body, material) for load in case.loads), np.zeros_like(body.nodes))
+    def _nodal_loads(self, case: LoadCase, boundary: Boundary, material: Material) -> Floats:
+        total = sum((self._nodal_load(load, boundary, material) for load in case.loads), np.zeros_like(boundary.mesh.nodes))
         if not total.any():
             raise BadInput(f"load case {case.name!r}: its loads cancel out everywhere; leave it out or change a load")
         return total
 
-    def _nodal_load(self, load: Load, body: Elements, material: Material) -> Floats:
+    def _nodal_load(self, load: Load, boundary: Boundary, material: Material) -> Floats:
         """One load in consistent nodal forces [N], shape [node_count, 3]."""
         if load.gravity is not None:
             down = np.array(load.direction) / np.linalg.norm(load.direction)
-            return weight(body, material.density, load.gravity * GRAVITY * down)
+            return weight(boundary.mesh, material.density, load.gravity * GRAVITY * down)
         assert load.at is not None, "a load case refuses a force or pressure without a place"
         picked = self._picked[load.at]
         if load.force is not None:
-            areas = np.linalg.norm(body.area_vectors, axis=1)
-            return picked.spread(body, areas[:, None] * np.array(load.force) / picked.area(body))
+            return boundary.forces(picked.inside, np.outer(boundary.areas / picked.area(boundary), load.force))
         assert load.pressure is not None, "a load is a force, a pressure or gravity"
-        return picked.spread(body, -load.pressure * body.area_vectors)
+        return boundary.forces(picked.inside, -load.pressure * boundary.area_vectors)
 
 
 @contextmanager
@@ -104,7 +107,7 @@ def _naming(case: LoadCase) -> Iterator[None]:
         raise BadInput(f"load case {case.name!r}: {error}") from error
 
 
-def weight(body: Elements, density: float, acceleration: Floats) -> Floats:
+def weight(mesh: ElementMesh, density: float, acceleration: Floats) -> Floats:
     """Nodal forces of a body force, f_a = ∫ N_a ρ g dV [N], shape [node_count, 3]; `acceleration` g [mm/ms²] is [3]."""
-    shares = np.outer(density * body.tets.volumes, shape_functions(GAUSS_POINTS, body.degree).mean(axis=0))
-    return np.bincount(body.connectivity.ravel(), shares.ravel(), len(body.nodes))[:, None] * acceleration
+    shares = np.outer(density * mesh.tets.volumes, BODY_SHARES[mesh.element.name])
+    return np.asarray(np.bincount(mesh.connectivity.ravel(), shares.ravel(), len(mesh.nodes))[:, None] * acceleration)

@@ -10,13 +10,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from mechstyle.errors import BadInput, SimulationFailed
-from mechstyle.fea.elasticity import von_mises
-from mechstyle.fea.elements import Elements
+from mechstyle.fea.boundary import Bools, Boundary
+from mechstyle.fea.elasticity import displacement_gradients, stiffness_matrix, trace, von_mises
+from mechstyle.fea.interpolation import ElementMesh
 from mechstyle.fea.patches import Picked
 from mechstyle.load_cases import Support
 from mechstyle.material import Material
@@ -28,8 +28,6 @@ RIGID = 1e-6
 SAME_DIRECTION = 1e-4
 """Two rollers at a node hold it in one direction only, if their normals differ by less than about 1°."""
 
-Bools = NDArray[np.bool_]
-
 
 @dataclass(frozen=True, eq=False)
 class Response:
@@ -37,7 +35,7 @@ class Response:
 
     Attributes:
         displacement: u [mm], shape [node_count, 3].
-        von_mises: Von Mises stress at the Gauss points [MPa], shape [tet_count, 4].
+        von_mises: Von Mises stress at the Gauss points [MPa], shape [tet_count, points].
         loads: Nodal loads f [N], shape [node_count, 3].
         reactions: Forces of the supports r = K u − f [N], shape [node_count, 3]; zero where nothing is held.
     """
@@ -48,31 +46,11 @@ class Response:
     reactions: Floats
 
 
-def stiffness(body: Elements, material: Material) -> sparse.csr_array:
-    """K = Σ V/4 Σ_q Bᵀ C B [N/mm], shape [3 node_count, 3 node_count], x, y, z of a node adjacent.
-
-    With P = ∇N_a ⊗ ∇N_b summed over the Gauss points the block of nodes a, b is λ P + μ Pᵀ + μ tr(P) I.
-    """
-    mu, la = material.shear_modulus, material.lame_lambda
-    gradients = body.gradients()
-    count, points, nodes, _ = gradients.shape
-    rows_of_points = gradients.reshape(count, points, 3 * nodes)
-    products = (np.swapaxes(rows_of_points, 1, 2) @ rows_of_points).reshape(count, nodes, 3, nodes, 3)
-    products *= (body.tets.volumes / points)[:, None, None, None, None]
-    blocks = la * products + mu * products.transpose(0, 1, 4, 3, 2)
-    blocks += mu * np.einsum("nakbk,ij->naibj", products, np.eye(3))
-    unknowns = (3 * body.connectivity[:, :, None] + np.arange(3)).reshape(count, 3 * nodes)
-    rows, columns = np.repeat(unknowns, 3 * nodes, axis=1).ravel(), np.tile(unknowns, (1, 3 * nodes)).ravel()
-    size = 3 * len(body.nodes)
-    return sparse.coo_array((blocks.ravel(), (rows, columns)), shape=(size, size)).tocsr()
-
-
-def stresses(body: Elements, material: Material, displacement: Floats) -> Floats:
-    """Von Mises stress of σ = λ tr(ε) I + 2μ ε at the Gauss points [MPa], shape [tet_count, 4]."""
-    H = np.einsum("nai,nqaj->nqij", displacement[body.connectivity], body.gradients()).reshape(-1, 3, 3)
-    strain = 0.5 * (H + np.swapaxes(H, 1, 2))
-    spherical = np.einsum("nii->n", strain)[:, None, None] * np.eye(3)
-    return von_mises(material.lame_lambda * spherical + 2.0 * material.shear_modulus * strain).reshape(len(body.connectivity), -1)
+def stresses(mesh: ElementMesh, material: Material, displacement: Floats) -> Floats:
+    """Von Mises stress of σ = λ tr(ε) I + 2μ ε at the Gauss points [MPa], shape [tet_count, points]."""
+    H = displacement_gradients(mesh, displacement)
+    strain = 0.5 * (H + np.swapaxes(H, -1, -2))
+    return von_mises(material.lame_lambda * trace(strain)[..., None, None] * np.eye(3) + 2.0 * material.shear_modulus * strain)
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,23 +66,24 @@ class Restraint:
     held: Bools
 
     @classmethod
-    def of(cls, body: Elements, supports: list[tuple[Support, Picked]]) -> Restraint:
+    def of(cls, boundary: Boundary, supports: list[tuple[Support, Picked]]) -> Restraint:
         """The motion that supports leave; BadInput if the whole body could still move freely."""
-        across = np.zeros((len(body.nodes), 3, 3))  # Σ n ⊗ n over the directions a node is held in; supports may meet at a node
+        nodes = boundary.mesh.nodes
+        across = np.zeros((len(nodes), 3, 3))  # Σ n ⊗ n over the directions a node is held in; supports may meet at a node
         for support, picked in supports:
-            normals = picked.normals(body)
+            normals = picked.normals(boundary)
             held = normals[:, :, None] * normals[:, None, :] if support.kind == "roller" else np.eye(3)
             across += np.where(picked.nodes[:, None, None], held, 0.0)
         strength, directions = np.linalg.eigh(across)
         frames, fixed = np.swapaxes(directions, 1, 2), strength > SAME_DIRECTION
-        _refuse_free_motion(body, frames, fixed)
+        _refuse_free_motion(nodes, frames, fixed)
         turned = sparse.csc_array(sparse.block_diag(list(directions)))
         return cls(turned[:, np.flatnonzero(~fixed.ravel())], np.asarray(fixed.any(axis=1)))
 
 
-def solve(body: Elements, material: Material, restraint: Restraint, loads: list[Floats]) -> list[Response]:
+def solve(mesh: ElementMesh, material: Material, restraint: Restraint, loads: list[Floats]) -> list[Response]:
     """The response to each of several load vectors [N], each of shape [node_count, 3], by one factorisation."""
-    K, Z = stiffness(body, material), restraint.basis
+    K, Z = stiffness_matrix(mesh, material), restraint.basis
     reduced = (Z.T @ K @ Z).tocsc()
     try:
         factor = splu(reduced, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
@@ -117,15 +96,15 @@ def solve(body: Elements, material: Material, restraint: Restraint, loads: list[
             raise SimulationFailed("the load cases could not be solved: the displacement is not a finite number")
         displacement = u.reshape(-1, 3)
         reactions = np.where(restraint.held[:, None], (K @ u).reshape(-1, 3) - load, 0.0)
-        responses.append(Response(displacement, stresses(body, material, displacement), load, reactions))
+        responses.append(Response(displacement, stresses(mesh, material, displacement), load, reactions))
     return responses
 
 
-def _refuse_free_motion(body: Elements, frames: Floats, fixed: Bools) -> None:
+def _refuse_free_motion(nodes: Floats, frames: Floats, fixed: Bools) -> None:
     """BadInput that names the rigid motion the supports leave, if they leave one."""
-    centre = body.nodes.mean(axis=0)
-    size = float(np.linalg.norm(np.ptp(body.nodes, axis=0)))
-    arms = (body.nodes - centre) / size
+    centre = nodes.mean(axis=0)
+    size = float(np.linalg.norm(np.ptp(nodes, axis=0)))
+    arms = (nodes - centre) / size
     turns = np.cross(np.eye(3)[None], arms[:, None]).transpose(0, 2, 1)
     motions = np.concatenate([np.broadcast_to(np.eye(3), turns.shape), turns], axis=2)
     at_supports = (frames @ motions)[fixed]

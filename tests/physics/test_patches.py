@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from mechstyle.errors import BadInput
-from mechstyle.fea.elements import elements
-from mechstyle.fea.patches import POINTS, Boundary
+from mechstyle.fea.boundary import POINTS, Boundary
+from mechstyle.fea.interpolation import QUADRATIC, element_named, with_nodes
+from mechstyle.fea.patches import pick
 from mechstyle.load_cases import Patch
 
 SIZE = (12.0, 10.0, 16.0)
@@ -14,7 +15,7 @@ SIZE = (12.0, 10.0, 16.0)
 @pytest.fixture(scope="module", params=["tet4", "tet10"])
 def body(request, box):
     """A straight block of 12 x 10 x 16 mm."""
-    return elements(box((4, 3, 4), SIZE), request.param)
+    return Boundary(with_nodes(box((4, 3, 4), SIZE), element_named(request.param)))
 
 
 def test_the_points_of_a_triangle_integrate_quadratics_exactly():
@@ -35,11 +36,11 @@ def test_the_points_of_a_triangle_integrate_quadratics_exactly():
     ],
 )
 def test_a_whole_face_has_its_area_and_its_nodes(body, place, area, held):
-    picked = Boundary(body).pick(place)
+    picked = pick(body, place)
     assert picked.area(body) == pytest.approx(area)
-    on_boundary = np.zeros(len(body.nodes), bool)
-    on_boundary[body.boundary] = True
-    expected = held(body.nodes) & on_boundary
+    on_boundary = np.zeros(len(body.mesh.nodes), bool)
+    on_boundary[body.sides] = True
+    expected = held(body.mesh.nodes) & on_boundary
     if getattr(place, "angle", 20.0) < 90.0:
         assert np.array_equal(picked.nodes, expected)
 
@@ -54,41 +55,41 @@ def test_a_whole_face_has_its_area_and_its_nodes(body, place, area, held):
     ],
 )
 def test_a_piece_cut_off_across_the_sides_of_the_mesh_has_its_own_area(body, place, area):
-    assert Boundary(body).pick(place).area(body) == pytest.approx(area, rel=0.08)
+    assert pick(body, place).area(body) == pytest.approx(area, rel=0.08)
 
 
 def test_near_picks_one_side_of_a_wall_and_a_sphere_both(box):
-    wall = elements(box((6, 1, 6), (20.0, 1.0, 20.0)))
-    near, sphere = (Boundary(wall).pick(patch) for patch in (Patch(near=(10, -2, 10, 4)), Patch(sphere=(10, 0, 10, 4))))
+    wall = Boundary(with_nodes(box((6, 1, 6), (20.0, 1.0, 20.0)), QUADRATIC))
+    near, sphere = (pick(wall, patch) for patch in (Patch(near=(10, -2, 10, 4)), Patch(sphere=(10, 0, 10, 4))))
     assert near.area(wall) == pytest.approx(np.pi * 16.0, rel=0.05)
     assert sphere.area(wall) == pytest.approx(np.pi * (16.0 + 15.0), rel=0.05)
-    assert np.unique(wall.nodes[near.nodes, 1]) == pytest.approx([0.0])
+    assert np.unique(wall.mesh.nodes[near.nodes, 1]) == pytest.approx([0.0])
 
 
 def test_a_piece_smaller_than_a_side_is_held_by_the_sides_it_touches(body):
-    picked = Boundary(body).pick(Patch(sphere=(5.1, 4.2, 0.0, 0.6)))
+    picked = pick(body, Patch(sphere=(5.1, 4.2, 0.0, 0.6)))
     assert picked.nodes.sum() >= 3
-    assert np.linalg.norm(body.nodes[picked.nodes] - (5.1, 4.2, 0.0), axis=1).max() < 6.0
+    assert np.linalg.norm(body.mesh.nodes[picked.nodes] - (5.1, 4.2, 0.0), axis=1).max() < 6.0
 
 
 def test_a_traction_is_shared_out_consistently(body):
     """The corners of a quadratic triangle get nothing, the middles a third each; of a linear one, the corners a third."""
-    picked, force = Boundary(body).pick("resting face"), np.array([3.0, -1.0, -5.0])
-    spread = picked.spread(body, np.linalg.norm(body.area_vectors, axis=1)[:, None] * force / picked.area(body))
+    picked, force = pick(body, "resting face"), np.array([3.0, -1.0, -5.0])
+    spread = body.forces(picked.inside, np.outer(body.areas, force / picked.area(body)))
     assert spread.sum(axis=0) == pytest.approx(force)
-    assert np.cross(body.nodes, spread).sum(axis=0) == pytest.approx(np.cross([6.0, 5.0, 0.0], force))
-    corners = spread[: len(body.tets.vertices)]
-    assert np.abs(corners).max() == pytest.approx(0.0, abs=1e-12) if body.degree == 2 else np.abs(corners).max() > 0.1
+    assert np.cross(body.mesh.nodes, spread).sum(axis=0) == pytest.approx(np.cross([6.0, 5.0, 0.0], force))
+    corners = spread[: len(body.mesh.tets.vertices)]
+    assert np.abs(corners).max() == pytest.approx(0.0, abs=1e-12) if body.sides.shape[1] == 6 else np.abs(corners).max() > 0.1
 
 
 @pytest.mark.parametrize("place", [Patch(sphere=(6, 5, 8, 2)), Patch(box=(20, 0, 0, 30, 9, 9)), Patch(plane=(0, 0, 17, 0, 0, 1))])
 def test_a_place_without_surface_is_named_with_what_the_part_spans(body, place):
     with pytest.raises(BadInput, match=r"selects no surface: the part spans x 0\.0 to 12\.0, y 0\.0 to 10\.0, z 0\.0 to 16\.0 mm"):
-        Boundary(body).pick(place)
+        pick(body, place)
 
 
 def test_a_part_on_its_corner_has_no_resting_face(block):
     turn = np.linalg.qr(np.array([[1.0, 1.0, 1.0], [1.0, -1.0, 0.2], [0.3, 1.0, -1.0]]))[0]
-    tilted = elements(block.moved(block.vertices @ (turn * np.linalg.det(turn))))
+    tilted = block.moved(block.vertices @ (turn * np.linalg.det(turn)))
     with pytest.raises(BadInput, match="no flat face to stand on"):
-        Boundary(tilted).pick("resting face")
+        pick(Boundary(with_nodes(tilted, QUADRATIC)), "resting face")
