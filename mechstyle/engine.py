@@ -13,7 +13,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from mechstyle import backoff, control, schedule
+from mechstyle import backoff, control, schedule, walls
 from mechstyle.errors import BadInput
 from mechstyle.events import BackedOff, Checkpointed, Event, Finished, Simulated, SimulationStarted, Stylized
 from mechstyle.mesh import SurfaceMesh
@@ -208,7 +208,10 @@ class Engine:
     def _moved(self, state: Checkpoint, proposal: Proposal, increment: Field, parent: str) -> Checkpoint:
         """D += mask · share · clip(increment), within the bounds; colours are never masked."""
         limit = np.float32(STEP_LIMIT * self.surface.size)
-        wanted = state.displacement + state.mask * state.share * np.clip(increment, -limit, limit)
+        step = state.mask * state.share * np.clip(increment, -limit, limit)
+        if self.recipe.feedback:
+            step = walls.spared(step, self.bounds.thickness, state.displacement, self.recipe.minimum_wall)
+        wanted = state.displacement + step
         displacement = np.clip(wanted, -self.bounds.inward, self.bounds.outward)
         iteration = state.iteration + 1
         return replace(

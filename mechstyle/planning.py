@@ -8,6 +8,7 @@ import msgspec
 import numpy as np
 
 from mechstyle.errors import BadInput, unknown
+from mechstyle.load_cases import load_cases
 from mechstyle.material import Material, material_named
 from mechstyle.records import Recipe
 from mechstyle.styling.procedural import ProceduralStylizer, target
@@ -31,6 +32,7 @@ PAPER: dict[str, Any] = {
     "guarantee": False,
     "transfer": "nearest",
     "element": "tet4",
+    "minimum_wall": 0.0,
 }
 """The published method taken literally (Faruqi et al. 2025)."""
 
@@ -41,6 +43,7 @@ ROBUST: dict[str, Any] = {
     "guarantee": True,
     "transfer": "barycentric",
     "element": "tet10",
+    "minimum_wall": 0.8,
 }
 """What this project adds to it by default."""
 
@@ -115,6 +118,8 @@ def _given(settings: dict[str, Any]) -> dict[str, Any]:
                 raise BadInput(f"{field.name.replace('_', ' ')} is {given[field.name]!r}, but must be {PLAIN[field.type]}") from error
     if "material" in given:
         given["material"] = msgspec.convert(msgspec.to_builtins(material_named(given["material"]), enc_hook=_built_in), Material)
+    if "loads" in given:
+        given["loads"] = load_cases(given["loads"])
     return given
 
 

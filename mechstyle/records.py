@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mechstyle.errors import BadInput, unknown
+from mechstyle.load_cases import LoadCase
 from mechstyle.material import Material
 from mechstyle.mesh import frozen_array
 
@@ -40,6 +41,8 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         memory: Whether a vertex once restrained stays so (running minimum of the mask).
         retraction: Whether the relief shrinks by half where stress exceeds 0.9 of the allowable.
         protect_resting_face: Whether the relief fades out towards the face the part rests on.
+        minimum_wall: The thinnest wall the style may leave [mm]; 0 for no rule.
+        loads: Load cases the part must carry besides the drop.
         schedule: When to simulate, one of SCHEDULES.
         every: Interval of the `every` schedule [iterations].
         travel: Displacement since the last simulation over local thickness that triggers `geometry` and `stress`.
@@ -67,6 +70,8 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     memory: bool = True
     retraction: bool = True
     protect_resting_face: bool = True
+    minimum_wall: float = 0.8
+    loads: tuple[LoadCase, ...] = ()
     schedule: str = "stress"
     every: int = 20
     travel: float = 0.1
@@ -99,6 +104,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
             "amplitude": (0.0, 2.0),
             "travel": (1e-3, 10.0),
             "threshold": (0.01, 100.0),
+            "minimum_wall": (0.0, 100.0),
             "orientations": (1, 512),
             "drop_height": (1.0, 1e5),
             "friction": (0.0, 2.0),
@@ -141,22 +147,37 @@ class Measures(msgspec.Struct, frozen=True, kw_only=True):
     volume: float
 
 
+class Loaded(msgspec.Struct, frozen=True, kw_only=True):
+    """What one load case did to the part.
+
+    Attributes:
+        name: The case.
+        peak: Largest 2 mm volume average of the von Mises stress [MPa].
+        deflection: Largest displacement [mm].
+    """
+
+    name: str
+    peak: float
+    deflection: float
+
+
 @dataclass(frozen=True, eq=False)
 class Simulation:
     """One drop test brought to the surface.
 
     Attributes:
         displacement: What was simulated [mm], shape [vertex_count]: the request, less what the tets could not follow.
-        stress: Robust as-placed stress field that drives the mask and decides [MPa], shape [vertex_count].
+        stress: Robust stress field that drives the mask and decides, of the drop as placed and of all load cases [MPa], shape [vertex_count].
         envelope: The same over all orientations [MPa], shape [vertex_count]; equals `stress` for one orientation.
         contact: Whether the surface there touched the floor in the as-placed drop, shape [vertex_count].
-        as_placed: Measures of the as-placed drop.
+        as_placed: Measures of the as-placed drop and of all load cases, the largest of each.
         overall: Measures of the envelope over all orientations, None if only one was run.
         backed_off: Share of the surface whose displacement the morph had to reduce.
         deviation: Largest such reduction [mm].
         time_step: Step of the explicit integration [ms].
         steps: Steps per drop.
         added_mass: Mass added by scaling slivers, over the mass of the part.
+        loaded: What each load case did.
         meshing: How the tetrahedra followed the surface: `morphed`, `fresh`, or why a fresh mesh could not be had.
         failure: Why there is no usable answer, "" if there is.
     """
@@ -172,6 +193,7 @@ class Simulation:
     time_step: float
     steps: int
     added_mass: float
+    loaded: tuple[Loaded, ...] = ()
     meshing: str = "morphed"
     failure: str = ""
 
@@ -180,6 +202,11 @@ class Simulation:
         count = len(self.displacement)
         for name, kind in (("displacement", np.float32), ("stress", np.float32), ("envelope", np.float32), ("contact", np.bool_)):
             object.__setattr__(self, name, frozen_array(getattr(self, name), kind, (count,), name))
+
+    @property
+    def governing(self) -> str:
+        """Name of the load case with the peak that decides, "" if it is the drop's."""
+        return next((case.name for case in self.loaded if case.peak == self.as_placed.peak), "")
 
 
 class Judgement(msgspec.Struct, frozen=True, kw_only=True):

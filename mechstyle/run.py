@@ -12,6 +12,7 @@ from typing import Any
 
 import msgspec
 
+from mechstyle import walls
 from mechstyle.engine import Engine
 from mechstyle.errors import BadInput
 from mechstyle.events import Event, Finished
@@ -192,7 +193,9 @@ class Run:
         for event in self.clock.timed(engine.run()):
             if isinstance(event, Finished):
                 files = {"run": str(self.store.root)}
-                notes = (*self.part.notes, *notes)
+                left = self.checkpoint().displacement
+                thin = walls.warnings(self.part.surface, self.part.thickness, left, self.recipe.minimum_wall)
+                notes = (*self.part.notes, *notes, *thin)
                 self._save(summarise(engine, device=self.device, notes=notes, seconds=self.clock.seconds(), files=files))
             yield event
 

@@ -14,16 +14,19 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mechstyle.errors import BadInput
+from mechstyle.load_cases import Load, LoadCase, Support
 from mechstyle.material import LIBRARY
 from mechstyle.records import CONTROLS, CRITERIA, NORMALISATIONS, SCHEDULES, Checkpoint, Judgement, Measures, Recipe, Simulation, Verdict
 
 PLA = LIBRARY["PLA"]
+PRESS = LoadCase(name="press", supports=(Support(at="resting face"),), loads=(Load(gravity=2.0),))
 LIMITS = {
     "iterations": (1, 100_000),
     "every": (1, 100_000),
     "seed": (0, 2**32 - 1),
     "amplitude": (0.0, 2.0),
     "travel": (1e-3, 10.0),
+    "minimum_wall": (0.0, 100.0),
     "orientations": (1, 512),
     "drop_height": (1.0, 1e5),
     "friction": (0.0, 2.0),
@@ -52,6 +55,7 @@ def numbers(field):
 recipes = st.builds(
     recipe,
     prompt=st.text(),
+    loads=st.sampled_from([(), (PRESS,)]),
     memory=st.booleans(),
     guarantee=st.booleans(),
     **{field: numbers(field) for field in LIMITS},
@@ -94,6 +98,7 @@ def test_every_field_decides_the_digest(field):
     other = {
         "surface": "6" * 64, "tetrahedra": "8" * 64, "prompt": "stone", "material": msgspec.structs.replace(PLA, yield_strength=40.0),
         "control": "linear", "normalisation": "yield", "schedule": "every", "criterion": "paper", "transfer": "nearest", "element": "tet4",
+        "loads": (PRESS,), "minimum_wall": 1.2,
         "memory": False, "retraction": False, "protect_resting_face": False, "guarantee": False,
         "iterations": 7, "seed": 7, "every": 7, "amplitude": 0.7, "travel": 0.7, "orientations": 7, "drop_height": 700.0, "friction": 0.7,
         "window": 0.7, "damping": 0.007, "threshold": 0.7,
