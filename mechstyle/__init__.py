@@ -15,12 +15,15 @@ from mechstyle.errors import BadInput, DamagedStore, MechStyleError, MissingPiec
 from mechstyle.material import LIBRARY, Material, material_named
 from mechstyle.mesh import SurfaceMesh, TetMesh
 from mechstyle.records import Checkpoint, Judgement, Measures, Recipe, Simulation, Verdict
+from mechstyle.regions import Box, HalfSpace, Inside, Outside, Segment, Sphere, Vertices
 
 if TYPE_CHECKING:
     from mechstyle.dropped import simulate
     from mechstyle.engine import Engine
     from mechstyle.geometry.files import load, save
     from mechstyle.planning import changed, plan
+    from mechstyle.plugins import register_stylizer
+    from mechstyle.protected import protect
     from mechstyle.run import Run, begin, stylize
     from mechstyle.session import Session
     from mechstyle.simulator import DropSimulator
@@ -41,6 +44,8 @@ _WHERE = {
     "load": "geometry.files",
     "plan": "planning",
     "prepare": "workpiece",
+    "protect": "protected",
+    "register_stylizer": "plugins",
     "save": "geometry.files",
     "simulate": "dropped",
     "stylize": "run",
@@ -49,24 +54,31 @@ _WHERE = {
 __all__ = [
     "LIBRARY",
     "BadInput",
+    "Box",
     "Checkpoint",
     "DamagedStore",
     "DropSimulator",
     "Engine",
+    "HalfSpace",
+    "Inside",
     "Judgement",
     "Material",
     "Measures",
     "MechStyleError",
     "MissingPiece",
+    "Outside",
     "Recipe",
     "Run",
+    "Segment",
     "Session",
     "Simulation",
     "SimulationFailed",
+    "Sphere",
     "Store",
     "SurfaceMesh",
     "TetMesh",
     "Verdict",
+    "Vertices",
     "Workpiece",
     "begin",
     "changed",
@@ -74,6 +86,8 @@ __all__ = [
     "material_named",
     "plan",
     "prepare",
+    "protect",
+    "register_stylizer",
     "save",
     "simulate",
     "stylize",

@@ -2,7 +2,7 @@
 
 import typer
 
-from mechstyle.cli import listing, looking, making, testing
+from mechstyle.cli import listing, looking, making, protecting, testing
 
 app = typer.Typer(
     name="mechstyle",
@@ -12,7 +12,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode="rich",
 )
-for family in (making, testing, looking, listing):
+for family in (making, testing, looking, protecting, listing):
     app.add_typer(family.app)
 
 

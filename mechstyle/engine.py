@@ -32,7 +32,7 @@ RETRACT_BY = 0.5
 """… and takes away up to this share of the relief."""
 KEYFRAME_EVERY = 20
 """Iterations between stored stylizer states."""
-STYLE_FIELDS = ("prompt", "seed", "amplitude")
+STYLE_FIELDS = ("prompt", "seed", "amplitude", "stylizer")
 """Recipe fields that change what the stylizer aims at."""
 
 
@@ -92,13 +92,15 @@ class Bounds:
         thickness: Local wall thickness [mm], shape [vertex_count].
         inward: Largest displacement into the material [mm], shape [vertex_count].
         outward: Largest displacement out of it [mm], shape [vertex_count].
-        protection: Factor from 0 on the resting face to 1 away from it, shape [vertex_count].
+        protection: Factor on the relief, 0 on the resting face and in protected regions, 1 away from them, shape [vertex_count].
+        uncoloured: Whether a vertex keeps its colour, shape [vertex_count, 1]; False for none.
     """
 
     thickness: Field
     inward: Field
     outward: Field
     protection: Field
+    uncoloured: NDArray[np.bool_] | bool = False
 
 
 @dataclass(frozen=True)
@@ -206,13 +208,14 @@ class Engine:
     # one iteration
 
     def _moved(self, state: Checkpoint, proposal: Proposal, increment: Field, parent: str) -> Checkpoint:
-        """D += mask · share · clip(increment), within the bounds; colours are never masked."""
+        """D += mask · share · clip(increment), within the bounds; colours are never masked, only kept where the user wants it."""
         limit = np.float32(STEP_LIMIT * self.surface.size)
         step = state.mask * state.share * np.clip(increment, -limit, limit)
         if self.recipe.feedback:
             step = walls.spared(step, self.bounds.thickness, state.displacement, self.recipe.minimum_wall)
         wanted = state.displacement + step
         displacement = np.clip(wanted, -self.bounds.inward, self.bounds.outward)
+        colour = np.where(self.bounds.uncoloured, state.colour, proposal.colour).astype(np.float32)
         iteration = state.iteration + 1
         return replace(
             state,
@@ -220,8 +223,8 @@ class Engine:
             parent=parent,
             recipe=self.recipe.digest,
             displacement=displacement,
-            colour=proposal.colour.astype(np.float16),
-            style_loss=self.stylizer.loss(displacement, proposal.colour),
+            colour=colour.astype(np.float16),
+            style_loss=self.stylizer.loss(displacement, colour),
             reason="",
             verdict=None,
             final=False,

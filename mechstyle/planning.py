@@ -7,10 +7,14 @@ from typing import Any
 import msgspec
 import numpy as np
 
+from mechstyle.engine import Bounds, Stylizer
 from mechstyle.errors import BadInput, unknown
+from mechstyle.geometry.regions import protection
 from mechstyle.load_cases import load_cases
 from mechstyle.material import Material, material_named
+from mechstyle.plugins import made, name_of
 from mechstyle.records import Recipe
+from mechstyle.regions import regions
 from mechstyle.styling.procedural import ProceduralStylizer, target
 from mechstyle.styling.prompt import read
 from mechstyle.workpiece import Workpiece
@@ -74,8 +78,9 @@ def draft(prompt: str, material: str | Material = "PLA", *, freestyle: bool = Fa
     Raises:
         BadInput: If a name is unknown or a value out of range.
     """
-    read(prompt)
     given = _given({"material": material, **settings})
+    if not given.get("stylizer"):  # a stylizer from elsewhere reads prompts its own way
+        read(prompt)
     paper = given.get("criterion") == "paper"
     presets = {**(PAPER if paper else {}), **(FREESTYLE if freestyle else {})}
     chosen = {**presets, **given}
@@ -86,7 +91,7 @@ def draft(prompt: str, material: str | Material = "PLA", *, freestyle: bool = Fa
 def changed(recipe: Recipe, changes: dict[str, Any]) -> Recipe:
     """A recipe with some settings changed; another criterion brings its presets, another control its normalisation, unless given."""
     given = _given(changes)
-    if "prompt" in given:
+    if "prompt" in given and not given.get("stylizer", recipe.stylizer):
         read(given["prompt"])
     control, paper = given.get("control", recipe.control), given.get("criterion", recipe.criterion) == "paper"
     other_criterion = given.get("criterion", recipe.criterion) != recipe.criterion
@@ -118,6 +123,10 @@ def _given(settings: dict[str, Any]) -> dict[str, Any]:
                 raise BadInput(f"{field.name.replace('_', ' ')} is {given[field.name]!r}, but must be {PLAIN[field.type]}") from error
     if "material" in given:
         given["material"] = msgspec.convert(msgspec.to_builtins(material_named(given["material"]), enc_hook=_built_in), Material)
+    if "protect" in given:
+        given["protect"] = regions(given["protect"])
+    if "stylizer" in given:
+        given["stylizer"] = name_of(given["stylizer"])
     if "loads" in given:
         given["loads"] = load_cases(given["loads"])
     return given
@@ -134,8 +143,18 @@ def default_normalisation(control: str, *, paper: bool) -> str:
     return "sigma_c" if paper else "headroom"
 
 
-def stylizer_for(part: Workpiece, recipe: Recipe) -> tuple[ProceduralStylizer, tuple[str, ...]]:
+def bounds_for(part: Workpiece, recipe: Recipe) -> tuple[Bounds, tuple[str, ...]]:
+    """How far the style of a recipe may go on a part, and what its user should know about what is protected."""
+    resting = part.protection() if recipe.protect_resting_face else np.ones_like(part.thickness)
+    kept = protection(recipe.protect, part.surface, part.thickness)
+    bounds = Bounds(part.thickness, part.inward(), part.outward(), np.minimum(resting, kept.freedom), kept.uncoloured[:, None])
+    return bounds, kept.notes
+
+
+def stylizer_for(part: Workpiece, recipe: Recipe) -> tuple[Stylizer, tuple[str, ...]]:
     """The stylizer of a recipe, and what its user should know about how the prompt was read and what the mesh can carry."""
+    if recipe.stylizer:
+        return made(part.surface, bounds_for(part, recipe)[0], recipe), ()
     wish = read(recipe.prompt)
     aim = target(
         part.surface,

@@ -14,6 +14,7 @@ from mechstyle.errors import BadInput, unknown
 from mechstyle.load_cases import LoadCase
 from mechstyle.material import Material
 from mechstyle.mesh import frozen_array
+from mechstyle.regions import Region
 
 CONTROLS = ("linear", "exponential", "frozen", "none")
 NORMALISATIONS = ("headroom", "own_max", "sigma_c", "yield")
@@ -31,6 +32,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         surface: Digest of the standardised surface M_0.
         tetrahedra: Digest of its tetrahedra (meshing is not deterministic, so they are part of the recipe).
         prompt: The style asked for, as typed; "" for none.
+        stylizer: Name of a plugged-in stylizer that draws it, "" for the built-in ones.
         material: The material, in full.
         iterations: Stylization iterations N.
         seed: Seed of everything random in the style.
@@ -41,6 +43,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         memory: Whether a vertex once restrained stays so (running minimum of the mask).
         retraction: Whether the relief shrinks by half where stress exceeds 0.9 of the allowable.
         protect_resting_face: Whether the relief fades out towards the face the part rests on.
+        protect: Regions the style must leave alone.
         minimum_wall: The thinnest wall the style may leave [mm]; 0 for no rule.
         loads: Load cases the part must carry besides the drop.
         schedule: When to simulate, one of SCHEDULES.
@@ -61,6 +64,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     tetrahedra: str
     prompt: str
     material: Material
+    stylizer: str = ""
     iterations: int = 200
     seed: int = 0
     amplitude: float = 0.15
@@ -70,6 +74,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     memory: bool = True
     retraction: bool = True
     protect_resting_face: bool = True
+    protect: tuple[Region, ...] = ()
     minimum_wall: float = 0.8
     loads: tuple[LoadCase, ...] = ()
     schedule: str = "stress"

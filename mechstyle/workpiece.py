@@ -102,7 +102,7 @@ def prepare(mesh: SurfaceMesh, *, vertices: int = STANDARD_VERTICES, stage: Stag
             "the surface is not closed, so it has no inside to simulate: load it from a file, which repairs it, or close it first"
         )
     stage("standardising the surface")
-    surface = _standardised(mesh, vertices)
+    surface = standardised(mesh, vertices)
     stage("filling it with tetrahedra")
     solid = tetrahedralise(surface, max(FEWEST_TETS, round(TETS_PER_VERTEX * vertices)), cache=cache_folder() / "tets")
     stage("measuring its walls")
@@ -112,7 +112,8 @@ def prepare(mesh: SurfaceMesh, *, vertices: int = STANDARD_VERTICES, stage: Stag
     return Workpiece(surface, solid, thickness, stands, notes)
 
 
-def _standardised(mesh: SurfaceMesh, vertices: int) -> SurfaceMesh:
+def standardised(mesh: SurfaceMesh, vertices: int) -> SurfaceMesh:
+    """The standardised surface of a part, from the cache if the same shape was standardised before."""
     memo = cached_memo()
     key = hashlib.sha256(f"standardise {PREPARATION_VERSION} {vertices} {mesh.digest}".encode()).hexdigest()
     stored = memo.recall(key, str)

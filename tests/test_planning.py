@@ -7,8 +7,9 @@ import pytest
 from mechstyle.errors import BadInput
 from mechstyle.material import LIBRARY, Material
 from mechstyle.mesh import TetMesh
-from mechstyle.planning import changed, check_settings, plan, stylizer_for
+from mechstyle.planning import bounds_for, changed, check_settings, plan, stylizer_for
 from mechstyle.records import CONTROLS, Recipe
+from mechstyle.regions import HalfSpace, Inside
 from mechstyle.store import Store
 from mechstyle.workpiece import Workpiece
 
@@ -270,3 +271,27 @@ def test_branching_to_the_other_criterion_brings_its_presets(part):
     free = plan(part, "brick", freestyle=True)
     assert not changed(free, {"criterion": "paper"}).guarantee
     assert changed(changed(free, {"criterion": "paper"}), {"criterion": "robust"}) == free
+
+
+# --- protected regions --------------------------------------------------------------------------------------------
+
+
+def test_regions_in_words_and_as_records_are_one_recipe(part):
+    said, meant = plan(part, "brick", protect=["above 5", "inside ramp 2"]), (HalfSpace((0, 0, 5), (0, 0, 1)), Inside(ramp=2))
+    assert said == plan(part, "brick", protect=meant)
+    assert said == plan(part, "brick", protect=list(said.protect))
+    assert changed(said, {"protect": []}) == plan(part, "brick")
+
+
+def test_protected_vertices_are_free_in_nothing_and_the_user_is_told(ball):
+    bounds, notes = bounds_for(ball, plan(ball, "brick", protect="above 5 ramp 4 colour"))
+    height = ball.surface.vertices[:, 2]
+    assert np.array_equal(bounds.protection == 0.0, height >= 5)
+    assert np.array_equal(bounds.uncoloured[:, 0], height >= 5)
+    assert np.all(bounds.protection[height < -1] == 1.0)
+    assert notes == ("protected: plane 0 0 5 0 0 1 ramp 4 colour, 25% of the surface",)
+
+
+def test_without_feedback_what_the_user_protects_is_protected_still(ball):
+    bounds, _ = bounds_for(ball, plan(ball, "brick", freestyle=True, protect="above 5"))
+    assert np.any(bounds.protection == 0.0)

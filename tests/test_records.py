@@ -17,6 +17,7 @@ from mechstyle.errors import BadInput
 from mechstyle.load_cases import Load, LoadCase, Support
 from mechstyle.material import LIBRARY
 from mechstyle.records import CONTROLS, CRITERIA, NORMALISATIONS, SCHEDULES, Checkpoint, Judgement, Measures, Recipe, Simulation, Verdict
+from mechstyle.regions import Inside
 
 PLA = LIBRARY["PLA"]
 PRESS = LoadCase(name="press", supports=(Support(at="resting face"),), loads=(Load(gravity=2.0),))
@@ -97,7 +98,8 @@ def test_digest_is_the_same_in_another_process(hash_seed):
 def test_every_field_decides_the_digest(field):
     other = {
         "surface": "6" * 64, "tetrahedra": "8" * 64, "prompt": "stone", "material": msgspec.structs.replace(PLA, yield_strength=40.0),
-        "control": "linear", "normalisation": "yield", "schedule": "every", "criterion": "paper", "transfer": "nearest", "element": "tet4",
+        "control": "linear", "normalisation": "yield", "schedule": "every", "criterion": "paper", "transfer": "nearest", "stylizer": "mine",
+        "protect": (Inside(),), "element": "tet4",
         "loads": (PRESS,), "minimum_wall": 1.2,
         "memory": False, "retraction": False, "protect_resting_face": False, "guarantee": False,
         "iterations": 7, "seed": 7, "every": 7, "amplitude": 0.7, "travel": 0.7, "orientations": 7, "drop_height": 700.0, "friction": 0.7,

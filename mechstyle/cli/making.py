@@ -34,6 +34,15 @@ Protect = Annotated[
     bool | None,
     typer.Option("--protect-resting-face/--no-protect-resting-face", help="Fade the relief out towards the face the part rests on."),
 ]
+Regions = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--protect",
+        help="A region the style leaves alone: inside, outside, 'box x y z x y z', 'sphere x y z r', 'plane x y z nx ny nz', 'above z', "
+        "'below z', 'segment x y z'; then, if wanted, 'ramp MM' and 'colour'. May be given several times.",
+    ),
+]
+Stylizer = Annotated[str | None, typer.Option(help="A plugged-in stylizer instead of the built-in styles.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout and nothing else.")]
 
 app = typer.Typer()
@@ -79,7 +88,7 @@ def carry_out(
 
     wanted = draft(prompt, material, freestyle=freestyle, **settings)
     device = resolve_device(device)
-    if not as_json:
+    if not as_json and not wanted.stylizer:
         for note in read_prompt(prompt).notes:
             err.print(f"[dim]prompt: {escape(note)}[/]")
     mesh, name = read_model(model, scale, quiet=as_json)
@@ -149,6 +158,8 @@ def run_command(
     orientations: Orientations = None,
     criterion: Criterion = None,
     protect_resting_face: Protect = None,
+    protect: Regions = None,
+    stylizer: Stylizer = None,
     vertices: Vertices = 25_000,
     scale: Scale = None,
     device: Device = "auto",
@@ -177,6 +188,8 @@ def run_command(
         orientations=orientations,
         criterion=criterion,
         protect_resting_face=protect_resting_face,
+        protect=protect or None,
+        stylizer=stylizer,
     )
     report(run, as_json=as_json)
 
@@ -192,6 +205,8 @@ def freestyle_command(
     amplitude: Amplitude = None,
     orientations: Orientations = None,
     criterion: Criterion = None,
+    protect: Regions = None,
+    stylizer: Stylizer = None,
     vertices: Vertices = 25_000,
     scale: Scale = None,
     device: Device = "auto",
@@ -214,6 +229,8 @@ def freestyle_command(
         amplitude=amplitude,
         orientations=orientations,
         criterion=criterion,
+        protect=protect or None,
+        stylizer=stylizer,
     )
     report(run, as_json=as_json)
 
@@ -236,6 +253,8 @@ def branch_command(
     orientations: Orientations = None,
     criterion: Criterion = None,
     protect_resting_face: Protect = None,
+    protect: Regions = None,
+    stylizer: Stylizer = None,
     device: Device = "auto",
     as_json: Json = False,
 ) -> None:
@@ -261,6 +280,8 @@ def branch_command(
         orientations=orientations,
         criterion=criterion,
         protect_resting_face=protect_resting_face,
+        protect=protect or None,
+        stylizer=stylizer,
     )
     with telling(run.recipe.iterations, quiet=as_json) as teller:
         finish(run, teller)

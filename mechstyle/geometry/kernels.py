@@ -56,3 +56,54 @@ def shrink_balls(
             break
         radius = shrunk
     diameter[i] = 2.0 * radius
+
+
+@wp.kernel
+def count_escapes(
+    mesh: wp.uint64,
+    points: wp.array(dtype=wp.vec3),
+    normals: wp.array(dtype=wp.vec3),
+    rays: wp.array(dtype=wp.vec3),
+    skin: float,
+    reach: float,
+    escaped: wp.array(dtype=wp.int32),
+) -> None:
+    """How many of `rays`, given about the z axis and turned to each normal (Duff et al. 2017), leave without meeting the surface again."""
+    i = wp.tid()
+    normal = normals[i]
+    side = wp.where(normal[2] >= 0.0, 1.0, -1.0)
+    a = -1.0 / (side + normal[2])
+    b = normal[0] * normal[1] * a
+    across = wp.vec3(1.0 + side * normal[0] * normal[0] * a, side * b, -side * normal[0])
+    along = wp.vec3(b, side + normal[1] * normal[1] * a, -normal[1])
+    count = wp.int32(0)
+    for k in range(rays.shape[0]):
+        ray = across * rays[k][0] + along * rays[k][1] + normal * rays[k][2]
+        if not wp.mesh_query_ray_anyhit(mesh, points[i] + normal * skin, ray, reach):
+            count += 1
+    escaped[i] = count
+
+
+@wp.func
+def touches(vertex: wp.int32, a: wp.int32, b: wp.int32, c: wp.int32) -> bool:
+    """Whether a vertex is one of three."""
+    return vertex == a or vertex == b or vertex == c  # noqa: PLR1714 (Warp knows no `in`)
+
+
+@wp.kernel
+def count_crossings(
+    mesh: wp.uint64, faces: wp.array(dtype=wp.int32), points: wp.array(dtype=wp.vec3d), crossed: wp.array(dtype=wp.int32)
+) -> None:
+    """For each face, how many faces of higher number cross it and share no corner with it."""
+    i = wp.tid()
+    a, b, c = faces[3 * i], faces[3 * i + 1], faces[3 * i + 2]
+    p, q, r = points[a], points[b], points[c]
+    low, high = wp.min(wp.min(p, q), r), wp.max(wp.max(p, q), r)
+    count = wp.int32(0)
+    for j in wp.mesh_query_aabb(mesh, wp.vec3(low), wp.vec3(high)):
+        if j > i:
+            d, e, f = faces[3 * j], faces[3 * j + 1], faces[3 * j + 2]
+            joined = touches(d, a, b, c) or touches(e, a, b, c) or touches(f, a, b, c)
+            if not joined and wp.intersect_tri_tri(p, q, r, points[d], points[e], points[f]) == 1:
+                count += 1
+    crossed[i] = count

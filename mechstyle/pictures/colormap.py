@@ -15,7 +15,8 @@ Colours = NDArray[np.float32]
 ABOVE = (0.98, 0.36, 0.20)  # sRGB over-colour of values above the threshold: far from the dark end of the ramp in lightness and in hue
 STRIPE = (0.48, 0.0, 0.05)  # sRGB hatch over it, so that it is not told by colour alone
 LINE = (0.05, 0.05, 0.06)  # sRGB isoline at the threshold
-UNKNOWN = (0.62, 0.62, 0.62)  # sRGB of a value that is not a number
+UNKNOWN = (0.66, 0.66, 0.66)  # sRGB of a value that is not a number
+ABSENT = (0.42, 0.42, 0.42)  # sRGB hatch over it
 STEPS = 256
 
 

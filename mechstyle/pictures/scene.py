@@ -11,7 +11,7 @@ from scipy.ndimage import binary_dilation
 from mechstyle.errors import BadInput
 from mechstyle.mesh import SurfaceMesh
 from mechstyle.pictures.camera import VIEWS, Camera
-from mechstyle.pictures.colormap import LINE, STRIPE, Scale, hatch, linear_to_srgb, srgb_to_linear
+from mechstyle.pictures.colormap import ABSENT, LINE, STRIPE, Scale, hatch, linear_to_srgb, srgb_to_linear
 from mechstyle.pictures.shading import corner_normals, floor_shadow, hollows, lit
 from mechstyle.raster.visibility import Visibility, visible
 
@@ -108,7 +108,10 @@ def _normals(mesh: SurfaceMesh, seen: Visibility, hit: NDArray[np.bool_], camera
 
 
 def _field_paint(mesh: SurfaceMesh, seen: Visibility, hit: NDArray[np.bool_], field: Field, supersampling: int) -> NDArray[np.float32]:
-    """Linear RGB of the field at the pixels that hit the surface, hatched and outlined above the threshold, shape [hit_count, 3]."""
+    """Linear RGB of the field at the pixels that hit the surface, shape [hit_count, 3].
+
+    Hatched and outlined above the threshold; grey, hatched in a darker grey, where the field has no value.
+    """
     values = np.asarray(field.values, dtype=np.float32)
     if values.shape != (len(mesh.vertices),):
         raise BadInput(f"a field must have one value for each of the {len(mesh.vertices)} vertices, not shape {values.shape}")
@@ -117,6 +120,9 @@ def _field_paint(mesh: SurfaceMesh, seen: Visibility, hit: NDArray[np.bool_], fi
     above = np.zeros(hit.shape, bool)
     above[hit] = field.scale.above(here)
     paint[(above & hatch(hit.shape[0], hit.shape[1], 9 * supersampling))[hit]] = srgb_to_linear(STRIPE)
+    absent = np.zeros(hit.shape, bool)
+    absent[hit] = np.isnan(here)
+    paint[(absent & hatch(hit.shape[0], hit.shape[1], 7 * supersampling))[hit]] = srgb_to_linear(ABSENT)
     edge = binary_dilation(above, iterations=supersampling) & ~above
     paint[edge[hit]] = srgb_to_linear(LINE)
     return paint

@@ -246,3 +246,15 @@ def test_a_stricter_threshold_holds_back_more(bench, tmp_path):
         return next(float(state.mask.mean()) for state in states(engine.run()) if state.iteration == 5)
 
     assert let_through("strict", 0.4) < let_through("plain", 1.0) < let_through("loose", 5.0)
+
+
+def test_colours_stay_where_the_user_wants_them_kept(bench):
+    engine = bench.engine(bench.recipe(schedule="never", guarantee=False))
+    kept = np.zeros((64, 1), bool)
+    kept[:20] = True
+    engine = replace(engine, bounds=replace(engine.bounds, uncoloured=kept))
+    saved = states(engine.run())
+    assert all(np.array_equal(state.colour[:20], saved[0].colour[:20]) for state in saved)
+    assert np.all(saved[40].colour[20:] < saved[0].colour[20:])
+    assert np.all(saved[40].displacement[:20] > 0), "the relief is free there"
+    assert saved[-1].style_loss == pytest.approx(engine.stylizer.loss(saved[-1].displacement, saved[-1].colour.astype(np.float32)))

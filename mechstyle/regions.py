@@ -1,0 +1,194 @@
+"""Regions of a part that a style must leave alone, as records: a run keeps them, a command line or a notebook writes them.
+
+Which vertices a region holds is worked out in `geometry.regions`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+import msgspec
+
+from mechstyle.errors import BadInput, unknown
+
+Point = tuple[float, float, float]
+
+KINDS = {
+    "box": "box x y z x y z (two corners)",
+    "sphere": "sphere x y z radius",
+    "plane": "plane x y z nx ny nz (a point and the direction in which everything is protected)",
+    "above": "above z",
+    "below": "below z",
+    "inside": "inside",
+    "outside": "outside",
+    "segment": "segment x y z (the smooth piece of surface nearest to a point)",
+    "vertices": "vertices i j k …",
+}
+"""What can be written after `--protect`, by its first word; lengths in mm."""
+
+
+class Kept(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind"):
+    """What all regions have in common.
+
+    Attributes:
+        ramp: Way along the surface, from the border of the region on, over which the relief grows back to its full height [mm].
+        colour: Whether the region keeps the part's own colour, too.
+    """
+
+    ramp: float = 0.0
+    colour: bool = False
+
+    def __post_init__(self) -> None:
+        """Refuse a ramp that is no length."""
+        if not 0.0 <= self.ramp <= 1e3:
+            raise BadInput(f"the ramp of a protected region is {self.ramp:g} mm, but must lie between 0 and 1000")
+
+    @property
+    def words(self) -> str:
+        """What it is, as it is written after `--protect`."""
+        kind = self.__struct_config__.tag
+        own = [getattr(self, name) for name in self.__struct_fields__ if name not in Kept.__struct_fields__]
+        numbers = [f"{number:g}" for value in own for number in (value if isinstance(value, tuple) else (value,))]
+        ramp, colour = [f"ramp {self.ramp:g}"] if self.ramp else [], ["colour"] if self.colour else []
+        return " ".join([str(kind), *numbers, *ramp, *colour])
+
+
+class Vertices(Kept, frozen=True, tag="vertices"):
+    """Vertices of the standardised surface, by number."""
+
+    indices: tuple[int, ...]
+
+    def __post_init__(self) -> None:
+        """Refuse an empty list and negative numbers."""
+        super().__post_init__()
+        if not self.indices or min(self.indices) < 0:
+            raise BadInput("a protected list of vertices must hold at least one number, and none below zero")
+
+
+class Box(Kept, frozen=True, tag="box"):
+    """All within a box between two corners [mm]."""
+
+    low: Point
+    high: Point
+
+    def __post_init__(self) -> None:
+        """Refuse a box without volume."""
+        super().__post_init__()
+        _check_points(self.low, self.high)
+        if not all(low < high for low, high in zip(self.low, self.high, strict=True)):
+            raise BadInput("a protected box must have a first corner that is lower than the second in x, y and z")
+
+
+class Sphere(Kept, frozen=True, tag="sphere"):
+    """All within a radius of a centre [mm]."""
+
+    centre: Point
+    radius: float
+
+    def __post_init__(self) -> None:
+        """Refuse a sphere without volume."""
+        super().__post_init__()
+        _check_points(self.centre)
+        if not 0.0 < self.radius < math.inf:
+            raise BadInput(f"a protected sphere must have a radius above zero, not {self.radius:g} mm")
+
+
+class HalfSpace(Kept, frozen=True, tag="plane"):
+    """All on that side of a plane to which its normal points; the normal need not have length 1."""
+
+    point: Point
+    normal: Point
+
+    def __post_init__(self) -> None:
+        """Refuse a plane without direction."""
+        super().__post_init__()
+        _check_points(self.point, self.normal)
+        if not any(self.normal):
+            raise BadInput("a protected half-space needs a normal that is not zero, such as 0 0 1 for all above its point")
+
+
+class Inside(Kept, frozen=True, tag="inside"):
+    """The surfaces of hollows that open to the outside: the inside of a cup, the cells of a box."""
+
+
+class Outside(Kept, frozen=True, tag="outside"):
+    """All that is not inside."""
+
+
+class Segment(Kept, frozen=True, tag="segment"):
+    """The smooth piece of surface, of one wall thickness, nearest to a point [mm]."""
+
+    point: Point
+
+    def __post_init__(self) -> None:
+        """Refuse a point that is nowhere."""
+        super().__post_init__()
+        _check_points(self.point)
+
+
+Region = Vertices | Box | Sphere | HalfSpace | Inside | Outside | Segment
+
+
+def region(text: str) -> Region:
+    """A region as people write it: "inside", "box 0 0 0 10 10 10 ramp 2 colour"; KINDS lists what there is.
+
+    Raises:
+        BadInput: If it cannot be read, with how to write it.
+    """
+    kind, *words = text.lower().split() or [""]
+    if kind not in KINDS:
+        raise unknown("region to protect", kind, KINDS)
+    try:
+        ramp, colour = _option(words, "ramp", 1), _option(words, "colour", 0) is not None
+        made = _MAKERS[kind](*(float(word) for word in words))
+    except (ValueError, TypeError, IndexError) as error:
+        how = f"write {KINDS[kind]}, then, if wanted, `ramp` with millimetres and `colour`"
+        raise BadInput(f"cannot read the region {text!r}: {how}") from error
+    return msgspec.structs.replace(made, ramp=ramp or 0.0, colour=colour)
+
+
+_MAKERS: dict[str, Callable[..., Region]] = {
+    "box": lambda a, b, c, d, e, f: Box((a, b, c), (d, e, f)),
+    "sphere": lambda x, y, z, radius: Sphere((x, y, z), radius),
+    "plane": lambda x, y, z, nx, ny, nz: HalfSpace((x, y, z), (nx, ny, nz)),
+    "above": lambda z: HalfSpace((0.0, 0.0, z), (0.0, 0.0, 1.0)),
+    "below": lambda z: HalfSpace((0.0, 0.0, z), (0.0, 0.0, -1.0)),
+    "inside": lambda: Inside(),  # noqa: PLW0108 (the class itself would take a ramp from a stray number)
+    "outside": lambda: Outside(),  # noqa: PLW0108
+    "segment": lambda x, y, z: Segment((x, y, z)),
+    "vertices": lambda *numbers: Vertices(tuple(int(str(number).removesuffix(".0")) for number in numbers)),
+}
+
+
+def _option(words: list[str], name: str, values: int) -> float | None:
+    """Take an option out of the words: its value, 1 if it has none, None if it is not there."""
+    if name not in words:
+        return None
+    at = words.index(name)
+    value = float(words[at + 1]) if values else 1.0
+    del words[at : at + 1 + values]
+    return value
+
+
+def regions(given: str | Region | Sequence[str | Region]) -> tuple[Region, ...]:
+    """One region or several, as records or as people write them."""
+    several = [given] if isinstance(given, str | Kept) else list(given)
+    return tuple(region(one) if isinstance(one, str) else _as_read(one) for one in several)
+
+
+def _as_read(one: object) -> Region:
+    """A region as it would be read from disk, so that (0, 0, 1) and [0.0, 0.0, 1.0] are one recipe."""
+    try:
+        return msgspec.convert(msgspec.to_builtins(one, enc_hook=lambda value: value.tolist()), Region)
+    except (msgspec.ValidationError, AttributeError, TypeError) as error:
+        raise BadInput(f"{one!r} is no region to protect ({error}): write `inside` or ms.Box((0, 0, 0), (10, 10, 10))") from error
+
+
+def _check_points(*points: Point) -> None:
+    try:
+        fine = all(len(point) == 3 and all(math.isfinite(x) for x in point) for point in points)
+    except TypeError:
+        fine = False
+    if not fine:
+        raise BadInput("the points and directions of a protected region must each be three finite numbers [mm]")
