@@ -32,7 +32,7 @@ RETRACT_BY = 0.5
 """… and takes away up to this share of the relief."""
 KEYFRAME_EVERY = 20
 """Iterations between stored stylizer states."""
-STYLE_FIELDS = ("prompt", "seed", "amplitude", "stylizer")
+STYLE_FIELDS = ("prompt", "seed", "amplitude", "stylizer", "guidance", "field", "clip", "crops")
 """Recipe fields that change what the stylizer aims at."""
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from mechstyle.engine import Bounds, Stylizer
 from mechstyle.errors import BadInput, unknown
 from mechstyle.geometry.regions import protection
+from mechstyle.guided import settled, towards_prompt, towards_target
 from mechstyle.load_cases import load_cases
 from mechstyle.material import Material, material_named
 from mechstyle.plugins import made, name_of
@@ -79,20 +80,16 @@ def draft(prompt: str, material: str | Material = "PLA", *, freestyle: bool = Fa
         BadInput: If a name is unknown or a value out of range.
     """
     given = _given({"material": material, **settings})
-    if not given.get("stylizer"):  # a stylizer from elsewhere reads prompts its own way
-        read(prompt)
     paper = given.get("criterion") == "paper"
     presets = {**(PAPER if paper else {}), **(FREESTYLE if freestyle else {})}
     chosen = {**presets, **given}
     chosen.setdefault("normalisation", default_normalisation(chosen.get("control", "exponential"), paper=paper))
-    return Recipe(surface="", tetrahedra="", prompt=prompt, **chosen)
+    return settled(Recipe(surface="", tetrahedra="", prompt=prompt, **chosen), clip_asked_for="clip" in given)
 
 
 def changed(recipe: Recipe, changes: dict[str, Any]) -> Recipe:
     """A recipe with some settings changed; another criterion brings its presets, another control its normalisation, unless given."""
     given = _given(changes)
-    if "prompt" in given and not given.get("stylizer", recipe.stylizer):
-        read(given["prompt"])
     control, paper = given.get("control", recipe.control), given.get("criterion", recipe.criterion) == "paper"
     other_criterion = given.get("criterion", recipe.criterion) != recipe.criterion
     if other_criterion:
@@ -100,7 +97,7 @@ def changed(recipe: Recipe, changes: dict[str, Any]) -> Recipe:
         given = {**presets, "schedule": recipe.schedule, **given}
     if other_criterion or "control" in given:
         given.setdefault("normalisation", default_normalisation(control, paper=paper))
-    return msgspec.structs.replace(recipe, **given)
+    return settled(msgspec.structs.replace(recipe, **given), clip_asked_for="clip" in given)
 
 
 def check_settings(settings: dict[str, Any]) -> None:
@@ -151,10 +148,12 @@ def bounds_for(part: Workpiece, recipe: Recipe) -> tuple[Bounds, tuple[str, ...]
     return bounds, kept.notes
 
 
-def stylizer_for(part: Workpiece, recipe: Recipe) -> tuple[Stylizer, tuple[str, ...]]:
+def stylizer_for(part: Workpiece, recipe: Recipe, device: str = "cpu") -> tuple[Stylizer, tuple[str, ...]]:
     """The stylizer of a recipe, and what its user should know about how the prompt was read and what the mesh can carry."""
     if recipe.stylizer:
         return made(part.surface, bounds_for(part, recipe)[0], recipe), ()
+    if recipe.guidance == "clip":
+        return towards_prompt(part, bounds_for(part, recipe)[0], recipe, device), ()
     wish = read(recipe.prompt)
     aim = target(
         part.surface,
@@ -165,4 +164,7 @@ def stylizer_for(part: Workpiece, recipe: Recipe) -> tuple[Stylizer, tuple[str, 
         inward=part.inward(),
         outward=part.outward(),
     )
-    return ProceduralStylizer(part.surface, aim), (*wish.notes, *aim.notes)
+    notes = (*wish.notes, *aim.notes)
+    if recipe.field == "network":
+        return towards_target(part, bounds_for(part, recipe)[0], recipe, aim, device), notes
+    return ProceduralStylizer(part.surface, aim), notes

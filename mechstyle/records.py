@@ -20,6 +20,8 @@ CONTROLS = ("linear", "exponential", "frozen", "none")
 NORMALISATIONS = ("headroom", "own_max", "sigma_c", "yield")
 SCHEDULES = ("every", "quadratic", "exponential", "geometry", "stress", "never", "always")
 CRITERIA = ("robust", "paper")
+GUIDANCES = ("offline", "clip")
+FIELDS = ("vertex", "network")
 ELEMENTS = ("tet10", "tet4")
 
 Outcome = Literal["VIABLE", "FAILS", "UNKNOWN"]
@@ -33,6 +35,10 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         tetrahedra: Digest of its tetrahedra (meshing is not deterministic, so they are part of the recipe).
         prompt: The style asked for, as typed; "" for none.
         stylizer: Name of a plugged-in stylizer that draws it, "" for the built-in ones.
+        guidance: What the style descends to, one of GUIDANCES: a target drawn offline, or what CLIP takes for the prompt.
+        field: What is descended in, one of FIELDS: values per vertex, or the X-Mesh style field.
+        clip: CLIP weights, `NAME@DIGEST`; "" offline.
+        crops: Close looks at each view per iteration of CLIP guidance and loss, 4 as published.
         material: The material, in full.
         iterations: Stylization iterations N.
         seed: Seed of everything random in the style.
@@ -65,6 +71,10 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     prompt: str
     material: Material
     stylizer: str = ""
+    guidance: str = "offline"
+    field: str = "vertex"
+    clip: str = ""
+    crops: int = 1
     iterations: int = 200
     seed: int = 0
     amplitude: float = 0.15
@@ -97,6 +107,8 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
             ("normalisation", NORMALISATIONS),
             ("schedule", SCHEDULES),
             ("criterion", CRITERIA),
+            ("guidance", GUIDANCES),
+            ("field", FIELDS),
             ("element", ELEMENTS),
             ("transfer", ("barycentric", "nearest")),
         ):
@@ -104,6 +116,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
                 raise unknown(field, str(getattr(self, field)), known)
         limits = {
             "iterations": (1, 100_000),
+            "crops": (1, 16),
             "every": (1, 100_000),
             "seed": (0, 2**32 - 1),
             "amplitude": (0.0, 2.0),

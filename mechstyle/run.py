@@ -220,7 +220,7 @@ class Run:
 
     def _engine(self, progress: Progress) -> tuple[Engine, tuple[str, ...]]:
         recipe, part = self.recipe, self.part
-        stylizer, notes = stylizer_for(part, recipe)
+        stylizer, notes = stylizer_for(part, recipe, self.device)
         bounds, protected = bounds_for(part, recipe)
         simulator = DropSimulator(
             part.surface, part.tets, recipe, self.store.memo, cached_memo(), self.device, cache_folder() / "tets", progress

@@ -80,6 +80,11 @@ def cache_folder() -> Path:
     return Path(given) if given else Path(base) / "mechstyle"
 
 
+def clip_folder() -> Path:
+    """Where fetched CLIP weights are kept."""
+    return cache_folder() / "clip"
+
+
 def cached_memo() -> Memo:
     """The user-wide memo: standardised surfaces, thickness and baseline simulations."""
     return Memo(cache_folder() / "memo", Objects(cache_folder() / "objects"))

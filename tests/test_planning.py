@@ -4,13 +4,14 @@ import msgspec
 import numpy as np
 import pytest
 
-from mechstyle.errors import BadInput
+from mechstyle.errors import BadInput, MissingPiece
 from mechstyle.material import LIBRARY, Material
 from mechstyle.mesh import TetMesh
 from mechstyle.planning import bounds_for, changed, check_settings, plan, stylizer_for
 from mechstyle.records import CONTROLS, Recipe
 from mechstyle.regions import HalfSpace, Inside
 from mechstyle.store import Store
+from mechstyle.styling.weights import verified
 from mechstyle.workpiece import Workpiece
 
 WITHOUT_OUR_ADDITIONS = {"memory": False, "retraction": False, "protect_resting_face": False, "guarantee": False}
@@ -295,3 +296,94 @@ def test_protected_vertices_are_free_in_nothing_and_the_user_is_told(ball):
 def test_without_feedback_what_the_user_protects_is_protected_still(ball):
     bounds, _ = bounds_for(ball, plan(ball, "brick", freestyle=True, protect="above 5"))
     assert np.any(bounds.protection == 0.0)
+
+
+# --- guidance and field -------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def weights(tiny_clip, monkeypatch, tmp_path):
+    """A machine with a tiny CLIP in a folder of its user's own and none fetched."""
+    monkeypatch.setenv("MECHSTYLE_CACHE", str(tmp_path))
+    monkeypatch.setenv("MECHSTYLE_CLIP", str(tiny_clip))
+    return verified(tiny_clip).identity
+
+
+@pytest.fixture
+def no_weights(monkeypatch, tmp_path):
+    monkeypatch.setenv("MECHSTYLE_CACHE", str(tmp_path))
+    monkeypatch.delenv("MECHSTYLE_CLIP", raising=False)
+
+
+def test_guidance_by_clip_takes_any_prompt_and_records_the_weights(part, weights):
+    one = plan(part, "a zebra in the snow", guidance="clip")
+    assert (one.guidance, one.field, one.clip) == ("clip", "vertex", weights)
+    assert changed(one, {"field": "network"}).clip == weights
+
+
+def test_back_offline_no_weights_are_recorded_and_the_prompt_must_be_drawable(part, weights):
+    one = plan(part, "brick", guidance="clip")
+    assert changed(one, {"guidance": "offline"}) == plan(part, "brick")
+    with pytest.raises(BadInput, match="'a zebra' names no style"):
+        changed(plan(part, "a zebra", guidance="clip"), {"guidance": "offline"})
+
+
+def test_without_weights_a_prompt_is_refused_with_the_command(part, no_weights):
+    for ask in (lambda: plan(part, "zebra", guidance="clip"), lambda: changed(plan(part, "brick"), {"guidance": "clip"})):
+        with pytest.raises(MissingPiece, match="`mechstyle weights fetch ViT-B-32`"):
+            ask()
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"guidance": "clp"}, "unknown guidance 'clp': did you mean 'clip'"),
+        ({"field": "net"}, "unknown field 'net': did you mean 'network'"),
+        ({"clip": "ViT-B-32"}, "CLIP weights are of no use to guidance 'offline'"),
+        ({"guidance": "clip", "clip": "ViT-B"}, "unknown CLIP model 'ViT-B': did you mean"),
+        ({"crops": 0}, "crops is 0, but must lie between 1 and 16"),
+    ],
+    ids=str,
+)
+def test_a_guidance_that_cannot_be_is_refused(part, weights, settings, message):
+    for ask in both_ways(part, settings):
+        with pytest.raises(BadInput, match=f"^{message}"):
+            ask()
+
+
+def test_an_empty_prompt_is_refused_by_clip_too(part, weights):
+    with pytest.raises(BadInput, match="the prompt is empty"):
+        plan(part, "  ", guidance="clip")
+
+
+def test_without_torch_the_network_and_clip_are_refused_and_the_rest_goes_on(part, weights, monkeypatch):
+    monkeypatch.setattr("importlib.util.find_spec", lambda _name: None)
+    for settings in ({"guidance": "clip"}, {"field": "network"}):
+        with pytest.raises(MissingPiece, match=r"torch, transformers, safetensors: install with `pip install 'mechstyle\[clip\]'`"):
+            plan(part, "brick", **settings)
+    assert plan(part, "brick") == defaults(part)
+
+
+@pytest.mark.parametrize("guidance", ["offline", "clip"])
+@pytest.mark.parametrize("field", ["vertex", "network"])
+def test_every_pair_of_guidance_and_field_has_a_stylizer_within_the_bounds(ball, weights, guidance, field):
+    recipe = plan(ball, "stone", guidance=guidance, field=field, amplitude=0.2)
+    stylizer, _ = stylizer_for(ball, recipe)
+    first = stylizer.proposal()
+    assert not first.displacement.any()
+    for _ in range(2):
+        found = stylizer.step()
+    assert found.displacement.any()
+    assert np.all((found.displacement >= -ball.inward()) & (found.displacement <= ball.outward()))
+    assert np.ptp(found.colour) > 0.0
+
+
+def test_a_network_never_moves_what_is_protected_and_draws_no_ramp_twice(ball, weights):
+    recipe = plan(ball, "stone", guidance="clip", field="vertex", protect=["below 0 ramp 4"])
+    protection = bounds_for(ball, recipe)[0].protection
+    assert np.any((protection > 0.0) & (protection < 1.0))
+    stylizer, _ = stylizer_for(ball, recipe)
+    for _ in range(2):
+        found = stylizer.step()
+    assert np.array_equal(stylizer._shape.mask.numpy(), protection > 0.0)
+    assert not found.displacement[protection == 0.0].any()

@@ -9,7 +9,7 @@ import typer
 
 from mechstyle.cli.console import command, err, escape, factor, out, print_json, table, telling, verdict_text
 from mechstyle.errors import BadInput
-from mechstyle.records import CONTROLS, CRITERIA, NORMALISATIONS, SCHEDULES
+from mechstyle.records import CONTROLS, CRITERIA, FIELDS, GUIDANCES, NORMALISATIONS, SCHEDULES
 
 Model = Annotated[str, typer.Argument(metavar="MODEL", help="A file (STL, OBJ, PLY, GLB, 3MF) or gallery:NAME.")]
 Prompt = Annotated[str, typer.Option("--prompt", "-p", help="The style, in words.")]
@@ -43,6 +43,10 @@ Regions = Annotated[
     ),
 ]
 Stylizer = Annotated[str | None, typer.Option(help="A plugged-in stylizer instead of the built-in styles.")]
+Guidance = Annotated[
+    str | None, typer.Option(help=f"What the style descends to: {', '.join(GUIDANCES)} (any prompt; see `mechstyle weights list`).")
+]
+StyleField = Annotated[str | None, typer.Option("--field", help=f"What is descended in: {', '.join(FIELDS)} (X-Mesh).")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout and nothing else.")]
 
 app = typer.Typer()
@@ -88,7 +92,7 @@ def carry_out(
 
     wanted = draft(prompt, material, freestyle=freestyle, **settings)
     device = resolve_device(device)
-    if not as_json and not wanted.stylizer:
+    if not as_json and not wanted.stylizer and wanted.guidance == "offline":
         for note in read_prompt(prompt).notes:
             err.print(f"[dim]prompt: {escape(note)}[/]")
     mesh, name = read_model(model, scale, quiet=as_json)
@@ -160,6 +164,8 @@ def run_command(
     protect_resting_face: Protect = None,
     protect: Regions = None,
     stylizer: Stylizer = None,
+    guidance: Guidance = None,
+    field: StyleField = None,
     vertices: Vertices = 25_000,
     scale: Scale = None,
     device: Device = "auto",
@@ -190,6 +196,8 @@ def run_command(
         protect_resting_face=protect_resting_face,
         protect=protect or None,
         stylizer=stylizer,
+        guidance=guidance,
+        field=field,
     )
     report(run, as_json=as_json)
 
@@ -207,6 +215,8 @@ def freestyle_command(
     criterion: Criterion = None,
     protect: Regions = None,
     stylizer: Stylizer = None,
+    guidance: Guidance = None,
+    field: StyleField = None,
     vertices: Vertices = 25_000,
     scale: Scale = None,
     device: Device = "auto",
@@ -231,6 +241,8 @@ def freestyle_command(
         criterion=criterion,
         protect=protect or None,
         stylizer=stylizer,
+        guidance=guidance,
+        field=field,
     )
     report(run, as_json=as_json)
 
@@ -255,6 +267,8 @@ def branch_command(
     protect_resting_face: Protect = None,
     protect: Regions = None,
     stylizer: Stylizer = None,
+    guidance: Guidance = None,
+    field: StyleField = None,
     device: Device = "auto",
     as_json: Json = False,
 ) -> None:
@@ -282,6 +296,8 @@ def branch_command(
         protect_resting_face=protect_resting_face,
         protect=protect or None,
         stylizer=stylizer,
+        guidance=guidance,
+        field=field,
     )
     with telling(run.recipe.iterations, quiet=as_json) as teller:
         finish(run, teller)

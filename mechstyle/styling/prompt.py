@@ -208,5 +208,5 @@ def _unknown_prompt(prompt: str, words: list[str], by_word: Mapping[str, str]) -
     hint = f"the nearest are {_quoted(nearest)}; " if nearest else ""
     return BadInput(
         f"the prompt {prompt!r} names no style that can be drawn offline: {hint}known are {', '.join(sorted(set(by_word.values())))}; "
-        "any other prompt needs CLIP weights, which this build cannot fetch by itself"
+        "any other prompt needs guidance 'clip' and the weights that `mechstyle weights fetch ViT-B-32` brings once"
     )

@@ -135,7 +135,8 @@ def test_a_prompt_without_a_style_is_refused_and_never_replaced(prompt):
     text = str(refusal.value)
     assert repr(prompt) in text
     assert all(name in text for name in names())
-    assert "CLIP weights" in text
+    assert "guidance 'clip'" in text
+    assert "`mechstyle weights fetch ViT-B-32`" in text
     assert "\n" not in text
 
 

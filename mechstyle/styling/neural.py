@@ -1,0 +1,160 @@
+"""The stylizer that descends a guidance by gradients: a style field or a value per vertex, towards a target or a prompt."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import NamedTuple
+
+import numpy as np
+import torch
+from numpy.typing import ArrayLike, NDArray
+from torch import nn
+from torch.utils import deterministic
+
+from mechstyle.styling.guidance import Guidance
+from mechstyle.styling.style_field import standardised
+from mechstyle.styling.unit_shape import Logits, Look, UnitShape
+
+FIELD_RATE = 5e-4
+VERTEX_RATE = 2e-2
+"""Steps of Adam for the network, as published, and for values per vertex, which reach their bounds in about a hundred of them."""
+DECAY = 0.9
+DECAY_EVERY = 100
+
+Field = NDArray[np.float32]
+
+
+class Proposal(NamedTuple):
+    """What the stylizer would like next, whatever the engine's mask held back.
+
+    Attributes:
+        displacement: Along the original normals [mm], shape [n], float32.
+        colour: Display RGB in [0, 1], shape [n, 3], float32.
+    """
+
+    displacement: Field
+    colour: Field
+
+
+class VertexField(nn.Module):
+    """Colour and displacement before their bounds as free values per vertex, zero at first; stands where a style field may."""
+
+    def __init__(self, count: int) -> None:
+        super().__init__()
+        self.colour = nn.Parameter(torch.zeros(count, 3))
+        self.displacement = nn.Parameter(torch.zeros(count, 1))
+
+    def features(self, points: torch.Tensor) -> torch.Tensor:
+        """The points: the values do not depend on them."""
+        return points
+
+    def forward(self, features: torch.Tensor, text: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:  # noqa: ARG002
+        """Colour, shape [n, 3], and displacement, shape [n, 1]."""
+        return self.colour, self.displacement
+
+
+class NeuralStylizer:
+    """Adam on the parameters of a field, one step an iteration, with the published schedule of its rate.
+
+    It is open loop: a hard mask of frozen vertices is part of the shape and so of the gradient, but what the engine holds back elsewhere
+    is never fed back. Everything random in iteration i is drawn from a generator seeded by (seed, i), so a state needs no generator's.
+
+    Args:
+        shape: The part with its bounds and frozen vertices.
+        field: A `StyleField` or a `VertexField`; its initial parameters are where every style starts.
+        guidance: What is wanted.
+        rate: Initial step of Adam.
+        seed: Decides views and crops.
+    """
+
+    def __init__(self, shape: UnitShape, field: nn.Module, guidance: Guidance, *, rate: float, seed: int = 0) -> None:
+        self._shape, self._guidance, self._rate, self._seed = shape, guidance, rate, seed
+        self._field = field.to(shape.positions.device)
+        self._first = {name: value.clone() for name, value in self._field.state_dict().items()}
+        count = len(shape.positions)
+        self.start_from(np.zeros(count), np.full((count, 3), 0.5))
+
+    def proposal(self) -> Proposal:
+        """What it proposes now; at first no displacement and mid-grey."""
+        with torch.no_grad():
+            look = self._look()
+        return Proposal(_array(look.displacement), _array(look.colour))
+
+    def step(self) -> Proposal:
+        """One iteration of descent."""
+        draws = self._guidance.draw(torch.Generator().manual_seed(self._seed * 1_000_003 + self._iteration))
+        for group in self._adam.param_groups:
+            group["lr"] = self._rate * DECAY ** (self._iteration // DECAY_EVERY)
+        with _repeatable():
+            self._adam.zero_grad()
+            self._guidance.loss(self._look(), draws).backward()
+            self._adam.step()
+        self._iteration += 1
+        return self.proposal()
+
+    def loss(self, displacement: ArrayLike, colour: ArrayLike) -> float:
+        """Distance of any displacement [mm], shape [n], and colour, shape [n, 3], from what is wanted."""
+        relief, paint = self._tensor(displacement), self._tensor(colour)
+        with torch.no_grad():
+            return float(self._guidance.distance(Look(relief, paint, self._shape.placed(relief))))
+
+    def start_from(self, displacement: ArrayLike, colour: ArrayLike) -> None:
+        """Begin afresh at a surface another style has left: the field's output is added to what gives that surface."""
+        self._start = self._shape.logits(self._tensor(displacement), self._tensor(colour))
+        self._begin(self._first, 0)
+
+    def state(self) -> dict[str, Field]:
+        """The field with its buffers, both moments of Adam, where it started and the iteration (exact in float32 up to 2²⁴)."""
+        moments = {name: self._adam.state.get(value, {}) for name, value in self._field.named_parameters()}
+        none = {name: torch.zeros_like(value) for name, value in self._field.named_parameters()}
+        tensors = {
+            **{f"field/{name}": value for name, value in self._field.state_dict().items()},
+            **{f"first/{name}": moment.get("exp_avg", none[name]) for name, moment in moments.items()},
+            **{f"second/{name}": moment.get("exp_avg_sq", none[name]) for name, moment in moments.items()},
+            "start/colour": self._start.colour,
+            "start/displacement": self._start.displacement,
+            "iteration": torch.tensor([float(self._iteration)]),
+        }
+        return {name: _array(value) for name, value in tensors.items()}
+
+    def restore(self, state: dict[str, Field]) -> None:
+        """Go on from a `state` of a stylizer of the same part, field and guidance with the same bytes."""
+        tensors = {name: self._tensor(value) for name, value in state.items()}
+        self._start = Logits(tensors["start/colour"], tensors["start/displacement"])
+        self._begin({name: tensors[f"field/{name}"] for name in self._first}, int(state["iteration"][0]))
+        for name, parameter in self._field.named_parameters():
+            moments = {"exp_avg": tensors[f"first/{name}"], "exp_avg_sq": tensors[f"second/{name}"]}
+            self._adam.state[parameter] = {"step": torch.tensor(float(self._iteration)), **moments}
+
+    def _begin(self, parameters: dict[str, torch.Tensor], iteration: int) -> None:
+        self._field.load_state_dict(parameters)
+        self._adam = torch.optim.Adam(self._field.parameters(), lr=self._rate)
+        self._iteration = iteration
+        with torch.no_grad():  # computed once: neither the points nor the frequencies change from here
+            self._features = self._field.features(standardised(self._shape.positions))
+
+    def _look(self) -> Look:
+        colour, displacement = self._field(self._features, self._guidance.text)
+        return self._shape.look(Logits(colour + self._start.colour, displacement[:, 0] + self._start.displacement))
+
+    def _tensor(self, values: ArrayLike) -> torch.Tensor:
+        return torch.tensor(np.asarray(values), dtype=torch.float32, device=self._shape.positions.device)
+
+
+def _array(tensor: torch.Tensor) -> Field:
+    array: Field = tensor.detach().cpu().numpy().copy()
+    return array
+
+
+@contextmanager
+def _repeatable() -> Iterator[None]:
+    """The same bytes for the same inputs: without it, gradients gathered from many pixels are added in no fixed order."""
+    before, filled = torch.are_deterministic_algorithms_enabled(), deterministic.fill_uninitialized_memory
+    torch.use_deterministic_algorithms(mode=True)
+    deterministic.fill_uninitialized_memory = False  # nothing here reads what it has not written, and filling takes a seventh of the time
+    try:
+        yield
+    finally:
+        torch.use_deterministic_algorithms(mode=before)
+        deterministic.fill_uninitialized_memory = filled
