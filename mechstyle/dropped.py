@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import msgspec
 import numpy as np
 
+from mechstyle import walls
 from mechstyle.fea.criterion import input_warning, judge
 from mechstyle.fea.drop_test import resolve_device
+from mechstyle.load_cases import LoadCase, load_cases
 from mechstyle.look import Picture, picture, stress_panel
 from mechstyle.material import Material, material_named
 from mechstyle.mesh import SurfaceMesh
@@ -28,7 +32,7 @@ class Dropped:
         recipe: Material, drop and criterion.
         simulation: What was measured.
         verdict: What it means.
-        warning: "" or one sentence if the part itself exceeds what its material carries.
+        warning: What the part itself exceeds, its material's strength or its printer's thinnest wall, in sentences; "" for nothing.
     """
 
     part: Workpiece
@@ -56,6 +60,8 @@ def simulate(
     material: str | Material = "PLA",
     orientations: int = 5,
     criterion: str = "robust",
+    loads: str | Path | LoadCase | Sequence[LoadCase] = (),
+    minimum_wall: float = 0.8,
     vertices: int = STANDARD_VERTICES,
     device: str = "auto",
     stage: Stage = say_nothing,
@@ -68,6 +74,8 @@ def simulate(
         material: A library name, a .toml/.json file, or a Material.
         orientations: Drops, the first as placed.
         criterion: `robust` or `paper`.
+        loads: A load file or load cases the part must carry besides.
+        minimum_wall: The thinnest wall that is not warned about [mm]; 0 for no warning.
         vertices: Vertices of the standardised surface.
         device: `auto`, `cpu` or `cuda`.
         stage: Told what is being prepared, in words.
@@ -77,13 +85,19 @@ def simulate(
         BadInput: If the part or a setting cannot be used, in one sentence.
     """
     chosen, where = material_named(material), resolve_device(device)
-    wanted = Recipe(surface="", tetrahedra="", prompt="", material=chosen, orientations=orientations, criterion=criterion)
+    wanted = Recipe(
+        surface="", tetrahedra="", prompt="", material=chosen, orientations=orientations, criterion=criterion, loads=load_cases(loads),
+        minimum_wall=minimum_wall,
+    )  # fmt: skip
     part = prepare(mesh, vertices=vertices, stage=stage)
     recipe = fitted(wanted, part)
     stage("dropping it")
     simulator = DropSimulator(part.surface, part.tets, recipe, cached_memo(), device=where, progress=progress)
-    simulation = simulator.simulate(np.zeros(len(part.surface.vertices), np.float32), thorough=True)
-    return Dropped(part, recipe, simulation, judge_alone(simulation, chosen, criterion), input_warning(simulation, chosen))
+    unstyled = np.zeros(len(part.surface.vertices), np.float32)
+    simulation = simulator.simulate(unstyled, thorough=True)
+    thin = walls.warnings(part.surface, part.thickness, unstyled, minimum_wall)
+    warning = " ".join(filter(None, (input_warning(simulation, chosen), *(f"{sentence}." for sentence in thin))))
+    return Dropped(part, recipe, simulation, judge_alone(simulation, chosen, criterion), warning)
 
 
 def judge_alone(simulation: Simulation, material: Material, criterion: str) -> Verdict:

@@ -164,6 +164,11 @@ class Measures(msgspec.Struct, frozen=True, kw_only=True):
     where: tuple[float, float, float]
     volume: float
 
+    def or_worse(self, other: Measures) -> Measures:
+        """The larger of each stress of two tests of one part, and where the larger peak is."""
+        larger = {name: max(getattr(self, name), getattr(other, name)) for name in ("peak", "p999", "p99", "maximum")}
+        return msgspec.structs.replace(self, where=self.where if self.peak >= other.peak else other.where, **larger)
+
 
 class Loaded(msgspec.Struct, frozen=True, kw_only=True):
     """What one load case did to the part.
@@ -171,12 +176,20 @@ class Loaded(msgspec.Struct, frozen=True, kw_only=True):
     Attributes:
         name: The case.
         peak: Largest 2 mm volume average of the von Mises stress [MPa].
+        where: Place of `peak` in the undeformed part [mm].
         deflection: Largest displacement [mm].
     """
 
     name: str
     peak: float
+    where: tuple[float, float, float]
     deflection: float
+
+    @property
+    def words(self) -> str:
+        """Its figures, as they are printed."""
+        x, y, z = self.where
+        return f"{self.peak:.1f} MPa at ({x:.1f}, {y:.1f}, {z:.1f}) mm, gives way {self.deflection:.2f} mm"
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,14 +12,15 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from mechstyle.errors import MechStyleError
+from mechstyle.errors import MechStyleError, SimulationFailed
 from mechstyle.fea.criterion import BallAverage, judge, measures, robust_field
 from mechstyle.fea.drop_test import Drop, DropTest, directions, drop
+from mechstyle.fea.loads import StaticTest
 from mechstyle.geometry.morph import Morph, Morphed
 from mechstyle.geometry.tetrahedra import tetrahedralise
 from mechstyle.geometry.transfer import Transfer
 from mechstyle.mesh import SurfaceMesh, TetMesh
-from mechstyle.records import Measures, Recipe, Simulation, Verdict
+from mechstyle.records import Loaded, Measures, Recipe, Simulation, Verdict
 from mechstyle.store import Memo
 
 PHYSICS_VERSION = 2
@@ -66,7 +67,7 @@ class DropSimulator:
         return judge(simulation, self.baseline, self.recipe.material, self.recipe.criterion)
 
     def simulate(self, displacement: NDArray[np.float32], *, thorough: bool) -> Simulation:
-        """Drop the displaced part, as placed or (`thorough`) in all orientations; remembered by its inputs.
+        """Drop the displaced part, as placed or (`thorough`) in all orientations, and load it; remembered by its inputs.
 
         A relief that reaches under a part whose resting face is not protected cannot be carried by morphed tetrahedra, so
         the thorough test of such a part is run on a fresh mesh of the styled surface.
@@ -102,6 +103,7 @@ class DropSimulator:
             recipe.damping,
             recipe.element,
             recipe.transfer,
+            recipe.loads,
             recipe.orientations if thorough else 1,
             fresh,
         )
@@ -121,7 +123,8 @@ class DropSimulator:
 
     def _on_morphed_mesh(self, displacement: NDArray[np.float32], *, thorough: bool) -> Simulation:
         morphed = self._morph.morphed(displacement)
-        return self._measured(morphed, self._drop(morphed.tets, thorough=thorough), self._average, self._transfer)
+        dropped = self._measured(morphed, self._drop(morphed.tets, thorough=thorough), self._average, self._transfer)
+        return self._under_loads(dropped, morphed.tets)
 
     def _on_fresh_mesh(self, displacement: NDArray[np.float32]) -> Simulation:
         """As above on new tetrahedra; if fTetWild cannot mesh the styled surface, on morphed ones, and the record says so."""
@@ -133,7 +136,36 @@ class DropSimulator:
             return replace(fallback, meshing=f"morphed, as a fresh mesh of the styled surface could not be had: {error}")
         whole = Morphed(tets=tets, displacement=np.asarray(displacement, np.float32), backed_off=0.0, deviation=0.0, remesh=False)
         transfer = Transfer(styled, tets, self.recipe.transfer)
-        return replace(self._measured(whole, self._drop(tets, thorough=True), BallAverage(tets), transfer), meshing="fresh")
+        dropped = self._measured(whole, self._drop(tets, thorough=True), BallAverage(tets), transfer)
+        if not self.recipe.loads:
+            return replace(dropped, meshing="fresh")
+        loaded = self._under_loads(dropped, self._morph.morphed(displacement).tets)
+        return replace(loaded, meshing="fresh for the drop, morphed for the loads")
+
+    @cached_property
+    def _static(self) -> StaticTest:
+        return StaticTest(self.tets, self.recipe.loads, self.recipe.element)
+
+    def _under_loads(self, dropped: Simulation, tets: TetMesh) -> Simulation:
+        """A drop's result raised to what the recipe's load cases do to morphed tetrahedra, on which their places are known."""
+        if dropped.failure or not self.recipe.loads:
+            return dropped
+        try:
+            responses = self._static.run(tets, self.recipe.material)
+        except SimulationFailed as error:
+            return replace(dropped, failure=str(error))
+        result = dropped
+        for name, response in responses.items():
+            case = measures(tets, response.von_mises, self._average)
+            field = self._transfer.to_surface(robust_field(tets, response.von_mises, self._average)).astype(np.float32)
+            result = replace(
+                result,
+                stress=np.maximum(result.stress, field),
+                envelope=np.maximum(result.envelope, field),
+                as_placed=result.as_placed.or_worse(case),
+                loaded=(*result.loaded, Loaded(name=name, peak=case.peak, where=case.where, deflection=response.deflection)),
+            )
+        return result
 
     def _drop(self, tets: TetMesh, *, thorough: bool) -> Drop:
         recipe = self.recipe

@@ -12,7 +12,7 @@ import msgspec
 
 from mechstyle.engine import Engine, kept
 from mechstyle.events import Event, SimulationStarted
-from mechstyle.records import Recipe, Verdict
+from mechstyle.records import Loaded, Recipe, Verdict
 from mechstyle.store import Entry, Store
 
 
@@ -93,6 +93,7 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
         iterations: Stylization iterations.
         meshing: How the tetrahedra of the last simulation followed the surface.
         backed_off: Share of the surface the tetrahedra could not follow in the last simulation.
+        loads: What each load case did to the delivered part.
         seconds: Wall time per stage of the process that finished the run [s].
         notes: What the user should know, one sentence each.
         lane: Name of the lane.
@@ -115,6 +116,7 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
     iterations: int
     meshing: str
     backed_off: float
+    loads: tuple[Loaded, ...] = ()
     seconds: dict[str, float]
     notes: tuple[str, ...]
     lane: str
@@ -184,6 +186,7 @@ def summarise(engine: Engine, *, device: str, notes: tuple[str, ...], seconds: d
         iterations=last.iteration,
         meshing=simulation.meshing,
         backed_off=simulation.backed_off,
+        loads=simulation.loaded,
         seconds=seconds,
         notes=notes,
         lane=engine.lane,

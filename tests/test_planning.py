@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from mechstyle.errors import BadInput, MissingPiece
+from mechstyle.load_cases import Load, LoadCase, Support
 from mechstyle.material import LIBRARY, Material
 from mechstyle.mesh import TetMesh
 from mechstyle.planning import bounds_for, changed, check_settings, plan, stylizer_for
@@ -28,6 +29,17 @@ def defaults(part, **settings):
     return Recipe(surface=part.surface.digest, tetrahedra=part.tets.digest, prompt="brick", material=LIBRARY["PLA"], **settings)
 
 
+def test_loads_come_from_a_file_or_as_cases_and_are_the_same_recipe(part, tmp_path):
+    file = tmp_path / "loads.toml"
+    file.write_text("[[case]]\nname = 'rest'\nsupports = [{ at = 'resting face' }]\nloads = [{ gravity = 2 }]\n", encoding="utf-8")
+    case = LoadCase(name="rest", supports=[Support(at="resting face")], loads=[Load(gravity=2)])
+    from_file = plan(part, "brick", loads=file)
+    assert from_file.digest == plan(part, "brick", loads=[case]).digest == plan(part, "brick", loads=case).digest
+    assert from_file.digest != plan(part, "brick").digest
+    with pytest.raises(BadInput, match="does not exist"):
+        changed(from_file, {"loads": str(tmp_path / "none.toml")})
+
+
 # --- presets ------------------------------------------------------------------------------------------------------
 
 
@@ -48,7 +60,7 @@ def test_freestyle_is_stylization_without_feedback(part):
 
 
 def test_the_paper_criterion_brings_the_published_method(part):
-    expected = defaults(part, criterion="paper", normalisation="sigma_c", transfer="nearest", element="tet4", **WITHOUT_OUR_ADDITIONS)
+    expected = defaults(part, criterion="paper", normalisation="sigma_c", transfer="nearest", element="tet4", minimum_wall=0.0, **WITHOUT_OUR_ADDITIONS)
     assert plan(part, "brick", criterion="paper") == expected
 
 

@@ -12,6 +12,7 @@ import trimesh
 from mechstyle import simulator as module
 from mechstyle.errors import SimulationFailed
 from mechstyle.geometry.tetrahedra import tetrahedralise
+from mechstyle.load_cases import Load, LoadCase, Patch, Support
 from mechstyle.material import LIBRARY
 from mechstyle.mesh import SurfaceMesh
 from mechstyle.records import Recipe
@@ -167,6 +168,54 @@ def test_a_drop_that_breaks_down_is_unknown_never_viable(block, memo, monkeypatc
     result = sim.simulate(bumps(block), thorough=True)
     assert result.failure == "the energy grew"
     assert sim.judge(result).outcome == "UNKNOWN"
+
+
+PUSH = LoadCase(
+    name="push", supports=(Support(at="resting face"),), loads=(Load(at=Patch(plane=(0, 0, 10, 0, 0, 1)), force=(3e4, 0.0, 0.0)),)
+)
+REST = LoadCase(name="rest", supports=(Support(at="resting face"),), loads=(Load(gravity=1.0),))
+
+
+def test_the_worse_of_drop_and_loads_drives_and_decides(block, memo):
+    dropped, loaded = (simulator(block, memo, **settings).baseline for settings in ({}, {"loads": (PUSH, REST)}))
+    push, rest = loaded.loaded
+    assert loaded.governing == "push"
+    assert loaded.as_placed.peak == push.peak > dropped.as_placed.peak > rest.peak > 0.0
+    assert loaded.as_placed.where == push.where
+    assert np.all(loaded.stress >= dropped.stress)
+    assert loaded.stress.max() == pytest.approx(push.peak, rel=0.3)  # the field is seen through the surface, the peak in the body
+    assert np.all(loaded.envelope >= dropped.envelope)
+    assert loaded.overall == dropped.overall
+
+
+def test_a_drop_that_is_worse_than_its_loads_stays_as_it_is(block, memo):
+    dropped, loaded = (simulator(block, memo, **settings).baseline for settings in ({}, {"loads": (REST,)}))
+    assert loaded.governing == ""
+    assert loaded.as_placed == dropped.as_placed
+    assert len(loaded.loaded) == 1
+
+
+def test_other_loads_are_another_question_and_their_answer_is_remembered(block, memo, drops):
+    for loads in ((), (REST,), (PUSH,), (REST,)):
+        assert len(simulator(block, memo, loads=loads).simulate(bumps(block), thorough=False).loaded) == len(loads)
+    assert drops == [1, 1, 1]
+
+
+def test_loads_that_cannot_be_solved_are_unknown_never_viable(block, memo, monkeypatch):
+    def singular(*_args):
+        raise SimulationFailed("the load cases could not be solved")
+
+    sim = simulator(block, memo, loads=(REST,))
+    assert sim.judge(sim.baseline).viable
+    monkeypatch.setattr(module.StaticTest, "run", singular)
+    assert sim.judge(sim.simulate(bumps(block), thorough=False)).outcome == "UNKNOWN"
+
+
+def test_loads_keep_their_places_where_the_drop_is_meshed_fresh(block, memo):
+    sim = simulator(block, memo, protect_resting_face=False, orientations=1, loads=(PUSH,))
+    result = sim.simulate(bumps(block), thorough=True)
+    assert result.meshing == "fresh for the drop, morphed for the loads"
+    assert result.governing == "push"
 
 
 def test_progress_can_cancel_a_drop(block, memo):

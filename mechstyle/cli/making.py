@@ -26,6 +26,8 @@ Seed = Annotated[int | None, typer.Option(help="Seed of the style.")]
 Amplitude = Annotated[float | None, typer.Option(help="Relief height over local wall thickness.")]
 Orientations = Annotated[int | None, typer.Option(help="Drops in the final test, the first as placed.")]
 Criterion = Annotated[str | None, typer.Option(help=f"What viable means: {', '.join(CRITERIA)}.")]
+LoadFile = Annotated[Path | None, typer.Option("--load", help="A .toml file of load cases the part must carry besides the drop.")]
+MinimumWall = Annotated[float | None, typer.Option(help="The thinnest wall the style may leave [mm]; 0 for no rule.")]
 Vertices = Annotated[int, typer.Option(help="Vertices of the standardised surface.")]
 Scale = Annotated[float | None, typer.Option(help="Multiply the file's coordinates to get millimetres.")]
 Device = Annotated[str, typer.Option(help="auto, cpu or cuda.")]
@@ -140,6 +142,8 @@ def report(run: Any, *, as_json: bool) -> None:
     out.print(f"{kept}; {len(summary.simulations)} simulations")
     for note in summary.notes:
         out.print(f"[dim]note: {escape(note)}[/]")
+    for case in summary.loads:
+        out.print(f"load {escape(repr(case.name))}: {case.words}")
     out.print("seconds: " + ", ".join(f"{stage} {value:.1f}" for stage, value in summary.seconds.items()))
     for what, path in summary.files.items():
         out.print(f"{what}: {escape(path)}")
@@ -151,6 +155,8 @@ def run_command(
     model: Model,
     prompt: Prompt,
     material: MaterialName = "PLA",
+    loads: LoadFile = None,
+    minimum_wall: MinimumWall = None,
     control: Control = None,
     normalisation: Normalisation = None,
     threshold: Threshold = None,
@@ -183,6 +189,8 @@ def run_command(
         folder,
         freestyle=False,
         as_json=as_json,
+        loads=loads,
+        minimum_wall=minimum_wall,
         control=control,
         normalisation=normalisation,
         threshold=threshold,
@@ -208,6 +216,8 @@ def freestyle_command(
     model: Model,
     prompt: Prompt,
     material: MaterialName = "PLA",
+    loads: LoadFile = None,
+    minimum_wall: MinimumWall = None,
     iterations: Iterations = None,
     seed: Seed = None,
     amplitude: Amplitude = None,
@@ -234,6 +244,8 @@ def freestyle_command(
         folder,
         freestyle=True,
         as_json=as_json,
+        loads=loads,
+        minimum_wall=minimum_wall,
         iterations=iterations,
         seed=seed,
         amplitude=amplitude,
@@ -254,6 +266,8 @@ def branch_command(
     lane: Annotated[str, typer.Option(help="Name of the new lane.")] = "",
     prompt: Annotated[str | None, typer.Option("--prompt", "-p", help="Another style.")] = None,
     material: Annotated[str | None, typer.Option("--material", "-m", help="Another material.")] = None,
+    loads: LoadFile = None,
+    minimum_wall: MinimumWall = None,
     control: Control = None,
     normalisation: Normalisation = None,
     threshold: Threshold = None,
@@ -283,6 +297,8 @@ def branch_command(
         lane=lane,
         prompt=prompt,
         material=material,
+        loads=loads,
+        minimum_wall=minimum_wall,
         control=control,
         normalisation=normalisation,
         threshold=threshold,

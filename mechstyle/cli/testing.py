@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from mechstyle.cli.console import command, err, escape, factor, out, print_json, table, telling, verdict_text
-from mechstyle.cli.making import Criterion, Device, Json, MaterialName, Model, Scale, Vertices, carry_out, read_model
+from mechstyle.cli.making import Criterion, Device, Json, LoadFile, MaterialName, MinimumWall, Model, Scale, Vertices, carry_out, read_model
 
 app = typer.Typer()
 
@@ -20,13 +20,15 @@ def simulate_command(
     material: MaterialName = "PLA",
     orientations: Annotated[int, typer.Option(help="Drops, the first as placed.")] = 5,
     criterion: Criterion = "robust",
+    loads: LoadFile = None,
+    minimum_wall: MinimumWall = None,
     vertices: Vertices = 25_000,
     scale: Scale = None,
     device: Device = "auto",
     folder: Annotated[Path | None, typer.Option("--out", help="Folder for the picture; the current one by default.")] = None,
     as_json: Json = False,
 ) -> None:
-    """Drop a part as it is, without any style."""
+    """Drop a part as it is, without any style, and load it if asked to."""
     from mechstyle.dropped import simulate  # noqa: PLC0415 — physics is loaded when something is run
 
     mesh, name = read_model(model, scale, quiet=as_json)
@@ -36,6 +38,8 @@ def simulate_command(
             material=material,
             orientations=orientations,
             criterion=criterion or "robust",
+            loads=loads or (),
+            minimum_wall=0.8 if minimum_wall is None else minimum_wall,
             vertices=vertices,
             device=device,
             stage=teller.stage,
@@ -49,6 +53,7 @@ def simulate_command(
             {
                 **to_dict(strength),
                 "warning": dropped.warning,
+                "loads": dropped.simulation.loaded,
                 "notes": dropped.part.notes,
                 "material": dropped.recipe.material,
                 "files": files,
@@ -66,6 +71,7 @@ def simulate_command(
         ),
         ("p99.9 as placed", f"{dropped.simulation.as_placed.p999:.1f} MPa"),
         ("p99 over all orientations", overall),
+        *((f"load {case.name!r}", case.words) for case in dropped.simulation.loaded),
         ("literal maximum", f"{strength.maximum:.1f} MPa (depends on the mesh)"),
         ("tetrahedra", f"{len(dropped.part.tets.tets)}"),
         ("picture", escape(str(picture))),

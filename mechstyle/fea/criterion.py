@@ -135,12 +135,14 @@ def judge(simulation: Simulation, baseline: Simulation, material: Material, crit
         simulation.as_placed.maximum, material.yield_strength, "MPa", STRESS_BAND, trouble,
     )
     place = f" at {_place(simulation)}"
-    counting = [(as_placed, _stress_clause("peak stress", as_placed, place, baseline, material))]
+    situation = _situation(simulation)
+    counting = [(as_placed, _stress_clause(f"{situation} its peak stress", as_placed, place, baseline, material))]
     if spread is not None:
         clause = f"in all orientations {spread.value:.2f} times the original's stress, {_side(spread)} the limit of {spread.limit:.2f}"
         counting.append((spread, clause))
     if criterion == "paper":
-        counting = [(literal, _stress_clause("largest element stress", literal, "", baseline, material))]
+        worst = "dropped as placed or under its loads" if simulation.loaded else "dropped as placed"
+        counting = [(literal, _stress_clause(f"{worst} its largest element stress", literal, "", baseline, material))]
     outcome = max((judgement.outcome for judgement, _ in counting), key=_SEVERITY.__getitem__)
     doubt = ", MARGINAL" if any(judgement.marginal for judgement, _ in counting) else ""
     words = f"UNKNOWN: {trouble}." if trouble else f"{outcome}{doubt}: {'; '.join(clause for _, clause in counting)}."
@@ -155,8 +157,9 @@ def input_warning(baseline: Simulation, material: Material) -> str:
     peak = baseline.as_placed.peak
     if peak <= material.yield_strength:
         return ""
+    when = f"under the load {baseline.governing!r}" if baseline.governing else "when dropped as placed"
     return (
-        f"The unstylized part itself reaches {peak:.1f} MPa at {_place(baseline)} when dropped as placed, above the"
+        f"The unstylized part itself reaches {peak:.1f} MPa at {_place(baseline)} {when}, above the"
         f" {material.yield_strength:.1f} MPa yield strength of {material.name}; the style is held to that peak instead."
     )
 
@@ -211,6 +214,13 @@ def _place(simulation: Simulation) -> str:
     return f"({x:.1f}, {y:.1f}, {z:.1f}) mm"
 
 
+def _situation(simulation: Simulation) -> str:
+    """What the deciding peak comes from, in words."""
+    if simulation.governing:
+        return f"under the load {simulation.governing!r}"
+    return "dropped as placed, which is worse than any load," if simulation.loaded else "dropped as placed"
+
+
 def _side(judgement: Judgement) -> str:
     """On which side of its limit a value lies, and whether that is sure."""
     return ("within" if judgement.outcome == "VIABLE" else "above") + (" (MARGINAL)" if judgement.marginal else "")
@@ -221,4 +231,4 @@ def _stress_clause(what: str, judgement: Judgement, place: str, baseline: Simula
     limit = f"the yield strength of {material.yield_strength:.1f} MPa"
     if judgement.limit > material.yield_strength:
         limit = f"the original's own peak of {baseline.as_placed.peak:.1f} MPa, which itself exceeds {limit}"
-    return f"dropped as placed its {what} is {judgement.value:.1f} MPa{place}, {_side(judgement)} {limit}"
+    return f"{what} is {judgement.value:.1f} MPa{place}, {_side(judgement)} {limit}"

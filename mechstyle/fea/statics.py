@@ -45,6 +45,11 @@ class Response:
     loads: Floats
     reactions: Floats
 
+    @property
+    def deflection(self) -> float:
+        """Largest displacement [mm]."""
+        return float(np.linalg.norm(self.displacement, axis=1).max())
+
 
 def stresses(mesh: ElementMesh, material: Material, displacement: Floats) -> Floats:
     """Von Mises stress of σ = λ tr(ε) I + 2μ ε at the Gauss points [MPa], shape [tet_count, points]."""

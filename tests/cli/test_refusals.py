@@ -38,6 +38,8 @@ def refused(mechstyle, *arguments, code=2):
         (("--prompt", "brick", "--iterations", "0"), "iterations is 0, but must lie between 1 and"),
         (("--prompt", "brick", "--amplitude", "-1"), "amplitude is -1"),
         (("--prompt", "brick", "--orientations", "0"), "orientations is 0"),
+        (("--prompt", "brick", "--minimum-wall", "-1"), "minimum wall is -1"),
+        (("--prompt", "brick", "--load", "none.toml"), "load file none.toml does not exist"),
         (("--prompt", "brick", "--vertices", "10"), "vertices"),
         (("--prompt", "brick", "--device", "cuda"), "device"),
         (("--prompt", "brick", "--device", "tpu"), "unknown device 'tpu'"),

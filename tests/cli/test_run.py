@@ -177,6 +177,19 @@ def test_simulate_reports_the_part_as_it_is(mechstyle):
     assert (mechstyle.folder / outcome["files"]["picture"]).is_file()
 
 
+def test_simulate_carries_the_loads_of_a_file_and_warns_of_thin_walls(mechstyle):
+    supports, loads = "[{ at = 'resting face' }]", "[{ at = { near = [40, 0, 100, 8] }, force = [0, 0, -50] }]"
+    case = f"[[case]]\nname = 'hand'\nsupports = {supports}\nloads = {loads}\n"
+    (mechstyle.folder / "loads.toml").write_text(case, encoding="utf-8")
+    small = ("simulate", "gallery:pen_holder", "--vertices", "2500", "--orientations", "1")
+    outcome = mechstyle(*small, "--load", "loads.toml", "--minimum-wall", "5", "--json").json
+    (hand,) = outcome["loads"]
+    assert hand["name"] == "hand"
+    assert 0.0 < hand["peak"] <= outcome["peak_stress"]
+    assert "which is worse than any load" in outcome["words"]
+    assert "thinner than the 5 mm minimum" in outcome["warning"]
+
+
 def test_simulate_names_the_stress_its_criterion_looks_at(mechstyle):
     small = ("simulate", "gallery:pen_holder", "--vertices", "2500", "--orientations", "1")
     assert "peak stress (2 mm average)" in mechstyle(*small).stdout

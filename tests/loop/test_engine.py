@@ -71,6 +71,16 @@ def test_freestyle_follows_the_proposal_exactly(bench):
     assert kept(last.displacement, engine.stylizer.proposal().displacement, engine.surface.vertex_areas) == pytest.approx(1.0, rel=1e-5)
 
 
+def test_no_wall_is_cut_below_the_minimum_unless_nothing_restrains(bench, tmp_path):
+    """Walls of 4 mm with a minimum of 3 may lose half a millimetre from each side; the relief asks for one."""
+    bench.height, bench.gain = -1.0, 0.0
+    last = states(bench.engine(bench.recipe(minimum_wall=3.0)).run())[-1]
+    assert -0.5 <= last.displacement.min() < -0.3
+    free = replace(bench, root=tmp_path / "free")
+    freestyle = states(free.engine(free.recipe(minimum_wall=3.0, control="none")).run())[-1]
+    assert freestyle.displacement.min() == pytest.approx(-1.0, abs=0.01)
+
+
 def test_masked_vertices_do_not_move_but_their_colours_do(bench):
     protection = np.ones(64, np.float32)
     protection[:20] = 0.0

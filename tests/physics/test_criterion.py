@@ -12,7 +12,7 @@ from mechstyle.errors import BadInput
 from mechstyle.fea.criterion import BallAverage, input_warning, judge, measures, percentile, robust_field
 from mechstyle.fea.interpolation import GAUSS_A, GAUSS_B
 from mechstyle.material import LIBRARY
-from mechstyle.records import Measures, Simulation, Verdict
+from mechstyle.records import Loaded, Measures, Simulation, Verdict
 
 PLA = LIBRARY["PLA"]
 Y = PLA.yield_strength
@@ -217,6 +217,18 @@ def test_words_hold_figures_place_limit_and_doubt():
     )
     words = judge(simulation(peak=50.0, overall=None), simulation(peak=80.0), PLA, "robust").words
     assert "within the original's own peak of 80.0 MPa, which itself exceeds the yield strength of 45.6 MPa" in words
+
+
+def test_words_name_the_load_that_governs():
+    one = simulation(peak=40.0)
+    loaded = tuple(Loaded(name=name, peak=peak, where=(0.0, 0.0, 0.0), deflection=0.1) for name, peak in (("hand", 40.0), ("shelf", 12.0)))
+    governed = judge(replace(one, loaded=loaded), simulation(), PLA, "robust")
+    assert "under the load 'hand' its peak stress is 40.0 MPa at" in governed.words
+    dropped = judge(replace(one, loaded=loaded[1:]), simulation(), PLA, "robust")
+    assert "dropped as placed, which is worse than any load, its peak stress is 40.0 MPa" in dropped.words
+    assert "dropped as placed or under its loads its largest element stress" in judge(replace(one, loaded=loaded), one, PLA, "paper").words
+    weak = msgspec.structs.replace(PLA, yield_strength=30.0)
+    assert "under the load 'hand', above" in input_warning(replace(one, loaded=loaded), weak)
 
 
 def test_the_input_is_warned_of_only_when_it_exceeds_yield_itself():
