@@ -1,17 +1,21 @@
-"""The viewer without a browser: traits, buffers, the colour bar, and nothing left behind."""
+"""The viewer without a browser: traits, buffers, the legend, the probe, and nothing left behind."""
+
+from __future__ import annotations
 
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from ipywidgets import Widget
 from ipywidgets.widgets.widget import _instances as alive
 
 from mechstyle.errors import BadInput
 from mechstyle.mesh import SurfaceMesh
-from mechstyle_widgets import Viewer
-from mechstyle_widgets.viewer import BACKGROUNDS, PLASTIC
+from mechstyle_widgets.layers import Layer, Subject
+from mechstyle_widgets.scene import BACKGROUNDS, PLASTIC
+from mechstyle_widgets.shaders import HIDDEN, MAXIMUM, MINIMUM, NOTHING, PICKED, PLAIN
+from mechstyle_widgets.viewer import Viewer
 
 
 @pytest.fixture
@@ -24,202 +28,313 @@ def painted(sphere):
 @pytest.fixture
 def height(sphere):
     """A field over the sphere: height above its lowest point [mm], 0 to 20."""
-    return sphere.vertices[:, 2] + 10.0
+    return Layer("height", sphere.vertices[:, 2] + 10.0, "height <above> the floor", "mm")
 
 
-@pytest.fixture(autouse=True)
-def close_what_a_test_opened():
-    yield
-    Widget.close_all()
+def scene(viewer):
+    return viewer._scenes[0]
 
 
 # --- buffers ------------------------------------------------------------------------------------------------------
 
 
 def test_the_buffers_hold_the_part(sphere):
-    viewer = Viewer(sphere)
-    assert viewer._position.array.dtype == np.float32
-    assert np.allclose(viewer._position.array, sphere.vertices, atol=1e-6)
-    assert np.allclose(viewer._normal.array, sphere.vertices / 10.0, atol=0.01)
-    assert viewer._index.array.dtype == np.uint32  # more than 65 535 vertices can be named
-    assert np.array_equal(viewer._index.array.reshape(-1, 3), sphere.faces)
+    buffers = scene(Viewer(sphere))._geometry.attributes
+    assert buffers["position"].array.dtype == np.float32
+    assert np.allclose(buffers["position"].array, sphere.vertices, atol=1e-6)
+    assert np.allclose(buffers["normal"].array, sphere.vertices / 10.0, atol=0.01)
+    assert buffers["index"].array.dtype == np.uint32  # more than 65 535 vertices can be named
+    assert np.array_equal(buffers["index"].array.reshape(-1, 3), sphere.faces)
 
 
-def test_the_colours_of_the_part_reach_the_screen_as_they_are(painted):
+def test_the_colours_of_the_part_reach_the_screen_as_they_are(painted, sphere):
     """They are display colours already."""
-    assert np.array_equal(Viewer(painted)._colour.array, painted.colours)
+    assert np.array_equal(scene(Viewer(painted))._colours.array, painted.colours)
+    assert np.allclose(scene(Viewer(sphere))._colours.array, PLASTIC)
 
 
-def test_a_part_without_colours_looks_like_plain_plastic(sphere):
-    assert np.allclose(Viewer(sphere)._colour.array, PLASTIC)
-
-
-def test_new_values_reuse_the_buffer_that_is_there(sphere, height):
+def test_new_fields_and_shapes_reuse_the_buffers_that_are_there(sphere, height):
     """Replacing a buffer leaks in the browser."""
-    viewer = Viewer(sphere, height)
-    before, buffer, colours = len(alive), viewer._geometry.attributes["color"], viewer._colour.array
-    viewer.values = height[::-1]
-    viewer.layer = "style"
-    viewer.mesh = sphere.displaced(np.ones(len(height)))
-    assert viewer._geometry.attributes["color"] is buffer
-    assert not np.array_equal(buffer.array, colours)
+    viewer = Viewer(sphere, [height])
+    before, buffers = len(alive), dict(scene(viewer)._geometry.attributes)
+    stretched = sphere.moved(sphere.vertices * [1.0, 1.0, 3.0])
+    viewer.subject = Subject(stretched, (replace(height, values=height.values[::-1]),))
+    assert all(scene(viewer)._geometry.attributes[name] is buffer for name, buffer in buffers.items())
+    assert np.allclose(buffers["position"].array, stretched.vertices, atol=1e-5)
+    assert np.allclose(buffers["normal"].array, stretched.vertex_normals, atol=1e-6)
+    assert np.allclose(buffers["place"].array, height.values[::-1] / 20.0, atol=1e-6)
     assert len(alive) == before
 
 
-def test_the_part_moves_with_its_normals(sphere):
-    stretched = sphere.moved(sphere.vertices * [1.0, 1.0, 3.0])
-    viewer = Viewer(sphere)
-    viewer.mesh = stretched
-    assert np.allclose(viewer._position.array, stretched.vertices, atol=1e-5)
-    assert np.allclose(viewer._normal.array, stretched.vertex_normals, atol=1e-6)
-
-
-def test_the_part_is_looked_at_in_its_centre_and_is_whole_in_view(sphere):
-    """The controls orbit about the origin, so the part's centre is moved there."""
+def test_the_middle_of_the_view_is_what_one_orbits_about(sphere):
+    """The controls orbit about the origin of the scene, so the part is moved there; floor and part are in view."""
     moved = sphere.moved(sphere.vertices + np.array([100.0, -50.0, 7.0]))
-    scene = Viewer(moved)._scene
-    part, camera = scene.children[:2]
-    assert np.allclose(part.position, [-100.0, 50.0, -7.0])
-    distance = np.linalg.norm(camera.position)
-    assert camera.near < distance - 10.0
-    assert distance + 10.0 < camera.far
-    assert np.degrees(np.arcsin(10.0 / distance)) < camera.fov / 2
+    viewer = Viewer(moved)
+    assert np.allclose(scene(viewer).three.children[0].position, -np.array(viewer._orbit.home.target))
+    across = np.abs(viewer._orbit.seen.project(moved.vertices)[:, :2])
+    assert across.max() < 1.0
+    assert across.max() > 0.6  # and it is no dot
 
 
-# --- the field ----------------------------------------------------------------------------------------------------
+# --- layers -------------------------------------------------------------------------------------------------------
 
 
-def test_values_are_shown_first_if_there_are_any(sphere, height):
+def test_the_first_field_is_shown_first(sphere, height):
     assert Viewer(sphere).layer == "style"
-    assert Viewer(sphere, height).layer == "field"
+    assert Viewer(sphere, [height]).layer == "height"
 
 
-def test_a_field_runs_from_the_pale_to_the_dark_end(sphere, height):
-    viewer = Viewer(sphere, height)
-    low, middle, high = (viewer._colour.array[np.argmin(np.abs(height - at))].sum() for at in (0.0, 10.0, 20.0))
-    assert low > middle > high
-    assert (viewer.scale.low, viewer.scale.high) == pytest.approx((0.0, 20.0))
+def test_a_field_is_painted_by_its_place_on_the_scale(sphere, height):
+    viewer = Viewer(sphere, [height])
+    assert np.allclose(scene(viewer)._places.array, height.values / 20.0, atol=1e-6)
+    viewer.layer = "style"
+    assert np.all(scene(viewer)._places.array == PLAIN)
 
 
-def test_given_limits_hold_whatever_the_values(sphere, height):
-    """Two iterations can be compared only on one scale."""
-    viewer = Viewer(sphere, height, limits=(0.0, 100.0))
-    before = viewer._colour.array
-    assert (viewer.scale.low, viewer.scale.high) == (0.0, 100.0)
-    viewer.values = np.where(height > 19.9, 80.0, height)
-    assert np.array_equal(viewer._colour.array[height < 19.9], before[height < 19.9])
+def test_the_ramp_ends_at_the_threshold_and_beyond_it_is_above_one(sphere, height):
+    viewer = Viewer(sphere, [replace(height, threshold=15.0)])
+    places = scene(viewer)._places.array
+    assert np.array_equal(places > 1.0, height.values > 15.0)
+    assert places[np.abs(height.values - 15.0).argmin()] == pytest.approx(1.0, abs=0.05)
 
 
-def test_what_is_not_a_number_is_grey_and_does_not_spoil_the_scale(sphere, height):
-    holes = height.copy()
+def test_without_a_threshold_nothing_is_hatched(sphere, height):
+    assert scene(Viewer(sphere, [replace(height, limits=(0.0, 10.0))]))._places.array.max() == 1.0
+
+
+def test_what_is_not_a_number_is_told_apart_and_does_not_spoil_the_scale(sphere, height):
+    holes = height.values.copy()
     holes[:100] = np.nan
-    viewer = Viewer(sphere, holes)
-    assert np.ptp(viewer._colour.array[:100], axis=1).max() < 1e-6
-    assert viewer.scale.high == pytest.approx(np.nanmax(holes))
+    places = scene(Viewer(sphere, [replace(height, values=holes)]))._places.array
+    assert np.all(places[:100] == NOTHING)
+    assert places.max() == 1.0
 
 
 @pytest.mark.parametrize("value", [0.0, 3.0, np.nan])
-def test_a_constant_field_can_be_shown(sphere, value):
-    assert "field" in repr(Viewer(sphere, np.full(len(sphere.vertices), value)))
+def test_a_constant_field_can_be_shown_and_has_no_extremes(sphere, value):
+    viewer = Viewer(sphere, [Layer("flat", np.full(len(sphere.vertices), value))])
+    assert np.all(scene(viewer)._kinds.array == HIDDEN)
 
 
-def test_the_threshold_is_counted_in_area_and_set_apart(sphere, height):
-    """A cap of a sphere has the share of its area that its height has of the diameter (Archimedes): 5 mm of 20 mm."""
-    viewer = Viewer(sphere, height, "height", "mm", threshold=15.0)
-    share = float(viewer._bar.value.split("%")[0].rsplit(" ", 1)[1])
-    assert share == pytest.approx(25.0, abs=1.0)  # to a ring of vertices
-    above = viewer._colour.array[height > 15.0]
-    assert np.all(above == above[0])
-    assert not np.any(np.all(viewer._colour.array[height < 15.0] == above[0], axis=1))
+def test_a_layer_can_be_put_in_the_place_of_another(sphere, height):
+    viewer = Viewer(sphere, [height])
+    viewer.put(Layer("depth", -height.values))
+    viewer.put(replace(height, limits=(0.0, 40.0)))
+    assert [layer.name for layer in viewer.subject.layers] == ["height", "depth"]
+    assert [name for _, name in viewer._choice.options] == ["style", "height", "depth"]
+    assert viewer.layer == "height"
+    assert scene(viewer)._places.array.max() == pytest.approx(0.5)
 
 
-def test_the_colour_bar_says_what_is_shown_and_in_which_unit(sphere, height):
-    bar = Viewer(sphere, height, "von Mises <stress>", "MPa")._bar.value
-    assert "von Mises &lt;stress&gt; [MPa]" in bar
-    assert ">0<" in bar
-    assert ">20<" in bar
-
-
-def test_the_colour_bar_goes_with_the_field(painted, height):
-    viewer = Viewer(painted, height, "height", "mm")
-    viewer.layer = "style"
-    assert viewer._bar.value == ""
-    assert np.array_equal(viewer._colour.array, painted.colours)
-    viewer.values = None
-    assert viewer.layer == "style"
-
-
-def test_the_buttons_and_the_trait_are_one(painted, height):
-    viewer = Viewer(painted, height)
+def test_the_menu_and_the_trait_are_one(sphere, height):
+    viewer = Viewer(sphere, [height])
     viewer._choice.value = "style"
     assert viewer.layer == "style"
-    viewer.layer = "field"
-    assert viewer._choice.value == "field"
+    viewer.layer = "height"
+    assert viewer._choice.value == "height"
 
 
-def test_the_buttons_are_there_only_if_there_is_a_choice(painted, sphere, height):
-    assert Viewer(painted, height)._choice.layout.display == ""
-    assert Viewer(painted)._choice.layout.display == "none"
-    assert Viewer(sphere, height)._choice.layout.display == "none"
+def test_a_subject_without_the_layer_on_show_shows_the_style(sphere, height):
+    viewer = Viewer(sphere, [height])
+    viewer.subject = Subject(sphere)
+    assert viewer.layer == "style"
+
+
+# --- markers and the probe ----------------------------------------------------------------------------------------
+
+
+def test_the_extremes_are_marked_where_they_are(sphere, height):
+    spots, kinds = scene(Viewer(sphere, [height]))._spots, scene(Viewer(sphere, [height]))._kinds
+    assert np.allclose(spots.array[:2], [(0.0, 0.0, 10.0), (0.0, 0.0, -10.0)], atol=1e-5)
+    assert kinds.array.tolist() == [MAXIMUM, MINIMUM, HIDDEN]
+
+
+def test_the_markers_can_be_put_away(sphere, height):
+    viewer = Viewer(sphere, [height])
+    viewer.markers = False
+    assert np.all(scene(viewer)._kinds.array == HIDDEN)
+
+
+def test_a_click_asks_about_the_nearest_corner_of_the_face(painted, height):
+    """The vertices that pythreejs names are wrong ones, so the face and the point say which."""
+    viewer = Viewer(painted, [height])
+    face, wanted = 5, int(painted.faces[5, 1])
+    viewer._picker.three.faceIndex = face
+    viewer._picker.three.point = tuple(painted.vertices[wanted] - viewer._orbit.home.target + 0.01)
+    assert viewer.probed == wanted
+    told = viewer._table.value
+    assert f"vertex {wanted}" in told
+    assert f"{height.values[wanted]:.4g} mm" in told
+    assert "height &lt;above&gt;" in told
+    assert scene(viewer)._kinds.array[2] == PICKED
+    assert np.allclose(scene(viewer)._spots.array[2], painted.vertices[wanted], atol=1e-5)
+
+
+def test_the_end_of_a_drag_is_no_click(sphere):
+    viewer = Viewer(sphere)
+    viewer._orbit.three.position = (30.0, 30.0, 30.0)
+    viewer._picker.three.faceIndex = 5
+    viewer._picker.three.point = (1.0, 2.0, 3.0)
+    assert viewer.probed is None
+
+
+def test_an_unknown_vertex_is_refused(sphere):
+    with pytest.raises(BadInput, match="there is no vertex 4098: the part has 4098"):
+        Viewer(sphere).probed = 4098
+
+
+# --- the legend ---------------------------------------------------------------------------------------------------
+
+
+def test_the_legend_says_what_is_shown_and_in_which_unit(sphere, height):
+    bar = Viewer(sphere, [height])._legend.value
+    for text in ("height &lt;above&gt; the floor [mm]", ">0<", ">20<", "max 20 mm", "min 0 mm"):
+        assert text in bar
+
+
+def test_the_threshold_is_counted_in_area(sphere, height):
+    """A cap of a sphere has the share of its area that its height has of the diameter (Archimedes): 5 mm of 20 mm."""
+    bar = Viewer(sphere, [replace(height, threshold=15.0)])._legend.value
+    share = float(bar.split("% of")[0].rsplit(">", 1)[1])
+    assert share == pytest.approx(25.0, abs=1.0)  # to a ring of vertices
+    assert "above the limit of 15 mm" in bar
+    assert "nothing is above" in Viewer(sphere, [replace(height, threshold=25.0)])._legend.value
+
+
+def test_the_legend_goes_with_the_field(painted, height):
+    viewer = Viewer(painted, [height])
+    viewer.layer = "style"
+    assert viewer._legend.value == ""
+
+
+def test_the_scale_bar_is_as_long_as_it_says(sphere):
+    """Seen from the fitted distance a bar in the middle spans its length over the height of the view there."""
+    viewer = Viewer(sphere, height=400)
+    camera = viewer._orbit.seen
+    length, pixels = (float(viewer._scale.value.split(mark)[1].split(end)[0]) for mark, end in (("scale bar of ", " mm"), ("width:", "px")))
+    ends = camera.project([camera.target, camera.target + length * camera.axes[1]])
+    assert pixels == pytest.approx((ends[1, 1] - ends[0, 1]) * 200, abs=0.6)
+
+
+# --- cameras ------------------------------------------------------------------------------------------------------
+
+
+def test_fitting_keeps_the_direction_and_a_view_changes_it(sphere):
+    viewer = Viewer(sphere)
+    viewer._orbit.three.position = (0.0, -500.0, 0.0)
+    viewer.fit()
+    assert (viewer._orbit.seen.azimuth, viewer._orbit.seen.elevation) == pytest.approx((0.0, 0.0), abs=1e-6)
+    assert viewer._orbit.seen.distance < 200.0
+    viewer.fit("below")
+    assert viewer._orbit.seen.elevation == pytest.approx(-38.0)
+    with pytest.raises(BadInput, match="unknown view 'bottom'"):
+        viewer.fit("bottom")
+
+
+def test_the_original_beside_it_shares_the_camera(painted, sphere, height):
+    viewer = Viewer(painted, [height], original=Subject(sphere, (height,)))
+    viewer.beside = True
+    one, other = viewer._stage.children
+    assert one.camera is other.camera
+    assert one.scene is not other.scene
+    assert (one.width, other.width) == (320, 320)
+    assert one.camera.aspect == pytest.approx(320 / 440)
+    viewer.beside = False
+    assert viewer._stage.children == (one,)
+    assert (one.width, one.camera.aspect) == (640, pytest.approx(640 / 440))
+
+
+def test_without_an_original_nothing_can_stand_beside(sphere):
+    viewer = Viewer(sphere)
+    assert viewer._both.layout.display == "none"
+    viewer.beside = True
+    assert len(viewer._stage.children) == 1
 
 
 def test_the_background_follows_the_theme(sphere):
     viewer = Viewer(sphere)
-    assert viewer._scene.background == BACKGROUNDS["light"]
     viewer.theme = "dark"
-    assert viewer._scene.background == BACKGROUNDS["dark"]
+    assert scene(viewer).three.background == BACKGROUNDS["dark"]
+
+
+def test_the_picture_is_a_png_of_what_is_shown(sphere, height):
+    viewer = Viewer(sphere, [height], original=Subject(sphere, (height,)))
+    one = viewer.picture()
+    viewer.beside = True
+    assert one.png.startswith(b"\x89PNG")
+    assert viewer.picture().png != one.png
 
 
 # --- refusals -----------------------------------------------------------------------------------------------------
 
 
-def test_a_wrong_number_of_values_is_refused_and_the_old_ones_stay(sphere, height):
-    viewer = Viewer(sphere, height)
-    with pytest.raises(BadInput, match="one value for each of the 4098 vertices, but got an array of shape \\(3,\\)"):
-        viewer.values = [1.0, 2.0, 3.0]
-    assert np.array_equal(viewer.values, height.astype(np.float32))
+def test_a_wrong_number_of_values_is_refused(sphere):
+    with pytest.raises(BadInput, match="layer 'height' has 3 values, but the part has 4098 vertices"):
+        Viewer(sphere, [Layer("height", [1.0, 2.0, 3.0])])
 
 
 def test_another_part_is_refused(sphere, cube):
     with pytest.raises(BadInput, match="other faces"):
-        Viewer(sphere).mesh = cube
+        Viewer(sphere).subject = Subject(cube)
 
 
-def test_a_field_that_is_not_there_is_refused(sphere):
-    with pytest.raises(BadInput, match="set `values` first"):
-        Viewer(sphere).layer = "field"
+def test_a_layer_that_is_not_there_is_refused(sphere):
+    with pytest.raises(BadInput, match="unknown layer 'stress': did you mean 'style'"):
+        Viewer(sphere).layer = "stress"
 
 
-@pytest.mark.parametrize("wrong", [{"limits": (2.0, 1.0)}, {"threshold": float("nan")}, {"values": [1.0]}])
-def test_a_refused_viewer_leaves_nothing_behind(sphere, height, wrong):
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        ({"limits": (2.0, 1.0)}, "must rise"),
+        ({"threshold": float("nan")}, "must be a number"),
+        ({"name": "style"}, "the part's own look"),
+        ({"values": np.zeros((2, 2))}, "one value for each vertex"),
+    ],
+)
+def test_a_wrong_layer_is_refused(height, wrong, words):
+    with pytest.raises(BadInput, match=words):
+        replace(height, **wrong)
+
+
+def test_two_layers_of_one_name_are_refused(sphere, height):
+    with pytest.raises(BadInput, match="two layers are called 'height'"):
+        Subject(sphere, (height, height))
+
+
+@pytest.mark.parametrize("wrong", [{"theme": "pink"}, {"layers": [Layer("x", [1.0])]}])
+def test_a_refused_viewer_leaves_nothing_behind(sphere, wrong):
     before = set(alive)
     with pytest.raises(BadInput):
-        Viewer(sphere, **{"values": height, **wrong})
+        Viewer(sphere, **wrong)
     assert set(alive) == before
 
 
 # --- closing ------------------------------------------------------------------------------------------------------
 
 
-def test_closing_leaves_nothing_behind(painted, height):
-    before = set(alive)
-    viewer = Viewer(painted, height, threshold=5.0)
-    assert len(alive) > len(before) + 10
-    viewer.close()
+def test_fifty_viewers_opened_and_closed_leave_nothing_behind(cube):
+    before, layer = set(alive), Layer("x", np.arange(8.0))
+    for _ in range(50):
+        viewer = Viewer(cube, [layer], original=Subject(cube))
+        viewer.beside = True
+        viewer.beside = False
+        viewer.close()
     assert set(alive) == before
     viewer.close()
 
 
 def test_closing_one_viewer_leaves_the_other(painted, height):
-    kept, gone = Viewer(painted, height), Viewer(painted, height)
+    kept, gone = Viewer(painted, [height]), Viewer(painted, [height])
     gone.close()
-    kept.values = height[::-1]
-    assert kept._colour.comm is not None
-    assert kept._bar.comm is not None
+    kept.layer = "style"
+    assert scene(kept)._places.comm is not None
+    assert kept._legend.comm is not None
 
 
 def test_repr_never_prints_arrays(painted, height):
-    assert repr(Viewer(painted, height)) == "Viewer(SurfaceMesh(4098 vertices, 8192 faces, 20.0 x 20.0 x 20.0 mm), layer='field')"
+    said = "Viewer(SurfaceMesh(4098 vertices, 8192 faces, 20.0 x 20.0 x 20.0 mm), layer='height')"
+    assert repr(Viewer(painted, [height])) == said
 
 
 def test_a_part_of_a_single_point_can_be_shown():

@@ -1,61 +1,64 @@
-"""A part in three dimensions: turn it, see its style or a field on it.
+"""A part in three dimensions: turn it, see its style or a field on it, ask what is known of a place.
 
-All of pythreejs stays behind `Viewer`. The scene is built whole before it is shown, and afterwards only the contents of
-its buffers change: replacing a buffer, or adding to a scene on show, leaks memory in the browser.
+All of pythreejs stays behind `Viewer`.
 """
 
 from __future__ import annotations
 
-import math
-from html import escape
+import base64
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from typing import Any
 
 import ipywidgets
 import numpy as np
 import pythreejs
 import traitlets
-from numpy.typing import ArrayLike, NDArray
 
-from mechstyle.errors import BadInput
+from mechstyle.errors import BadInput, unknown
+from mechstyle.look import Picture, picture
 from mechstyle.mesh import SurfaceMesh
-from mechstyle.pictures.colormap import Scale, linear_to_srgb
+from mechstyle.pictures.camera import VIEWS
+from mechstyle.pictures.figure import Panel
+from mechstyle_widgets import legend, probe
+from mechstyle_widgets.camera import Orbit
+from mechstyle_widgets.family import close_family
+from mechstyle_widgets.layers import STYLE, Layer, Subject
+from mechstyle_widgets.pace import Paced
+from mechstyle_widgets.reruns import OncePerCell
+from mechstyle_widgets.scene import BACKGROUNDS, Scene, floor_cell
 
-PLASTIC = (0.76, 0.75, 0.73)  # sRGB of a part without colours: unpainted, neither light nor dark
-BACKGROUNDS = {"light": "#f4f4f2", "dark": "#1e1f22"}
-FIELD_OF_VIEW = 30.0  # [degrees]
-VIEWED_FROM = np.array([0.45, -1.0, 0.55])  # in front, from the right, from above
 
-Floats32 = NDArray[np.float32]
-
-
-class Viewer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
+class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     """A part one can orbit with the mouse, coloured by its style or by a field over it.
 
+    Drag turns it, the right button moves it, the wheel comes nearer, a click asks what is known of the place.
+
     Attributes:
-        mesh: The part; may be replaced by one with the same faces.
-        values: Field over the surface [unit], shape [vertex_count], None for none. Grey where it is not a number.
-        layer: `style` shows the colours of the part, `field` shows the values.
-        limits: Values at the two ends of the colour scale [unit]; None takes them from the values at hand.
-        threshold: Values above it are set apart in colour, marked on the scale and counted [unit]; None for none.
-        theme: `light` or `dark` background.
+        subject: The part and its fields; may be replaced by one with the same faces.
+        original: What may be shown beside it, None for nothing.
+        layer: Name of what is shown: `style`, or one of the fields.
+        beside: Whether the original is shown beside it, moving along with the mouse.
+        markers: Whether the greatest (ring) and the least value (triangle) are marked.
+        probed: The vertex asked about, None for none.
+        theme: `light` or `dark`.
     """
 
-    mesh = traitlets.Instance(SurfaceMesh)
-    values = traitlets.Any(None, allow_none=True)
-    layer = traitlets.Enum(("style", "field"), "style")
-    limits = traitlets.Any(None, allow_none=True)
-    threshold = traitlets.Float(None, allow_none=True)
+    subject = traitlets.Instance(Subject)
+    original = traitlets.Instance(Subject, None, allow_none=True)
+    layer = traitlets.Unicode(STYLE)
+    beside = traitlets.Bool(False)
+    markers = traitlets.Bool(True)
+    probed = traitlets.Int(None, allow_none=True)
     theme = traitlets.Enum(tuple(BACKGROUNDS), "light")
+    _built = False  # a viewer that was refused is closed too, by the garbage collector
 
     def __init__(
         self,
         mesh: SurfaceMesh,
-        values: ArrayLike | None = None,
-        label: str = "",
-        unit: str = "",
-        threshold: float | None = None,
+        layers: Sequence[Layer] = (),
         *,
-        limits: tuple[float, float] | None = None,
+        original: Subject | None = None,
         theme: str = "light",
         width: int = 640,
         height: int = 440,
@@ -64,193 +67,204 @@ class Viewer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
 
         Args:
             mesh: The part [mm].
-            values: Field over its surface [unit], shape [vertex_count]; if given it is shown first.
-            label: What the values are, for example "von Mises stress".
-            unit: Their unit.
-            threshold: Values above it are set apart [unit].
-            limits: Values at the two ends of the colour scale [unit].
+            layers: Fields over its surface; the first is shown.
+            original: What may be shown beside it, with the same faces.
             theme: `light` or `dark`.
             width: Width of the view [pixels].
             height: Height of the view [pixels].
 
         Raises:
-            BadInput: If there is not one value per vertex, or the limits do not rise.
+            BadInput: If a layer does not fit the part, or the original has other faces.
         """
-        self._label, self._unit = label, unit
-        self._position = pythreejs.BufferAttribute(_single(mesh.vertices), normalized=False)
-        self._normal = pythreejs.BufferAttribute(_single(mesh.vertex_normals), normalized=False)
-        self._colour = pythreejs.BufferAttribute(_plain(mesh), normalized=False)
-        self._index = pythreejs.BufferAttribute(mesh.faces.ravel().astype(np.uint32), normalized=False)
-        self._geometry = pythreejs.BufferGeometry(
-            attributes={"position": self._position, "normal": self._normal, "color": self._colour, "index": self._index}
-        )
-        self._scene, renderer = _stage(mesh, self._geometry, width, height)
-        self._bar = ipywidgets.HTML()
-        self._choice = ipywidgets.ToggleButtons(options=["style", "field"], tooltips=["colours of the part", label or "values"])
-        super().__init__([renderer, self._choice, self._bar])
-        self.mesh = mesh
-        traitlets.link((self, "layer"), (self._choice, "value"))
-        try:
-            self.values, self.limits, self.threshold, self.theme = values, limits, threshold, theme
-        except BadInput:
-            self.close()
-            raise
-        self.layer = "style" if values is None else "field"
-        self.observe(self._repaint, ("mesh", "values", "layer", "limits", "threshold"))
-        self._repaint()
+        subject = Subject(mesh, tuple(layers))
+        self._faces, self._size = mesh.faces, (width, height)
+        if original is not None:
+            self._check_faces(original)
+        if theme not in BACKGROUNDS:
+            raise unknown("theme", theme, BACKGROUNDS)
+        self._orbit = Orbit(mesh, width / height)
+        centre = self._orbit.home.target
+        self._scenes = [Scene(mesh, centre, theme)]
+        self._picker = probe.Picker(self._scenes[0].part, self._orbit.three, self._pick)
+        self._views = [self._renderer(self._scenes[0], [*self._orbit.controls, self._picker.three])]
+        self._stage = ipywidgets.HBox(self._views)
+        self._legend, self._scale, self._table = ipywidgets.HTML(), ipywidgets.HTML(), ipywidgets.HTML()
+        self._legend.layout.width, self._titles = f"{width // 2}px", ipywidgets.HTML(layout={"display": "none", "width": f"{width}px"})
+        foot = ipywidgets.HBox([self._legend, ipywidgets.VBox([self._scale, self._table])])
+        super().__init__([self._toolbar(), self._titles, self._stage, foot])
+        self.add_class("mechstyle-viewer")
+        self.subject, self.original, self.theme = subject, original, theme
+        self._refresh = Paced(self._draw)
+        self.layer = layers[0].name if layers else STYLE
+        self._orbit.observe(self._measure)
+        self.observe(lambda _: self._refresh(), ("subject", "original", "layer", "markers", "probed", "beside"))
+        self._built = True
+        self._draw()
 
     def __repr__(self) -> str:
         """What is shown; never the arrays."""
-        return f"Viewer({self.mesh!r}, layer={self.layer!r})"
+        return f"Viewer({self.subject.mesh!r}, layer={self.layer!r})"
 
-    @property
-    def scale(self) -> Scale | None:
-        """The colour scale of the values, None without values."""
-        if self.values is None:
-            return None
-        if self.limits is not None:
-            low, high = self.limits
-            return Scale(low, high, self.threshold)
-        known = self.values[np.isfinite(self.values)]
-        low, high = (float(known.min()), float(known.max())) if known.size else (0.0, 1.0)
-        return Scale(low, high if high > low else low + max(abs(low), 1.0), self.threshold)
+    # what can be done with it
+
+    def put(self, layer: Layer) -> None:
+        """Add a layer, or put it in the place of the one of its name."""
+        self.subject = self.subject.with_layer(layer)
+
+    def fit(self, view: str = "") -> None:
+        """Bring the whole part into view, from `three_quarter`, `front`, `side`, `top`, `below`, or from where one looks now."""
+        if view and view not in VIEWS:
+            raise unknown("view", view, VIEWS)
+        self._orbit.fit(view)
+        self._measure()
+
+    def picture(self) -> Picture:
+        """What is shown, from where it is seen, drawn by the computer the kernel runs on: `.save(path)` writes the PNG."""
+        shown = [(self.subject, "styled"), (self.original, "original")] if self.beside else [(self.subject, "")]
+        panels = [self._panel(subject, title) for subject, title in shown if subject is not None]
+        return picture(panels)
 
     def close(self) -> None:
         """Close the view and every widget it is made of; nothing stays behind in the kernel."""
-        for part in _family(self):
-            if part is not self:
-                part.close()
+        if self._built:
+            self._refresh.cancel()
+            close_family(self, *self._views)
         super().close()
 
-    @traitlets.validate("values")
-    def _one_value_per_vertex(self, proposal: dict[str, Any]) -> Floats32 | None:
-        if proposal["value"] is None:
-            return None
-        values, count = _single(proposal["value"]), len(self.mesh.vertices)
-        if values.shape != (count,):
-            raise BadInput(f"a viewer needs one value for each of the {count} vertices, but got an array of shape {values.shape}")
-        return values
+    # traits
 
-    @traitlets.validate("mesh")
-    def _same_faces(self, proposal: dict[str, Any]) -> SurfaceMesh:
-        mesh: SurfaceMesh = proposal["value"]
-        if not np.array_equal(mesh.faces.ravel(), self._index.array):
-            raise BadInput("a viewer follows one part as it moves, but the new mesh has other faces: make another Viewer for it")
-        return mesh
-
-    @traitlets.validate("limits")
-    def _rising(self, proposal: dict[str, Any]) -> tuple[float, float] | None:
-        if proposal["value"] is None:
-            return None
-        low, high = proposal["value"]
-        Scale(low, high)
-        return float(low), float(high)
-
-    @traitlets.validate("threshold")
-    def _finite(self, proposal: dict[str, Any]) -> float | None:
-        return Scale(0.0, 1.0, proposal["value"]).threshold
-
-    @traitlets.validate("layer")
-    def _something_to_show(self, proposal: dict[str, Any]) -> str:
-        if proposal["value"] == "field" and self.values is None:
-            raise BadInput("there is no field to show: set `values` first, one for each vertex")
+    @traitlets.validate("subject", "original")
+    def _same_faces(self, proposal: dict[str, Any]) -> Subject | None:
+        if proposal["value"] is not None:
+            self._check_faces(proposal["value"])
         return proposal["value"]
 
-    @traitlets.observe("mesh")
-    def _move(self, change: dict[str, Any]) -> None:
-        self._position.array = _single(change["new"].vertices)
-        self._normal.array = _single(change["new"].vertex_normals)
-        self._geometry.exec_three_obj_method("computeBoundingSphere")
+    def _check_faces(self, subject: Subject) -> None:
+        if not np.array_equal(subject.mesh.faces, self._faces):
+            raise BadInput("a viewer follows one part as it moves, but the new mesh has other faces: make another Viewer for it")
+
+    @traitlets.validate("layer")
+    def _known_layer(self, proposal: dict[str, Any]) -> str:
+        names = [STYLE, *(layer.name for layer in self.subject.layers)]
+        if proposal["value"] not in names:
+            raise unknown("layer", proposal["value"], names)
+        return proposal["value"]
+
+    @traitlets.validate("probed")
+    def _known_vertex(self, proposal: dict[str, Any]) -> int | None:
+        count = len(self.subject.mesh.vertices)
+        if proposal["value"] is not None and not 0 <= proposal["value"] < count:
+            raise BadInput(f"there is no vertex {proposal['value']}: the part has {count}, counted from 0")
+        return proposal["value"]
+
+    @traitlets.observe("subject")
+    def _offer_layers(self, _change: object) -> None:
+        """Keep the layer if there still is one of its name."""
+        shown = self.layer if self.subject.layer(self.layer) else STYLE
+        options = [("style", STYLE), *((layer.label, layer.name) for layer in self.subject.layers)]
+        if tuple(self._choice.options) != tuple(options):
+            self._choice.options = options
+            self._choice.value = shown
+        self.layer = shown
+
+    @traitlets.observe("original")
+    def _offer_original(self, _change: object) -> None:
+        self._both.layout.display = "none" if self.original is None else ""
+        self.beside = self.beside and self.original is not None
 
     @traitlets.observe("theme")
     def _relight(self, change: dict[str, Any]) -> None:
-        self._scene.background = BACKGROUNDS[change["new"]]
+        for scene in self._scenes:
+            scene.relight(change["new"])
 
-    def _repaint(self, _change: object = None) -> None:
-        """Bring colours, colour bar and buttons up to date with the traits."""
-        scale = self.scale
-        if scale is None:
-            self.layer = "style"
-        shown = self.layer == "field"
-        self._colour.array = linear_to_srgb(scale.colours(self.values)) if scale and shown else _plain(self.mesh)
-        self._bar.value = self._legend(scale) if scale and shown else ""
-        self._choice.layout.display = "none" if scale is None or self.mesh.colours is None else ""
+    # what is drawn
 
-    def _legend(self, scale: Scale) -> str:
-        """The colour bar with its ends, the threshold, and how much of the surface lies above it."""
-        caption = escape(f"{self._label} [{self._unit}]" if self._unit else self._label)
-        if scale.threshold is not None:
-            share = self.mesh.vertex_areas[scale.above(self.values)].sum() / self.mesh.vertex_areas.sum()
-            caption += escape(f" · {share:.1%} of the surface above {scale.threshold:.3g} {self._unit}".rstrip())
-        ticks = [_tick(0.0, 0.0, scale.low), _tick(1.0, 1.0, scale.high)]
-        edge = (scale.top - scale.low) / (scale.high - scale.low)
-        if 0.15 < edge < 0.85:  # nearer to an end the numbers would overlap, and the caption has it too
-            ticks.append(_tick(edge, 0.5, scale.top))
-        bar = f'<div style="width:320px;height:12px;border-radius:2px;background:{_gradient(scale)}"></div>'
-        numbers = f'<div style="position:relative;width:320px;height:1.6em">{"".join(ticks)}</div>'
-        return f'<div style="margin:4px 12px;line-height:1.4"><div>{caption}</div>{bar}{numbers}</div>'
+    def _draw(self) -> None:
+        """Bring the scenes, the legend and the table up to date with the traits."""
+        layer = self.subject.layer(self.layer)
+        self._arrange()
+        with self._at_once():
+            for scene, subject in zip(self._scenes, (self.subject, self.original), strict=False):
+                if subject is not None:
+                    _fill(scene, subject, self.layer, self.probed, markers=self.markers)
+        self._legend.value = legend.colour_bar(layer, self.subject.mesh) if layer else ""
+        self._table.value = "" if self.probed is None else probe.table(self.subject, self.probed)
+        self._measure()
+
+    def _arrange(self) -> None:
+        """One view, or two of half the width that share the camera."""
+        wanted = self.beside and self.original is not None
+        if self.original is not None and wanted and len(self._views) == 1:
+            self._scenes.append(Scene(self.original.mesh, self._orbit.home.target, self.theme))
+            self._views.append(self._renderer(self._scenes[1], [self._orbit.share()]))
+        shown = tuple(self._views) if wanted else tuple(self._views[:1])
+        if self._stage.children != shown:
+            width, height = self._size
+            for view in shown:
+                view.width = width // len(shown)
+            self._orbit.resize(width / len(shown) / height)
+            self._stage.children = shown
+            self._titles.value = legend.titles("styled", "original")
+            self._titles.layout.display = "" if wanted else "none"
+
+    @contextmanager
+    def _at_once(self) -> Iterator[None]:
+        """Let nothing be drawn until all that changes has changed."""
+        with ExitStack() as views:
+            for view in self._views:
+                views.enter_context(view.hold())
+            yield
+
+    def _measure(self, _change: object = None) -> None:
+        self._scale.value = legend.scale_bar(self._orbit.pixels_per_mm(self._size[1]), floor_cell(self.subject.mesh))
+
+    def _renderer(self, scene: Scene, controls: list[Any]) -> Any:
+        width, height = self._size
+        return pythreejs.Renderer(
+            camera=self._orbit.three, scene=scene.three, controls=controls, width=width, height=height, antialias=True
+        )
+
+    def _panel(self, subject: Subject, title: str) -> Panel:
+        layer, seen = subject.layer(self.layer), self._orbit.seen
+        if layer is None:
+            return Panel(subject.mesh, title, view=seen)
+        return Panel(subject.mesh, title, layer.values, layer.unit, layer.label, layer.limits, layer.threshold, seen, layer.note)
+
+    # what the mouse does
+
+    def _toolbar(self) -> ipywidgets.HBox:
+        self._choice = ipywidgets.Dropdown(options=[("style", STYLE)], tooltip="What is shown on the part", layout={"width": "190px"})
+        views = [(view.replace("_", " "), view) for view in VIEWS]
+        self._view = ipywidgets.Dropdown(options=views, value="three_quarter", tooltip="Where from", layout={"width": "120px"})
+        fit = ipywidgets.Button(icon="arrows-alt", tooltip="Bring the whole part into view", layout={"width": "36px"})
+        self._both = ipywidgets.ToggleButton(
+            description="original", icon="columns", tooltip="Show the original beside it", layout={"width": "96px", "display": "none"}
+        )
+        marks = ipywidgets.ToggleButton(
+            description="extremes", icon="dot-circle-o", tooltip="Mark the greatest and the least value", layout={"width": "108px"}
+        )
+        shot = ipywidgets.Button(icon="camera", tooltip="Make a picture of this to save", layout={"width": "36px"})
+        self._download = ipywidgets.HTML()
+        traitlets.link((self, "layer"), (self._choice, "value"))
+        traitlets.link((self, "beside"), (self._both, "value"))
+        traitlets.link((self, "markers"), (marks, "value"))
+        self._view.observe(lambda change: self.fit(change["new"]), "value")
+        fit.on_click(lambda _: self.fit())
+        shot.on_click(lambda _: self._offer_picture())
+        return ipywidgets.HBox([self._choice, self._view, fit, self._both, marks, shot, self._download])
+
+    def _offer_picture(self) -> None:
+        data = base64.b64encode(self.picture().png).decode("ascii")
+        name = f"mechstyle-{self.layer}.png"
+        self._download.value = f'<a download="{name}" href="data:image/png;base64,{data}" style="font-size:12px">save {name}</a>'
+
+    def _pick(self, point: tuple[float, float, float], face: int) -> None:
+        self.probed = probe.nearest_corner(self.subject, face, np.add(point, self._orbit.home.target))
 
 
-def _stage(mesh: SurfaceMesh, geometry: Any, width: int, height: int) -> tuple[Any, Any]:
-    """The scene around a geometry, whole, and its renderer: light from the camera, which orbits about the centre of the part.
-
-    The part is moved to the origin, as the controls look there until the mouse first moves, whatever their target.
-    """
-    centre = 0.5 * (mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0))
-    distance = 0.5 * mesh.size / math.tan(math.radians(FIELD_OF_VIEW / 2))
-    eye = distance * VIEWED_FROM / np.linalg.norm(VIEWED_FROM)
-    camera = pythreejs.PerspectiveCamera(
-        position=eye.tolist(),
-        up=[0.0, 0.0, 1.0],
-        fov=FIELD_OF_VIEW,
-        aspect=width / height,
-        near=distance / 100.0,
-        far=distance * 20.0,
-        children=[pythreejs.DirectionalLight(position=[-0.5, 0.8, 1.0], intensity=0.65)],
-    )
-    material = pythreejs.MeshStandardMaterial(vertexColors="VertexColors", roughness=0.85, metalness=0.0, side="DoubleSide")
-    part = pythreejs.Mesh(geometry, material, position=(-centre).tolist())
-    scene = pythreejs.Scene(children=[part, camera, pythreejs.AmbientLight(intensity=0.5)], background=BACKGROUNDS["light"])
-    orbit = pythreejs.OrbitControls(controlling=camera)
-    return scene, pythreejs.Renderer(camera=camera, scene=scene, controls=[orbit], width=width, height=height, antialias=True)
-
-
-def _plain(mesh: SurfaceMesh) -> Floats32:
-    """Display colours of the part itself, shape [vertex_count, 3]."""
-    return _single(np.broadcast_to(PLASTIC, mesh.vertices.shape) if mesh.colours is None else mesh.colours)
-
-
-def _single(array: ArrayLike) -> Floats32:
-    return np.ascontiguousarray(array, dtype=np.float32)
-
-
-def _gradient(scale: Scale) -> str:
-    """The scale as a CSS gradient, with a hard edge where the over-colour begins."""
-    end = 100.0 * (scale.top - scale.low) / (scale.high - scale.low)
-    ramp = [(f"{share * end:.1f}%", scale.low + share * (scale.top - scale.low)) for share in np.linspace(0.0, 1.0, 17)]
-    if scale.top < scale.high:
-        ramp += [(f"{end:.1f}%", scale.high), ("100%", scale.high)]
-    colours = np.rint(255 * linear_to_srgb(scale.colours([value for _, value in ramp]))).astype(int)
-    stops = [f"rgb({r},{g},{b}) {place}" for (place, _), (r, g, b) in zip(ramp, colours.tolist(), strict=True)]
-    return f"linear-gradient(to right,{','.join(stops)})"
-
-
-def _tick(place: float, anchor: float, value: float) -> str:
-    """A number under the bar: the share `anchor` of its own width stands at the share `place` of the bar's."""
-    return f'<span style="position:absolute;left:{place:.1%};transform:translateX(-{anchor:.0%})">{value:.3g}</span>'
-
-
-def _family(widget: ipywidgets.Widget) -> list[ipywidgets.Widget]:
-    """The widget and every widget its state refers to, however deep."""
-    found: dict[int, ipywidgets.Widget] = {}
-    waiting: list[Any] = [widget]
-    while waiting:
-        one = waiting.pop()
-        if isinstance(one, dict):
-            waiting.extend(one.values())
-        elif isinstance(one, list | tuple):
-            waiting.extend(one)
-        elif isinstance(one, ipywidgets.Widget) and id(one) not in found:
-            found[id(one)] = one
-            waiting.extend(getattr(one, key) for key in one.keys)
-    return list(found.values())
+def _fill(scene: Scene, subject: Subject, name: str, probed: int | None, *, markers: bool) -> None:
+    """Put a subject into a scene, painted with the layer of a name."""
+    layer = subject.layer(name)
+    scene.move(subject.mesh)
+    scene.paint(layer)
+    scene.mark(layer.extremes() if layer and markers else None, probed)

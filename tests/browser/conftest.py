@@ -1,0 +1,247 @@
+"""A real JupyterLab in a real browser without a screen: started once, on a free port, with folders of its own and no way out.
+
+A test opens a notebook, runs its cells, drags and clicks, and looks at pixels and at traits in the kernel. Nothing sleeps:
+what is expected is waited for. Every page that asks for anything outside, or that raises an error, fails its test.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import os
+import secrets
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import urllib.error
+import urllib.request
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import nbformat
+import numpy as np
+import pytest
+from PIL import Image
+from playwright.sync_api import Browser, Locator, Page, sync_playwright
+
+from mechstyle.gallery import make
+from mechstyle.run import Run, stylize
+
+SCREENSHOTS = Path(__file__).parents[2] / "build" / "browser"
+START = 120  # JupyterLab on two busy cores [s]
+PATIENCE = 60_000  # for anything a page is waited for [ms]
+ARGUMENTS = [  # WebGL without a graphics card, and a browser that keeps to itself
+    "--no-sandbox",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-background-networking",
+    "--disable-component-update",
+]
+LAB_IS_IDLE = """() => {
+    const session = window.jupyterapp?.shell?.currentWidget?.sessionContext;
+    return session?.session?.kernel?.status === 'idle';
+}"""
+EXECUTE = """async code => {
+    const kernel = window.jupyterapp.shell.currentWidget.sessionContext.session.kernel;
+    const future = kernel.requestExecute({code, store_history: false});
+    let out = '';
+    future.onIOPub = message => {
+        const kind = message.header.msg_type, content = message.content;
+        if (kind === 'stream') out += content.text;
+        if (kind === 'error') out += content.ename + ': ' + content.evalue;
+    };
+    await future.done;
+    return out.trim();
+}"""
+SETTLED = "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
+
+
+@dataclass(frozen=True)
+class Lab:
+    """A running JupyterLab: where it listens, its token and the folder its notebooks lie in."""
+
+    address: str
+    token: str
+    folder: Path
+
+
+@dataclass
+class Notebook:
+    """A notebook open in a browser."""
+
+    page: Page
+    lab: Lab
+    name: str
+    asked_outside: list[str] = field(default_factory=list)
+    errors: list[str] = field(default_factory=list)
+
+    def open(self, *cells: str) -> Notebook:
+        """Write the cells into a notebook, open it and run them all."""
+        notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in cells])
+        notebook.metadata["kernelspec"] = {"name": "python3", "display_name": "Python 3", "language": "python"}
+        nbformat.write(notebook, self.lab.folder / f"{self.name}.ipynb")
+        self.page.goto(f"{self.lab.address}lab/tree/{self.name}.ipynb?token={self.lab.token}&reset", wait_until="domcontentloaded")
+        self.page.wait_for_function(LAB_IS_IDLE)
+        self.page.evaluate("() => window.jupyterapp.commands.execute('application:toggle-left-area')")
+        self.run_all()
+        return self
+
+    def run_all(self) -> None:
+        """Run all cells and wait until they are done."""
+        self.page.evaluate("() => window.jupyterapp.commands.execute('notebook:run-all-cells')")
+        self.page.wait_for_function(LAB_IS_IDLE)
+        said = self.page.locator('[data-mime-type="application/vnd.jupyter.stderr"], [data-mime-type="application/vnd.jupyter.error"]')
+        assert said.count() == 0, said.first.inner_text()
+
+    def python(self, code: str) -> str:
+        """Run code in the kernel, outside any cell; what it printed."""
+        return self.page.evaluate(EXECUTE, code)
+
+    def until(self, expression: str, expected: object) -> None:
+        """Wait until an expression in the kernel prints as expected."""
+        for _ in range(600):
+            if (said := self.python(f"print({expression})")) == str(expected):
+                return
+            self.page.evaluate(SETTLED)
+        pytest.fail(f"{expression} is {said}, not {expected}")
+
+    def canvas(self, number: int = 0) -> Locator:
+        """A view in three dimensions."""
+        return self.page.locator(".mechstyle-viewer canvas").nth(number)
+
+    def pixels(self, what: Locator) -> np.ndarray:
+        """What a part of the page looks like, shape [height, width, 3], uint8."""
+        self.page.evaluate(SETTLED)
+        return np.asarray(Image.open(io.BytesIO(what.screenshot(animations="disabled"))).convert("RGB"))
+
+    def changed(self, what: Locator, before: np.ndarray, share: float = 0.01) -> np.ndarray:
+        """Wait until at least a share of the pixels differs from before; what it looks like then."""
+        for _ in range(300):
+            now = self.pixels(what)
+            if now.shape != before.shape or difference(now, before) >= share:
+                return now
+        pytest.fail(f"the picture stays as it was: {difference(now, before):.2%} of its pixels differ")
+
+    def drawn(self, number: int = 0) -> np.ndarray:
+        """Wait until a view shows more than a background; its pixels."""
+        self.canvas(number).wait_for()
+        for _ in range(300):
+            now = self.pixels(self.canvas(number))
+            if difference(now, np.broadcast_to(now[2, 2], now.shape)) > 0.05:
+                return now
+        pytest.fail("the view stays empty")
+
+    def drag(self, what: Locator, start: tuple[float, float], end: tuple[float, float]) -> None:
+        """Drag the mouse between two places, each a share of the width and height."""
+        box = what.bounding_box()
+        points = [(box["x"] + x * box["width"], box["y"] + y * box["height"]) for x, y in (start, end)]
+        self.page.mouse.move(*points[0])
+        self.page.mouse.down()
+        self.page.mouse.move(*points[1], steps=8)
+        self.page.mouse.up()
+
+    def keep(self, name: str, what: Locator | None = None) -> None:
+        """Keep a screenshot for people to look at."""
+        SCREENSHOTS.mkdir(parents=True, exist_ok=True)
+        (what or self.page).screenshot(path=SCREENSHOTS / f"{name}.png")
+
+
+def difference(one: np.ndarray, other: np.ndarray) -> float:
+    """Share of the pixels that differ visibly."""
+    return float((np.abs(one.astype(int) - other.astype(int)).max(axis=-1) > 12).mean())
+
+
+@pytest.fixture(scope="session")
+def chromium() -> Iterator[Browser]:
+    """The browser of this machine; without one these tests are skipped, unless nothing may be."""
+    path = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    if path is None:
+        say = pytest.fail if os.environ.get("MECHSTYLE_SKIP_NOTHING") == "1" else pytest.skip
+        say("THE WIDGETS ARE NOT TESTED IN A BROWSER: there is no chromium on PATH (Debian: apt-get install chromium)")
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=path, args=ARGUMENTS)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture(scope="session")
+def lab(chromium: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lab]:
+    """A JupyterLab that knows nothing of its user."""
+    home, folder = tmp_path_factory.mktemp("home"), tmp_path_factory.mktemp("notebooks")
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    token = secrets.token_hex(12)
+    settings = home / "jupyterlab_settings_dir" / "@jupyterlab" / "apputils-extension" / "notification.jupyterlab-settings"
+    settings.parent.mkdir(parents=True)
+    settings.write_text('{"fetchNews": "false", "checkForUpdates": false}')
+    command = [sys.executable, "-m", "jupyterlab", "--no-browser", "--allow-root", f"--port={port}", "--ServerApp.port_retries=0"]
+    command += ["--ServerApp.ip=127.0.0.1", f"--IdentityProvider.token={token}", f"--ServerApp.root_dir={folder}"]
+    command += ["--LabApp.expose_app_in_browser=True"]
+    with (home / "log").open("w") as log:
+        process = subprocess.Popen(command, stdout=log, stderr=log, env=private(home), start_new_session=True)
+    lab = Lab(f"http://127.0.0.1:{port}/", token, folder)
+    try:
+        wait_for(lab, process, home / "log")
+        yield lab
+    finally:
+        os.killpg(process.pid, signal.SIGTERM)
+        try:
+            process.wait(15)
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+
+
+def private(home: Path) -> dict[str, str]:
+    """An environment in which Jupyter finds and leaves nothing of its user's."""
+    folders = ("JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR", "JUPYTER_RUNTIME_DIR", "IPYTHONDIR", "JUPYTERLAB_SETTINGS_DIR")
+    own = {name: str(home / name.lower()) for name in (*folders, "JUPYTERLAB_WORKSPACES_DIR")}
+    return {**os.environ, **own, "OMP_NUM_THREADS": "1", "PYTHONWARNINGS": "ignore"}
+
+
+def wait_for(lab: Lab, process: subprocess.Popen[bytes], log: Path) -> None:
+    """Wait until a server answers; its connection attempts are refused until it listens, so each takes no time."""
+    for _ in range(START * 10):
+        try:
+            urllib.request.urlopen(f"{lab.address}api?token={lab.token}", timeout=10).close()
+        except (urllib.error.URLError, ConnectionError):
+            if process.poll() is not None:
+                break
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                process.wait(0.1)
+        else:
+            return
+    pytest.fail(f"JupyterLab did not start:\n{log.read_text()[-3000:]}")
+
+
+@pytest.fixture(scope="module")
+def notebook(chromium: Browser, lab: Lab, request: pytest.FixtureRequest) -> Iterator[Notebook]:
+    """A page for the notebook of a module; what it asked of the world and what went wrong in it fails the last test."""
+    context = chromium.new_context(viewport={"width": 1280, "height": 1200})
+    page = context.new_page()
+    page.set_default_timeout(PATIENCE)
+    opened = Notebook(page, lab, Path(request.node.name).stem)
+    local = (lab.address, lab.address.replace("http", "ws"), "data:", "blob:")
+    page.on("request", lambda asked: None if asked.url.startswith(local) else opened.asked_outside.append(asked.url))
+    page.on("pageerror", lambda error: opened.errors.append(str(error)))
+    page.on("console", lambda said: opened.errors.append(said.text) if said.type == "error" and "THREE" in said.text else None)
+    yield opened
+    page.evaluate("() => window.jupyterapp?.shell?.currentWidget?.sessionContext?.shutdown()")
+    context.close()
+    assert opened.asked_outside == []
+    assert opened.errors == []
+
+
+@pytest.fixture(scope="session")
+def finished_run(tmp_path_factory: pytest.TempPathFactory) -> Run:
+    """A small run on disk, with a branch."""
+    run = stylize(
+        make("pen_holder"), "brick", vertices=2000, iterations=12, orientations=1, schedule="every", every=4,
+        out=tmp_path_factory.mktemp("runs") / "part", name="pen holder", device="cpu",
+    )
+    run.branch(6, lane="frozen", control="frozen").go()
+    return run

@@ -1,0 +1,85 @@
+"""The timeline as a user meets it: a click or an arrow key shows another iteration, everywhere."""
+
+from __future__ import annotations
+
+import pytest
+
+pytestmark = pytest.mark.browser
+
+PLACE = """([row, x, y]) => {
+    const plot = document.querySelector('.mechstyle-timeline .js-plotly-plot'), full = plot._fullLayout;
+    const xaxis = full.xaxis, yaxis = full[row], box = plot.getBoundingClientRect();
+    const height = typeof y === 'string' ? yaxis.d2p(y) : yaxis.d2p(y);
+    return [box.x + xaxis._offset + xaxis.d2p(x), box.y + yaxis._offset + height];
+}"""
+
+
+@pytest.fixture(scope="module")
+def shown(notebook, finished_run):
+    opened = notebook.open(
+        f"""
+import ipywidgets
+from mechstyle.run import Run
+from mechstyle_widgets.run_viewer import RunViewer
+from mechstyle_widgets.state import StudioState
+from mechstyle_widgets.timeline import Timeline
+state = StudioState(Run.open({str(finished_run.store.root)!r}))
+viewer, timeline = RunViewer(state, height=300), Timeline(state)
+ipywidgets.VBox([viewer, timeline])
+"""
+    )
+    opened.page.locator(".mechstyle-timeline .main-svg").first.wait_for()
+    opened.drawn()
+    return opened
+
+
+def click(shown, row, x, y):
+    shown.page.mouse.click(*shown.page.evaluate(PLACE, [row, x, y]))
+
+
+def where(shown):
+    return "(state.lane, state.iteration, timeline.iteration, viewer.iteration, state.checkpoint.iteration)"
+
+
+def test_a_click_on_a_simulation_shows_that_iteration(shown):
+    shown.keep("timeline")
+    before = shown.drawn()
+    click(shown, "yaxis", 4, "main")
+    shown.until(where(shown), "('main', 4, 4, 4, 4)")
+    shown.changed(shown.canvas(), before, 0.003)
+
+
+def test_hovering_tells_why_it_was_simulated(shown):
+    shown.page.mouse.move(*shown.page.evaluate(PLACE, ["yaxis", 8, "main"]))
+    told = shown.page.locator(".mechstyle-timeline .hoverlayer")
+    told.get_by_text("simulated because").first.wait_for()
+    assert "iteration 8" in told.text_content()
+    shown.keep("timeline-hover")
+
+
+def test_a_click_on_another_lane_shows_that_lane(shown):
+    before = shown.pixels(shown.page.locator(".mechstyle-timeline"))
+    click(shown, "yaxis", 9, "frozen")
+    shown.until(where(shown), "('frozen', 9, 9, 9, 9)")
+    shown.changed(shown.page.locator(".mechstyle-timeline"), before, 0.001)
+    shown.keep("timeline-lane")
+
+
+def test_arrow_keys_step(shown):
+    shown.page.locator(".mechstyle-timeline .noUi-handle").focus()
+    shown.page.keyboard.press("ArrowLeft")
+    shown.until(where(shown), "('frozen', 8, 8, 8, 8)")
+    shown.page.keyboard.press("ArrowRight")
+    shown.until(where(shown), "('frozen', 9, 9, 9, 9)")
+
+
+def test_what_python_sets_is_what_the_mouse_sets(shown):
+    timeline, before = shown.page.locator(".mechstyle-timeline"), shown.drawn()
+    drawn = shown.pixels(timeline)
+    shown.python("timeline.iteration = 1")
+    shown.until(where(shown), "('frozen', 1, 1, 1, 1)")
+    shown.changed(timeline, drawn, 0.001)
+    shown.changed(shown.canvas(), before, 0.003)
+    shown.page.get_by_role("button", name="travel").click()
+    shown.until("timeline.curve", "travel")
+    shown.keep("timeline-travel")

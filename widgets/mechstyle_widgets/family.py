@@ -1,0 +1,30 @@
+"""Closing a widget for good: with it goes every widget it is made of, in the kernel and in the browser."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import ipywidgets
+
+
+def family(widget: ipywidgets.Widget) -> list[ipywidgets.Widget]:
+    """The widget and every widget its state refers to, however deep."""
+    found: dict[int, ipywidgets.Widget] = {}
+    waiting: list[Any] = [widget]
+    while waiting:
+        one = waiting.pop()
+        if isinstance(one, dict):
+            waiting.extend(one.values())
+        elif isinstance(one, list | tuple):
+            waiting.extend(one)
+        elif isinstance(one, ipywidgets.Widget) and id(one) not in found:
+            found[id(one)] = one
+            waiting.extend(getattr(one, key) for key in one.keys)
+    return list(found.values())
+
+
+def close_family(widget: ipywidgets.Widget, *more: ipywidgets.Widget) -> None:
+    """Close everything a widget, and more it keeps out of sight, is made of; the widget itself is left to its owner."""
+    for part in {id(part): part for one in (widget, *more) for part in family(one)}.values():
+        if part is not widget:
+            part.close()

@@ -1,0 +1,45 @@
+"""No more updates than a browser can draw: a call now and then, of which the latest counts."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable
+
+SHORTEST_WAIT = 0.1
+"""Between two updates of a picture [s]."""
+
+
+class Paced:
+    """A function that may be called at any rate and acts at most ten times a second, after the last call at the latest.
+
+    It acts at once where no event loop is running, as in plain Python. It must read what it needs when it acts: whatever
+    was set by then counts, and what came in between is never drawn.
+    """
+
+    def __init__(self, act: Callable[[], None]) -> None:
+        """Pace `act`."""
+        self._act = act
+        self._acted = -SHORTEST_WAIT
+        self._waiting: asyncio.TimerHandle | None = None
+
+    def __call__(self) -> None:
+        """Ask for `act`."""
+        try:
+            loop = asyncio.get_running_loop()
+        except RuntimeError:
+            self._now()
+            return
+        if self._waiting is None:
+            self._waiting = loop.call_later(max(0.0, self._acted + SHORTEST_WAIT - time.monotonic()), self._now)
+
+    def cancel(self) -> None:
+        """Forget what was asked for and has not happened yet."""
+        if self._waiting is not None:
+            self._waiting.cancel()
+            self._waiting = None
+
+    def _now(self) -> None:
+        self._waiting = None
+        self._acted = time.monotonic()
+        self._act()

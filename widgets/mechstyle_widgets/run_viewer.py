@@ -1,0 +1,75 @@
+"""A run in three dimensions: the viewer of whatever iteration the state shows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import traitlets
+
+from mechstyle.errors import BadInput
+from mechstyle.records import Checkpoint
+from mechstyle.run import Run
+from mechstyle_widgets.layers import STYLE, Layer, subject_of
+from mechstyle_widgets.linked import Linked
+from mechstyle_widgets.pace import Paced
+from mechstyle_widgets.state import StudioState
+from mechstyle_widgets.viewer import Viewer
+
+Derived = Callable[[Run, Checkpoint], Layer]
+
+
+class RunViewer(Linked, Viewer):
+    """The styled part at the iteration a state shows, with every field known there; the unstylized part may stand beside it.
+
+    `iteration`, `lane` and `layer` are those of the state, both ways.
+
+    Attributes:
+        derived: Functions of run and checkpoint, each of which gives one more layer, such as a mask that would be.
+    """
+
+    derived = traitlets.Tuple()
+
+    def __init__(self, state: StudioState, *, theme: str = "light", width: int = 640, height: int = 440) -> None:
+        """Show the run of a state.
+
+        Args:
+            state: What is shown; its run must have been begun.
+            theme: `light` or `dark`.
+            width: Width of the view [pixels].
+            height: Height of the view [pixels].
+
+        Raises:
+            BadInput: If there is nothing to show yet.
+        """
+        if state.run is None or state.checkpoint is None:
+            raise BadInput("there is no iteration to show yet: start a run, or open one with Run.open")
+        self._catch_up = Paced(self._show_checkpoint)
+        subject = subject_of(state.run, state.checkpoint)
+        original = subject_of(state.run, state.run.checkpoint(0))
+        wanted = state.layer if subject.layer(state.layer) else STYLE
+        super().__init__(subject.mesh, subject.layers, original=original, theme=theme, width=width, height=height)
+        self.layer = state.layer = wanted
+        self.link(state, "layer")
+        state.observe(self._follow, "checkpoint")
+        self.observe(self._follow, "derived")
+
+    def close(self) -> None:
+        """Close the view; the state is followed no longer."""
+        if self._links:
+            self._catch_up.cancel()
+            self.unlink()
+            self._state.unobserve(self._follow, "checkpoint")
+        super().close()
+
+    def _follow(self, _change: Any) -> None:
+        self._catch_up()
+
+    def _show_checkpoint(self) -> None:
+        run, state = self._state.run, self._state.checkpoint
+        if run is None or state is None:
+            return
+        subject = subject_of(run, state)
+        for layer in self.derived:
+            subject = subject.with_layer(layer(run, state))
+        self.subject = subject

@@ -1,0 +1,121 @@
+"""What the graphics card does for each vertex and pixel: the light and the colours of `mechstyle.pictures`, live.
+
+One number per vertex says how it is painted, so that one small buffer is all that changes with a layer or a threshold:
+`PLAIN` for the part's own colour, `NOTHING` where a field is not known, else the place on the ramp, 1 at its end; beyond
+1 lies what exceeds the threshold, hatched and outlined.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mechstyle.pictures.colormap import ABOVE, LINE, STEPS, STRIPE, UNKNOWN, Scale, linear_to_srgb
+from mechstyle.pictures.scene import FLATNESS
+from mechstyle.pictures.shading import FILL, FILL_LIGHT, GROUND_LIGHT, KEY, KEY_LIGHT, SKY_LIGHT
+
+PLAIN, NOTHING = 1000.0, -1000.0
+MAXIMUM, MINIMUM, PICKED, HIDDEN = 0.0, 1.0, 2.0, -1.0  # kinds of markers
+
+
+def paint(values: NDArray[np.float32], scale: Scale) -> NDArray[np.float32]:
+    """How each vertex is painted with a field, shape [vertex_count]."""
+    place = (np.asarray(values, dtype=np.float64) - scale.low) / (scale.top - scale.low)
+    beyond = 10.0 if scale.top < scale.high else 1.0
+    return np.where(np.isfinite(place), np.clip(place, 0.0, beyond), NOTHING).astype(np.float32)
+
+
+def ramp() -> NDArray[np.uint8]:
+    """The colours of fields as a texture, sRGB and opaque, shape [1, STEPS, 4]."""
+    colours = linear_to_srgb(Scale(0.0, 1.0).colours(np.linspace(0.0, 1.0, STEPS)))
+    return np.rint(255 * np.insert(colours, 3, 1.0, axis=1)).astype(np.uint8)[None]
+
+
+def _vec(values: tuple[float, ...]) -> str:
+    return f"vec{len(values)}({', '.join(f'{value:.6f}' for value in values)})"
+
+
+PART_VERTEX = """
+attribute vec3 colour;
+attribute float place;
+varying vec3 v_colour;
+varying vec3 v_normal;
+varying float v_place;
+void main() {
+    v_colour = colour;
+    v_place = place;
+    v_normal = normalMatrix * normal;
+    gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+}
+"""
+
+PART_FRAGMENT = f"""
+uniform sampler2D ramp;
+varying vec3 v_colour;
+varying vec3 v_normal;
+varying float v_place;
+
+vec3 to_light(vec3 c) {{ return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c)); }}
+vec3 to_display(vec3 c) {{ return mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c)); }}
+
+float light() {{
+    vec3 normal = normalize(gl_FrontFacing ? v_normal : -v_normal);
+    vec3 sky = (viewMatrix * vec4(0.0, 0.0, 1.0, 0.0)).xyz;
+    vec3 flip = vec3(1.0, sky.z < 0.0 ? -1.0 : 1.0, 1.0);  // what faces down is lit from below
+    float key = max(dot(normal, normalize({_vec(KEY)}) * flip), 0.0);
+    float fill = max(dot(normal, normalize({_vec(FILL)}) * flip), 0.0);
+    float around = mix({GROUND_LIGHT:.4f}, {SKY_LIGHT:.4f}, 0.5 + 0.5 * dot(normal, sky));
+    return around + {KEY_LIGHT:.4f} * key + {FILL_LIGHT:.4f} * fill;
+}}
+
+vec3 field() {{
+    float pixels = abs(v_place - 1.0) / max(fwidth(v_place), 1e-9);
+    if (v_place < -0.01) return {_vec(UNKNOWN)};
+    if (v_place > 1.0 || pixels < 0.8) {{
+        if (pixels < 1.6 && fwidth(v_place) > 1e-7) return {_vec(LINE)};
+        return mod(gl_FragCoord.x + gl_FragCoord.y, 9.0) < 3.0 ? {_vec(STRIPE)} : {_vec(ABOVE)};
+    }}
+    return texture2D(ramp, vec2((clamp(v_place, 0.0, 1.0) * {STEPS - 1}.0 + 0.5) / {STEPS}.0, 0.5)).rgb;
+}}
+
+void main() {{
+    bool plain = v_place > {PLAIN / 2:.1f};
+    float shade = plain ? light() : {FLATNESS:.4f} + {1 - FLATNESS:.4f} * light();
+    gl_FragColor = vec4(to_display(min(to_light(plain ? v_colour : field()) * shade, 1.0)), 1.0);
+}}
+"""
+
+FLOOR_VERTEX = """
+void main() { gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0); }
+"""
+
+FLOOR_FRAGMENT = """
+void main() {
+    if ((viewMatrix * vec4(0.0, 0.0, 1.0, 0.0)).z < 0.0) discard;  // from below the floor would hide the part
+    gl_FragColor = vec4(0.5, 0.5, 0.5, 0.3);
+}
+"""
+
+MARKER_VERTEX = """
+attribute float kind;
+varying float v_kind;
+void main() {
+    v_kind = kind;
+    gl_Position = kind < 0.0 ? vec4(2.0, 2.0, 2.0, 1.0) : projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+    gl_PointSize = 22.0;
+}
+"""
+
+MARKER_FRAGMENT = """
+varying float v_kind;
+float ring(vec2 p) { return abs(length(p) - 0.62); }
+float triangle(vec2 p) { return abs(max(p.y, abs(p.x) * 0.866 - p.y * 0.5) - 0.36); }
+float star(vec2 p) { return max(min(abs(p.x), abs(p.y)), length(p) - 0.8); }
+void main() {
+    vec2 p = 2.0 * gl_PointCoord - 1.0;
+    p.y = -p.y;
+    float away = v_kind < 0.5 ? ring(p) : v_kind < 1.5 ? triangle(p) : star(p);
+    if (away > 0.2) discard;
+    gl_FragColor = vec4(vec3(away > 0.09 ? 1.0 : 0.07), 1.0);
+}
+"""
