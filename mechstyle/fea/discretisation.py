@@ -32,8 +32,9 @@ class Discretisation:
         volumes: Volumes [mm³], shape [tet_count].
         masses: Lumped masses after sliver scaling [g], shape [node_count].
         added_mass: Mass added to slivers over the mass of the body.
-        first_slot: Where each node's slots start in `slots`, shape [node_count + 1].
-        slots: For each node in turn its places e · nodes + a in `connectivity`, ascending, shape [tet_count · nodes].
+        slots: Where an element's share of a force on a node goes before the shares are added up, shape [tet_count, nodes]: the slots
+            of a node follow each other in the order of the tetrahedra.
+        first_slot: Where each node's slots start, shape [node_count + 1].
     """
 
     mesh: ElementMesh
@@ -45,8 +46,8 @@ class Discretisation:
     volumes: Floats
     masses: Floats
     added_mass: float
-    first_slot: Indices
     slots: Indices
+    first_slot: Indices
 
     @property
     def positions(self) -> Floats:
@@ -83,8 +84,8 @@ def discretise(tets: TetMesh, material: Material, added_mass: float, element: El
         volumes=mesh.tets.volumes[tet_order],
         masses=lumped,
         added_mass=float(masses @ (scale - 1.0) / masses.sum()),
+        slots=np.argsort(np.argsort(slot_nodes, kind="stable")).astype(np.int32).reshape(connectivity.shape),
         first_slot=np.concatenate([[0], np.cumsum(np.bincount(slot_nodes, minlength=len(place)))]).astype(np.int32),
-        slots=np.argsort(slot_nodes, kind="stable").astype(np.int32),
     )
 
 

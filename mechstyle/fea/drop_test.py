@@ -65,7 +65,7 @@ class DropTest:
     damping: float = 1e-4
     law: Law = "stable_neo_hookean"
     element: str = "tet10"
-    added_mass: float = 0.005
+    added_mass: float = 0.01
     safety: float = 0.85
 
     def __post_init__(self) -> None:

@@ -1,8 +1,8 @@
 """One step of the drop test as Warp kernels, float32, for any device; the formulas are those of `elasticity`.
 
 Layout: [node][orientation] and [tetrahedron][orientation], orientation fastest, so that neighbouring threads of a GPU touch
-neighbouring memory. The element kernels write each tetrahedron's nodal forces to slots of its own; the node kernel gathers them in
-a fixed order. There are no atomic sums, so the same inputs give the same bytes.
+neighbouring memory. The element kernels write each tetrahedron's nodal forces to slots of its own, sorted by node; the node kernel
+adds up its slots, which follow each other. There are no atomic sums, so the same inputs give the same bytes.
 """
 
 # ruff: noqa: UP018 - float(0.0) declares a Warp variable that changes in a loop, 0.0 a constant
@@ -155,6 +155,7 @@ def linear_forces(
     nodes: wp.array2d(dtype=int),
     gradients: wp.array(dtype=wp.mat33f),
     volumes: wp.array(dtype=float),
+    slots: wp.array2d(dtype=int),
     w: wp.array2d(dtype=wp.vec3f),
     law: int,
     mu: float,
@@ -163,7 +164,7 @@ def linear_forces(
     forces: wp.array2d(dtype=wp.vec3f),
     peak_squared: wp.array3d(dtype=float),
 ):
-    """Nodal forces −V P ∇N [N] into forces[4 e + a, b]; every recorded step also the running maximum of σ_vM² [MPa²]."""
+    """Nodal forces −V P ∇N [N] into forces[slots[e, a], b]; every recorded step also the running maximum of σ_vM² [MPa²]."""
     e, b = wp.tid()
     G = gradients[e]
     H = linear_gradient(w, nodes, G, e, b)
@@ -172,7 +173,7 @@ def linear_forces(
         peak_squared[e, 0, b] = wp.max(peak_squared[e, 0, b], von_mises_squared(H, P))
     g = corner_forces(P, G, volumes[e])
     for a in range(4):
-        forces[4 * e + a, b] = g[a]
+        forces[slots[e, a], b] = g[a]
 
 
 @wp.kernel
@@ -180,6 +181,7 @@ def quadratic_forces(
     nodes: wp.array2d(dtype=int),
     gradients: wp.array(dtype=wp.mat33f),
     volumes: wp.array(dtype=float),
+    slots: wp.array2d(dtype=int),
     w: wp.array2d(dtype=wp.vec3f),
     law: int,
     mu: float,
@@ -188,7 +190,7 @@ def quadratic_forces(
     forces: wp.array2d(dtype=wp.vec3f),
     peak_squared: wp.array3d(dtype=float),
 ):
-    """As `linear_forces` for the quadratic element, into forces[10 e + a, b]."""
+    """As `linear_forces` for the quadratic element."""
     e, b = wp.tid()
     G = gradients[e]
     x = nodal_values(w, nodes, e, b)
@@ -205,18 +207,18 @@ def quadratic_forces(
         for i in range(4):
             f[BETWEEN[i, q]] += g[i]
     for i in range(4):
-        forces[10 * e + i, b] = (FAR - 1.0) * total[i] + (NEAR - FAR) * f[i]
+        forces[slots[e, i], b] = (FAR - 1.0) * total[i] + (NEAR - FAR) * f[i]
         for j in range(i + 1, 4):
             middle = BETWEEN[i, j]
-            forces[10 * e + middle, b] = FAR * (total[i] + total[j]) + (NEAR - FAR) * f[middle]
+            forces[slots[e, middle], b] = FAR * (total[i] + total[j]) + (NEAR - FAR) * f[middle]
 
 
 @wp.func
-def gathered(forces: wp.array2d(dtype=wp.vec3f), first_slot: wp.array(dtype=int), slots: wp.array(dtype=int), i: int, b: int):
+def gathered(forces: wp.array2d(dtype=wp.vec3f), first_slot: wp.array(dtype=int), i: int, b: int):
     """Sum of the forces in the slots of node i [N], in ascending order of the tetrahedra."""
     total = wp.vec3f()
     for k in range(first_slot[i], first_slot[i + 1]):
-        total += forces[slots[k], b]
+        total += forces[k, b]
     return total
 
 
@@ -224,12 +226,11 @@ def gathered(forces: wp.array2d(dtype=wp.vec3f), first_slot: wp.array(dtype=int)
 def gather_forces(
     forces: wp.array2d(dtype=wp.vec3f),
     first_slot: wp.array(dtype=int),
-    slots: wp.array(dtype=int),
     total: wp.array2d(dtype=wp.vec3f),
 ):
     """The assembled internal forces alone [N], for the power iteration."""
     i, b = wp.tid()
-    total[i, b] = gathered(forces, first_slot, slots, i, b)
+    total[i, b] = gathered(forces, first_slot, i, b)
 
 
 @wp.func
@@ -251,7 +252,6 @@ def after_contact(v: wp.vec3f, gap: float, n: wp.vec3f, dt: float, friction: flo
 def advance(
     forces: wp.array2d(dtype=wp.vec3f),
     first_slot: wp.array(dtype=int),
-    slots: wp.array(dtype=int),
     masses: wp.array(dtype=float),
     heights: wp.array2d(dtype=float),
     normals: wp.array(dtype=wp.vec3f),
@@ -272,7 +272,7 @@ def advance(
     """
     i, b = wp.tid()
     n = normals[b]
-    force = gathered(forces, first_slot, slots, i, b)
+    force = gathered(forces, first_slot, i, b)
     before = v[i, b]
     free = before + dt * (force / masses[i] - gravity * n)
     gap = heights[i, b] + wp.dot(n, u[i, b] + dt * free)

@@ -18,6 +18,10 @@ from mechstyle.mesh import Floats
 from mechstyle.quiet import wp
 
 
+BLOCK = 64
+"""Threads in a block: few enough that a single drop of 10k tetrahedra is spread over all multiprocessors."""
+
+
 class DeviceBody:
     """A discretised body as float32 arrays on a device."""
 
@@ -27,9 +31,9 @@ class DeviceBody:
         self.element = body.mesh.element
         self.element_forces = kernels.linear_forces if self.element.nodes == 4 else kernels.quadratic_forces
         self.masses = self.array(body.masses, float)
-        nodes, *slots = (wp.array(numbers, dtype=int, device=device) for numbers in (body.connectivity, body.first_slot, body.slots))
+        numbers = (body.connectivity, body.slots, body.first_slot)
+        nodes, self.slots, self.first_slot = (wp.array(values, dtype=int, device=device) for values in numbers)
         self.elements = [nodes, self.array(body.gradients, wp.mat33f), self.array(body.volumes, float)]
-        self.slots = slots
         wp.load_module(kernels, device=device)
 
     def array(self, values: Floats, dtype: Any) -> Any:
@@ -42,7 +46,7 @@ class DeviceBody:
 
     def launch(self, kernel: Any, dim: tuple[int, ...], *arguments: Any) -> None:
         """Queue a kernel."""
-        wp.launch(kernel, dim=dim, inputs=arguments, device=self.device)
+        wp.launch(kernel, dim=dim, inputs=arguments, device=self.device, block_dim=BLOCK)
 
     def forces_and_peak(self, orientations: int) -> tuple[Any, Any]:
         """Where the element kernels write: forces in slots and the running maximum at the Gauss points."""
@@ -54,8 +58,8 @@ class DeviceBody:
         w, total = self.array(displacement[:, None], wp.vec3f), self.zeros(self.node_count, 1, dtype=wp.vec3f)
         forces, peak = self.forces_and_peak(1)
         constants = (law_number(law), law.mu, law.la)
-        self.launch(self.element_forces, (self.tet_count, 1), *self.elements, w, *constants, 0, forces, peak)
-        self.launch(kernels.gather_forces, (self.node_count, 1), forces, *self.slots, total)
+        self.launch(self.element_forces, (self.tet_count, 1), *self.elements, self.slots, w, *constants, 0, forces, peak)
+        self.launch(kernels.gather_forces, (self.node_count, 1), forces, self.first_slot, total)
         return np.asarray(total.numpy()[:, 0], dtype=np.float64)
 
     def batches(self, scheme: Scheme, normals: Floats, heights: Floats) -> list[DeviceBatch]:
@@ -125,8 +129,8 @@ class DeviceBatch:
         body, scheme = self.body, self.scheme
         constants = (scheme.law_number, scheme.law.mu, scheme.law.la)
         outcome = (record, self.forces, self.peak_squared)
-        body.launch(body.element_forces, (body.tet_count, self.count), *body.elements, self.w, *constants, *outcome)
-        given = (self.forces, *body.slots, body.masses, self.heights, self.normals)
+        body.launch(body.element_forces, (body.tet_count, self.count), *body.elements, body.slots, self.w, *constants, *outcome)
+        given = (self.forces, body.first_slot, body.masses, self.heights, self.normals)
         numbers = (scheme.time_step, scheme.damping, scheme.gravity, scheme.friction)
         state = (self.u, self.v, self.w, self.impulse, self.contact_loss)
         body.launch(kernels.advance, (body.node_count, self.count), *given, *numbers, *state)
