@@ -119,7 +119,7 @@ def missing_pieces(devices: list[str]) -> list[dict[str, str]]:
     """Optional things that are not here, why one would want them, and the command that gets them."""
     reasons = {
         "jupyter": "the notebook interface",
-        "clip": "styles from any prompt, which a later version brings",
+        "clip": "styles from any prompt (guidance clip) and the X-Mesh network",
         "study": "parameter studies, which a later version brings",
     }
     missing = []

@@ -75,10 +75,27 @@ def warped(images: torch.Tensor, warps: Warps) -> torch.Tensor:
     seen = projected[..., :2] / projected[..., 2:]
     inside = (seen.abs() <= 1.0).all(dim=3) & (projected[..., 2] > 0.0)
     source = seen * warps.half_sides[:, None, None] + warps.centre[:, None, None]
-    grid = source.repeat_interleave(views, dim=0)
-    # Sampled as darkness below white, because what lies outside is sampled as 0.
-    darkness = functional.grid_sample((images - 1.0).repeat(len(source), 1, 1, 1), grid, align_corners=False)
-    return 1.0 + darkness * inside.repeat_interleave(views, dim=0)[:, None]
+    # Sampled as darkness below white, because what lies outside is sampled as 0; one pixel's values in all views are one row.
+    rows = (images - 1.0).permute(2, 3, 0, 1).reshape(size * size, -1)
+    found = 1.0 + _interpolated(rows, source, size) * inside[..., None]
+    return found.view(*found.shape[:3], views, -1).permute(0, 3, 4, 1, 2).flatten(0, 1)
+
+
+def _interpolated(rows: torch.Tensor, place: torch.Tensor, size: int) -> torch.Tensor:
+    """Rows of pixels, shape [size², k], interpolated linearly at places, shape [a, h, w, 2], and 0 outside; shape [a, h, w, k].
+
+    Taken as an embedding, whose gradient is added up in a fixed order on every device; that of `grid_sample` is not on a GPU.
+    """
+    pixel = (0.5 * size * (place + 1.0) - 0.5).clamp(-2.0, size + 1.0)
+    first = pixel.floor()
+    total = torch.zeros(1, dtype=rows.dtype, device=rows.device)
+    for right, down in ((0, 0), (1, 0), (0, 1), (1, 1)):
+        x, y = (first[..., 0] + right).long(), (first[..., 1] + down).long()
+        weight = (1.0 - (pixel[..., 0] - x).abs()) * (1.0 - (pixel[..., 1] - y).abs())
+        there = (x >= 0) & (x < size) & (y >= 0) & (y < size)
+        index = y.clamp(0, size - 1) * size + x.clamp(0, size - 1)
+        total = total + functional.embedding(index, rows) * (weight * there)[..., None]
+    return total
 
 
 def _pixel_centres(size: int, device: torch.device, dtype: torch.dtype) -> torch.Tensor:

@@ -42,6 +42,12 @@ class Draws(NamedTuple):
     grey_cameras: Cameras
     grey_warps: Warps
 
+    @property
+    def tensors(self) -> tuple[torch.Tensor, ...]:
+        """Elevations and azimuths, then the maps, of both sets of views."""
+        views = (self.cameras, self.grey_cameras)
+        return (*(angle for each in views for angle in (each.elevation, each.azimuth)), *self.warps, *self.grey_warps)
+
 
 class ClipGuidance:
     """CLIP's likeness between a prompt and rendered views.

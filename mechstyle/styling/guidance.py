@@ -6,13 +6,27 @@ A guidance first draws all that is random in one iteration, then gives a loss: s
 from __future__ import annotations
 
 import zlib
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import torch
 
 from mechstyle.mesh import Floats
 from mechstyle.styling.procedural import COLOUR_WEIGHT, Target
 from mechstyle.styling.unit_shape import Look
+
+
+class Draws(Protocol):
+    """All that is random in one iteration."""
+
+    @property
+    def tensors(self) -> tuple[torch.Tensor, ...]:
+        """Its tensors, always in the same order and of the same shapes."""
+
+
+class NoDraws(NamedTuple):
+    """Nothing is random."""
+
+    tensors: tuple[()] = ()
 
 
 class Guidance(Protocol):
@@ -22,8 +36,8 @@ class Guidance(Protocol):
     def text(self) -> torch.Tensor:
         """Embedding of the prompt, shape [text_size]."""
 
-    def draw(self, generator: torch.Generator) -> Any:
-        """All that is random in one iteration: a tree of named tuples of tensors."""
+    def draw(self, generator: torch.Generator) -> Draws:
+        """All that is random in one iteration."""
 
     def loss(self, look: Look, draws: Any) -> torch.Tensor:
         """Loss of a styled part, a scalar to be descended."""
@@ -47,11 +61,11 @@ class TargetGuidance:
         generator = torch.Generator().manual_seed(zlib.crc32(prompt.encode()))
         self.text = torch.randn(text_size, generator=generator).to(device)
 
-    def draw(self, generator: torch.Generator) -> tuple[()]:  # noqa: ARG002 — nothing about a target is random
+    def draw(self, generator: torch.Generator) -> NoDraws:  # noqa: ARG002 — nothing about a target is random
         """Nothing."""
-        return ()
+        return NoDraws()
 
-    def loss(self, look: Look, draws: tuple[()]) -> torch.Tensor:  # noqa: ARG002
+    def loss(self, look: Look, draws: NoDraws) -> torch.Tensor:  # noqa: ARG002
         """Distance from the target."""
         return self.distance(look)
 

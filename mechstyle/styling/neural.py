@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import os
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import NamedTuple
 
@@ -12,7 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 from torch import nn
 from torch.utils import deterministic
 
-from mechstyle.styling.guidance import Guidance
+from mechstyle.styling.guidance import Draws, Guidance
+from mechstyle.styling.recorded import Recorded
 from mechstyle.styling.style_field import standardised
 from mechstyle.styling.unit_shape import Logits, Look, UnitShape
 
@@ -21,6 +23,8 @@ VERTEX_RATE = 2e-2
 """Steps of Adam for the network, as published, and for values per vertex, which reach their bounds in about a hundred of them."""
 DECAY = 0.9
 DECAY_EVERY = 100
+
+os.environ.setdefault("CUBLAS_WORKSPACE_CONFIG", ":4096:8")  # without it no product of matrices is repeatable on a GPU
 
 Field = NDArray[np.float32]
 
@@ -84,12 +88,9 @@ class NeuralStylizer:
     def step(self) -> Proposal:
         """One iteration of descent."""
         draws = self._guidance.draw(torch.Generator().manual_seed(self._seed * 1_000_003 + self._iteration))
-        for group in self._adam.param_groups:
-            group["lr"] = self._rate * DECAY ** (self._iteration // DECAY_EVERY)
+        self._adam.param_groups[0]["lr"].fill_(self._rate * DECAY ** (self._iteration // DECAY_EVERY))
         with _repeatable():
-            self._adam.zero_grad()
-            self._guidance.loss(self._look(), draws).backward()
-            self._adam.step()
+            self._descend(draws)
         self._iteration += 1
         return self.proposal()
 
@@ -125,11 +126,19 @@ class NeuralStylizer:
         self._begin({name: tensors[f"field/{name}"] for name in self._first}, int(state["iteration"][0]))
         for name, parameter in self._field.named_parameters():
             moments = {"exp_avg": tensors[f"first/{name}"], "exp_avg_sq": tensors[f"second/{name}"]}
-            self._adam.state[parameter] = {"step": torch.tensor(float(self._iteration)), **moments}
+            self._adam.state[parameter] = {"step": self._tensor(float(self._iteration)), **moments}
+
+    def _descended(self, draws: Draws) -> None:
+        """Loss, gradient and step: one function of tensors, so that a GPU may record it."""
+        self._adam.zero_grad()
+        self._guidance.loss(self._look(), draws).backward()
+        self._adam.step()
 
     def _begin(self, parameters: dict[str, torch.Tensor], iteration: int) -> None:
         self._field.load_state_dict(parameters)
-        self._adam = torch.optim.Adam(self._field.parameters(), lr=self._rate)
+        on_gpu = self._shape.positions.is_cuda
+        self._adam = torch.optim.Adam(self._field.parameters(), lr=self._tensor(self._rate), capturable=on_gpu)
+        self._descend: Callable[[Draws], None] = Recorded(self._descended) if on_gpu else self._descended
         self._iteration = iteration
         with torch.no_grad():  # computed once: neither the points nor the frequencies change from here
             self._features = self._field.features(standardised(self._shape.positions))
@@ -151,7 +160,7 @@ def _array(tensor: torch.Tensor) -> Field:
 def _repeatable() -> Iterator[None]:
     """The same bytes for the same inputs: without it, gradients gathered from many pixels are added in no fixed order."""
     before, filled = torch.are_deterministic_algorithms_enabled(), deterministic.fill_uninitialized_memory
-    torch.use_deterministic_algorithms(mode=True)
+    torch.use_deterministic_algorithms(mode=True, warn_only=True)
     deterministic.fill_uninitialized_memory = False  # nothing here reads what it has not written, and filling takes a seventh of the time
     try:
         yield

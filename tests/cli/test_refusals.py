@@ -43,6 +43,8 @@ def refused(mechstyle, *arguments, code=2):
         (("--prompt", "brick", "--vertices", "10"), "vertices"),
         (("--prompt", "brick", "--device", "cuda"), "device"),
         (("--prompt", "brick", "--device", "tpu"), "unknown device 'tpu'"),
+        (("--prompt", "brick", "--guidance", "clp"), "unknown guidance 'clp': did you mean 'clip'"),
+        (("--prompt", "zebra", "--guidance", "clip"), "`mechstyle weights fetch ViT-B-32`"),
     ],
 )
 def test_values_out_of_the_question(mechstyle, arguments, said):
