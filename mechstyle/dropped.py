@@ -49,7 +49,8 @@ class Dropped:
     def show(self) -> Picture:
         """Stress of the as-placed drop from three sides."""
         limit = self.verdict.deciding.limit
-        views = (("three_quarter", "stress as placed"), ("side", "side"), ("below", "from below"))
+        first = "stress, dropped and loaded" if self.simulation.loaded else "stress as placed"
+        views = (("three_quarter", first), ("side", "side"), ("below", "from below"))
         field = self.simulation.stress
         return picture([stress_panel(self.part.surface, field, self.verdict, title=title, limit=limit, view=view) for view, title in views])
 

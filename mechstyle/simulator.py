@@ -123,6 +123,7 @@ class DropSimulator:
 
     def _on_morphed_mesh(self, displacement: NDArray[np.float32], *, thorough: bool) -> Simulation:
         morphed = self._morph.morphed(displacement)
+        self._static.check()  # before the long drop
         dropped = self._measured(morphed, self._drop(morphed.tets, thorough=thorough), self._average, self._transfer)
         return self._under_loads(dropped, morphed.tets)
 
@@ -190,7 +191,8 @@ class DropSimulator:
             as_placed = measures(tets, result.von_mises[0], average)
             overall = measures(tets, worst, average) if several else None
             stress = transfer.to_surface(robust_field(tets, result.von_mises[0], average)).astype(np.float32)
-            envelope = transfer.to_surface(robust_field(tets, worst, average)).astype(np.float32)
+            # The value between Gauss points is not monotone in theirs: without the maximum an envelope could fall below what it envelops.
+            envelope = np.maximum(stress, transfer.to_surface(robust_field(tets, worst, average)).astype(np.float32))
             contact = transfer.to_surface(result.contact[0].astype(np.float64)) > 0.5
         return Simulation(
             displacement=morphed.displacement,

@@ -10,7 +10,7 @@ import pytest
 import trimesh
 
 from mechstyle import simulator as module
-from mechstyle.errors import SimulationFailed
+from mechstyle.errors import BadInput, SimulationFailed
 from mechstyle.geometry.tetrahedra import tetrahedralise
 from mechstyle.load_cases import Load, LoadCase, Patch, Support
 from mechstyle.material import LIBRARY
@@ -209,6 +209,13 @@ def test_loads_that_cannot_be_solved_are_unknown_never_viable(block, memo, monke
     assert sim.judge(sim.baseline).viable
     monkeypatch.setattr(module.StaticTest, "run", singular)
     assert sim.judge(sim.simulate(bumps(block), thorough=False)).outcome == "UNKNOWN"
+
+
+def test_a_place_that_is_not_there_is_refused_before_the_long_drop(block, memo, drops):
+    nowhere = LoadCase(name="nowhere", supports=(Support(at=Patch(sphere=(99, 0, 0, 1))),), loads=(Load(gravity=1.0),))
+    with pytest.raises(BadInput, match="'nowhere': sphere"):
+        _ = simulator(block, memo, loads=(nowhere,)).baseline
+    assert drops == []
 
 
 def test_loads_keep_their_places_where_the_drop_is_meshed_fresh(block, memo):

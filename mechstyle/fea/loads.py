@@ -37,6 +37,10 @@ class StaticTest:
     cases: tuple[LoadCase, ...]
     element: str = "tet10"
 
+    def check(self) -> None:
+        """Refuse now what needs no solution to be seen: a place that selects nothing, a case that does not hold the part."""
+        _ = self._restraints
+
     def run(self, tets: TetMesh, material: Material) -> dict[str, Response]:
         """The response of a morph of the part to every case, by the case's name; one factorisation per set of supports.
 
