@@ -29,8 +29,9 @@ lint: .venv/dev.stamp ## style, import directions and types only
 	$(BIN)/lint-imports --no-cache
 	$(BIN)/mypy
 
-bench: .venv/core.stamp ## seconds per stage beside their budgets
+bench: .venv/dev.stamp ## seconds per stage beside their budgets
 	$(BIN)/python benchmarks/stages.py
+	$(BIN)/python benchmarks/renderer.py
 
 clean: ## remove .venv, caches and demo-out/ (your runs stay)
 	rm -rf .venv .mypy_cache .ruff_cache .pytest_cache .hypothesis build *.egg-info demo-out

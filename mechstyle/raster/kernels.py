@@ -195,7 +195,7 @@ def part(
     length = points[b, along] - points[a, along]
     second_inside = int(inner == (1 - 2 * along) * _sign(length))
     low = wp.min(points[a, along], points[b, along])
-    high = wp.max(points[a, along], points[b, along]) - wp.int64(1)  # a line through the common end of two edges is crossed once
+    high = wp.max(points[a, along], points[b, along])
     for line in range(_first_pixel(low, step), _last_pixel(high, step, size[2 - along]) + 1):
         share = wp.float64(wp.int64(line) * step + half - points[a, along]) / wp.float64(length)
         crossing = wp.float64(points[a, across]) + share * wp.float64(points[b, across] - points[a, across])

@@ -16,7 +16,7 @@ def antialiased(picture: torch.Tensor, pixels: torch.Tensor, edges: torch.Tensor
     """The picture with faded outlines.
 
     Args:
-        picture: Values per pixel, shape [views · height · width, channels].
+        picture: Values per pixel, shape [channels, views · height · width].
         pixels: Column, row and 1 / depth of every vertex, shape [views, n, 3]; gradients reach them.
         edges: Of `raster.tensors.edges_of`, int32.
         buffer: The z-buffer, shape [views, height, width].
@@ -33,9 +33,9 @@ def antialiased(picture: torch.Tensor, pixels: torch.Tensor, edges: torch.Tensor
     crossing = _crossing(pixels.reshape(-1, 3)[:, :2], ends, first % (height * width), width, below)
     reach = torch.where(inside_second, 1.0 - crossing, crossing)
     inside, outside = torch.where(inside_second, second, first), torch.where(inside_second, first, second)
-    step = picture.index_select(0, inside) - picture.index_select(0, outside)
+    step = picture.index_select(1, inside) - picture.index_select(1, outside)
     share = torch.where(parted, reach - 0.5, 0.0)  # of a pixel: what the inside covers of the outside, or the reverse if negative
-    return picture.index_add(0, torch.where(share > 0, outside, inside), step * share[:, None])
+    return picture.index_add(1, torch.where(share > 0, outside, inside), step * share)
 
 
 def _crossing(points: torch.Tensor, ends: torch.Tensor, pixel: torch.Tensor, width: int, below: torch.Tensor) -> torch.Tensor:

@@ -100,7 +100,7 @@ class Renderer:
         picture = self._shaded(pixels, colours.clamp(0.0, 1.0), normals, axes.sum(dim=1), face_of(buffer).view(-1))
         if self._edges is not None:
             picture = antialiased(picture, pixels, self._edges, buffer, static=self._static)
-        views = picture.view(-1, self._size, self._size, 4).permute(0, 3, 1, 2)
+        views = picture.view(4, -1, self._size, self._size).transpose(0, 1)
         return Rendered(views[:, :3], views[:, 3:])
 
     def _check(self, positions: torch.Tensor, colours: torch.Tensor) -> None:
@@ -121,7 +121,7 @@ class Renderer:
     def _shaded(
         self, pixels: torch.Tensor, colours: torch.Tensor, normals: torch.Tensor, light: torch.Tensor, face: torch.Tensor
     ) -> torch.Tensor:
-        """RGB and coverage of all pixels, shape [views · size², 4], that see these faces (-1 for none) under one light per view."""
+        """RGB and coverage of all pixels, shape [4, views · size²], that see these faces (-1 for none) under one light per view."""
         count = self._size**2
         pixel = torch.arange(len(face), device=face.device) if self._static else (face >= 0).nonzero()[:, 0]
         seen = face[pixel] >= 0
@@ -137,8 +137,8 @@ class Renderer:
         samples = torch.cat([(rgb * lit).clamp(0.0, 1.0), torch.ones_like(lit)], dim=1)
         empty = self._empty.to(colours)
         if self._static:
-            return torch.where(seen[:, None], samples, empty)
-        return empty.repeat(len(face), 1).index_copy(0, pixel, samples)
+            return torch.where(seen[:, None], samples, empty).T.contiguous()
+        return empty.repeat(len(face), 1).index_copy(0, pixel, samples).T.contiguous()
 
     def _weights(self, pixels: torch.Tensor, corners: torch.Tensor, pixel: torch.Tensor) -> torch.Tensor:
         """Weights of the corners (indices into all views' points, shape [3, k]) at pixel centres, shape [3, k]."""

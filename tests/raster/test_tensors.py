@@ -59,6 +59,14 @@ def test_a_hidden_outline_parts_nothing_and_one_in_front_does():
     assert hidden == [{}, {}]
 
 
+def test_an_outline_behind_a_tilted_screen_parts_nothing():
+    """What the screen shows left of the outline is nearer than what it shows right of it, as at a true outline."""
+    screen = square(0.2, 0.2, 9.8, 9.8)
+    screen[:, 2] = torch.tensor([1.0, 0.5, 0.5, 1.0])
+    hidden, _ = outline(torch.cat([screen, square(3.2, 3.2, 6.8, 6.8, depth=2.5)]), torch.cat([SQUARE, SQUARE + 4]))
+    assert hidden == [{}, {}]
+
+
 def test_of_two_outlines_between_two_pixels_the_outer_one_counts():
     faces = torch.cat([SQUARE, SQUARE + 4])
     points = torch.cat([square(2.25, 3.0, 6.6, 7.0, depth=1.0), square(2.25, 3.0, 6.8, 7.0, depth=1.1)])

@@ -116,6 +116,20 @@ def test_hard_outlines_have_none(egg, faces, paint):
 # --- what is seen -------------------------------------------------------------------------------------------------
 
 
+def test_a_sphere_is_lit_as_its_radii_say(sphere, faces):
+    """White light on grey 0.5 by the first spherical harmonics, with the normal where each pixel's ray meets the sphere."""
+    points = torch.tensor(sphere.vertices / 10.0)
+    view = Renderer(faces, SIZE)(points, torch.full_like(points, 0.5), Cameras(torch.zeros(1), torch.zeros(1)))
+    along = ((2 * np.arange(SIZE) + 1) / SIZE - 1) * math.tan(math.radians(30.0))
+    rays = np.stack(np.broadcast_arrays(along[None, :], -along[:, None], -1.0), axis=-1)
+    rays /= np.linalg.norm(rays, axis=-1, keepdims=True)
+    reach = -2.0 * rays[..., 2] - np.sqrt(np.maximum((2.0 * rays[..., 2]) ** 2 - 3.0, 0.0))
+    normals = reach[..., None] * rays + (0.0, 0.0, 2.0)  # in camera axes: the sphere is at the origin, the camera at z = 2
+    expected = np.clip(0.5 * (0.28209479177 + 0.48860251190 * normals.sum(axis=-1)), 0.0, 1.0)
+    inside = max_pool2d(1.0 - view.coverage, 3, stride=1, padding=1)[0, 0].numpy() == 0
+    assert view.image[0, 1].numpy()[inside] == pytest.approx(expected[inside], abs=0.01)  # facets of 3 degrees
+
+
 def by_hand(corners, colours, row, column, size):
     """A pixel of one triangle seen from +x, as Kaolin computes it: camera axes (-z, y, x), weights linear in the picture."""
     seen = [(-z, y, x - 2.0) for x, y, z in corners]
