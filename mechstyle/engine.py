@@ -210,11 +210,7 @@ class Engine:
     def _moved(self, state: Checkpoint, proposal: Proposal, increment: Field, parent: str) -> Checkpoint:
         """D += mask · share · clip(increment), within the bounds; colours are never masked, only kept where the user wants it."""
         limit = np.float32(STEP_LIMIT * self.surface.size)
-        step = state.mask * state.share * np.clip(increment, -limit, limit)
-        if self.recipe.feedback:
-            step = walls.spared(step, self.bounds.thickness, state.displacement, self.recipe.minimum_wall)
-        wanted = state.displacement + step
-        displacement = np.clip(wanted, -self.bounds.inward, self.bounds.outward)
+        displacement = advanced(state.displacement, state.mask * state.share, np.clip(increment, -limit, limit), self.bounds, self.recipe)
         colour = np.where(self.bounds.uncoloured, state.colour, proposal.colour).astype(np.float32)
         iteration = state.iteration + 1
         return replace(
@@ -314,6 +310,22 @@ class Engine:
         lane = self.store.lane(self.lane)
         self.store.move(self.lane, Lane(recipe=lane.recipe, head=digest, forked_from=lane.forked_from))
         return digest, Checkpointed(digest, state)
+
+
+def advanced(displacement: Field, let_through: Field, increment: Field, bounds: Bounds, recipe: Recipe) -> Field:
+    """The displacement after one iteration [mm], shape [vertex_count]: what of the increment is let through, within the bounds.
+
+    Args:
+        displacement: D before it [mm], shape [vertex_count].
+        let_through: Mask times share, shape [vertex_count].
+        increment: What the stylizer wants more [mm], shape [vertex_count].
+        bounds: How far the style may go.
+        recipe: Whether walls are spared, and which.
+    """
+    step = let_through * increment
+    if recipe.feedback:
+        step = walls.spared(step, bounds.thickness, displacement, recipe.minimum_wall)
+    return np.clip(displacement + step, -bounds.inward, bounds.outward)
 
 
 def kept(displacement: Field, reference: Field, areas: NDArray[np.float64]) -> float:

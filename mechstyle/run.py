@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import re
 from collections.abc import Callable, Generator
 from contextlib import closing
@@ -16,8 +17,8 @@ from mechstyle import walls
 from mechstyle.engine import Engine
 from mechstyle.errors import BadInput
 from mechstyle.events import Event, Finished
+from mechstyle.exporting import Exported, exported
 from mechstyle.fea.drop_test import resolve_device
-from mechstyle.geometry.files import save
 from mechstyle.lock import exclusive
 from mechstyle.look import Picture, checkpoint_panels, picture, with_protected
 from mechstyle.material import Material
@@ -32,6 +33,8 @@ from mechstyle.workpiece import STANDARD_VERTICES, Stage, Workpiece, cache_folde
 
 Progress = Callable[[float], None]
 OnEvent = Callable[[Event], None]
+
+logger = logging.getLogger(__name__)
 
 
 class PartRecord(msgspec.Struct, frozen=True, kw_only=True):
@@ -146,9 +149,22 @@ class Run:
         protected = bounds_for(self.part, recipe)[0].protection == 0.0
         return picture([*panels, with_protected(restraint, protected)], title=f"{self.record.name}, iteration {state.iteration}")
 
-    def export(self, path: str | Path, iteration: int | None = None) -> Path:
-        """Write the surface at an iteration to a file; the suffix decides the format."""
-        return save(self.surface(iteration), path)
+    def export(self, path: str | Path, iteration: int | None = None, *, fine: bool = False) -> Path:
+        """Write the surface at an iteration to a file, and what is known of it to `FILE.json`; the suffix decides the format.
+
+        Args:
+            path: The file.
+            iteration: None for the last.
+            fine: Whether to draw the style again on four times as many faces, and to drop the result.
+        """
+        for warning in self.exported(path, iteration, fine=fine).warnings:
+            logger.warning("%s: %s", path, warning)
+        return Path(path)
+
+    def exported(self, path: str | Path, iteration: int | None = None, *, fine: bool = False) -> Exported:
+        """As `export`; returns verdict, quality and warnings of the very surface that was written."""
+        entry = self.store.find(iteration, self.lane)
+        return exported(self.store, self.lane, self.part, entry, Path(path), fine=fine, device=self.device)
 
     def branch(self, iteration: int | None = None, *, lane: str = "", **changes: Any) -> Run:
         """A lane from the checkpoint of an iteration, with other settings; `.go()` carries it on.
@@ -211,10 +227,11 @@ class Run:
         """A background session that carries the lane on."""
         return Session(self.events)
 
-    def add_files(self, files: dict[str, Path]) -> Summary:
-        """Name more files in the summary."""
+    def add_files(self, files: dict[str, Path], notes: tuple[str, ...] = ()) -> Summary:
+        """Name more files in the summary, and what a user should know of them."""
         known = self.summary
-        summary = msgspec.structs.replace(known, files={**known.files, **{what: str(path) for what, path in files.items()}})
+        named = {**known.files, **{what: str(path) for what, path in files.items()}}
+        summary = msgspec.structs.replace(known, files=named, notes=tuple(dict.fromkeys((*known.notes, *notes))))
         self._save(summary)
         return summary
 

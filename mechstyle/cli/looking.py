@@ -5,15 +5,15 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import numpy as np
 import typer
 
 from mechstyle.cli.console import command, escape, out, print_json, table, verdict_text
-from mechstyle.cli.making import Json
+from mechstyle.cli.making import Device, Json
 from mechstyle.errors import BadInput, unknown
 from mechstyle.store import Store, parse_address
 
 if TYPE_CHECKING:
+    from mechstyle.exporting import Exported
     from mechstyle.summary import LaneSummary
 
 app = typer.Typer()
@@ -100,34 +100,38 @@ def export_command(
         str | None, typer.Option("--format", "-f", help=f"One of {', '.join(FORMATS)}; that of the file, else 3mf, by default.")
     ] = None,
     path: Annotated[Path | None, typer.Option("--out", help="File to write; by default in the run directory.")] = None,
+    fine: Annotated[bool, typer.Option("--fine", help="Draw the style again on four times as many faces, and drop the result.")] = False,
+    device: Device = "auto",
     as_json: Json = False,
 ) -> None:
-    """Write the surface of a checkpoint to a file, with its colours where the format can hold them."""
-    from mechstyle.run import Run  # noqa: PLC0415 — loaded when wanted
+    """Write the surface of a checkpoint to a file, with its colours where the format can hold them, and say what to look at."""
+    from mechstyle.exporting import sidecar  # noqa: PLC0415 — loaded when wanted
+    from mechstyle.run import Run  # noqa: PLC0415
 
     chosen = chosen_format(form, path)
     root, lane, iteration = parse_address(address)
-    run = Run.open(f"{root}@{lane}", "cpu")
-    state = run.checkpoint(iteration)
-    written = run.export(path or root / f"{run.record.name}-{lane}-{state.iteration}.{chosen}", iteration)
-    note = (
-        ""
-        if state.simulated_at == state.iteration
-        else f"this iteration was not simulated; the last simulation was at {state.simulated_at}"
-    )
-    if not note and state.parent and not np.array_equal(state.share, run.store.checkpoint(state.parent).share):
-        note = "the relief was reduced right after this iteration's simulation, so this very surface was not simulated"
+    run = Run.open(f"{root}@{lane}", device if fine else "cpu")
+    number = run.store.find(iteration, lane).iteration
+    place = path or root / f"{run.record.name}-{lane}-{number}{'-fine' if fine else ''}.{chosen}"
+    written = run.exported(place, iteration, fine=fine)
     if as_json:
-        print_json(
-            {
-                "iteration": state.iteration,
-                "lane": lane,
-                "simulated": not note,
-                "note": note,
-                "files": {"model": str(written)},
-            }
-        )
+        print_json({"export": written, "files": {"model": str(place), "quality": str(sidecar(place))}})
         return
-    out.print(escape(str(written)))
-    if note:
-        out.print(f"[dim]note: {note}[/]")
+    report_export(place, written)
+
+
+def report_export(place: Path, written: Exported) -> None:
+    """Print what was written, and what is known of that very surface."""
+    q, verdict = written.quality, written.verdict
+    rows = table(escape(str(place)), "before", "written")
+    rows.add_row("verdict", "", "not simulated" if verdict is None else verdict_text(verdict.outcome))
+    if verdict is not None:
+        rows.add_row("peak stress, MPa", "", f"{verdict.deciding.value:.1f} of {verdict.deciding.limit:.1f}")
+    rows.add_row("folded faces", "", str(q.folds))
+    rows.add_row("crossing pairs of faces", str(q.crossings_before), str(q.crossings))
+    rows.add_row("thinnest wall, mm", f"{q.thinnest_before:.2f}", f"{q.thinnest:.2f}")
+    rows.add_row("wall that 1 % falls short of, mm", f"{q.thin_before:.2f}", f"{q.thin:.2f}")
+    rows.add_row("mass if solid, g", f"{q.mass - q.mass_change:.1f}", f"{q.mass:.1f} ({q.volume_change:+.1%})")
+    out.print(rows)
+    for warning in written.warnings:
+        out.print(f"[yellow]warning:[/] {escape(warning)}")

@@ -113,8 +113,9 @@ def finish(run: Any, teller: Any) -> Any:
     run.go(teller.event, teller.fraction)
     teller.stage("writing files")
     stem = f"{run.record.name}-{run.lane}"
-    files = {"model": run.export(run.store.root / f"{stem}.3mf"), "picture": run.show().save(run.store.root / f"{stem}.png")}
-    run.add_files(files)
+    model = run.store.root / f"{stem}.3mf"
+    quality = run.exported(model).quality
+    run.add_files({"model": model, "picture": run.show().save(run.store.root / f"{stem}.png")}, quality.warnings)
     return run
 
 

@@ -40,13 +40,14 @@ class Canvas:
     Attributes:
         mesh: The part.
         seed: Decides everything random.
+        colour: Display RGB of the body, None for the style's own.
         scale: Size of features over their nominal size, which suits a part of 100 mm.
         edge: Edge length of the mesh [mm]; nothing much finer than two of them can be drawn.
         notes: What the user should know of this drawing, in sentences.
     """
 
     def __init__(self, mesh: SurfaceMesh, seed: int, size: float = 1.0, colour: tuple[float, float, float] | None = None) -> None:
-        self._colour = colour
+        self.colour = colour
         self.mesh = mesh
         self.seed = seed
         self.operators = Operators(mesh)
@@ -135,7 +136,7 @@ class Canvas:
 
     def painted(self, colours: Floats) -> Floats:
         """The style's own colours of its body (brick, not mortar), shape [n, 3], or the colour asked for with their lights and darks."""
-        return colours if self._colour is None else recoloured(colours, self._colour)
+        return colours if self.colour is None else recoloured(colours, self.colour)
 
     def softened(self, values: Floats) -> Floats:
         """Values [n] or [n, k] averaged with their neighbours' mean: edges sharper than the mesh can carry no longer look like combs."""

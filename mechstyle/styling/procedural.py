@@ -52,7 +52,15 @@ class Proposal(NamedTuple):
 
 
 def target(
-    mesh: SurfaceMesh, wish: Wish, *, seed: int, amplitude: float, thickness: ArrayLike, inward: ArrayLike, outward: ArrayLike
+    mesh: SurfaceMesh,
+    wish: Wish,
+    *,
+    seed: int,
+    amplitude: float,
+    thickness: ArrayLike,
+    inward: ArrayLike,
+    outward: ArrayLike,
+    canvas: Canvas | None = None,
 ) -> Target:
     """Draw a style on a part: height times amplitude times local wall thickness, zero on average, within limits, without folds.
 
@@ -64,9 +72,10 @@ def target(
         thickness: Local wall thickness [mm], shape [n].
         inward: How far each vertex may go inwards [mm], at least 0, shape [n].
         outward: The same outwards.
+        canvas: What to draw on; by default one for the wish and the seed.
     """
     style = style_named(wish.style)
-    canvas = Canvas(mesh, seed, wish.size, wish.colour)
+    canvas = canvas or Canvas(mesh, seed, wish.size, wish.colour)
     relief = style.program(canvas)
     # No wall counts as thicker than the style's features are wide, or a solid ball would grow spikes.
     wall = gradual_thickness(canvas.operators, np.minimum(np.asarray(thickness, dtype=np.float64), style.feature_mm * canvas.scale))

@@ -38,7 +38,7 @@ def _middles(canvas: Canvas, unit: float) -> Indices:
     bond = canvas.bond(PITCH * unit, 0.866 * PITCH * unit, grip=0.3)
     reach = np.hypot(bond.x * PITCH, bond.y * 0.866 * PITCH)
     core = reach < 0.8 * STUD
-    identity = canvas.pieces(core, bond.odd)
+    identity = np.unique(canvas.pieces(core, bond.odd), return_inverse=True)[1]
     order = np.lexsort((reach, identity))
     middle = order[np.unique(identity[order], return_index=True)[1]]
     whole = np.bincount(identity, canvas.mesh.vertex_areas) > 0.7 * np.pi * (0.8 * STUD * unit) ** 2

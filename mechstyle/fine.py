@@ -1,0 +1,172 @@
+"""The result in four times as many faces: the run replayed on the quartered surface, and its drop test.
+
+A style knows finer edges than 25k vertices can carry. At every new vertex it is drawn anew, and is then led through the run that was:
+the same masks, shares, step limits and bounds, interpolated, and the same shares of relief taken back. The result is simulated
+as a surface of its own, because a verdict on the coarse one does not say it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from mechstyle.engine import STEP_LIMIT, STYLE_FIELDS, Bounds, Stylizer, advanced
+from mechstyle.errors import BadInput
+from mechstyle.geometry.subdivision import quartered
+from mechstyle.mesh import SurfaceMesh
+from mechstyle.planning import bounds_for
+from mechstyle.plugins import made
+from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict
+from mechstyle.simulator import DropSimulator
+from mechstyle.store import Store
+from mechstyle.styling.canvas import Canvas
+from mechstyle.styling.fine import FineCanvas
+from mechstyle.styling.procedural import ProceduralStylizer, target
+from mechstyle.styling.prompt import Wish, read
+from mechstyle.workpiece import Workpiece, cache_folder
+
+Field = NDArray[np.float32]
+
+
+@dataclass(frozen=True, eq=False)
+class Refined:
+    """The finer result.
+
+    Attributes:
+        original: The quartered, unstylized surface.
+        styled: The styled, coloured surface as it was simulated.
+        simulation: Its drop test in all orientations.
+        verdict: What that means.
+    """
+
+    original: SurfaceMesh
+    styled: SurfaceMesh
+    simulation: Simulation
+    verdict: Verdict
+
+
+def refined(store: Store, part: Workpiece, digest: str, *, device: str = "cpu") -> Refined:
+    """A checkpoint on the quartered surface, dropped.
+
+    Args:
+        store: The run.
+        part: Its part.
+        digest: The checkpoint.
+        device: `cpu` or `cuda`.
+
+    Raises:
+        BadInput: If its style is not drawn but learnt, so that there is nothing to draw anew, or if it is the unstylized part.
+    """
+    past = _past(store, digest)
+    if len(past) < 2:
+        raise BadInput("iteration 0 is the part as it came, which has no style to draw finer: export it without --fine")
+    twin = _Twin(part)
+    recipes = {name: store.recipe(name) for name in {state.recipe for state in past}}
+    for before, after in pairwise(past):
+        twin.follow(before, after, recipes[after.recipe])
+    last = past[-1]
+    recipe = msgspec.structs.replace(recipes[last.recipe], surface=twin.surface.digest)
+    simulator = DropSimulator(twin.surface, part.tets, recipe, store.memo, device=device, cache=cache_folder() / "tets")
+    simulation = simulator.simulate(twin.displacement, thorough=True)
+    styled = twin.surface.displaced(simulation.displacement).coloured(twin.coloured(last, recipes[last.recipe]))
+    return Refined(twin.surface, styled, simulation, simulator.judge(simulation))
+
+
+def _past(store: Store, digest: str) -> list[Checkpoint]:
+    """A checkpoint and all before it, oldest first."""
+    past = []
+    while digest:
+        past.append(store.checkpoint(digest))
+        digest = past[-1].parent
+    return past[::-1]
+
+
+@dataclass(eq=False)
+class _Twin:
+    """A part and its quartered twin, led through the same run; `displacement` is the twin's [mm]."""
+
+    part: Workpiece
+    displacement: Field = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._cut = quartered(self.part.surface)
+        self.surface = self._cut.mesh
+        self.displacement = np.zeros(len(self.surface.vertices), np.float32)
+        self._style: tuple[object, ...] = ()
+
+    def follow(self, before: Checkpoint, after: Checkpoint, recipe: Recipe) -> None:
+        """Do on the twin what led from one checkpoint to the next."""
+        style = tuple(getattr(recipe, name) for name in STYLE_FIELDS)
+        if style != self._style:
+            self._take_up(recipe, before)
+            self._style = style
+        reached = before.displacement
+        if after.iteration > before.iteration:
+            mask = before.mask if after.reason else after.mask  # a branch is restrained anew, and a drop changes the mask afterwards
+            through = mask * before.share
+            reached = advanced(reached, through, self._increment(self._coarse), self._bounds, recipe)
+            finer = self._increment(self._fine)
+            self.displacement = advanced(self.displacement, self._spread(through), finer, self._fine_bounds, recipe)
+        self.displacement = self.displacement * self._spread(_left(reached, after.displacement))
+
+    def coloured(self, last: Checkpoint, recipe: Recipe) -> Field:
+        """Display RGB of the twin, shape [fine_count, 3]: drawn anew, but interpolated where the part keeps its own colour."""
+        kept = self._spread(np.asarray(bounds_for(self.part, recipe)[0].uncoloured, np.float32))
+        return np.asarray((1.0 - kept) * self._fine.proposal().colour + kept * self._spread(last.colour), np.float32)
+
+    def _take_up(self, recipe: Recipe, before: Checkpoint) -> None:
+        """Begin to draw the style of a recipe, from the surface another one has left if there was one."""
+        self._bounds, _ = bounds_for(self.part, recipe)
+        spread = [self._spread(getattr(self._bounds, name)) for name in ("thickness", "inward", "outward", "protection")]
+        self._fine_bounds = Bounds(spread[0], spread[1], spread[2], spread[3])
+        self._coarse, self._fine = self._stylizers(recipe)
+        if self._style:
+            self._coarse.start_from(before.displacement, before.colour.astype(np.float32))
+            self._fine.start_from(self.displacement, self._spread(before.colour))
+
+    def _stylizers(self, recipe: Recipe) -> tuple[Stylizer, Stylizer]:
+        """The stylizers of a recipe for the part and for its twin; the twin's draws what the part's drew, finer."""
+        if recipe.guidance != "offline" or recipe.field != "vertex":
+            raise BadInput("a style that was learnt on one surface cannot be drawn anew on a finer one: export it without --fine")
+        if recipe.stylizer:
+            return made(self.part.surface, self._bounds, recipe), made(self.surface, self._fine_bounds, recipe)
+        wish = read(recipe.prompt)
+        canvas = Canvas(self.part.surface, recipe.seed, wish.size, wish.colour)
+        return (
+            _drawn(recipe, wish, canvas, self._bounds),
+            _drawn(recipe, wish, FineCanvas(self.surface, self._cut.parents, canvas), self._fine_bounds),
+        )
+
+    def _increment(self, stylizer: Stylizer) -> Field:
+        """What a stylizer wants more after one iteration [mm], at most what the engine lets a vertex move."""
+        limit, proposed = np.float32(STEP_LIMIT * self.part.surface.size), stylizer.proposal().displacement
+        return np.clip(stylizer.step().displacement - proposed, -limit, limit)
+
+    def _spread(self, values: NDArray[np.floating]) -> Field:
+        """Values of the part at the twin's vertices."""
+        return np.asarray(self._cut.interpolation @ values.astype(np.float32), np.float32)
+
+
+def _drawn(recipe: Recipe, wish: Wish, canvas: Canvas, bounds: Bounds) -> Stylizer:
+    """The stylizer towards a style drawn on a canvas."""
+    aim = target(
+        canvas.mesh,
+        wish,
+        seed=recipe.seed,
+        amplitude=recipe.amplitude,
+        thickness=bounds.thickness,
+        inward=bounds.inward,
+        outward=bounds.outward,
+        canvas=canvas,
+    )
+    return ProceduralStylizer(canvas.mesh, aim)
+
+
+def _left(before: Field, after: Field) -> Field:
+    """Share of the relief that retraction, the tetrahedra or the back-off left at each vertex, in [0, 1]."""
+    safe = np.where(before == 0.0, 1.0, before)
+    return np.asarray(np.where(before == 0.0, 1.0, np.clip(after / safe, 0.0, 1.0)), np.float32)

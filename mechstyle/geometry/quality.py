@@ -1,0 +1,103 @@
+"""What a relief did to a surface as something to print: folds, walls that pass through each other, how thin it got, what it weighs."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from mechstyle.geometry.kernels import count_crossings
+from mechstyle.geometry.proximity import TriangleTree
+from mechstyle.geometry.thickness import local_thickness
+from mechstyle.mesh import SurfaceMesh
+from mechstyle.quiet import wp
+
+
+class Quality(msgspec.Struct, frozen=True, kw_only=True):
+    """A styled surface compared with the part it was made from.
+
+    Attributes:
+        folds: Faces that look the other way than before: there the relief folded over itself.
+        crossings: Pairs of faces that cross each other without sharing a corner.
+        crossings_before: The same of the unstylized surface.
+        thinnest: Thinnest wall [mm].
+        thinnest_before: The same of the unstylized surface.
+        thin: Wall thickness that 1 % of the surface falls short of [mm].
+        thin_before: The same of the unstylized surface.
+        volume: Volume of the part [mm³].
+        volume_change: Volume gained over that of the unstylized part.
+        mass: Mass of the solid part [g].
+        mass_change: Mass gained [g].
+    """
+
+    folds: int
+    crossings: int
+    crossings_before: int
+    thinnest: float
+    thinnest_before: float
+    thin: float
+    thin_before: float
+    volume: float
+    volume_change: float
+    mass: float
+    mass_change: float
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What a user should know before printing, one sentence each; none if all is well."""
+        words = []
+        if self.folds:
+            remedy = "look at the part in the slicer, or style it with less amplitude"
+            words.append(f"the relief folded over itself at {self.folds} faces: {remedy}")
+        if self.crossings > self.crossings_before:
+            words.append(
+                f"the style added {self.crossings - self.crossings_before} pairs of faces that cross each other: slicers mostly mend that, "
+                f"but look at the part there"
+            )
+        return tuple(words)
+
+
+def quality(original: SurfaceMesh, styled: SurfaceMesh, density: float, *, device: str = "cpu") -> Quality:
+    """Compare a styled surface with its original, face by face.
+
+    Args:
+        original: The unstylized surface.
+        styled: The same faces on displaced vertices.
+        density: Density of the material [g/mm³].
+        device: Warp device of the searches.
+    """
+    before, after = (np.sort(local_thickness(mesh, device=device)) for mesh in (original, styled))
+    one_percent = len(before) // 100
+    return Quality(
+        folds=folded_faces(original, styled),
+        crossings=crossing_faces(styled, device=device),
+        crossings_before=crossing_faces(original, device=device),
+        thinnest=float(after[0]),
+        thinnest_before=float(before[0]),
+        thin=float(after[one_percent]),
+        thin_before=float(before[one_percent]),
+        volume=styled.volume,
+        volume_change=styled.volume / original.volume - 1.0,
+        mass=density * styled.volume,
+        mass_change=density * (styled.volume - original.volume),
+    )
+
+
+def folded_faces(original: SurfaceMesh, styled: SurfaceMesh) -> int:
+    """How many faces look the other way than before."""
+    return int((np.einsum("ij,ij->i", original.face_vectors, styled.face_vectors) < 0.0).sum())
+
+
+def crossing_faces(mesh: SurfaceMesh, *, device: str = "cpu") -> int:
+    """How many pairs of faces cross that share no corner (Möller 1997, through a bounding volume hierarchy).
+
+    Faces that share a corner touch by nature; where they fold onto each other, `folded_faces` tells.
+    """
+    tree, count = TriangleTree(mesh.vertices, mesh.faces, device), len(mesh.faces)
+    centre = 0.5 * (mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0))
+    points: Any = wp.array(mesh.vertices - centre, dtype=wp.vec3d, device=device)
+    faces: Any = wp.array(mesh.faces.ravel(), dtype=wp.int32, device=device)
+    crossed: Any = wp.empty(count, dtype=wp.int32, device=device)
+    wp.launch(count_crossings, dim=count, inputs=[tree.id, faces, points, crossed], device=device)
+    return int(crossed.numpy().sum())

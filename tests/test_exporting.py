@@ -1,0 +1,115 @@
+"""What leaves a run: the file, what is known of that very surface, and the same drawn finer and dropped again."""
+
+from __future__ import annotations
+
+import json
+import logging
+from itertools import pairwise
+
+import msgspec
+import numpy as np
+import pytest
+import trimesh
+
+from mechstyle import fine as module
+from mechstyle.errors import BadInput
+from mechstyle.exporting import Exported, sidecar
+from mechstyle.geometry.subdivision import quartered
+from mechstyle.mesh import SurfaceMesh
+from mechstyle.run import Run, stylize
+
+QUICK = {"vertices": 900, "iterations": 6, "orientations": 1, "window": 0.2, "element": "tet4", "schedule": "every", "every": 3}
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory) -> Run:
+    folder = tmp_path_factory.mktemp("export")
+    box = trimesh.creation.box((40.0, 30.0, 20.0))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("MECHSTYLE_CACHE", str(folder / "cache"))
+        mesh = SurfaceMesh(box.vertices, box.faces)
+        yield stylize(mesh, "marble", out=folder / "run", protect="above 9.9 colour", amplitude=0.3, device="cpu", **QUICK)
+
+
+def test_what_is_known_of_the_surface_lies_beside_the_file(run, tmp_path):
+    path = run.export(tmp_path / "part.stl")
+    kept = msgspec.json.decode(sidecar(path).read_bytes(), type=Exported)
+    assert sidecar(path).name == "part.stl.json"
+    assert (kept.file, kept.lane, kept.iteration, kept.fine) == ("part.stl", "main", 6, False)
+    assert kept.recipe == run.recipe.digest
+    assert kept.verdict == run.verdict
+    assert kept.quality.volume == pytest.approx(run.surface().volume)
+
+
+def test_a_surface_that_was_not_simulated_has_no_verdict_and_says_so(run, tmp_path, caplog):
+    with caplog.at_level(logging.WARNING):
+        run.export(tmp_path / "part.obj", 4)
+    assert "this iteration was not simulated; the last simulation was at 3" in caplog.text
+    assert json.loads(sidecar(tmp_path / "part.obj").read_text())["verdict"] is None
+
+
+@pytest.fixture(scope="module")
+def finer(run, tmp_path_factory):
+    path = tmp_path_factory.mktemp("fine") / "part.ply"
+    seen = {}
+
+    def kept(*arguments, **options):
+        seen["refined"] = module.refined(*arguments, **options)
+        return seen["refined"]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("mechstyle.exporting.refined", kept)
+        return path, run.exported(path, fine=True), seen["refined"]
+
+
+def test_the_fine_file_has_four_times_the_faces_and_the_verdict_is_its_own(run, finer):
+    path, written, found = finer
+    mesh = trimesh.load(path, process=False)
+    assert len(mesh.faces) == 4 * len(run.part.surface.faces)
+    assert np.allclose(mesh.vertices, found.styled.vertices, atol=1e-4)
+    assert written.fine
+    assert written.verdict == found.verdict
+    assert np.array_equal(found.original.displaced(found.simulation.displacement).vertices, found.styled.vertices)
+    assert found.verdict.deciding.value != run.verdict.deciding.value, "it was dropped, not copied"
+
+
+def test_the_fine_relief_follows_the_coarse_one(run, finer):
+    _, _, found = finer
+    coarse = run.checkpoint().displacement
+    here = found.simulation.displacement[: len(coarse)]
+    assert np.corrcoef(coarse, here)[0, 1] > 0.9
+    colours = run.checkpoint().colour.astype(np.float32)
+    assert np.corrcoef(colours.ravel(), found.styled.colours[: len(coarse)].ravel())[0, 1] > 0.9
+
+
+def test_what_is_protected_stays_protected_in_the_fine_file(run, finer):
+    _, _, found = finer
+    frozen = quartered(run.part.surface).interpolation @ (run.part.surface.vertices[:, 2] >= 9.9).astype(float) == 1.0
+    assert frozen.any()
+    assert np.all(found.simulation.displacement[frozen] == 0.0)
+    grey = found.styled.colours[frozen]
+    assert np.allclose(grey, grey[0], atol=2e-3), "it keeps the part's own colour"
+    assert np.ptp(found.styled.colours[~frozen], axis=0).max() > 0.03
+
+
+def test_a_twin_on_the_same_surface_repeats_the_run(run, monkeypatch):
+    """If quartering did nothing and the style drew the same, the replay would give the run's own displacement."""
+    import scipy.sparse as sp  # noqa: PLC0415 — used here only
+
+    from mechstyle.geometry.subdivision import Quartered  # noqa: PLC0415
+
+    surface = run.part.surface
+    count = len(surface.vertices)
+    same = Quartered(surface, np.repeat(np.arange(count), 2).reshape(-1, 2), sp.eye_array(count, format="csr"))
+    monkeypatch.setattr(module, "quartered", lambda _: same)
+    monkeypatch.setattr(module, "FineCanvas", lambda *made_from: made_from[-1])
+    twin, past = module._Twin(run.part), module._past(run.store, run.store.lane().head)
+    for before, after in pairwise(past):
+        twin.follow(before, after, run.recipe)
+        assert np.allclose(twin.displacement, after.displacement, atol=1e-6)
+
+
+def test_the_unstylized_part_cannot_be_drawn_finer(run, tmp_path):
+    with pytest.raises(BadInput, match="no style to draw finer"):
+        run.export(tmp_path / "part.stl", 0, fine=True)
+    assert list(tmp_path.iterdir()) == []
