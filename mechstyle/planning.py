@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+from functools import partial
 from typing import Any
 
 import msgspec
@@ -106,6 +108,25 @@ def check_settings(settings: dict[str, Any]) -> None:
     for name in settings:
         if name not in known:
             raise unknown("setting", name, known)
+
+
+def typed(text: str) -> tuple[str, Any]:
+    """A setting and its value, written as NAME=VALUE; the value as JSON or as it is.
+
+    Raises:
+        BadInput: If there is no such setting, or it cannot have that value.
+    """
+    name, equals, value = text.partition("=")
+    if not equals:
+        raise BadInput(f"--set {text} gives no value: write NAME=VALUE, such as travel=0.2")
+    check_settings({name: value})
+    kind = next(field.type for field in msgspec.structs.fields(Recipe) if field.name == name)
+    for read_value in (partial(msgspec.json.decode, value, type=kind), partial(msgspec.convert, value, kind, strict=False)):
+        with suppress(msgspec.MsgspecError):
+            return name, read_value()
+    if name == "material":
+        return name, value  # a library name or a file
+    raise BadInput(f"--set {text}: {name.replace('_', ' ')} cannot be {value!r}; give one it can have, such as those a report lists")
 
 
 def _given(settings: dict[str, Any]) -> dict[str, Any]:

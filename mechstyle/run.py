@@ -29,7 +29,7 @@ from mechstyle.session import Session
 from mechstyle.simulator import DropSimulator, no_progress
 from mechstyle.store import Entry, Lane, Store, from_json, parse_address, to_json, write_aside
 from mechstyle.summary import Clock, Summary, summarise
-from mechstyle.workpiece import STANDARD_VERTICES, Stage, Workpiece, cache_folder, cached_memo, prepare, say_nothing
+from mechstyle.workpiece import STANDARD_VERTICES, Origin, Stage, Workpiece, cache_folder, cached_memo, prepare, say_nothing
 
 Progress = Callable[[float], None]
 OnEvent = Callable[[Event], None]
@@ -46,6 +46,7 @@ class PartRecord(msgspec.Struct, frozen=True, kw_only=True):
     thickness: str
     stands: bool
     notes: tuple[str, ...]
+    origin: Origin = Origin()
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,6 +149,18 @@ class Run:
         *panels, restraint = checkpoint_panels(self.part.surface, state, recipe, self._measured_at(iteration))
         protected = bounds_for(self.part, recipe)[0].protection == 0.0
         return picture([*panels, with_protected(restraint, protected)], title=f"{self.record.name}, iteration {state.iteration}")
+
+    def _repr_mimebundle_(self, **_: Any) -> dict[str, str]:
+        """A picture and a table in a notebook, also where no kernel runs; the one-line form elsewhere."""
+        from mechstyle.report.still import mimebundle  # noqa: PLC0415 — loaded when a notebook asks
+
+        return mimebundle(self)
+
+    def report(self, path: str | Path) -> Path:
+        """Write a report of the lane as one HTML file that opens offline: verdicts, replay, timeline, settings, how to make it again."""
+        from mechstyle.report.page import write_report  # noqa: PLC0415 — loaded when a report is wanted
+
+        return write_report(self, path)
 
     def export(self, path: str | Path, iteration: int | None = None, *, fine: bool = False) -> Path:
         """Write the surface at an iteration to a file, and what is known of it to `FILE.json`; the suffix decides the format.
@@ -263,7 +276,9 @@ class Run:
         write_aside(self._summary_path, msgspec.json.format(to_json(summary), indent=2))
 
 
-def begin(part: Workpiece, recipe: Recipe, out: str | Path, *, name: str = "part", device: str = "auto") -> Run:
+def begin(
+    part: Workpiece, recipe: Recipe, out: str | Path, *, name: str = "part", device: str = "auto", origin: Origin | None = None
+) -> Run:
     """A run directory for a part and a recipe: new, or an earlier one of the same recipe, which then goes on where it stopped.
 
     The earlier one keeps its tetrahedra: those of a part that was meshed anew are others, without anything else being other.
@@ -289,6 +304,7 @@ def begin(part: Workpiece, recipe: Recipe, out: str | Path, *, name: str = "part
         thickness=objects.put_array(part.thickness),
         stands=part.stands,
         notes=part.notes,
+        origin=origin or Origin(),
     )
     write_aside(store.root / "part.json", msgspec.json.encode(record))
     store.move("main", Lane(recipe=store.put_recipe(recipe)))
@@ -336,7 +352,8 @@ def stylize(
     clock = Clock()
     part = clock_stages(clock, stage, mesh, vertices)
     recipe = fitted(wanted, part)
-    run = begin(part, recipe, out if out is not None else default_folder(prompt, recipe), name=name, device=device)
+    folder = out if out is not None else default_folder(prompt, recipe)
+    run = begin(part, recipe, folder, name=name, device=device, origin=Origin(vertices=vertices))
     run.clock.add(clock.seconds())
     return run.go(on_event)
 

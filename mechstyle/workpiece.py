@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
@@ -38,6 +39,20 @@ Stage = Callable[[str], None]
 
 def say_nothing(stage: str) -> None:
     """Tell nobody what is being done."""
+
+
+class Origin(msgspec.Struct, frozen=True, kw_only=True):
+    """Where a part came from, as far as it was said: what is needed to prepare it again.
+
+    Attributes:
+        model: `gallery:NAME`, or the name of a file without its folder; "" for a mesh from memory.
+        vertices: Vertices of the standardised surface asked for.
+        scale: Factor on the file's coordinates, None for none.
+    """
+
+    model: str = ""
+    vertices: int = STANDARD_VERTICES
+    scale: float | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -49,6 +49,10 @@ Guidance = Annotated[
     str | None, typer.Option(help=f"What the style descends to: {', '.join(GUIDANCES)} (any prompt; see `mechstyle weights list`).")
 ]
 StyleField = Annotated[str | None, typer.Option("--field", help=f"What is descended in: {', '.join(FIELDS)} (X-Mesh).")]
+More = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="NAME=VALUE", help="Any other setting of the recipe, such as travel=0.2. May be given several times."),
+]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout and nothing else.")]
 
 app = typer.Typer()
@@ -83,6 +87,7 @@ def carry_out(
     *,
     freestyle: bool,
     as_json: bool,
+    more: list[str] | None = None,
     **settings: Any,
 ) -> Any:
     """Run a stylization with progress; the finished run, its part exported and pictured."""
@@ -91,8 +96,9 @@ def carry_out(
     from mechstyle.run import begin, clock_stages, default_folder  # noqa: PLC0415
     from mechstyle.styling.prompt import read as read_prompt  # noqa: PLC0415
     from mechstyle.summary import Clock  # noqa: PLC0415
+    from mechstyle.workpiece import Origin  # noqa: PLC0415
 
-    wanted = draft(prompt, material, freestyle=freestyle, **settings)
+    wanted = draft(prompt, freestyle=freestyle, **merged(more, material=material, **settings))
     device = resolve_device(device)
     if not as_json and not wanted.stylizer and wanted.guidance == "offline":
         for note in read_prompt(prompt).notes:
@@ -102,9 +108,18 @@ def carry_out(
         clock = Clock()
         part = clock_stages(clock, teller.stage, mesh, vertices)
         recipe = fitted(wanted, part)
-        run = begin(part, recipe, folder if folder is not None else default_folder(prompt, recipe), name=name, device=device)
+        origin = Origin(model=model if model.startswith("gallery:") else Path(model).name, vertices=vertices, scale=scale)
+        where = folder if folder is not None else default_folder(prompt, recipe)
+        run = begin(part, recipe, where, name=name, device=device, origin=origin)
         run.clock.add(clock.seconds())
         return finish(run, teller)
+
+
+def merged(more: list[str] | None, **settings: Any) -> dict[str, Any]:
+    """Settings from options of their own, then those given with --set."""
+    from mechstyle.planning import typed  # noqa: PLC0415 — as above
+
+    return settings | dict(typed(text) for text in more or ())
 
 
 def finish(run: Any, teller: Any) -> Any:
@@ -175,6 +190,7 @@ def run_command(
     field: StyleField = None,
     vertices: Vertices = 25_000,
     scale: Scale = None,
+    more: More = None,
     device: Device = "auto",
     folder: Folder = None,
     as_json: Json = False,
@@ -190,6 +206,7 @@ def run_command(
         folder,
         freestyle=False,
         as_json=as_json,
+        more=more,
         loads=loads,
         minimum_wall=minimum_wall,
         control=control,
@@ -230,6 +247,7 @@ def freestyle_command(
     field: StyleField = None,
     vertices: Vertices = 25_000,
     scale: Scale = None,
+    more: More = None,
     device: Device = "auto",
     folder: Folder = None,
     as_json: Json = False,
@@ -245,6 +263,7 @@ def freestyle_command(
         folder,
         freestyle=True,
         as_json=as_json,
+        more=more,
         loads=loads,
         minimum_wall=minimum_wall,
         iterations=iterations,
@@ -284,6 +303,7 @@ def branch_command(
     stylizer: Stylizer = None,
     guidance: Guidance = None,
     field: StyleField = None,
+    more: More = None,
     device: Device = "auto",
     as_json: Json = False,
 ) -> None:
@@ -296,25 +316,25 @@ def branch_command(
     run = parent.branch(
         iteration,
         lane=lane,
-        prompt=prompt,
-        material=material,
-        loads=loads,
-        minimum_wall=minimum_wall,
-        control=control,
-        normalisation=normalisation,
-        threshold=threshold,
-        schedule=schedule,
-        every=every,
-        iterations=iterations,
-        seed=seed,
-        amplitude=amplitude,
-        orientations=orientations,
-        criterion=criterion,
-        protect_resting_face=protect_resting_face,
-        protect=protect or None,
-        stylizer=stylizer,
-        guidance=guidance,
-        field=field,
+        **merged(
+            more, prompt=prompt, material=material, loads=loads,
+            minimum_wall=minimum_wall,
+            control=control,
+            normalisation=normalisation,
+            threshold=threshold,
+            schedule=schedule,
+            every=every,
+            iterations=iterations,
+            seed=seed,
+            amplitude=amplitude,
+            orientations=orientations,
+            criterion=criterion,
+            protect_resting_face=protect_resting_face,
+            protect=protect or None,
+            stylizer=stylizer,
+            guidance=guidance,
+            field=field,
+        ),
     )
     with telling(run.recipe.iterations, quiet=as_json) as teller:
         finish(run, teller)

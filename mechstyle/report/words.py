@@ -1,0 +1,36 @@
+"""What a reader must know to take a report for what it is."""
+
+from __future__ import annotations
+
+import inspect
+import re
+
+from mechstyle.records import Recipe
+
+OUTCOMES = {
+    "VIABLE": "In the simulated drop the part stayed within every limit that counts under the criterion.",
+    "FAILS": "In the simulated drop the part exceeded a limit. Do not use it as it is: restrain the style more, or thicken the part.",
+    "UNKNOWN": "The simulation gave no usable answer. Never read this as survived.",
+}
+
+MARGINAL = "Marginal: within the uncertainty of the method, so take it as undecided."
+
+LIMITS = (
+    "The verdict compares the part with itself as it came. It is no certificate: do not rely on it where somebody can get hurt.",
+    "The material is isotropic and elastic up to yield: no layers, no infill, no fatigue, no creep, no fracture.",
+    "Where the floor meets the part at a point, the literal peak stress depends on the mesh.",
+    "The default rule therefore uses a 2 mm volume average; the published rule is shown beside it.",
+    "Tilted drops are judged by how much they differ from the unstylized part, not against yield.",
+    "Figures within 15 % of a stress limit, or 5 % of that over all orientations, are marginal: meshing anew moves them that far.",
+    "A drop hardly notices walls that are merely too thin to print or to handle. Look at the wall thickness too.",
+    "Between simulations the stress and the mask shown are those of the last one.",
+)
+
+METHOD = "Faruqi et al., MechStyle (SCF 2025), doi 10.1145/3745778.3766655"
+
+
+def settings_explained() -> dict[str, str]:
+    """What each setting of a recipe is, from its own documentation; empty where Python runs without docstrings."""
+    text = inspect.getdoc(Recipe) or ""
+    lines = re.findall(r"^    (\w+): (.+)$", text, re.MULTILINE)
+    return {name: re.sub(r", one of [A-Z]+\b|`", "", words) for name, words in lines}

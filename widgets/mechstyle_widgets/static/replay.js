@@ -1,0 +1,43 @@
+// The replay in a notebook: the film is the model's state, and three traits follow both ways.
+
+import { unpack } from "./film.js";
+import { Player, element } from "./player.js";
+
+const FOLLOWED = ["iteration", "layer", "threshold"];
+
+function render({ model, el }) {
+  const root = element("div", { "data-lm-suppress-shortcuts": "true" }); // its keys are not the notebook's
+  el.append(root);
+  let player = null, newest = 0, telling = false;
+  const follow = () => {
+    if (!telling) player?.show(Object.fromEntries(FOLLOWED.map((name) => [name, model.get(name)])));
+  };
+  const tell = (state) => {
+    telling = true;
+    for (const name of FOLLOWED) model.set(name, state[name]);
+    telling = false;
+    model.save_changes(); // at most one on its way at a time, the newest wins
+  };
+  const open = async () => {
+    const mine = ++newest, { buffer, byteOffset, byteLength } = model.get("_payload");
+    const film = await unpack(model.get("_header"), new Uint8Array(buffer, byteOffset, byteLength));
+    if (mine !== newest) return;
+    const camera = player?.camera;
+    player?.dispose();
+    player = new Player(root, film, tell);
+    if (camera) player.camera.take(camera);
+    follow();
+    root.dataset.ready = player.scene ? "replay" : "still";
+  };
+  model.on("change:_payload", open);
+  for (const name of FOLLOWED) model.on(`change:${name}`, follow);
+  open().catch((problem) => root.replaceChildren(element("p", { class: "ms-problem", role: "alert" }, `The replay could not be opened: ${problem.message}`)));
+  return () => {
+    newest++;
+    model.off("change:_payload", open);
+    for (const name of FOLLOWED) model.off(`change:${name}`, follow);
+    player?.dispose();
+  };
+}
+
+export default { render };
