@@ -29,7 +29,8 @@ def antialiased(picture: torch.Tensor, pixels: torch.Tensor, edges: torch.Tensor
     below, first = pair >= count, pair % count
     parted, inside_second = edge[pair] >= 0, second_inside[pair]
     second = first + torch.where(parted, torch.where(below, width, 1), 0)
-    ends = edges[torch.where(parted, edge[pair], pair % len(edges))][:, :2] + (first // (height * width) * pixels.shape[1])[:, None]
+    shown, before = torch.where(parted, edge[pair], pair % len(edges)), first // (height * width) * pixels.shape[1]
+    ends = [edges[:, k].index_select(0, shown) + before for k in range(2)]
     crossing = _crossing(pixels.reshape(-1, 3)[:, :2], ends, first % (height * width), width, below)
     reach = torch.where(inside_second, 1.0 - crossing, crossing)
     inside, outside = torch.where(inside_second, second, first), torch.where(inside_second, first, second)
@@ -38,9 +39,9 @@ def antialiased(picture: torch.Tensor, pixels: torch.Tensor, edges: torch.Tensor
     return picture.index_add(1, torch.where(share > 0, outside, inside), step * share)
 
 
-def _crossing(points: torch.Tensor, ends: torch.Tensor, pixel: torch.Tensor, width: int, below: torch.Tensor) -> torch.Tensor:
+def _crossing(points: torch.Tensor, ends: list[torch.Tensor], pixel: torch.Tensor, width: int, below: torch.Tensor) -> torch.Tensor:
     """Where edges cross the line from the centre of a pixel (0) to the centre of its neighbour (1), shape [pairs]."""
-    (ax, ay), (bx, by) = (points.index_select(0, ends[:, k]).unbind(dim=1) for k in range(2))
+    (ax, ay), (bx, by) = (points.index_select(0, end).unbind(dim=1) for end in ends)
     x, y = (pixel % width).to(points) + 0.5, (pixel // width).to(points) + 0.5
     along_a, along_b = torch.where(below, ax - x, ay - y), torch.where(below, bx - x, by - y)
     across_a, across_b = torch.where(below, ay - y, ax - x), torch.where(below, by - y, bx - x)
