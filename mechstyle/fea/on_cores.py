@@ -87,6 +87,14 @@ class CoreDrop:
         blocks = self.state.peak_squared.numpy().reshape(-1, self.body.points, tet_lanes.LANES)
         return np.sqrt(blocks.transpose(0, 2, 1).reshape(1, -1, self.body.points)[:, : self.body.tet_count])
 
+    def forget_peak(self) -> None:
+        """Begin the running maximum of the stress anew."""
+        self.state.peak_squared.zero_()
+
+    def displacement(self) -> NDArray[np.float32]:
+        """How far each node has moved since first touch [mm], shape [node_count, 3]."""
+        return np.asarray(self.state.u.numpy().reshape(-1, 4)[:, :3])
+
     def touched(self) -> NDArray[np.bool_]:
         """Whether each node has met the floor, shape [1, node_count]."""
         return np.asarray(self.state.impulse.numpy()[None] > 0.0)

@@ -9,8 +9,7 @@ pytestmark = pytest.mark.browser
 PLACE = """([row, x, y]) => {
     const plot = document.querySelector('.mechstyle-timeline .js-plotly-plot'), full = plot._fullLayout;
     const xaxis = full.xaxis, yaxis = full[row], box = plot.getBoundingClientRect();
-    const height = typeof y === 'string' ? yaxis.d2p(y) : yaxis.d2p(y);
-    return [box.x + xaxis._offset + xaxis.d2p(x), box.y + yaxis._offset + height];
+    return [box.x + xaxis._offset + xaxis.d2p(x), box.y + yaxis._offset + yaxis.d2p(y)];
 }"""
 
 
@@ -28,7 +27,7 @@ viewer, timeline = RunViewer(state, height=300), Timeline(state)
 ipywidgets.VBox([viewer, timeline])
 """
     )
-    opened.page.locator(".mechstyle-timeline .main-svg").first.wait_for()
+    opened.page.wait_for_function("document.querySelector('.mechstyle-timeline .js-plotly-plot')?._fullLayout?.yaxis?._categories?.length")
     opened.drawn()
     return opened
 

@@ -10,7 +10,8 @@ import traitlets
 from mechstyle.errors import BadInput
 from mechstyle.records import Checkpoint
 from mechstyle.run import Run
-from mechstyle_widgets.layers import STYLE, Layer, subject_of
+from mechstyle_widgets.impact_player import MOMENT, ImpactPlayer
+from mechstyle_widgets.layers import STYLE, Layer, stress_limit, subject_of
 from mechstyle_widgets.linked import Linked
 from mechstyle_widgets.pace import Paced
 from mechstyle_widgets.state import StudioState
@@ -25,6 +26,7 @@ class RunViewer(Linked, Viewer):
     `iteration`, `lane` and `layer` are those of the state, both ways.
 
     Attributes:
+        player: Shows the impact moment by moment.
         derived: Functions of run and checkpoint, each of which gives one more layer, such as a mask that would be.
     """
 
@@ -49,6 +51,10 @@ class RunViewer(Linked, Viewer):
         original = subject_of(state.run, state.run.checkpoint(0))
         wanted = state.layer if subject.layer(state.layer) else STYLE
         super().__init__(subject.mesh, subject.layers, original=original, theme=theme, width=width, height=height)
+        self.player = ImpactPlayer(state)
+        self._add_below(self.player)
+        self.player.observe(self._follow, ("impact", "frame", "exaggeration"))
+        self.player.observe(self._show_stress, "impact")
         self.layer = state.layer = wanted
         self.link(state, "layer")
         state.observe(self._follow, "checkpoint")
@@ -60,6 +66,7 @@ class RunViewer(Linked, Viewer):
             self._catch_up.cancel()
             self.unlink()
             self._state.unobserve(self._follow, "checkpoint")
+            self.player.close()
         super().close()
 
     def _follow(self, _change: Any) -> None:
@@ -72,4 +79,10 @@ class RunViewer(Linked, Viewer):
         subject = subject_of(run, state)
         for layer in self.derived:
             subject = subject.with_layer(layer(run, state))
-        self.subject = subject
+        self.subject = self.player.at_the_moment(subject, stress_limit(run, state))
+
+    def _show_stress(self, change: Any) -> None:
+        """An impact begins with its stress on show, and when it is put away the stress of the whole drop takes its place."""
+        self._show_checkpoint()
+        if change["new"] is not None:
+            self.layer = MOMENT

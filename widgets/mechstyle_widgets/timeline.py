@@ -39,8 +39,10 @@ class Timeline(Linked, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # i
             theme: `light` or `dark`.
             width: Width of the timeline [pixels].
         """
-        self._state = state
-        self._figure = graph_objects.FigureWidget(timeline_figure.empty(width))
+        self._state, self.theme = state, theme
+        figure = timeline_figure.empty(width)
+        self._fill(figure)  # what is told a figure before the browser has it may get lost
+        self._figure = graph_objects.FigureWidget(figure)
         self._figure._config = {"displayModeBar": False, "responsive": False}  # noqa: SLF001 — plotly offers no other way
         for trace in self._figure.data:
             trace.on_click(self._clicked)
@@ -56,8 +58,7 @@ class Timeline(Linked, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # i
         state.observe(self._grown, ("histories", "branches", "lane"))
         self.observe(lambda _: self._redraw(), ("curve", "theme"))
         self.observe(lambda _: self._point(), "iteration")
-        self.theme = theme
-        self._draw()
+        self._slider.max, self._slider.value = max(state.iterations_done, 1), state.iteration
 
     def __repr__(self) -> str:
         """What is shown."""
@@ -83,13 +84,19 @@ class Timeline(Linked, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # i
         self._redraw()
 
     def _draw(self) -> None:
-        traces, layout = timeline_figure.contents(self._state.histories, self._state.branches, self.lane, self.curve, self.theme)
         self._slider.max = max(self._state.iterations_done, 1)
         with self._figure.batch_update():
-            for trace, content in zip(self._figure.data, traces, strict=True):
-                trace.update(content)
-            self._figure.update_layout(layout)
+            self._fill(self._figure)
         self._move_line()
+
+    def _fill(self, figure: Any) -> None:
+        """Put what the state holds into a figure."""
+        state, lane = self._state, self._state.lane
+        traces, layout = timeline_figure.contents(state.histories, state.branches, lane, self.curve, self.theme)
+        for trace, content in zip(figure.data, traces, strict=True):
+            trace.update(content)
+        figure.update_layout(layout)
+        figure.layout.shapes[0].update(x0=state.iteration, x1=state.iteration)
 
     def _move_line(self) -> None:
         self._slider.value = self.iteration

@@ -230,6 +230,10 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             return Panel(subject.mesh, title, view=seen)
         return Panel(subject.mesh, title, layer.values, layer.unit, layer.label, layer.limits, layer.threshold, seen, layer.note)
 
+    def _add_below(self, widget: ipywidgets.Widget) -> None:
+        """Show one more widget under all others."""
+        self.children: tuple[ipywidgets.Widget, ...] = (*self.children, widget)
+
     # what the mouse does
 
     def _toolbar(self) -> ipywidgets.HBox:
