@@ -112,7 +112,7 @@ def _facet(boundary: Boundary, place: Floats, angle: float) -> Bools:
     kept = alike[owner]
     meets = coo_array((np.ones(kept.sum()), (owner[kept], edge.ravel()[kept])), shape=(len(corners), int(edge.max()) + 1)).tocsr()
     _, component = connected_components(meets @ meets.T, directed=False)
-    return np.asarray(component == component[side]) & alike
+    return np.asarray(component == component[side])
 
 
 def _nothing(boundary: Boundary, place: Place) -> str:

@@ -73,8 +73,15 @@ def test_reactions_balance_the_loads(beam, responses, name):
 
 def test_the_weight_is_that_of_the_part(block, pla):
     for name in ("tet4", "tet10"):
-        total = weight(with_nodes(block, element_named(name)), pla.density, np.array([0.0, 0.0, -9.81e-3])).sum(axis=0)
-        assert total == pytest.approx([0.0, 0.0, -pla.density * 12 * 10 * 16 * 9.81e-3], abs=1e-15)
+        forces = weight(with_nodes(block, element_named(name)), pla.density, np.array([0.0, 0.0, -9.81e-3]))
+        assert forces.sum(axis=0) == pytest.approx([0.0, 0.0, -pla.density * 12 * 10 * 16 * 9.81e-3], abs=1e-15)
+
+
+def test_quadratic_elements_share_the_weight_out_consistently(block, pla):
+    """The work of a uniform load on a quadratic displacement is exact: ∫ x² dV over 12 x 10 x 16 mm."""
+    mesh = with_nodes(block, QUADRATIC)
+    forces = weight(mesh, pla.density, np.array([1.0, 0.0, 0.0]))
+    assert forces[:, 0] @ mesh.nodes[:, 0] ** 2 == pytest.approx(pla.density * 160.0 * 12.0**3 / 3.0)
 
 
 def test_linear_tetrahedra_are_several_times_too_stiff_in_bending(beam, pla, responses):

@@ -8,6 +8,7 @@ from mechstyle.fea.boundary import POINTS, Boundary
 from mechstyle.fea.interpolation import QUADRATIC, element_named, with_nodes
 from mechstyle.fea.patches import pick
 from mechstyle.load_cases import Patch
+from mechstyle.mesh import TetMesh
 
 SIZE = (12.0, 10.0, 16.0)
 
@@ -25,12 +26,31 @@ def test_the_points_of_a_triangle_integrate_quadratics_exactly():
     assert products == pytest.approx((np.ones((3, 3)) + np.eye(3)) / 12.0)
 
 
+def test_middles_of_a_side_are_between_its_corners(body):
+    nodes, sides = body.mesh.nodes, body.sides
+    for middle, (first, second) in zip(range(3, sides.shape[1]), ((0, 1), (0, 2), (1, 2)), strict=False):
+        assert nodes[sides[:, middle]] == pytest.approx(0.5 * (nodes[sides[:, first]] + nodes[sides[:, second]]))
+    assert body.areas.sum() == pytest.approx(2 * (120.0 + 160.0 + 192.0))
+    assert body.area_vectors.sum(axis=0) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_facet_ends_where_its_face_ends(box):
+    """Of a U the tops of both legs look up at one height, but are not connected."""
+    whole = box((6, 2, 4), (30.0, 10.0, 20.0))
+    centre = whole.vertices[whole.tets].mean(axis=1)
+    legs = TetMesh(whole.vertices, whole.tets[(np.abs(centre[:, 0] - 15.0) > 5.0) | (centre[:, 2] < 5.0)])
+    boundary = Boundary(with_nodes(legs, QUADRATIC))
+    assert pick(boundary, Patch(facet=(5, 5, 20))).area(boundary) == pytest.approx(100.0)
+    assert pick(boundary, Patch(plane=(0, 0, 20, 0, 0, 1))).area(boundary) == pytest.approx(200.0)
+
+
 @pytest.mark.parametrize(
     ("place", "area", "held"),
     [
         ("resting face", 120.0, lambda x: x[:, 2] == 0.0),
         (Patch(plane=(0, 0, 16, 0, 0, 1)), 120.0, lambda x: x[:, 2] == 16.0),
         (Patch(box=(12, 0, 0, 12, 10, 16)), 160.0, lambda x: x[:, 0] == 12.0),
+        (Patch(box=(12.000005, 0, 0, 13, 10, 16)), 160.0, lambda x: x[:, 0] == 12.0),
         (Patch(facet=(6, -3, 8)), 192.0, lambda x: x[:, 1] == 0.0),
         (Patch(facet=(6, -3, 8), angle=90), 192.0 + 2 * 160.0 + 2 * 120.0, lambda x: x[:, 1] < 10.0),
     ],
