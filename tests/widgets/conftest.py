@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import msgspec
@@ -16,6 +16,8 @@ from mechstyle.mesh import TetMesh
 from mechstyle.run import PartRecord, Run
 from mechstyle.session import Session
 from mechstyle.store import write_aside
+from mechstyle_widgets.conductor import Conductor, Wanted
+from mechstyle_widgets.state import StudioState
 
 _SPEC = importlib.util.spec_from_file_location("loop_fakes", Path(__file__).parents[1] / "loop" / "conftest.py")
 assert _SPEC is not None
@@ -77,3 +79,22 @@ def done(tmp_path_factory) -> Run:
 def close_what_a_test_opened() -> Iterator[None]:
     yield
     Widget.close_all()
+
+
+@pytest.fixture
+def conducted(fake, monkeypatch) -> Conductor:
+    """A conductor of the run without physics, whose settings are those of its recipe until a test changes `wanted`."""
+    monkeypatch.setattr(Run, "events", lambda run, _progress: fake.bench.engine(run.recipe, run.lane).run())
+    state = StudioState(fake.run)
+    return Conductor(state, lambda: Wanted(fake.run.recipe, None, 500, "sheet"))
+
+
+@pytest.fixture
+def settle() -> Callable[[Conductor], None]:
+    """Waits until the session pauses or ends, and carries over its news."""
+
+    def wait(conductor: Conductor) -> None:
+        conductor.state.session.wait(PATIENCE)
+        conductor.state.pump()
+
+    return wait

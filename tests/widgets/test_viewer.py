@@ -342,7 +342,7 @@ def test_a_part_of_a_single_point_can_be_shown():
 
 
 def test_without_the_extra_the_import_says_what_to_install():
-    program = "import sys; sys.modules['pythreejs'] = None; import mechstyle_widgets"
+    program = "import sys; sys.modules['pythreejs'] = None; from mechstyle_widgets import Viewer"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
     assert done.returncode != 0
     assert "the notebook widgets need pythreejs, which is not installed: pip install 'mechstyle[jupyter]'" in done.stderr

@@ -20,6 +20,7 @@ from mechstyle.records import Checkpoint
 from mechstyle.run import Run
 from mechstyle.session import Session
 from mechstyle_widgets.history import Branch, Row, branches_of, rows_of
+from mechstyle_widgets.outlook import Outlook
 from mechstyle_widgets.stopwatch import Stopwatch
 
 STATUSES = ("idle", "preparing", "running", "paused", "stopped", "finished", "failed")
@@ -44,6 +45,7 @@ class StudioState(traitlets.HasTraits):
         status: One of STATUSES.
         stage: What is being done, in words; "" while nothing is.
         fraction: How much of the run is done, 0 to 1.
+        step: How much of the drop test in hand is done, 0 to 1.
         seconds_left: Estimate of what is left of it [s], None while there is none.
         message: One sentence for the user: what went wrong, or what to do next.
         layer: Name of the viewer's layer on show.
@@ -63,6 +65,7 @@ class StudioState(traitlets.HasTraits):
     status = traitlets.Enum(STATUSES, "idle")
     stage = traitlets.Unicode("")
     fraction = traitlets.Float(0.0)
+    step = traitlets.Float(0.0)
     seconds_left = traitlets.Float(None, allow_none=True)
     message = traitlets.Unicode("")
     layer = traitlets.Unicode("style")
@@ -75,7 +78,9 @@ class StudioState(traitlets.HasTraits):
         self._noted: dict[str, Any] = {}
         self._stale, self._due, self._pumped = False, False, 0.0
         self._loop = _running_loop()
-        self._watch, self._iterations = Stopwatch(), 1
+        self._opened: Run | None = None
+        self._watch, self._outlook, self._iterations = Stopwatch(), Outlook(), 1
+        self._last = ("", -1)  # digest and iteration of the newest checkpoint of the session
         self._seconds: dict[str, float] = {}
         self._read = lru_cache(maxsize=KEPT)(_checkpoint)
         if run is not None:
@@ -133,10 +138,11 @@ class StudioState(traitlets.HasTraits):
         known = {row.digest: row for rows in self.histories.values() for row in rows}
         store, follow = self.run.store, self.follow
         thickness = self.run.part.thickness
-        self.histories = {name: rows_of(store, name, thickness, known, self._seconds) for name in store.lanes()}
-        self.branches = branches_of(store, self.histories)
-        self.history = self.histories.get(self.lane, [])
+        histories = {name: rows_of(store, name, thickness, known, self._seconds) for name in store.lanes()}
+        self.history = histories.get(self.lane, [])
         self.iterations_done = self.history[-1].iteration if self.history else 0
+        self.histories = histories
+        self.branches = branches_of(store, histories)
         self.iteration = self.iterations_done if follow else min(self.iteration, self.iterations_done)
         self._show()
 
@@ -152,15 +158,23 @@ class StudioState(traitlets.HasTraits):
             session: The session.
             iterations: Where the lane it carries on is to end.
         """
-        self.session, self._iterations, self._watch = session, iterations, Stopwatch()
-        session.listen(self._hear)
+        self.session, self._iterations = session, iterations
+        self._watch, self._outlook, self._last = Stopwatch(), Outlook(), ("", -1)
+        session.listen(lambda event: self._hear(event) if session is self.session else None)
         session.watch(lambda state: self._hear_state(session, state))
 
-    def tell(self, *, stale: bool = False, **traits: Any) -> None:
-        """Note what traits are to become, from any thread; `stale` if the store holds more than is shown."""
+    def tell(self, *, stale: bool = False, opened: Run | None = None, **traits: Any) -> None:
+        """Note what traits are to become, from any thread.
+
+        Args:
+            stale: Whether the store holds more than is shown.
+            opened: A run to show from now on.
+            traits: Traits and what they are to become.
+        """
         with self._lock:
             self._noted.update(traits)
             self._stale |= stale
+            self._opened = opened or self._opened
             if self._due or self._loop is None:
                 return
             self._due = True
@@ -171,10 +185,13 @@ class StudioState(traitlets.HasTraits):
         with self._lock:
             noted, self._noted = self._noted, {}
             stale, self._stale, self._due = self._stale, False, False
+            opened, self._opened = self._opened, None
         self._pumped = time.monotonic()
         for name, value in noted.items():
             setattr(self, name, value)
-        if stale:
+        if opened is not None:
+            self.open(opened)
+        elif stale:
             self._read_store()
 
     def _soon(self) -> None:
@@ -184,21 +201,30 @@ class StudioState(traitlets.HasTraits):
     def _hear(self, event: Event) -> None:
         """In the worker thread: what an event means for the traits."""
         if isinstance(event, Stylized):
-            self.tell(stage="stylizing", **self._outlook(event.iteration))
+            self.tell(status="running", stage="stylizing", fraction=event.iteration / self._iterations, **self._left(event.iteration))
         elif isinstance(event, SimulationStarted):
-            self.tell(stage=f"drop test: {event.reason}")
+            self.tell(status="running", stage=f"drop test: {event.reason}", step=0.0, **self._left(event.iteration))
         elif isinstance(event, BackedOff):
             self.tell(stage=f"backing off: {event.step}")
         elif isinstance(event, Checkpointed):
-            self._seconds[event.digest] = self._watch.lap()
+            self._count(event)
             self.tell(stale=True)
         elif isinstance(event, Finished):
             self.tell(fraction=1.0, seconds_left=None, message=event.verdict.words)
 
-    def _outlook(self, iteration: int) -> dict[str, Any]:
-        """Fraction and time left, if the iterations to come take as long as those of this session did on average."""
-        done, left = self._watch.laps, self._iterations - iteration
-        return {"fraction": iteration / self._iterations, "seconds_left": self._watch.total / done * left if done else None}
+    def _count(self, event: Checkpointed) -> None:
+        """How long a checkpoint took; those that share an iteration, as back-off rounds do, add up."""
+        made, seconds = event.checkpoint, self._watch.lap()
+        if (made.parent, made.iteration) == self._last:
+            self._seconds[event.digest] = seconds + self._seconds[made.parent]
+        else:
+            self._seconds[event.digest] = seconds
+            if made.iteration > 0:
+                self._outlook.record(seconds, simulated=made.simulated_at == made.iteration)
+        self._last = (event.digest, made.iteration)
+
+    def _left(self, iteration: int) -> dict[str, Any]:
+        return {"seconds_left": self._outlook.seconds_left(self._iterations - iteration + 1)}
 
     def _hear_state(self, session: Session, state: str) -> None:
         """In whatever thread a session changed its state."""

@@ -6,14 +6,9 @@ import time
 
 
 class Stopwatch:
-    """Counts while it runs.
-
-    Attributes:
-        laps: How often a lap has ended.
-    """
+    """Counts while it runs."""
 
     def __init__(self) -> None:
-        self.laps = 0
         self._counted, self._lap_began_at = 0.0, 0.0
         self._since: float | None = None
 
@@ -36,5 +31,4 @@ class Stopwatch:
         """End a lap; the time counted in it [s]."""
         total = self.total
         lap, self._lap_began_at = total - self._lap_began_at, total
-        self.laps += 1
         return lap

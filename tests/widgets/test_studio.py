@@ -1,0 +1,140 @@
+"""The Studio put together: settings in, a run out, everything that follows it follows."""
+
+import numpy as np
+import pytest
+
+from mechstyle.errors import BadInput
+from mechstyle.run import Run
+from mechstyle_widgets.run_viewer import RunViewer
+from mechstyle_widgets.studio import Studio
+
+
+@pytest.fixture
+def unprotected(monkeypatch):
+    monkeypatch.setattr("mechstyle_widgets.mask_inspector._freedom", lambda run, _recipe: np.ones_like(run.part.thickness))
+
+
+def test_settings_given_by_name_reach_the_recipe():
+    studio = Studio("gallery:wall_hook", prompt="small wood", material="PETG", control="linear", every=7, schedule="every", vertices=900,
+                    threshold=0.5, protect=["inside"], drop_height=800)  # fmt: skip
+    wanted = studio.wanted()
+    recipe = wanted.recipe
+    assert (recipe.prompt, recipe.material.name, recipe.control, recipe.every) == ("small wood", "PETG", "linear", 7)
+    assert (recipe.threshold, recipe.protect[0].words, recipe.drop_height) == (0.5, "inside", 800.0)
+    assert (wanted.vertices, wanted.name) == (900, "wall_hook")
+    assert wanted.mesh is studio.part_picker.mesh
+
+
+def test_freestyle_brings_its_preset():
+    recipe = Studio("gallery:wall_hook", freestyle=True, iterations=50).wanted().recipe
+    assert (recipe.control, recipe.schedule, recipe.guarantee, recipe.iterations) == ("none", "never", False, 50)
+
+
+def test_an_unknown_setting_is_refused_with_the_known_ones():
+    with pytest.raises(BadInput, match="has no setting 'colour': known are amplitude, control"):
+        Studio("gallery:wall_hook", colour="blue")
+
+
+def test_a_part_that_is_not_there_is_refused():
+    with pytest.raises(BadInput, match="does not exist"):
+        Studio("nowhere.stl")
+
+
+def test_lambda_and_relief_are_known_wherever_they_count():
+    studio = Studio("gallery:wall_hook")
+    studio.control_selector._lambda.value = 0.5
+    assert studio.material_picker.material.safety_coefficient == 0.5
+    assert studio.wanted().recipe.material.safety_coefficient == 0.5
+    studio.prompt_box.amplitude = 0.3
+    assert studio.schedule_selector.amplitude == 0.3
+
+
+def test_what_is_asked_for_is_in_the_state():
+    studio = Studio("gallery:wall_hook")
+    studio.schedule_selector.schedule = "quadratic"
+    assert studio.state.settings["schedule"] == "quadratic"
+
+
+def test_another_part_is_shown_at_once():
+    studio = Studio("gallery:wall_hook")
+    before = studio._viewer
+    studio.part_picker._gallery._press("vase")
+    assert studio._viewer is not before
+    assert studio._viewer.subject.mesh is studio.part_picker.mesh
+
+
+def test_an_empty_prompt_is_said_and_nothing_begins():
+    studio = Studio("gallery:wall_hook")
+    studio.prompt_box.prompt = "nonsense"
+    studio.run_controls._buttons["run"].click()
+    assert "names no style" in studio.state.message
+    assert "names no style" in studio.run_controls.trouble
+    assert studio.state.session is None
+
+
+# --- a run on disk ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.usefixtures("unprotected")
+def test_a_run_opens_with_its_settings_and_its_newest_iteration(done):
+    studio = Studio(done.store.root)
+    assert (studio.state.iteration, studio.state.lane) == (12, "main")
+    assert studio.prompt_box.prompt == "brick"
+    assert studio.schedule_selector.every == 4
+    assert studio.conductor.differs() == {}
+    assert isinstance(studio._viewer, RunViewer)
+    assert studio.part_picker.name == "sheet"
+
+
+@pytest.mark.usefixtures("unprotected")
+def test_a_lane_of_it_can_be_named(done):
+    studio = Studio(f"{done.store.root}@soft")
+    assert studio.run.recipe.control == "linear"
+    assert studio.control_selector.control == "linear"
+
+
+@pytest.mark.usefixtures("unprotected")
+def test_one_iteration_is_on_show_everywhere(done):
+    studio = Studio(done)
+    studio._timeline.iteration = 5
+    assert (studio.state.iteration, studio._viewer.iteration) == (5, 5)
+    assert studio.branches._branch.description == "branch from iteration 5"
+    studio._viewer.layer = "stress"
+    assert studio.state.layer == "stress"
+    studio.branches._choice.value = "soft"
+    assert (studio._timeline.lane, studio._viewer.lane) == ("soft", "soft")
+
+
+@pytest.mark.usefixtures("unprotected")
+def test_the_what_if_layer_moves_with_the_threshold(done):
+    studio = Studio(done)
+    studio.state.iteration, studio.state.layer = 8, "what_if"
+    before = studio._viewer.subject.layer("what_if").values
+    studio.mask_inspector.selector.threshold = 0.05
+    assert studio._viewer.subject.layer("what_if").values.sum() > before.sum()
+
+
+@pytest.mark.usefixtures("unprotected")
+def test_an_interrupted_run_is_reopened_and_goes_on(fake, monkeypatch):
+    session = fake.session()
+    session.run_until(lambda event: getattr(getattr(event, "checkpoint", None), "iteration", 0) == 5)
+    session.wait(30.0)
+    session.stop()
+    session.wait(30.0)
+    monkeypatch.setattr(Run, "events", lambda run, _progress: fake.bench.engine(run.recipe, run.lane).run())
+    studio = Studio(fake.run.store.root)
+    assert studio.state.iteration == 5
+    studio.run_controls._buttons["run"].click()
+    studio.state.session.wait(30.0)
+    studio.state.pump()
+    assert (studio.state.status, studio.state.iteration, len(studio.state.branches)) == ("finished", 12, 1)
+    assert studio._timeline.iteration == 12
+
+
+@pytest.mark.usefixtures("unprotected")
+def test_closing_leaves_nothing_behind(done):
+    from ipywidgets.widgets.widget import _instances as alive  # noqa: PLC0415
+
+    before = set(alive)
+    Studio(done).close()
+    assert set(alive) == before

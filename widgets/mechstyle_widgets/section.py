@@ -1,0 +1,91 @@
+"""What the parts of the settings column share: a calm look in either theme, a place for one sentence, settings in and out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from html import escape
+from typing import Any, ClassVar
+
+import ipywidgets
+
+from mechstyle.records import Recipe
+
+_SHEET = """<style>
+.mechstyle-section { gap: 4px; padding: 2px 0; overflow: visible; }
+.mechstyle-section .widget-label { white-space: nowrap; }
+.mechstyle-section .widget-button { border-radius: 3px; }
+.mechstyle-note { color: var(--jp-ui-font-color2, #666); font-size: 12px; line-height: 1.4; }
+.mechstyle-trouble { color: var(--jp-ui-font-color1, #222); font-size: 12px; line-height: 1.4; padding: 4px 8px; margin: 2px 0;
+  border-left: 3px solid var(--jp-error-color1, #d32f2f); background: var(--jp-layout-color2, #f2f2f2); }
+.mechstyle-chosen.widget-button { outline: 2px solid var(--jp-brand-color1, #1976d2); outline-offset: -2px; font-weight: 600; }
+.mechstyle-section button:focus-visible, .mechstyle-section input:focus-visible { outline: 2px solid var(--jp-brand-color1, #1976d2); }
+.mechstyle-table { border-collapse: collapse; font-size: 12px; width: 100%; color: var(--jp-ui-font-color1, #222); }
+.mechstyle-table th { text-align: left; font-weight: 600; color: var(--jp-ui-font-color2, #666); }
+.mechstyle-table td, .mechstyle-table th { padding: 2px 8px 2px 0; border-bottom: 1px solid var(--jp-border-color2, #e0e0e0);
+  vertical-align: top; line-height: 1.35; }
+.mechstyle-studio .jupyter-widget-Collapse-header { padding: 4px 8px; }
+.mechstyle-studio .jupyter-widget-Collapse-contents { padding: 6px 10px; }
+.mechstyle-studio .jupyter-widget-tab > .widget-tab-contents { padding: 6px 10px; }
+</style>"""
+
+WIDE = {"width": "auto"}
+"""Layout of a control as wide as its column."""
+NARROW_LABEL = {"description_width": "96px"}
+"""Style of a control whose description stands at its left, all in one line."""
+
+
+class Words(ipywidgets.HTML):  # type: ignore[misc]  # ipywidgets has no types
+    """A piece of HTML that takes no room while there is none."""
+
+    def say(self, html: str) -> None:
+        """Show it, or nothing."""
+        self.value = html
+        self.layout.display = "" if html else "none"
+
+
+class Section(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
+    """Controls under each other with a note and a place for what is wrong.
+
+    A subclass names in FIELDS those of its traits that are fields of `Recipe`, in OWN other settings of a run.
+    """
+
+    FIELDS: ClassVar[tuple[str, ...]] = ()
+    OWN: ClassVar[tuple[str, ...]] = ()
+
+    def __init__(self, children: Sequence[Any]) -> None:
+        """Show the controls in their order."""
+        self._note, self._trouble = Words(), Words()
+        self.note("")
+        self.complain("")
+        super().__init__([ipywidgets.HTML(_SHEET, layout={"display": "none"}), *children, self._note, self._trouble])
+        self.add_class("mechstyle-section")
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """What is chosen, by the names of the recipe's fields."""
+        return {name: getattr(self, name) for name in self.FIELDS}
+
+    def take(self, recipe: Recipe) -> None:
+        """Choose what a recipe has."""
+        for name in self.FIELDS:
+            setattr(self, name, getattr(recipe, name))
+
+    def note(self, words: str) -> None:
+        """Say something beside the matter, "" for nothing."""
+        self._note.say(f'<div class="mechstyle-note">{escape(words)}</div>' if words else "")
+
+    def complain(self, words: str) -> None:
+        """Say what is wrong, in one sentence; "" once it is right again."""
+        self._trouble.say(f'<div class="mechstyle-trouble" role="alert">{escape(words)}</div>' if words else "")
+
+    @property
+    def trouble(self) -> str:
+        """What is wrong, "" if nothing is."""
+        return self._trouble.value
+
+
+def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Rows of plain text as an HTML table."""
+    top = "".join(f'<th scope="col">{escape(cell)}</th>' for cell in head)
+    body = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
+    return f'<table class="mechstyle-table"><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table>'

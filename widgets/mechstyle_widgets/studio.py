@@ -1,0 +1,240 @@
+"""The Studio: settings at the left, the part in the middle, its story below, mask and branches at the right."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import ipywidgets
+import traitlets
+
+from mechstyle.errors import BadInput
+from mechstyle.mesh import SurfaceMesh
+from mechstyle.planning import draft
+from mechstyle.run import Run
+from mechstyle.store import parse_address
+from mechstyle_widgets.branches import Branches
+from mechstyle_widgets.conductor import Conductor, Wanted
+from mechstyle_widgets.control_selector import ControlSelector
+from mechstyle_widgets.drop_options import DropOptions
+from mechstyle_widgets.family import close_family
+from mechstyle_widgets.mask_inspector import MaskInspector
+from mechstyle_widgets.material_picker import MaterialPicker
+from mechstyle_widgets.part_picker import PartPicker
+from mechstyle_widgets.prompt_box import PromptBox
+from mechstyle_widgets.regions_picker import RegionsPicker
+from mechstyle_widgets.run_controls import RunControls
+from mechstyle_widgets.run_viewer import RunViewer
+from mechstyle_widgets.schedule_selector import ScheduleSelector
+from mechstyle_widgets.state import StudioState
+from mechstyle_widgets.timeline import Timeline
+from mechstyle_widgets.viewer import Viewer
+
+LEFT, RIGHT, GAP = 284, 284, 12  # widths of the columns and between them [pixels]
+HEIGHT = 590  # of the columns [pixels]
+VIEW = 430  # height of the view [pixels]
+
+
+class Studio(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
+    """A part, a prompt and a run, as the last expression of a cell.
+
+    Each part of it is a widget with documented traits; what the mouse sets, Python can set: `studio.prompt_box.prompt`,
+    `studio.control_selector.threshold`, `studio.state.iteration`, `studio.conductor.run()`.
+
+    Attributes:
+        state: What is shown and what is going on.
+        conductor: What the buttons do.
+        theme: `light` or `dark`, for the viewer and the timeline; all else follows the notebook's theme.
+    """
+
+    theme = traitlets.Enum(("light", "dark"), "light")
+    _viewer: Viewer | None = None
+    _timeline: Timeline | None = None
+
+    def __init__(
+        self,
+        part: str | Path | SurfaceMesh | Run = "gallery:pen_holder",
+        *,
+        theme: str = "light",
+        width: int = 1080,
+        **settings: Any,
+    ) -> None:
+        """Open a part, or a run that was made before.
+
+        Args:
+            part: `gallery:NAME`, a file, a surface, a run, or a run directory, which may be written DIR@LANE.
+            theme: `light` or `dark`.
+            width: Of the whole [pixels].
+            settings: Any of `prompt`, `material`, `freestyle`, `vertices`, `device`, `folder`, `scale`, and fields of `Recipe`.
+
+        Raises:
+            BadInput: If the part or a setting cannot be used, in one sentence.
+        """
+        run = _run_in(part, settings.get("device", "auto"))
+        self.state = StudioState()
+        self.conductor = Conductor(self.state, self.wanted)
+        self._make_sections("" if run is not None else part, settings)
+        self._middle = ipywidgets.VBox(layout={"width": f"{max(width - LEFT - RIGHT - 2 * GAP, 360)}px"})
+        self._timeline = Timeline(self.state, theme=theme, width=width)
+        super().__init__([self._row(), self._timeline], layout={"width": f"{width}px", "max_width": "100%"})
+        self.add_class("mechstyle-studio")
+        self.theme = theme
+        self.state.observe(self._other_run, "run")
+        self.state.observe(self._first_checkpoint, "checkpoint")
+        self.part_picker.observe(self._other_part, "mesh")
+        self.mask_inspector.observe(self._derive, "would_be")
+        for section in self._sections:
+            section.observe(self._changed, (*section.FIELDS, *section.OWN))
+        if run is not None:
+            self._take(run)
+            self.state.open(run)
+        self._other_part()
+        self._changed()
+
+    def __repr__(self) -> str:
+        """What is open."""
+        return f"Studio({self.state.run!r})" if self.state.run is not None else f"Studio({self.part_picker.name!r})"
+
+    @property
+    def run(self) -> Run | None:
+        """The run on show, None before there is one."""
+        return self.state.run
+
+    def wanted(self) -> Wanted:
+        """The run the settings ask for; BadInput if they cannot be used."""
+        chosen = {name: value for section in self._sections for name, value in section.settings.items()}
+        freestyle, prompt, material = self.control_selector.freestyle, chosen.pop("prompt"), chosen.pop("material")
+        if freestyle:
+            for name in ("control", "normalisation", "schedule", "memory", "retraction", "protect_resting_face", "guarantee"):
+                del chosen[name]
+        part, options = self.part_picker, self.drop_options
+        mesh = None if self._opened_mesh is not None and part.mesh is self._opened_mesh else part.mesh
+        recipe = draft(prompt, material, freestyle=freestyle, **chosen)
+        return Wanted(recipe, mesh, options.vertices, part.name or "part", options.folder, options.device)
+
+    def close(self) -> None:
+        """Stop what is going on and close every widget."""
+        if self._timeline is not None:  # else it was refused before it was put together
+            self.conductor.stop()
+            self._timeline.close()
+            if self._viewer is not None:
+                self._viewer.close()
+            close_family(self)
+        super().close()
+
+    # how it is put together
+
+    def _make_sections(self, part: Any, settings: dict[str, Any]) -> None:
+        self._opened_mesh: SurfaceMesh | None = None
+        given = dict(settings)
+        scale, name = given.pop("scale", None), given.pop("name", "part")
+        self.part_picker = PartPicker(str(part) if isinstance(part, Path) else part, scale=scale, name=name)
+        self.prompt_box = PromptBox(given.pop("prompt", "brick"))
+        self.material_picker = MaterialPicker(given.pop("material", "PLA"))
+        self.control_selector = ControlSelector(self.material_picker.material)
+        self.schedule_selector = ScheduleSelector()
+        self.regions_picker = RegionsPicker()
+        self.drop_options = DropOptions()
+        self._sections = [self.prompt_box, self.material_picker, self.control_selector, self.schedule_selector, self.regions_picker,
+                          self.drop_options]  # fmt: skip
+        traitlets.link((self.material_picker, "material"), (self.control_selector, "material"))
+        traitlets.link((self.prompt_box, "amplitude"), (self.schedule_selector, "amplitude"))
+        self._give(given)
+        self.run_controls = RunControls(self.conductor)
+        self.mask_inspector = MaskInspector(self.conductor)
+        self.branches = Branches(self.conductor)
+
+    def _give(self, settings: dict[str, Any]) -> None:
+        """Set what was given by name."""
+        for name, value in settings.items():
+            owner = next((section for section in self._sections if name in (*section.FIELDS, *section.OWN)), None)
+            if owner is None:
+                known = sorted({field for section in self._sections for field in (*section.FIELDS, *section.OWN)})
+                raise BadInput(f"the Studio has no setting {name!r}: known are {', '.join(known)}")
+            setattr(owner, name, value)
+
+    def _row(self) -> ipywidgets.HBox:
+        titles = ("Part", "Style", "Material", "Restraint", "Schedule", "Leave alone", "Drop test")
+        self._accordion = ipywidgets.Accordion([self.part_picker, *self._sections], titles=titles, selected_index=1)
+        self._tabs = ipywidgets.Tab([self.mask_inspector, self.branches], titles=("Mask", "Branches"))
+        self._accordion.layout.overflow = self._tabs.layout.overflow = "auto"
+        left = ipywidgets.VBox([self.run_controls, self._accordion], layout={"width": f"{LEFT}px", "max_height": f"{HEIGHT}px"})
+        right = ipywidgets.VBox([self._tabs], layout={"width": f"{RIGHT}px", "max_height": f"{HEIGHT}px"})
+        # Where the notebook is narrower than the Studio, the right column goes below.
+        return ipywidgets.HBox([left, self._middle, right], layout={"width": "100%", "flex_flow": "row wrap", "grid_gap": f"{GAP}px"})
+
+    def _take(self, run: Run) -> None:
+        """Show the settings of a run that was made before."""
+        recipe = run.recipe
+        for section in self._sections:
+            section.take(recipe)
+        self.drop_options.vertices = len(run.part.surface.vertices)
+        self.drop_options.folder = str(run.store.root)
+        self.part_picker.show(run.part.surface, run.record.name)
+        self._opened_mesh = run.part.surface
+
+    # what it follows
+
+    def _changed(self, _change: object = None) -> None:
+        """Tell the state what is asked for."""
+        self.state.settings = {name: value for section in self._sections for name, value in section.settings.items()}
+
+    def _other_part(self, _change: object = None) -> None:
+        """A part was picked: show it as it is, unless a run of it is on show."""
+        mesh = self.part_picker.mesh
+        if mesh is not None and not (isinstance(self._viewer, RunViewer) and mesh is self._opened_mesh):
+            self._show(Viewer(mesh, theme=self.theme, width=self._middle_width, height=VIEW))
+
+    def _other_run(self, change: dict[str, Any]) -> None:
+        """Another run directory needs another viewer; another lane of the same does not."""
+        old, new = change["old"], change["new"]
+        if isinstance(old, Run) and new is not None and old.store.root == new.store.root:
+            return
+        self._opened_mesh = self.part_picker.mesh
+        self._first_checkpoint()
+
+    def _first_checkpoint(self, change: dict[str, Any] | None = None) -> None:
+        if self.state.checkpoint is None or (change is not None and change["old"] is not None):
+            return
+        viewer = RunViewer(self.state, theme=self.theme, width=self._middle_width, height=VIEW)
+        self._show(viewer)
+        self._derive()
+
+    def _derive(self, _change: object = None) -> None:
+        """Let the viewer work out anew the mask that would be."""
+        if isinstance(self._viewer, RunViewer):
+            self._viewer.derived = (partial(self.mask_inspector.layer),)  # another object each time, or nobody is told
+
+    def _show(self, viewer: Viewer) -> None:
+        old, self._viewer = self._viewer, viewer
+        self._middle.children = [viewer]
+        viewer.observe(self._clicked, "probed")
+        if old is not None:
+            old.close()
+
+    @property
+    def _middle_width(self) -> int:
+        return int(str(self._middle.layout.width).removesuffix("px"))
+
+    def _clicked(self, change: dict[str, Any]) -> None:
+        """A place on the part was clicked: it can be protected."""
+        viewer = self._viewer
+        if change["new"] is not None and viewer is not None:
+            self.regions_picker.place = tuple(float(x) for x in viewer.subject.mesh.vertices[change["new"]])
+
+    @traitlets.observe("theme")
+    def _relight(self, change: dict[str, Any]) -> None:
+        for view in (self._viewer, self._timeline):
+            if view is not None:
+                view.theme = change["new"]
+
+
+def _run_in(part: Any, device: str) -> Run | None:
+    """The run that `part` names, None if it names a part."""
+    if isinstance(part, Run):
+        return part
+    if isinstance(part, SurfaceMesh) or str(part).startswith("gallery:"):
+        return None
+    root, _, _ = parse_address(str(part))
+    return Run.open(part, device) if root.is_dir() else None
