@@ -155,3 +155,14 @@ def test_other_words_and_other_seeds_give_other_styles(guidance, clip, ball, sha
         found.append(proposal.colour)
     assert not np.array_equal(found[0], found[1])
     assert not np.array_equal(found[0], found[2])
+
+
+def test_every_iteration_sees_other_views(guidance, shape, monkeypatch):
+    seen = []
+    draw = guidance.draw
+    monkeypatch.setattr(guidance, "draw", lambda generator: seen.append(draw(generator)) or seen[-1])
+    made = stylizer(shape, guidance)
+    for _ in range(3):
+        made.step()
+    angles = {tuple(draws.cameras.azimuth.tolist()) for draws in seen}
+    assert len(angles) == 3
