@@ -1,0 +1,117 @@
+"""What a finer mesh or another mesh of the same part changes in the measures that decide."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from mechstyle.fea.criterion import STRESS_BAND, BallAverage, measures
+from mechstyle.fea.drop_test import DropTest, directions, drop
+from mechstyle.gallery import make
+from mechstyle.geometry.morph import Morph
+from mechstyle.geometry.tetrahedra import tetrahedralise
+from mechstyle.material import LIBRARY
+from mechstyle.mesh import SurfaceMesh, TetMesh
+from mechstyle.styling.procedural import target
+from mechstyle.styling.prompt import read
+from mechstyle.validation.cases import Result, bounded
+from mechstyle.validation.meshes import cup, refined
+from mechstyle.workpiece import prepare
+
+PLA = LIBRARY["PLA"]
+ORIENTATIONS = 5
+MESHES = 5
+P99_FINER, P99_AGAIN, PEAK = 0.06, 0.04, 0.12
+
+
+class Figures(NamedTuple):
+    """The measures that decide [MPa]: the 2 mm peak as placed and the 99th percentile over all orientations."""
+
+    peak: float
+    p99: float
+
+
+def finer() -> Iterator[Result]:
+    """A smooth cup, and the same with every tetrahedron cut into eight."""
+    coarse = cup(15.0, 25.0, 2.0)
+    yield from _finer("finer: cup", coarse, refined(coarse))
+
+
+def finer_styled() -> Iterator[Result]:
+    """A brick cup whose resting face is protected, and the same with every tetrahedron cut into eight."""
+    part = _styled()
+    yield from _finer("finer: brick cup", part.morphed, refined(part.morphed))
+
+
+def again() -> Iterator[Result]:
+    """Five meshes of a smooth cup: the spread is half the range over the mean."""
+    part = _styled()
+    yield from _again("again: cup", [tetrahedralise(part.original, count) for count in _counts(part)])
+
+
+def again_styled() -> Iterator[Result]:
+    """Five meshes of a brick cup whose resting face is protected: the spread, and whether the verdict is the same on all."""
+    part = _styled()
+    yield from _again("again: brick cup", [tetrahedralise(part.surface, count) for count in _counts(part)])
+
+
+def figures(tets: TetMesh) -> Figures:
+    """Drop a body in all orientations."""
+    result = drop(tets, PLA, directions(ORIENTATIONS), DropTest(window=1.2))
+    average = BallAverage(tets)
+    return Figures(measures(tets, result.von_mises[0], average).peak, measures(tets, result.von_mises.max(axis=0), average).p99)
+
+
+class Styled(NamedTuple):
+    """A small cup before and after.
+
+    Attributes:
+        original: Its smooth surface.
+        surface: The surface in brick, the resting face left smooth.
+        morphed: The tetrahedra of the smooth one, moved along.
+    """
+
+    original: SurfaceMesh
+    surface: SurfaceMesh
+    morphed: TetMesh
+
+
+def _styled() -> Styled:
+    part = prepare(make("pen_holder", diameter=40.0, height=45.0), vertices=8_000)
+    wish = read("brick")
+    aim = target(
+        part.surface, wish, seed=0, amplitude=0.15, thickness=part.thickness, inward=part.inward(), outward=part.outward()
+    )  # fmt: skip
+    relief = (aim.displacement * part.protection()).astype(np.float32)
+    return Styled(part.surface, part.surface.displaced(relief), Morph(part.surface, part.tets).morphed(relief).tets)
+
+
+def _counts(part: Styled) -> list[int]:
+    """Slightly different wishes, so that five meshes are five meshes."""
+    return [round(len(part.morphed.tets) * factor) for factor in np.linspace(0.95, 1.05, MESHES)]
+
+
+def _finer(name: str, coarse: TetMesh, fine: TetMesh) -> Iterator[Result]:
+    one, other = figures(coarse), figures(fine)
+    for label, before, after, limit in (
+        ("envelope p99", one.p99, other.p99, P99_FINER),
+        ("2 mm peak as placed", one.peak, other.peak, PEAK),
+    ):
+        note = f"{len(coarse.tets)} and {len(fine.tets)} TET10: {before:.1f} and {after:.1f} MPa"
+        yield bounded(f"{name}, {label}", abs(before / after - 1.0), limit, note)
+
+
+def _again(name: str, meshes: list[TetMesh]) -> Iterator[Result]:
+    found = [figures(tets) for tets in meshes]
+    for label, values, limit in (
+        ("envelope p99", [one.p99 for one in found], P99_AGAIN),
+        ("2 mm peak as placed", [one.peak for one in found], PEAK),
+    ):
+        spread = 0.5 * float(np.ptp(values)) / float(np.mean(values))
+        listed = ", ".join(f"{value:.1f}" for value in values)
+        yield bounded(f"{name}, {label}", spread, limit, f"half the range over the mean of {listed} MPa")
+    sides = {one.peak <= PLA.yield_strength for one in found}
+    near = any(abs(one.peak / PLA.yield_strength - 1.0) <= STRESS_BAND for one in found)
+    yield bounded(f"{name}, verdicts that differ", float(len(sides) - 1), 0.0, "MARGINAL on some" if near else "none is MARGINAL")
