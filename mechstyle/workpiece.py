@@ -20,7 +20,7 @@ from mechstyle.geometry.thickness import local_thickness
 from mechstyle.mesh import SurfaceMesh, TetMesh
 from mechstyle.store import Memo, Objects
 
-PREPARATION_VERSION = 1
+PREPARATION_VERSION = 2
 """Counts changes that alter the prepared part, so that cached parts of older code are not reused."""
 
 INWARD_SHARE = 0.25

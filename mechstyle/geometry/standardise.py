@@ -11,12 +11,19 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
 
 from mechstyle.errors import BadInput
-from mechstyle.mesh import SurfaceMesh
+from mechstyle.geometry.flaps import edge_pairs, mended
+from mechstyle.geometry.proximity import TriangleTree
+from mechstyle.mesh import Floats, SurfaceMesh
 
 FEWEST, MOST = 500, 400_000
-SHARP = math.cos(math.radians(30.0))  # of the angle between the normals of two faces, below which their edge is a feature
+SHARP = math.radians(30.0)  # an edge where the surface turns by more is a crease
+FLAT = math.radians(2.0)  # one where it turns by less says nothing of a round
+FINEST_STEP, WIDEST_STEP = 0.45, 0.8  # of the edge length: steps between the vertices that are fixed on narrow rounds
+ON_THE_PART = 1e-4  # mm; what is nearer stays exactly where it is, as on a plane or a crease
+CLEARANCE = 0.7  # of such a step, to the nearest crease
 TRIALS = 9
 TRIAL_ITERATIONS, ITERATIONS = 3, 8  # of the remesher: few suffice to see the count
 
@@ -26,6 +33,7 @@ def standardise(mesh: SurfaceMesh, vertices: int = 25_000, tolerance: float = 0.
 
     Needless vertices go (Manifold), long edges are cut, and isotropic remeshing by splits, collapses, flips and tangential
     smoothing with projection (Botsch and Kobbelt 2004) evens the rest out, with the vertices of edges sharper than 30° fixed.
+    Rounds narrower than a triangle would come out ragged; they are sampled by fixed vertices as close as they are narrow.
     The edge length is corrected until the count fits.
 
     Args:
@@ -34,7 +42,8 @@ def standardise(mesh: SurfaceMesh, vertices: int = 25_000, tolerance: float = 0.
         tolerance: Accepted deviation from that count, over the count.
 
     Returns:
-        A closed surface with the same number of handles and shells; the same input gives the same bytes. Colours are dropped.
+        A closed surface with the same number of handles and shells, its vertices on the part; the same input gives the same bytes.
+        Colours are dropped.
 
     Raises:
         BadInput: If the count is out of range or cannot be reached, or the surface is not closed.
@@ -86,30 +95,66 @@ def remeshed(body: Any, edge: float, *, tolerance: float, iterations: int = ITER
         tolerance: Most by which removing needless vertices beforehand may move the surface [mm].
         iterations: Rounds of splits, collapses, flips and smoothing.
     """
+    original = surface_of(body)
     fine = surface_of(body.simplify(tolerance).refine_to_length(edge))
+    creases, rounds = _fixed(fine, edge)
+    fixed = np.concatenate([creases, rounds])
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the remesher warns if every vertex is fixed; the count then says so
         from gpytoolbox import remesh_botsch  # noqa: PLC0415 (importing it warns of its own use of SciPy)
 
-        vertices, faces = remesh_botsch(
-            fine.vertices.copy(), fine.faces.copy(), i=iterations, h=edge, project=True, feature=_sharp_vertices(fine)
-        )
-    return SurfaceMesh(vertices, faces)
+        # Fixed vertices come first in the answer, in the order given.
+        vertices, faces = remesh_botsch(fine.vertices.copy(), fine.faces.copy(), i=iterations, h=edge, project=True, feature=fixed)
+    part = TriangleTree(original.vertices, original.faces)
+    there = part.nearest(vertices)
+    vertices = np.where(there.distance[:, None] > ON_THE_PART, there.point, vertices)
+    return mended(SurfaceMesh(vertices, faces), part, len(creases))
+
+
+def _fixed(mesh: SurfaceMesh, edge: float) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    """Vertices on creases, ascending, and others that sample the rounds narrower than a triangle of this edge length [mm]."""
+    edges, turns, radii = _bends(mesh)
+    creases = np.unique(edges[turns > SHARP]).astype(np.int32)
+    radius = np.full(len(mesh.vertices), np.inf)
+    bent = (turns > FLAT) & (turns <= SHARP)
+    np.minimum.at(radius, edges[bent].ravel(), np.repeat(radii[bent], 2))
+    narrow = np.setdiff1d(np.flatnonzero(radius < WIDEST_STEP * edge), creases).astype(np.int32)
+    steps = np.clip(radius[narrow], FINEST_STEP * edge, WIDEST_STEP * edge)
+    if len(creases) and len(narrow):
+        clear = cKDTree(mesh.vertices[creases]).query(mesh.vertices[narrow])[0] > CLEARANCE * steps
+        narrow, steps = narrow[clear], steps[clear]
+    return creases, narrow[_spread(mesh.vertices[narrow], steps)]
+
+
+def _bends(mesh: SurfaceMesh) -> tuple[NDArray[np.int32], Floats, Floats]:
+    """The edges of a closed surface, shape [k, 2], the angle by which it turns there, and the radius of the turn [mm], shape [k].
+
+    Between two bends of a round lie strips as wide as the triangles are high over the bend, so that its radius is their mean height
+    over the angle.
+    """
+    pairs = edge_pairs(mesh.faces)
+    one, other = mesh.face_normals[pairs.faces].transpose(1, 0, 2)
+    turns = np.arccos(np.clip(np.einsum("ij,ij->i", one, other), -1.0, 1.0))
+    start, end = mesh.vertices[pairs.edges].transpose(1, 0, 2)
+    heights = mesh.face_areas[pairs.faces].sum(axis=1) / np.linalg.norm(end - start, axis=1)
+    return pairs.edges, turns, heights / np.maximum(turns, 1e-9)
+
+
+def _spread(points: Floats, steps: Floats) -> NDArray[np.int64]:
+    """Indices of points no closer to each other than the smaller of their steps [mm], those of small steps first."""
+    if not len(points):
+        return np.zeros(0, np.int64)
+    tree, free, taken = cKDTree(points), np.ones(len(points), bool), []
+    for index in np.argsort(steps, kind="stable"):
+        if free[index]:
+            taken.append(index)
+            free[tree.query_ball_point(points[index], steps[index])] = False
+    return np.array(taken, np.int64)
 
 
 def even_edge(mesh: SurfaceMesh, faces: float) -> float:
     """Edge length [mm] of equilateral triangles, so many that `faces` of them have the area of the mesh."""
     return math.sqrt(4.0 / math.sqrt(3.0) * float(mesh.face_areas.sum()) / faces)
-
-
-def _sharp_vertices(mesh: SurfaceMesh) -> NDArray[np.int32]:
-    """Vertices of edges where the surface turns by more than 30°, ascending."""
-    directed = mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-    face = np.repeat(np.arange(len(mesh.faces)), 3)
-    order = np.lexsort(np.sort(directed, axis=1).T)  # a closed surface has each edge twice, now side by side
-    one, other = face[order].reshape(-1, 2).T
-    turn = np.einsum("ij,ij->i", mesh.face_normals[one], mesh.face_normals[other])
-    return np.unique(directed[order].reshape(-1, 4)[turn < SHARP]).astype(np.int32)
 
 
 def _shape(mesh: SurfaceMesh) -> tuple[bool, int, int]:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mechstyle.geometry.morph import Morph
+from mechstyle.errors import BadInput
+from mechstyle.geometry.morph import Morph, laplacian
 from mechstyle.mesh import SurfaceMesh
 
 
@@ -71,3 +72,42 @@ def test_inner_vertices_stay_inside_the_surface(cup, morph):
     surface = SurfaceMesh(result.tets.vertices, result.tets.boundary_faces)
     assert surface.is_closed
     assert surface.volume == pytest.approx(result.tets.volumes.sum(), rel=1e-9)
+
+
+@pytest.mark.parametrize("broken", [np.zeros(3), None], ids=["wrong length", "not finite"])
+def test_a_request_that_is_no_displacement_is_refused(cup, morph, broken):
+    request = np.full(len(cup.vertices), np.nan) if broken is None else broken
+    with pytest.raises(BadInput, match=f"needs {len(cup.vertices)} finite numbers"):
+        morph.morphed(request)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_white_noise_higher_than_the_wall_comes_to_an_end(cup, morph, seed):
+    request = np.random.default_rng(seed).normal(0.0, 5.0, len(cup.vertices))
+    result = morph.morphed(request)
+    assert result.tets.volumes.min() > 0.0
+    assert np.array_equal(morph.morphed(result.displacement).tets.vertices, result.tets.vertices)
+
+
+def test_back_off_stays_where_it_is_needed(cup, morph):
+    x, y, z = cup.vertices.T
+    request = waves(cup, 0.3) + np.where((x > 19.9) & (np.abs(y) < 3) & (np.abs(z - 15) < 3), -8.0, 0.0).astype(np.float32)
+    result = morph.morphed(request)
+    far = x < 0
+    assert result.backed_off > 0.0
+    assert np.array_equal(result.displacement[far], request[far])
+
+
+def test_quality_is_kept_above_its_floor(cup, cup_tets, morph):
+    result = morph.morphed(waves(cup, 6.0))
+    assert np.all(result.tets.quality >= np.minimum(0.08, 0.5 * cup_tets.quality))
+
+
+def test_the_laplacian_knows_constants_and_linear_fields(cup_tets):
+    stiffness = laplacian(cup_tets)
+    inner = np.setdiff1d(np.arange(len(cup_tets.vertices)), cup_tets.boundary_faces)
+    assert abs(stiffness - stiffness.T).max() < 1e-9
+    assert stiffness @ np.ones(len(cup_tets.vertices)) == pytest.approx(0.0, abs=1e-9)
+    assert (stiffness @ cup_tets.vertices)[inner] == pytest.approx(0.0, abs=1e-9)  # linear fields are harmonic
+    x = cup_tets.vertices[:, 0]
+    assert x @ stiffness @ x == pytest.approx(cup_tets.volumes.sum(), rel=1e-9)  # ∫ |∇x|² = V

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
-from manifold3d import Manifold
+from manifold3d import CrossSection, Manifold, OpType
 
 from mechstyle.errors import BadInput
 from mechstyle.geometry.proximity import TriangleTree
-from mechstyle.geometry.standardise import shell_count, standardise, surface_of
+from mechstyle.geometry.standardise import _bends, shell_count, standardise, surface_of
 from mechstyle.mesh import SurfaceMesh
 
 
@@ -62,3 +62,54 @@ def test_counts_out_of_range_are_refused(cup, count):
 def test_an_open_surface_is_refused(cup):
     with pytest.raises(BadInput, match="not closed"):
         standardise(SurfaceMesh(cup.vertices, cup.faces[:-1]), 1000)
+
+
+@pytest.fixture(scope="module")
+def rounded():
+    """A cup whose rim is rounder than its triangles are small, the case that remeshing likes least."""
+    wall, turn = 3.0, np.linspace(0.0, np.pi, 13)
+    rim = np.column_stack([20 - wall / 2 + wall / 2 * np.cos(turn), 30 + wall / 2 * np.sin(turn)])
+    profile = np.vstack([[(0.0, 0.0), (20.0, 0.0)], rim, [(20.0 - wall, wall), (0.0, wall)]])
+    return surface_of(Manifold.revolve(CrossSection([profile]), 96))
+
+
+def test_every_vertex_lies_on_the_part(rounded):
+    even = standardise(rounded, 2500)
+    assert TriangleTree(rounded.vertices, rounded.faces).nearest(even.vertices).distance.max() < 2e-4
+
+
+def test_the_volume_stays_where_rounds_are_narrower_than_triangles(rounded):
+    assert standardise(rounded, 2500).volume == pytest.approx(rounded.volume, rel=0.01)
+
+
+def test_no_flap_is_left_at_a_narrow_round(rounded):
+    _, turns, _ = _bends(standardise(rounded, 2500))
+    assert turns.max() < np.radians(110.0)
+
+
+def test_a_narrow_round_is_as_round_as_the_part(rounded):
+    """Without vertices of its own the rim comes out ragged, cut by triangles that miss it by half a wall."""
+    even = standardise(rounded, 2500)
+    rim = rounded.vertices[rounded.vertices[:, 2] > 30.0]
+    assert TriangleTree(even.vertices, even.faces).nearest(rim).distance.max() < 0.45
+
+
+def test_the_radius_of_a_round_is_found(rounded):
+    edges, turns, radii = _bends(rounded)
+    on_rim = (rounded.vertices[edges][:, :, 2] > 30.1).all(axis=1) & (turns > np.radians(10.0))
+    assert np.median(radii[on_rim]) == pytest.approx(1.5, rel=0.05)
+
+
+def test_a_knife_edge_of_the_part_itself_is_no_flap():
+    blade = Manifold.hull_points([(0, -2, 0), (0, 2, 0), (12, 0, 0), (0, -2, 20), (0, 2, 20), (12, 0, 20)])
+    even = standardise(surface_of(blade), 1500)
+    edge = TriangleTree(even.vertices, even.faces).nearest(np.column_stack([np.full(50, 12.0), np.zeros(50), np.linspace(0, 20, 50)]))
+    assert edge.distance.max() < 1e-4
+    assert even.volume == pytest.approx(480.0, rel=1e-4)
+
+
+def test_too_few_vertices_for_the_features_are_refused_with_advice():
+    teeth = [Manifold.cube((0.5, 20.0, 2.0)).translate((float(x), 0.0, 0.0)) for x in range(90)]
+    comb = Manifold.batch_boolean([Manifold.cube((90.0, 20.0, 1.0)), *teeth], OpType.Add)
+    with pytest.raises(BadInput, match=r"could not be brought to 500 even vertices .*; ask for "):
+        standardise(surface_of(comb), 500)

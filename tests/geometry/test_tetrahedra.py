@@ -12,7 +12,7 @@ from mechstyle.errors import BadInput, SimulationFailed
 from mechstyle.geometry import tetrahedra as module
 from mechstyle.geometry import tetwild as worker
 from mechstyle.geometry.tetrahedra import tetrahedralise
-from mechstyle.mesh import SurfaceMesh
+from mechstyle.mesh import SurfaceMesh, TetMesh
 
 
 def test_they_fill_the_part(cup, cup_tets):
@@ -99,3 +99,100 @@ def test_targets_out_of_range_are_refused(block, target):
 def test_what_would_crash_or_fool_the_mesher_is_refused(cup, broken):
     with pytest.raises(BadInput):
         tetrahedralise(broken(cup), 1000)
+
+
+class Attempts:
+    """Stands in for fTetWild and its checks: hands out meshes of given counts, "" or a fault for each, and notes what was asked."""
+
+    def __init__(self, *results):
+        self.results = list(results)
+        self.asked = []
+
+    def __call__(self, _surface, aim, sharpness, _timeout):
+        self.asked.append((round(aim), sharpness))
+        count, fault = self.results.pop(0)
+        return module.Attempt(TetMesh(np.eye(4, 3), np.tile(np.arange(4), (count, 1))), fault)
+
+
+def counts_of(monkeypatch, cup, *results):
+    attempts = Attempts(*results)
+    monkeypatch.setattr(module, "_attempt", attempts)
+    return len(tetrahedralise(cup, 1000).tets), attempts.asked
+
+
+@pytest.mark.parametrize("count", [600, 1000, 1600])
+def test_a_count_near_the_target_is_taken_at_once(cup, monkeypatch, count):
+    assert counts_of(monkeypatch, cup, (count, "")) == (count, [(1000, 1.0)])
+
+
+def test_a_count_far_off_is_corrected_once(cup, monkeypatch):
+    assert counts_of(monkeypatch, cup, (2000, ""), (1200, "")) == (1200, [(1000, 1.0), (500, 1.0)])
+
+
+def test_a_correction_that_makes_it_worse_is_not_taken(cup, monkeypatch):
+    assert counts_of(monkeypatch, cup, (1700, ""), (100, ""))[0] == 1700
+
+
+def test_a_fault_sharpens_the_tolerances(cup, monkeypatch):
+    taken, asked = counts_of(monkeypatch, cup, (1000, "not closed"), (1000, "not closed"), (900, ""))
+    assert taken == 900
+    assert [sharpness for _, sharpness in asked] == [1.0, 0.5, 0.25]
+
+
+def test_faults_to_the_end_are_a_failure_that_names_the_last(cup, monkeypatch):
+    with pytest.raises(SimulationFailed, match="a detail is missing; thin or self-touching walls"):
+        counts_of(monkeypatch, cup, (1000, "x"), (1000, "y"), (1000, "a detail is missing"))
+
+
+def test_a_fault_after_a_sound_mesh_does_not_lose_it(cup, monkeypatch):
+    assert counts_of(monkeypatch, cup, (2000, ""), (1000, "x"), (1000, "y"))[0] == 2000
+
+
+def fault(cup, tets, deviation=1.0):
+    return module._fault(cup, tets, deviation)
+
+
+def test_each_check_finds_its_fault(cup, cup_tets):
+    assert fault(cup, cup_tets) == ""
+    assert "inside out" in fault(cup, TetMesh(cup_tets.vertices, np.vstack([cup_tets.tets[:-1], cup_tets.tets[-1:, [0, 2, 1, 3]]])))
+    assert "of its volume" in fault(cup, cup_tets.moved(1.02 * cup_tets.vertices))
+    assert "miss a detail by" in fault(cup, cup_tets, deviation=1e-4)
+    a, b, _ = cup_tets.boundary_faces[0]
+    first = len(cup_tets.vertices)
+    hinged = np.vstack([cup_tets.vertices, [(0.0, 0.0, 90.0), (11.0, 7.0, 95.0)]])
+    extra = np.array([[a, b, first, first + 1]])
+    upright = extra if TetMesh(hinged, extra).volumes[0] > 0 else extra[:, [0, 2, 1, 3]]
+    on_one_edge = TetMesh(hinged, np.vstack([cup_tets.tets, upright]))
+    assert "not closed" in fault(cup, on_one_edge)
+
+
+def test_only_the_largest_body_is_kept_and_degenerate_tets_go():
+    corner = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 1)], dtype=float)
+    vertices = np.vstack([corner, corner + 5.0])
+    tets = np.array([(0, 1, 2, 3), (4, 2, 1, 3), (5, 7, 6, 8), (0, 1, 2, 2)], dtype=np.int32)  # the third apart, the last flat
+    tidy = module._tidied(vertices, tets)
+    assert len(tidy.tets) == 2
+    assert len(tidy.vertices) == 5
+    assert tidy.volumes.min() > 0
+    assert tidy.volumes.sum() == pytest.approx(1 / 6 + 1 / 3)
+
+
+def test_a_vertex_that_would_spoil_its_tetrahedron_is_not_set_down(cup):
+    floor = cup.vertices[:, 2].min()
+    vertices = np.array([(0, 0, 0), (3, 0, 0), (0, 3, 0), (1, 1, 0.03), (9, 9, 0), (12, 9, 0), (9, 12, 0.04), (10, 10, 3.0)])
+    settled = module._set_down(cup, TetMesh(vertices + np.array([0, 0, floor]), [(0, 1, 2, 3), (4, 5, 6, 7)]), 0.05)
+    assert settled.vertices[3, 2] == pytest.approx(floor + 0.03)  # flat tetrahedron
+    assert settled.vertices[6, 2] == floor
+
+
+@pytest.mark.parametrize(("volume", "faces", "aim"), [(1000.0, 2000, 5000.0), (1000.0, 20_000, 5000.0)])
+def test_the_edge_length_is_the_root_of_its_formula(volume, faces, aim):
+    edge = module._edge(volume, faces, aim)
+    inside = max(aim - faces / 2, aim / 4)
+    assert 9 * volume / edge**3 == pytest.approx(inside)
+
+
+def test_the_first_edge_length_is_the_root_with_faces_of_that_edge(cup):
+    edge = module._first_edge(cup, 4000.0)
+    faces = 4 * cup.face_areas.sum() / (np.sqrt(3) * edge**2)
+    assert 9 * cup.volume / edge**3 + faces / 2 == pytest.approx(4000.0)
