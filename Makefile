@@ -8,12 +8,12 @@ PINS := pyproject.toml constraints.txt
 export OMP_NUM_THREADS ?= 1
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
-.PHONY: help demo test lab lint bench clean
+.PHONY: help demo test lab lint bench bench-widgets clean
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
 
 help: ## list these targets
-	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-6s %s\n", $$1, $$2}' $(firstword $(MAKEFILE_LIST))
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-13s %s\n", $$1, $$2}' $(firstword $(MAKEFILE_LIST))
 
 demo: .venv/core.stamp ## stylize a pen holder as brick, drop it, write demo-out/
 	$(BIN)/mechstyle demo --out demo-out
@@ -32,6 +32,9 @@ lint: .venv/dev.stamp ## style, import directions and types only
 bench: .venv/dev.stamp ## seconds per stage beside their budgets
 	$(BIN)/python benchmarks/stages.py
 	$(BIN)/python benchmarks/renderer.py
+
+bench-widgets: .venv/dev.stamp ## size and speed of the report and the replay in headless Chromium
+	$(BIN)/python benchmarks/widgets.py $(RUN)
 
 clean: ## remove .venv, caches and demo-out/ (your runs stay)
 	rm -rf .venv .mypy_cache .ruff_cache .pytest_cache .hypothesis build *.egg-info demo-out

@@ -17,8 +17,10 @@ from mechstyle.report.lane import LaneOfRun
 from mechstyle.store import Entry
 from mechstyle.workpiece import STANDARD_VERTICES
 
-OF_FREESTYLE = frozenset("amplitude criterion field guidance iterations minimum_wall orientations seed stylizer".split())
-OPTIONS = OF_FREESTYLE | frozenset("control every normalisation protect_resting_face schedule threshold".split())
+OF_FREESTYLE = frozenset(
+    ("amplitude", "criterion", "field", "guidance", "iterations", "minimum_wall", "orientations", "seed", "stylizer")
+)
+OPTIONS = OF_FREESTYLE | {"control", "every", "normalisation", "protect_resting_face", "schedule", "threshold"}
 """Settings with an option of their own; the others are given with --set."""
 
 FIRST = ("criterion", "control")

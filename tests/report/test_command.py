@@ -4,15 +4,14 @@ import shlex
 
 import msgspec
 import pytest
+from typer.main import get_command
 
 from mechstyle.cli import making
 from mechstyle.material import LIBRARY, Material
-from mechstyle.planning import draft, fitted
+from mechstyle.planning import draft
 from mechstyle.regions import Box
 from mechstyle.report.command import OF_FREESTYLE, OPTIONS, command_for
-from mechstyle.store import Lane, Store
 from mechstyle.workpiece import Origin
-from typer.main import get_command
 
 PARSER = get_command(making.app)
 OWN = Material(name="my own", youngs_modulus=1000.0, poisson_ratio=0.3, density=1e-3, yield_strength=20.0)
@@ -67,7 +66,8 @@ def test_the_command_of_a_plain_run_is_short(lane):
 
 
 def test_freestyle_is_called_by_its_name(lane):
-    assert command_for(FakeLane(lane, draft("brick", freestyle=True)), []).startswith("mechstyle freestyle gallery:pen_holder --prompt brick ")
+    command = command_for(FakeLane(lane, draft("brick", freestyle=True)), [])
+    assert command == "mechstyle freestyle gallery:pen_holder --prompt brick --out again-sheet"
 
 
 def test_a_style_that_needs_weights_is_named_without_having_them(lane):

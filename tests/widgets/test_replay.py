@@ -79,7 +79,9 @@ def test_a_threshold_is_a_number(replay):
         replay.threshold = float("nan")
 
 
-@pytest.mark.parametrize("wrong", [{"layer": "nonsense"}, {"iteration": 99}, {"threshold": 2.0}, {"layer": "stress", "threshold": float("inf")}])
+@pytest.mark.parametrize(
+    "wrong", [{"layer": "nonsense"}, {"iteration": 99}, {"threshold": 2.0}, {"layer": "stress", "threshold": float("inf")}]
+)
 def test_a_refused_replay_leaves_nothing_behind(run, wrong):
     before = set(alive)
     with pytest.raises(BadInput):

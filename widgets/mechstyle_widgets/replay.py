@@ -17,13 +17,14 @@ from mechstyle.errors import BadInput, unknown
 from mechstyle.report.assets import bundle, static
 from mechstyle.report.film import Film, film
 from mechstyle.run import Run
+from mechstyle_widgets.reruns import OncePerCell
 
 
 def _own(name: str) -> str:
     return files("mechstyle_widgets").joinpath("static", name).read_text(encoding="utf-8")
 
 
-class Replay(anywidget.AnyWidget):  # type: ignore[misc]  # anywidget is not imported where types are checked
+class Replay(OncePerCell, anywidget.AnyWidget):
     """All iterations of a lane, with layers, a colour bar and a threshold.
 
     Attributes:
