@@ -22,7 +22,7 @@ from mechstyle.planning import bounds_for
 from mechstyle.plugins import made
 from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict
 from mechstyle.simulator import DropSimulator
-from mechstyle.store import Store
+from mechstyle.store import Entry, Store
 from mechstyle.styling.canvas import Canvas
 from mechstyle.styling.fine import FineCanvas
 from mechstyle.styling.procedural import ProceduralStylizer, target
@@ -65,22 +65,22 @@ def refined(store: Store, part: Workpiece, digest: str, *, device: str = "cpu") 
     if len(past) < 2:
         raise BadInput("iteration 0 is the part as it came, which has no style to draw finer: export it without --fine")
     twin = _Twin(part)
-    recipes = {name: store.recipe(name) for name in {state.recipe for state in past}}
-    for before, after in pairwise(past):
+    recipes = {name: store.recipe(name) for name in {entry.recipe for entry in past}}
+    for before, after in pairwise(store.checkpoint(entry.digest) for entry in past):
         twin.follow(before, after, recipes[after.recipe])
-    last = past[-1]
-    recipe = msgspec.structs.replace(recipes[last.recipe], surface=twin.surface.digest)
+    drawn = recipes[after.recipe]
+    recipe = msgspec.structs.replace(drawn, surface=twin.surface.digest)
     simulator = DropSimulator(twin.surface, part.tets, recipe, store.memo, device=device, cache=cache_folder() / "tets")
     simulation = simulator.simulate(twin.displacement, thorough=True)
-    styled = twin.surface.displaced(simulation.displacement).coloured(twin.coloured(last, recipes[last.recipe]))
+    styled = twin.surface.displaced(simulation.displacement).coloured(twin.coloured(after, drawn))
     return Refined(twin.surface, styled, simulation, simulator.judge(simulation))
 
 
-def _past(store: Store, digest: str) -> list[Checkpoint]:
-    """A checkpoint and all before it, oldest first."""
+def _past(store: Store, digest: str) -> list[Entry]:
+    """A checkpoint and all before it, oldest first, without their arrays."""
     past = []
     while digest:
-        past.append(store.checkpoint(digest))
+        past.append(store.entry(digest))
         digest = past[-1].parent
     return past[::-1]
 

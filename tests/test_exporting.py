@@ -104,7 +104,8 @@ def test_a_twin_on_the_same_surface_repeats_the_run(run, monkeypatch):
     monkeypatch.setattr(module, "quartered", lambda _: same)
     monkeypatch.setattr(module, "FineCanvas", lambda *made_from: made_from[-1])
     twin, past = module._Twin(run.part), module._past(run.store, run.store.lane().head)
-    for before, after in pairwise(past):
+    assert [entry.iteration for entry in past][:7] == list(range(7))
+    for before, after in pairwise(run.store.checkpoint(entry.digest) for entry in past):
         twin.follow(before, after, run.recipe)
         assert np.allclose(twin.displacement, after.displacement, atol=1e-6)
 

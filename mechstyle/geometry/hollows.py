@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,7 @@ LEAST_SHARE = 0.005
 """Smaller pieces, of the area, belong to what surrounds them."""
 
 
+@lru_cache(maxsize=4)  # a run asks again for each picture; meshes are frozen and differ by identity
 def is_inside(mesh: SurfaceMesh, *, device: str = "cpu") -> NDArray[np.bool_]:
     """Whether each vertex lies in a hollow that opens to the outside, shape [vertex_count].
 
@@ -37,9 +39,10 @@ def is_inside(mesh: SurfaceMesh, *, device: str = "cpu") -> NDArray[np.bool_]:
     """
     sky = openness(mesh, device=device)
     inside, outside = sky < HIDDEN, sky > OPEN
-    if not inside.any() or not outside.any():
-        return inside
-    return _without_specks(mesh, _walked(mesh, inside, outside) > 0.5)
+    if inside.any() and outside.any():
+        inside = _without_specks(mesh, _walked(mesh, inside, outside) > 0.5)
+    inside.setflags(write=False)
+    return inside
 
 
 def openness(mesh: SurfaceMesh, *, device: str = "cpu") -> Floats:

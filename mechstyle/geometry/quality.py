@@ -10,7 +10,7 @@ import numpy as np
 from mechstyle.geometry.kernels import count_crossings
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.geometry.thickness import local_thickness
-from mechstyle.mesh import SurfaceMesh
+from mechstyle.mesh import Floats, SurfaceMesh
 from mechstyle.quiet import wp
 
 
@@ -21,7 +21,7 @@ class Quality(msgspec.Struct, frozen=True, kw_only=True):
         folds: Faces that look the other way than before: there the relief folded over itself.
         crossings: Pairs of faces that cross each other without sharing a corner.
         crossings_before: The same of the unstylized surface.
-        thinnest: Thinnest wall [mm].
+        thinnest: Thinnest wall, over an area of some vertices [mm].
         thinnest_before: The same of the unstylized surface.
         thin: Wall thickness that 1 % of the surface falls short of [mm].
         thin_before: The same of the unstylized surface.
@@ -67,7 +67,7 @@ def quality(original: SurfaceMesh, styled: SurfaceMesh, density: float, *, devic
         density: Density of the material [g/mm³].
         device: Warp device of the searches.
     """
-    before, after = (np.sort(local_thickness(mesh, device=device)) for mesh in (original, styled))
+    before, after = (np.sort(_over_areas(mesh, local_thickness(mesh, device=device))) for mesh in (original, styled))
     one_percent = len(before) // 100
     return Quality(
         folds=folded_faces(original, styled),
@@ -82,6 +82,14 @@ def quality(original: SurfaceMesh, styled: SurfaceMesh, density: float, *, devic
         mass=density * styled.volume,
         mass_change=density * (styled.volume - original.volume),
     )
+
+
+def _over_areas(mesh: SurfaceMesh, thickness: Floats) -> Floats:
+    """The largest thickness at each vertex and its neighbours [mm]: a sharp edge or a single vertex is no thin wall."""
+    widest = thickness.copy()
+    for one, other in (mesh.edges.T, mesh.edges.T[::-1]):
+        np.maximum.at(widest, one, thickness[other])
+    return widest
 
 
 def folded_faces(original: SurfaceMesh, styled: SurfaceMesh) -> int:

@@ -77,3 +77,14 @@ def test_colours_and_fields_must_fit_the_part(ball):
         render(ball, camera=camera, colours=np.zeros((3, 3)), **SIZE)
     with pytest.raises(BadInput, match="one value for each"):
         render(ball, camera=camera, field=Field(np.zeros(3), Scale(0, 1)), **SIZE)
+
+
+def test_where_a_field_has_no_value_it_is_grey_and_hatched(ball):
+    """Protected regions are shown so; grey alone could be a colour of the scale to some eyes."""
+    values = np.where(ball.vertices[:, 0] > 0.0, np.nan, 0.5)
+    camera = Camera.named("front", ball.vertices)
+    picture = render(ball, camera=camera, field=Field(values, Scale(0.0, 1.0)), **SIZE).astype(int)
+    without, known = picture[30:66, 52:76].reshape(-1, 3), picture[30:66, 20:44].reshape(-1, 3)
+    assert np.ptp(without, axis=1).max() <= 3, "grey"
+    assert np.ptp(known, axis=1).min() > 20, "coloured"
+    assert np.ptp(without.mean(axis=1)) > 40, "in two tones"
