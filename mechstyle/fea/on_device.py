@@ -17,7 +17,6 @@ from mechstyle.fea.integration import QUANTITIES, RECORD_EVERY, Scheme, law_numb
 from mechstyle.mesh import Floats
 from mechstyle.quiet import wp
 
-
 BLOCK = 64
 """Threads in a block: few enough that a single drop of 10k tetrahedra is spread over all multiprocessors."""
 
