@@ -24,6 +24,7 @@ def test_a_run_is_shown_where_it_stands(done):
     assert (state.lane, state.iteration, state.iterations_done) == ("main", 12, 12)
     assert state.checkpoint.iteration == 12
     assert state.checkpoint.final
+    assert (state.status, state.fraction, state.message) == ("finished", 1.0, done.verdict.words)
     assert [row.iteration for row in state.history] == list(range(13))
 
 

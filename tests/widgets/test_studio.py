@@ -72,6 +72,15 @@ def test_an_empty_prompt_is_said_and_nothing_begins():
     assert studio.state.session is None
 
 
+@pytest.mark.parametrize(("width", "pages"), [(920, ("Settings", "Mask", "Branches")), (1240, ("Mask", "Branches"))])
+def test_mask_and_branches_have_a_column_of_their_own_where_there_is_room(width, pages):
+    studio = Studio("gallery:wall_hook", width=width)
+    assert studio._tabs.titles == pages
+    columns = studio.children[0].children
+    assert len(columns) == 5 - len(pages)
+    assert sum(int(column.layout.width.removesuffix("px")) for column in columns) + 12 * (len(columns) - 1) == width
+
+
 # --- a run on disk ------------------------------------------------------------------------------------------------
 
 
@@ -123,7 +132,8 @@ def test_an_interrupted_run_is_reopened_and_goes_on(fake, monkeypatch):
     session.wait(30.0)
     monkeypatch.setattr(Run, "events", lambda run, _progress: fake.bench.engine(run.recipe, run.lane).run())
     studio = Studio(fake.run.store.root)
-    assert studio.state.iteration == 5
+    assert (studio.state.iteration, studio.state.status) == (5, "stopped")
+    assert studio.state.fraction == pytest.approx(5 / 12)
     studio.run_controls._buttons["run"].click()
     studio.state.session.wait(30.0)
     studio.state.pump()

@@ -83,7 +83,7 @@ class ControlSelector(Section):
         self._mode = ipywidgets.ToggleButtons(
             options=[("MechStyle", False), ("Freestyle", True)],
             tooltips=["Drop tests on the way hold the style back where the part needs its strength", "The whole style, tested at the end"],
-            style={"button_width": "128px"},
+            style={"button_width": "112px"},
         )
         choice = {"style": NARROW_LABEL, "layout": WIDE}
         self._strategy = ipywidgets.Dropdown(options=self.traits()["control"].values, description="strategy", **choice)

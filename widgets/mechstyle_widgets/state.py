@@ -98,6 +98,7 @@ class StudioState(traitlets.HasTraits):
         with self.hold_trait_notifications():
             self.run, self.lane = run, run.lane
         self._read_store()
+        self._rest()
 
     def row(self, iteration: int | None = None, lane: str = "") -> Row | None:
         """What is known of an iteration of a lane, of the one on show if none is given; None if it is not there."""
@@ -125,6 +126,7 @@ class StudioState(traitlets.HasTraits):
         if self.run is not None and self.run.lane != change["new"]:
             self.run = Run(self.run.store, change["new"], self.run.device)
         self._read_store()
+        self._rest()
 
     @traitlets.observe("iteration")
     def _other_iteration(self, _change: object) -> None:
@@ -145,6 +147,15 @@ class StudioState(traitlets.HasTraits):
         self.branches = branches_of(store, histories)
         self.iteration = self.iterations_done if follow else min(self.iteration, self.iterations_done)
         self._show()
+
+    def _rest(self) -> None:
+        """While nothing is going on, the status is that of the lane on show."""
+        run = self.run
+        if run is None or (self.session is not None and self.session.state in ("running", "paused")):
+            return
+        self.status = "finished" if run.finished else "stopped" if self.history else "idle"
+        self.fraction = self.iterations_done / run.recipe.iterations
+        self.message = self.history[-1].words if self.status == "finished" else ""
 
     def _show(self) -> None:
         self.checkpoint = self.checkpoint_at(self.iteration)

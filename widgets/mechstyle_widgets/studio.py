@@ -1,4 +1,4 @@
-"""The Studio: settings at the left, the part in the middle, its story below, mask and branches at the right."""
+"""The Studio: settings, mask and branches beside the part, its story below."""
 
 from __future__ import annotations
 
@@ -31,7 +31,8 @@ from mechstyle_widgets.state import StudioState
 from mechstyle_widgets.timeline import Timeline
 from mechstyle_widgets.viewer import Viewer
 
-LEFT, RIGHT, GAP = 284, 284, 12  # widths of the columns and between them [pixels]
+COLUMN, GAP = 288, 12  # widths of a column beside the view, and between them [pixels]
+THREE_COLUMNS = 1160  # from this width on mask and branches have a column of their own [pixels]
 HEIGHT = 590  # of the columns [pixels]
 VIEW = 430  # height of the view [pixels]
 
@@ -57,7 +58,7 @@ class Studio(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         part: str | Path | SurfaceMesh | Run = "gallery:pen_holder",
         *,
         theme: str = "light",
-        width: int = 1080,
+        width: int = 920,
         **settings: Any,
     ) -> None:
         """Open a part, or a run that was made before.
@@ -65,7 +66,7 @@ class Studio(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         Args:
             part: `gallery:NAME`, a file, a surface, a run, or a run directory, which may be written DIR@LANE.
             theme: `light` or `dark`.
-            width: Of the whole [pixels].
+            width: Of the whole [pixels]; 920 fits a window of 1100, from 1160 on there is a third column.
             settings: Any of `prompt`, `material`, `freestyle`, `vertices`, `device`, `folder`, `scale`, and fields of `Recipe`.
 
         Raises:
@@ -75,7 +76,9 @@ class Studio(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         self.state = StudioState()
         self.conductor = Conductor(self.state, self.wanted)
         self._make_sections("" if run is not None else part, settings)
-        self._middle = ipywidgets.VBox(layout={"width": f"{max(width - LEFT - RIGHT - 2 * GAP, 360)}px"})
+        self._three_columns = width >= THREE_COLUMNS
+        beside = (2 if self._three_columns else 1) * (COLUMN + GAP)
+        self._middle = ipywidgets.VBox(layout={"width": f"{max(width - beside, 360)}px"})
         self._timeline = Timeline(self.state, theme=theme, width=width)
         super().__init__([self._row(), self._timeline], layout={"width": f"{width}px", "max_width": "100%"})
         self.add_class("mechstyle-studio")
@@ -155,14 +158,17 @@ class Studio(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             setattr(owner, name, value)
 
     def _row(self) -> ipywidgets.HBox:
+        """The columns: three where there is room, else mask and branches share the left one with the settings."""
         titles = ("Part", "Style", "Material", "Restraint", "Schedule", "Leave alone", "Drop test")
-        self._accordion = ipywidgets.Accordion([self.part_picker, *self._sections], titles=titles, selected_index=1)
-        self._tabs = ipywidgets.Tab([self.mask_inspector, self.branches], titles=("Mask", "Branches"))
-        self._accordion.layout.overflow = self._tabs.layout.overflow = "auto"
-        left = ipywidgets.VBox([self.run_controls, self._accordion], layout={"width": f"{LEFT}px", "max_height": f"{HEIGHT}px"})
-        right = ipywidgets.VBox([self._tabs], layout={"width": f"{RIGHT}px", "max_height": f"{HEIGHT}px"})
-        # Where the notebook is narrower than the Studio, the right column goes below.
-        return ipywidgets.HBox([left, self._middle, right], layout={"width": "100%", "flex_flow": "row wrap", "grid_gap": f"{GAP}px"})
+        fill = {"flex": "1 1 auto", "min_height": "0", "overflow": "auto"}
+        self._accordion = ipywidgets.Accordion([self.part_picker, *self._sections], titles=titles, selected_index=1, layout=fill)
+        inspectors = {"Mask": self.mask_inspector, "Branches": self.branches}
+        pages = inspectors if self._three_columns else {"Settings": self._accordion, **inspectors}
+        self._tabs = ipywidgets.Tab(list(pages.values()), titles=tuple(pages), layout=fill)
+        left = [self.run_controls, self._accordion if self._three_columns else self._tabs]
+        columns = [_column(left), self._middle, *([_column([self._tabs])] if self._three_columns else [])]
+        # Where the notebook is narrower still, columns go below each other.
+        return ipywidgets.HBox(columns, layout={"width": "100%", "flex_flow": "row wrap", "grid_gap": f"{GAP}px"})
 
     def _take(self, run: Run) -> None:
         """Show the settings of a run that was made before."""
@@ -228,6 +234,10 @@ class Studio(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         for view in (self._viewer, self._timeline):
             if view is not None:
                 view.theme = change["new"]
+
+
+def _column(children: list[Any]) -> ipywidgets.VBox:
+    return ipywidgets.VBox(children, layout={"width": f"{COLUMN}px", "height": f"{HEIGHT}px"})
 
 
 def _run_in(part: Any, device: str) -> Run | None:
