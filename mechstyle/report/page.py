@@ -13,6 +13,7 @@ import msgspec
 
 from mechstyle.errors import BadInput
 from mechstyle.material import Material
+from mechstyle.planning import DECIDED_BY_THE_PART
 from mechstyle.records import Judgement, Recipe
 from mechstyle.report import words
 from mechstyle.report.assets import bundle, static
@@ -190,7 +191,7 @@ def _notes(run: LaneOfRun) -> Markup:
 
 def _settings(recipe: Recipe) -> Markup:
     explained = words.settings_explained()
-    plain: dict[str, Any] = {name: getattr(recipe, name) for name in Recipe.__struct_fields__ if name != "material"}
+    plain: dict[str, Any] = {name: getattr(recipe, name) for name in Recipe.__struct_fields__ if name not in ("material", *DECIDED_BY_THE_PART)}
     return table(
         ("setting", "value", "what it is"),
         [(name.replace("_", " "), _plain(value), explained.get(name, "")) for name, value in plain.items()],
@@ -199,11 +200,11 @@ def _settings(recipe: Recipe) -> Markup:
 
 
 def _plain(value: object) -> object:
-    """A setting as a reader expects it; digests are shortened, structures become JSON."""
+    """A setting as a reader expects it; structures become JSON."""
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, str):
-        return f"{value[:12]}…" if len(value) == 64 and value.isalnum() else value or "none"
+        return value or "none"
     if isinstance(value, int | float):
         return f"{value:g}"
     return msgspec.json.encode(value).decode() if value else "none"

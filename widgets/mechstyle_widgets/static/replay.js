@@ -6,7 +6,7 @@ import { Player, element } from "./player.js";
 const FOLLOWED = ["iteration", "layer", "threshold"];
 
 function render({ model, el }) {
-  const root = element("div", { "data-lm-suppress-shortcuts": "true" }); // its keys are not the notebook's
+  const root = element("div");
   el.append(root);
   let player = null, newest = 0, telling = false;
   const follow = () => {
@@ -26,6 +26,7 @@ function render({ model, el }) {
     player?.dispose();
     player = new Player(root, film, tell);
     if (camera) player.camera.take(camera);
+    for (const one of root.querySelectorAll("canvas, input, button, summary")) one.dataset.lmSuppressShortcuts = "true"; // not the notebook's keys
     follow();
     root.dataset.ready = player.scene ? "replay" : "still";
   };
