@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import logging
+from dataclasses import replace
 from itertools import pairwise
 
 import msgspec
@@ -13,7 +14,7 @@ import trimesh
 
 from mechstyle import fine as module
 from mechstyle.errors import BadInput
-from mechstyle.exporting import Exported, sidecar
+from mechstyle.exporting import Exported, sidecar, unsimulated
 from mechstyle.geometry.subdivision import quartered
 from mechstyle.mesh import SurfaceMesh
 from mechstyle.run import Run, stylize
@@ -46,6 +47,14 @@ def test_a_surface_that_was_not_simulated_has_no_verdict_and_says_so(run, tmp_pa
         run.export(tmp_path / "part.obj", 4)
     assert "this iteration was not simulated; the last simulation was at 3" in caplog.text
     assert json.loads(sidecar(tmp_path / "part.obj").read_text())["verdict"] is None
+
+
+def test_a_relief_reduced_after_its_simulation_has_no_verdict(run):
+    """Retraction changes the share, and with it the surface, once the drop has been judged."""
+    state = run.checkpoint(3)
+    reduced = replace(state, share=state.share * np.float32(0.5), parent=run.store.find(3).digest)
+    assert unsimulated(run.store, run.store.entry(run.store.put_checkpoint(reduced))).startswith("the relief was reduced right after")
+    assert unsimulated(run.store, run.store.find(3)) == ""
 
 
 @pytest.fixture(scope="module")
@@ -108,6 +117,20 @@ def test_a_twin_on_the_same_surface_repeats_the_run(run, monkeypatch):
     for before, after in pairwise(run.store.checkpoint(entry.digest) for entry in past):
         twin.follow(before, after, run.recipe)
         assert np.allclose(twin.displacement, after.displacement, atol=1e-6)
+
+
+def test_what_was_taken_back_is_taken_back_from_the_twin(run):
+    """A back-off round repeats its iteration with less relief: here with half of it in front, and none behind."""
+    twin = module._Twin(run.part)
+    start, first = run.checkpoint(0), run.checkpoint(1)
+    twin.follow(start, first, run.recipe)
+    grown, front = twin.displacement.copy(), run.part.surface.vertices[:, 1] > 0.0
+    twin.follow(first, replace(first, displacement=first.displacement * np.where(front, 0.5, 0.0).astype(np.float32)), run.recipe)
+    y = run.part.surface.vertices[twin._cut.parents][:, :, 1]
+    moved = np.all(first.displacement[twin._cut.parents] != 0.0, axis=1)
+    assert np.allclose(twin.displacement[(y > 0).all(axis=1) & moved], 0.5 * grown[(y > 0).all(axis=1) & moved])
+    assert not twin.displacement[(y <= 0).all(axis=1) & moved].any()
+    assert grown[(y <= 0).all(axis=1) & moved].any()
 
 
 def test_the_unstylized_part_cannot_be_drawn_finer(run, tmp_path):

@@ -6,7 +6,7 @@ import manifold3d
 import numpy as np
 import pytest
 
-from mechstyle.geometry.hollows import is_inside, openness
+from mechstyle.geometry.hollows import _walked, is_inside, openness
 from mechstyle.geometry.standardise import standardise, surface_of
 
 
@@ -53,3 +53,13 @@ def test_a_waist_is_outside():
     profile = manifold3d.CrossSection([[(0.0, 0.0), (20.0, 0.0), (12.0, 20.0), (20.0, 40.0), (0.0, 40.0)]])
     mesh = standardise(surface_of(profile.revolve(64)), 2500)
     assert not is_inside(mesh).any()
+
+
+def test_a_walk_rarely_leaves_a_side_over_its_convex_edges(block):
+    """One vertex in the middle of the top against all of the bottom: by ways alone, most of the top would fall to the bottom."""
+    height, from_axis = block.vertices[:, 2], np.linalg.norm(block.vertices[:, :2] - 10.0, axis=1)
+    middle = np.arange(len(height)) == np.where(height > 19.9, from_axis, np.inf).argmin()
+    met = _walked(block, middle, height < 0.1)
+    top = (height > 19.9) & (np.abs(block.vertices[:, :2] - 10.0).max(axis=1) < 9.0)
+    assert met[top].min() > 0.9
+    assert met[(height > 5.0) & (height < 10.0)].max() < 0.5
