@@ -191,7 +191,8 @@ def _notes(run: LaneOfRun) -> Markup:
 
 def _settings(recipe: Recipe) -> Markup:
     explained = words.settings_explained()
-    plain: dict[str, Any] = {name: getattr(recipe, name) for name in Recipe.__struct_fields__ if name not in ("material", *DECIDED_BY_THE_PART)}
+    elsewhere = ("material", *DECIDED_BY_THE_PART)
+    plain: dict[str, Any] = {name: getattr(recipe, name) for name in Recipe.__struct_fields__ if name not in elsewhere}
     return table(
         ("setting", "value", "what it is"),
         [(name.replace("_", " "), _plain(value), explained.get(name, "")) for name, value in plain.items()],

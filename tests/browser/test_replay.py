@@ -52,7 +52,8 @@ def test_it_scrubs_while_the_kernel_is_busy(shown):
     """The kernel waits for the browser here, so whatever moves moves without it."""
     shown.page.evaluate(
         "() => { const k = window.jupyterapp.shell.currentWidget.sessionContext.session.kernel;"
-        " window.asked = k.requestExecute({code: 'import pathlib\\nwhile not pathlib.Path(\"go\").exists(): pass', store_history: false}); }"
+        " const code = 'import pathlib\\nwhile not pathlib.Path(\"go\").exists(): pass';"
+        " window.asked = k.requestExecute({code, store_history: false}); }"
     )
     shown.page.locator(".ms-scrub input").focus()
     shown.page.keyboard.press("Home")
