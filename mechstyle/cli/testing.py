@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from mechstyle.cli.console import command, err, escape, factor, out, print_json, table, telling, verdict_text
 from mechstyle.cli.making import Criterion, Device, Json, LoadFile, MaterialName, MinimumWall, Model, Scale, Vertices, carry_out, read_model
+
+if TYPE_CHECKING:
+    from mechstyle.dropped import Dropped
 
 app = typer.Typer()
 
@@ -46,12 +49,11 @@ def simulate_command(
             progress=teller.fraction,
         )
         picture = dropped.show().save((folder or Path()) / f"{name}-stress.png")
-    strength = dropped.strength
     if as_json:
         files = {"picture": str(picture)}
         print_json(
             {
-                **to_dict(strength),
+                **to_dict(dropped.strength),
                 "warning": dropped.warning,
                 "loads": dropped.simulation.loaded,
                 "notes": dropped.part.notes,
@@ -60,6 +62,12 @@ def simulate_command(
             }
         )
         return
+    _report(dropped, picture)
+
+
+def _report(dropped: Dropped, picture: Path) -> None:
+    """Print what a drop test found, for people."""
+    strength = dropped.strength
     rows = table("", "")
     overall = "not run" if dropped.simulation.overall is None else f"{dropped.simulation.overall.p99:.1f} MPa"
     peak = "largest element stress" if dropped.verdict.criterion == "paper" else "peak stress (2 mm average)"
@@ -71,7 +79,7 @@ def simulate_command(
         ),
         ("p99.9 as placed", f"{dropped.simulation.as_placed.p999:.1f} MPa"),
         ("p99 over all orientations", overall),
-        *((f"load {case.name!r}", case.words) for case in dropped.simulation.loaded),
+        *((escape(f"load {case.name!r}"), case.words) for case in dropped.simulation.loaded),
         ("literal maximum", f"{strength.maximum:.1f} MPa (depends on the mesh)"),
         ("tetrahedra", f"{len(dropped.part.tets.tets)}"),
         ("picture", escape(str(picture))),
