@@ -57,6 +57,14 @@ EXECUTE = """async code => {
     await future.done;
     return out.trim();
 }"""
+UNTIL = """async (execute, code, wanted, patience) => {
+    const end = performance.now() + patience;
+    for (;;) {
+        const said = await execute(code);
+        if (said === wanted || performance.now() > end) return said;
+        await new Promise(done => setTimeout(done, 50));
+    }
+}"""
 SETTLED = "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
 
 
@@ -103,11 +111,9 @@ class Notebook:
 
     def until(self, expression: str, expected: object) -> None:
         """Wait until an expression in the kernel prints as expected."""
-        for _ in range(600):
-            if (said := self.python(f"print({expression})")) == str(expected):
-                return
-            self.page.evaluate(SETTLED)
-        pytest.fail(f"{expression} is {said}, not {expected}")
+        said = self.page.evaluate(f"([code, wanted, patience]) => ({UNTIL})({EXECUTE}, code, wanted, patience)",
+                                  [f"print({expression})", str(expected), PATIENCE])
+        assert said == str(expected), f"{expression} is {said}, not {expected}"
 
     def canvas(self, number: int = 0) -> Locator:
         """A view in three dimensions."""

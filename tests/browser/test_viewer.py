@@ -90,6 +90,23 @@ def test_the_picture_can_be_saved(shown):
     assert download.value.path().read_bytes().startswith(b"\x89PNG")
 
 
+def test_the_impact_can_be_watched_and_exaggerated(shown):
+    shown.page.get_by_role("button", name="see the impact").click()
+    shown.until("(viewer.player.impact is not None, viewer.layer)", "(True, 'moment')")
+    before = shown.drawn()
+    handle = shown.page.locator(".mechstyle-viewer .noUi-handle").first
+    handle.focus()
+    for _ in range(4):
+        shown.page.keyboard.press("ArrowRight")
+    shown.until("viewer.player.frame", 4)
+    early = shown.changed(shown.canvas(), before, 0.05)
+    shown.keep("viewer-impact")
+    shown.python("viewer.player.exaggeration = 200.0")
+    shown.changed(shown.canvas(), early, 0.01)
+    shown.page.locator(".mechstyle-viewer button[title^='Back to']").click()
+    shown.until("(viewer.player.impact, viewer.layer)", "(None, 'style')")
+
+
 def test_running_the_cell_again_leaves_nothing_behind(shown):
     shown.run_all()
     count = shown.python("print(len(alive))")

@@ -22,10 +22,10 @@ def colour_bar(layer: Layer, mesh: SurfaceMesh) -> str:
     edge = (scale.top - scale.low) / (scale.high - scale.low)
     if 0.15 < edge < 0.8:  # nearer to an end the numbers would overlap, and the caption has it too
         ticks.append(_tick(edge, 0.5, f"<b>{scale.top:.3g}</b>"))
-    lines = [f'<div><b>{escape(layer.caption)}</b> <span style="color:{FAINT}">{escape(layer.note)}</span></div>']
+    lines = [f"<div><b>{escape(layer.caption)}</b></div>"]
     lines.append(f'<div style="width:{BAR_WIDTH}px;height:12px;border-radius:2px;background:{_gradient(scale)}"></div>')
     lines.append(f'<div style="position:relative;width:{BAR_WIDTH}px;height:1.5em">{"".join(ticks)}</div>')
-    lines += [f'<div style="color:{FAINT}">{line}</div>' for line in (_extremes(layer), _share_above(layer, mesh)) if line]
+    lines += [f'<div style="color:{FAINT}">{line}</div>' for line in (_extremes(layer), _share_above(layer, mesh), escape(layer.note)) if line]
     return _block("".join(lines))
 
 

@@ -52,7 +52,7 @@ class RunViewer(Linked, Viewer):
         wanted = state.layer if subject.layer(state.layer) else STYLE
         super().__init__(subject.mesh, subject.layers, original=original, theme=theme, width=width, height=height)
         self.player = ImpactPlayer(state)
-        self._add_below(self.player)
+        self._add_under_view(self.player)
         self.player.observe(self._follow, ("impact", "frame", "exaggeration"))
         self.player.observe(self._show_stress, "impact")
         self.layer = state.layer = wanted

@@ -230,9 +230,9 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             return Panel(subject.mesh, title, view=seen)
         return Panel(subject.mesh, title, layer.values, layer.unit, layer.label, layer.limits, layer.threshold, seen, layer.note)
 
-    def _add_below(self, widget: ipywidgets.Widget) -> None:
-        """Show one more widget under all others."""
-        self.children: tuple[ipywidgets.Widget, ...] = (*self.children, widget)
+    def _add_under_view(self, widget: ipywidgets.Widget) -> None:
+        """Show one more widget between the view and what is written under it."""
+        self.children: tuple[ipywidgets.Widget, ...] = (*self.children[:-1], widget, self.children[-1])
 
     # what the mouse does
 
