@@ -62,6 +62,12 @@ class FakeRun:
 
 
 @pytest.fixture
+def fake_run() -> type[FakeRun]:
+    """Makes runs without physics: `fake_run(folder, **settings)`."""
+    return FakeRun
+
+
+@pytest.fixture
 def fake(tmp_path) -> FakeRun:
     """A run directory that has not begun."""
     return FakeRun(tmp_path / "run")

@@ -78,6 +78,14 @@ def test_a_prompt_without_a_style_names_the_nearest_and_leaves_no_wish():
     assert box._chips.value == ""
 
 
+def test_clip_takes_any_prompt():
+    box = PromptBox("spaceship")
+    assert "names no style" in box.trouble
+    box._guidance.value = "clip"
+    assert box.settings["guidance"] == "clip"
+    assert box.trouble == ""
+
+
 def test_a_picture_takes_the_place_of_the_style_and_leaves_the_rest():
     box = PromptBox("small brick")
     box._chips._press("dragon_scales")

@@ -25,13 +25,22 @@ def test_settings_given_by_name_reach_the_recipe():
     assert wanted.mesh is studio.part_picker.mesh
 
 
+@pytest.mark.usefixtures("unprotected")
+def test_settings_without_a_control_may_be_given_and_stay(tmp_path, fake_run):
+    assert Studio("gallery:wall_hook", window=2.0, element="tet4").wanted().recipe.window == 2.0
+    made = fake_run(tmp_path / "other", window=2.0, friction=0.3)
+    made.go()
+    studio = Studio(made.run)
+    assert (studio.wanted().recipe.window, studio.conductor.differs()) == (2.0, {})
+
+
 def test_freestyle_brings_its_preset():
     recipe = Studio("gallery:wall_hook", freestyle=True, iterations=50).wanted().recipe
     assert (recipe.control, recipe.schedule, recipe.guarantee, recipe.iterations) == ("none", "never", False, 50)
 
 
 def test_an_unknown_setting_is_refused_with_the_known_ones():
-    with pytest.raises(BadInput, match="has no setting 'colour': known are amplitude, control"):
+    with pytest.raises(BadInput, match="has no setting 'colour': known are amplitude, clip, control"):
         Studio("gallery:wall_hook", colour="blue")
 
 
@@ -93,6 +102,9 @@ def test_a_run_opens_with_its_settings_and_its_newest_iteration(done):
     assert studio.conductor.differs() == {}
     assert isinstance(studio._viewer, RunViewer)
     assert studio.part_picker.name == "sheet"
+    assert studio.wanted().mesh is None  # the part of the run is at hand
+    studio.drop_options.vertices = 700
+    assert studio.wanted().mesh is studio.part_picker.mesh
 
 
 @pytest.mark.usefixtures("unprotected")

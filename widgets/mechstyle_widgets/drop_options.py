@@ -22,18 +22,20 @@ class DropOptions(Section):
         orientations: Drops in the final test, the first as placed.
         criterion: What viable means, `robust` or `paper`.
         guarantee: Whether the finished relief is backed off until it is viable.
+        minimum_wall: The thinnest wall the style may leave [mm], 0 for no rule.
         vertices: Of the standardised surface.
         device: `auto`, `cpu` or `cuda`.
         folder: Run directory, "" for one named by prompt and recipe.
     """
 
-    FIELDS = ("drop_height", "orientations", "criterion", "guarantee")
+    FIELDS = ("drop_height", "orientations", "criterion", "guarantee", "minimum_wall")
     OWN = ("vertices", "device", "folder")
 
     drop_height = traitlets.Float(1500.0, min=1.0, max=1e5)
     orientations = traitlets.Int(5, min=1, max=512)
     criterion = traitlets.Enum(CRITERIA, "robust")
     guarantee = traitlets.Bool(True)
+    minimum_wall = traitlets.Float(0.8, min=0.0)
     vertices = traitlets.Int(STANDARD_VERTICES, min=1)
     device = traitlets.Enum(DEVICES, "auto")
     folder = traitlets.Unicode("")
@@ -48,6 +50,9 @@ class DropOptions(Section):
             ),
             "criterion": ipywidgets.Dropdown(options=CRITERIA, description="criterion", **look),
             "guarantee": ipywidgets.Checkbox(description="back off until it is viable", indent=False, layout=WIDE),
+            "minimum_wall": ipywidgets.BoundedFloatText(
+                description="thinnest [mm]", min=0.0, max=50.0, step=0.1, tooltip="The thinnest wall the style may leave", **look
+            ),
             "vertices": ipywidgets.BoundedIntText(description="vertices", min=1, max=400_000, step=1000, **look),
             "device": ipywidgets.Dropdown(options=DEVICES, description="device", **look),
             "folder": ipywidgets.Text(

@@ -11,7 +11,8 @@ import traitlets
 
 from mechstyle.errors import BadInput
 from mechstyle.mesh import SurfaceMesh
-from mechstyle.planning import draft
+from mechstyle.planning import DECIDED_BY_THE_PART, draft
+from mechstyle.records import Recipe
 from mechstyle.run import Run
 from mechstyle.store import parse_address
 from mechstyle_widgets.branches import Branches
@@ -24,6 +25,7 @@ from mechstyle_widgets.material_picker import MaterialPicker
 from mechstyle_widgets.part_picker import PartPicker
 from mechstyle_widgets.prompt_box import PromptBox
 from mechstyle_widgets.regions_picker import RegionsPicker
+from mechstyle_widgets.reruns import OncePerCell
 from mechstyle_widgets.run_controls import RunControls
 from mechstyle_widgets.run_viewer import RunViewer
 from mechstyle_widgets.schedule_selector import ScheduleSelector
@@ -35,9 +37,13 @@ COLUMN, GAP = 288, 12  # widths of a column beside the view, and between them [p
 THREE_COLUMNS = 1160  # from this width on mask and branches have a column of their own [pixels]
 HEIGHT = 590  # of the columns [pixels]
 VIEW = 430  # height of the view [pixels]
+SECTIONS = (PromptBox, MaterialPicker, ControlSelector, ScheduleSelector, RegionsPicker, DropOptions)
+SHOWN = {field for section in SECTIONS for field in section.FIELDS}
+UNSEEN = tuple(name for name in Recipe.__struct_fields__ if name not in {*SHOWN, *DECIDED_BY_THE_PART})
+"""Fields of a recipe without a control: what a run was opened with, or was given by name, stays."""
 
 
-class Studio(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
+class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     """A part, a prompt and a run, as the last expression of a cell.
 
     Each part of it is a widget with documented traits; what the mouse sets, Python can set: `studio.prompt_box.prompt`,
@@ -112,9 +118,10 @@ class Studio(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             for name in ("control", "normalisation", "schedule", "memory", "retraction", "protect_resting_face", "guarantee"):
                 del chosen[name]
         part, options = self.part_picker, self.drop_options
-        mesh = None if self._opened_mesh is not None and part.mesh is self._opened_mesh else part.mesh
-        recipe = draft(prompt, material, freestyle=freestyle, **chosen)
-        return Wanted(recipe, mesh, options.vertices, part.name or "part", options.folder, options.device)
+        at_hand = part.mesh is not None and part.mesh is self._opened_mesh and options.vertices == len(part.mesh.vertices)
+        unseen = {name: value for name, value in self._unseen.items() if not (name == "clip" and chosen["guidance"] == "offline")}
+        recipe = draft(prompt, material, freestyle=freestyle, **{**unseen, **chosen})
+        return Wanted(recipe, None if at_hand else part.mesh, options.vertices, part.name or "part", options.folder, options.device)
 
     def close(self) -> None:
         """Stop what is going on and close every widget."""
@@ -129,7 +136,8 @@ class Studio(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     # how it is put together
 
     def _make_sections(self, part: Any, settings: dict[str, Any]) -> None:
-        self._opened_mesh: SurfaceMesh | None = None
+        self._opened_mesh: SurfaceMesh | None = None  # the part of the run that was opened, ready as it is
+        self._unseen: dict[str, Any] = {}
         given = dict(settings)
         scale, name = given.pop("scale", None), given.pop("name", "part")
         self.part_picker = PartPicker(str(part) if isinstance(part, Path) else part, scale=scale, name=name)
@@ -152,10 +160,13 @@ class Studio(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         """Set what was given by name."""
         for name, value in settings.items():
             owner = next((section for section in self._sections if name in (*section.FIELDS, *section.OWN)), None)
-            if owner is None:
-                known = sorted({field for section in self._sections for field in (*section.FIELDS, *section.OWN)})
+            if owner is None and name in UNSEEN:
+                self._unseen[name] = value
+            elif owner is None:
+                known = sorted({*UNSEEN, *(field for section in self._sections for field in (*section.FIELDS, *section.OWN))})
                 raise BadInput(f"the Studio has no setting {name!r}: known are {', '.join(known)}")
-            setattr(owner, name, value)
+            else:
+                setattr(owner, name, value)
 
     def _row(self) -> ipywidgets.HBox:
         """The columns: three where there is room, else mask and branches share the left one with the settings."""
@@ -175,8 +186,8 @@ class Studio(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         recipe = run.recipe
         for section in self._sections:
             section.take(recipe)
+        self._unseen = {name: getattr(recipe, name) for name in UNSEEN}
         self.drop_options.vertices = len(run.part.surface.vertices)
-        self.drop_options.folder = str(run.store.root)
         self.part_picker.show(run.part.surface, run.record.name)
         self._opened_mesh = run.part.surface
 
@@ -197,7 +208,6 @@ class Studio(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         old, new = change["old"], change["new"]
         if isinstance(old, Run) and new is not None and old.store.root == new.store.root:
             return
-        self._opened_mesh = self.part_picker.mesh
         self._first_checkpoint()
 
     def _first_checkpoint(self, change: dict[str, Any] | None = None) -> None:
