@@ -16,9 +16,8 @@ import tempfile
 import time
 from pathlib import Path
 from statistics import median
-from typing import Any
 
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, sync_playwright
 from rich.console import Console
 from rich.table import Table
 
@@ -58,11 +57,17 @@ STEP = """() => {
 }"""
 """Milliseconds to decode and upload a frame, without drawing it: what is left of it on a graphics card."""
 
+REOPEN = "open_player().then(close_player)"
+"""Shows the replay and closes it again, as running its cell again does."""
+
 HARNESS = """
-window.open_player = async (header, payload) => {
-    const bytes = Uint8Array.from(atob(payload), (letter) => letter.charCodeAt(0)), root = document.createElement('div');
+window.take_film = ([header, payload]) => {
+    window.film_of = [header, Uint8Array.from(atob(payload), (letter) => letter.charCodeAt(0))];
+};
+window.open_player = async () => {
+    const root = document.createElement('div');
     document.body.append(root);
-    window.player = new Player(root, await unpack(header, bytes));
+    window.player = new Player(root, await unpack(...window.film_of));
     await new Promise(requestAnimationFrame);
     await new Promise(requestAnimationFrame);
 };
@@ -121,13 +126,13 @@ def of_replay(browser: Browser, run: Run) -> list[tuple[str, str, str]]:
     page = browser.new_page()
     page.set_content("<!doctype html><title>replay</title>")
     page.add_script_tag(content=bundle(HARNESS), type="module")
-    film_of = [played.header, base64.b64encode(played.payload).decode("ascii")]
-    reopen(page, film_of)
+    page.evaluate("film => take_film(film)", [played.header, base64.b64encode(played.payload).decode("ascii")])
+    page.evaluate(REOPEN)
     first = page.evaluate("heap()")
     for _ in range(RERUNS):
-        reopen(page, film_of)
+        page.evaluate(REOPEN)
     last = page.evaluate("heap()")
-    page.evaluate("([header, payload]) => open_player(header, payload)", film_of)
+    page.evaluate("open_player()")
     frames = page.evaluate(STEP)
     page.close()
     return [
@@ -135,11 +140,6 @@ def of_replay(browser: Browser, run: Run) -> list[tuple[str, str, str]]:
         ("replay: a frame decoded and uploaded, not drawn", spread(frames), "16.7 ms"),
         (f"replay: heap after 1 and after {RERUNS + 1} runs of a cell", f"{first:.1f} and {last:.1f} MB", ""),
     ]
-
-
-def reopen(page: Page, film_of: list[Any]) -> None:
-    """Show the replay and close it again, as running its cell again does."""
-    page.evaluate("([header, payload]) => open_player(header, payload).then(close_player)", film_of)
 
 
 def spread(times: list[float]) -> str:

@@ -69,7 +69,7 @@ export class Player {
     this.stage = element("div", { class: "ms-stage" }, this.canvas, this.names);
     this.caption = element("p", { class: "ms-caption", "aria-live": "polite" });
     this.root.classList.add("ms-player");
-    this.root.replaceChildren(this.toolbar(), this.stage, this.scrubber(), this.caption, this.legend(), this.help());
+    this.root.replaceChildren(this.toolbar(), this.stage, this.scrubber(), this.caption, this.help(), this.legend());
     this.keys = (event) => this.key(event);
     this.root.addEventListener("keydown", this.keys);
   }
