@@ -21,18 +21,14 @@ LANES = 8
 _LAYOUT = """
     typedef float Number;  // what lies in no lane: the body is the same for all drops
     auto geometry = [&](int block) { return (const Number *)body.geometry.data + 10 * block; };
-    auto load = [&](auto element, const float *field, int block, Vector *x) INLINE {
+    auto load = [&](auto element, const float *field, int block, Lanes (*)[3], const Lanes **x) INLINE {
         constexpr int nodes = decltype(element)::nodes;
         const int *node = body.nodes_of.data + nodes * block;
-        const Lanes *first = (const Lanes *)(field + 3 * LANES * node[0]);
-        for (int a = 0; a < nodes; a++)
-            for (int k = 0; k < 3; k++) x[a][k] = ((const Lanes *)(field + 3 * LANES * node[a]))[k] - first[k];
+        for (int a = 0; a < nodes; a++) x[a] = (const Lanes *)(field + 3 * LANES * node[a]);
     };
-    auto add = [&](auto element, const Vector *f, int block) INLINE {
-        constexpr int nodes = decltype(element)::nodes;
-        const int *node = body.nodes_of.data + nodes * block;
-        for (int a = 0; a < nodes; a++)
-            for (int k = 0; k < 3; k++) ((Lanes *)(state.forces.data + 3 * LANES * node[a]))[k] += f[a][k];
+    auto add = [&](auto element, int block, auto forces) INLINE {
+        const int *node = body.nodes_of.data + decltype(element)::nodes * block;
+        forces([&](int a, int k, Lanes f) INLINE { ((Lanes *)(state.forces.data + 3 * LANES * node[a]))[k] += f; });
     };
 """
 

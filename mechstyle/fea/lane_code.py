@@ -16,11 +16,6 @@ TYPES = """
     #define UNROLL _Pragma("clang loop unroll(full)")
     typedef float Lanes __attribute__((vector_size(4 * LANES), aligned(4)));
     typedef double DoubleLanes __attribute__((vector_size(8 * LANES), aligned(8)));
-    struct Vector {
-        Lanes entry[3];
-        Lanes &operator[](int i) { return entry[i]; }
-        const Lanes &operator[](int i) const { return entry[i]; }
-    };
     struct Matrix {
         Lanes entry[3][3];
         Lanes *operator[](int i) { return entry[i]; }
@@ -108,20 +103,20 @@ STRESS = """
 
 ELEMENTS = (
     f"    constexpr float NEAR = 4.0f * {GAUSS_A}f, FAR = 4.0f * {GAUSS_B}f, SELF = FAR - 1.0f, EXTRA = NEAR - FAR;"
-     """
+    + """
     // Node between corners i and j, the corner itself for i = j.
     constexpr int between[4][4] = {{0, 4, 5, 6}, {4, 1, 7, 8}, {5, 7, 2, 9}, {6, 8, 9, 3}};
-    // H + factor sum_i (x_i - x_0) (x) grad L_i: the gradient of what has the values x at the corners.
-    auto plus_linear = [](Matrix H, const Vector &x0, const Vector &x1, const Vector &x2, const Vector &x3, const Number *B) INLINE {
+    // H + sum_i (x_i - x_0) (x) B_i: with B_i = grad L_i the gradient of what has the values x at the corners.
+    auto plus_linear = [](Matrix H, const Lanes *x0, const Lanes *x1, const Lanes *x2, const Lanes *x3, const Number *B) INLINE {
         for (int k = 0; k < 3; k++) {
             const Lanes a = x1[k] - x0[k], b = x2[k] - x0[k], c = x3[k] - x0[k];
             for (int j = 0; j < 3; j++) H[k][j] += a * B[j] + b * B[3 + j] + c * B[6 + j];
         }
         return H;
     };
-    // What the gradients at the four Gauss points of a quadratic element have in common; x are nodal values less that of node 0.
-    auto common_gradient = [&](const Vector *x, const Number *B) INLINE {
-        Vector base[4];
+    // What the gradients at the four Gauss points of a quadratic element have in common; x[a] are the three components at node a.
+    auto common_gradient = [&](const Lanes *const *x, const Number *B) INLINE {
+        Lanes base[4][3];
         for (int i = 0; i < 4; i++)
             for (int k = 0; k < 3; k++) {
                 Lanes edges = {};
@@ -132,45 +127,39 @@ ELEMENTS = (
         return plus_linear(Matrix{}, base[0], base[1], base[2], base[3], B);
     };
     // The gradient at Gauss point q; `extra` is EXTRA grad L_i.
-    auto gradient = [&](auto element, const Matrix &common, const Vector *x, const Number *B, const Number *extra, int q) INLINE {
+    auto gradient = [&](auto element, const Matrix &common, const Lanes *const *x, const Number *B, const Number *extra, int q) INLINE {
         if constexpr (decltype(element)::points == 1) return plus_linear(Matrix{}, x[0], x[1], x[2], x[3], B);
         else return plus_linear(common, x[between[0][q]], x[between[1][q]], x[between[2][q]], x[between[3][q]], extra);
     };
-    // g_i = P b_i for i = 1 to 3 and minus their sum for i = 0, b_i = -V/points grad L_i: corner forces of a linear element.
-    auto corner_forces = [](const Matrix &P, const Number *b, Vector *g) INLINE {
-        for (int k = 0; k < 3; k++) {
-            for (int i = 0; i < 3; i++) g[i + 1][k] = P[k][0] * b[3 * i] + P[k][1] * b[3 * i + 1] + P[k][2] * b[3 * i + 2];
-            g[0][k] = -(g[1][k] + g[2][k] + g[3][k]);
-        }
-    };
-    // Nodal forces -sum_q V/points P_q grad N_a of an element, `stress(q, H)` being P at its Gauss points.
-    auto nodal_forces = [&](auto element, const Vector *x, const Number *G, auto stress, Vector *f) INLINE {
+    // Nodal forces -sum_q V/points P_q grad N_a of an element, P_q = stress(q, H_q), handed to emit(node, component, force).
+    auto nodal_forces = [&](auto element, const Lanes *const *x, const Number *G, auto stress, auto emit) INLINE {
         constexpr int points = decltype(element)::points;
         Number b[9], extra[9];
         for (int i = 0; i < 9; i++) b[i] = (-1.0f / points) * G[9] * G[i], extra[i] = EXTRA * G[i];
-        if constexpr (points == 1) {
-            corner_forces(stress(0, gradient(element, Matrix{}, x, G, extra, 0)), b, f);
-        } else {
-            const Matrix common = common_gradient(x, G);
-            Vector total[4] = {}, g[4];
-            for (int a = 0; a < 10; a++) f[a] = Vector{};
-            UNROLL
-            for (int q = 0; q < 4; q++) {
-                corner_forces(stress(q, gradient(element, common, x, G, extra, q)), b, g);
-                UNROLL
-                for (int i = 0; i < 4; i++)
-                    for (int k = 0; k < 3; k++) {
-                        total[i][k] += g[i][k];
-                        f[between[q][i]][k] += g[i][k];
-                    }
-            }
+        Matrix common = {};
+        if constexpr (points > 1) common = common_gradient(x, G);
+        Lanes g[points][3][4];  // [q][component][corner]: -V/points P_q grad L_i, forces on the corners of a linear element
+        UNROLL
+        for (int q = 0; q < points; q++) {
+            const Matrix P = stress(q, gradient(element, common, x, G, extra, q));
             for (int k = 0; k < 3; k++) {
-                for (int i = 0; i < 4; i++) f[i][k] = SELF * total[i][k] + EXTRA * f[i][k];
-                for (int i = 0; i < 4; i++)
-                    for (int j = i + 1; j < 4; j++) {
-                        Lanes &middle = f[between[i][j]][k];
-                        middle = FAR * (total[i][k] + total[j][k]) + EXTRA * middle;
-                    }
+                for (int i = 0; i < 3; i++) g[q][k][i + 1] = P[k][0] * b[3 * i] + P[k][1] * b[3 * i + 1] + P[k][2] * b[3 * i + 2];
+                g[q][k][0] = -(g[q][k][1] + g[q][k][2] + g[q][k][3]);
+            }
+        }
+        UNROLL
+        for (int k = 0; k < 3; k++) {
+            if constexpr (points == 1) {
+                for (int i = 0; i < 4; i++) emit(i, k, g[0][k][i]);
+            } else {
+                Lanes total[4];
+                for (int i = 0; i < 4; i++) total[i] = g[0][k][i] + g[1][k][i] + g[2][k][i] + g[3][k][i];
+                UNROLL
+                for (int i = 0; i < 4; i++) {
+                    emit(i, k, SELF * total[i] + EXTRA * g[i][k][i]);
+                    UNROLL
+                    for (int j = i + 1; j < 4; j++) emit(between[i][j], k, FAR * (total[i] + total[j]) + EXTRA * (g[i][k][j] + g[j][k][i]));
+                }
             }
         }
     };
@@ -183,9 +172,9 @@ FORCES = """
         constexpr int nodes = decltype(element)::nodes, points = decltype(element)::points;
         Lanes *peak = (Lanes *)state.peak_squared.data;
         for (int block = 0; block < body.blocks; block++) {
-            const Number *G = geometry(block);
-            Vector x[nodes], f[nodes];
-            load(element, state.w.data, block, x);
+            Lanes buffer[nodes][3];
+            const Lanes *x[nodes];
+            load(element, state.w.data, block, buffer, x);
             auto stress = [&](int q, const Matrix &H) INLINE {
                 const Matrix P = first_piola(H);
                 if (record) {
@@ -194,8 +183,7 @@ FORCES = """
                 }
                 return P;
             };
-            nodal_forces(element, x, G, stress, f);
-            add(element, f, block);
+            add(element, block, [&](auto emit) INLINE { nodal_forces(element, x, geometry(block), stress, emit); });
         }
     };
     if (body.nodes == 4) all_forces(Linear{});
@@ -212,9 +200,10 @@ STRAIN = """
             const Number *G = geometry(block);
             Number extra[9];
             for (int i = 0; i < 9; i++) extra[i] = EXTRA * G[i];
-            Vector x[nodes], v[nodes];
-            load(element, state.u.data, block, x);
-            load(element, state.v.data, block, v);
+            Lanes x_buffer[nodes][3], v_buffer[nodes][3];
+            const Lanes *x[nodes], *v[nodes];
+            load(element, state.u.data, block, x_buffer, x);
+            load(element, state.v.data, block, v_buffer, v);
             Matrix x_common = {}, v_common = {};
             if constexpr (points > 1) x_common = common_gradient(x, G), v_common = common_gradient(v, G);
             for (int q = 0; q < points; q++) {

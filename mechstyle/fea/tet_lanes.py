@@ -23,26 +23,29 @@ _LAYOUT = """
     typedef float Row __attribute__((vector_size(16), aligned(4)));  // x, y, z, 0 of one node
     typedef Lanes Number;  // the bodies in the lanes differ
     auto geometry = [&](int block) { return (const Number *)body.geometry.data + 10 * block; };
-    // Nodal values less those of node 0: four rows at a time are loaded and transposed into lanes.
-    auto load = [&](auto element, const float *field, int block, Vector *x) INLINE {
+    // Four rows at a time are loaded and transposed into lanes.
+    auto load = [&](auto element, const float *field, int block, Lanes (*buffer)[3], const Lanes **x) INLINE {
         constexpr int nodes = decltype(element)::nodes;
         const int *numbers = body.nodes_of.data + nodes * LANES * block;
-        for (int a = 0; a < nodes; a++)
+        for (int a = 0; a < nodes; a++) {
+            x[a] = buffer[a];
             for (int l = 0; l < LANES; l += 4) {
                 const int *node = numbers + LANES * a + l;
                 const Row p = *(const Row *)(field + 4 * node[0]), q = *(const Row *)(field + 4 * node[1]);
                 const Row r = *(const Row *)(field + 4 * node[2]), s = *(const Row *)(field + 4 * node[3]);
                 const Row pq = __builtin_shufflevector(p, q, 0, 4, 1, 5), rs = __builtin_shufflevector(r, s, 0, 4, 1, 5);
-                ((Row *)&x[a][0])[l / 4] = __builtin_shufflevector(pq, rs, 0, 1, 4, 5);
-                ((Row *)&x[a][1])[l / 4] = __builtin_shufflevector(pq, rs, 2, 3, 6, 7);
+                ((Row *)&buffer[a][0])[l / 4] = __builtin_shufflevector(pq, rs, 0, 1, 4, 5);
+                ((Row *)&buffer[a][1])[l / 4] = __builtin_shufflevector(pq, rs, 2, 3, 6, 7);
                 const Row pq_z = __builtin_shufflevector(p, q, 2, 6, 3, 7), rs_z = __builtin_shufflevector(r, s, 2, 6, 3, 7);
-                ((Row *)&x[a][2])[l / 4] = __builtin_shufflevector(pq_z, rs_z, 0, 1, 4, 5);
+                ((Row *)&buffer[a][2])[l / 4] = __builtin_shufflevector(pq_z, rs_z, 0, 1, 4, 5);
             }
-        for (int a = nodes - 1; a >= 0; a--)
-            for (int k = 0; k < 3; k++) x[a][k] -= x[0][k];
+        }
     };
-    auto add = [&](auto element, const Vector *f, int block) INLINE {
+    // The forces are transposed back into rows, which are added tetrahedron by tetrahedron.
+    auto add = [&](auto element, int block, auto forces) INLINE {
         constexpr int nodes = decltype(element)::nodes;
+        Lanes f[nodes][3];
+        forces([&](int a, int k, Lanes value) INLINE { f[a][k] = value; });
         Row rows[nodes][LANES];
         for (int a = 0; a < nodes; a++)
             for (int l = 0; l < LANES; l += 4) {
