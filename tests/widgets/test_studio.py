@@ -127,6 +127,23 @@ def test_one_iteration_is_on_show_everywhere(done):
 
 
 @pytest.mark.usefixtures("unprotected")
+def test_a_pinned_iteration_stands_beside_the_one_on_show(done):
+    studio = Studio(done)
+    studio.state.iteration = 4
+    studio.branches._pin.click()
+    studio.state.lane, studio.state.iteration = "soft", 9
+    viewer = studio._viewer
+    assert viewer.beside
+    assert viewer.names == ("on show", "main, iteration 4")
+    assert np.allclose(viewer.original.mesh.vertices, done.surface(4).vertices)
+    assert not np.allclose(viewer.subject.mesh.vertices, viewer.original.mesh.vertices)
+    studio.state.lane, studio.state.iteration = "main", 4
+    studio.branches._pin.click()
+    assert (studio.branches.pinned, viewer.beside, viewer.names) == (None, False, ("styled", "original"))
+    assert np.allclose(viewer.original.mesh.vertices, done.part.surface.vertices)
+
+
+@pytest.mark.usefixtures("unprotected")
 def test_the_what_if_layer_moves_with_the_threshold(done):
     studio = Studio(done)
     studio.state.iteration, studio.state.layer = 8, "what_if"

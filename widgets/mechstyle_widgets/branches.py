@@ -27,7 +27,7 @@ class Branches(Section):
     """
 
     lane = traitlets.Unicode("main")
-    pinned = traitlets.Tuple(None, allow_none=True)
+    pinned: Any = traitlets.Tuple(None, allow_none=True)
 
     def __init__(self, conductor: Conductor) -> None:
         """Show the lanes of what a conductor's state shows."""
@@ -47,6 +47,7 @@ class Branches(Section):
         self._pin.on_click(lambda _: self.pin())
         self.state.observe(self._list, ("branches", "lane"))
         self.state.observe(self._redraw, ("checkpoint", "status", "settings"))
+        self.state.observe(self._forget, "run")
         self.observe(self._redraw, "pinned")
         self._list()
 
@@ -65,8 +66,9 @@ class Branches(Section):
         self._name.value = ""
 
     def pin(self) -> None:
-        """Remember the iteration on show; what is shown afterwards is compared with it."""
-        self.pinned = (self.state.lane, self.state.iteration)
+        """Remember the iteration on show, so that what is shown afterwards is compared with it; once more, forget it."""
+        here = (self.state.lane, self.state.iteration)
+        self.pinned = None if self.pinned == here else here
 
     def comparison(self) -> list[tuple[str, str, str]]:
         """What differs between the pinned iteration and the one on show: name, there, here; settings first."""
@@ -94,6 +96,11 @@ class Branches(Section):
         self._changes.say(table(("changed", shown.parent if shown else "", self.lane), rows) if rows else "")
         self._redraw()
 
+    def _forget(self, change: dict[str, Any]) -> None:
+        """What was pinned belongs to the run it was pinned in."""
+        if change["old"] is not None and change["new"] is not None and change["old"].store.root != change["new"].store.root:
+            self.pinned = None
+
     def _choose(self, change: dict[str, Any]) -> None:
         if change["new"]:
             self.lane = change["new"]
@@ -103,7 +110,8 @@ class Branches(Section):
         nothing = state.checkpoint is None
         self._branch.description = f"branch from iteration {state.iteration}"
         self._branch.disabled = nothing or state.status in ("preparing", "running", "paused")
-        self._pin.description = f"compare others with iteration {state.iteration}"
+        again = self.pinned == (state.lane, state.iteration)
+        self._pin.description = "compare no longer" if again else f"compare others with iteration {state.iteration}"
         self._pin.disabled = nothing
         rows = self.comparison()
         if rows and self.pinned is not None:

@@ -27,9 +27,11 @@ class RunViewer(Linked, Viewer):
 
     Attributes:
         player: Shows the impact moment by moment.
+        compared: Lane and iteration that may stand beside it, None for the unstylized part.
         derived: Functions of run and checkpoint, each of which gives one more layer, such as a mask that would be.
     """
 
+    compared = traitlets.Tuple(None, allow_none=True)
     derived = traitlets.Tuple()
 
     def __init__(self, state: StudioState, *, theme: str = "light", width: int = 640, height: int = 440) -> None:
@@ -59,6 +61,7 @@ class RunViewer(Linked, Viewer):
         self.link(state, "layer")
         state.observe(self._follow, "checkpoint")
         self.observe(self._follow, "derived")
+        self.observe(self._compare, "compared")
 
     def close(self) -> None:
         """Close the view; the state is followed no longer."""
@@ -68,6 +71,15 @@ class RunViewer(Linked, Viewer):
             self._state.unobserve(self._follow, "checkpoint")
             self.player.close()
         super().close()
+
+    def _compare(self, _change: Any) -> None:
+        """Let what is compared stand beside it."""
+        run = self._state.run
+        if run is not None:
+            lane, iteration = self.compared or (self._state.lane, 0)
+            other = Run(run.store, lane, run.device)
+            self.names = ("on show", f"{lane}, iteration {iteration}") if self.compared else ("styled", "original")
+            self.original, self.beside = subject_of(other, other.checkpoint(iteration)), self.compared is not None
 
     def _follow(self, _change: Any) -> None:
         self._catch_up()

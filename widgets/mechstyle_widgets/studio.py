@@ -93,6 +93,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self.state.observe(self._first_checkpoint, "checkpoint")
         self.part_picker.observe(self._other_part, "mesh")
         self.mask_inspector.observe(self._derive, "would_be")
+        self.branches.observe(self._compare, "pinned")
         for section in self._sections:
             section.observe(self._changed, (*section.FIELDS, *section.OWN))
         if run is not None:
@@ -216,6 +217,11 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         viewer = RunViewer(self.state, theme=self.theme, width=self._middle_width, height=VIEW)
         self._show(viewer)
         self._derive()
+
+    def _compare(self, change: dict[str, Any]) -> None:
+        """An iteration was pinned: what is shown from now on stands beside it."""
+        if isinstance(self._viewer, RunViewer):
+            self._viewer.compared = change["new"]
 
     def _derive(self, _change: object = None) -> None:
         """Let the viewer work out anew the mask that would be."""

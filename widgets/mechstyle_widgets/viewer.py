@@ -39,6 +39,7 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         original: What may be shown beside it, None for nothing.
         layer: Name of what is shown: `style`, or one of the fields.
         beside: Whether the original is shown beside it, moving along with the mouse.
+        names: What the two are called where they stand side by side.
         markers: Whether the greatest (ring) and the least value (triangle) are marked.
         probed: The vertex asked about, None for none.
         theme: `light` or `dark`.
@@ -48,6 +49,7 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     original = traitlets.Instance(Subject, None, allow_none=True)
     layer = traitlets.Unicode(STYLE)
     beside = traitlets.Bool(False)
+    names = traitlets.Tuple(traitlets.Unicode(), traitlets.Unicode(), default_value=("styled", "original"))
     markers = traitlets.Bool(True)
     probed = traitlets.Int(None, allow_none=True)
     theme = traitlets.Enum(tuple(BACKGROUNDS), "light")
@@ -97,7 +99,7 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._refresh = Paced(self._draw)
         self.layer = layers[0].name if layers else STYLE
         self._orbit.observe(self._measure)
-        self.observe(lambda _: self._refresh(), ("subject", "original", "layer", "markers", "probed", "beside"))
+        self.observe(lambda _: self._refresh(), ("subject", "original", "layer", "markers", "probed", "beside", "names"))
         self._built = True
         self._draw()
 
@@ -120,7 +122,7 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
 
     def picture(self) -> Picture:
         """What is shown, from where it is seen, drawn by the computer the kernel runs on: `.save(path)` writes the PNG."""
-        shown = [(self.subject, "styled"), (self.original, "original")] if self.beside else [(self.subject, "")]
+        shown = [(self.subject, self.names[0]), (self.original, self.names[1])] if self.beside else [(self.subject, "")]
         panels = [self._panel(subject, title) for subject, title in shown if subject is not None]
         return picture(panels)
 
@@ -194,6 +196,7 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     def _arrange(self) -> None:
         """One view, or two of half the width that share the camera."""
         wanted = self.beside and self.original is not None
+        self._titles.value, self._both.description = legend.titles(*self.names), self.names[1].split(",")[0]
         if self.original is not None and wanted and len(self._views) == 1:
             self._scenes.append(Scene(self.original.mesh, self._orbit.home.target, self.theme))
             self._views.append(self._renderer(self._scenes[1], [self._orbit.share()]))
@@ -204,7 +207,6 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
                 view.width = width // len(shown)
             self._orbit.resize(width / len(shown) / height)
             self._stage.children = shown
-            self._titles.value = legend.titles("styled", "original")
             self._titles.layout.display = "" if wanted else "none"
 
     @contextmanager
