@@ -103,7 +103,7 @@ STRESS = """
 
 ELEMENTS = (
     f"    constexpr float NEAR = 4.0f * {GAUSS_A}f, FAR = 4.0f * {GAUSS_B}f, SELF = FAR - 1.0f, EXTRA = NEAR - FAR;"
-    + """
+    """
     // Node between corners i and j, the corner itself for i = j.
     constexpr int between[4][4] = {{0, 4, 5, 6}, {4, 1, 7, 8}, {5, 7, 2, 9}, {6, 8, 9, 3}};
     // H + sum_i (x_i - x_0) (x) B_i: with B_i = grad L_i the gradient of what has the values x at the corners.
