@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -31,6 +32,8 @@ from mechstyle.fea.on_device import DeviceBody
 from mechstyle.material import Material
 from mechstyle.mesh import Floats, TetMesh, frozen_array
 from mechstyle.quiet import wp
+
+logger = logging.getLogger(__name__)
 
 GRAVITY = 9.81e-3
 """Standard gravity [mm/ms²]."""
@@ -188,7 +191,7 @@ def drop(
     normals = _unit(directions)
     where = resolve_device(device)
     discretisation = discretise(tets, material, test.added_mass, element_named(test.element))
-    body: Body = CoreBody(discretisation) if where == "cpu" else DeviceBody(discretisation, where)
+    body = body_on(where, discretisation)
     scheme = scheme_for(body, discretisation, material, test)
     heights = discretisation.positions @ normals.T
     batches = body.batches(scheme, normals, heights - heights.min(axis=0))
@@ -198,6 +201,16 @@ def drop(
         samples = np.concatenate([samples, integrate(batches, scheme, energy, progress or (lambda _: None))])
         failure = _failure(samples, scheme, energy)
     return _drop(tets, discretisation, scheme, batches, samples, failure)
+
+
+def body_on(where: str, discretisation: Discretisation) -> Body:
+    """The body where it is computed; plain kernels, five times slower, on a processor whose vector code cannot be compiled."""
+    if where == "cpu":
+        try:
+            return CoreBody(discretisation)
+        except Exception:  # noqa: BLE001 - Warp raises a bare Exception when its compiler fails
+            logger.warning("the vectorised drop test cannot be compiled for this processor; the plain one is used, which is slower")
+    return DeviceBody(discretisation, where)
 
 
 def available_devices() -> list[str]:

@@ -11,6 +11,7 @@ import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
+from queue import SimpleQueue
 from typing import Protocol
 
 import numpy as np
@@ -140,7 +141,8 @@ def integrate(batches: Sequence[Batch], scheme: Scheme, energy: float, progress:
     """
     done = [0] * len(batches)
     running: dict[Future[None], int] = {}
-    with ThreadPoolExecutor(min(cores(), len(batches))) as pool:
+    workers = min(cores(), len(batches))
+    with ThreadPoolExecutor(workers, initializer=_stay_on_a_core, initargs=(_places(workers),)) as pool:
 
         def submit(index: int) -> None:
             chunk = min(SAMPLES_PER_CHUNK, scheme.samples - done[index])
@@ -160,6 +162,21 @@ def integrate(batches: Sequence[Batch], scheme: Scheme, energy: float, progress:
         finally:
             pool.shutdown(cancel_futures=True)
     return np.concatenate([batch.history(min(done)) for batch in batches], axis=2)
+
+
+def _places(workers: int) -> SimpleQueue[int]:
+    """A core for each of our threads if they fill all; schedulers were seen to leave two threads on one of two idle cores."""
+    places: SimpleQueue[int] = SimpleQueue()
+    if hasattr(os, "sched_getaffinity") and workers == len(os.sched_getaffinity(0)) > 1:
+        for core in sorted(os.sched_getaffinity(0)):
+            places.put(core)
+    return places
+
+
+def _stay_on_a_core(places: SimpleQueue[int]) -> None:
+    """Keep the calling thread, and no other, on the next free place; where there is none it may run anywhere."""
+    if not places.empty():
+        os.sched_setaffinity(0, {places.get()})
 
 
 def failing(samples: Floats, scheme: Scheme, energy: float) -> NDArray[np.bool_]:

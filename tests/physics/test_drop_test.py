@@ -180,6 +180,18 @@ def test_the_safe_step_is_stable_for_long(box, pla):
     assert result.failure == ""
 
 
+def test_without_vector_code_the_plain_kernels_drop_it_and_say_so(block, pla, monkeypatch, caplog):
+    expected = drop(block, pla, UPRIGHT, SHORT, device="cpu")
+
+    def broken(discretisation):
+        raise Exception("CPU kernel build failed with error code -1")  # noqa: TRY002 - what Warp raises
+
+    monkeypatch.setattr(drop_test, "CoreBody", broken)
+    result = drop(block, pla, UPRIGHT, SHORT, device="cpu")
+    np.testing.assert_allclose(result.von_mises, expected.von_mises, atol=1e-3 * expected.von_mises.max())
+    assert "slower" in caplog.text
+
+
 def test_progress_rises_to_one_and_can_cancel(block, pla):
     seen = []
     drop(block, pla, directions(2), SHORT, device="cpu", progress=seen.append)

@@ -1,5 +1,7 @@
 """The stable step of one oscillator, and the loop over batches with batches that misbehave."""
 
+import os
+
 import numpy as np
 import pytest
 
@@ -68,6 +70,24 @@ def test_opposite_infinities_are_a_failure_not_a_warning():
     broken = falling()
     broken[0, QUANTITIES.index("strain")], broken[0, QUANTITIES.index("kinetic")] = -np.inf, np.inf
     assert failing(broken, SCHEME, ENERGY)[0, 0]
+
+
+def test_threads_that_fill_the_cores_have_one_each_and_the_caller_keeps_all():
+    if not hasattr(os, "sched_getaffinity") or len(os.sched_getaffinity(0)) < 2:
+        pytest.skip("ONE CORE, or a system without affinities: pinning was NOT tested")
+    seen = []
+
+    class Watching(Recorded):
+        def advance(self, samples):
+            seen.append(frozenset(os.sched_getaffinity(0)))
+            super().advance(samples)
+
+    before = os.sched_getaffinity(0)
+    integrate([Watching(falling()) for _ in range(4 * len(before))], SCHEME, ENERGY, lambda _: None)
+    assert all(len(cores) == 1 for cores in seen)
+    integrate([Watching(falling())], SCHEME, ENERGY, lambda _: None)
+    assert seen[-1] == before, "one thread may run anywhere"
+    assert os.sched_getaffinity(0) == before
 
 
 def test_what_a_batch_raises_reaches_the_caller():
