@@ -26,7 +26,8 @@ from rich.table import Table
 
 from mechstyle.errors import MechStyleError
 from mechstyle.events import Event, Stylized
-from mechstyle.fea.drop_test import DropTest, directions, drop
+from mechstyle.fea.drop_test import DropTest, drop
+from mechstyle.fea.orientations import directions
 from mechstyle.gallery import make
 from mechstyle.geometry.morph import Morph
 from mechstyle.geometry.standardise import standardise

@@ -16,7 +16,7 @@ from mechstyle.guided import settled, towards_prompt, towards_target
 from mechstyle.load_cases import load_cases
 from mechstyle.material import Material, material_named
 from mechstyle.plugins import made, name_of
-from mechstyle.records import Recipe
+from mechstyle.records import POSES, Recipe
 from mechstyle.regions import regions
 from mechstyle.styling.procedural import ProceduralStylizer, target
 from mechstyle.styling.prompt import read
@@ -85,6 +85,8 @@ def draft(prompt: str, material: str | Material = "PLA", *, freestyle: bool = Fa
     paper = given.get("criterion") == "paper"
     presets = {**(PAPER if paper else {}), **(FREESTYLE if freestyle else {})}
     chosen = {**presets, **given}
+    if "poses" in chosen:
+        chosen.setdefault("orientations", POSES.get(chosen["poses"]))
     chosen.setdefault("normalisation", default_normalisation(chosen.get("control", "exponential"), paper=paper))
     return settled(Recipe(surface="", tetrahedra="", prompt=prompt, **chosen), clip_asked_for="clip" in given)
 
@@ -92,6 +94,8 @@ def draft(prompt: str, material: str | Material = "PLA", *, freestyle: bool = Fa
 def changed(recipe: Recipe, changes: dict[str, Any]) -> Recipe:
     """A recipe with some settings changed; another criterion brings its presets, another control its normalisation, unless given."""
     given = _given(changes)
+    if "poses" in given:
+        given.setdefault("orientations", POSES.get(given["poses"]))
     control, paper = given.get("control", recipe.control), given.get("criterion", recipe.criterion) == "paper"
     other_criterion = given.get("criterion", recipe.criterion) != recipe.criterion
     if other_criterion:
@@ -141,12 +145,12 @@ def _given(settings: dict[str, Any]) -> dict[str, Any]:
                 raise BadInput(f"{field.name.replace('_', ' ')} is {given[field.name]!r}, but must be {PLAIN[field.type]}") from error
     if "material" in given:
         given["material"] = msgspec.convert(msgspec.to_builtins(material_named(given["material"]), enc_hook=_built_in), Material)
+    if "loads" in given:
+        given["loads"] = load_cases(given["loads"])
     if "protect" in given:
         given["protect"] = regions(given["protect"])
     if "stylizer" in given:
         given["stylizer"] = name_of(given["stylizer"])
-    if "loads" in given:
-        given["loads"] = load_cases(given["loads"])
     return given
 
 

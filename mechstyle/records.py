@@ -23,6 +23,8 @@ CRITERIA = ("robust", "paper")
 GUIDANCES = ("offline", "clip")
 FIELDS = ("vertex", "network")
 ELEMENTS = ("tet10", "tet4")
+POSES = {"fibonacci": 5, "tilts": 8, "resting": 8}
+"""Ways a part may land, and how many drops each takes unless told: all directions, small tilts, or what it comes to rest on."""
 
 Outcome = Literal["VIABLE", "FAILS", "UNKNOWN"]
 
@@ -57,7 +59,8 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         travel: Displacement since the last simulation over local thickness that triggers `geometry` and `stress`.
         criterion: What viable means, one of CRITERIA.
         guarantee: Whether the finished relief is backed off until it is viable.
-        orientations: Drops in the final test: as placed, then tilted ones.
+        orientations: Drops in the final test, the first as placed; of resting poses at most so many.
+        poses: How the others land, one of POSES: `fibonacci` every way, `tilts` nearly as placed, `resting` as the part comes to rest.
         drop_height: Height of fall [mm].
         friction: Coulomb coefficient of the floor.
         window: Simulated time after first touch [ms].
@@ -93,6 +96,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     criterion: str = "robust"
     guarantee: bool = True
     orientations: int = 5
+    poses: str = "fibonacci"
     drop_height: float = 1500.0
     friction: float = 0.0
     window: float = 1.5
@@ -110,6 +114,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
             ("guidance", GUIDANCES),
             ("field", FIELDS),
             ("element", ELEMENTS),
+            ("poses", POSES),
             ("transfer", ("barycentric", "nearest")),
         ):
             if getattr(self, field) not in known:
@@ -170,6 +175,20 @@ class Measures(msgspec.Struct, frozen=True, kw_only=True):
         return msgspec.structs.replace(self, where=self.where if self.peak >= other.peak else other.where, **larger)
 
 
+class Landing(msgspec.Struct, frozen=True, kw_only=True):
+    """One drop of a test in several orientations.
+
+    Attributes:
+        normal: Floor normal in the frame of the part, out of the floor.
+        weight: Probability that a random drop lands so.
+        measures: What that drop did.
+    """
+
+    normal: tuple[float, float, float]
+    weight: float
+    measures: Measures
+
+
 class Loaded(msgspec.Struct, frozen=True, kw_only=True):
     """What one load case did to the part.
 
@@ -198,11 +217,15 @@ class Simulation:
 
     Attributes:
         displacement: What was simulated [mm], shape [vertex_count]: the request, less what the tets could not follow.
-        stress: Robust stress field that drives the mask and decides, of the drop as placed and of all load cases [MPa], shape [vertex_count].
+        stress: Robust stress field that drives the mask and decides: of drop as placed and load cases [MPa], shape [vertex_count].
         envelope: The same over all orientations [MPa], shape [vertex_count]; equals `stress` for one orientation.
+        probability: Probability that a random drop takes `stress` there beyond the yield strength, shape [vertex_count]; zero for one
+            orientation. Of the drop alone.
         contact: Whether the surface there touched the floor in the as-placed drop, shape [vertex_count].
         as_placed: Measures of the as-placed drop and of all load cases, the largest of each.
         overall: Measures of the envelope over all orientations, None if only one was run.
+        failure_probability: Probability that a random drop takes the peak of the part beyond the yield strength; zero for one orientation.
+        landings: What each drop did, the first as placed; none if the drop failed.
         backed_off: Share of the surface whose displacement the morph had to reduce.
         deviation: Largest such reduction [mm].
         time_step: Step of the explicit integration [ms].
@@ -216,6 +239,7 @@ class Simulation:
     displacement: NDArray[np.float32]
     stress: NDArray[np.float32]
     envelope: NDArray[np.float32]
+    probability: NDArray[np.float32]
     contact: NDArray[np.bool_]
     as_placed: Measures
     overall: Measures | None
@@ -224,6 +248,8 @@ class Simulation:
     time_step: float
     steps: int
     added_mass: float
+    failure_probability: float = 0.0
+    landings: tuple[Landing, ...] = ()
     loaded: tuple[Loaded, ...] = ()
     meshing: str = "morphed"
     failure: str = ""
@@ -231,7 +257,8 @@ class Simulation:
     def __post_init__(self) -> None:
         """Freeze the fields over the surface."""
         count = len(self.displacement)
-        for name, kind in (("displacement", np.float32), ("stress", np.float32), ("envelope", np.float32), ("contact", np.bool_)):
+        for name in ("displacement", "stress", "envelope", "probability", "contact"):
+            kind = np.bool_ if name == "contact" else np.float32
             object.__setattr__(self, name, frozen_array(getattr(self, name), kind, (count,), name))
 
     @property

@@ -13,20 +13,29 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mechstyle.errors import MechStyleError, SimulationFailed
-from mechstyle.fea.criterion import BallAverage, judge, measures, robust_field
-from mechstyle.fea.drop_test import Drop, DropTest, directions, drop
+from mechstyle.fea.criterion import BallAverage, exceedance, judge, measures, robust_field
+from mechstyle.fea.drop_test import Drop, DropTest, drop
 from mechstyle.fea.loads import StaticTest
+from mechstyle.fea.orientations import Orientations, orientation_set
 from mechstyle.geometry.morph import Morph, Morphed
+from mechstyle.geometry.resting import centre_of_mass
 from mechstyle.geometry.tetrahedra import tetrahedralise
 from mechstyle.geometry.transfer import Transfer
 from mechstyle.mesh import SurfaceMesh, TetMesh
-from mechstyle.records import Loaded, Measures, Recipe, Simulation, Verdict
+from mechstyle.records import Landing, Loaded, Measures, Recipe, Simulation, Verdict
 from mechstyle.store import Memo
 
-PHYSICS_VERSION = 2
+PHYSICS_VERSION = 3
 """Counts changes that alter results, so that remembered simulations of older code are not reused."""
 
 Progress = Callable[[float], None]
+
+
+def prescribed(recipe: Recipe) -> DropTest:
+    """How a recipe has a part dropped."""
+    return DropTest(
+        height=recipe.drop_height, friction=recipe.friction, window=recipe.window, damping=recipe.damping, element=recipe.element
+    )
 
 
 def no_progress(fraction: float) -> None:
@@ -104,7 +113,7 @@ class DropSimulator:
             recipe.element,
             recipe.transfer,
             recipe.loads,
-            recipe.orientations if thorough else 1,
+            (recipe.poses, recipe.orientations) if thorough else 1,
             fresh,
         )
         return hashlib.sha256(msgspec.json.encode(physics) + np.ascontiguousarray(displacement, np.float32).tobytes()).hexdigest()
@@ -121,11 +130,19 @@ class DropSimulator:
     def _average(self) -> BallAverage:
         return BallAverage(self.tets)
 
+    @cached_property
+    def _orientations(self) -> Orientations:
+        """Those of the unstylized part, so that what is compared with it lands as it did."""
+        return orientation_set(self.recipe.poses, self.recipe.orientations, self.surface.vertices, centre_of_mass(self.surface))
+
     def _on_morphed_mesh(self, displacement: NDArray[np.float32], *, thorough: bool) -> Simulation:
         morphed = self._morph.morphed(displacement)
         self._static.check()  # before the long drop
-        dropped = self._measured(morphed, self._drop(morphed.tets, thorough=thorough), self._average, self._transfer)
-        return self._under_loads(dropped, morphed.tets)
+        return self._told(morphed, self._drop(morphed.tets, thorough=thorough))
+
+    def _told(self, morphed: Morphed, result: Drop) -> Simulation:
+        """What a drop on morphed tetrahedra and the loads on them come to."""
+        return self._under_loads(self._measured(morphed, result, self._average, self._transfer), morphed.tets)
 
     def _on_fresh_mesh(self, displacement: NDArray[np.float32]) -> Simulation:
         """As above on new tetrahedra; if fTetWild cannot mesh the styled surface, on morphed ones, and the record says so."""
@@ -169,42 +186,59 @@ class DropSimulator:
         return result
 
     def _drop(self, tets: TetMesh, *, thorough: bool) -> Drop:
-        recipe = self.recipe
-        test = DropTest(
-            height=recipe.drop_height, friction=recipe.friction, window=recipe.window, damping=recipe.damping, element=recipe.element
-        )
-        floor_normals = directions(recipe.orientations if thorough else 1)
-        return drop(tets, recipe.material, floor_normals, test, device=self.device, progress=self.progress)
+        floor_normals = self._orientations.normals[: None if thorough else 1]
+        return drop(tets, self.recipe.material, floor_normals, prescribed(self.recipe), device=self.device, progress=self.progress)
 
     def _measured(self, morphed: Morphed, result: Drop, average: BallAverage, transfer: Transfer) -> Simulation:
         """Averages, percentiles and surface fields of a drop; all zero, with the reason, for one that failed."""
-        tets, count = morphed.tets, len(self.surface.vertices)
+        tets, zeros = morphed.tets, np.zeros(len(self.surface.vertices), np.float32)
         nothing = Measures(peak=0.0, p999=0.0, p99=0.0, maximum=0.0, where=(0.0, 0.0, 0.0), volume=float(tets.volumes.sum()))
-        zeros = np.zeros(count, np.float32)
         several = len(result.von_mises) > 1
-        if result.failure:
-            as_placed, overall = nothing, nothing if several else None
-            stress = envelope = zeros
-            contact = np.zeros(count, bool)
-        else:
-            worst = result.von_mises.max(axis=0)
-            as_placed = measures(tets, result.von_mises[0], average)
-            overall = measures(tets, worst, average) if several else None
-            stress = transfer.to_surface(robust_field(tets, result.von_mises[0], average)).astype(np.float32)
-            # The value between Gauss points is not monotone in theirs: without the maximum an envelope could fall below what it envelops.
-            envelope = np.maximum(stress, transfer.to_surface(robust_field(tets, worst, average)).astype(np.float32))
-            contact = transfer.to_surface(result.contact[0].astype(np.float64)) > 0.5
-        return Simulation(
+        failed = Simulation(
             displacement=morphed.displacement,
-            stress=stress,
-            envelope=envelope,
-            contact=contact,
-            as_placed=as_placed,
-            overall=overall,
+            stress=zeros,
+            envelope=zeros,
+            probability=zeros,
+            contact=np.zeros(len(zeros), bool),
+            as_placed=nothing,
+            overall=nothing if several else None,
             backed_off=morphed.backed_off,
             deviation=morphed.deviation,
             time_step=result.time_step,
             steps=result.steps,
             added_mass=result.added_mass,
             failure=result.failure,
+        )
+        if result.failure:
+            return failed
+        landings = self._landings(tets, result, average)
+        fields = np.stack([transfer.to_surface(robust_field(tets, stress, average)) for stress in result.von_mises])
+        found = replace(
+            failed,
+            stress=fields[0],
+            envelope=fields[0],
+            contact=transfer.to_surface(result.contact[0].astype(np.float64)) > 0.5,
+            as_placed=landings[0].measures,
+            landings=landings,
+        )
+        if not several:
+            return found
+        worst = result.von_mises.max(axis=0)
+        # The value between Gauss points is not monotone in theirs: without the maximum an envelope could fall below what it envelops.
+        envelope = np.maximum(fields.max(axis=0), transfer.to_surface(robust_field(tets, worst, average)))
+        allowable, weights = self.recipe.material.yield_strength, self._orientations.weights
+        return replace(
+            found,
+            envelope=envelope,
+            overall=measures(tets, worst, average),
+            probability=exceedance(fields, weights, allowable).astype(np.float32),
+            failure_probability=float(exceedance([landing.measures.peak for landing in landings], weights, allowable)),
+        )
+
+    def _landings(self, tets: TetMesh, result: Drop, average: BallAverage) -> tuple[Landing, ...]:
+        """What each drop did."""
+        ways = zip(self._orientations.normals, self._orientations.weights, result.von_mises, strict=False)  # as placed may be all
+        return tuple(
+            Landing(normal=(float(x), float(y), float(z)), weight=float(weight), measures=measures(tets, stress, average))
+            for (x, y, z), weight, stress in ways
         )

@@ -26,7 +26,8 @@ def simulation(stress=None, envelope=None, contact=None):
     calm = np.full(COUNT, 20.0, np.float32)
     return Simulation(
         displacement=np.zeros(COUNT), stress=calm if stress is None else stress, envelope=calm if envelope is None else envelope,
-        contact=at() if contact is None else contact, as_placed=MEASURES, overall=MEASURES, backed_off=0.0, deviation=0.0,
+        probability=np.zeros(COUNT), contact=at() if contact is None else contact,
+        as_placed=MEASURES, overall=MEASURES, backed_off=0.0, deviation=0.0,
         time_step=1e-4, steps=10, added_mass=0.0,
     )  # fmt: skip
 

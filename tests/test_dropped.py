@@ -18,7 +18,7 @@ def simulation(peak, maximum=100.0, failure=""):
     measured = Measures(peak=peak, p999=peak, p99=0.5 * peak, maximum=maximum, where=(1.0, 2.0, 3.0), volume=100.0)
     one = np.zeros(1)
     return Simulation(
-        displacement=one, stress=one, envelope=one, contact=one > 0, as_placed=measured, overall=measured,
+        displacement=one, stress=one, envelope=one, probability=one, contact=one > 0, as_placed=measured, overall=measured,
         backed_off=0.0, deviation=0.0, time_step=1e-4, steps=100, added_mass=0.0, failure=failure,
     )  # fmt: skip
 

@@ -8,8 +8,8 @@ from mechstyle.errors import BadInput, MissingPiece
 from mechstyle.load_cases import Load, LoadCase, Support
 from mechstyle.material import LIBRARY, Material
 from mechstyle.mesh import TetMesh
-from mechstyle.planning import bounds_for, changed, check_settings, plan, stylizer_for
-from mechstyle.records import CONTROLS, Recipe
+from mechstyle.planning import bounds_for, changed, check_settings, draft, plan, stylizer_for
+from mechstyle.records import CONTROLS, POSES, Recipe
 from mechstyle.regions import HalfSpace, Inside
 from mechstyle.store import Store
 from mechstyle.styling.weights import verified
@@ -400,3 +400,12 @@ def test_a_network_never_moves_what_is_protected_and_draws_no_ramp_twice(ball, w
         found = stylizer.step()
     assert np.array_equal(stylizer._shape.mask.numpy(), protection > 0.0)
     assert not found.displacement[protection == 0.0].any()
+
+
+@pytest.mark.parametrize(("poses", "drops"), POSES.items())
+def test_poses_bring_their_number_of_drops_unless_told(poses, drops):
+    assert draft("brick", poses=poses).orientations == drops
+    assert draft("brick", poses=poses, orientations=3).orientations == 3
+    assert changed(draft("brick", orientations=3), {"poses": poses}).orientations == drops
+    with pytest.raises(BadInput, match="unknown poses 'tilt': did you mean 'tilts'"):
+        draft("brick", poses="tilt")

@@ -51,8 +51,8 @@ def drops(monkeypatch):
 
 def simulator(block, memo, **settings) -> DropSimulator:
     surface, tets = block
-    chosen = {"orientations": 2, "window": 0.1, **settings}
-    recipe = Recipe(surface=surface.digest, tetrahedra=tets.digest, prompt="", material=LIBRARY["PLA"], **chosen)
+    chosen = {"material": LIBRARY["PLA"], "orientations": 2, "window": 0.1, **settings}
+    recipe = Recipe(surface=surface.digest, tetrahedra=tets.digest, prompt="", **chosen)
     return DropSimulator(surface, tets, recipe, memo)
 
 
@@ -122,6 +122,44 @@ def test_only_the_thorough_test_turns_the_part(block, memo, drops):
     assert sim.simulate(bumps(block), thorough=False).overall is None
     assert sim.simulate(bumps(block), thorough=True).overall is not None
     assert drops == [1, 2]
+
+
+def test_poses_are_another_question_where_the_part_is_turned_and_only_there(block, memo, drops):
+    for poses in ("fibonacci", "tilts"):
+        for thorough in (False, True):
+            simulator(block, memo, poses=poses).simulate(bumps(block), thorough=thorough)
+    assert drops == [1, 2, 2]
+
+
+def test_a_block_is_dropped_on_what_it_rests_on(block, memo, drops):
+    base = simulator(block, memo, poses="resting", orientations=24, window=0.05).baseline
+    assert drops == [6]
+    normals = np.array([landing.normal for landing in base.landings])
+    np.testing.assert_allclose(np.abs(normals).max(axis=1), 1.0, atol=1e-6)
+    assert base.landings[0].measures == base.as_placed
+    assert base.landings[0].weight > 0.25  # the largest side of 30 × 20 × 10 mm
+
+
+def test_probability_is_the_weight_of_the_drops_that_exceed_the_yield_strength(block, memo):
+    first = simulator(block, memo, orientations=4).baseline
+    peaks = [landing.measures.peak for landing in first.landings]
+    between = msgspec.structs.replace(LIBRARY["PLA"], yield_strength=float(np.mean(sorted(peaks)[1:3])))
+    base = simulator(block, memo, orientations=4, material=between).baseline
+    beyond = [landing.weight for landing in base.landings if landing.measures.peak > between.yield_strength]
+    assert len(beyond) == 2
+    assert base.failure_probability == pytest.approx(sum(beyond))
+    assert 0.0 < base.probability.max() <= base.failure_probability + 1e-6
+    assert np.array_equal(base.probability > 0.0, base.probability >= min(beyond) - 1e-6)
+    assert (base.envelope[base.probability > 0.0] > between.yield_strength).all()
+    assert not base.probability[base.envelope <= between.yield_strength].any()
+
+
+def test_one_drop_has_no_probability(block, memo):
+    weak = msgspec.structs.replace(LIBRARY["PLA"], yield_strength=1.0)
+    alone = simulator(block, memo, material=weak, orientations=1).baseline
+    assert alone.as_placed.peak > 1.0
+    assert not alone.probability.any()
+    assert alone.failure_probability == 0.0
 
 
 def test_what_the_tets_could_not_follow_is_taken_out(block, memo):

@@ -56,7 +56,8 @@ def simulation(**changes):
     measures = Measures(peak=0.1 + 0.2, p999=18.0, p99=12.0, maximum=30.0, where=(0.1, -0.0, 1e-300), volume=1000.0)
     contact = np.arange(COUNT) % 2 == 0
     fields = {
-        "displacement": AWKWARD, "stress": np.arange(COUNT) / 3, "envelope": np.arange(COUNT) / 7, "contact": contact,
+        "displacement": AWKWARD, "stress": np.arange(COUNT) / 3, "envelope": np.arange(COUNT) / 7, "probability": np.arange(COUNT) / 9,
+        "contact": contact,
         "as_placed": measures, "overall": None, "backed_off": 0.25, "deviation": 0.1, "time_step": 1e-4, "steps": 2752,
         "added_mass": 0.002, "meshing": "fresh", "failure": "the integration blew up",
     }  # fmt: skip

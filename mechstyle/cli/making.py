@@ -9,7 +9,7 @@ import typer
 
 from mechstyle.cli.console import command, err, escape, factor, out, print_json, table, telling, verdict_text
 from mechstyle.errors import BadInput
-from mechstyle.records import CONTROLS, CRITERIA, FIELDS, GUIDANCES, NORMALISATIONS, SCHEDULES
+from mechstyle.records import CONTROLS, CRITERIA, FIELDS, GUIDANCES, NORMALISATIONS, POSES, SCHEDULES
 
 Model = Annotated[str, typer.Argument(metavar="MODEL", help="A file (STL, OBJ, PLY, GLB, 3MF) or gallery:NAME.")]
 Prompt = Annotated[str, typer.Option("--prompt", "-p", help="The style, in words.")]
@@ -25,6 +25,7 @@ Iterations = Annotated[int | None, typer.Option(help="Stylization iterations.")]
 Seed = Annotated[int | None, typer.Option(help="Seed of the style.")]
 Amplitude = Annotated[float | None, typer.Option(help="Relief height over local wall thickness.")]
 Orientations = Annotated[int | None, typer.Option(help="Drops in the final test, the first as placed.")]
+Poses = Annotated[str | None, typer.Option(help=f"How the others land (all ways, nearly flat, as it rests): {', '.join(POSES)}.")]
 Criterion = Annotated[str | None, typer.Option(help=f"What viable means: {', '.join(CRITERIA)}.")]
 LoadFile = Annotated[Path | None, typer.Option("--load", help="A .toml file of load cases the part must carry besides the drop.")]
 MinimumWall = Annotated[float | None, typer.Option(help="The thinnest wall the style may leave [mm]; 0 for no rule.")]
@@ -45,14 +46,14 @@ Regions = Annotated[
     ),
 ]
 Stylizer = Annotated[str | None, typer.Option(help="A plugged-in stylizer instead of the built-in styles.")]
-Guidance = Annotated[
-    str | None, typer.Option(help=f"What the style descends to: {', '.join(GUIDANCES)} (any prompt; see `mechstyle weights list`).")
-]
-StyleField = Annotated[str | None, typer.Option("--field", help=f"What is descended in: {', '.join(FIELDS)} (X-Mesh).")]
 More = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="NAME=VALUE", help="Any other setting of the recipe, such as travel=0.2. May be given several times."),
 ]
+Guidance = Annotated[
+    str | None, typer.Option(help=f"What the style descends to: {', '.join(GUIDANCES)} (any prompt; see `mechstyle weights list`).")
+]
+StyleField = Annotated[str | None, typer.Option("--field", help=f"What is descended in: {', '.join(FIELDS)} (X-Mesh).")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout and nothing else.")]
 
 app = typer.Typer()
@@ -182,6 +183,7 @@ def run_command(
     seed: Seed = None,
     amplitude: Amplitude = None,
     orientations: Orientations = None,
+    poses: Poses = None,
     criterion: Criterion = None,
     protect_resting_face: Protect = None,
     protect: Regions = None,
@@ -206,9 +208,9 @@ def run_command(
         folder,
         freestyle=False,
         as_json=as_json,
-        more=more,
         loads=loads,
         minimum_wall=minimum_wall,
+        more=more,
         control=control,
         normalisation=normalisation,
         threshold=threshold,
@@ -218,6 +220,7 @@ def run_command(
         seed=seed,
         amplitude=amplitude,
         orientations=orientations,
+        poses=poses,
         criterion=criterion,
         protect_resting_face=protect_resting_face,
         protect=protect or None,
@@ -240,6 +243,7 @@ def freestyle_command(
     seed: Seed = None,
     amplitude: Amplitude = None,
     orientations: Orientations = None,
+    poses: Poses = None,
     criterion: Criterion = None,
     protect: Regions = None,
     stylizer: Stylizer = None,
@@ -263,13 +267,14 @@ def freestyle_command(
         folder,
         freestyle=True,
         as_json=as_json,
-        more=more,
         loads=loads,
         minimum_wall=minimum_wall,
+        more=more,
         iterations=iterations,
         seed=seed,
         amplitude=amplitude,
         orientations=orientations,
+        poses=poses,
         criterion=criterion,
         protect=protect or None,
         stylizer=stylizer,
@@ -297,6 +302,7 @@ def branch_command(
     seed: Seed = None,
     amplitude: Amplitude = None,
     orientations: Orientations = None,
+    poses: Poses = None,
     criterion: Criterion = None,
     protect_resting_face: Protect = None,
     protect: Regions = None,
@@ -328,6 +334,7 @@ def branch_command(
             seed=seed,
             amplitude=amplitude,
             orientations=orientations,
+            poses=poses,
             criterion=criterion,
             protect_resting_face=protect_resting_face,
             protect=protect or None,

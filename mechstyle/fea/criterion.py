@@ -93,6 +93,21 @@ def robust_field(tets: TetMesh, von_mises: ArrayLike, average: BallAverage) -> F
     return field
 
 
+def exceedance(fields: ArrayLike, weights: ArrayLike, allowable: float) -> Floats:
+    """Probability that a random drop takes the stress beyond what is allowed, place by place (Langlois et al. 2016).
+
+    Args:
+        fields: Stress in each orientation [MPa], shape [orientations, ...].
+        weights: Probability of each orientation, shape [orientations].
+        allowable: What the stress may at most be [MPa].
+
+    Returns:
+        Probabilities, shape [...].
+    """
+    beyond = np.asarray(fields, dtype=np.float64) > allowable
+    return np.asarray(np.einsum("o,o...->...", np.asarray(weights), beyond.astype(np.float64)))
+
+
 def percentile(values: ArrayLike, weights: ArrayLike, share: float) -> float:
     """Value below which the given share of the weight lies, linear between the values' cumulative weights."""
     values, weights = np.asarray(values, dtype=np.float64), np.asarray(weights, dtype=np.float64)

@@ -148,23 +148,6 @@ class Drop:
         object.__setattr__(self, "contact", frozen_array(self.contact, np.bool_, (len(self.von_mises), None), "contact"))
 
 
-def directions(count: int) -> Floats:
-    """Floor normals in the frame of the part: (0, 0, 1) as it stands, then tilted ones, unit vectors, shape [count, 3].
-
-    The tilted ones are a Fibonacci sphere (Swinbank and Purser 2006) less the cap within 20° of the first: nearly upright
-    is nearly the same test as upright.
-    """
-    if count < 1:
-        raise BadInput(f"a drop test needs at least one orientation, not {count}")
-    k = np.arange(count - 1)
-    top = math.cos(math.radians(20.0))
-    z = top - (top + 1.0) * (k + 0.5) / max(count - 1, 1)
-    turn = math.pi * (3.0 - math.sqrt(5.0)) * k
-    radius = np.sqrt(1.0 - z**2)
-    tilted = np.stack([radius * np.cos(turn), radius * np.sin(turn), z], axis=1)
-    return np.concatenate([[[0.0, 0.0, 1.0]], tilted])
-
-
 def drop(
     tets: TetMesh,
     material: Material,

@@ -18,12 +18,12 @@ from mechstyle.store import Entry
 from mechstyle.workpiece import STANDARD_VERTICES
 
 OF_FREESTYLE = frozenset(
-    ("amplitude", "criterion", "field", "guidance", "iterations", "minimum_wall", "orientations", "seed", "stylizer")
+    ("amplitude", "criterion", "field", "guidance", "iterations", "minimum_wall", "orientations", "poses", "seed", "stylizer")
 )
 OPTIONS = OF_FREESTYLE | {"control", "every", "normalisation", "protect_resting_face", "schedule", "threshold"}
 """Settings with an option of their own; the others are given with --set."""
 
-FIRST = ("criterion", "control")
+FIRST = ("criterion", "control", "poses")
 """Settings that bring others with them, so they are compared first."""
 
 ANY_PROMPT = "brick"

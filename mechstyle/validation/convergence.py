@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from mechstyle.fea.criterion import STRESS_BAND, BallAverage, measures
-from mechstyle.fea.drop_test import DropTest, directions, drop
+from mechstyle.fea.drop_test import DropTest, drop
+from mechstyle.fea.orientations import directions
 from mechstyle.gallery import make
 from mechstyle.geometry.morph import Morph
 from mechstyle.geometry.tetrahedra import tetrahedralise

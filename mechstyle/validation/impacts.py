@@ -11,12 +11,13 @@ from numpy.typing import ArrayLike
 from mechstyle.errors import MissingPiece
 from mechstyle.fea import elasticity
 from mechstyle.fea.discretisation import discretise
-from mechstyle.fea.drop_test import Drop, DropTest, available_devices, directions, drop, scheme_for
+from mechstyle.fea.drop_test import Drop, DropTest, available_devices, drop, scheme_for
 from mechstyle.fea.elasticity import law_named
 from mechstyle.fea.film import film
 from mechstyle.fea.integration import RECORD_EVERY
 from mechstyle.fea.interpolation import ELEMENTS, LINEAR, QUADRATIC, with_nodes
 from mechstyle.fea.on_cores import CoreBody
+from mechstyle.fea.orientations import directions
 from mechstyle.material import LIBRARY
 from mechstyle.mesh import Floats, TetMesh
 from mechstyle.validation import calculix

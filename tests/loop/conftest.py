@@ -95,6 +95,7 @@ class LeverSimulator:
             displacement=displacement,
             stress=stress,
             envelope=stress,
+            probability=np.zeros(self.count),
             contact=np.zeros(self.count, bool),
             as_placed=measured,
             overall=overall if thorough else None,

@@ -10,12 +10,12 @@ from scipy.spatial.transform import Rotation
 
 from mechstyle.fea import elasticity, on_cores
 from mechstyle.fea.discretisation import discretise
-from mechstyle.fea.drop_test import directions
 from mechstyle.fea.elasticity import LAWS, law_named
 from mechstyle.fea.integration import QUANTITIES, RECORD_EVERY, Scheme, largest_frequency, stable_step
 from mechstyle.fea.interpolation import ELEMENTS, LINEAR
 from mechstyle.fea.on_cores import CoreBody
 from mechstyle.fea.on_device import DeviceBody
+from mechstyle.fea.orientations import directions
 
 each_law = pytest.mark.parametrize("name", LAWS)
 NORMALS = np.array([[0.0, 0.0, 1.0], [0.6, 0.0, 0.8], [-0.48, 0.64, 0.6]])

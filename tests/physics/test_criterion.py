@@ -29,7 +29,7 @@ def simulation(peak=20.0, p99=15.0, p999=None, maximum=30.0, overall=10.0, failu
     envelope = None if overall is None else msgspec.structs.replace(as_placed, p99=overall)
     one = np.zeros(1)
     return Simulation(
-        displacement=one, stress=one, envelope=one, contact=one > 0, as_placed=as_placed, overall=envelope,
+        displacement=one, stress=one, envelope=one, probability=one, contact=one > 0, as_placed=as_placed, overall=envelope,
         backed_off=0.0, deviation=0.0, time_step=1e-4, steps=100, added_mass=0.0, failure=failure,
     )
 

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 import warp as wp
 
-from mechstyle.fea.drop_test import DropTest, directions, drop
+from mechstyle.fea.drop_test import DropTest, drop
 from mechstyle.fea.elasticity import LAWS
 from mechstyle.fea.interpolation import ELEMENTS
+from mechstyle.fea.orientations import directions
 
 pytestmark = pytest.mark.skipif(
     not wp.get_cuda_device_count(), reason="NO CUDA DEVICE: the GPU drop test, its graphs and its agreement with the CPU were NOT tested"

@@ -10,9 +10,10 @@ from scipy.spatial.transform import Rotation
 
 from mechstyle.errors import BadInput, MissingPiece
 from mechstyle.fea import drop_test, integration
-from mechstyle.fea.drop_test import GRAVITY, DropTest, available_devices, directions, drop, resolve_device
+from mechstyle.fea.drop_test import GRAVITY, DropTest, available_devices, drop, resolve_device
 from mechstyle.fea.elasticity import LAWS
 from mechstyle.fea.interpolation import ELEMENTS
+from mechstyle.fea.orientations import directions
 
 UPRIGHT = [[0.0, 0.0, 1.0]]
 SHORT = DropTest(window=0.05)
