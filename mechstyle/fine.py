@@ -135,7 +135,7 @@ class _Twin:
         if recipe.stylizer:
             return made(self.part.surface, self._bounds, recipe), made(self.surface, self._fine_bounds, recipe)
         wish = read(recipe.prompt)
-        canvas = Canvas(self.part.surface, recipe.seed, wish.size, wish.colour)
+        canvas = Canvas(self.part.surface, recipe.seed, wish.size, wish.colour, wish.shade)
         return (
             _drawn(recipe, wish, canvas, self._bounds),
             _drawn(recipe, wish, FineCanvas(self.surface, self._cut.parents, canvas), self._fine_bounds),

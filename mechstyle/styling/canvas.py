@@ -13,7 +13,7 @@ from mechstyle.mesh import Floats, Indices, SurfaceMesh
 from mechstyle.styling import noise, scatter
 from mechstyle.styling.charts import Chart, chart_of
 from mechstyle.styling.operators import Operators
-from mechstyle.styling.tones import recoloured
+from mechstyle.styling.tones import recoloured, shaded
 
 _REFERENCE_AREA = 60_000.0  # surface of a 100 mm cube or pen holder [mm²], on which features have their nominal size
 _SCALES = (0.1, 4.0)
@@ -41,13 +41,17 @@ class Canvas:
         mesh: The part.
         seed: Decides everything random.
         colour: Display RGB of the body, None for the style's own.
+        shade: How light the style's own colours are to be; 1 as they are.
         scale: Size of features over their nominal size, which suits a part of 100 mm.
         edge: Edge length of the mesh [mm]; nothing much finer than two of them can be drawn.
         notes: What the user should know of this drawing, in sentences.
     """
 
-    def __init__(self, mesh: SurfaceMesh, seed: int, size: float = 1.0, colour: tuple[float, float, float] | None = None) -> None:
+    def __init__(
+        self, mesh: SurfaceMesh, seed: int, size: float = 1.0, colour: tuple[float, float, float] | None = None, shade: float = 1.0
+    ) -> None:
         self.colour = colour
+        self.shade = shade
         self.mesh = mesh
         self.seed = seed
         self.operators = Operators(mesh)
@@ -135,8 +139,8 @@ class Canvas:
         return self.operators.components(together)
 
     def painted(self, colours: Floats) -> Floats:
-        """The style's own colours of its body (brick, not mortar), shape [n, 3], or the colour asked for with their lights and darks."""
-        return colours if self.colour is None else recoloured(colours, self.colour)
+        """The style's own colours of its body (brick, not mortar), shaded, or the colour asked for with their lights; shape [n, 3]."""
+        return shaded(colours, self.shade) if self.colour is None else recoloured(colours, self.colour)
 
     def softened(self, values: Floats) -> Floats:
         """Values [n] or [n, k] averaged with their neighbours' mean: edges sharper than the mesh can carry no longer look like combs."""

@@ -27,7 +27,7 @@ class FineCanvas(Canvas):
             parents: The two coarse vertices each of its vertices lies between, shape [vertex_count, 2].
             coarse: The canvas of the coarse surface.
         """
-        super().__init__(mesh, coarse.seed, colour=coarse.colour)
+        super().__init__(mesh, coarse.seed, colour=coarse.colour, shade=coarse.shade)
         self.scale = coarse.scale
         self._coarse, self._parents = coarse, parents
 

@@ -75,7 +75,7 @@ def target(
         canvas: What to draw on; by default one for the wish and the seed.
     """
     style = style_named(wish.style)
-    canvas = canvas or Canvas(mesh, seed, wish.size, wish.colour)
+    canvas = canvas or Canvas(mesh, seed, wish.size, wish.colour, wish.shade)
     relief = style.program(canvas)
     # No wall counts as thicker than the style's features are wide, or a solid ball would grow spikes.
     wall = gradual_thickness(canvas.operators, np.minimum(np.asarray(thickness, dtype=np.float64), style.feature_mm * canvas.scale))

@@ -12,6 +12,7 @@ import msgspec
 
 from mechstyle.errors import BadInput
 from mechstyle.styling.library import library, style_named
+from mechstyle.styling.tones import rgb, shaded
 
 Rgb = tuple[float, float, float]
 
@@ -48,9 +49,9 @@ FILLERS = frozenset(_FILLERS.split())
 _ENDINGS = (
     ("ies", "y"), ("ves", "f"), ("es", ""), ("s", ""), ("ed", ""), ("ed", "e"), ("ing", ""), ("ing", "e"), ("ish", ""), ("y", ""),
 )
-_SHADES = {"dark": 0.55, "deep": 0.7, "light": 1.45, "pale": 1.6}
-# How alike a word must be to be read as a style, to be read as another word, and to be suggested.
-_STYLE_TYPO, _TYPO, _NEAR = 0.8, 0.85, 0.5
+_SHADES = {"dark": 0.55, "deep": 0.7, "bright": 1.2, "light": 1.45, "pale": 1.6}
+# How alike a word must be to be read as a style, as another word (or as a style beside one spelt out), and to be suggested.
+_STYLE_TYPO, _TYPO, _NEAR = 0.8, 0.85, 0.6
 _AMOUNT_RANGE, _SIZE_RANGE = (0.2, 3.0), (0.4, 3.0)
 
 
@@ -62,6 +63,7 @@ class Wish(msgspec.Struct, frozen=True):
         size: Factor on the size of its features.
         amount: Factor on the height of its relief.
         colour: Display RGB in [0, 1] of its body, None for the style's own colours.
+        shade: Below 1 the style's own colours are darker, above 1 lighter; 1 beside a colour, which is shaded already.
         notes: What was guessed or not understood, in sentences.
     """
 
@@ -70,6 +72,7 @@ class Wish(msgspec.Struct, frozen=True):
     amount: float = 1.0
     colour: Rgb | None = None
     notes: tuple[str, ...] = ()
+    shade: float = 1.0
 
 
 def read(prompt: str) -> Wish:
@@ -99,6 +102,7 @@ def read(prompt: str) -> Wish:
         amount=_factor(known, AMOUNTS, _AMOUNT_RANGE),
         colour=colour,
         notes=(*notes, *colour_notes),
+        shade=_own_shade(known) if colour is None else 1.0,
     )
 
 
@@ -128,17 +132,21 @@ def _spelled(words: list[str]) -> tuple[list[str], list[str]]:
     others = [word for word in (*SIZES, *AMOUNTS, *COLOURS, *DEGREES, *_SHADES) if word not in styles]
     meant = {*styles, *others, *FILLERS}
     known = [next((form for form in _forms(word) if form in meant), "") for word in words]
-    # A misspelt word may stand for a style only if none is spelt out: "brick store" is not about stone.
-    named = any(word in styles for word in known)
+    # Beside a style that is spelt out a misspelt word must be more like another to stand for it: "brick store" is not about stone.
+    likeness = _TYPO if any(word in styles for word in known) else _STYLE_TYPO
     notes = []
     for place, word in enumerate(words):
-        if not known[place] and len(word) >= 4:
-            close = [] if named else difflib.get_close_matches(word, styles, n=1, cutoff=_STYLE_TYPO)
-            close = close or difflib.get_close_matches(word, others, n=1, cutoff=_TYPO)
-            if close:
-                known[place] = close[0]
-                notes.append(f"read {word!r} as {close[0]!r}")
+        if not known[place] and len(word) >= 3:
+            known[place] = _closest(word, styles, likeness) or _closest(word, others, _TYPO)
+            if known[place]:
+                notes.append(f"read {word!r} as {known[place]!r}")
     return known, notes
+
+
+def _closest(word: str, among: Iterable[str], likeness: float) -> str:
+    """The word that is most like a misspelt word, or like what it may be a plural or participle of; "" if none is alike enough."""
+    close = (difflib.get_close_matches(form, among, n=1, cutoff=likeness) for form in _forms(word) if len(form) >= 3)
+    return next((found[0] for found in close if found), "")
 
 
 def _phrased(known: list[str], by_word: Mapping[str, str]) -> list[str]:
@@ -179,22 +187,22 @@ def _is_shade(known: list[str], place: int) -> bool:
 
 def _colour(known: list[str], chosen: set[str]) -> tuple[Rgb | None, list[str]]:
     """The first colour named besides the words for the style, shaded by the word before it, and a note on any other."""
-    shaded = [place > 0 and _is_shade(known, place - 1) for place in range(len(known))]
-    places = [place for place, word in enumerate(known) if word in COLOURS and (word not in chosen or shaded[place])]
+    with_shade = [place > 0 and _is_shade(known, place - 1) for place in range(len(known))]
+    places = [place for place, word in enumerate(known) if word in COLOURS and (word not in chosen or with_shade[place])]
     if not places:
         return None, []
     first = places[0]
     code = COLOURS[known[first]]
-    shade = _SHADES[known[first - 1]] if shaded[first] else 1.0
+    shade = _SHADES[known[first - 1]] if with_shade[first] else 1.0
     others = sorted({known[place] for place in places[1:]} - {known[first]})
     notes = [f"one colour at a time: took {known[first]!r}, left out {_quoted(others)}"] if others else []
-    red, green, blue = (_shaded(int(code[k : k + 2], 16) / 255.0, shade) for k in (0, 2, 4))
+    red, green, blue = shaded(rgb(code), shade).tolist()
     return (red, green, blue), notes
 
 
-def _shaded(channel: float, shade: float) -> float:
-    """A channel made darker by scaling, lighter by mixing with white."""
-    return channel * shade if shade <= 1.0 else channel + (1.0 - channel) * (shade - 1.0)
+def _own_shade(known: list[str]) -> float:
+    """The first shade named: "dark" makes a style's own colours darker; "deep" alone speaks of the relief."""
+    return next((_SHADES[word] for word in known if word in _SHADES and word not in AMOUNTS), 1.0)
 
 
 def _quoted(words: Iterable[str]) -> str:
@@ -208,5 +216,5 @@ def _unknown_prompt(prompt: str, words: list[str], by_word: Mapping[str, str]) -
     hint = f"the nearest are {_quoted(nearest)}; " if nearest else ""
     return BadInput(
         f"the prompt {prompt!r} names no style that can be drawn offline: {hint}known are {', '.join(sorted(set(by_word.values())))}; "
-        "any other prompt needs guidance 'clip' and the weights that `mechstyle weights fetch ViT-B-32` brings once"
+        "any other prompt needs guidance 'clip' (`--guidance clip`) and the weights that `mechstyle weights fetch ViT-B-32` brings once"
     )

@@ -39,6 +39,12 @@ def luminance(colours: Floats) -> Floats:
     return np.asarray(colours @ _LUMA)
 
 
+def shaded(colours: ArrayLike, shade: float) -> Floats:
+    """Colours of any shape made darker by scaling (`shade` < 1), lighter by mixing with white (`shade` > 1)."""
+    given = np.asarray(colours, dtype=np.float64)
+    return given * shade if shade <= 1.0 else given + (1.0 - given) * (shade - 1.0)
+
+
 def recoloured(colours: Floats, wish: ArrayLike) -> Floats:
     """Another colour, shape [3], with the lights and darks of `colours`, display RGB, shape [n, 3]."""
     light = luminance(colours)

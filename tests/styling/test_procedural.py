@@ -58,6 +58,14 @@ def test_a_colour_asked_for_changes_the_body_and_no_relief(holder, stony):
     assert np.ptp(blue.colour[stones].sum(axis=1)) > 0.2  # light and dark stones stay
 
 
+def test_a_shade_darkens_the_body_and_leaves_relief_and_joints(holder):
+    plain, dark = drawn(holder, "brick"), drawn(holder, "dark brick")
+    assert np.array_equal(dark.displacement, plain.displacement)
+    bricks, joints = plain.displacement > 0.1, plain.displacement < -0.25
+    assert dark.colour[bricks].mean() < 0.65 * plain.colour[bricks].mean()
+    assert dark.colour[joints].mean() > 0.85 * plain.colour[joints].mean()
+
+
 def test_the_canvas_tells_the_target_what_the_mesh_cannot_carry(holder):
     assert any("too coarse" in note for note in drawn(holder, "tiny brick").notes)
 

@@ -77,6 +77,24 @@ def test_colour_words_colour_and_shade_words_belong_to_the_colour_after_them():
     assert read("bricks").colour is None
 
 
+def test_a_shade_without_a_colour_is_one_of_the_style_s_own_colours():
+    assert read("rough dark brick") == Wish("brick", amount=AMOUNTS["rough"], shade=0.55)
+    assert read("light knitted wool").shade > 1.0
+    assert read("deep brick") == Wish("brick", amount=AMOUNTS["deep"])
+    assert read("dark blue brick").shade == 1.0  # the blue is dark already
+
+
+def test_the_combinations_people_ask_for():
+    assert read("small blue fish scales") == Wish("fish_scales", size=SIZES["small"], colour=read("blue brick").colour)
+    assert read("mandala on mahogany") == Wish("mandala")
+    assert read("small blu fish scals").notes == ("read 'blu' as 'blue'", "read 'scals' as 'scaly'")
+
+
+def test_a_misspelt_word_beside_a_style_completes_its_phrase():
+    assert read("damascas steel").style == "damascus"
+    assert read("mandalla on wood").style == "mandala"
+
+
 def test_green_is_a_style_alone_and_a_colour_beside_another_style():
     assert read("green").colour is None
     assert read("green bricks").style == "brick"
@@ -135,7 +153,7 @@ def test_a_prompt_without_a_style_is_refused_and_never_replaced(prompt):
     text = str(refusal.value)
     assert repr(prompt) in text
     assert all(name in text for name in names())
-    assert "guidance 'clip'" in text
+    assert "guidance 'clip' (`--guidance clip`)" in text
     assert "`mechstyle weights fetch ViT-B-32`" in text
     assert "\n" not in text
 

@@ -95,6 +95,8 @@ def words_of(wish: Wish) -> str:
         parts.append(f"features × {wish.size:.2g}")
     if wish.amount != 1.0:
         parts.append(f"relief × {wish.amount:.2g}")
+    if wish.shade != 1.0:
+        parts.append("darker" if wish.shade < 1.0 else "lighter")
     if wish.colour is not None:
         parts.append("in #" + "".join(f"{round(255 * channel):02x}" for channel in wish.colour))
     return "; ".join(["read as " + ", ".join(parts), *wish.notes])
