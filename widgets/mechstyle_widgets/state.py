@@ -212,14 +212,14 @@ class StudioState(traitlets.HasTraits):
     def _hear(self, event: Event) -> None:
         """In the worker thread: what an event means for the traits."""
         if isinstance(event, Stylized):
-            self.tell(status="running", stage="stylizing", fraction=event.iteration / self._iterations, **self._left(event.iteration))
+            self.tell(status="running", stage="stylizing", **self._left(event.iteration))
         elif isinstance(event, SimulationStarted):
             self.tell(status="running", stage=f"drop test: {event.reason}", step=0.0, **self._left(event.iteration))
         elif isinstance(event, BackedOff):
             self.tell(stage=f"backing off: {event.step}")
         elif isinstance(event, Checkpointed):
             self._count(event)
-            self.tell(stale=True)
+            self.tell(stale=True, fraction=event.checkpoint.iteration / self._iterations)
         elif isinstance(event, Finished):
             self.tell(fraction=1.0, seconds_left=None, message=event.verdict.words)
 
