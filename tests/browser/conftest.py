@@ -109,10 +109,10 @@ class Notebook:
         """Run code in the kernel, outside any cell; what it printed."""
         return self.page.evaluate(EXECUTE, code)
 
-    def until(self, expression: str, expected: object) -> None:
-        """Wait until an expression in the kernel prints as expected."""
-        said = self.page.evaluate(f"([code, wanted, patience]) => ({UNTIL})({EXECUTE}, code, wanted, patience)",
-                                  [f"print({expression})", str(expected), PATIENCE])
+    def until(self, expression: str, expected: object, patience: int = PATIENCE) -> None:
+        """Wait until an expression in the kernel prints as expected, at most `patience` [ms]."""
+        asked = [f"print({expression})", str(expected), patience]
+        said = self.page.evaluate(f"([code, wanted, patience]) => ({UNTIL})({EXECUTE}, code, wanted, patience)", asked)
         assert said == str(expected), f"{expression} is {said}, not {expected}"
 
     def canvas(self, number: int = 0) -> Locator:

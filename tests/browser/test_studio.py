@@ -1,0 +1,88 @@
+"""The Studio as a user meets it: a small run, its timeline, its mask, a branch."""
+
+from __future__ import annotations
+
+import pytest
+
+pytestmark = pytest.mark.browser
+
+SETTINGS = 'prompt="brick", vertices=2000, iterations=12, orientations=1, schedule="every", every=4'
+RUN = 300_000  # a small run, meshed before, where others want the cores too [ms]
+EVERYWHERE = "(studio.state.iteration, studio._timeline.iteration, studio._viewer.iteration, studio.state.checkpoint.iteration)"
+PLACE = """([x, y]) => {
+    const plot = document.querySelector('.mechstyle-studio .js-plotly-plot'), full = plot._fullLayout, box = plot.getBoundingClientRect();
+    return [box.x + full.xaxis._offset + full.xaxis.d2p(x), box.y + full.yaxis._offset + full.yaxis.d2p(y)];
+}"""
+
+
+@pytest.fixture(scope="module")
+def studio(notebook, finished_run):  # which has the part meshed already
+    opened = notebook.open(
+        f"""
+from mechstyle_widgets import Studio
+studio = Studio("gallery:pen_holder", {SETTINGS}, folder="small")
+studio
+"""
+    )
+    opened.page.locator(".mechstyle-studio").wait_for()
+    return opened
+
+
+def whole(studio):
+    return studio.page.locator(".mechstyle-studio")
+
+
+def click(studio, x, y):
+    whole(studio).locator(".js-plotly-plot").scroll_into_view_if_needed()
+    studio.page.mouse.click(*studio.page.evaluate(PLACE, [x, y]))
+
+
+def test_it_appears_with_the_part_in_it_and_can_be_turned(studio):
+    before = studio.drawn()
+    studio.keep("studio-start", whole(studio))
+    studio.drag(studio.canvas(), (0.5, 0.5), (0.7, 0.5))
+    studio.changed(studio.canvas(), before, 0.005)
+
+
+def test_a_small_run_completes_while_the_kernel_answers(studio):
+    whole(studio).locator("button[title^='Run to the end']").click()
+    studio.until("studio.state.status in ('preparing', 'running')", True)
+    studio.until("studio.state.status", "finished", RUN)
+    studio.until("(studio.state.iterations_done, studio.run.finished)", "(12, True)")
+    studio.page.get_by_text("finished, iteration 12 of 12").wait_for()
+    studio.drawn()
+    studio.keep("studio-finished", whole(studio))
+
+
+def test_a_click_on_the_timeline_moves_everything(studio):
+    before = studio.drawn()
+    click(studio, 4, "main")
+    studio.until(EVERYWHERE, "(4, 4, 4, 4)")
+    studio.changed(studio.canvas(), before, 0.003)
+    studio.page.get_by_role("tab", name="Branches").click()
+    studio.page.get_by_role("button", name="branch from iteration 4").wait_for()
+
+
+def test_the_threshold_changes_the_picture_of_the_mask(studio):
+    studio.page.get_by_role("tab", name="Mask").click()
+    before = studio.drawn()
+    studio.page.get_by_role("button", name="show it").click()
+    studio.until("studio.state.layer", "what_if")
+    pale = studio.changed(studio.canvas(), before, 0.05)
+    slider = whole(studio).locator(".widget-slider:visible").filter(has_text="threshold").locator(".noUi-handle")
+    slider.focus()
+    was = float(studio.python("print(studio.mask_inspector.selector.threshold)"))
+    slider.press("Home")
+    studio.until(f"studio.mask_inspector.selector.threshold < {was}", True)
+    studio.changed(studio.canvas(), pale, 0.005)  # little is held back in a part as stout as this
+    studio.keep("studio-mask", whole(studio))
+
+
+def test_using_it_begins_a_branch(studio):
+    studio.page.get_by_role("button", name="use this").click()
+    studio.until("(len(studio.state.branches), studio.state.status)", "(2, 'finished')", RUN)
+    studio.until("(studio.state.lane, studio.state.branches[1].parent, studio.state.branches[1].forked_at)", "('branch-1', 'main', 4)")
+    studio.page.wait_for_function("document.querySelector('.mechstyle-studio .js-plotly-plot')._fullLayout.yaxis._categories.length === 2")
+    studio.page.get_by_role("tab", name="Branches").click()
+    studio.drawn()
+    studio.keep("studio-branch", whole(studio))
