@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from mechstyle.session import Session
     from mechstyle.simulator import DropSimulator
     from mechstyle.store import Store
+    from mechstyle.swatches import styles
     from mechstyle.workpiece import Workpiece, prepare
 
 __version__ = "0.1.0"
@@ -48,6 +49,7 @@ _WHERE = {
     "register_stylizer": "plugins",
     "save": "geometry.files",
     "simulate": "dropped",
+    "styles": "swatches",
     "stylize": "run",
 }
 
@@ -90,6 +92,7 @@ __all__ = [
     "register_stylizer",
     "save",
     "simulate",
+    "styles",
     "stylize",
 ]
 

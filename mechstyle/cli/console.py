@@ -104,6 +104,11 @@ class Teller:
         self._what = what
         self._progress.update(self._task, description=what)
 
+    def step(self, what: str) -> None:
+        """Say what is being done, the one before being done."""
+        self.stage(what)
+        self._progress.advance(self._task)
+
     def fraction(self, done: float) -> None:
         """Say how far the drop in hand is."""
         self._progress.update(self._task, description=f"{self._what} {done:4.0%}")

@@ -7,12 +7,14 @@ import importlib.util
 import os
 import platform
 import shutil
-from typing import Any
+from pathlib import Path
+from typing import Annotated, Any
 
 import typer
 
-from mechstyle.cli.console import command, escape, out, print_json, table
+from mechstyle.cli.console import command, escape, out, print_json, table, telling
 from mechstyle.cli.making import Json
+from mechstyle.errors import BadInput
 
 app = typer.Typer()
 
@@ -35,10 +37,17 @@ def materials_command(as_json: Json = False) -> None:
 
 @app.command("styles")
 @command
-def styles_command(as_json: Json = False) -> None:
+def styles_command(
+    sheet: Annotated[Path | None, typer.Option(help="PNG to write: every style on three parts, coloured and grey; takes minutes.")] = None,
+    as_json: Json = False,
+) -> None:
     """List the offline styles and the words that call them."""
     from mechstyle.styling.library import library  # noqa: PLC0415 — loaded when wanted
 
+    if sheet is not None:
+        written = _draw_sheet(sheet, quiet=as_json)
+        print_json({"files": {"sheet": str(written)}}) if as_json else out.print(escape(str(written)))
+        return
     known = library().values()
     if as_json:
         print_json(
@@ -49,6 +58,17 @@ def styles_command(as_json: Json = False) -> None:
     for style in known:
         rows.add_row(style.name, escape(", ".join(style.words)), escape(style.description))
     out.print(rows)
+
+
+def _draw_sheet(path: Path, *, quiet: bool) -> Path:
+    """Draw the contact sheet with progress, after making sure that it can be written."""
+    from mechstyle.contact_sheet import PARTS, contact_sheet  # noqa: PLC0415 — loaded when wanted
+    from mechstyle.styling.library import names  # noqa: PLC0415
+
+    if path.suffix.lower() != ".png" or not path.absolute().parent.is_dir():
+        raise BadInput(f"the sheet of styles cannot be written to {path}: name a .png file in a folder that exists")
+    with telling(len(PARTS) + len(names()), quiet=quiet) as teller:
+        return contact_sheet(stage=teller.step).save(path)
 
 
 @app.command("gallery")

@@ -1,4 +1,4 @@
-"""Commands that test and show off: simulate, demo."""
+"""The command that tests a part as it is: simulate."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from mechstyle.cli.console import command, err, escape, factor, out, print_json, table, telling, verdict_text
-from mechstyle.cli.making import Criterion, Device, Json, LoadFile, MaterialName, MinimumWall, Model, Scale, Vertices, carry_out, read_model
+from mechstyle.cli.making import Criterion, Device, Json, LoadFile, MaterialName, MinimumWall, Model, Scale, Vertices, read_model
 
 if TYPE_CHECKING:
     from mechstyle.dropped import Dropped
@@ -94,49 +94,3 @@ def _report(dropped: Dropped, picture: Path) -> None:
 def to_dict(record: Any) -> dict[str, Any]:
     """The fields of a record by name."""
     return {name: getattr(record, name) for name in record.__struct_fields__}
-
-
-@app.command("demo")
-@command
-def demo_command(
-    folder: Annotated[Path, typer.Option("--out", help="Where the runs, pictures and 3MF files go.")] = Path("demo-out"),
-    model: Annotated[str, typer.Option(help="What to style.")] = "gallery:pen_holder",
-    prompt: Annotated[str, typer.Option("--prompt", "-p", help="The style, in words.")] = "brick",
-    device: Device = "auto",
-    as_json: Json = False,
-) -> None:
-    """Style the gallery's pen holder as brick, freely and with feedback, and compare the verdicts."""
-    from mechstyle.look import comparison  # noqa: PLC0415 — matplotlib is loaded when a picture is wanted
-
-    runs = {}
-    for label, freestyle in (("Freestyle", True), ("MechStyle", False)):
-        if not as_json:
-            err.print(f"[bold]{label}[/]: {escape(model)} as “{escape(prompt)}”")
-        runs[label] = carry_out(model, prompt, "PLA", 25_000, None, device, folder / label.lower(), freestyle=freestyle, as_json=as_json)
-    free, fed = runs["Freestyle"], runs["MechStyle"]
-    finals = [(label, run.checkpoint(), run.recipe) for label, run in runs.items()]
-    picture = comparison(free.part.surface, free.checkpoint(0), finals).save(folder / "comparison.png")
-    if as_json:
-        print_json({"freestyle": free.summary, "mechstyle": fed.summary, "files": {"comparison": str(picture)}})
-        return
-    rows = table("stresses in MPa", "verdict", "peak", "allowed", "safety", "drops", "style kept")
-    base = fed.summary.baseline
-    rows.add_row(
-        "as it came", verdict_text(base.verdict), f"{base.peak_stress:.1f}", f"{base.allowable:.1f}", factor(base.safety_factor), "1", "–"
-    )
-    for label, run in runs.items():
-        s = run.summary
-        rows.add_row(
-            label,
-            verdict_text(s.verdict),
-            f"{s.peak_stress:.1f}",
-            f"{s.allowable:.1f}",
-            factor(s.safety_factor),
-            str(len(s.simulations)),
-            f"{s.kept:.0%}",
-        )
-    out.print(rows)
-    for label, run in runs.items():
-        out.print(f"\n{label}: {escape(run.summary.words)}")
-        out.print(f"  3MF: {escape(run.summary.files['model'])}")
-    out.print(f"\npicture: {escape(str(picture))}")

@@ -12,19 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mechstyle import __version__
-from mechstyle.mesh import SurfaceMesh
 from mechstyle.store import write_aside
 from mechstyle.workpiece import cache_folder
 from mechstyle_widgets.aside import Aside
 
-DRAWING_VERSION = 1
+DRAWING_VERSION = 2
 """Counts changes that alter the pictures, so that those of older code are not shown."""
 SIZE = (96, 72)
-"""Width and height [pixels]."""
-PLATE = 60.0
-"""Height of the plate a style is drawn on [mm] …"""
-STEP = 0.75
-"""… and the distance of its vertices [mm]."""
+"""Width and height of the picture of a model [pixels]."""
 
 
 def model_picture(name: str) -> bytes:
@@ -38,17 +33,10 @@ def model_picture(name: str) -> bytes:
 
 
 def style_picture(name: str) -> bytes:
-    """A style on an upright plate, lit from the upper left, as PNG."""
-    from mechstyle.styling.canvas import Canvas  # noqa: PLC0415
-    from mechstyle.styling.library import style_named  # noqa: PLC0415
+    """A style on an upright plate as PNG."""
+    from mechstyle.swatches import swatch  # noqa: PLC0415 — as above
 
-    plate, shape = _plate()
-    relief = style_named(name).program(Canvas(plate, seed=0, size=2.4))
-    height = 2.0 * np.asarray(relief.height).reshape(shape)  # [mm]
-    slope_up, slope_right = np.gradient(height, STEP)
-    light = np.clip((1.0 + 0.9 * (slope_right - slope_up)) / np.sqrt(1.0 + slope_up**2 + slope_right**2), 0.35, 1.35)
-    picture = np.clip(np.asarray(relief.colour).reshape(*shape, 3) * light[..., None], 0.0, 1.0)
-    return _png(np.rint(255.0 * picture[::-1]).astype(np.uint8))
+    return swatch(name)
 
 
 DRAWN = {"model": model_picture, "style": style_picture}
@@ -97,16 +85,6 @@ def _draw_all(say: Callable[[tuple[str, bytes]], None], kind: str, names: list[s
 
 def _place(kind: str, name: str) -> Path:
     return cache_folder() / "pictures" / f"{kind}-{name}-{__version__}-{DRAWING_VERSION}.png"
-
-
-def _plate() -> tuple[SurfaceMesh, tuple[int, int]]:
-    """An upright sheet that faces -y, and its rows (from below) and columns."""
-    rows, columns = round(PLATE / STEP), round(PLATE * SIZE[0] / SIZE[1] / STEP)
-    z, x = np.meshgrid(np.arange(rows) * STEP, np.arange(columns) * STEP, indexing="ij")
-    number = np.arange(rows * columns).reshape(rows, columns)
-    a, b, c, d = (part.ravel() for part in (number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]))
-    faces = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
-    return SurfaceMesh(np.stack([x.ravel(), np.zeros(x.size), z.ravel()], axis=1), faces), (rows, columns)
 
 
 def _png(pixels: NDArray[np.uint8]) -> bytes:
