@@ -4,7 +4,7 @@ One kernel serves both elements, straight from the table of their shape function
 differences it is checked against are not rounding; motion is float32 as in the drop test.
 """
 
-# ruff: noqa: ANN - Warp reads these annotations itself
+# ruff: noqa: ANN201 - Warp reads these annotations itself
 # mypy: ignore-errors
 # The body of a kernel is Warp's language, which Warp's own compiler checks.
 
