@@ -25,7 +25,8 @@ def colour_bar(layer: Layer, mesh: SurfaceMesh) -> str:
     lines = [f"<div><b>{escape(layer.caption)}</b></div>"]
     lines.append(f'<div style="width:{BAR_WIDTH}px;height:12px;border-radius:2px;background:{_gradient(scale)}"></div>')
     lines.append(f'<div style="position:relative;width:{BAR_WIDTH}px;height:1.5em">{"".join(ticks)}</div>')
-    lines += [f'<div style="color:{FAINT}">{line}</div>' for line in (_extremes(layer), _share_above(layer, mesh), escape(layer.note)) if line]
+    said = (_extremes(layer), _share_above(layer, mesh), escape(layer.note))
+    lines += [f'<div style="color:{FAINT}">{line}</div>' for line in said if line]
     return _block("".join(lines))
 
 
