@@ -29,8 +29,10 @@ lint: .venv/dev.stamp ## style, import directions and types only
 	$(BIN)/lint-imports --no-cache
 	$(BIN)/mypy
 
-bench: .venv/dev.stamp ## seconds per stage beside their budgets
+bench: .venv/dev.stamp ## speed and memory of stages, drops, gradient and renderer beside their budgets
 	$(BIN)/python benchmarks/stages.py
+	$(BIN)/python benchmarks/drops.py
+	$(BIN)/python benchmarks/gradient.py
 	$(BIN)/python benchmarks/renderer.py
 
 bench-widgets: .venv/dev.stamp ## size and speed of the report and the replay in headless Chromium
