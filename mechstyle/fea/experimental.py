@@ -15,7 +15,7 @@ Rest positions enter through ∇L, volumes, masses and the height above the floo
 slivers, which places are neighbours, and which vertex touches first (where several are lowest this is one of several derivatives).
 
 Contact opens and closes, so the derivative holds nearby only: on a pen holder it agrees with differences to 0.1 % over 0.1 µm and to
-some per cent over 1 µm. Nearly all of it lies on the few vertices that touch first.
+3 % over 1 µm. Nearly all of it lies on the few vertices that touch first.
 """
 
 from __future__ import annotations
