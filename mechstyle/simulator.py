@@ -43,6 +43,22 @@ def no_progress(fraction: float) -> None:
 
 
 @dataclass(frozen=True, eq=False)
+class Detail:
+    """A drop test in full.
+
+    Attributes:
+        simulation: What it left on the surface.
+        drop: Stress in the body, and history in time, of every orientation.
+        balance_error: Largest error of the energy balance of the drop as placed, over the energy at first touch; measured on the same
+            drop without damping. None for a drop that failed.
+    """
+
+    simulation: Simulation
+    drop: Drop
+    balance_error: float | None
+
+
+@dataclass(frozen=True, eq=False)
 class DropSimulator:
     """The drop test of one part under one recipe.
 
@@ -93,10 +109,25 @@ class DropSimulator:
                 memo.remember(self._key(simulation.displacement, thorough=thorough, fresh=False), simulation)
         return simulation
 
-    def detail(self, displacement: NDArray[np.float32]) -> tuple[TetMesh, Drop]:
-        """The tetrahedra and the whole drop result in all orientations, with its history in time; not remembered."""
+    def detail(self, displacement: NDArray[np.float32]) -> tuple[TetMesh, Detail]:
+        """The morphed tetrahedra and the whole drop test in all orientations, with its history in time; remembered as well."""
+        key = self._key(displacement, thorough=True, fresh=False)
         morphed = self._morph.morphed(displacement)
-        return morphed.tets, self._drop(morphed.tets, thorough=True)
+        detail = self.memo.recall(f"{key}-detail", Detail)
+        if detail is None:
+            self._static.check()
+            result = self._drop(morphed.tets, thorough=True)
+            balance = None if result.failure else self._balance_error(morphed.tets)
+            detail = Detail(self._told(morphed, result), result, balance)
+            self.memo.remember(f"{key}-detail", detail)
+            self.memo.remember(key, detail.simulation)
+        return morphed.tets, detail
+
+    def _balance_error(self, tets: TetMesh) -> float | None:
+        """Of `Detail`. What damping took is what is missing in the balance, so the balance can be checked only without it."""
+        undamped = replace(prescribed(self.recipe), damping=0.0)
+        found = drop(tets, self.recipe.material, self._orientations.normals[:1], undamped, device=self.device, progress=self.progress)
+        return None if found.failure else float(np.abs(found.history.damping_loss).max() / found.history.kinetic[0, 0])
 
     def _key(self, displacement: NDArray[np.float32], *, thorough: bool, fresh: bool) -> str:
         recipe = self.recipe

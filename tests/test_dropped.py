@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import meshio
+import msgspec
 import numpy as np
 import pytest
 
 from mechstyle import dropped as module
+from mechstyle import simulator
 from mechstyle.dropped import judge_alone, simulate
-from mechstyle.errors import BadInput
+from mechstyle.errors import BadInput, SimulationFailed
 from mechstyle.material import LIBRARY
+from mechstyle.mesh import SurfaceMesh
 from mechstyle.records import Measures, Simulation
+from mechstyle.validation.meshes import box
+from mechstyle.workpiece import Workpiece
 
 PLA = LIBRARY["PLA"]
 
@@ -51,7 +59,11 @@ def test_the_peak_itself_is_left_as_it_was_measured():
     assert judge_alone(one, PLA, "robust").as_placed.value == 20.0
 
 
-REFUSED = [({"orientations": 0}, "orientations is 0"), ({"criterion": "robst"}, "did you mean 'robust'")]
+REFUSED = [
+    ({"orientations": 0}, "orientations is 0"),
+    ({"criterion": "robst"}, "did you mean 'robust'"),
+    ({"poses": "restng"}, "did you mean 'resting'"),
+]
 
 
 @pytest.mark.parametrize(("setting", "said"), REFUSED)
@@ -59,3 +71,108 @@ def test_settings_are_refused_before_the_part_is_prepared(monkeypatch, cube, set
     monkeypatch.setattr(module, "prepare", lambda *_, **__: pytest.fail("the part was prepared first"))
     with pytest.raises(BadInput, match=said):
         simulate(cube, **setting)
+
+
+# --- a whole drop of a block --------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def block():
+    """A 12 x 10 x 16 mm block made ready without meshing it."""
+    tets = box((4, 3, 4), (12.0, 10.0, 16.0))
+    used, faces = np.unique(tets.boundary_faces, return_inverse=True)
+    surface = SurfaceMesh(tets.vertices[used], faces.reshape(-1, 3))
+    return Workpiece(surface, tets, np.full(len(used), 10.0, np.float32), stands=True)
+
+
+@pytest.fixture(scope="module")
+def drop_it(block, tmp_path_factory):
+    """Drops the block, with a memory of its own."""
+
+    def dropping(**settings):
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setenv("MECHSTYLE_CACHE", str(tmp_path_factory.getbasetemp() / "memory"))
+            patch.setattr(module, "prepare", lambda *_, **__: block)
+            return simulate(block.surface, device="cpu", **{"orientations": 3, **settings})
+
+    return dropping
+
+
+@pytest.fixture(scope="module")
+def found(drop_it):
+    return drop_it()
+
+
+def test_energy_goes_somewhere_and_adds_up(block, found):
+    course = found.course
+    mass = PLA.density * block.tets.volumes.sum() * (1.0 + found.simulation.added_mass)
+    assert course.energy == pytest.approx(mass * 9.81e-3 * 1500.0, rel=1e-5)  # m g h
+    assert course.kinetic + course.strain + course.contact_loss + course.damping_loss == pytest.approx(1.0, abs=1e-6)
+    assert min(course.kinetic, course.strain, course.contact_loss, course.damping_loss) >= 0.0
+    assert 0.0 < course.balance_error < 1e-3
+    assert "within 1 %" in course.words
+    assert "NOT within" in msgspec.structs.replace(course, balance_error=0.02).words
+
+
+def test_the_peak_over_time_is_the_peak_of_the_drop(found):
+    course = found.course
+    assert course.peak_stress == pytest.approx(found.simulation.stress.max(), rel=1e-5)
+    assert course.peak_time in found.impact.time
+    assert 0.0 < course.peak_force_time <= course.contact_time < found.history.time[-1]
+    assert found.history.kinetic.shape == (len(found.history.time), 3)
+
+
+def test_it_is_remembered_with_its_history(drop_it, found, monkeypatch):
+    monkeypatch.setattr(simulator, "drop", lambda *_, **__: pytest.fail("it was dropped again"))
+    again = drop_it()
+    assert again.course == found.course
+    assert np.array_equal(again.detail.drop.von_mises, found.detail.drop.von_mises)
+
+
+def test_the_pictures_show_the_sides_and_the_history(drop_it, found):
+    several, alone = found.show().png, drop_it(orientations=1).show().png
+    height = [int.from_bytes(png[20:24], "big") for png in (several, alone)]
+    assert height[0] > 1.5 * height[1], "the worst of all orientations and the probability are a row of their own"
+    assert found.show_history().png[:4] == b"\x89PNG"
+
+
+def test_the_file_for_paraview_holds_what_was_found(found, block, tmp_path):
+    read = meshio.read(found.save_vtu(tmp_path / "block.vtu"))
+    at_nodes, in_cells = read.point_data, {name: values[0] for name, values in read.cell_data.items()}
+    assert set(at_nodes) == {"displacement", "deformation", "robust_stress", "contact", "robust_stress_envelope", "failure_probability"}
+    assert at_nodes["robust_stress"].max() == pytest.approx(found.simulation.as_placed.peak, rel=1e-5)
+    assert at_nodes["failure_probability"].max() <= found.failure_probability + 1e-6
+    assert np.array_equal(in_cells["von_mises"], found.detail.drop.von_mises[0].max(axis=1))
+    assert in_cells["von_mises_envelope"].max() == found.detail.drop.von_mises.max()
+    assert np.array_equal(at_nodes["contact"] > 0, read.points[:, 2] < 1e-6)
+    assert len(read.points) > len(block.tets.vertices)  # middle nodes
+    moved = at_nodes["displacement"] - at_nodes["deformation"]
+    spread = np.linalg.norm((read.points + moved)[:, None] - (read.points + moved)[None, ::50], axis=2)
+    np.testing.assert_allclose(spread, np.linalg.norm(read.points[:, None] - read.points[None, ::50], axis=2), atol=1e-4)  # rigid
+    assert 0.0 < np.abs(at_nodes["deformation"]).max() < 0.5
+
+
+def test_every_orientation_is_added_on_request(found, tmp_path):
+    read = meshio.read(found.save_vtu(tmp_path / "block.vtu", each_orientation=True))
+    for number, landing in enumerate(found.simulation.landings):
+        assert read.point_data[f"robust_stress_{number:02}"].max() == pytest.approx(landing.measures.peak, rel=1e-5)
+        assert read.cell_data[f"von_mises_{number:02}"][0].max() == pytest.approx(landing.measures.maximum, rel=1e-5)
+        assert read.point_data[f"contact_{number:02}"].any()
+
+
+def test_a_drop_that_failed_has_no_course_and_says_why(drop_it, monkeypatch, tmp_path):
+    real = simulator.drop
+    monkeypatch.setattr(simulator, "drop", lambda *args, **options: replace(real(*args, **options), failure="it blew up"))
+    broken = drop_it(orientations=2)
+    assert broken.strength.verdict == "UNKNOWN"
+    assert broken.course is None
+    assert broken.failure_probability is None
+    assert broken.show().png[:4] == b"\x89PNG"
+    for wanted in (broken.show_history, lambda: broken.save_vtu(tmp_path / "x.vtu")):
+        with pytest.raises(SimulationFailed, match="it blew up"):
+            wanted()
+
+
+def test_without_orientations_the_poses_bring_theirs(drop_it):
+    assert len(drop_it(orientations=None, poses="resting").simulation.landings) == 6
+    assert len(drop_it(orientations=None, poses="tilts").simulation.landings) == 8

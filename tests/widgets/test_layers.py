@@ -11,7 +11,8 @@ from mechstyle_widgets.layers import stress_limit, subject_of
 def test_a_checkpoint_shows_every_field_that_is_known_there(done):
     state = done.checkpoint(12)
     subject = subject_of(done, state)
-    assert [layer.name for layer in subject.layers] == ["stress", "demand", "mask", "displacement", "thickness", "contact", "envelope"]
+    of_any, of_several = ["stress", "demand", "mask", "displacement", "thickness", "contact"], ["envelope", "probability"]
+    assert [layer.name for layer in subject.layers] == of_any + of_several
     assert np.array_equal(subject.layer("stress").values, state.stress)
     assert np.allclose(subject.layer("mask").values, 1.0 - state.mask)
     assert np.array_equal(subject.layer("displacement").values, state.displacement)

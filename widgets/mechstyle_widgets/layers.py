@@ -149,7 +149,10 @@ def simulation_layers(simulation: Simulation, limit: float) -> tuple[Layer, ...]
     if simulation.overall is None:
         return (contact,)
     worst = Layer("envelope", simulation.envelope, "worst of all orientations", "MPa", _over(simulation.envelope, limit), limit)
-    return (contact, worst)
+    chance = Layer(
+        "probability", simulation.probability, "failure probability", "", (0.0, 1.0), None, "of random drops, to exceed the yield strength"
+    )
+    return (contact, worst, chance)
 
 
 def _over(values: ArrayLike, threshold: float) -> tuple[float, float]:

@@ -1,0 +1,126 @@
+"""Quantities over time, one above the other, in the look of the figures."""
+
+from __future__ import annotations
+
+import io
+import textwrap
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from numpy.typing import ArrayLike
+
+from mechstyle.errors import BadInput
+from mechstyle.pictures.figure import DPI, FAINT, INK
+from mechstyle.pictures.scene import BACKGROUND
+
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#7a7a80")
+"""Told apart by colour-blind people (Okabe and Ito 2008)."""
+
+DASHES = ("-", "--", "-.", ":", "-")
+WIDTH, HEIGHT = 9.0, 2.35
+"""Of a plot, without title and note [inch]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """A line in a plot.
+
+    Attributes:
+        label: What it is.
+        x: Where it is known, ascending, shape [points].
+        y: Its values, shape [points].
+        stepped: Whether a value holds from the point before up to its own, as a maximum since then does.
+    """
+
+    label: str
+    x: ArrayLike
+    y: ArrayLike
+    stepped: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Plot:
+    """Curves over one axis.
+
+    Attributes:
+        title: What is shown.
+        unit: Unit of the values.
+        curves: At least one.
+        limit: A value to be marked across, with its name; None for none.
+        mark: A point to be marked, as x and y; None for none.
+        words: What there is to say about it, after the title.
+    """
+
+    title: str
+    unit: str
+    curves: Sequence[Curve]
+    limit: tuple[float, str] | None = None
+    mark: tuple[float, float] | None = None
+    words: str = ""
+
+
+def plots_png(plots: Sequence[Plot], *, x_label: str, title: str = "", note: str = "") -> bytes:
+    """Plots above each other over a common axis, as the bytes of a PNG file.
+
+    Args:
+        plots: From top to bottom, at least one.
+        x_label: Name and unit of the common axis.
+        title: Over all plots.
+        note: What there is to say below all plots.
+
+    Raises:
+        BadInput: No plots.
+    """
+    if not plots:
+        raise BadInput("a figure needs at least one plot")
+    sheet = Figure(figsize=(WIDTH, HEIGHT * len(plots) + 1.1), dpi=DPI, facecolor=BACKGROUND, layout="constrained")
+    FigureCanvasAgg(sheet)
+    if title:
+        sheet.suptitle(title, size=13, weight="bold", color=INK, x=0.01, ha="left")
+    rows = sheet.subplots(len(plots), 1, sharex=True, squeeze=False)[:, 0]
+    for axes, plot in zip(rows, plots, strict=True):
+        _draw(axes, plot)
+    rows[-1].set_xlabel(x_label, size=10, color=INK)
+    if note:
+        sheet.supxlabel(textwrap.fill(note, 120), size=9.5, color=FAINT, x=0.01, ha="left")
+    buffer = io.BytesIO()
+    sheet.savefig(buffer, format="png", dpi=DPI, facecolor=sheet.get_facecolor(), metadata={"Software": "MechStyle"})
+    return buffer.getvalue()
+
+
+def _draw(axes: Axes, plot: Plot) -> None:
+    axes.set_facecolor("white")
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)
+    axes.grid(axis="y", color="#e4e4e2", linewidth=0.8)
+    axes.tick_params(labelsize=9, color=FAINT, labelcolor=INK)
+    axes.set_title(f"{plot.title} [{plot.unit}]", size=10.5, weight="bold", color=INK, loc="left")
+    axes.set_title(plot.words, size=9.5, color=INK, loc="right")
+    for index, curve in enumerate(plot.curves):
+        how: dict[str, Any] = {"color": COLOURS[index % 5], "linestyle": DASHES[index % 5], "linewidth": 1.6, "label": curve.label}
+        if curve.stepped:
+            axes.step(np.asarray(curve.x), np.asarray(curve.y), where="pre", **how)
+        else:
+            axes.plot(np.asarray(curve.x), np.asarray(curve.y), **how)
+    _annotate(axes, plot)
+    axes.margins(x=0.01)
+    axes.set_ylim(bottom=min(axes.get_ylim()[0], 0.0), top=1.08 * axes.get_ylim()[1])
+    if len(plot.curves) > 1:
+        axes.legend(fontsize=9, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
+
+
+def _annotate(axes: Axes, plot: Plot) -> None:
+    """The limit across and the point marked."""
+    if plot.limit is not None:
+        value, name = plot.limit
+        axes.axhline(value, color=INK, linewidth=1.2, linestyle=(0, (6, 3)))
+        axes.annotate(name, (1.0, value), xycoords=("axes fraction", "data"), xytext=(-2, 3), textcoords="offset points",
+                      ha="right", size=9, weight="bold", color=INK)
+    if plot.mark is not None:
+        x, y = plot.mark
+        axes.plot([x], [y], marker="o", markersize=6, markerfacecolor="white", markeredgecolor=INK, linestyle="none")
