@@ -2,7 +2,7 @@
 
 On the CPU rates are element updates (a tetrahedron through a step of a drop) per second of CPU time, so that other work on the machine
 counts little; what two cores give is wall time, which says little on a busy machine. CalculiX, where it is installed, runs the same mesh
-over the same time. On CUDA all orientations step together, and bytes are counted as the kernels ask for them, which the cache answers in part.
+over the same time. On CUDA all orientations step together; bytes are counted as the kernels ask for them, which the cache answers in part.
 
     python benchmarks/drops.py [--device cpu|cuda] [--model pen_holder] [--vertices 4000]
 
