@@ -212,3 +212,19 @@ def part(
                 short = wp.abs(place - wp.float64(first + 1 - second_inside))  # from the outer pixel
                 key = (wp.int64(short * REACH_STEPS) << EDGE_BITS) | (wp.int64(edge) << wp.int64(1)) | wp.int64(second_inside)
                 wp.atomic_min(parting, across, picture + _pixel(line, first, along, size[2]), key)
+
+
+@wp.kernel
+def add_rows(
+    rows: wp.array2d(dtype=wp.float32),
+    index: wp.array2d(dtype=wp.int64),
+    weights: wp.array2d(dtype=wp.float32),
+    steps: wp.array(dtype=wp.float64),
+    sums: wp.array2d(dtype=wp.int64),
+) -> None:
+    """One thread per row and column: add the weighted value, in whole steps (`steps` of them make 1), to all rows its indices name."""
+    i, k = wp.tid()
+    for j in range(index.shape[1]):
+        value = rows[i, k] * weights[i, j]
+        if value != 0.0:
+            wp.atomic_add(sums, int(index[i, j]), k, wp.int64(wp.rint(wp.float64(value) * steps[0])))

@@ -8,7 +8,9 @@ faces the pixels see: on a fine mesh a pixel rarely sees the very face that ends
 from __future__ import annotations
 
 import torch
+from torch.nn import functional
 
+from mechstyle.raster.rows import taken
 from mechstyle.raster.tensors import parting_edges
 
 
@@ -23,25 +25,36 @@ def antialiased(picture: torch.Tensor, pixels: torch.Tensor, edges: torch.Tensor
         static: Whether to handle all pairs of neighbours, so that no shape depends on the picture.
     """
     views, height, width = buffer.shape
-    edge, second_inside = (part.view(-1) for part in parting_edges(pixels, edges, buffer))
+    edge = parting_edges(pixels, edges, buffer)[0].view(-1)
     pair = torch.arange(len(edge), device=edge.device) if static else (edge >= 0).nonzero()[:, 0]
     count = views * height * width
-    below, first = pair >= count, pair % count
-    parted, inside_second = edge[pair] >= 0, second_inside[pair]
-    second = first + torch.where(parted, torch.where(below, width, 1), 0)
+    below, first, parted = pair >= count, pair % count, edge[pair] >= 0
     shown, before = torch.where(parted, edge[pair], pair % len(edges)), first // (height * width) * pixels.shape[1]
-    ends = [edges[:, k].index_select(0, shown) + before for k in range(2)]
-    crossing = _crossing(pixels.reshape(-1, 3)[:, :2], ends, first % (height * width), width, below)
-    reach = torch.where(inside_second, 1.0 - crossing, crossing)
-    inside, outside = torch.where(inside_second, second, first), torch.where(inside_second, first, second)
-    step = picture.index_select(1, inside) - picture.index_select(1, outside)
-    share = torch.where(parted, reach - 0.5, 0.0)  # of a pixel: what the inside covers of the outside, or the reverse if negative
-    return picture.index_add(1, torch.where(share > 0, outside, inside), step * share)
+    ends = edges[:, :2].T.index_select(1, shown) + before
+    crossing = _crossing(pixels.reshape(-1, 3), ends, first % (height * width), width, below)
+    # The two pixels meet half way: an edge beyond spreads the colour of the first into the second, one before it the reverse.
+    beyond = torch.where(parted, crossing - 0.5, 0.0)
+    if static:
+        return _spread(picture.view(-1, views, height, width), *beyond.view(2, views, height, width)).view_as(picture)
+    second = first + torch.where(below, width, 1)
+    step = picture.index_select(1, second) - picture.index_select(1, first)
+    return picture.index_add(1, torch.where(beyond > 0, second, first), -step * beyond)
 
 
-def _crossing(points: torch.Tensor, ends: list[torch.Tensor], pixel: torch.Tensor, width: int, below: torch.Tensor) -> torch.Tensor:
+def _spread(picture: torch.Tensor, right: torch.Tensor, below: torch.Tensor) -> torch.Tensor:
+    """The picture, shape [channels, views, height, width], with every two neighbours blended, in shifted copies of all of it.
+
+    On a GPU, additions to chosen pixels would have to be sorted first to be repeatable.
+    """
+    across, down = picture.diff(dim=3), picture.diff(dim=2)
+    right, below = right[..., :-1], below[:, :-1]
+    picture = picture - functional.pad(across * right.clamp(max=0.0), (0, 1)) - functional.pad(across * right.clamp(min=0.0), (1, 0))
+    return picture - functional.pad(down * below.clamp(max=0.0), (0, 0, 0, 1)) - functional.pad(down * below.clamp(min=0.0), (0, 0, 1, 0))
+
+
+def _crossing(points: torch.Tensor, ends: torch.Tensor, pixel: torch.Tensor, width: int, below: torch.Tensor) -> torch.Tensor:
     """Where edges cross the line from the centre of a pixel (0) to the centre of its neighbour (1), shape [pairs]."""
-    (ax, ay), (bx, by) = (points.index_select(0, end).unbind(dim=1) for end in ends)
+    (ax, ay, _), (bx, by, _) = (end.unbind(dim=1) for end in taken(points, ends))
     x, y = (pixel % width).to(points) + 0.5, (pixel // width).to(points) + 0.5
     along_a, along_b = torch.where(below, ax - x, ay - y), torch.where(below, bx - x, by - y)
     across_a, across_b = torch.where(below, ay - y, ax - x), torch.where(below, by - y, bx - x)

@@ -10,7 +10,8 @@ import math
 from typing import NamedTuple
 
 import torch
-from torch.nn import functional
+
+from mechstyle.raster.rows import blended
 
 DISTORTION = 0.5
 PERSPECTIVE_SHARE = 0.8
@@ -33,7 +34,7 @@ class Warps(NamedTuple):
 
     def to(self, device: str | torch.device) -> Warps:
         """The same maps on a device."""
-        return Warps(*(part.to(device) for part in self))
+        return Warps(*(part.to(device, non_blocking=True) for part in self))
 
 
 def random_warps(count: int, area: float, generator: torch.Generator) -> Warps:
@@ -77,25 +78,23 @@ def warped(images: torch.Tensor, warps: Warps) -> torch.Tensor:
     source = seen * warps.half_sides[:, None, None] + warps.centre[:, None, None]
     # Sampled as darkness below white, because what lies outside is sampled as 0; one pixel's values in all views are one row.
     rows = (images - 1.0).permute(2, 3, 0, 1).reshape(size * size, -1)
-    found = 1.0 + _interpolated(rows, source, size) * inside[..., None]
-    return found.view(*found.shape[:3], views, -1).permute(0, 3, 4, 1, 2).flatten(0, 1)
+    index, weights = _neighbours(source.flatten(0, 2), size)
+    found = 1.0 + blended(rows, index, weights * inside.view(-1, 1))
+    return found.view(len(inside), size, size, views, -1).permute(0, 3, 4, 1, 2).flatten(0, 1)
 
 
-def _interpolated(rows: torch.Tensor, place: torch.Tensor, size: int) -> torch.Tensor:
-    """Rows of pixels, shape [size², k], interpolated linearly at places, shape [a, h, w, 2], and 0 outside; shape [a, h, w, k].
+def _neighbours(place: torch.Tensor, size: int) -> tuple[torch.Tensor, torch.Tensor]:
+    """The four pixels around places, shape [m, 2], and their weights, as linear interpolation has them, both shape [m, 4].
 
-    Taken as an embedding, whose gradient is added up in a fixed order on every device; that of `grid_sample` is not on a GPU.
+    Unlike `grid_sample`, sums over these have a gradient that is the same bytes whenever it is asked, on a GPU too.
     """
     pixel = (0.5 * size * (place + 1.0) - 0.5).clamp(-2.0, size + 1.0)
-    first = pixel.floor()
-    total = torch.zeros(1, dtype=rows.dtype, device=rows.device)
-    for right, down in ((0, 0), (1, 0), (0, 1), (1, 1)):
-        x, y = (first[..., 0] + right).long(), (first[..., 1] + down).long()
-        weight = (1.0 - (pixel[..., 0] - x).abs()) * (1.0 - (pixel[..., 1] - y).abs())
-        there = (x >= 0) & (x < size) & (y >= 0) & (y < size)
-        index = y.clamp(0, size - 1) * size + x.clamp(0, size - 1)
-        total = total + functional.embedding(index, rows) * (weight * there)[..., None]
-    return total
+    number = torch.arange(4, device=place.device)
+    corners = pixel.floor()[:, None] + torch.stack([number % 2, number // 2], dim=1)
+    there = ((corners >= 0) & (corners < size)).all(dim=2)
+    weights = (1.0 - (pixel[:, None] - corners).abs()).prod(dim=2) * there
+    x, y = corners.clamp(0, size - 1).long().unbind(dim=2)
+    return y * size + x, weights
 
 
 def _pixel_centres(size: int, device: torch.device, dtype: torch.dtype) -> torch.Tensor:

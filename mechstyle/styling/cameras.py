@@ -39,7 +39,12 @@ class Cameras:
 
     def to(self, device: str | torch.device) -> Cameras:
         """The same cameras on a device."""
-        return replace(self, elevation=self.elevation.to(device), azimuth=self.azimuth.to(device))
+        elevation, azimuth = (angle.to(device, non_blocking=True) for angle in (self.elevation, self.azimuth))
+        return replace(self, elevation=elevation, azimuth=azimuth)
+
+    def and_of(self, other: Cameras) -> Cameras:
+        """These views, then another's directions at this distance and opening."""
+        return replace(self, elevation=torch.cat([self.elevation, other.elevation]), azimuth=torch.cat([self.azimuth, other.azimuth]))
 
     @property
     def axes(self) -> torch.Tensor:

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from pathlib import Path
 
 import torch
 from safetensors import SafetensorError
+from torch import nn
+from torch.nn import functional
+from torch.nn.attention import SDPBackend, sdpa_kernel
 from transformers import CLIPModel, CLIPTokenizer
+from transformers.activations import QuickGELUActivation
 from transformers.utils import logging
 
 from mechstyle.errors import BadInput
@@ -14,10 +19,13 @@ from mechstyle.errors import BadInput
 MEAN = (0.48145466, 0.4578275, 0.40821073)
 DEVIATION = (0.26862954, 0.26130258, 0.27577711)
 """Of the pictures CLIP was trained on, per channel."""
+STEEPNESS = 1.702
+"""CLIP's quick GELU of x is silu(1.702 x) / 1.702."""
+_ATTENTION = [SDPBackend.EFFICIENT_ATTENTION, SDPBackend.MATH]  # on a GPU: the fastest whose gradients are repeatable
 
 
 class Clip:
-    """Frozen CLIP weights on a device.
+    """Frozen CLIP weights on a device. The model it is given is its own from then on: it is changed to compute faster.
 
     Attributes:
         picture_size: Side of the pictures it reads [pixels].
@@ -25,6 +33,7 @@ class Clip:
     """
 
     def __init__(self, model: CLIPModel, tokenizer: CLIPTokenizer, device: str = "cpu") -> None:
+        _quickened(model.vision_model)
         self._model = model.to(device=device, dtype=precision(device)).eval().requires_grad_(requires_grad=False)
         self._tokenizer = tokenizer
         self._device = device
@@ -69,8 +78,40 @@ class Clip:
             images: Pictures with values from 0 to 1, shape [b, 3, picture_size, picture_size].
         """
         normalised = ((images - self._mean) / self._deviation).to(self._model.dtype)
-        pooled = self._model.vision_model(pixel_values=normalised).pooler_output
+        with sdpa_kernel(_ATTENTION) if normalised.is_cuda else nullcontext():
+            pooled = self._model.vision_model(pixel_values=normalised).pooler_output
         return self._model.visual_projection(pooled).float()
+
+
+class Patches(nn.Module):
+    """The convolution that cuts pictures into patches, as a product of matrices: for its gradient cuDNN takes fifty times as long.
+
+    Args:
+        cutter: A convolution without bias whose stride is the side of its kernel.
+    """
+
+    def __init__(self, cutter: nn.Conv2d) -> None:
+        super().__init__()
+        self.weight = cutter.weight
+
+    def forward(self, pictures: torch.Tensor) -> torch.Tensor:
+        """Patches embedded, shape [b, width, grid, grid], of pictures, shape [b, 3, grid · side, grid · side]."""
+        side = self.weight.shape[-1]
+        apart = pictures.unfold(2, side, side).unfold(3, side, side)
+        rows = functional.linear(apart.permute(0, 2, 3, 1, 4, 5).flatten(3), self.weight.flatten(1))
+        return rows.permute(0, 3, 1, 2)
+
+
+def _quickened(vision: nn.Module) -> None:
+    """Do the same sums in fewer passes: patches by a product of matrices, and the factors of quick GELU within the weights around it."""
+    vision.embeddings.patch_embedding = Patches(vision.embeddings.patch_embedding)
+    steep = [layer.mlp for layer in vision.encoder.layers if isinstance(layer.mlp.activation_fn, QuickGELUActivation)]
+    with torch.no_grad():
+        for perceptron in steep:
+            perceptron.activation_fn = nn.SiLU()
+            perceptron.fc1.weight *= STEEPNESS
+            perceptron.fc1.bias *= STEEPNESS
+            perceptron.fc2.weight /= STEEPNESS
 
 
 def precision(device: str) -> torch.dtype:

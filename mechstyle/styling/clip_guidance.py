@@ -42,6 +42,10 @@ class Draws(NamedTuple):
     grey_cameras: Cameras
     grey_warps: Warps
 
+    def to(self, device: str) -> Draws:
+        """The same on a device."""
+        return Draws(self.cameras.to(device), self.warps.to(device), self.grey_cameras.to(device), self.grey_warps.to(device))
+
     @property
     def tensors(self) -> tuple[torch.Tensor, ...]:
         """Elevations and azimuths, then the maps, of both sets of views."""
@@ -65,16 +69,17 @@ class ClipGuidance:
 
     def draw(self, generator: torch.Generator) -> Draws:
         """Two sets of views and their augmentations, the same on every device."""
-        cameras, grey_cameras = (random_views(VIEWS, FRONT, SPREAD, generator).to(self._device) for _ in range(2))
+        cameras, grey_cameras = (random_views(VIEWS, FRONT, SPREAD, generator) for _ in range(2))
         whole, close = random_warps(1, 1.0, generator), random_warps(self._crops, COLOUR_CROP, generator)
         closer = random_warps(self._crops, SHAPE_CROP, generator)
         both = Warps(*(torch.cat(parts) for parts in zip(whole, close, strict=True)))
-        return Draws(cameras, both.to(self._device), grey_cameras, closer.to(self._device))
+        return Draws(cameras, both, grey_cameras, closer).to(self._device)
 
     def loss(self, look: Look, draws: Draws) -> torch.Tensor:
         """Minus the sum of the cosines, from −(1 + 2 · crops) upwards."""
-        coloured = self._render(look.positions, look.colour, draws.cameras).image
-        plain = self._render(look.positions, torch.full_like(look.colour, GREY), draws.grey_cameras).image
+        cameras = draws.cameras.and_of(draws.grey_cameras)
+        colours = torch.stack([look.colour, torch.full_like(look.colour, GREY)]).repeat_interleave(VIEWS, dim=0)
+        coloured, plain = self._render(look.positions, colours, cameras).image.split(VIEWS)
         pictures = torch.cat([warped(coloured, draws.warps), warped(plain, draws.grey_warps)])
         return -self._likeness(pictures).sum()
 

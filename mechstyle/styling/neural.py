@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from torch import nn
 from torch.utils import deterministic
 
-from mechstyle.styling.guidance import Draws, Guidance
+from mechstyle.styling.guidance import Draws, Guidance, NoDraws
 from mechstyle.styling.recorded import Recorded
 from mechstyle.styling.style_field import standardised
 from mechstyle.styling.unit_shape import Logits, Look, UnitShape
@@ -39,6 +39,18 @@ class Proposal(NamedTuple):
 
     displacement: Field
     colour: Field
+
+
+class Surface(NamedTuple):
+    """What the loss is asked of: a displacement [mm], shape [n], and colours, shape [n, 3]."""
+
+    displacement: torch.Tensor
+    colour: torch.Tensor
+
+    @property
+    def tensors(self) -> tuple[torch.Tensor, ...]:
+        """Both."""
+        return tuple(self)
 
 
 class VertexField(nn.Module):
@@ -72,33 +84,34 @@ class NeuralStylizer:
         seed: Decides views and crops.
     """
 
+    _draws: Draws
+
     def __init__(self, shape: UnitShape, field: nn.Module, guidance: Guidance, *, rate: float, seed: int = 0) -> None:
         self._shape, self._guidance, self._rate, self._seed = shape, guidance, rate, seed
         self._field = field.to(shape.positions.device)
         self._first = {name: value.clone() for name, value in self._field.state_dict().items()}
+        self._distance = Recorded(self._distant) if shape.positions.is_cuda else self._distant
         count = len(shape.positions)
         self.start_from(np.zeros(count), np.full((count, 3), 0.5))
 
     def proposal(self) -> Proposal:
         """What it proposes now; at first no displacement and mid-grey."""
-        with torch.no_grad():
-            look = self._look()
-        return Proposal(_array(look.displacement), _array(look.colour))
+        return Proposal(_array(self._seen.displacement), _array(self._seen.colour))
 
     def step(self) -> Proposal:
         """One iteration of descent."""
-        draws = self._guidance.draw(torch.Generator().manual_seed(self._seed * 1_000_003 + self._iteration))
         self._adam.param_groups[0]["lr"].fill_(self._rate * DECAY ** (self._iteration // DECAY_EVERY))
         with _repeatable():
-            self._descend(draws)
+            self._descend(self._draws)
+            self._seen = self._look(NoDraws())  # what is proposed now, and what the next iteration descends from
         self._iteration += 1
+        self._draws = self._drawn()  # of the next iteration, while a GPU is still at this one
         return self.proposal()
 
     def loss(self, displacement: ArrayLike, colour: ArrayLike) -> float:
         """Distance of any displacement [mm], shape [n], and colour, shape [n, 3], from what is wanted."""
-        relief, paint = self._tensor(displacement), self._tensor(colour)
-        with torch.no_grad():
-            return float(self._guidance.distance(Look(relief, paint, self._shape.placed(relief))))
+        with torch.no_grad(), _repeatable():
+            return float(self._distance(Surface(self._tensor(displacement), self._tensor(colour))))
 
     def start_from(self, displacement: ArrayLike, colour: ArrayLike) -> None:
         """Begin afresh at a surface another style has left: the field's output is added to what gives that surface."""
@@ -128,24 +141,34 @@ class NeuralStylizer:
             moments = {"exp_avg": tensors[f"first/{name}"], "exp_avg_sq": tensors[f"second/{name}"]}
             self._adam.state[parameter] = {"step": self._tensor(float(self._iteration)), **moments}
 
+    def _distant(self, surface: Surface) -> torch.Tensor:
+        return self._guidance.distance(Look(*surface, self._shape.placed(surface.displacement)))
+
     def _descended(self, draws: Draws) -> None:
-        """Loss, gradient and step: one function of tensors, so that a GPU may record it."""
+        """Loss of what was seen last, gradient and step: a function of tensors, so that a GPU may record it."""
         self._adam.zero_grad()
-        self._guidance.loss(self._look(), draws).backward()
+        self._guidance.loss(self._seen, draws).backward()
         self._adam.step()
+
+    def _looked(self, _: NoDraws) -> Look:
+        colour, displacement = self._field(self._features, self._guidance.text)
+        return self._shape.look(Logits(colour + self._start.colour, displacement[:, 0] + self._start.displacement))
+
+    def _drawn(self) -> Draws:
+        return self._guidance.draw(torch.Generator().manual_seed(self._seed * 1_000_003 + self._iteration))
 
     def _begin(self, parameters: dict[str, torch.Tensor], iteration: int) -> None:
         self._field.load_state_dict(parameters)
         on_gpu = self._shape.positions.is_cuda
-        self._adam = torch.optim.Adam(self._field.parameters(), lr=self._tensor(self._rate), capturable=on_gpu)
+        self._adam = torch.optim.Adam(self._field.parameters(), lr=self._tensor(self._rate), fused=on_gpu, capturable=on_gpu)
         self._descend: Callable[[Draws], None] = Recorded(self._descended) if on_gpu else self._descended
+        self._look: Callable[[NoDraws], Look] = Recorded(self._looked) if on_gpu else self._looked
         self._iteration = iteration
         with torch.no_grad():  # computed once: neither the points nor the frequencies change from here
             self._features = self._field.features(standardised(self._shape.positions))
-
-    def _look(self) -> Look:
-        colour, displacement = self._field(self._features, self._guidance.text)
-        return self._shape.look(Logits(colour + self._start.colour, displacement[:, 0] + self._start.displacement))
+        with _repeatable():
+            self._seen = self._look(NoDraws())
+        self._draws = self._drawn()
 
     def _tensor(self, values: ArrayLike) -> torch.Tensor:
         return torch.tensor(np.asarray(values), dtype=torch.float32, device=self._shape.positions.device)
@@ -158,12 +181,15 @@ def _array(tensor: torch.Tensor) -> Field:
 
 @contextmanager
 def _repeatable() -> Iterator[None]:
-    """The same bytes for the same inputs: without it, gradients gathered from many pixels are added in no fixed order."""
+    """The same bytes for the same inputs, and on a GPU the products of its tensor cores, whose factors have 10 bits after the point."""
     before, filled = torch.are_deterministic_algorithms_enabled(), deterministic.fill_uninitialized_memory
-    torch.use_deterministic_algorithms(mode=True, warn_only=True)
+    products = torch.backends.cuda.matmul.fp32_precision
+    torch.backends.cuda.matmul.fp32_precision = "tf32"
+    torch.use_deterministic_algorithms(mode=True)
     deterministic.fill_uninitialized_memory = False  # nothing here reads what it has not written, and filling takes a seventh of the time
     try:
         yield
     finally:
         torch.use_deterministic_algorithms(mode=before)
         deterministic.fill_uninitialized_memory = filled
+        torch.backends.cuda.matmul.fp32_precision = products

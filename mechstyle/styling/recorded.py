@@ -3,45 +3,58 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Generic, Protocol, TypeVar
 
 import torch
-
-from mechstyle.styling.guidance import Draws
 
 WARM_UP = 3
 """Calls before recording, in which libraries choose their algorithms and set their memory aside."""
 
 
-class Recorded:
+class Tensors(Protocol):
+    """An argument whose tensors can be told, always in the same order and of the same shapes."""
+
+    @property
+    def tensors(self) -> tuple[torch.Tensor, ...]:
+        """All of them."""
+
+
+Given = TypeVar("Given", bound=Tensors)
+Found = TypeVar("Found")
+
+
+class Recorded(Generic[Given, Found]):
     """Calls a function a few times, then records it as a CUDA graph and from then on replays that.
 
-    The function may depend on nothing but its argument and on tensors that stay where they are, and must not wait for the GPU.
+    The function may depend on nothing but its argument and on tensors that stay where they are, and must not wait for the GPU. What it
+    returns is overwritten by the next call.
     """
 
-    def __init__(self, function: Callable[[Draws], None]) -> None:
+    def __init__(self, function: Callable[[Given], Found]) -> None:
         self._function = function
         self._calls = 0
         self._graph: torch.cuda.CUDAGraph | None = None
 
-    def __call__(self, draws: Draws) -> None:
-        """The function of these draws."""
+    def __call__(self, given: Given) -> Found:
+        """The function of this."""
         if self._calls < WARM_UP:
             self._calls += 1
-            self._aside(draws)
-            return
+            return self._aside(given)
         if self._graph is None:
-            self._inputs = draws  # whose memory the graph reads; later draws are copied there
+            self._given = given  # whose memory the graph reads; what is given later is copied there
             self._graph = torch.cuda.CUDAGraph()
             with torch.cuda.graph(self._graph):  # records, without running anything
-                self._function(draws)
-        for place, value in zip(self._inputs.tensors, draws.tensors, strict=True):
+                self._found = self._function(given)
+        for place, value in zip(self._given.tensors, given.tensors, strict=True):
             place.copy_(value)
         self._graph.replay()
+        return self._found
 
-    def _aside(self, draws: Draws) -> None:
+    def _aside(self, given: Given) -> Found:
         """Call the function on another stream than the default one, on which nothing can be recorded afterwards."""
         stream, before = torch.cuda.Stream(), torch.cuda.current_stream()
         stream.wait_stream(before)
         with torch.cuda.stream(stream):
-            self._function(draws)
+            found = self._function(given)
         before.wait_stream(stream)
+        return found

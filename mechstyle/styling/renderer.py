@@ -17,6 +17,7 @@ try:
 except ModuleNotFoundError as error:
     raise MissingPiece("rendering with gradients needs torch: install it with `pip install 'mechstyle[clip]'`") from error
 
+from mechstyle.raster.rows import added, taken
 from mechstyle.raster.tensors import edges_of, face_of, nearest_faces
 from mechstyle.styling.antialias import antialiased
 from mechstyle.styling.cameras import Cameras, random_views
@@ -85,13 +86,13 @@ class Renderer:
 
         Args:
             positions: Vertices in the unit sphere, y up, shape [n, 3], float32 or float64.
-            colours: Display RGB, brought to [0, 1], shape [n, 3], of the same type.
+            colours: Display RGB, brought to [0, 1], shape [n, 3], or [views, n, 3] if views differ in it, of the same type.
             cameras: The views.
 
         Raises:
             BadInput: Shapes that do not fit each other or the faces.
         """
-        self._check(positions, colours)
+        self._check(positions, colours, len(cameras.elevation))
         axes = cameras.axes.to(positions)
         normals = self._normals(positions)
         pixels = cameras.project(positions, self._size)
@@ -103,19 +104,19 @@ class Renderer:
         views = picture.view(4, -1, self._size, self._size).transpose(0, 1)
         return Rendered(views[:, :3], views[:, 3:])
 
-    def _check(self, positions: torch.Tensor, colours: torch.Tensor) -> None:
-        if positions.ndim != 2 or positions.shape[1] != 3 or positions.shape != colours.shape:
+    def _check(self, positions: torch.Tensor, colours: torch.Tensor, views: int) -> None:
+        if positions.ndim != 2 or positions.shape[1] != 3 or colours.shape not in {positions.shape, (views, *positions.shape)}:
             shapes = f"{tuple(positions.shape)} and {tuple(colours.shape)}"
-            raise BadInput(f"positions and colours must both have shape [vertex_count, 3], not {shapes}")
+            raise BadInput(f"positions and the colours of a view must both have shape [vertex_count, 3], not {shapes}")
         if not 0 <= self._least <= self._most < len(positions):
             raise BadInput(f"the faces name vertices {self._least} to {self._most}, but there are {len(positions)} positions")
 
     def _normals(self, positions: torch.Tensor) -> torch.Tensor:
         """Unit normals of the faces if flat, else of the vertices, weighted by area, shape [face_count or n, 3]."""
-        a, b, c = (positions.index_select(0, corner) for corner in self._corners)
+        a, b, c = taken(positions, self._corners)
         across = torch.linalg.cross(b - a, c - a)
         if not self._flat:
-            across = torch.zeros_like(positions).index_add(0, self._corners.reshape(-1), across.repeat(3, 1))
+            across = added(across.repeat(3, 1), self._corners.reshape(-1), len(positions))
         return functional.normalize(across, dim=1)
 
     def _shaded(
@@ -126,25 +127,26 @@ class Renderer:
         pixel = torch.arange(len(face), device=face.device) if self._static else (face >= 0).nonzero()[:, 0]
         seen = face[pixel] >= 0
         shown = torch.where(seen, face[pixel], pixel % len(self._faces))  # any face will do; one for all would be a queue of additions
-        corners, view = self._corners.index_select(1, shown), pixel // count
-        weights = self._weights(pixels, corners + view * pixels.shape[1], pixel % count)
-        if self._flat:
-            rgb, turned = _blended(weights, colours, corners), normals.index_select(0, shown)
-        else:
-            rgb, turned = _blended(weights, torch.cat([colours, normals], dim=1), corners).split(3, dim=1)
-            turned = functional.normalize(turned, dim=1)
+        view = pixel // count
+        corners = self._corners.index_select(1, shown) + view * pixels.shape[1]
+        channels = [pixels, colours.expand_as(pixels)]
+        if not self._flat:
+            channels.append(normals.expand_as(pixels))
+        at_corners = taken(torch.cat(channels, dim=2).flatten(0, 1), corners)
+        weights = self._weights(at_corners[..., :3], pixel % count)
+        blended = (weights[..., None] * at_corners[..., 3:]).sum(dim=0)
+        turned = normals.index_select(0, shown) if self._flat else functional.normalize(blended[:, 3:], dim=1)
         lit = AMBIENT + DIRECTED * (turned * light.index_select(0, view)).sum(dim=1, keepdim=True)
-        samples = torch.cat([(rgb * lit).clamp(0.0, 1.0), torch.ones_like(lit)], dim=1)
+        samples = torch.cat([(blended[:, :3] * lit).clamp(0.0, 1.0), torch.ones_like(lit)], dim=1)
         empty = self._empty.to(colours)
         if self._static:
             return torch.where(seen[:, None], samples, empty).T.contiguous()
         return empty.repeat(len(face), 1).index_copy(0, pixel, samples).T.contiguous()
 
-    def _weights(self, pixels: torch.Tensor, corners: torch.Tensor, pixel: torch.Tensor) -> torch.Tensor:
-        """Weights of the corners (indices into all views' points, shape [3, k]) at pixel centres, shape [3, k]."""
-        points = pixels.reshape(-1, 3)
-        x, y = (pixel % self._size).to(points) + 0.5, (pixel // self._size).to(points) + 0.5
-        (ax, ay, ai), (bx, by, bi), (cx, cy, ci) = (points.index_select(0, corner).unbind(dim=1) for corner in corners)
+    def _weights(self, corners: torch.Tensor, pixel: torch.Tensor) -> torch.Tensor:
+        """Weights of the corners of faces at pixel centres, shape [3, k], from their columns, rows and 1 / depth, shape [3, k, 3]."""
+        x, y = (pixel % self._size).to(corners) + 0.5, (pixel // self._size).to(corners) + 0.5
+        (ax, ay, ai), (bx, by, bi), (cx, cy, ci) = (corner.unbind(dim=1) for corner in corners)
         ax, bx, cx, ay, by, cy = ax - x, bx - x, cx - x, y - ay, y - by, y - cy
         if self._flat:
             whole = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
@@ -166,9 +168,3 @@ def _screen_weights(whole: torch.Tensor, of_b: torch.Tensor, of_c: torch.Tensor,
     divisor = whole / half**2 + KAOLIN_EPS
     b, c = of_b / half**2 / divisor, of_c / half**2 / divisor
     return torch.stack([1.0 - b - c, b, c])
-
-
-def _blended(weights: torch.Tensor, values: torch.Tensor, corners: torch.Tensor) -> torch.Tensor:
-    """Vertex values, shape [n, channels], at three corners weighted by weights, both shape [3, k]: shape [k, channels]."""
-    a, b, c = (weight[:, None] * values.index_select(0, corner) for weight, corner in zip(weights, corners, strict=True))
-    return a + b + c

@@ -13,10 +13,12 @@ The rest of this room imports torch only through modules such as this one, which
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any, Literal
 
 import torch
 from torch import nn
+from torch.nn import functional
 
 WIDTH = 256
 BASE_BLOCKS = 5
@@ -52,9 +54,16 @@ class Block(nn.Module):
         self.linear = nn.Linear(size, WIDTH)
         self.norm = nn.LayerNorm(WIDTH)
 
-    def forward(self, values: torch.Tensor) -> torch.Tensor:
-        """Values, shape [n, 256]."""
-        return self.norm(self.linear(values).relu())
+    def forward(self, values: torch.Tensor, before: nn.LayerNorm | None = None) -> torch.Tensor:
+        """Values, shape [n, 256], normalised but not yet scaled and shifted, of values as `scaled` takes them."""
+        return functional.layer_norm(scaled(self.linear, values, before).relu(), (WIDTH,))
+
+
+def scaled(linear: nn.Linear, values: torch.Tensor, norm: nn.LayerNorm | None) -> torch.Tensor:
+    """A linear map of values that a normalisation has still to scale and shift: in its weights, which are fewer than the values."""
+    if norm is None:
+        return linear(values)
+    return functional.linear(values, linear.weight * norm.weight, linear.bias + linear.weight @ norm.bias)
 
 
 class DynamicLinear(nn.Module):
@@ -129,8 +138,22 @@ class StyleField(nn.Module):
 
         The features are an argument because the points of a part never move: they are worth computing once.
         """
-        shared: Any = self.attention(self.base(features), text)
-        return self.colour(shared), self.displacement(shared)
+        values, norm = _through(self.base, features)
+        shared: Any = self.attention(torch.addcmul(norm.bias, values, norm.weight), text)
+        return _headed(self.colour, shared), _headed(self.displacement, shared)
+
+
+def _through(blocks: Iterable[Block], values: torch.Tensor) -> tuple[torch.Tensor, nn.LayerNorm]:
+    """What blocks make of values, and the normalisation that has still to scale and shift it."""
+    norm = None
+    for block in blocks:
+        values, norm = block(values, norm), block.norm
+    return values, norm
+
+
+def _headed(head: nn.Sequential, values: torch.Tensor) -> torch.Tensor:
+    """What a `_head` makes of values."""
+    return scaled(head[-1], *_through(head[:-1], values))
 
 
 def _head(out: int) -> nn.Sequential:

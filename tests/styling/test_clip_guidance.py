@@ -165,4 +165,4 @@ def test_every_iteration_sees_other_views(guidance, shape, monkeypatch):
     for _ in range(3):
         made.step()
     angles = {tuple(draws.cameras.azimuth.tolist()) for draws in seen}
-    assert len(angles) == 3
+    assert len(angles) == len(seen) >= 3

@@ -248,6 +248,14 @@ def test_random_views_are_spread_around_the_centre_which_comes_first():
     assert torch.equal(views.azimuth, again.azimuth)
 
 
+@pytest.mark.parametrize("kaolin", [False, True])
+def test_views_may_differ_in_their_colours(egg, faces, paint, kaolin):
+    renderer, greys = Renderer(faces, SIZE, kaolin_compat=kaolin), [0.2, 0.5, 0.8]
+    together = renderer(egg, torch.stack([paint * grey for grey in greys]), VIEWS).image
+    for number, grey in enumerate(greys):
+        assert torch.allclose(together[number], renderer(egg, paint * grey, VIEWS).image[number], atol=1e-12)
+
+
 # --- what cannot be rendered --------------------------------------------------------------------------------------
 
 
