@@ -94,6 +94,8 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
         meshing: How the tetrahedra of the last simulation followed the surface.
         backed_off: Share of the surface the tetrahedra could not follow in the last simulation.
         loads: What each load case did to the delivered part.
+        failure_probability: Probability that a random drop takes the delivered part beyond the yield strength, over the orientations of the
+            recipe; None if one orientation was dropped, or none gave an answer.
         seconds: Wall time per stage of the process that finished the run [s].
         notes: What the user should know, one sentence each.
         lane: Name of the lane.
@@ -117,6 +119,7 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
     meshing: str
     backed_off: float
     loads: tuple[Loaded, ...] = ()
+    failure_probability: float | None = None
     seconds: dict[str, float]
     notes: tuple[str, ...]
     lane: str
@@ -187,6 +190,7 @@ def summarise(engine: Engine, *, device: str, notes: tuple[str, ...], seconds: d
         meshing=simulation.meshing,
         backed_off=simulation.backed_off,
         loads=simulation.loaded,
+        failure_probability=None if simulation.overall is None or simulation.failure else simulation.failure_probability,
         seconds=seconds,
         notes=notes,
         lane=engine.lane,

@@ -157,6 +157,8 @@ def report(run: Any, *, as_json: bool) -> None:
     out.print(f"\n{escape(summary.words)}")
     kept = f"kept {summary.kept:.0%} of the freestyle relief; style loss {summary.style_loss_ratio:.1%} of its start"
     out.print(f"{kept}; {len(summary.simulations)} simulations")
+    if summary.failure_probability is not None:
+        out.print(f"{summary.failure_probability:.0%} of random drops exceed the yield strength somewhere ({run.recipe.poses})")
     for note in summary.notes:
         out.print(f"[dim]note: {escape(note)}[/]")
     for case in summary.loads:
