@@ -27,7 +27,7 @@ AMPLITUDE = 0.15
 """Relief over wall thickness, as in a run that is not told otherwise."""
 CELL, LINE, MARGIN, GAP = 160, 26, 18, 28
 """Side of a picture, height of the line above a row, border of the page, way between its columns [pixels]."""
-SHADES = 64
+SHADES = 51
 """Levels of a channel: fewer than a screen has halve the file, and nobody sees it on a textured part."""
 
 Pixels = NDArray[np.uint8]
