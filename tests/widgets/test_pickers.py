@@ -184,6 +184,17 @@ def test_a_clicked_piece_is_protected():
     assert picker.protect[0].words == "segment 1 2 3"
 
 
+def test_clicks_paint_where_the_switch_is_on():
+    picker = RegionsPicker("inside")
+    picker.click((1.0, 2.0, 3.0))
+    assert picker.protect == (Inside(),)
+    picker.paint, picker.radius = True, 2.5
+    picker.click((1.0, 2.0, 3.0))
+    assert picker.protect == (Inside(), Sphere((1.0, 2.0, 3.0), 2.5))
+    assert "sphere 1 2 3 2.5" in picker._lines.value
+    assert not picker._clicked.disabled
+
+
 # --- drop test ----------------------------------------------------------------------------------------------------
 
 

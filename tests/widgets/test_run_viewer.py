@@ -23,6 +23,16 @@ def test_the_part_is_the_one_of_the_iteration(done):
     assert np.allclose(viewer.subject.mesh.vertices, done.surface(7).vertices)
 
 
+def test_a_click_on_the_styled_part_tells_the_place_on_the_unstylized_one(done):
+    viewer, told = RunViewer(StudioState(done)), []
+    viewer.on_click(told.append)
+    face = int(np.abs(done.checkpoint(12).displacement[viewer.subject.mesh.faces]).max(axis=1).argmax())
+    viewer._picker.three.faceIndex = face
+    viewer._picker.three.point = tuple(viewer.subject.mesh.corners[face].mean(axis=0) - viewer._orbit.home.target)
+    assert np.allclose(told, done.part.surface.corners[face].mean(axis=0), atol=1e-6)
+    assert not np.allclose(told, viewer.subject.mesh.corners[face].mean(axis=0), atol=1e-3)
+
+
 def test_the_original_is_the_unstylized_part(done):
     viewer = RunViewer(StudioState(done))
     assert np.allclose(viewer.original.mesh.vertices, done.part.surface.vertices)

@@ -178,6 +178,29 @@ def test_the_end_of_a_drag_is_no_click(sphere):
     assert viewer.probed is None
 
 
+def test_every_click_is_told_with_its_place_be_it_the_same_again(sphere):
+    viewer, told = Viewer(sphere), []
+    viewer.on_click(told.append)
+    place = sphere.corners[5].mean(axis=0)
+    for _ in range(2):
+        viewer._picker.three.faceIndex = 5
+        viewer._picker.three.point = tuple(place - viewer._orbit.home.target)
+    assert len(told) == 2
+    assert np.allclose(told, place, atol=1e-9)
+
+
+def test_what_is_left_alone_is_hatched_and_told(sphere):
+    viewer = Viewer(sphere)
+    assert "left alone" not in viewer._legend.value
+    viewer.kept = sphere.vertices[:, 2] > 0
+    assert np.array_equal(scene(viewer)._kept.array, viewer.kept)
+    assert "left alone by the style: 4" in viewer._legend.value  # nearly one half: the equator is not
+    viewer.kept = None
+    assert not scene(viewer)._kept.array.any()
+    with pytest.raises(BadInput, match="has shape"):
+        viewer.kept = np.zeros(3, bool)
+
+
 def test_an_unknown_vertex_is_refused(sphere):
     with pytest.raises(BadInput, match="there is no vertex 4098: the part has 4098"):
         Viewer(sphere).probed = 4098

@@ -5,9 +5,10 @@ from __future__ import annotations
 from html import escape
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mechstyle.mesh import SurfaceMesh
-from mechstyle.pictures.colormap import ABOVE, STRIPE, Scale, linear_to_srgb
+from mechstyle.pictures.colormap import ABOVE, ABSENT, STRIPE, Scale, linear_to_srgb
 from mechstyle_widgets.layers import Layer
 from mechstyle_widgets.scene import round_length
 
@@ -36,6 +37,21 @@ def scale_bar(pixels_per_mm: float, cell: float) -> str:
     style = f"width:{length * pixels_per_mm:.0f}px;height:5px;border:solid {INK};border-width:0 1.5px 1.5px"
     bar = f'<div role="img" aria-label="scale bar of {length:g} mm" style="{style}"></div>'
     return _block(f'{bar}<div>{length:g} mm</div><div style="color:{FAINT}">floor grid {cell:g} mm</div>')
+
+
+def left_alone(kept: NDArray[np.bool_], mesh: SurfaceMesh) -> str:
+    """HTML of what the grey hatch means and how much of the surface it covers; "" where it covers nothing.
+
+    Args:
+        kept: Whether each vertex is left alone, shape [vertex_count].
+        mesh: The surface.
+    """
+    if not kept.any():
+        return ""
+    share = mesh.vertex_areas[kept].sum() / mesh.vertex_areas.sum()
+    grey = f"repeating-linear-gradient(45deg,{_css(ABSENT)} 0 2px,transparent 2px 5px)"
+    box = f"display:inline-block;width:24px;height:10px;margin-right:8px;border:1px solid {_css(ABSENT)};background:{grey}"
+    return _block(f'<span style="{box}"></span>left alone by the style: {share:.1%} of the surface')
 
 
 def titles(*names: str) -> str:

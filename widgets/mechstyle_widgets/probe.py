@@ -9,12 +9,17 @@ from typing import Any
 
 import numpy as np
 import pythreejs
+import trimesh
 
+from mechstyle.mesh import SurfaceMesh
+from mechstyle.regions import Point
 from mechstyle_widgets.layers import Subject
 from mechstyle_widgets.legend import FAINT, INK
 
 DRAG = 0.3
 """A click this soon after the camera has moved is the end of a drag [s]."""
+NOWHERE = (0.0, 0.0, 0.0)
+"""Of the scene, about which one orbits: what the browser is told after a click, so that one more at the same place is news."""
 
 
 class Picker:
@@ -35,14 +40,25 @@ class Picker:
         self._moved = time.monotonic()
 
     def _click(self, _change: object) -> None:
-        if self.three.faceIndex is not None and time.monotonic() - self._moved > DRAG:
-            self._picked(tuple(self.three.point), self.three.faceIndex)
+        point = tuple(self.three.point)
+        if point == NOWHERE or self.three.faceIndex is None:
+            return
+        if time.monotonic() - self._moved > DRAG:
+            self._picked(point, self.three.faceIndex)
+        self.three.point = NOWHERE
 
 
 def nearest_corner(subject: Subject, face: int, point: Any) -> int:
     """The vertex of a face that is nearest to a point [mm]."""
     corners = subject.mesh.faces[face]
     return int(corners[np.linalg.norm(subject.mesh.vertices[corners] - point, axis=1).argmin()])
+
+
+def carried_over(face: int, point: Any, shown: SurfaceMesh, rest: SurfaceMesh) -> Point:
+    """The place on a part at rest [mm] of a point [mm] on a face of the same part as it is shown."""
+    weights = trimesh.triangles.points_to_barycentric(shown.corners[[face]], np.atleast_2d(point))  # type: ignore[no-untyped-call]
+    x, y, z = (weights[0] @ rest.corners[face]).tolist()
+    return (x, y, z)
 
 
 def table(subject: Subject, vertex: int) -> str:

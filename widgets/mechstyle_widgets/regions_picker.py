@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import textwrap
 from typing import Any
 
 import ipywidgets
 import traitlets
 
 from mechstyle.errors import BadInput
-from mechstyle.regions import KINDS, Region, regions
+from mechstyle.regions import KINDS, Point, Region, regions
+from mechstyle_widgets.brush import dabbed
 from mechstyle_widgets.section import WIDE, Section
 
 
@@ -18,6 +20,8 @@ class RegionsPicker(Section):
     Attributes:
         protect_resting_face: Whether the relief fades out towards the face the part rests on.
         protect: The regions, as records.
+        paint: Whether a click on the part leaves a ball around it alone, or no longer does where there is one.
+        radius: Radius of that ball [mm].
         place: A point on the part that was clicked [mm], None for none; it can be protected with the smooth piece around it.
     """
 
@@ -25,6 +29,8 @@ class RegionsPicker(Section):
 
     protect_resting_face = traitlets.Bool(True)
     protect = traitlets.Tuple()
+    paint = traitlets.Bool(False)
+    radius = traitlets.Float(5.0, min=0.1, max=1e3)
     place = traitlets.Tuple(None, allow_none=True)
 
     def __init__(self, protect: str | Region | list[str | Region] = (), *, resting_face: bool = True) -> None:  # type: ignore[assignment]
@@ -39,13 +45,31 @@ class RegionsPicker(Section):
             placeholder="one region a line, for example\nbox 0 0 0 10 10 10 ramp 2\nbelow 5", rows=3, continuous_update=False, layout=WIDE,
             tooltip="\n".join(KINDS.values()),
         )  # fmt: skip
-        super().__init__([self._resting, self._inside, self._clicked, self._lines])
+        super().__init__([self._resting, self._inside, self._brush(), self._clicked, self._lines])
         traitlets.link((self, "protect_resting_face"), (self._resting, "value"))
         self.protect_resting_face, self.protect = resting_face, regions(protect)
         self._show()
         self._inside.observe(self._write, "value")
         self._lines.observe(self._write, "value")
         self._clicked.on_click(lambda _: self._protect_clicked())
+
+    def click(self, place: Point) -> None:
+        """What a click on the part does at a place [mm]."""
+        self.place = place
+        if self.paint:
+            self.protect = dabbed(self.protect, place, self.radius)
+
+    def _brush(self) -> ipywidgets.HBox:
+        """The switch and the radius, in one line."""
+        switch = ipywidgets.ToggleButton(
+            description="paint", icon="paint-brush", layout={"width": "80px"},
+            tooltip="Click on the part to leave a ball around the place alone; click in its middle to take it away",
+        )  # fmt: skip
+        look = {"style": {"description_width": "88px"}, "layout": {"width": "168px"}}
+        radius = ipywidgets.BoundedFloatText(description="radius [mm]", min=0.1, max=1e3, step=0.5, **look)
+        traitlets.link((self, "paint"), (switch, "value"))
+        traitlets.link((self, "radius"), (radius, "value"))
+        return ipywidgets.HBox([switch, radius])
 
     @traitlets.validate("protect")
     def _as_records(self, proposal: dict[str, Any]) -> tuple[Region, ...]:
@@ -57,7 +81,7 @@ class RegionsPicker(Section):
         words = [one.words for one in self.protect]
         self._inside.value = "inside" in words
         self._lines.value = "\n".join(line for line in words if line != "inside")
-        self.note("the style leaves alone: " + "; ".join(words) if words else "")
+        self.note(textwrap.shorten("the style leaves alone: " + "; ".join(words), 160, placeholder=" …") if words else "")
         self.complain("")
 
     @traitlets.observe("place")

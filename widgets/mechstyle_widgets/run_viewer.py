@@ -8,6 +8,7 @@ from typing import Any
 import traitlets
 
 from mechstyle.errors import BadInput
+from mechstyle.mesh import SurfaceMesh
 from mechstyle.records import Checkpoint
 from mechstyle.run import Run
 from mechstyle_widgets.impact_player import MOMENT, ImpactPlayer
@@ -71,6 +72,12 @@ class RunViewer(Linked, Viewer):
             self._state.unobserve(self._follow, "checkpoint")
             self.player.close()
         super().close()
+
+    @property
+    def at_rest(self) -> SurfaceMesh:
+        """The unstylized part, to which regions belong, whatever style or impact has moved."""
+        run = self._state.run
+        return super().at_rest if run is None else run.part.surface
 
     def _compare(self, _change: Any) -> None:
         """Let what is compared stand beside it."""

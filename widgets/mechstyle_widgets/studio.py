@@ -16,6 +16,7 @@ from mechstyle.records import Recipe
 from mechstyle.run import Run
 from mechstyle.store import parse_address
 from mechstyle_widgets.branches import Branches
+from mechstyle_widgets.brush import covered, paintable
 from mechstyle_widgets.conductor import Conductor, Wanted
 from mechstyle_widgets.control_selector import ControlSelector
 from mechstyle_widgets.drop_options import DropOptions
@@ -94,6 +95,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self.part_picker.observe(self._other_part, "mesh")
         self.mask_inspector.observe(self._derive, "would_be")
         self.branches.observe(self._compare, "pinned")
+        self.regions_picker.observe(self._hatch, "protect")
         for section in self._sections:
             section.observe(self._changed, (*section.FIELDS, *section.OWN))
         if run is not None:
@@ -202,7 +204,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         """A part was picked: show it as it is, unless a run of it is on show."""
         mesh = self.part_picker.mesh
         if mesh is not None and not (isinstance(self._viewer, RunViewer) and mesh is self._opened_mesh):
-            self._show(Viewer(mesh, theme=self.theme, width=self._middle_width, height=VIEW))
+            self._show(Viewer(paintable(mesh), theme=self.theme, width=self._middle_width, height=VIEW))
 
     def _other_run(self, change: dict[str, Any]) -> None:
         """Another run directory needs another viewer; another lane of the same does not."""
@@ -231,7 +233,8 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     def _show(self, viewer: Viewer) -> None:
         old, self._viewer = self._viewer, viewer
         self._middle.children = [viewer]
-        viewer.observe(self._clicked, "probed")
+        viewer.on_click(self.regions_picker.click)
+        self._hatch()
         if old is not None:
             old.close()
 
@@ -239,11 +242,16 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     def _middle_width(self) -> int:
         return int(str(self._middle.layout.width).removesuffix("px"))
 
-    def _clicked(self, change: dict[str, Any]) -> None:
-        """A place on the part was clicked: it can be protected."""
-        viewer = self._viewer
-        if change["new"] is not None and viewer is not None:
-            self.regions_picker.place = tuple(float(x) for x in viewer.subject.mesh.vertices[change["new"]])
+    def _hatch(self, _change: object = None) -> None:
+        """Show on the part what is painted or written as a place to leave alone."""
+        viewer, picker = self._viewer, self.regions_picker
+        if viewer is None:
+            return
+        try:
+            viewer.kept = covered(picker.protect, viewer.at_rest)
+        except BadInput as error:
+            viewer.kept = None
+            picker.complain(str(error))
 
     @traitlets.observe("theme")
     def _relight(self, change: dict[str, Any]) -> None:

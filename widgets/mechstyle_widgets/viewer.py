@@ -6,7 +6,7 @@ All of pythreejs stays behind `Viewer`.
 from __future__ import annotations
 
 import base64
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from typing import Any
 
@@ -14,12 +14,14 @@ import ipywidgets
 import numpy as np
 import pythreejs
 import traitlets
+from numpy.typing import NDArray
 
 from mechstyle.errors import BadInput, unknown
 from mechstyle.look import Picture, picture
 from mechstyle.mesh import SurfaceMesh
 from mechstyle.pictures.camera import VIEWS
 from mechstyle.pictures.figure import Panel
+from mechstyle.regions import Point
 from mechstyle_widgets import legend, probe
 from mechstyle_widgets.camera import Orbit
 from mechstyle_widgets.family import close_family
@@ -42,6 +44,7 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         names: What the two are called where they stand side by side.
         markers: Whether the greatest (ring) and the least value (triangle) are marked.
         probed: The vertex asked about, None for none.
+        kept: Whether the style leaves each vertex alone, which is hatched, shape [vertex_count]; None for nothing.
         theme: `light` or `dark`.
     """
 
@@ -52,6 +55,7 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     names = traitlets.Tuple(traitlets.Unicode(), traitlets.Unicode(), default_value=("styled", "original"))
     markers = traitlets.Bool(True)
     probed = traitlets.Int(None, allow_none=True)
+    kept = traitlets.Instance(np.ndarray, None, allow_none=True)
     theme = traitlets.Enum(tuple(BACKGROUNDS), "light")
     _built = False  # a viewer that was refused is closed too, by the garbage collector
 
@@ -80,6 +84,7 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         """
         subject = Subject(mesh, tuple(layers))
         self._faces, self._size = mesh.faces, (width, height)
+        self._clicks = ipywidgets.CallbackDispatcher()
         if original is not None:
             self._check_faces(original)
         if theme not in BACKGROUNDS:
@@ -91,7 +96,8 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._views = [self._renderer(self._scenes[0], [*self._orbit.controls, self._picker.three])]
         self._stage = ipywidgets.HBox(self._views)
         self._legend, self._scale, self._table = ipywidgets.HTML(), ipywidgets.HTML(), ipywidgets.HTML()
-        self._legend.layout.width, self._titles = f"{width // 2}px", ipywidgets.HTML(layout={"display": "none", "width": f"{width}px"})
+        self._legend.layout.width = f"{max(width // 2, legend.BAR_WIDTH + 36)}px"
+        self._titles = ipywidgets.HTML(layout={"display": "none", "width": f"{width}px"})
         foot = ipywidgets.HBox([self._legend, ipywidgets.VBox([self._scale, self._table])])
         super().__init__([self._toolbar(), self._titles, self._stage, foot])
         self.add_class("mechstyle-viewer")
@@ -99,7 +105,7 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._refresh = Paced(self._draw)
         self.layer = layers[0].name if layers else STYLE
         self._orbit.observe(self._measure)
-        self.observe(lambda _: self._refresh(), ("subject", "original", "layer", "markers", "probed", "beside", "names"))
+        self.observe(lambda _: self._refresh(), ("subject", "original", "layer", "markers", "probed", "beside", "names", "kept"))
         self._built = True
         self._draw()
 
@@ -120,8 +126,17 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._orbit.fit(view)
         self._measure()
 
+    @property
+    def at_rest(self) -> SurfaceMesh:
+        """The part to which the places of clicks belong."""
+        return self.subject.mesh
+
+    def on_click(self, call: Callable[[Point], None]) -> None:
+        """Call with the place [mm] of every click on the part, be it the same as before."""
+        self._clicks.register_callback(call)
+
     def picture(self) -> Picture:
-        """What is shown, from where it is seen, drawn by the computer the kernel runs on: `.save(path)` writes the PNG."""
+        """What is shown but for what is hatched as left alone, drawn by the computer the kernel runs on: `.save(path)` writes the PNG."""
         shown = [(self.subject, self.names[0]), (self.original, self.names[1])] if self.beside else [(self.subject, "")]
         panels = [self._panel(subject, title) for subject, title in shown if subject is not None]
         return picture(panels)
@@ -159,6 +174,13 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             raise BadInput(f"there is no vertex {proposal['value']}: the part has {count}, counted from 0")
         return proposal["value"]
 
+    @traitlets.validate("kept")
+    def _one_for_each(self, proposal: dict[str, Any]) -> NDArray[np.bool_] | None:
+        given, count = proposal["value"], len(self.subject.mesh.vertices)
+        if given is not None and given.shape != (count,):
+            raise BadInput(f"what is left alone has shape {given.shape}, but the part has {count} vertices: give one value for each")
+        return None if given is None else given.astype(bool)
+
     @traitlets.observe("subject")
     def _offer_layers(self, _change: object) -> None:
         """Keep the layer if there still is one of its name."""
@@ -189,7 +211,10 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             for scene, subject in zip(self._scenes, (self.subject, self.original), strict=False):
                 if subject is not None:
                     _fill(scene, subject, self.layer, self.probed, markers=self.markers)
-        self._legend.value = legend.colour_bar(layer, self.subject.mesh) if layer else ""
+            self._scenes[0].hatch(self.kept)
+        mesh = self.subject.mesh
+        key = "" if self.kept is None else legend.left_alone(self.kept, mesh)
+        self._legend.value = (legend.colour_bar(layer, mesh) if layer else "") + key
         self._table.value = "" if self.probed is None else probe.table(self.subject, self.probed)
         self._measure()
 
@@ -265,7 +290,9 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._download.value = f'<a download="{name}" href="data:image/png;base64,{data}" style="font-size:12px">save {name}</a>'
 
     def _pick(self, point: tuple[float, float, float], face: int) -> None:
-        self.probed = probe.nearest_corner(self.subject, face, np.add(point, self._orbit.home.target))
+        where = np.add(point, self._orbit.home.target)
+        self.probed = probe.nearest_corner(self.subject, face, where)
+        self._clicks(probe.carried_over(face, where, self.subject.mesh, self.at_rest))
 
 
 def _fill(scene: Scene, subject: Subject, name: str, probed: int | None, *, markers: bool) -> None:
