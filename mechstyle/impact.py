@@ -11,13 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mechstyle.fea.criterion import BallAverage, robust_field
-from mechstyle.fea.drop_test import DropTest
 from mechstyle.fea.film import Film, film
 from mechstyle.geometry.morph import Morph
 from mechstyle.geometry.transfer import Transfer
 from mechstyle.mesh import Floats, SurfaceMesh, TetMesh
 from mechstyle.records import Recipe
-from mechstyle.simulator import PHYSICS_VERSION, no_progress
+from mechstyle.simulator import PHYSICS_VERSION, no_progress, prescribed
 from mechstyle.store import Memo
 from mechstyle.workpiece import Workpiece
 
@@ -84,10 +83,7 @@ def impact_of(
     if known is not None:
         return known
     tets = Morph(part.surface, part.tets).morphed(displacement).tets
-    test = DropTest(
-        height=recipe.drop_height, friction=recipe.friction, window=recipe.window, damping=recipe.damping, element=recipe.element
-    )
-    impact = _on_surface(film(tets, recipe.material, test, progress=progress), part, tets)
+    impact = _on_surface(film(tets, recipe.material, prescribed(recipe), progress=progress), part, tets)
     memo.remember(key, impact)
     return impact
 
