@@ -23,9 +23,9 @@ def hammered(canvas: Canvas) -> Relief:
     along, up = (np.take_along_axis(offset, order[:, :1], axis=1)[:, 0] for offset in (x, y))
     crest = smoothstep(0.34, 0.0, next_lowest - lowest)
     cloud = canvas.noise(45.0 * unit, 2, "cloud")
-    tone = np.clip(0.40 - 0.55 * up + 0.18 * along + 0.10 * cloud, 0.0, 1.0)
+    tone = np.clip(0.38 - 0.55 * up + 0.18 * along + 0.10 * cloud + 0.42 * crest, 0.0, 1.0)
     steel = ramp(["3b424b", "68717b", "9aa2aa", "cbd0d4", "f2f3f2"], tone)
-    colour = mix(canvas.painted(steel), rgb("fbfaf5"), 0.55 * crest)
+    colour = mix(canvas.painted(steel), rgb("fbfaf5"), 0.15 * crest)
     height = -0.85 + 3.2 * np.clip(lowest, 0.0, 0.55)
     return Relief(canvas.softened(height), canvas.softened(colour))
 
