@@ -28,7 +28,7 @@ def test_every_application_of_the_paper_is_there_and_its_prompt_is_understood_wi
 def test_there_are_no_others_and_only_the_pill_box_keeps_its_inside():
     assert len(APPLICATIONS) == 4
     assert [name for name, one in APPLICATIONS.items() if one.protect] == ["pill_box"]
-    assert draft("brick", protect=APPLICATIONS["pill_box"].protect).protect[0].words == "inside"
+    assert draft("brick", protect=APPLICATIONS["pill_box"].protect).protect[0].words == "inside colour"
 
 
 def test_an_unknown_application_is_refused_with_the_nearest_first():
@@ -45,7 +45,7 @@ def test_both_runs_get_the_same_part_prompt_and_regions(monkeypatch, tmp_path):
     assert (free.pop("freestyle"), fed.pop("freestyle")) == (True, False)
     assert (free.pop("out"), fed.pop("out")) == (tmp_path / "freestyle", tmp_path / "mechstyle")
     assert free == fed
-    assert (free["protect"], free["iterations"], free["vertices"]) == (("inside",), 9, 25_000)
+    assert (free["protect"], free["iterations"], free["vertices"]) == (("inside colour",), 9, 25_000)
     apply("pill_box", tmp_path, protect=[])
     assert asked[-1][1]["protect"] == []
 
