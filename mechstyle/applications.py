@@ -40,7 +40,7 @@ APPLICATIONS: Mapping[str, Application] = MappingProxyType(
     {
         "eyeglasses": Application("spectacle_frame", "fish scales", "The thin nose bridge carries the frame and must not be weakened."),
         "pill_box": Application(
-            "pill_box", "floral patterns", "Only the outside is stylized: pills are to slide out of smooth, plain cells.", ("inside colour",)
+            "pill_box", "floral patterns", "Only the outside is stylized: pills slide out of smooth, plain cells.", ("inside colour",)
         ),
         "utensil_grip": Application("utensil_grip", "Damascus steel", "A grip falls often, and onto its ends."),
         "lampshade": Application(

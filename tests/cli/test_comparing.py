@@ -6,7 +6,7 @@ def test_applications_are_listed_with_model_and_style(mechstyle):
     assert listed["pill_box"] == {
         "model": "pill_box",
         "prompt": "floral patterns",
-        "about": "Only the outside is stylized: pills are to slide out of smooth, plain cells.",
+        "about": "Only the outside is stylized: pills slide out of smooth, plain cells.",
         "protect": ["inside colour"],
     }
     assert set(listed) == {"eyeglasses", "pill_box", "utensil_grip", "lampshade"}
