@@ -6,20 +6,42 @@ import json
 from pathlib import Path
 
 import nbformat
+import papermill
 import pytest
-from nbclient import NotebookClient
 
 NOTEBOOKS = sorted((Path(__file__).parents[2] / "notebooks").glob("*.ipynb"))
+
+SMALL = {
+    "02_what_the_drop_test_computes": {"finest": 8},
+    "08_a_reproducible_report": {"prompt": "cactus", "vertices": 1000, "iterations": 20},
+}
+"""Parameters by notebook that are smaller than, or other than, the defaults in it."""
+
+
+@pytest.fixture(scope="module")
+def cache(tmp_path_factory):
+    return tmp_path_factory.mktemp("cache")
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
-def test_notebook_runs(path, tmp_path, monkeypatch):
-    monkeypatch.setenv("MECHSTYLE_CACHE", str(tmp_path / "cache"))
-    notebook = nbformat.read(path, as_version=4)
-    NotebookClient(notebook, timeout=600, resources={"metadata": {"path": str(tmp_path)}}).execute()
-    pictures = [output for cell in notebook.cells for output in cell.get("outputs", []) if "image/png" in output.get("data", {})]
-    assert pictures, "a notebook without a picture teaches nobody"
+def test_notebook_runs(path, cache, tmp_path, monkeypatch):
+    monkeypatch.setenv("MECHSTYLE_CACHE", str(cache))
+    done = tmp_path / path.name
+    papermill.execute_notebook(path, done, SMALL.get(path.stem), cwd=tmp_path, kernel_name="python3", progress_bar=False, log_output=False)
+    notebook = nbformat.read(done, as_version=4)
+    outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
+    shown = {kind for output in outputs for kind in output.get("data", {})}
+    assert shown & {"image/png", "text/html"}, "a notebook without a picture teaches nobody"
+    warnings = [output["text"] for output in outputs if output.get("name") == "stderr" and "Warning" in output["text"]]
+    assert not warnings
+
+
+@pytest.mark.parametrize("stem", SMALL)
+def test_parameters_have_a_cell_that_names_them(stem):
+    notebook = nbformat.read(next(path for path in NOTEBOOKS if path.stem == stem), as_version=4)
+    (cell,) = [cell for cell in notebook.cells if "parameters" in cell.metadata.get("tags", [])]
+    assert all(name in cell.source for name in SMALL[stem])
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
@@ -27,6 +49,7 @@ def test_notebook_is_committed_clean_and_asserts_something(path):
     cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
     assert not any(cell.get("outputs") or cell.get("execution_count") for cell in cells)
     assert "assert " in "".join("".join(cell["source"]) for cell in cells if cell["cell_type"] == "code")
+    assert "will learn" in "".join(cells[0]["source"])
     assert "Exercises" in "".join(cells[-1]["source"])
 
 

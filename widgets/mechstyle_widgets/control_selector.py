@@ -87,7 +87,7 @@ class ControlSelector(Section):
         )
         choice = {"style": NARROW_LABEL, "layout": WIDE}
         self._strategy = ipywidgets.Dropdown(options=self.traits()["control"].values, description="strategy", **choice)
-        self._compare = ipywidgets.Dropdown(options=NORMALISATIONS, description="compares", **choice)
+        self._compared_with = ipywidgets.Dropdown(options=NORMALISATIONS, description="compares", **choice)
         slider = {"base": 10, "min": -1.0, "max": 1.0, "step": 0.02, "readout_format": ".2f", "continuous_update": True}
         self._threshold = ipywidgets.FloatLogSlider(
             description="threshold", tooltip="Demand at which a vertex may move no further", **slider, **choice
@@ -99,11 +99,11 @@ class ControlSelector(Section):
         self._memory = ipywidgets.Checkbox(description="memory: once held, always held", **plain)
         self._retraction = ipywidgets.Checkbox(description="retraction near the stress limit", **plain)
         self._restraint = ipywidgets.VBox(
-            [self._strategy, self._compare, self._threshold, self._lambda, self._plot, self._memory, self._retraction]
+            [self._strategy, self._compared_with, self._threshold, self._lambda, self._plot, self._memory, self._retraction]
         )
 
     def _link(self) -> None:
-        pairs = {"freestyle": self._mode, "control": self._strategy, "normalisation": self._compare, "threshold": self._threshold,
+        pairs = {"freestyle": self._mode, "control": self._strategy, "normalisation": self._compared_with, "threshold": self._threshold,
                  "memory": self._memory, "retraction": self._retraction}  # fmt: skip
         for name, widget in pairs.items():
             traitlets.link((self, name), (widget, "value"))
