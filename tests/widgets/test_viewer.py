@@ -178,6 +178,15 @@ def test_the_end_of_a_drag_is_no_click(sphere):
     assert viewer.probed is None
 
 
+def test_a_rounded_camera_position_is_no_drag(sphere):
+    """The browser sends one with the first click of all."""
+    viewer = Viewer(sphere)
+    viewer._orbit.three.position = tuple(x * (1 + 1e-12) for x in viewer._orbit.three.position)
+    viewer._picker.three.faceIndex = 5
+    viewer._picker.three.point = (1.0, 2.0, 3.0)
+    assert viewer.probed is not None
+
+
 def test_every_click_is_told_with_its_place_be_it_the_same_again(sphere):
     viewer, told = Viewer(sphere), []
     viewer.on_click(told.append)

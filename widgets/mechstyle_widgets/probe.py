@@ -36,8 +36,9 @@ class Picker:
         camera.observe(self._drag, "position")
         self.three.observe(self._click, "point")
 
-    def _drag(self, _change: object) -> None:
-        self._moved = time.monotonic()
+    def _drag(self, change: dict[str, Any]) -> None:
+        if not np.allclose(change["old"], change["new"], rtol=1e-4, atol=1e-4):  # a first click rounds the position in the browser
+            self._moved = time.monotonic()
 
     def _click(self, _change: object) -> None:
         point = tuple(self.three.point)
