@@ -37,6 +37,17 @@ def click(studio, x, y):
     studio.page.mouse.click(*studio.page.evaluate(PLACE, [x, y]))
 
 
+def test_a_click_paints_and_the_same_click_takes_it_away(studio):
+    before = studio.drawn()
+    studio.python("studio.regions_picker.radius, studio.regions_picker.paint = 12.0, True")
+    studio.canvas().click()
+    studio.until("len(studio.regions_picker.protect)", 1)
+    studio.changed(studio.canvas(), before, 0.005)
+    studio.canvas().click()
+    studio.until("(len(studio.regions_picker.protect), bool(studio._viewer.kept.any()))", "(0, False)")
+    studio.python("studio.regions_picker.paint = False")
+
+
 def test_it_appears_with_the_part_in_it_and_can_be_turned(studio):
     before = studio.drawn()
     studio.keep("studio-start", whole(studio))
