@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-SMALL = ("--vertices", "2500", "--iterations", "12", "--orientations", "2")
+SMALL = ("--vertices", "2500", "--iterations", "12", "--orientations", "2", "--set", "element=tet4", "--set", "window=0.4")
 
 
 @dataclass(frozen=True)
