@@ -62,7 +62,7 @@ class RunViewer(Linked, Viewer):
         self.link(state, "layer")
         state.observe(self._follow, "checkpoint")
         self.observe(self._follow, "derived")
-        self.observe(self._compare, "compared")
+        self.observe(self._stand_beside, "compared")
 
     def close(self) -> None:
         """Close the view; the state is followed no longer."""
@@ -79,7 +79,7 @@ class RunViewer(Linked, Viewer):
         run = self._state.run
         return super().at_rest if run is None else run.part.surface
 
-    def _compare(self, _change: Any) -> None:
+    def _stand_beside(self, _change: Any) -> None:
         """Let what is compared stand beside it."""
         run = self._state.run
         if run is not None:

@@ -94,7 +94,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self.state.observe(self._first_checkpoint, "checkpoint")
         self.part_picker.observe(self._other_part, "mesh")
         self.mask_inspector.observe(self._derive, "would_be")
-        self.branches.observe(self._compare, "pinned")
+        self.branches.observe(self._stand_beside, "pinned")
         self.regions_picker.observe(self._hatch, "protect")
         for section in self._sections:
             section.observe(self._changed, (*section.FIELDS, *section.OWN))
@@ -220,7 +220,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._show(viewer)
         self._derive()
 
-    def _compare(self, change: dict[str, Any]) -> None:
+    def _stand_beside(self, change: dict[str, Any]) -> None:
         """An iteration was pinned: what is shown from now on stands beside it."""
         if isinstance(self._viewer, RunViewer):
             self._viewer.compared = change["new"]
