@@ -36,7 +36,7 @@ class Figures(NamedTuple):
 
 def finer() -> Iterator[Result]:
     """A smooth cup, and the same with every tetrahedron cut into eight."""
-    coarse = cup(15.0, 25.0, 2.0)
+    coarse = cup(12.0, 20.0, 2.0, (28, 8, 3))
     yield from _finer("finer: cup", coarse, refined(coarse))
 
 
@@ -80,7 +80,7 @@ class Styled(NamedTuple):
 
 
 def _styled() -> Styled:
-    part = prepare(make("pen_holder", diameter=40.0, height=45.0), vertices=8_000)
+    part = prepare(make("pen_holder", diameter=30.0, height=30.0), vertices=4_000)
     wish = read("brick")
     aim = target(
         part.surface, wish, seed=0, amplitude=0.15, thickness=part.thickness, inward=part.inward(), outward=part.outward()
