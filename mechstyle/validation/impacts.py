@@ -59,14 +59,15 @@ def sphere() -> Iterator[Result]:
 
     St. Venant–Kirchhoff's law: the strain of some per cent under the contact stiffens a neo-Hookean ball by 2 %, which is not in Hertz.
     """
-    radius, test = 20.0, DropTest(window=0.2, law="st_venant_kirchhoff", added_mass=0.0)
+    radius, test = 20.0, DropTest(window=0.2, law="st_venant_kirchhoff")
     tets = ball(radius, 16, 5.0)
     stiffness = PLA.youngs_modulus / (1.0 - PLA.poisson_ratio**2)
-    mass = float(tets.volumes.sum()) * PLA.density
+    result = drop(tets, PLA, UPRIGHT, test)
+    mass = float(tets.volumes.sum()) * PLA.density * (1.0 + result.added_mass)
     depth = (15.0 * mass * test.speed**2 / (16.0 * math.sqrt(radius) * stiffness)) ** 0.4
     force = 4.0 / 3.0 * stiffness * math.sqrt(radius) * depth**1.5
     duration = 2.94 * depth / test.speed
-    history = drop(tets, PLA, UPRIGHT, test).history
+    history = result.history
     measured = history.contact_force[:, 0]
     contact = float(history.time[measured > 0.0][-1])
     impulse = float(measured.sum() * (history.time[1] - history.time[0]))
