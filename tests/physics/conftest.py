@@ -1,6 +1,5 @@
 """Meshes whose answers are known: structured boxes of tetrahedra, straight or shaken."""
 
-import itertools
 from collections.abc import Callable
 
 import numpy as np
@@ -8,26 +7,19 @@ import pytest
 
 from mechstyle.material import LIBRARY, Material
 from mechstyle.mesh import TetMesh
+from mechstyle.validation.meshes import box as straight_box
 
 Box = Callable[..., TetMesh]
 
 
 def box_mesh(counts: tuple[int, int, int], size: tuple[float, float, float], shake: float = 0.0) -> TetMesh:
     """A box in the positive octant, each cell cut into the six Kuhn tetrahedra; inner vertices moved by `shake` of a cell."""
-    axes = [np.linspace(0.0, length, count + 1) for count, length in zip(counts, size, strict=True)]
-    vertices = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
-    strides = np.array([(counts[1] + 1) * (counts[2] + 1), counts[2] + 1, 1])
-    cells = np.stack(np.meshgrid(*[np.arange(count) for count in counts], indexing="ij"), axis=-1).reshape(-1, 3) @ strides
-    tets = []
-    for order in itertools.permutations(range(3)):
-        path = np.concatenate([[0], np.cumsum(strides[list(order)])])
-        if np.linalg.det(np.eye(3)[list(order)]) < 0.0:
-            path[[2, 3]] = path[[3, 2]]
-        tets.append(cells[:, None] + path)
+    straight = straight_box(counts, size)
+    vertices = straight.vertices.copy()
     inside = np.all((vertices > 1e-9) & (vertices < np.array(size) - 1e-9), axis=1)
     cell = np.array(size) / np.array(counts)
     vertices[inside] += shake * cell * np.random.default_rng(1).uniform(-1.0, 1.0, (int(inside.sum()), 3))
-    return TetMesh(vertices, np.stack(tets, axis=1).reshape(-1, 4))
+    return straight.moved(vertices)
 
 
 @pytest.fixture(scope="session")
