@@ -9,8 +9,9 @@ transposition is needed and each number of the body is read once for eight drops
 
 from __future__ import annotations
 
-from mechstyle.fea.lane_code import ALGEBRA, ELEMENTS, FORCES, STRAIN, STRESS, TYPES
+from mechstyle.fea.lane_code import ALGEBRA, CONTRACT, ELEMENTS, FORCES, STRAIN, STRESS, TYPES
 from mechstyle.fea.lane_state import LaneBody, LaneScheme, LaneState
+from mechstyle.fea.subnormals import flush_subnormals, restore_mode
 from mechstyle.quiet import wp
 
 wp.set_module_options({"enable_backward": False})
@@ -32,16 +33,16 @@ _LAYOUT = """
     };
 """
 
-_ADVANCE = f"    constexpr int LANES = {LANES};" + TYPES + """
+_ADVANCE = CONTRACT + f"    constexpr int LANES = {LANES};" + TYPES + """
     const float dt = scheme.time_step, beta = scheme.damping;
     const Lanes *n = (const Lanes *)scheme.normals.data;
     auto dot = [](const Lanes *a, const Lanes *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; };
     for (int i = 0; i < body.masses.shape[0]; i++) {
-        const float mass = body.masses.data[i];
+        const float mass = body.masses.data[i], per_mass = 1.0f / mass;
         Lanes *u = (Lanes *)state.u.data + 3 * i, *v = (Lanes *)state.v.data + 3 * i, *w = (Lanes *)state.w.data + 3 * i;
         Lanes *force = (Lanes *)state.forces.data + 3 * i, velocity[3], ahead[3];
         for (int k = 0; k < 3; k++) {
-            velocity[k] = v[k] + dt * (force[k] / mass - scheme.gravity * n[k]);
+            velocity[k] = v[k] + dt * (force[k] * per_mass - scheme.gravity * n[k]);
             ahead[k] = u[k] + dt * velocity[k];
         }
         const Lanes gap = ((const Lanes *)state.heights.data)[i] + dot(n, ahead);
@@ -91,7 +92,7 @@ _SAMPLE = """
         for (int l = 0; l < LANES; l++) state.samples.data[(7 * row + k) * LANES + l] = (float)values[k][l];
 """
 
-_HEAD = f"    constexpr int LANES = {LANES};" + TYPES + ALGEBRA + STRESS + _LAYOUT + ELEMENTS
+_HEAD = CONTRACT + f"    constexpr int LANES = {LANES};" + TYPES + ALGEBRA + STRESS + _LAYOUT + ELEMENTS
 
 
 @wp.func_native(_HEAD + FORCES)
@@ -114,8 +115,10 @@ def strides_of_drops(
     body: LaneBody, state: LaneState, scheme: LaneScheme, first_row: int, rows: int, steps: int, record_every: int
 ) -> None:
     """`rows` times `steps` steps and a sample."""
+    mode = flush_subnormals()
     for row in range(rows):
         for step in range(steps):
             element_forces_of_drops(body, state, scheme, wp.where(step % record_every == 0, 1, 0))
             advance_drops(body, state, scheme)
         sample_drops(body, state, scheme, first_row + row)
+    restore_mode(mode)

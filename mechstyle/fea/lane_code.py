@@ -2,7 +2,7 @@
 
 Warp compiles kernels for the CPU without vectorising them. These are the same steps as in `kernels`, written with the vector
 extensions of clang, the compiler inside Warp: `Lanes` adds and multiplies like a float, and the compiler maps it to whatever the
-processor has (AVX, SSE or NEON registers, one or several). What lies in the lanes is for the layouts to say: eight tetrahedra of one
+processor has (AVX, SSE or NEON registers, one or several). What lies in the lanes is for the layouts to say: sixteen tetrahedra of one
 drop (`tet_lanes`) or one tetrahedron of eight drops (`drop_lanes`). A layout provides `load`, `geometry` and `add`, and everything
 here is written in terms of these; `Linear` and `Quadratic` are the elements of `interpolation`.
 """
@@ -10,6 +10,10 @@ here is written in terms of these; `Linear` and `Quadratic` are the elements of 
 from __future__ import annotations
 
 from mechstyle.fea.interpolation import GAUSS_A, GAUSS_B
+
+CONTRACT = """
+    _Pragma("clang fp contract(fast)")  // a * b + c is one operation; must be the first line of a function
+"""
 
 TYPES = """
     #define INLINE __attribute__((always_inline))
@@ -28,10 +32,9 @@ TYPES = """
 ALGEBRA = """
     auto trace = [](const Matrix &A) { return A[0][0] + A[1][1] + A[2][2]; };
     auto contraction = [](const Matrix &A, const Matrix &B) {
-        Lanes sum = {};
-        for (int i = 0; i < 3; i++)
-            for (int j = 0; j < 3; j++) sum += A[i][j] * B[i][j];
-        return sum;
+        Lanes sum[3];  // one for each row: a single sum would wait nine times for its last term
+        for (int i = 0; i < 3; i++) sum[i] = A[i][0] * B[i][0] + A[i][1] * B[i][1] + A[i][2] * B[i][2];
+        return sum[0] + sum[1] + sum[2];
     };
     auto cofactor = [](const Matrix &A) {
         Matrix C;
@@ -69,14 +72,11 @@ STRESS = """
     auto stable_neo_hookean = [&](const Matrix &H) {
         const Matrix C = cofactor(H);
         const Lanes tr = trace(H), q = 2.0f * tr + contraction(H, H), k = mu * q / (4.0f * (4.0f + q));
-        const Lanes pressure = la * volume_change(H, C);
         const float m = 0.75f * mu;
+        const Lanes pressure = la * volume_change(H, C), excess = pressure - m, diagonal = k + pressure + excess * tr;
         Matrix P;
         for (int i = 0; i < 3; i++)
-            for (int j = 0; j < 3; j++) {
-                P[i][j] = m * (H[i][j] + H[j][i] - C[i][j]) + k * H[i][j] + pressure * (C[i][j] - H[j][i]);
-                if (i == j) P[i][j] += k + pressure + (pressure - m) * tr;
-            }
+            for (int j = 0; j < 3; j++) P[i][j] = (m + k) * H[i][j] + excess * (C[i][j] - H[j][i]) + (i == j ? diagonal : Lanes{});
         return P;
     };
     auto first_piola = [&](const Matrix &H) { return scheme.law == 0 ? st_venant_kirchhoff(H) : stable_neo_hookean(H); };
