@@ -34,7 +34,7 @@ from mechstyle.fea.on_cores import CoreBody
 from mechstyle.fea.on_device import DeviceBody
 from mechstyle.fea.orientations import directions, tilted
 from mechstyle.gallery import make
-from mechstyle.geometry.morph import Morph
+from mechstyle.geometry.tetrahedra import tetrahedralise
 from mechstyle.material import LIBRARY
 from mechstyle.mesh import TetMesh
 from mechstyle.quiet import wp
@@ -50,14 +50,15 @@ STRIDE, CPU_SAMPLES, DEVICE_SAMPLES = 120, 2, 120
 of its graph does not show."""
 
 REPEATS = 5
-RATES = {"tet4, one drop": 100.0, "tet4, eight drops": 250.0, "tet10, one drop": 30.0, "tet10, eight drops": 50.0}
+RATES = {"tet4, one drop": 100.0, "tet4, eight drops": 200.0, "tet10, one drop": 30.0, "tet10, eight drops": 50.0}
 """Budget of one core in million element updates per second."""
 
-TWO_CORES, MEMORY, FASTER_THAN_CALCULIX = 1.7, 1.0, 20.0
+TWO_CORES, MEMORY, FASTER_THAN_CALCULIX = 1.9, 1.0, 20.0
+STYLED_TETS = 18_000
 """Budgets: rate of two cores over that of one, GB of 64 drops of 30k tetrahedra, CalculiX's time over ours."""
 
-SECONDS = {"13 orientations": 60.0, "as placed and 7 tilts, styled": 40.0}
-"""Budgets of whole drop tests on one core [CPU s]."""
+SECONDS = {"13 orientations of the smooth part": 25.0, "as placed and 7 tilts of a styled part of 18k": 25.0}
+"""Budgets of whole drop tests on two cores [s]."""
 
 ORIENTATIONS = (1, 8, 16, 64)
 FLOAT, VECTOR, INDEX = 4, 12, 4
@@ -147,17 +148,18 @@ def rates(tets: TetMesh) -> Iterator[Row]:
 
 
 def whole_drops(part: Workpiece) -> Iterator[Row]:
-    """Whole drop tests as a run makes them, on one core."""
+    """Whole drop tests as a run makes them, on two cores: wall time, which says little on a busy machine, and CPU time in the name."""
     thickness = part.thickness
     aim = target(part.surface, read("brick"), seed=0, amplitude=0.15, thickness=thickness, inward=0.25 * thickness, outward=thickness)
-    styled = Morph(part.surface, part.tets).morphed(aim.displacement).tets
+    styled = tetrahedralise(part.surface.displaced(aim.displacement), STYLED_TETS)
     sets = ((part.tets, directions(13)), (styled, tilted(8).normals))
     for (name, budget), (tets, normals) in zip(SECONDS.items(), sets, strict=True):
-        with cores(1):
-            begun = time.process_time()
+        begun, busy = time.perf_counter(), time.process_time()
+        with cores(2):
             result = drop(tets, PLA, normals, device="cpu")
-        words = f"{name}: tet10, {len(tets.tets)} tets, {result.steps} steps, {result.failure or '1.5 ms'}"
-        yield Row(words, time.process_time() - begun, budget, "CPU s", most=True)
+        wall, busy = time.perf_counter() - begun, time.process_time() - busy
+        words = f"{name}: tet10, {len(tets.tets)} tets, {result.steps} steps, {result.failure or '1.5 ms'}, {busy:.0f} CPU s"
+        yield Row(words, wall, budget, "s", most=True)
 
 
 def memory() -> Row:
