@@ -18,13 +18,13 @@ from mechstyle_widgets.schedule_selector import ScheduleSelector
     ],
 )
 def test_fixed_schedules_are_previewed_exactly(schedule, expected):
-    assert ScheduleSelector(schedule=schedule, every=5, iterations=20).preview() == expected
+    assert ScheduleSelector(schedule=schedule, every=5, iterations=20).plan.places == tuple(expected)
 
 
 def test_a_schedule_that_follows_the_surface_is_estimated_from_a_relief_that_grows_freely():
     """A relief of 1.2 · 0.5 = 0.6 walls, one simulation every tenth of a wall: early ones, one late check, and the last."""
     selector = ScheduleSelector(schedule="geometry", amplitude=0.5, travel=0.1)
-    places = selector.preview()
+    places = selector.plan.places
     gaps = [b - a for a, b in itertools.pairwise(places[:-1])]
     assert places[0] < 15
     assert gaps == sorted(gaps)
@@ -33,7 +33,7 @@ def test_a_schedule_that_follows_the_surface_is_estimated_from_a_relief_that_gro
 
 
 def test_high_stress_asks_for_more():
-    calm, tense = (len(ScheduleSelector(schedule=name, amplitude=0.5).preview()) for name in ("geometry", "stress"))
+    calm, tense = (len(ScheduleSelector(schedule=name, amplitude=0.5).plan.places) for name in ("geometry", "stress"))
     assert tense > calm
 
 

@@ -11,7 +11,7 @@ from mechstyle_widgets.state import StudioState
 from mechstyle_widgets.timeline import Timeline
 from mechstyle_widgets.timeline_figure import VERDICTS, story
 
-LANES, STEPS, VIABLE, FAILS, UNKNOWN, OTHER_PEAKS, LIMIT, PEAKS, OTHER_CURVES, CURVE = range(10)
+LANES, STEPS, VIABLE, FAILS, UNKNOWN, OTHER_PEAKS, LIMIT, PEAKS, OTHER_CURVES, CURVE, PLANNED = range(11)
 
 
 @pytest.fixture
@@ -100,8 +100,43 @@ def test_it_grows_with_the_run(fake):
     assert timeline._figure.layout.height > 0
 
 
-def test_before_there_is_a_run_it_is_empty():
-    assert trace(Timeline(StudioState()), STEPS).x == ()
+ASKED = {"schedule": "every", "every": 5, "travel": 0.1, "iterations": 20, "amplitude": 0.15}
+
+
+def sentence(timeline):
+    return timeline._figure.layout.annotations[0].text
+
+
+def test_before_there_is_a_run_it_says_what_will_appear():
+    timeline = Timeline(StudioState())
+    assert trace(timeline, STEPS).x == trace(timeline, PLANNED).x == ()
+    assert "Nothing has run yet" in sentence(timeline)
+
+
+def test_before_there_is_a_run_it_shows_where_the_schedule_will_simulate():
+    timeline = Timeline(StudioState(settings=ASKED))
+    assert trace(timeline, PLANNED).x == (0, 5, 10, 15, 20)
+    assert "the unstylized part, then 4 simulations." in sentence(timeline)
+    timeline._state.settings = {**ASKED, "every": 10}
+    assert trace(timeline, PLANNED).x == (0, 10, 20)
+    timeline._state.settings = {**ASKED, "schedule": "stress"}
+    assert "the run decides" in sentence(timeline)
+    timeline._clicked(trace(timeline, PLANNED), SimpleNamespace(point_inds=[1]), None)
+    assert timeline.iteration == 0
+
+
+def test_the_plan_gives_way_to_what_was_simulated(fake):
+    state = StudioState(fake.run, settings=ASKED)
+    timeline = Timeline(state)
+    assert trace(timeline, PLANNED).x == (0, 5, 10, 15, 20)
+    fake.go()
+    state.tell(stale=True)
+    state.pump()
+    state.settings = {**ASKED, "every": 10}
+    assert trace(timeline, PLANNED).x == ()
+    assert trace(timeline, STEPS).x == tuple(range(13))
+    assert timeline._figure.layout.yaxis2.showticklabels
+    assert "limit" in sentence(timeline)
 
 
 def test_the_theme_changes_the_template(timeline):

@@ -5,21 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 import ipywidgets
-import numpy as np
 import traitlets
 
-from mechstyle.material import LIBRARY
 from mechstyle.records import SCHEDULES, Recipe
-from mechstyle.schedule import Progress, due
 from mechstyle_widgets.drawing import Frame, drawing, line
+from mechstyle_widgets.planned import Plan, plan
 from mechstyle_widgets.section import NARROW_LABEL, WIDE, Section
 
-APPROACH = 40.0
-"""Iterations in which the style comes nearer to its target by a factor of e."""
-RELIEF = 1.2
-"""Highest relief of a style over amplitude and wall thickness."""
-SUPPOSED_DEMAND = 0.5
-"""What a preview of the stress schedule takes for the demand of the vertex that moves most."""
 WHAT = {
     "every": "every k iterations",
     "quadratic": "at 1, 4, 9, 16 …",
@@ -74,38 +66,21 @@ class ScheduleSelector(Section):
         self.amplitude = recipe.amplitude
 
     @property
-    def depends_on_the_run(self) -> bool:
-        """Whether where it simulates is known only once the surface moves."""
-        return self.schedule in ("geometry", "stress")
-
-    def preview(self) -> list[int]:
-        """Iterations that would be simulated, for a vertex that nothing holds back; the last one always is.
-
-        The rules are the engine's own, asked about one vertex whose relief approaches its full height exponentially.
-        """
-        recipe = Recipe(surface="", tetrahedra="", prompt="", material=LIBRARY["PLA"], **self.settings)
-        demand = np.full(1, SUPPOSED_DEMAND if self.schedule == "stress" else 0.0, np.float32)
-        found, anchor, wall = [0], 0.0, np.ones(1, np.float32)
-        for iteration in range(1, self.iterations):
-            height = RELIEF * self.amplitude * (1.0 - np.exp(-iteration / APPROACH))
-            moved = np.full(1, height - anchor, np.float32)
-            if due(recipe, Progress(iteration, found[-1], moved, wall, demand)):
-                found.append(iteration)
-                anchor = height
-        return [*found[1:], self.iterations]
+    def plan(self) -> Plan:
+        """Where it would simulate."""
+        return plan(self.schedule, self.every, self.travel, self.iterations, self.amplitude)
 
     def _redraw(self, _change: object = None) -> None:
         self._every.layout.display = "" if self.schedule == "every" else "none"
-        self._travel.layout.display = "" if self.depends_on_the_run else "none"
-        places = self.preview()
-        about = "about " if self.depends_on_the_run else ""
-        count = f"{about}{len(places)} simulation{'s' if len(places) > 1 else ''}"
-        guess = "; an estimate, the run decides" if self.depends_on_the_run else ""
-        self.note(f"{count}, the last one in all orientations{guess}")
-        self._plot.value = self._picture(places, count)
+        self._travel.layout.display = "none" if self.plan.certain else ""
+        guess = "" if self.plan.certain else "; an estimate, the run decides"
+        self.note(f"{self.plan.count}, the last one in all orientations{guess}")
+        self._plot.value = self._picture()
 
-    def _picture(self, places: list[int], count: str) -> str:
+    def _picture(self) -> str:
         frame = Frame(0.0, float(self.iterations), height=48, left=10)
-        marks = [line(frame.x(place), 6, frame.x(place), frame.floor, "var(--jp-brand-color1, #1565c0)") for place in places]
+        places = [frame.x(place) for place in self.plan.places]
+        marks = [line(x, 6, x, frame.floor, "var(--jp-brand-color1, #1565c0)") for x in places]
         ticks = (0.0, float(self.iterations // 2), float(self.iterations)) if self.iterations > 1 else (0.0, 1.0)
-        return drawing(frame, [frame.axes("iteration", ticks), *marks], f"{self.schedule}: {count} of {self.iterations} iterations")
+        words = f"{self.schedule}: {self.plan.count} of {self.iterations} iterations"
+        return drawing(frame, [frame.axes("iteration", ticks), *marks], words)

@@ -12,6 +12,7 @@ from mechstyle_widgets import timeline_figure
 from mechstyle_widgets.family import close_family
 from mechstyle_widgets.linked import Linked
 from mechstyle_widgets.pace import Paced
+from mechstyle_widgets.planned import plan_of
 from mechstyle_widgets.reruns import OncePerCell
 from mechstyle_widgets.state import StudioState
 from mechstyle_widgets.timeline_figure import CURVES, TEMPLATES
@@ -20,7 +21,8 @@ from mechstyle_widgets.timeline_figure import CURVES, TEMPLATES
 class Timeline(Linked, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     """Iterations from left to right: lanes with their simulations on top, peak stress against its limit, and one curve to choose.
 
-    A click, or the arrow keys on the slider, shows another iteration; a click on another lane shows that lane.
+    A click, or the arrow keys on the slider, shows another iteration; a click on another lane shows that lane. Before there is
+    an iteration, it shows where the schedule that is asked for will simulate.
     `iteration` and `lane` are those of the state, both ways.
 
     Attributes:
@@ -56,6 +58,7 @@ class Timeline(Linked, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # i
         traitlets.link((self, "curve"), (choice, "value"))
         self._slider.observe(self._slid, "value")
         state.observe(self._grown, ("histories", "branches", "lane"))
+        state.observe(self._replanned, "settings")
         self.observe(lambda _: self._redraw(), ("curve", "theme"))
         self.observe(lambda _: self._point(), "iteration")
         self._slider.max, self._slider.value = max(state.iterations_done, 1), state.iteration
@@ -71,6 +74,7 @@ class Timeline(Linked, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # i
         if self._links:
             self.unlink()
             self._state.unobserve(self._grown, ("histories", "branches", "lane"))
+            self._state.unobserve(self._replanned, "settings")
         close_family(self)
         super().close()
 
@@ -83,6 +87,14 @@ class Timeline(Linked, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # i
     def _grown(self, _change: object) -> None:
         self._redraw()
 
+    def _replanned(self, _change: object) -> None:
+        if not self._begun:
+            self._redraw()
+
+    @property
+    def _begun(self) -> bool:
+        return any(self._state.histories.values())
+
     def _draw(self) -> None:
         self._slider.max = max(self._state.iterations_done, 1)
         with self._figure.batch_update():
@@ -92,7 +104,10 @@ class Timeline(Linked, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # i
     def _fill(self, figure: Any) -> None:
         """Put what the state holds into a figure."""
         state, lane = self._state, self._state.lane
-        traces, layout = timeline_figure.contents(state.histories, state.branches, lane, self.curve, self.theme)
+        if self._begun:
+            traces, layout = timeline_figure.contents(state.histories, state.branches, lane, self.curve, self.theme)
+        else:
+            traces, layout = timeline_figure.before(plan_of(state.settings), lane, self.curve, self.theme)
         for trace, content in zip(figure.data, traces, strict=True):
             trace.update(content)
         figure.update_layout(layout)
@@ -110,7 +125,7 @@ class Timeline(Linked, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # i
 
     def _clicked(self, trace: Any, points: Any, _modifiers: Any) -> None:
         """Show the lane and the iteration of the first point clicked."""
-        if points.point_inds:
+        if points.point_inds and trace.customdata is not None:
             number = points.point_inds[0]
             lane = trace.customdata[number][0]
             self._state.lane = lane

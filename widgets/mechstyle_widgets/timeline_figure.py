@@ -14,6 +14,7 @@ from typing import Any
 from plotly.subplots import make_subplots
 
 from mechstyle_widgets.history import Branch, Row
+from mechstyle_widgets.planned import Plan
 
 CURVES = {"style_loss": "style loss", "travel": "travel", "seconds": "seconds"}
 UNITS = {"style_loss": "style loss", "travel": "travel / threshold", "seconds": "seconds"}
@@ -39,6 +40,7 @@ def empty(width: int) -> Any:
     figure.add_scatter(row=2, col=1, mode="lines+markers", line={"color": INK, "width": 1.5}, showlegend=False)
     figure.add_scatter(row=3, col=1, line={"color": FAINT, "width": 1.5}, **line)
     figure.add_scatter(row=3, col=1, mode="lines", line={"color": INK, "width": 1.8}, showlegend=False)
+    figure.add_scatter(row=1, col=1, mode="lines+markers", name="planned", line={"color": FAINT, "width": 2})
     rule = {"type": "line", "xref": "x", "yref": "paper", "x0": 0, "x1": 0, "y0": 0, "y1": 1, "line": {"color": "#e08e0b", "width": 2}}
     figure.update_layout(
         width=width, shapes=[rule], dragmode=False, hovermode="closest", paper_bgcolor="rgba(0,0,0,0)", plot_bgcolor="rgba(0,0,0,0)",
@@ -73,10 +75,44 @@ def contents(
         _peaks(lane, shown[lane]),
         _lines(others, lambda row: getattr(row, curve)),
         _curve(lane, shown[lane], curve),
+        _planned(lane, ()),
     ]
     limit = next((row.limit for row in reversed(shown[lane]) if row.limit is not None), None)
     layout = _layout(list(histories), lane, curve, theme, max((branch.iterations for branch in branches), default=1))
     return traces, {**layout, "annotations": [] if limit is None else [_limit_note(limit)]}
+
+
+def before(plan: Plan | None, lane: str, curve: str, theme: str) -> tuple[list[dict[str, Any]], dict[str, Any]]:
+    """As `contents`, for a run without an iteration.
+
+    Args:
+        plan: Where it will simulate, None if that is not known.
+        lane: Name of its lane.
+        curve: As for `contents`.
+        theme: As for `contents`.
+    """
+    places = (0, *plan.places) if plan else ()
+    traces, layout = contents({lane: []}, [], lane, curve, theme)
+    words = {"text": "<br>".join(_prospect(plan)), "showarrow": False, "font": {"size": 12}}
+    middle = {"x": 0.5, "xref": "paper", "y": 0.5, "yref": "y2 domain", "yanchor": "middle"}
+    empty_axes = {axis: {**layout[axis], "showticklabels": False} for axis in ("yaxis2", "yaxis3")}
+    ranges = {axis: _range(places[-1] if places else 1) for axis in ("xaxis", "xaxis2")}
+    return [*traces[:-1], _planned(lane, places)], {**layout, **empty_axes, **ranges, "annotations": [{**words, **middle}]}
+
+
+def _prospect(plan: Plan | None) -> list[str]:
+    """What is to be seen once the run has begun, in lines."""
+    later = "Verdicts, peak stress against its limit and the style loss will appear here."
+    if plan is None:
+        return ["Nothing has run yet.", later]
+    where = "" if plan.certain else ", about there: the run decides"
+    return [f"Nothing has run yet. Hollow marks are to come: the unstylized part, then {plan.count}{where}.", later]
+
+
+def _planned(lane: str, places: Sequence[int]) -> dict[str, Any]:
+    marker = {"symbol": "circle-open", "color": VERDICTS["UNKNOWN"][1], "size": 9}
+    told = {"hovertemplate": "simulation planned at iteration %{x}<extra></extra>"}
+    return {"x": list(places), "y": [lane] * len(places), "marker": marker, **told}
 
 
 def _lanes(own: Mapping[str, Rows], forks: Mapping[str, tuple[int, str]]) -> list[dict[str, Any]]:
@@ -159,8 +195,12 @@ def _layout(lanes: Sequence[str], lane: str, curve: str, theme: str, iterations:
         "paper_bgcolor": "rgba(0,0,0,0)",
         "plot_bgcolor": "rgba(0,0,0,0)",
         "yaxis": {"domain": domains[0], "type": "category", "range": [-0.6, len(lanes) - 0.4], "showgrid": False, **rows},
-        "yaxis2": {"domain": domains[1], "title": {"text": "peak [MPa]"}, "rangemode": "tozero", "nticks": 5},
-        "yaxis3": {"domain": domains[2], "title": {"text": UNITS[curve]}, "rangemode": "tozero", "nticks": 4},
+        "yaxis2": {"domain": domains[1], "title": {"text": "peak [MPa]"}, "rangemode": "tozero", "nticks": 5, "showticklabels": True},
+        "yaxis3": {"domain": domains[2], "title": {"text": UNITS[curve]}, "rangemode": "tozero", "nticks": 4, "showticklabels": True},
         "xaxis3": {"title": {"text": "iteration", "standoff": 4}},
-        **{axis: {"range": [-0.02 * iterations, 1.02 * iterations]} for axis in ("xaxis", "xaxis2")},
+        **{axis: _range(iterations) for axis in ("xaxis", "xaxis2")},
     }
+
+
+def _range(iterations: int) -> dict[str, Any]:
+    return {"range": [-0.02 * iterations, 1.02 * iterations]}
