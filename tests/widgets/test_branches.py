@@ -3,6 +3,8 @@
 import msgspec
 import pytest
 
+from mechstyle.load_cases import Load, LoadCase, Support
+from mechstyle.regions import Inside
 from mechstyle_widgets.branches import Branches, said
 from mechstyle_widgets.conductor import Conductor, Wanted
 from mechstyle_widgets.state import StudioState
@@ -62,6 +64,20 @@ def test_a_branch_from_the_iteration_on_show_takes_what_was_changed_at_the_left(
     assert branches.trouble == ""
 
 
+def test_a_branch_has_the_very_settings_of_the_left_column(conducted, settle):
+    """Told `frozen` alone, a branch would compare with the part's own maximum, which is not what the column shows."""
+    branches = Branches(conducted)
+    conducted.run()
+    settle(conducted)
+    shown = msgspec.structs.replace(conducted.state.run.recipe, control="frozen", poses="tilts")
+    conducted.wanted = lambda: Wanted(shown, None, 500, "sheet")
+    conducted.state.iteration = 5
+    branches._branch.click()
+    settle(conducted)
+    assert conducted.state.lane == "branch-1"
+    assert conducted.state.run.recipe == shown
+
+
 def test_a_name_that_cannot_be_is_refused_in_one_sentence(conducted, settle):
     conducted.run()
     settle(conducted)
@@ -70,6 +86,11 @@ def test_a_name_that_cannot_be_is_refused_in_one_sentence(conducted, settle):
     assert "lane name '12' must begin with" in conducted.state.message
 
 
-@pytest.mark.parametrize(("value", "words"), [(True, "yes"), (0.1234567, "0.1235"), ((), "–"), ("", "–"), (20, "20")])
+CASE = LoadCase(name="heavy coat", supports=(Support(at="resting face"),), loads=(Load(gravity=1.0),))
+
+
+@pytest.mark.parametrize(("value", "words"), [
+    (True, "yes"), (0.1234567, "0.1235"), ((), "–"), ("", "–"), (20, "20"), ((CASE,), "heavy coat"), ((Inside(),), "inside"),
+])  # fmt: skip
 def test_values_for_a_table(value, words):
     assert said(value) == words

@@ -9,10 +9,11 @@ import pytest
 from mechstyle import gallery
 from mechstyle.errors import BadInput
 from mechstyle.geometry.files import save
+from mechstyle.load_cases import read_loads
 from mechstyle.material import LIBRARY
 from mechstyle.regions import Inside, Sphere
 from mechstyle.styling.library import names
-from mechstyle_widgets.drop_options import DropOptions
+from mechstyle_widgets.drop_options import ONCE, DropOptions
 from mechstyle_widgets.material_picker import MaterialPicker
 from mechstyle_widgets.part_picker import PartPicker
 from mechstyle_widgets.prompt_box import PromptBox
@@ -203,5 +204,63 @@ def test_options_go_both_ways():
     options.children[1].value = 750.0
     assert options.settings["drop_height"] == 750.0
     options.orientations = 3
-    assert options.children[2].value == 3
+    assert options._drops.value == 3
     assert options.vertices == 2000
+
+
+def test_a_way_to_land_brings_its_usual_number_of_drops():
+    options = DropOptions(orientations=1, poses="tilts")
+    assert (options._way.label, options._drops.layout.display) == ("as it stands, once", "none")
+    options._way.value = "resting"
+    assert (options.poses, options.orientations, options._drops.layout.display) == ("resting", 8, "")
+    assert "up to 8 drops" in options._note.value
+    options._way.value = "fibonacci"
+    assert (options.poses, options.orientations) == ("fibonacci", 5)
+    options._way.value = ONCE
+    assert (options.poses, options.orientations) == ("fibonacci", 1)
+    assert "one drop, as the part stands" in options._note.value
+    options.orientations = 3
+    assert (options.way, options._way.value) == ("fibonacci", "fibonacci")
+
+
+LOADS = """
+[[case]]
+name = "heavy coat"
+supports = [{ at = "resting face" }]
+loads = [{ gravity = 1 }]
+"""
+
+
+@pytest.fixture
+def load_file(tmp_path):
+    path = tmp_path / "coat.toml"
+    path.write_text(LOADS, encoding="utf-8")
+    return str(path)
+
+
+def test_a_load_file_is_named_and_taken_away_again(load_file):
+    options = DropOptions()
+    options._file.value = load_file
+    assert options.loads == read_loads(load_file)
+    assert "it must carry: heavy coat" in options._note.value
+    options._unload.click()
+    assert (options.loads, options._file.value, options._unload.layout.display) == ((), "", "none")
+    options.loads = load_file
+    assert options.settings["loads"] == read_loads(load_file)
+
+
+def test_a_load_file_that_cannot_be_used_is_said_and_the_loads_stay(load_file):
+    options = DropOptions()
+    options._file.value = load_file
+    options._file.value = "nowhere.toml"
+    assert "load file nowhere.toml does not exist" in options.trouble
+    assert options.loads == read_loads(load_file)
+    options._file.value = load_file
+    assert options.trouble == ""
+
+
+def test_loads_of_another_recipe_are_not_those_of_the_file_named_last(load_file):
+    options = DropOptions()
+    options._file.value = load_file
+    options.loads = ()
+    assert options._file.value == ""

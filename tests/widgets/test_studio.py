@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from mechstyle.errors import BadInput
+from mechstyle.load_cases import Load, LoadCase, Support
 from mechstyle.run import Run
 from mechstyle_widgets.run_viewer import RunViewer
 from mechstyle_widgets.studio import Studio
@@ -23,6 +24,22 @@ def test_settings_given_by_name_reach_the_recipe():
     assert (recipe.threshold, recipe.protect[0].words, recipe.drop_height) == (0.5, "inside", 800.0)
     assert (wanted.vertices, wanted.name) == (900, "wall_hook")
     assert wanted.mesh is studio.part_picker.mesh
+
+
+CASE = LoadCase(name="heavy coat", supports=(Support(at="resting face"),), loads=(Load(gravity=1.0),))
+
+
+@pytest.mark.usefixtures("unprotected")
+def test_poses_and_loads_go_into_the_recipe_and_out_of_it_again(tmp_path, fake_run):
+    given = {"poses": "resting", "loads": [CASE], "schedule": "every", "every": 4, "iterations": 12}
+    assert Studio("gallery:wall_hook", orientations=3, **given).wanted().recipe.orientations == 3
+    recipe = Studio("gallery:wall_hook", **given).wanted().recipe
+    assert (recipe.poses, recipe.orientations, recipe.loads) == ("resting", 8, (CASE,))
+    made = fake_run(tmp_path / "loaded", poses="resting", orientations=8, loads=(CASE,))
+    made.go()
+    studio = Studio(made.run)
+    assert (studio.drop_options.way, studio.drop_options.orientations, studio.drop_options.loads) == ("resting", 8, (CASE,))
+    assert studio.conductor.differs() == {}
 
 
 @pytest.mark.usefixtures("unprotected")
@@ -138,6 +155,34 @@ def test_a_lane_of_it_can_be_named(done):
     studio = Studio(f"{done.store.root}@soft")
     assert studio.run.recipe.control == "linear"
     assert studio.control_selector.control == "linear"
+
+
+@pytest.mark.usefixtures("unprotected")
+def test_choosing_a_lane_shows_its_settings_and_starts_nothing(done):
+    studio = Studio(done)
+    studio.branches._choice.value = "soft"
+    assert (studio.control_selector.control, studio.schedule_selector.every) == ("linear", 3)
+    assert (studio.state.settings["control"], studio.conductor.differs()) == ("linear", {})
+    studio._timeline.lane = "main"
+    assert (studio.control_selector.control, studio.schedule_selector.every) == ("exponential", 4)
+    assert (studio.conductor.differs(), studio.state.session) == ({}, None)
+
+
+@pytest.mark.usefixtures("unprotected")
+def test_settings_without_a_control_are_those_of_the_lane_on_show(tmp_path, fake_run):
+    made = fake_run(tmp_path / "other")
+    made.go().branch(6, lane="long", window=2.0)
+    studio = Studio(made.run)
+    studio.state.lane = "long"
+    assert (studio.wanted().recipe.window, studio.conductor.differs()) == (2.0, {})
+
+
+def test_what_freestyle_leaves_out_is_left_out_of_what_is_asked_for():
+    studio = Studio("gallery:wall_hook", freestyle=True, iterations=50)
+    assert studio.state.settings["schedule"] == "never"
+    assert studio._timeline._figure.data[-1].x == (0, 50)
+    studio.control_selector.freestyle = False
+    assert len(studio._timeline._figure.data[-1].x) > 2
 
 
 @pytest.mark.usefixtures("unprotected")

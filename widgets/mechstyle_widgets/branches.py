@@ -9,9 +9,10 @@ import numpy as np
 import traitlets
 
 from mechstyle.errors import BadInput
+from mechstyle.load_cases import LoadCase
 from mechstyle.material import Material
 from mechstyle.records import Checkpoint
-from mechstyle_widgets.conductor import Conductor
+from mechstyle_widgets.conductor import Conductor, settings_of
 from mechstyle_widgets.history import Row, differences
 from mechstyle_widgets.section import NARROW_LABEL, WIDE, Section, Words, table
 
@@ -52,9 +53,12 @@ class Branches(Section):
         self._list()
 
     def branch(self) -> None:
-        """A new lane from the iteration on show, with the settings of the left column."""
+        """A new lane from the iteration on show, with the settings of the left column.
+
+        All of them are asked for: told the changed ones only, a branch adds what usually goes with them.
+        """
         try:
-            changed = self.conductor.differs()
+            changed, wanted = self.conductor.differs(), self.conductor.wanted().recipe
         except BadInput as error:
             self.state.message = str(error)
             return
@@ -62,7 +66,7 @@ class Branches(Section):
             self.complain("change a setting at the left first: this lane would be the same again")
             return
         self.complain("")
-        self.conductor.branch(self.state.iteration, self._name.value.strip(), **changed)
+        self.conductor.branch(self.state.iteration, self._name.value.strip(), **settings_of(wanted))
         self._name.value = ""
 
     def pin(self) -> None:
@@ -149,6 +153,6 @@ def said(value: Any) -> str:
         return "yes" if value else "no"
     if isinstance(value, float):
         return f"{value:.4g}"
-    if isinstance(value, tuple):
-        return "; ".join(str(getattr(one, "words", one)) for one in value) or "–"
+    if isinstance(value, tuple):  # of regions or load cases
+        return "; ".join(one.name if isinstance(one, LoadCase) else one.words for one in value) or "–"
     return value.name if isinstance(value, Material) else str(value) or "–"

@@ -11,7 +11,7 @@ from mechstyle.errors import BadInput, MechStyleError
 from mechstyle.events import Checkpointed, Event
 from mechstyle.fea.drop_test import resolve_device
 from mechstyle.mesh import SurfaceMesh
-from mechstyle.planning import fitted
+from mechstyle.planning import DECIDED_BY_THE_PART, fitted
 from mechstyle.records import Recipe
 from mechstyle.run import Run, begin, default_folder
 from mechstyle.session import Session
@@ -167,9 +167,15 @@ class Conductor:
         return run.events(told)
 
 
+def settings_of(recipe: Recipe) -> dict[str, Any]:
+    """All settings of a recipe by name; the part is left out, and so are CLIP weights that it does not need."""
+    names = [name for name in Recipe.__struct_fields__ if name not in DECIDED_BY_THE_PART]
+    return {name: getattr(recipe, name) for name in names if name != "clip" or recipe.clip}
+
+
 def changes(theirs: Recipe, ours: Recipe) -> dict[str, Any]:
     """Settings of `ours` that `theirs` does not share; the part is left out."""
-    names = [name for name in Recipe.__struct_fields__ if name not in ("surface", "tetrahedra")]
+    names = [name for name in Recipe.__struct_fields__ if name not in DECIDED_BY_THE_PART]
     return {name: getattr(ours, name) for name in names if getattr(ours, name) != getattr(theirs, name)}
 
 

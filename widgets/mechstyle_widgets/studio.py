@@ -11,8 +11,8 @@ import traitlets
 
 from mechstyle.errors import BadInput
 from mechstyle.mesh import SurfaceMesh
-from mechstyle.planning import DECIDED_BY_THE_PART, draft
-from mechstyle.records import Recipe
+from mechstyle.planning import DECIDED_BY_THE_PART, FREESTYLE, draft
+from mechstyle.records import POSES, Recipe
 from mechstyle.run import Run
 from mechstyle.store import parse_address
 from mechstyle_widgets.branches import Branches
@@ -160,7 +160,9 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self.branches = Branches(self.conductor)
 
     def _give(self, settings: dict[str, Any]) -> None:
-        """Set what was given by name."""
+        """Set what was given by name; as everywhere, poses bring their usual number of drops."""
+        if settings.get("poses") in POSES:
+            settings = {"orientations": POSES[settings["poses"]], **settings}
         for name, value in settings.items():
             owner = next((section for section in self._sections if name in (*section.FIELDS, *section.OWN)), None)
             if owner is None and name in UNSEEN:
@@ -185,20 +187,25 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         return ipywidgets.HBox(columns, layout={"width": "100%", "flex_flow": "row wrap", "grid_gap": f"{GAP}px"})
 
     def _take(self, run: Run) -> None:
-        """Show the settings of a run that was made before."""
-        recipe = run.recipe
-        for section in self._sections:
-            section.take(recipe)
-        self._unseen = {name: getattr(recipe, name) for name in UNSEEN}
+        """Show the settings and the part of a run that was made before."""
+        self._take_recipe(run.recipe)
         self.drop_options.vertices = len(run.part.surface.vertices)
         self.part_picker.show(run.part.surface, run.record.name)
         self._opened_mesh = run.part.surface
+
+    def _take_recipe(self, recipe: Recipe) -> None:
+        """Show the settings of a recipe."""
+        self._unseen = {name: getattr(recipe, name) for name in UNSEEN}
+        with self.state.hold_trait_notifications():  # one change of the settings, not one for each
+            for section in self._sections:
+                section.take(recipe)
 
     # what it follows
 
     def _changed(self, _change: object = None) -> None:
         """Tell the state what is asked for."""
-        self.state.settings = {name: value for section in self._sections for name, value in section.settings.items()}
+        asked = {name: value for section in self._sections for name, value in section.settings.items()}
+        self.state.settings = {**asked, **(FREESTYLE if self.control_selector.freestyle else {})}
 
     def _other_part(self, _change: object = None) -> None:
         """A part was picked: show it as it is, unless a run of it is on show."""
@@ -207,11 +214,12 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             self._show(Viewer(paintable(mesh), theme=self.theme, width=self._middle_width, height=VIEW))
 
     def _other_run(self, change: dict[str, Any]) -> None:
-        """Another run directory needs another viewer; another lane of the same does not."""
+        """Another run directory needs another viewer; another lane of the same shows its settings."""
         old, new = change["old"], change["new"]
         if isinstance(old, Run) and new is not None and old.store.root == new.store.root:
-            return
-        self._first_checkpoint()
+            self._take_recipe(new.recipe)
+        else:
+            self._first_checkpoint()
 
     def _first_checkpoint(self, change: dict[str, Any] | None = None) -> None:
         if self.state.checkpoint is None or (change is not None and change["old"] is not None):
