@@ -69,6 +69,16 @@ def cup(radius: float, height: float, wall: float, counts: tuple[int, int, int] 
     return _revolved(rings, around)
 
 
+def square_cup(width: float, height: float, wall: float) -> TetMesh:
+    """A square cup with a floor, standing on z = 0 [mm]: cells as large as the wall is thick, each cut into the six Kuhn tetrahedra."""
+    across, up = round(width / wall), round(height / wall)
+    block = box((across, across, up), (width, width, height))
+    centres = block.vertices[block.tets].mean(axis=1)
+    hollow = (np.abs(centres[:, :2] - 0.5 * width).max(axis=1) < 0.5 * width - wall) & (centres[:, 2] > wall)
+    used, numbers = np.unique(block.tets[~hollow], return_inverse=True)
+    return TetMesh(block.vertices[used], numbers.reshape(-1, 4).astype(np.int32))
+
+
 def _revolved(rings: list[list[tuple[float, float]]], around: int) -> TetMesh:
     """Turn the quadrilaterals between rows of (radius, z) about the z-axis; a shorter row joins the end of the one below."""
     quads = []

@@ -25,9 +25,9 @@ CASES = {
         Case("precision", "Single against double precision over an impact", impacts.precision),
         Case("devices", "CUDA against CPU", impacts.devices),
         Case("finer", "A smooth cup on a finer mesh", convergence.finer, slow=True),
-        Case("finer_styled", "A brick cup on a finer mesh", convergence.finer_styled, slow=True),
-        Case("again", "Five meshes of a smooth cup", convergence.again, slow=True),
-        Case("again_styled", "Five meshes of a brick cup", convergence.again_styled, slow=True),
+        Case("finer_styled", "A square cup in brick on a finer mesh", convergence.finer_styled, slow=True),
+        Case("again", "Five meshes of a smooth square cup", convergence.again, slow=True),
+        Case("again_styled", "Five meshes of a square cup in brick", convergence.again_styled, slow=True),
     )
 }
 """In the order in which they are told."""

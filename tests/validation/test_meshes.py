@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from mechstyle.validation.meshes import ball, box, cup, refined
+from mechstyle.validation.meshes import ball, box, cup, refined, square_cup
 
 
 def boundary_area(tets):
@@ -26,6 +26,7 @@ CUP["area"] = np.pi * (15.0**2 + 2 * 15.0 * 25.0 + (15.0**2 - 13.0**2) + 2 * 13.
     [
         (box((3, 2, 4), (12.0, 10.0, 16.0)), 1920.0, 944.0, 1e-9),
         (ball(20.0, 12, 4.0), 4 / 3 * np.pi * 20.0**3, 4 * np.pi * 20.0**2, 0.02),
+        (square_cup(24.0, 24.0, 2.0), 24.0**3 - 20.0**2 * 22.0, 2 * 24.0**2 + 4 * 24.0**2 + 4 * 20.0 * 22.0, 1e-9),
         (cup(15.0, 25.0, 2.0), CUP["volume"], CUP["area"], 0.01),  # a face inside, where cells do not fit, would add to the area
     ],
 )
