@@ -242,9 +242,10 @@ def test_an_interrupted_run_is_reopened_and_goes_on(fake, monkeypatch):
 
 
 @pytest.mark.usefixtures("unprotected")
-def test_closing_leaves_nothing_behind(done):
+def test_closing_leaves_nothing_behind_but_a_figure_for_the_next(done):
     from ipywidgets.widgets.widget import _instances as alive  # noqa: PLC0415
 
+    Studio(done).close()
     before = set(alive)
     Studio(done).close()
     assert set(alive) == before

@@ -5,6 +5,7 @@ from __future__ import annotations
 from types import SimpleNamespace
 
 import pytest
+from ipywidgets import Widget
 from ipywidgets.widgets.widget import _instances as alive
 
 from mechstyle_widgets.state import StudioState
@@ -145,7 +146,8 @@ def test_the_theme_changes_the_template(timeline):
     assert timeline._figure.layout.template != before
 
 
-def test_closing_leaves_nothing_behind(state):
+def test_closing_leaves_nothing_behind_but_a_figure_for_the_next(state):
+    Timeline(state).close()
     before = set(alive)
     timeline = Timeline(state)
     timeline.close()
@@ -153,3 +155,27 @@ def test_closing_leaves_nothing_behind(state):
     assert timeline.iteration == 12
     assert set(alive) == before
     timeline.close()
+
+
+def test_a_figure_is_used_again_and_shows_nothing_of_before(state):
+    first = Timeline(state, theme="dark", width=700)
+    figure = first._figure
+    first.close()
+    second = Timeline(StudioState(settings=ASKED), width=800)
+    fresh = Timeline(StudioState(settings=ASKED), width=800)
+    assert second._figure is figure
+    assert fresh._figure is not figure
+    second._figure.update_traces(uid=None)
+    fresh._figure.update_traces(uid=None)
+    assert second._figure.to_dict() == fresh._figure.to_dict()
+    assert second._figure._widget_layout["width"] == 800
+    assert list(second._figure._widget_data[PLANNED]["x"]) == [0, 5, 10, 15, 20]
+    assert figure.data[STEPS]._click_callbacks == [second._clicked]
+
+
+def test_a_figure_that_was_closed_is_not_used_again(state):
+    first = Timeline(state)
+    figure = first._figure
+    first.close()
+    Widget.close_all()
+    assert Timeline(state)._figure is not figure

@@ -6,9 +6,8 @@ from typing import Any
 
 import ipywidgets
 import traitlets
-from plotly import graph_objects
 
-from mechstyle_widgets import timeline_figure
+from mechstyle_widgets import figures, timeline_figure
 from mechstyle_widgets.family import close_family
 from mechstyle_widgets.linked import Linked
 from mechstyle_widgets.pace import Paced
@@ -42,9 +41,8 @@ class Timeline(Linked, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # i
             width: Width of the timeline [pixels].
         """
         self._state, self.theme = state, theme
-        figure = timeline_figure.empty(width)
-        self._fill(figure)  # what is told a figure before the browser has it may get lost
-        self._figure = graph_objects.FigureWidget(figure)
+        self._width = width
+        self._figure = figures.taken(timeline_figure.empty, self._fill)
         self._figure._config = {"displayModeBar": False, "responsive": False}  # noqa: SLF001 — plotly offers no other way
         for trace in self._figure.data:
             trace.on_click(self._clicked)
@@ -68,14 +66,15 @@ class Timeline(Linked, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # i
         return f"Timeline(lane={self.lane!r}, iteration={self.iteration})"
 
     def close(self) -> None:
-        """Close it and every widget it is made of; the state is followed no longer."""
+        """Close it and every widget it is made of, but for its figure, which the next timeline shows; the state is followed no longer."""
         self._redraw.cancel()
         self._point.cancel()
         if self._links:
             self.unlink()
             self._state.unobserve(self._grown, ("histories", "branches", "lane"))
             self._state.unobserve(self._replanned, "settings")
-        close_family(self)
+            figures.put_away(self._figure)
+        close_family(self, keep=self._figure)
         super().close()
 
     def _bar(self, choice: ipywidgets.ToggleButtons, width: int) -> ipywidgets.HBox:
@@ -110,7 +109,7 @@ class Timeline(Linked, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # i
             traces, layout = timeline_figure.before(plan_of(state.settings), lane, self.curve, self.theme)
         for trace, content in zip(figure.data, traces, strict=True):
             trace.update(content)
-        figure.update_layout(layout)
+        figure.update_layout(layout, width=self._width)
         figure.layout.shapes[0].update(x0=state.iteration, x1=state.iteration)
 
     def _move_line(self) -> None:

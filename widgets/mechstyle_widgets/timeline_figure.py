@@ -27,7 +27,7 @@ LANE, STRESS, CURVE, MARGINS = 24, 120, 90, 64  # heights [pixels]
 Rows = Sequence[Row]
 
 
-def empty(width: int) -> Any:
+def empty() -> Any:
     """The figure with all its traces, none of them filled."""
     figure = make_subplots(rows=3, cols=1, shared_xaxes=True, vertical_spacing=0.05)
     line = {"mode": "lines", "hoverinfo": "skip", "showlegend": False}
@@ -43,7 +43,7 @@ def empty(width: int) -> Any:
     figure.add_scatter(row=1, col=1, mode="lines+markers", name="planned", line={"color": FAINT, "width": 2})
     rule = {"type": "line", "xref": "x", "yref": "paper", "x0": 0, "x1": 0, "y0": 0, "y1": 1, "line": {"color": "#e08e0b", "width": 2}}
     figure.update_layout(
-        width=width, shapes=[rule], dragmode=False, hovermode="closest", paper_bgcolor="rgba(0,0,0,0)", plot_bgcolor="rgba(0,0,0,0)",
+        shapes=[rule], dragmode=False, hovermode="closest", paper_bgcolor="rgba(0,0,0,0)", plot_bgcolor="rgba(0,0,0,0)",
         margin={"l": 96, "r": 12, "t": 24, "b": 36}, font={"size": 11},
         legend={"orientation": "h", "x": 1.0, "xanchor": "right", "y": 1.02, "yanchor": "bottom", "itemclick": False},
     )
@@ -93,8 +93,8 @@ def before(plan: Plan | None, lane: str, curve: str, theme: str) -> tuple[list[d
     """
     places = (0, *plan.places) if plan else ()
     traces, layout = contents({lane: []}, [], lane, curve, theme)
-    words = {"text": "<br>".join(_prospect(plan)), "showarrow": False, "font": {"size": 12}}
-    middle = {"x": 0.5, "xref": "paper", "y": 0.5, "yref": "y2 domain", "yanchor": "middle"}
+    words = {"text": "<br>".join(_prospect(plan)), "showarrow": False, "font": {"size": 12, "color": None}}  # no longer that of a limit
+    middle = {"x": 0.5, "xref": "paper", "xanchor": "center", "y": 0.5, "yref": "y2 domain", "yanchor": "middle"}
     empty_axes = {axis: {**layout[axis], "showticklabels": False} for axis in ("yaxis2", "yaxis3")}
     ranges = {axis: _range(places[-1] if places else 1) for axis in ("xaxis", "xaxis2")}
     return [*traces[:-1], _planned(lane, places)], {**layout, **empty_axes, **ranges, "annotations": [{**words, **middle}]}
