@@ -31,15 +31,21 @@ def shrink_balls(
     cosine: float,
     slack: float,
     diameter: wp.array(dtype=wp.float32),
+    facing: wp.array(dtype=wp.float32),
 ) -> None:
-    """Diameter of the largest inner ball touching each point, shrunk from half the ray to the opposite wall."""
+    """Diameter of the largest inner ball touching each point, shrunk from half the ray to the opposite wall.
+
+    `facing` is the cosine of the angle between both contacts seen from the centre: -1 between parallel walls, 1 if nothing was met.
+    """
     i = wp.tid()
     p = points[i]
     inward = -normals[i]
     radius = 0.5 * largest
+    cosine_met = wp.float32(1.0)
     ahead = wp.mesh_query_ray(mesh, p + inward * skin, inward, largest)
     if ahead.result:
         radius = 0.5 * (ahead.t + skin)
+        cosine_met = -wp.dot(ahead.normal, inward)
     for _step in range(30):
         centre = p + inward * radius
         near = wp.mesh_query_point_no_sign(mesh, centre, slack * radius)
@@ -55,7 +61,9 @@ def shrink_balls(
         if shrunk >= radius:
             break
         radius = shrunk
+        cosine_met = 1.0 - height / radius
     diameter[i] = 2.0 * radius
+    facing[i] = cosine_met
 
 
 @wp.kernel
@@ -92,9 +100,13 @@ def touches(vertex: wp.int32, a: wp.int32, b: wp.int32, c: wp.int32) -> bool:
 
 @wp.kernel
 def count_crossings(
-    mesh: wp.uint64, faces: wp.array(dtype=wp.int32), points: wp.array(dtype=wp.vec3d), crossed: wp.array(dtype=wp.int32)
+    mesh: wp.uint64,
+    faces: wp.array(dtype=wp.int32),
+    points: wp.array(dtype=wp.vec3d),
+    crossed: wp.array(dtype=wp.int32),
+    other: wp.array(dtype=wp.int32),
 ) -> None:
-    """For each face, how many faces of higher number cross it and share no corner with it."""
+    """For each face, how many faces of higher number cross it and share no corner with it; in `other`, the highest face it crosses."""
     i = wp.tid()
     a, b, c = faces[3 * i], faces[3 * i + 1], faces[3 * i + 2]
     p, q, r = points[a], points[b], points[c]
@@ -106,4 +118,14 @@ def count_crossings(
             joined = touches(d, a, b, c) or touches(e, a, b, c) or touches(f, a, b, c)
             if not joined and wp.intersect_tri_tri(p, q, r, points[d], points[e], points[f]) == 1:
                 count += 1
+                wp.atomic_max(other, i, j)
+                wp.atomic_max(other, j, i)
     crossed[i] = count
+
+
+@wp.kernel
+def turns_exceed(mesh: wp.uint64, points: wp.array(dtype=wp.vec3), threshold: float, exceeds: wp.array(dtype=wp.bool)) -> None:
+    """Whether the surface winds around each point more often than a threshold (Barill et al. 2018)."""
+    i = wp.tid()
+    query = wp.mesh_query_point_sign_winding_number(mesh, points[i], 1.0e6, 2.0, threshold)
+    exceeds[i] = query.sign < 0.0

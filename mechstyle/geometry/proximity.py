@@ -35,13 +35,14 @@ class TriangleTree:
     Coordinates are centred before they become single precision, so that a part far from the origin loses nothing.
     """
 
-    def __init__(self, vertices: ArrayLike, faces: ArrayLike, device: str = "cpu") -> None:
+    def __init__(self, vertices: ArrayLike, faces: ArrayLike, device: str = "cpu", *, winding: bool = False) -> None:
+        """Build the tree over faces, shape [face_count, 3], of vertices [mm], shape [n, 3]; with `winding` it knows winding numbers."""
         self.vertices = np.asarray(vertices, dtype=np.float64)
         self.faces = np.asarray(faces, dtype=np.int32)
         self.device = device
         self._centre = 0.5 * (self.vertices.min(axis=0) + self.vertices.max(axis=0))
         indices: Any = wp.array(self.faces.ravel(), dtype=wp.int32, device=device)
-        self._mesh = wp.Mesh(points=self.points(self.vertices), indices=indices)
+        self._mesh = wp.Mesh(points=self.points(self.vertices), indices=indices, support_winding_number=winding)
 
     @property
     def id(self) -> Any:

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import msgspec
 import numpy as np
 
-from mechstyle.geometry.kernels import count_crossings
-from mechstyle.geometry.proximity import TriangleTree
-from mechstyle.geometry.thickness import local_thickness
+from mechstyle.geometry.crossings import crossings
+from mechstyle.geometry.thickness import wall_thickness
 from mechstyle.mesh import Floats, SurfaceMesh
-from mechstyle.quiet import wp
 
 
 class Quality(msgspec.Struct, frozen=True, kw_only=True):
@@ -67,12 +63,12 @@ def quality(original: SurfaceMesh, styled: SurfaceMesh, density: float, *, devic
         density: Density of the material [g/mm³].
         device: Warp device of the searches.
     """
-    before, after = (np.sort(_over_areas(mesh, local_thickness(mesh, device=device))) for mesh in (original, styled))
+    before, after = (np.sort(_over_areas(mesh, wall_thickness(mesh, device=device))) for mesh in (original, styled))
     one_percent = len(before) // 100
     return Quality(
         folds=folded_faces(original, styled),
-        crossings=crossing_faces(styled, device=device),
-        crossings_before=crossing_faces(original, device=device),
+        crossings=crossings(styled, device=device).pairs,
+        crossings_before=crossings(original, device=device).pairs,
         thinnest=float(after[0]),
         thinnest_before=float(before[0]),
         thin=float(after[one_percent]),
@@ -95,17 +91,3 @@ def _over_areas(mesh: SurfaceMesh, thickness: Floats) -> Floats:
 def folded_faces(original: SurfaceMesh, styled: SurfaceMesh) -> int:
     """How many faces look the other way than before."""
     return int((np.einsum("ij,ij->i", original.face_vectors, styled.face_vectors) < 0.0).sum())
-
-
-def crossing_faces(mesh: SurfaceMesh, *, device: str = "cpu") -> int:
-    """How many pairs of faces cross that share no corner (Möller 1997, through a bounding volume hierarchy).
-
-    Faces that share a corner touch by nature; where they fold onto each other, `folded_faces` tells.
-    """
-    tree, count = TriangleTree(mesh.vertices, mesh.faces, device), len(mesh.faces)
-    centre = 0.5 * (mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0))
-    points: Any = wp.array(mesh.vertices - centre, dtype=wp.vec3d, device=device)
-    faces: Any = wp.array(mesh.faces.ravel(), dtype=wp.int32, device=device)
-    crossed: Any = wp.empty(count, dtype=wp.int32, device=device)
-    wp.launch(count_crossings, dim=count, inputs=[tree.id, faces, points, crossed], device=device)
-    return int(crossed.numpy().sum())

@@ -13,6 +13,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from mechstyle.errors import BadInput, SimulationFailed
+from mechstyle.geometry.crossings import overlaps
 from mechstyle.geometry.standardise import manifold_of, surface_of
 from mechstyle.geometry.tetwild import Settings, tetwild
 from mechstyle.mesh import Floats, Indices, SurfaceMesh, TetMesh
@@ -36,7 +37,7 @@ REMESH_TIMEOUT = 120.0
 def repaired(vertices: Floats, faces: NDArray[np.int64], name: str) -> tuple[SurfaceMesh, tuple[str, ...]]:
     """One closed body from a triangle soup, and what had to be done to it, one sentence each.
 
-    A single body whose surface cuts through itself is closed and therefore left as it is.
+    A single body whose surface cuts through itself is closed and therefore left as it is, and said.
 
     Args:
         vertices: Positions [mm], shape [n, 3].
@@ -52,8 +53,18 @@ def repaired(vertices: Floats, faces: NDArray[np.int64], name: str) -> tuple[Sur
         raise BadInput(f"{name} holds no triangle with an area: export it again from the program it was made with")
     if _is_flat(surface):
         raise BadInput(f"{name} is flat and encloses no volume: give it a thickness, and export it again")
-    body = _one_body(_closed(surface, name, notes), name, notes)
-    return surface_of(body), tuple(notes)
+    whole = surface_of(_one_body(_closed(surface, name, notes), name, notes))
+    return whole, (*notes, *_overlaps(whole))
+
+
+def _overlaps(surface: SurfaceMesh) -> tuple[str, ...]:
+    """A sentence on where the surface passes through itself, none if it does not."""
+    places = overlaps(surface)
+    if not len(places):
+        return ()
+    named = ", ".join(f"({x:.1f}, {y:.1f}, {z:.1f})" for x, y, z in places[:3]) + (", ..." if len(places) > 3 else "")
+    where = f"in {_counted(len(places), 'place', 'places')}, around {named} mm"
+    return (f"its surface passes through itself {where}: what is inside twice counts once; unite it in the program it was made with",)
 
 
 def _counted(number: int, thing: str, things: str) -> str:

@@ -18,6 +18,8 @@ from mechstyle.quiet import wp
 # A ball counts as empty if nothing reaches deeper into it than a tenth of its radius. In the centre of a sphere every
 # triangle is equally near and the search visits all of them: 0.97 takes 11 times longer there, for exactness nobody needs.
 SLACK = 0.9
+FACING = 120.0
+"""Least angle between the contacts of a ball in a wall, seen from its centre [degrees]; 180 between parallel sides."""
 
 
 def local_thickness(mesh: SurfaceMesh, *, separation: float = 100.0, slope: float = 1.0, device: str = "cpu") -> NDArray[np.float64]:
@@ -37,15 +39,30 @@ def local_thickness(mesh: SurfaceMesh, *, separation: float = 100.0, slope: floa
     Returns:
         Thickness [mm], shape [vertex_count]. A ball is at most 10 % too large, because shallower contacts are not searched for.
     """
+    balls, _ = _inner_balls(mesh, separation, device)
+    return balls if math.isinf(slope) else _limited(balls, mesh, slope)
+
+
+def wall_thickness(mesh: SurfaceMesh, *, device: str = "cpu") -> Floats:
+    """Thickness between two sides that face each other [mm], shape [vertex_count]; the size of the part where there is no such other side.
+
+    Beside an edge the ball that touches both of its faces shrinks with the distance from the edge. That is no wall, and the finer the
+    mesh the closer its vertices come. So both contacts must lie `FACING` apart: a wedge of more than 60 degrees has no wall.
+    """
+    balls, cosine = _inner_balls(mesh, FACING, device)
+    return np.where(cosine < math.cos(math.radians(FACING)), balls, mesh.size)
+
+
+def _inner_balls(mesh: SurfaceMesh, separation: float, device: str) -> tuple[Floats, Floats]:
+    """Diameter of the ball at each vertex [mm] and the cosine of the angle between its contacts, shape [vertex_count] each."""
     tree = TriangleTree(mesh.vertices, mesh.faces, device)
     count = len(mesh.vertices)
-    diameter: Any = wp.empty(count, dtype=wp.float32, device=device)
+    diameter, cosine = (wp.empty(count, dtype=wp.float32, device=device) for _ in range(2))
     normals: Any = wp.array(mesh.vertex_normals.astype(np.float32), dtype=wp.vec3, device=device)
     skin = 1e-4 * mesh.size
-    inputs = [tree.id, tree.points(mesh.vertices), normals, mesh.size, skin, math.cos(math.radians(separation)), SLACK, diameter]
-    wp.launch(shrink_balls, dim=count, inputs=inputs, device=device)
-    balls = np.asarray(diameter.numpy(), dtype=np.float64)
-    return balls if math.isinf(slope) else _limited(balls, mesh, slope)
+    limits = [mesh.size, skin, math.cos(math.radians(separation)), SLACK]
+    wp.launch(shrink_balls, dim=count, inputs=[tree.id, tree.points(mesh.vertices), normals, *limits, diameter, cosine], device=device)
+    return np.asarray(diameter.numpy(), dtype=np.float64), np.asarray(cosine.numpy(), dtype=np.float64)
 
 
 def _limited(values: Floats, mesh: SurfaceMesh, slope: float) -> Floats:

@@ -5,8 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
+from manifold3d import Manifold
 
-from mechstyle.geometry.quality import crossing_faces, folded_faces, quality
+from mechstyle.geometry.quality import folded_faces, quality
+from mechstyle.geometry.standardise import standardise, surface_of
+from mechstyle.geometry.subdivision import quartered
 from mechstyle.mesh import SurfaceMesh
 
 
@@ -20,26 +23,6 @@ def box(at=(0.0, 0.0, 0.0), size=10.0, cuts=2):
 
 def both(one, other):
     return SurfaceMesh(np.vstack([one.vertices, other.vertices]), np.vstack([one.faces, other.faces + len(one.vertices)]))
-
-
-def test_a_sound_surface_crosses_nothing(sphere):
-    assert crossing_faces(sphere) == 0
-    assert crossing_faces(box()) == 0
-
-
-def test_two_triangles_that_cross_are_one_pair():
-    flat = SurfaceMesh([[0, 0, 0], [4, 0, 0], [0, 4, 0]], [[0, 1, 2]])
-    upright = SurfaceMesh([[1, 1, -1], [1, 1, 2], [1.5, 1, 2]], [[0, 1, 2]])
-    apart = SurfaceMesh([[1, 1, 0.5], [1, 1, 2], [1.5, 1, 2]], [[0, 1, 2]])
-    assert crossing_faces(both(flat, upright)) == 1
-    assert crossing_faces(both(flat, apart)) == 0
-
-
-def test_crossings_do_not_depend_on_where_the_part_stands():
-    pair = both(box(), box((5.0, 0.3, 0.2)))
-    there = pair.moved(pair.vertices + np.array([3e4, -2e4, 1e4]))
-    assert crossing_faces(pair) > 50
-    assert crossing_faces(there) == crossing_faces(pair)
 
 
 def test_faces_that_look_the_other_way_are_counted(cube):
@@ -75,3 +58,31 @@ def test_what_the_part_itself_brings_is_no_warning():
     found = quality(pair, pair, 1.24e-3)
     assert found.crossings == found.crossings_before > 0
     assert found.warnings == ()
+
+
+def leaning_wall(wall=3.0):
+    """A plate of 40 x 30 mm whose narrow sides lean: its edges are of 70 and 110 degrees."""
+    plate = Manifold.cube((40.0, 30.0, wall), center=True)
+    lean = np.tan(np.radians(20.0))
+    return standardise(surface_of(plate.transform([[1.0, 0.0, lean, 0.0], [0.0, 1.0, lean, 0.0], [0.0, 0.0, 1.0, 0.0]])), 3000)
+
+
+@pytest.mark.parametrize("rounds", [0, 1, 2])
+def test_the_thinnest_wall_does_not_depend_on_how_close_to_an_edge_vertices_lie(rounds):
+    """Beside an edge of 70 degrees the inner ball vanishes: the more vertices, the thinner such a wall would read."""
+    surface = leaning_wall(3.0)
+    for _ in range(rounds):
+        surface = quartered(surface).mesh
+    found = quality(surface, surface, 1.24e-3)
+    assert found.thinnest == pytest.approx(3.0, rel=0.02)
+    assert found.thin == pytest.approx(3.0, rel=0.02)
+
+
+def test_a_wall_that_is_thinner_in_the_middle_is_seen_on_a_finer_surface_too():
+    surface = leaning_wall(3.0)
+    dent = quartered(surface)
+    depth = np.where(np.hypot(*surface.vertices[:, :2].T) < 6.0, -0.8, 0.0) * (np.abs(surface.vertex_normals[:, 2]) > 0.99)
+    coarse = quality(surface, surface.displaced(depth), 1.24e-3)
+    fine = quality(dent.mesh, dent.mesh.displaced(dent.interpolation @ depth), 1.24e-3)
+    assert coarse.thinnest == pytest.approx(1.4, rel=0.02)
+    assert fine.thinnest == pytest.approx(1.4, rel=0.02)
