@@ -59,10 +59,10 @@ def exported(store: Store, lane: str, part: Workpiece, entry: Entry, path: Path,
     if fine:
         found = refined(store, part, entry.digest, device=device)
         original, styled, verdict = found.original, found.styled, found.verdict
-        words = _of_the_fine_surface(found.verdict, state.verdict)
+        words = (*_of_the_fine_surface(found.verdict, state.verdict), *found.notes)
     else:
         original, styled = part.surface, part.surface.displaced(state.displacement).coloured(state.colour)
-        words = unsimulated(store, entry)
+        words = tuple(filter(None, [unsimulated(store, entry)]))
         verdict = None if words else state.verdict
     measured = quality(original, styled, recipe.material.density)
     save(styled, path)
@@ -74,7 +74,7 @@ def exported(store: Store, lane: str, part: Workpiece, entry: Entry, path: Path,
         fine=fine,
         verdict=verdict,
         quality=measured,
-        warnings=(*([words] if words else []), *measured.warnings),
+        warnings=(*words, *measured.warnings),
     )
     write_aside(sidecar(path), msgspec.json.format(to_json(record), indent=2))
     return record
@@ -94,9 +94,9 @@ def unsimulated(store: Store, entry: Entry) -> str:
     return ""
 
 
-def _of_the_fine_surface(verdict: Verdict, coarse: Verdict | None) -> str:
+def _of_the_fine_surface(verdict: Verdict, coarse: Verdict | None) -> tuple[str, ...]:
     """A warning if the finer surface does not keep what the coarse one promised."""
     if verdict.viable:
-        return ""
+        return ()
     was = f", though the surface of the run was {coarse.outcome}" if coarse is not None else ""
-    return f"the fine surface is {verdict.outcome}{was}: export it without --fine, or branch with a smaller amplitude"
+    return (f"the fine surface is {verdict.outcome}{was}: export it without --fine, or branch with a smaller amplitude",)

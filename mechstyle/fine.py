@@ -1,8 +1,9 @@
 """The result in four times as many faces: the run replayed on the quartered surface, and its drop test.
 
-A style knows finer edges than 25k vertices can carry. At every new vertex it is drawn anew, and is then led through the run that was:
-the same masks, shares, step limits and bounds, interpolated, and the same shares of relief taken back. The result is simulated
-as a surface of its own, because a verdict on the coarse one does not say it.
+A drawn style knows finer edges than 25k vertices can carry. At every new vertex it is drawn anew, and is then led through the run that was:
+the same masks, shares, step limits and bounds, interpolated, and the same shares of relief taken back. A learnt style knows only the
+vertices it was learnt at, and is interpolated between them: a style field, whose frequencies are higher than the vertices are dense, gives
+unrelated values there. Either result is simulated as a surface of its own, because a verdict on the coarse one does not say it.
 """
 
 from __future__ import annotations
@@ -31,6 +32,9 @@ from mechstyle.workpiece import Workpiece, cache_folder
 
 Field = NDArray[np.float32]
 
+INTERPOLATED = "what the style learnt at the vertices is interpolated between them: the file has more faces, but no finer detail"
+"""Said of a learnt style in four times as many faces."""
+
 
 @dataclass(frozen=True, eq=False)
 class Refined:
@@ -41,12 +45,14 @@ class Refined:
         styled: The styled, coloured surface as it was simulated.
         simulation: Its drop test in all orientations.
         verdict: What that means.
+        notes: What a user should know of how it was refined, one sentence each.
     """
 
     original: SurfaceMesh
     styled: SurfaceMesh
     simulation: Simulation
     verdict: Verdict
+    notes: tuple[str, ...]
 
 
 def refined(store: Store, part: Workpiece, digest: str, *, device: str = "cpu") -> Refined:
@@ -59,7 +65,7 @@ def refined(store: Store, part: Workpiece, digest: str, *, device: str = "cpu") 
         device: `cpu` or `cuda`.
 
     Raises:
-        BadInput: If its style is not drawn but learnt, so that there is nothing to draw anew, or if it is the unstylized part.
+        BadInput: If it is the unstylized part, which has no style.
     """
     past = _past(store, digest)
     if len(past) < 2:
@@ -73,7 +79,8 @@ def refined(store: Store, part: Workpiece, digest: str, *, device: str = "cpu") 
     simulator = DropSimulator(twin.surface, part.tets, recipe, store.memo, device=device, cache=cache_folder() / "tets")
     simulation = simulator.simulate(twin.displacement, thorough=True)
     styled = twin.surface.displaced(simulation.displacement).coloured(twin.coloured(after, drawn))
-    return Refined(twin.surface, styled, simulation, simulator.judge(simulation))
+    notes = (INTERPOLATED,) if any(map(_learnt, recipes.values())) else ()
+    return Refined(twin.surface, styled, simulation, simulator.judge(simulation), notes)
 
 
 def _past(store: Store, digest: str) -> list[Entry]:
@@ -104,6 +111,10 @@ class _Twin:
         if style != self._style:
             self._take_up(recipe, before)
             self._style = style
+        if _learnt(recipe):
+            grown = self.displacement + self._spread(after.displacement - before.displacement)
+            self.displacement = np.clip(grown, -self._fine_bounds.inward, self._fine_bounds.outward)
+            return
         reached = before.displacement
         if after.iteration > before.iteration:
             mask = before.mask if after.reason else after.mask  # a branch is restrained anew, and a drop changes the mask afterwards
@@ -114,15 +125,19 @@ class _Twin:
         self.displacement = self.displacement * self._spread(_left(reached, after.displacement))
 
     def coloured(self, last: Checkpoint, recipe: Recipe) -> Field:
-        """Display RGB of the twin, shape [fine_count, 3]: drawn anew, but interpolated where the part keeps its own colour."""
+        """Display RGB of the twin, shape [fine_count, 3]: drawn anew, but interpolated where it was learnt or the part keeps its own."""
+        if _learnt(recipe):
+            return self._spread(last.colour)
         kept = self._spread(np.asarray(bounds_for(self.part, recipe)[0].uncoloured, np.float32))
         return np.asarray((1.0 - kept) * self._fine.proposal().colour + kept * self._spread(last.colour), np.float32)
 
     def _take_up(self, recipe: Recipe, before: Checkpoint) -> None:
-        """Begin to draw the style of a recipe, from the surface another one has left if there was one."""
+        """Begin with the style of a recipe, from the surface another one has left if there was one."""
         self._bounds, _ = bounds_for(self.part, recipe)
         spread = [self._spread(getattr(self._bounds, name)) for name in ("thickness", "inward", "outward", "protection")]
         self._fine_bounds = Bounds(spread[0], spread[1], spread[2], spread[3])
+        if _learnt(recipe):
+            return
         self._coarse, self._fine = self._stylizers(recipe)
         if self._style:
             self._coarse.start_from(before.displacement, before.colour.astype(np.float32))
@@ -130,8 +145,6 @@ class _Twin:
 
     def _stylizers(self, recipe: Recipe) -> tuple[Stylizer, Stylizer]:
         """The stylizers of a recipe for the part and for its twin; the twin's draws what the part's drew, finer."""
-        if recipe.guidance != "offline" or recipe.field != "vertex":
-            raise BadInput("a style that was learnt on one surface cannot be drawn anew on a finer one: export it without --fine")
         if recipe.stylizer:
             return made(self.part.surface, self._bounds, recipe), made(self.surface, self._fine_bounds, recipe)
         wish = read(recipe.prompt)
@@ -149,6 +162,11 @@ class _Twin:
     def _spread(self, values: NDArray[np.floating]) -> Field:
         """Values of the part at the twin's vertices."""
         return np.asarray(self._cut.interpolation @ values.astype(np.float32), np.float32)
+
+
+def _learnt(recipe: Recipe) -> bool:
+    """Whether a style is known at the vertices only: no drawing says what it is between them."""
+    return not recipe.stylizer and (recipe.guidance == "clip" or recipe.field == "network")
 
 
 def _drawn(recipe: Recipe, wish: Wish, canvas: Canvas, bounds: Bounds) -> Stylizer:

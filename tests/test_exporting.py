@@ -137,3 +137,44 @@ def test_the_unstylized_part_cannot_be_drawn_finer(run, tmp_path):
     with pytest.raises(BadInput, match="no style to draw finer"):
         run.export(tmp_path / "part.stl", 0, fine=True)
     assert list(tmp_path.iterdir()) == []
+
+
+LEARNT = {"network": {"field": "network"}, "clip": {"guidance": "clip", "crops": 1}}
+
+
+@pytest.fixture(scope="module", params=LEARNT)
+def learnt(request, run, tiny_clip) -> Run:
+    """Two iterations of a learnt style, after the drawn ones."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("MECHSTYLE_CLIP", str(tiny_clip))
+        yield run.branch(4, lane=request.param, iterations=6, guarantee=False, **LEARNT[request.param]).go()
+
+
+def test_a_learnt_style_is_interpolated_and_said_to_be(learnt, tmp_path, monkeypatch):
+    seen = {}
+    monkeypatch.setattr("mechstyle.exporting.refined", lambda *a, **k: seen.setdefault("refined", module.refined(*a, **k)))
+    written = learnt.exported(tmp_path / "part.ply", fine=True)
+    found = seen["refined"]
+    assert len(trimesh.load(tmp_path / "part.ply", process=False).faces) == 4 * len(learnt.part.surface.faces)
+    assert written.verdict == found.verdict
+    assert module.INTERPOLATED in written.warnings
+    interpolated = quartered(learnt.part.surface).interpolation @ learnt.checkpoint().colour.astype(np.float32)
+    assert found.styled.colours == pytest.approx(interpolated, abs=1e-6)
+
+
+def test_what_was_drawn_before_a_learnt_style_stays_as_fine_as_it_was(learnt):
+    """What is learnt adds, between the vertices too, the mean of what it added at the two ends of the edge."""
+    twin, past = module._Twin(learnt.part), module._past(learnt.store, learnt.store.lane(learnt.lane).head)
+    states = [learnt.store.checkpoint(entry.digest) for entry in past]
+    drawn, spread = states[4].displacement, twin._cut.interpolation
+    for before, after in pairwise(states):
+        if before.iteration == 4 and after.iteration == 5:
+            at_branch = twin.displacement
+        twin.follow(before, after, learnt.store.recipe(after.recipe))
+    assert np.abs(at_branch - spread @ drawn).max() > 1e-3, "the drawing knows more between the vertices than their mean"
+    added = spread @ (states[-1].displacement - drawn)
+    assert np.abs(added).max() > 1e-4
+    wanted, bounds = at_branch + added, twin._fine_bounds
+    free = (wanted > 0.01 - bounds.inward) & (wanted < bounds.outward - 0.01)
+    assert free.mean() > 0.5
+    assert twin.displacement[free] == pytest.approx(wanted[free], abs=1e-5)
