@@ -249,3 +249,12 @@ def test_closing_leaves_nothing_behind_but_a_figure_for_the_next(done):
     before = set(alive)
     Studio(done).close()
     assert set(alive) == before
+
+
+@pytest.mark.usefixtures("unprotected")
+def test_the_next_studio_shows_the_figure_of_one_that_was_closed(done):
+    first = Studio(done)
+    figure = first._timeline._figure
+    first.close()
+    assert figure.comm is not None
+    assert Studio(done)._timeline._figure is figure

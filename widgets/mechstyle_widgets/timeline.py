@@ -76,6 +76,7 @@ class Timeline(Linked, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # i
             figures.put_away(self._figure)
         close_family(self, keep=self._figure)
         super().close()
+        self.children = ()  # whoever closes a family this belongs to must not find the figure
 
     def _bar(self, choice: ipywidgets.ToggleButtons, width: int) -> ipywidgets.HBox:
         self._slider.layout.width = f"{max(width - 430, 240)}px"
