@@ -35,8 +35,9 @@ bench: .venv/dev.stamp ## speed and memory of stages, drops, gradient and render
 	$(BIN)/python benchmarks/gradient.py
 	$(BIN)/python benchmarks/renderer.py
 
-bench-widgets: .venv/dev.stamp ## size and speed of the report and the replay in headless Chromium
+bench-widgets: .venv/dev.stamp ## size and speed of report, replay, viewer and Studio in headless Chromium
 	$(BIN)/python benchmarks/widgets.py $(RUN)
+	$(BIN)/python benchmarks/lab.py
 
 clean: ## remove .venv, caches and demo-out/ (your runs stay)
 	rm -rf .venv .mypy_cache .ruff_cache .pytest_cache .hypothesis build *.egg-info demo-out

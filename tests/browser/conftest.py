@@ -177,7 +177,13 @@ def chromium() -> Iterator[Browser]:
 @pytest.fixture(scope="session")
 def lab(chromium: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lab]:
     """A JupyterLab that knows nothing of its user."""
-    home, folder = tmp_path_factory.mktemp("home"), tmp_path_factory.mktemp("notebooks")
+    with jupyter_lab(tmp_path_factory.mktemp("home"), tmp_path_factory.mktemp("notebooks")) as started:
+        yield started
+
+
+@contextlib.contextmanager
+def jupyter_lab(home: Path, folder: Path) -> Iterator[Lab]:
+    """A JupyterLab that keeps all it has in one folder, and its notebooks in another."""
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
