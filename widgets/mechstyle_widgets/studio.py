@@ -83,6 +83,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self.state = StudioState()
         self.conductor = Conductor(self.state, self.wanted)
         self._make_sections("" if run is not None else part, settings)
+        self._changed()  # the timeline begins with the plan: what a figure is told before a page shows it may get lost
         self._three_columns = width >= THREE_COLUMNS
         beside = (2 if self._three_columns else 1) * (COLUMN + GAP)
         self._middle = ipywidgets.VBox(layout={"width": f"{max(width - beside, 360)}px"})
@@ -102,7 +103,6 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             self._take(run)
             self.state.open(run)
         self._other_part()
-        self._changed()
 
     def __repr__(self) -> str:
         """What is open."""
