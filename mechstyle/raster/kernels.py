@@ -10,8 +10,8 @@ from mechstyle.quiet import wp
 NOTHING = wp.constant(wp.int64(2**63 - 1))
 FACE_BITS = wp.constant(wp.int64(31))
 DEPTH_STEPS = wp.constant(wp.float64(2.0**32 - 1.0))
-EDGE_BITS = wp.constant(wp.int64(32))
-REACH_STEPS = wp.constant(wp.float64(2.0**31 - 2.0))
+EDGE_BITS = wp.constant(wp.int64(33))
+REACH_STEPS = wp.constant(wp.float64(2.0**30 - 2.0))
 
 
 @wp.func
@@ -162,38 +162,29 @@ def _pixel(line: int, place: int, along: int, width: int) -> int:
     return place * width + line
 
 
-@wp.kernel
-def part(
+@wp.func
+def _offer(
     points: wp.array2d(dtype=wp.int64),
     inverse_depth: wp.array(dtype=wp.float64),
-    edges: wp.array2d(dtype=wp.int32),
+    edge: wp.vec4i,
+    along: int,
+    view: int,
     size: wp.vec3i,
     step: wp.int64,
     nearest: wp.array(dtype=wp.int64),
     parting: wp.array2d(dtype=wp.int64),
 ) -> None:
-    """One thread per view and edge: where an outline passes between the centres of two neighbouring pixels, remember the edge there.
-
-    An edge is of the outline where both its faces lie on one side of it in the picture. A steep edge crosses the centre lines of rows and
-    is remembered in `parting[0]`, a flat one those of columns, in `parting[1]`, at the first pixel of the pair. What lies outside it must
-    be farther than the edge, or the edge is hidden. Of several edges the one that reaches farthest out is kept, packed with a bit that
-    says whether the second pixel is the inner one.
-    """
-    view = wp.tid() // edges.shape[0]
-    edge = wp.tid() - view * edges.shape[0]
-    a = view * size[0] + edges[edge, 0]
-    b = view * size[0] + edges[edge, 1]
-    d = edges[edge, 3]
-    if d >= 0:
-        d += view * size[0]
-    inner = _inner_side(points, a, b, view * size[0] + edges[edge, 2], d)
-    if inner == 0 or inverse_depth[a] <= wp.float64(0.0) or inverse_depth[b] <= wp.float64(0.0):
-        return
-    along = int(wp.abs(points[b, 1] - points[a, 1]) >= wp.abs(points[b, 0] - points[a, 0]))  # the coordinate that numbers the lines crossed
+    """Offer an edge (number, two ends, inner side) to all pairs of pixels it passes between, on rows (along 1) or on columns (along 0)."""
+    a = edge[1]
+    b = edge[2]
     across = 1 - along
-    half = step / wp.int64(2)
     length = points[b, along] - points[a, along]
-    second_inside = int(inner == (1 - 2 * along) * _sign(length))
+    if length == wp.int64(0):
+        return
+    half = step / wp.int64(2)
+    counts = int(wp.abs(length) >= wp.abs(points[b, across] - points[a, across]))
+    second_inside = int(edge[3] == (1 - 2 * along) * _sign(length))
+    name = (wp.int64(edge[0]) << wp.int64(2)) | wp.int64(2 * counts + second_inside)
     low = wp.min(points[a, along], points[b, along])
     high = wp.max(points[a, along], points[b, along])
     for line in range(_first_pixel(low, step), _last_pixel(high, step, size[2 - along]) + 1):
@@ -210,8 +201,40 @@ def part(
             behind = nearest[outside] >> FACE_BITS
             if far < behind and (nearest[inside] >> FACE_BITS) < behind:
                 short = wp.abs(place - wp.float64(first + 1 - second_inside))  # from the outer pixel
-                key = (wp.int64(short * REACH_STEPS) << EDGE_BITS) | (wp.int64(edge) << wp.int64(1)) | wp.int64(second_inside)
+                key = (wp.int64(short * REACH_STEPS) << EDGE_BITS) | name
                 wp.atomic_min(parting, across, picture + _pixel(line, first, along, size[2]), key)
+
+
+@wp.kernel
+def part(
+    points: wp.array2d(dtype=wp.int64),
+    inverse_depth: wp.array(dtype=wp.float64),
+    edges: wp.array2d(dtype=wp.int32),
+    size: wp.vec3i,
+    step: wp.int64,
+    nearest: wp.array(dtype=wp.int64),
+    parting: wp.array2d(dtype=wp.int64),
+) -> None:
+    """One thread per view and edge: where an outline passes between the centres of two neighbouring pixels, remember the edge there.
+
+    An edge is of the outline where both its faces lie on one side of it in the picture. What lies outside it must be farther than the
+    edge, or the edge is hidden. Of several edges the one that reaches farthest out is kept, in `parting[0]` for neighbours on a row, in
+    `parting[1]` for those on a column, at the first pixel of the pair, packed with two bits: whether it counts there, and whether the
+    second pixel is the inner one. A steep edge counts on rows, a flat one on columns, so that none counts twice; where it does not
+    count it is kept all the same, for it hides what lies just behind it and would count.
+    """
+    view = wp.tid() // edges.shape[0]
+    edge = wp.tid() - view * edges.shape[0]
+    a = view * size[0] + edges[edge, 0]
+    b = view * size[0] + edges[edge, 1]
+    d = edges[edge, 3]
+    if d >= 0:
+        d += view * size[0]
+    inner = _inner_side(points, a, b, view * size[0] + edges[edge, 2], d)
+    if inner == 0 or inverse_depth[a] <= wp.float64(0.0) or inverse_depth[b] <= wp.float64(0.0):
+        return
+    for along in range(2):
+        _offer(points, inverse_depth, wp.vec4i(edge, a, b, inner), along, view, size, step, nearest, parting)
 
 
 @wp.kernel

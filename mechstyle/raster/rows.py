@@ -20,10 +20,10 @@ _LEAST = 1e-30  # of a largest addend, so that none is divided by zero
 
 def taken(values: torch.Tensor, index: torch.Tensor) -> torch.Tensor:
     """Rows of values, shape [n, k], at an index of any shape: shape [*index, k]."""
-    if not _unordered(values):
-        return functional.embedding(index, values)
-    rows: torch.Tensor = _Taken.apply(values, index.reshape(-1))
-    return rows.view(*index.shape, -1)
+    named = index.reshape(-1)
+    # On a CPU torch's `embedding` says the same as `index_select`, but adds its gradient row by row, which takes three times as long.
+    rows: torch.Tensor = _Taken.apply(values, named) if _unordered(values) else values.index_select(0, named)
+    return rows.view(*index.shape, values.shape[1])
 
 
 def blended(values: torch.Tensor, index: torch.Tensor, weights: torch.Tensor) -> torch.Tensor:

@@ -49,7 +49,7 @@ def face_of(buffer: torch.Tensor) -> torch.Tensor:
 
 
 def parting_edges(pixels: torch.Tensor, edges: torch.Tensor, buffer: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
-    """The outline's edges that pass between the centres of two neighbouring pixels.
+    """The outline's edges that pass between the centres of two neighbouring pixels, steep ones on rows and flat ones on columns.
 
     Args:
         pixels: As for `nearest_faces`.
@@ -62,7 +62,8 @@ def parting_edges(pixels: torch.Tensor, edges: torch.Tensor, buffer: torch.Tenso
     """
     points, nearness = _snapped(pixels)
     parting = _part_op(buffer, points, nearness, edges)
-    return torch.where(parting == NOTHING, -1, (parting >> 1) & _INDEX), (parting & 1) == 1
+    counts = (parting != NOTHING) & (parting & 2 != 0)
+    return torch.where(counts, (parting >> 2) & _INDEX, -1), (parting & 1) == 1
 
 
 def edges_of(faces: torch.Tensor) -> torch.Tensor:

@@ -8,6 +8,7 @@ where faces meet; weights correct in perspective; outlines that fade, so that gr
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 from mechstyle.errors import BadInput, MissingPiece
 
@@ -98,9 +99,14 @@ class Renderer:
         pixels = cameras.project(positions, self._size)
         hidden = axes[:, 2] @ normals.detach().T < 0 if self._flat else None
         buffer = nearest_faces(pixels, self._faces, self._size, self._size, cull=not self._flat, hidden=hidden)
-        picture = self._shaded(pixels, colours.clamp(0.0, 1.0), normals, axes.sum(dim=1), face_of(buffer).view(-1))
+        channels = [pixels, colours.clamp(0.0, 1.0).expand_as(pixels)]
+        if not self._flat:
+            channels.append(normals.expand_as(pixels))
+        surface, light = torch.cat(channels, dim=2), axes.sum(dim=1)
+        picture = self._shaded(surface, normals, light, face_of(buffer).view(-1))
         if self._edges is not None:
-            picture = antialiased(picture, pixels, self._edges, buffer, static=self._static)
+            look = partial(_smooth_look, light)
+            picture = antialiased(picture, surface, self._edges, buffer, look, static=self._static)
         views = picture.view(4, -1, self._size, self._size).transpose(0, 1)
         return Rendered(views[:, :3], views[:, 3:])
 
@@ -119,52 +125,65 @@ class Renderer:
             across = added(across.repeat(3, 1), self._corners.reshape(-1), len(positions))
         return functional.normalize(across, dim=1)
 
-    def _shaded(
-        self, pixels: torch.Tensor, colours: torch.Tensor, normals: torch.Tensor, light: torch.Tensor, face: torch.Tensor
-    ) -> torch.Tensor:
+    def _shaded(self, surface: torch.Tensor, normals: torch.Tensor, light: torch.Tensor, face: torch.Tensor) -> torch.Tensor:
         """RGB and coverage of all pixels, shape [4, views · size²], that see these faces (-1 for none) under one light per view."""
         count = self._size**2
         pixel = torch.arange(len(face), device=face.device) if self._static else (face >= 0).nonzero()[:, 0]
         seen = face[pixel] >= 0
         shown = torch.where(seen, face[pixel], pixel % len(self._faces))  # any face will do; one for all would be a queue of additions
         view = pixel // count
-        corners = self._corners.index_select(1, shown) + view * pixels.shape[1]
-        channels = [pixels, colours.expand_as(pixels)]
-        if not self._flat:
-            channels.append(normals.expand_as(pixels))
-        at_corners = taken(torch.cat(channels, dim=2).flatten(0, 1), corners)
-        weights = self._weights(at_corners[..., :3], pixel % count)
-        blended = (weights[..., None] * at_corners[..., 3:]).sum(dim=0)
-        turned = normals.index_select(0, shown) if self._flat else functional.normalize(blended[:, 3:], dim=1)
-        lit = AMBIENT + DIRECTED * (turned * light.index_select(0, view)).sum(dim=1, keepdim=True)
-        samples = torch.cat([(blended[:, :3] * lit).clamp(0.0, 1.0), torch.ones_like(lit)], dim=1)
-        empty = self._empty.to(colours)
+        corners = taken(surface.flatten(0, 1), self._corners.index_select(1, shown) + view * surface.shape[1])
+        place, beside = corners.split([2, corners.shape[-1] - 2], dim=-1)
+        areas = self._areas(place, pixel % count)
+        if self._flat:
+            blended = (_screen_weights(areas, 0.5 * self._size)[..., None] * beside[..., 1:]).sum(dim=0)
+            samples = _lit(blended, normals.index_select(0, shown), light.index_select(0, view))
+        else:
+            samples = _smooth_look(light, beside, areas, view)
+        empty = self._empty.to(surface)
         if self._static:
             return torch.where(seen[:, None], samples, empty).T.contiguous()
         return empty.repeat(len(face), 1).index_copy(0, pixel, samples).T.contiguous()
 
-    def _weights(self, corners: torch.Tensor, pixel: torch.Tensor) -> torch.Tensor:
-        """Weights of the corners of faces at pixel centres, shape [3, k], from their columns, rows and 1 / depth, shape [3, k, 3]."""
+    def _areas(self, corners: torch.Tensor, pixel: torch.Tensor) -> torch.Tensor:
+        """Twice the areas [pixels²] that pixel centres span with each corner's opposite side, shape [3, k]; corners of shape [3, k, 2]."""
         x, y = (pixel % self._size).to(corners) + 0.5, (pixel // self._size).to(corners) + 0.5
-        (ax, ay, ai), (bx, by, bi), (cx, cy, ci) = (corner.unbind(dim=1) for corner in corners)
+        (ax, ay), (bx, by), (cx, cy) = (corner.unbind(dim=1) for corner in corners)
         ax, bx, cx, ay, by, cy = ax - x, bx - x, cx - x, y - ay, y - by, y - cy
-        if self._flat:
-            whole = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
-            return _screen_weights(whole, cx * ay - cy * ax, ax * by - ay * bx, 0.5 * self._size)
-        return _perspective_weights((bx * cy - by * cx) * ai, (cx * ay - cy * ax) * bi, (ax * by - ay * bx) * ci)
+        return torch.stack([bx * cy - by * cx, cx * ay - cy * ax, ax * by - ay * bx])
 
 
-def _perspective_weights(*shares: torch.Tensor) -> torch.Tensor:
-    """Parts of a triangle opposite its corners, each over the corner's depth, scaled to a sum of 1.
+def _smooth_look(light: torch.Tensor, corners: torch.Tensor, weights: torch.Tensor, view: torch.Tensor) -> torch.Tensor:
+    """RGB and coverage, shape [k, 4], of points between vertices under one light per view; as `antialias.Look` says.
+
+    Args:
+        light: Shape [views, 3].
+        corners: 1 / depth, colour and normal of the vertices, shape [r, k, 7].
+        weights: In the picture, in any unit, shape [r, k].
+        view: Of each point, shape [k].
+    """
+    inverse_depth, look = corners.split([1, 6], dim=2)
+    colour, normal = (_perspective_weights(weights[..., None], inverse_depth) * look).sum(dim=0).split(3, dim=1)
+    return _lit(colour, functional.normalize(normal, dim=1), light.index_select(0, view))
+
+
+def _lit(colours: torch.Tensor, normals: torch.Tensor, light: torch.Tensor) -> torch.Tensor:
+    """RGB and coverage, shape [k, 4], of points of these colours, unit normals and lights, all of shape [k, 3]."""
+    brightness = AMBIENT + DIRECTED * (normals * light).sum(dim=1, keepdim=True)
+    return torch.cat([(colours * brightness).clamp(0.0, 1.0), torch.ones_like(brightness)], dim=1)
+
+
+def _perspective_weights(weights: torch.Tensor, inverse_depth: torch.Tensor) -> torch.Tensor:
+    """Weights in space from those in the picture, both shape [r, k, 1], scaled to a sum of 1.
 
     A triangle may be so thin that rounding puts the pixel outside; its weights stay between 0 and 1 even so.
     """
-    positive = torch.stack(shares).clamp(min=1e-20)
+    positive = (weights * inverse_depth).clamp(min=1e-20)
     return positive / positive.sum(dim=0)
 
 
-def _screen_weights(whole: torch.Tensor, of_b: torch.Tensor, of_c: torch.Tensor, half: float) -> torch.Tensor:
+def _screen_weights(areas: torch.Tensor, half: float) -> torch.Tensor:
     """Kaolin's weights, linear in the picture, with twice the areas [pixels²] brought to its picture from -1 to 1 first."""
-    divisor = whole / half**2 + KAOLIN_EPS
-    b, c = of_b / half**2 / divisor, of_c / half**2 / divisor
+    divisor = areas.sum(dim=0) / half**2 + KAOLIN_EPS
+    b, c = areas[1:] / half**2 / divisor
     return torch.stack([1.0 - b - c, b, c])

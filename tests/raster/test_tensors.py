@@ -74,6 +74,15 @@ def test_of_two_outlines_between_two_pixels_the_outer_one_counts():
     assert {right[row, 6] for row in range(3, 7)} == {(5, 6)}
 
 
+def test_a_steep_outline_just_behind_a_flat_one_does_not_count_beside_it():
+    """Both pass between the same two pixels of a row, and the pixel outside shows neither; the flat one counts on the columns."""
+    cut, behind = square(2.0, 0.34, 9.5, 9.5), square(3.0, 2.0, 6.8, 8.0, depth=2.0)
+    cut[1, 1] = 6.34  # its upper side falls by 0.8 a pixel, through (7.2, 4.5)
+    (right, below), _ = outline(torch.cat([cut, behind]), torch.cat([SQUARE, SQUARE + 4]))
+    assert (4, 6) not in right
+    assert below[3, 6] == below[4, 7] == (0, 1)
+
+
 def test_edges_are_followed_across_the_border_of_the_picture():
     (right, below), _ = outline(square(-5.0, -5.0, 4.75, 40.0), SQUARE)
     assert right == {(row, 4): (1, 2) for row in range(SIZE)}

@@ -8,13 +8,17 @@ SIZE = 10
 FACES = torch.tensor([[0, 2, 1], [0, 3, 2]], dtype=torch.int32)  # rows run down, so this winding faces the viewer
 
 
+def white(_ends, weights, _view):
+    return torch.ones_like(weights[0])[:, None]
+
+
 def covered(left, top, right, bottom, *, static):
     """Share of every pixel that a rectangle covers, by fading its outline."""
     corners = torch.stack([torch.stack([x, y]) for x, y in ((left, top), (right, top), (right, bottom), (left, bottom))])
     points = torch.cat([corners, torch.ones(4, 1, dtype=torch.float64)], dim=1)[None]
     buffer = nearest_faces(points, FACES, SIZE, SIZE)
     hard = (face_of(buffer) >= 0).double().view(1, -1)
-    return antialiased(hard, points, edges_of(FACES), buffer, static=static).view(SIZE, SIZE)
+    return antialiased(hard, points, edges_of(FACES), buffer, white, static=static).view(SIZE, SIZE)
 
 
 @pytest.mark.parametrize("static", [False, True])
@@ -35,7 +39,7 @@ def test_a_slanted_side_covers_its_exact_area_on_average():
     corners = torch.tensor([(2.3, 1.6), (7.4, 2.9), (6.2, 8.3), (1.7, 6.4)], dtype=torch.float64)
     points = torch.cat([corners * 20, torch.ones(4, 1, dtype=torch.float64)], dim=1)[None]
     buffer = nearest_faces(points, FACES, 200, 200)
-    share = antialiased((face_of(buffer) >= 0).double().view(1, -1), points, edges_of(FACES), buffer, static=False)
+    share = antialiased((face_of(buffer) >= 0).double().view(1, -1), points, edges_of(FACES), buffer, white, static=False)
     x, y = (20 * corners).T
     area = 0.5 * float((x * y.roll(-1) - y * x.roll(-1)).sum().abs())
     assert share.min() >= 0.0

@@ -83,6 +83,30 @@ def test_the_outline_has_gradients(egg, faces, paint, axis):
     assert found == pytest.approx(measured, rel=0.15)
 
 
+def torus(bump, around=250, along=100):
+    """Vertices of a lying ring, y up, with bumps as high as that, and its faces: a ring hides parts of itself."""
+    u, v = torch.meshgrid(*(torch.arange(count, dtype=torch.float64) * (2 * math.pi / count) for count in (around, along)), indexing="ij")
+    tube = 0.3 + bump * torch.sin(11 * u) * torch.cos(7 * v)
+    ring = 0.62 + tube * v.cos()
+    number = torch.arange(around * along).view(around, along)
+    a, b, c, d = number, number.roll(-1, 0), number.roll((-1, -1), (0, 1)), number.roll(-1, 1)
+    faces = torch.stack([torch.stack(corners, dim=-1) for corners in ((a, b, c), (a, c, d))]).view(-1, 3)
+    return torch.stack([ring * u.cos(), tube * v.sin(), -ring * u.sin()], dim=-1).view(-1, 3), faces
+
+
+@pytest.mark.parametrize("shape", ["torus", "bumpy torus", "pen holder"])
+def test_gradients_of_parts_that_hide_themselves_are_those_of_the_picture(shape, holder):
+    """Growing, shifting and a single bump. What remains within the bound is chance: where outlines happen to pass between centres."""
+    upright = torch.tensor(holder.vertices[:, [0, 2, 1]] * (1.0, 1.0, -1.0)) / 75.0 - torch.tensor([0.0, 0.65, 0.0], dtype=torch.float64)
+    points, faces = (upright, torch.tensor(holder.faces)) if shape == "pen holder" else torus(0.02 if shape == "bumpy torus" else 0.0)
+    paint, renderer, weights = 0.4 + 0.2 * torch.sin(5.0 * points), Renderer(faces, 224), waves(size=224)
+    near = torch.tensor([0.4, 0.3, 0.5], dtype=torch.float64)
+    bump = near * torch.exp(-(points - near).square().sum(dim=1, keepdim=True) / 0.25**2)
+    for direction in (points, *(axis.expand_as(points) for axis in torch.eye(3, dtype=torch.float64)), bump):
+        measured, found = slope(lambda at: (renderer(at, paint, VIEWS).image * weights).sum(), points, direction, 0.02)
+        assert found == pytest.approx(measured, rel=0.1)
+
+
 def test_covered_area_and_its_growth_are_those_of_the_cone_around_a_sphere(sphere, faces):
     radius = torch.tensor(0.8, dtype=torch.float64, requires_grad=True)
     points = radius * torch.tensor(sphere.vertices / 10.0)
