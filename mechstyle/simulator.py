@@ -25,7 +25,7 @@ from mechstyle.mesh import SurfaceMesh, TetMesh
 from mechstyle.records import Landing, Loaded, Measures, Recipe, Simulation, Verdict
 from mechstyle.store import Memo
 
-PHYSICS_VERSION = 3
+PHYSICS_VERSION = 4
 """Counts changes that alter results, so that remembered simulations of older code are not reused."""
 
 Progress = Callable[[float], None]

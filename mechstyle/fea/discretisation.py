@@ -30,6 +30,8 @@ class Discretisation:
         connectivity: Nodes of each tetrahedron in the order of computation, shape [tet_count, nodes].
         gradients: ∇L_1, ∇L_2, ∇L_3 [1/mm] as rows, shape [tet_count, 3, 3]; ∇L_0 is minus their sum.
         volumes: Volumes [mm³], shape [tet_count].
+        frequencies: Largest eigenfrequency of each tetrahedron on its own [rad/ms] up to a common factor, shape [tet_count]: as of a linear
+            element, see `sliver_scale`.
         masses: Lumped masses after sliver scaling [g], shape [node_count].
         added_mass: Mass added to slivers over the mass of the body.
         slots: Where an element's share of a force on a node goes before the shares are added up, shape [tet_count, nodes]: the slots
@@ -44,6 +46,7 @@ class Discretisation:
     connectivity: Indices
     gradients: Floats
     volumes: Floats
+    frequencies: Floats
     masses: Floats
     added_mass: float
     slots: Indices
@@ -82,6 +85,7 @@ def discretise(tets: TetMesh, material: Material, added_mass: float, element: El
         connectivity=connectivity,
         gradients=barycentric_gradients(mesh.tets)[tet_order, 1:],
         volumes=mesh.tets.volumes[tet_order],
+        frequencies=(element_frequencies(mesh.tets, material) / np.sqrt(scale))[tet_order],
         masses=lumped,
         added_mass=float(masses @ (scale - 1.0) / masses.sum()),
         slots=np.argsort(np.argsort(slot_nodes, kind="stable")).astype(np.int32).reshape(connectivity.shape),

@@ -27,6 +27,16 @@ _LAYOUT = """
         const int *node = body.nodes_of.data + nodes * block;
         for (int a = 0; a < nodes; a++) x[a] = (const Lanes *)(field + 3 * LANES * node[a]);
     };
+    auto load_ahead = [&](auto element, int block, Lanes (*buffer)[3], const Lanes **x) INLINE {
+        constexpr int nodes = decltype(element)::nodes;
+        const int *node = body.nodes_of.data + nodes * block;
+        const float beta = scheme.damping.data[block];
+        const Lanes *u = (const Lanes *)state.u.data, *v = (const Lanes *)state.v.data;
+        for (int a = 0; a < nodes; a++) {
+            x[a] = buffer[a];
+            for (int k = 0; k < 3; k++) buffer[a][k] = u[3 * node[a] + k] + beta * v[3 * node[a] + k];
+        }
+    };
     auto add = [&](auto element, int block, auto forces) INLINE {
         const int *node = body.nodes_of.data + decltype(element)::nodes * block;
         forces([&](int a, int k, Lanes f) INLINE { ((Lanes *)(state.forces.data + 3 * LANES * node[a]))[k] += f; });
@@ -34,12 +44,12 @@ _LAYOUT = """
 """
 
 _ADVANCE = CONTRACT + f"    constexpr int LANES = {LANES};" + TYPES + """
-    const float dt = scheme.time_step, beta = scheme.damping;
+    const float dt = scheme.time_step;
     const Lanes *n = (const Lanes *)scheme.normals.data;
     auto dot = [](const Lanes *a, const Lanes *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; };
     for (int i = 0; i < body.masses.shape[0]; i++) {
         const float mass = body.masses.data[i], per_mass = 1.0f / mass;
-        Lanes *u = (Lanes *)state.u.data + 3 * i, *v = (Lanes *)state.v.data + 3 * i, *w = (Lanes *)state.w.data + 3 * i;
+        Lanes *u = (Lanes *)state.u.data + 3 * i, *v = (Lanes *)state.v.data + 3 * i;
         Lanes *force = (Lanes *)state.forces.data + 3 * i, velocity[3], ahead[3];
         for (int k = 0; k < 3; k++) {
             velocity[k] = v[k] + dt * (force[k] * per_mass - scheme.gravity * n[k]);
@@ -68,7 +78,6 @@ _ADVANCE = CONTRACT + f"    constexpr int LANES = {LANES};" + TYPES + """
         for (int k = 0; k < 3; k++) {
             v[k] = velocity[k];
             u[k] += dt * velocity[k];
-            w[k] = u[k] + beta * velocity[k];
             force[k] = Lanes{};
         }
     }

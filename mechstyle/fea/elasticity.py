@@ -168,9 +168,19 @@ def strain_energy(mesh: ElementMesh, law: ElasticLaw, displacement: Floats) -> f
     return float((point_volumes(mesh) * law.energy_density(displacement_gradients(mesh, displacement))).sum())
 
 
+def damped_gradients(mesh: ElementMesh, displacement: Floats, velocity: Floats, damping: Floats) -> Floats:
+    """H of u + β v, β [ms] of each tetrahedron, [tet_count], at the Gauss points, shape [tet_count, points, 3, 3]."""
+    return displacement_gradients(mesh, displacement) + damping[:, None, None, None] * displacement_gradients(mesh, velocity)
+
+
 def internal_forces(mesh: ElementMesh, law: ElasticLaw, displacement: Floats) -> Floats:
     """Forces the deformed body exerts on its nodes, f_a = −Σ V P ∇N_a = −∂U/∂u_a [N], shape [node_count, 3]."""
-    P = law.first_piola(displacement_gradients(mesh, displacement))
+    return forces_of(mesh, law, displacement_gradients(mesh, displacement))
+
+
+def forces_of(mesh: ElementMesh, law: ElasticLaw, gradients: Floats) -> Floats:
+    """As `internal_forces`, of displacement gradients H at the Gauss points, shape [tet_count, points, 3, 3]."""
+    P = law.first_piola(gradients)
     shares = -np.einsum("nq,nqij,nqaj->nai", point_volumes(mesh), P, shape_gradients(mesh))
     forces = np.zeros_like(mesh.nodes)
     np.add.at(forces, mesh.connectivity, shares)

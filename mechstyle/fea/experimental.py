@@ -20,7 +20,7 @@ Contact opens and closes, so the derivative holds nearby only: on a pen holder i
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -127,7 +127,7 @@ class ShortDrop:
         self.tets, self.test, self.exponent, self.device = tets, test, exponent, resolve_device(device)
         self._normal, self._unit = _unit(direction), material.yield_strength
         body = discretise(tets, material, test.added_mass, element_named(test.element))
-        self.scheme: Scheme = scheme_for(CoreBody(body), body, material, test)
+        self.scheme: Scheme = scheme_for(CoreBody(body), body, material, replace(test, less_damped=0.0))
         if self.scheme.steps > MOST_STEPS:
             raise BadInput(f"a gradient keeps every step and this drop has {self.scheme.steps}, more than {MOST_STEPS}: shorten its window")
         self._vertices, self._average = body.vertices, SmoothPeak(body.mesh.tets)
@@ -187,7 +187,7 @@ class ShortDrop:
         v = wp.array(start, dtype=wp.vec3f, device=self.device, requires_grad=positions.requires_grad)
         u, w = (tables.zeros(tables.node_count, wp.vec3f, positions) for _ in range(2))
         powers = tables.zeros((tables.tet_count, tables.points), wp.float64, positions)
-        normal, floor = wp.vec3f(*self._normal), (scheme.time_step, scheme.damping, scheme.gravity, scheme.friction)
+        normal, floor = wp.vec3f(*self._normal), (scheme.time_step, self.test.damping, scheme.gravity, scheme.friction)
         for step in range(scheme.steps):
             forces, *after = (tables.zeros(tables.node_count, wp.vec3f, positions) for _ in range(4))
             elements = (tables.connectivity, tables.derivatives, gradients, volumes, w, scheme.law_number, law.mu, law.la)

@@ -119,6 +119,16 @@ def nodal_values(field: wp.array2d(dtype=wp.vec3f), nodes: wp.array2d(dtype=int)
 
 
 @wp.func
+def values_ahead(u: wp.array2d(dtype=wp.vec3f), v: wp.array2d(dtype=wp.vec3f), beta: float, nodes: wp.array2d(dtype=int), e: int, b: int):
+    """The nodal field u + β v in a quadratic element, less its value at corner 0."""
+    x = Nodes10()
+    first = u[nodes[e, 0], b] + beta * v[nodes[e, 0], b]
+    for a in range(10):
+        x[a] = u[nodes[e, a], b] + beta * v[nodes[e, a], b] - first
+    return x
+
+
+@wp.func
 def common_gradient(x: Nodes10, G: wp.mat33f):
     """What the gradients at the four Gauss points of a quadratic element have in common."""
     base = Nodes4()
@@ -156,7 +166,9 @@ def linear_forces(
     gradients: wp.array(dtype=wp.mat33f),
     volumes: wp.array(dtype=float),
     slots: wp.array2d(dtype=int),
-    w: wp.array2d(dtype=wp.vec3f),
+    damping: wp.array(dtype=float),
+    u: wp.array2d(dtype=wp.vec3f),
+    v: wp.array2d(dtype=wp.vec3f),
     law: int,
     mu: float,
     la: float,
@@ -164,10 +176,10 @@ def linear_forces(
     forces: wp.array2d(dtype=wp.vec3f),
     peak_squared: wp.array3d(dtype=float),
 ):
-    """Nodal forces −V P ∇N [N] into forces[slots[e, a], b]; every recorded step also the running maximum of σ_vM² [MPa²]."""
+    """Nodal forces −V P ∇N of u + β v [N] into forces[slots[e, a], b]; every recorded step also the running maximum of σ_vM² [MPa²]."""
     e, b = wp.tid()
     G = gradients[e]
-    H = linear_gradient(w, nodes, G, e, b)
+    H = linear_gradient(u, nodes, G, e, b) + damping[e] * linear_gradient(v, nodes, G, e, b)
     P = first_piola(H, mu, la, law)
     if record == 1:
         peak_squared[e, 0, b] = wp.max(peak_squared[e, 0, b], von_mises_squared(H, P))
@@ -182,7 +194,9 @@ def quadratic_forces(
     gradients: wp.array(dtype=wp.mat33f),
     volumes: wp.array(dtype=float),
     slots: wp.array2d(dtype=int),
-    w: wp.array2d(dtype=wp.vec3f),
+    damping: wp.array(dtype=float),
+    u: wp.array2d(dtype=wp.vec3f),
+    v: wp.array2d(dtype=wp.vec3f),
     law: int,
     mu: float,
     la: float,
@@ -193,7 +207,7 @@ def quadratic_forces(
     """As `linear_forces` for the quadratic element."""
     e, b = wp.tid()
     G = gradients[e]
-    x = nodal_values(w, nodes, e, b)
+    x = values_ahead(u, v, damping[e], nodes, e, b)
     common = common_gradient(x, G)
     total = Nodes4()
     f = Nodes10()
@@ -256,16 +270,14 @@ def advance(
     heights: wp.array2d(dtype=float),
     normals: wp.array(dtype=wp.vec3f),
     dt: float,
-    damping: float,
     gravity: float,
     friction: float,
     u: wp.array2d(dtype=wp.vec3f),
     v: wp.array2d(dtype=wp.vec3f),
-    w: wp.array2d(dtype=wp.vec3f),
     impulse: wp.array2d(dtype=float),
     contact_loss: wp.array2d(dtype=float),
 ):
-    """Symplectic Euler for one node: v ← v + dt a, contact, u ← u + dt v, and w = u + β v for the next forces.
+    """Symplectic Euler for one node: v ← v + dt a, contact, u ← u + dt v.
 
     The floor's work is that of its force on the mean of the velocities before and after the step, as that of every other
     force in the exact change of kinetic energy over a step: zero for a node that rests, m v²/2 for one that lands.
@@ -281,10 +293,8 @@ def advance(
         velocity = after_contact(free, gap, n, dt, friction)
         impulse[i, b] += masses[i] * (-gap / dt)
         contact_loss[i, b] -= 0.5 * masses[i] * wp.dot(velocity - free, before + velocity)
-    displacement = u[i, b] + dt * velocity
     v[i, b] = velocity
-    u[i, b] = displacement
-    w[i, b] = displacement + damping * velocity
+    u[i, b] += dt * velocity
 
 
 @wp.func

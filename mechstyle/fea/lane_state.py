@@ -26,7 +26,6 @@ class LaneState:
     heights: wp.array(dtype=wp.float32)
     u: wp.array(dtype=wp.float32)
     v: wp.array(dtype=wp.float32)
-    w: wp.array(dtype=wp.float32)
     forces: wp.array(dtype=wp.float32)
     impulse: wp.array(dtype=wp.float32)
     contact_loss: wp.array(dtype=wp.float32)
@@ -42,7 +41,7 @@ class LaneScheme:
     mu: wp.float32
     la: wp.float32
     time_step: wp.float32
-    damping: wp.float32
     gravity: wp.float32
     friction: wp.float32
+    damping: wp.array(dtype=wp.float32)  # β of each tetrahedron, as the blocks lie
     normals: wp.array(dtype=wp.float32)

@@ -34,16 +34,23 @@ class CoreBody:
         for module in (tet_lanes, drop_lanes):
             wp.load_module(module, device="cpu")
 
-    def internal_forces(self, law: ElasticLaw, displacement: Floats) -> Floats:
+    def internal_forces(
+        self, law: ElasticLaw, displacement: Floats, velocity: Floats | float = 0.0, damping: Floats | float = 0.0
+    ) -> Floats:
         """As `elasticity.internal_forces`, in float32 [N], shape [node_count, 3]."""
         state = LaneState()
-        state.w = _cpu(_rows(displacement))
+        state.u, state.v = _cpu(_rows(displacement)), _cpu(_rows(np.broadcast_to(velocity, displacement.shape)))
         state.forces = _zeros(4 * self.node_count)
         state.peak_squared = _zeros(self.points * tet_lanes.LANES * self.by_tet.blocks)
         scheme = LaneScheme()
-        scheme.law, scheme.mu, scheme.la = law_number(law), law.mu, law.la
+        scheme.law, scheme.mu, scheme.la, scheme.damping = law_number(law), law.mu, law.la, self.damping_by_tet(damping)
         wp.launch(tet_lanes.forces_only, dim=1, inputs=[self.by_tet, state, scheme], device="cpu")
         return state.forces.numpy().reshape(-1, 4)[:, :3].astype(np.float64)
+
+    def damping_by_tet(self, damping: Floats | float) -> Any:
+        """β of each tetrahedron, those of the last block that fill it up included."""
+        each = np.broadcast_to(np.float32(damping), self.tet_count)
+        return _cpu(np.pad(each, (0, -self.tet_count % tet_lanes.LANES)))
 
     def batches(self, scheme: Scheme, normals: Floats, heights: Floats) -> list[CoreDrop | CoreDrops]:
         """Drops at first touch, eight in a job; a rest too small for that, one in a job."""
@@ -70,7 +77,7 @@ class CoreDrop:
         self.state = _state(heights.astype(np.float32), _rows(np.broadcast_to(-scheme.speed * normal, (count, 3))))
         self.state.peak_squared = _zeros(body.points * tet_lanes.LANES * body.by_tet.blocks)
         self.state.samples = _zeros(scheme.samples * len(QUANTITIES))
-        self.step = _step(scheme, normal)
+        self.step = _step(scheme, normal, body.damping_by_tet(scheme.damping))
 
     def advance(self, samples: int) -> None:
         """Take `samples` strides and samples; Warp releases the interpreter lock meanwhile."""
@@ -117,7 +124,7 @@ class CoreDrops:
         self.state = _state(heights[:, lanes].astype(np.float32).ravel(), velocity.astype(np.float32).ravel())
         self.state.peak_squared = _zeros(body.tet_count * body.points * drop_lanes.LANES)
         self.state.samples = _zeros(scheme.samples * len(QUANTITIES) * drop_lanes.LANES)
-        self.step = _step(scheme, normals[lanes].T)
+        self.step = _step(scheme, normals[lanes].T, _cpu(scheme.damping.astype(np.float32)))
 
     def advance(self, samples: int) -> None:
         """Take `samples` strides and samples; Warp releases the interpreter lock meanwhile."""
@@ -154,16 +161,16 @@ def _state(heights: NDArray[np.float32], velocity: NDArray[np.float32]) -> Any:
     """Drops at first touch."""
     state = LaneState()
     state.heights, state.v = _cpu(heights), _cpu(velocity)
-    state.u, state.w, state.forces = (_zeros(len(velocity)) for _ in range(3))
+    state.u, state.forces = (_zeros(len(velocity)) for _ in range(2))
     state.impulse, state.contact_loss = _zeros(len(heights)), _zeros(len(heights))
     return state
 
 
-def _step(scheme: Scheme, normals: Floats) -> Any:
-    """The scheme as the kernels read it."""
+def _step(scheme: Scheme, normals: Floats, damping: Any) -> Any:
+    """The scheme as the kernels read it, β in the order of the blocks."""
     step = LaneScheme()
     step.law, step.mu, step.la = scheme.law_number, scheme.law.mu, scheme.law.la
-    step.time_step, step.damping, step.gravity, step.friction = scheme.time_step, scheme.damping, scheme.gravity, scheme.friction
+    step.time_step, step.damping, step.gravity, step.friction = scheme.time_step, damping, scheme.gravity, scheme.friction
     step.normals = _cpu(normals.astype(np.float32).ravel())
     return step
 

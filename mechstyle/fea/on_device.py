@@ -52,14 +52,22 @@ class DeviceBody:
         forces = self.zeros(self.tet_count * self.element.nodes, orientations, dtype=wp.vec3f)
         return forces, self.zeros(self.tet_count, self.element.points, orientations)
 
-    def internal_forces(self, law: ElasticLaw, displacement: Floats) -> Floats:
+    def internal_forces(
+        self, law: ElasticLaw, displacement: Floats, velocity: Floats | float = 0.0, damping: Floats | float = 0.0
+    ) -> Floats:
         """As `elasticity.internal_forces`, in float32 [N], shape [node_count, 3]."""
-        w, total = self.array(displacement[:, None], wp.vec3f), self.zeros(self.node_count, 1, dtype=wp.vec3f)
+        fields = (displacement, np.broadcast_to(velocity, displacement.shape))
+        ahead = (self.damping(damping), *(self.array(field[:, None], wp.vec3f) for field in fields))
+        total = self.zeros(self.node_count, 1, dtype=wp.vec3f)
         forces, peak = self.forces_and_peak(1)
         constants = (law_number(law), law.mu, law.la)
-        self.launch(self.element_forces, (self.tet_count, 1), *self.elements, self.slots, w, *constants, 0, forces, peak)
+        self.launch(self.element_forces, (self.tet_count, 1), *self.elements, self.slots, *ahead, *constants, 0, forces, peak)
         self.launch(kernels.gather_forces, (self.node_count, 1), forces, self.first_slot, total)
         return np.asarray(total.numpy()[:, 0], dtype=np.float64)
+
+    def damping(self, damping: Floats | float) -> Any:
+        """β of each tetrahedron."""
+        return self.array(np.broadcast_to(damping, self.tet_count), float)
 
     def batches(self, scheme: Scheme, normals: Floats, heights: Floats) -> list[DeviceBatch]:
         """All orientations together, at first touch."""
@@ -81,7 +89,7 @@ class DeviceBatch:
         each_node = (body.node_count, self.count)
         self.normals, self.heights = body.array(normals, wp.vec3f), body.array(heights, float)
         self.v = body.array(np.broadcast_to(-scheme.speed * normals, (*each_node, 3)), wp.vec3f)
-        self.u, self.w = body.zeros(*each_node, dtype=wp.vec3f), body.zeros(*each_node, dtype=wp.vec3f)
+        self.u, self.damping = body.zeros(*each_node, dtype=wp.vec3f), body.damping(scheme.damping)
         self.forces, self.peak_squared = body.forces_and_peak(self.count)
         self.impulse, self.contact_loss = body.zeros(*each_node), body.zeros(*each_node)
         self.parts = body.zeros(len(QUANTITIES), int(kernels.PARTS), self.count)
@@ -126,10 +134,11 @@ class DeviceBatch:
 
     def _step(self, record: int) -> None:
         body, scheme = self.body, self.scheme
+        ahead = (self.damping, self.u, self.v)
         constants = (scheme.law_number, scheme.law.mu, scheme.law.la)
         outcome = (record, self.forces, self.peak_squared)
-        body.launch(body.element_forces, (body.tet_count, self.count), *body.elements, body.slots, self.w, *constants, *outcome)
+        body.launch(body.element_forces, (body.tet_count, self.count), *body.elements, body.slots, *ahead, *constants, *outcome)
         given = (self.forces, body.first_slot, body.masses, self.heights, self.normals)
-        numbers = (scheme.time_step, scheme.damping, scheme.gravity, scheme.friction)
-        state = (self.u, self.v, self.w, self.impulse, self.contact_loss)
+        numbers = (scheme.time_step, scheme.gravity, scheme.friction)
+        state = (self.u, self.v, self.impulse, self.contact_loss)
         body.launch(kernels.advance, (body.node_count, self.count), *given, *numbers, *state)

@@ -24,16 +24,15 @@ _LAYOUT = """
     typedef float Row __attribute__((vector_size(16), aligned(4)));  // x, y, z, 0 of one node
     typedef Lanes Number;  // the bodies in the lanes differ
     auto geometry = [&](int block) { return (const Number *)body.geometry.data + 10 * block; };
-    // Four rows at a time are loaded and transposed into lanes.
-    auto load = [&](auto element, const float *field, int block, Lanes (*buffer)[3], const Lanes **x) INLINE {
+    // Four rows at a time are transposed into lanes: row(node, lane) of every node of every tetrahedron.
+    auto transposed = [&](auto element, int block, Lanes (*buffer)[3], const Lanes **x, auto row) INLINE {
         constexpr int nodes = decltype(element)::nodes;
         const int *numbers = body.nodes_of.data + nodes * LANES * block;
         for (int a = 0; a < nodes; a++) {
             x[a] = buffer[a];
             for (int l = 0; l < LANES; l += 4) {
                 const int *node = numbers + LANES * a + l;
-                const Row p = *(const Row *)(field + 4 * node[0]), q = *(const Row *)(field + 4 * node[1]);
-                const Row r = *(const Row *)(field + 4 * node[2]), s = *(const Row *)(field + 4 * node[3]);
+                const Row p = row(node[0], l), q = row(node[1], l + 1), r = row(node[2], l + 2), s = row(node[3], l + 3);
                 const Row pq = __builtin_shufflevector(p, q, 0, 4, 1, 5), rs = __builtin_shufflevector(r, s, 0, 4, 1, 5);
                 ((Row *)&buffer[a][0])[l / 4] = __builtin_shufflevector(pq, rs, 0, 1, 4, 5);
                 ((Row *)&buffer[a][1])[l / 4] = __builtin_shufflevector(pq, rs, 2, 3, 6, 7);
@@ -41,6 +40,14 @@ _LAYOUT = """
                 ((Row *)&buffer[a][2])[l / 4] = __builtin_shufflevector(pq_z, rs_z, 0, 1, 4, 5);
             }
         }
+    };
+    auto load = [&](auto element, const float *field, int block, Lanes (*buffer)[3], const Lanes **x) INLINE {
+        transposed(element, block, buffer, x, [&](int node, int) INLINE { return ((const Row *)field)[node]; });
+    };
+    auto load_ahead = [&](auto element, int block, Lanes (*buffer)[3], const Lanes **x) INLINE {
+        const float *beta = scheme.damping.data + LANES * block;
+        const Row *u = (const Row *)state.u.data, *v = (const Row *)state.v.data;
+        transposed(element, block, buffer, x, [&](int node, int lane) INLINE { return u[node] + beta[lane] * v[node]; });
     };
     // The forces are transposed back into rows, which are added tetrahedron by tetrahedron.
     auto add = [&](auto element, int block, auto forces) INLINE {
@@ -67,10 +74,10 @@ _LAYOUT = """
 _ADVANCE = CONTRACT + """
     typedef float Row __attribute__((vector_size(16), aligned(4)));
     auto dot = [](Row a, Row b) { const Row p = a * b; return p[0] + p[1] + p[2]; };
-    const float dt = scheme.time_step, beta = scheme.damping;
+    const float dt = scheme.time_step;
     const float *normal_of = scheme.normals.data;
     const Row n = {normal_of[0], normal_of[1], normal_of[2], 0.0f}, weight = scheme.gravity * n;
-    Row *U = (Row *)state.u.data, *V = (Row *)state.v.data, *W = (Row *)state.w.data, *F = (Row *)state.forces.data;
+    Row *U = (Row *)state.u.data, *V = (Row *)state.v.data, *F = (Row *)state.forces.data;
     for (int i = 0; i < body.masses.shape[0]; i++) {
         const float mass = body.masses.data[i];
         const Row before = V[i], free = before + dt * (F[i] / mass - weight);
@@ -87,7 +94,6 @@ _ADVANCE = CONTRACT + """
         }
         V[i] = velocity;
         U[i] = U[i] + dt * velocity;
-        W[i] = U[i] + beta * velocity;
         F[i] = Row{};
     }
 """
@@ -132,7 +138,7 @@ def sample(body: LaneBody, state: LaneState, scheme: LaneScheme, row: int) -> No
 
 @wp.kernel
 def forces_only(body: LaneBody, state: LaneState, scheme: LaneScheme) -> None:
-    """The internal forces of the displacement in state.w [N], for the power iteration."""
+    """The internal forces of u + β v [N], for the power iteration."""
     element_forces(body, state, scheme, 0)
 
 

@@ -110,16 +110,16 @@ def _in_double_precision(tets: TetMesh, test: DropTest, element: str, normal: Fl
     """The drop by the numpy reference: running maximum of von Mises [MPa], shape [tet_count, points]."""
     body = discretise(tets, PLA, test.added_mass, LINEAR if element == "tet4" else QUADRATIC)
     scheme = scheme_for(CoreBody(body), body, PLA, test)
-    masses = body.masses[body.place][:, None]
+    masses, damping = body.masses[body.place][:, None], np.empty_like(scheme.damping)
+    damping[body.tet_order] = scheme.damping
     heights = body.mesh.nodes @ normal - (body.mesh.nodes @ normal).min()
     u, v = np.zeros_like(body.mesh.nodes), np.tile(-scheme.speed * normal, (len(masses), 1))
     peak = np.zeros((len(tets.tets), body.mesh.element.points))
     for step in range(scheme.steps):
-        w = u + scheme.damping * v
+        H = elasticity.damped_gradients(body.mesh, u, v, damping)
         if step % RECORD_EVERY == 0:
-            H = elasticity.displacement_gradients(body.mesh, w)
             peak = np.maximum(peak, elasticity.von_mises(elasticity.cauchy_stress(H, scheme.law.first_piola(H))))
-        v = v + scheme.time_step * (elasticity.internal_forces(body.mesh, scheme.law, w) / masses - scheme.gravity * normal)
+        v = v + scheme.time_step * (elasticity.forces_of(body.mesh, scheme.law, H) / masses - scheme.gravity * normal)
         gap = heights + (u + scheme.time_step * v) @ normal
         v = v + np.maximum(-gap / scheme.time_step, 0.0)[:, None] * normal
         u = u + scheme.time_step * v

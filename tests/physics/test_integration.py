@@ -8,7 +8,7 @@ import pytest
 from mechstyle.fea.elasticity import StVenantKirchhoff
 from mechstyle.fea.integration import QUANTITIES, Scheme, failing, integrate, stable_step
 
-SCHEME = Scheme(StVenantKirchhoff(1.0, 1.0), 1e-3, 0.0, 9.81e-3, 0.0, speed=2.0, stride=4, samples=10)
+SCHEME = Scheme(StVenantKirchhoff(1.0, 1.0), 1e-3, np.zeros(1), 9.81e-3, 0.0, speed=2.0, stride=4, samples=10)
 ENERGY = 2.0
 
 
