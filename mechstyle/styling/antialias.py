@@ -7,7 +7,8 @@ Two neighbouring pixels that an outline parts are blended by where it crosses th
   ends at the outline.
 * Where the near surface reaches into the pixel outside, it does so with its look at the outline, not at the centre of the pixel inside.
   A round surface turns away so fast there that its light differs much between the two. The picture would jump by half that difference
-  whenever the outline passes a centre, which no gradient knows of: on a torus some 4 % of what a shift does to it and 20 % of what growing does.
+  whenever the outline passes a centre, which no gradient knows of: on a torus that was some 4 % of what a shift does to the picture and
+  20 % of what growing does.
 """
 
 from __future__ import annotations
