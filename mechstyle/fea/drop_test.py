@@ -58,7 +58,7 @@ class DropTest:
     damping: float = 1e-4
     law: Law = "stable_neo_hookean"
     element: str = "tet10"
-    less_damped: float = 0.02
+    less_damped: float = 0.05
     added_mass: float = 0.01
     safety: float = 0.85
 
