@@ -130,7 +130,7 @@ def stable_step(frequency: float, damping: float) -> float:
 
 
 def damped_step(body: Body, discretisation: Discretisation, law: ElasticLaw, damping: float, less_damped: float) -> tuple[float, Floats]:
-    """Largest stable Δt [ms], and β of each tetrahedron [ms], shape [tet_count].
+    """Largest stable Δt [ms], and β of each tetrahedron [ms], shape [tet_count]: `damping` [ms] in all but a few.
 
     With lagged viscous stress a step is stable if Δt² K + 2 Δt C ≤ 4 M, and that holds if it holds for every tetrahedron on its own,
     ω_e² (Δt² + 2 Δt β_e) ≤ 4. Where ω_e β > 2, in the smallest, β shortens the step as 1/ω_e², although little is damped there that
