@@ -6,6 +6,7 @@ what is expected is waited for. Every page that asks for anything outside, or th
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import io
 import os
@@ -162,20 +163,32 @@ def difference(one: np.ndarray, other: np.ndarray) -> float:
 
 
 @pytest.fixture(scope="session")
-def chromium() -> Iterator[Browser]:
-    """The browser of this machine; without one these tests are skipped, unless nothing may be."""
+def chromium_path() -> str:
+    """Where this machine's browser is; without one these tests are skipped, unless nothing may be."""
     path = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
     if path is None:
         say = pytest.fail if os.environ.get("MECHSTYLE_SKIP_NOTHING") == "1" else pytest.skip
         say("THE WIDGETS ARE NOT TESTED IN A BROWSER: there is no chromium on PATH (Debian: apt-get install chromium)")
+    return path
+
+
+@pytest.fixture(scope="module")
+def chromium(chromium_path: str) -> Iterator[Browser]:
+    """A browser for the tests of one module.
+
+    Playwright keeps an event loop running in the thread of the tests for as long as it is open. Another module of the same worker may
+    need a thread without one, so it never outlives its own.
+    """
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=path, args=ARGUMENTS)
+        browser = playwright.chromium.launch(executable_path=chromium_path, args=ARGUMENTS)
         yield browser
         browser.close()
+    with pytest.raises(RuntimeError, match="no running event loop"):
+        asyncio.get_running_loop()
 
 
 @pytest.fixture(scope="session")
-def lab(chromium: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lab]:
+def lab(chromium_path: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lab]:
     """A JupyterLab that knows nothing of its user."""
     with jupyter_lab(tmp_path_factory.mktemp("home"), tmp_path_factory.mktemp("notebooks")) as started:
         yield started
