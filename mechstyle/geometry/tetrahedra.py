@@ -25,6 +25,7 @@ FEWEST, MOST = 500, 400_000
 RUNS = 3
 LEAST_COUNT, MOST_COUNT = 0.6, 1.6  # of the target
 VOLUME_ERROR = 0.03
+PINCHED = 1e-3  # of the boundary's edges, at which it may touch itself
 # The rest in walls, a wall being 2 V / A: what a part is thick on average.
 LOOSE = 0.08  # the input may leave the surface by this (99.9th percentile) ...
 ENVELOPE, WIDEST = 0.04, 6e-4  # ... and fTetWild's boundary its input by this, or by 0.6 ‰ of the diagonal if that is less
@@ -44,7 +45,7 @@ def tetrahedralise(surface: SurfaceMesh, target: int = 16_000, *, timeout: float
             makes a run repeatable.
 
     Returns:
-        One connected body with a closed boundary, numbered for memory locality; vertices of a flat base lie in its plane.
+        One body connected through faces, its boundary free of gaps, numbered for memory locality; vertices of a flat base lie in its plane.
 
     Raises:
         BadInput: If the surface is not closed, not finite or empty, or the target is out of range.
@@ -194,8 +195,8 @@ def _fault(surface: SurfaceMesh, tets: TetMesh, deviation: float) -> str:
     """What is wrong with a mesh, "" if nothing is."""
     if tets.volumes.min() <= 0:
         return "some tetrahedra are turned inside out"
-    if not SurfaceMesh(tets.vertices, tets.boundary_faces).is_closed:
-        return "the surface of its tetrahedra is not closed"
+    if (pinched := _pinched(tets.boundary_faces)) > PINCHED:
+        return f"the surface of the tetrahedra touches itself at {pinched:.1%} of its edges"
     volume = float(tets.volumes.sum()) / surface.volume
     if abs(volume - 1.0) > VOLUME_ERROR:
         return f"the tetrahedra hold {volume:.1%} of its volume"
@@ -203,6 +204,16 @@ def _fault(surface: SurfaceMesh, tets: TetMesh, deviation: float) -> str:
     if lost > deviation:
         return f"the tetrahedra miss a detail by {lost:.2f} mm"
     return ""
+
+
+def _pinched(faces: Indices) -> float:
+    """Share of the edges of a boundary at which more than two of its faces meet.
+
+    A surface that cuts through itself by less than the envelope leaves a few, and halving the envelope moves them elsewhere. For
+    the elements they are nothing special: one body connected through faces is connected around such an edge, too.
+    """
+    edges = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    return float(np.mean(np.unique(edges, axis=0, return_counts=True)[1] > 2))
 
 
 def _read(file: Path) -> TetMesh | None:
