@@ -101,7 +101,7 @@ def picture(panels: Sequence[Panel], *, title: str = "", columns: int | None = N
 
 
 def comparison(original: SurfaceMesh, start: Checkpoint, finals: Sequence[tuple[str, Checkpoint, Recipe]]) -> Picture:
-    """The part as it came beside several results: look above, stress below and from underneath."""
+    """The part as it came beside several results of one prompt: look above, stress below and from underneath."""
     from mechstyle.pictures.figure import Panel  # noqa: PLC0415 — as above
 
     rows: list[list[Panel]] = [[], [], []]
@@ -110,7 +110,7 @@ def comparison(original: SurfaceMesh, start: Checkpoint, finals: Sequence[tuple[
     for name, state, recipe in shown:
         styled = original.displaced(state.displacement).coloured(state.colour)
         limit = state.verdict.deciding.limit if state.verdict is not None else recipe.material.yield_strength
-        rows[0].append(Panel(styled, name if state is start else f"{name}: “{recipe.prompt}”"))
+        rows[0].append(Panel(styled, name))
         for row, view in ((1, "three_quarter"), (2, "below")):
             panel = stress_panel(
                 styled,
@@ -121,4 +121,4 @@ def comparison(original: SurfaceMesh, start: Checkpoint, finals: Sequence[tuple[
                 view=view,
             )
             rows[row].append(replace(panel, limits=(0.0, max(top, 1.05 * limit))))
-    return picture([panel for row in rows for panel in row], columns=len(shown))
+    return picture([panel for row in rows for panel in row], title=f"“{finals[0][2].prompt}”", columns=len(shown))

@@ -14,7 +14,9 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
+from matplotlib.text import Text
 from matplotlib.ticker import MaxNLocator
+from matplotlib.transforms import Bbox
 from numpy.typing import NDArray
 
 from mechstyle.errors import BadInput
@@ -220,11 +222,20 @@ def _draw_panel(axes: Axes, panel: Panel, camera: Camera, scale: Scale | None, d
     picture = render(panel.mesh, camera=camera, width=width, height=height, field=field, device=device)
     axes.imshow(picture, interpolation="none", extent=(0, width, height, 0), aspect="auto")
     axes.set_axis_off()
-    letters = max(int(width / 7.6), 12)
-    axes.text(0, -10, textwrap.shorten(panel.title, letters, placeholder=" …"), size=11, weight="bold", color=INK, va="bottom")
-    axes.text(0, height + 4, textwrap.shorten(panel.note, int(letters * 1.15), placeholder=" …"), size=9.5, color=FAINT, va="top")
+    _shorten(axes.text(0, -10, panel.title, size=11, weight="bold", color=INK, va="bottom"), width)
+    _shorten(axes.text(0, height + 4, panel.note, size=9.5, color=FAINT, va="top"), width)
     if field is not None and panel.unit:
         _mark_extremes(axes, panel, camera)
+
+
+def _shorten(text: Text, width: int) -> None:
+    """Leave out words from the end, or letters of the first, until the drawn text is as narrow as `width` [pixels]."""
+    words = text.get_text()
+    for letters in range(len(words), 0, -1):
+        if text.get_window_extent().width <= width:
+            return
+        cut = textwrap.shorten(words, letters, placeholder=" …")
+        text.set_text(cut if cut.strip(" …") else words[:letters] + "…")
 
 
 def _pixels(axes: Axes) -> tuple[int, int]:
@@ -240,6 +251,7 @@ def _mark_extremes(axes: Axes, panel: Panel, camera: Camera) -> None:
     width, height = _pixels(axes)
     points = camera.project(panel.mesh.vertices)
     depth = visible(points, panel.mesh.faces, width, height).depth
+    taken: list[Bbox] = []
     for kind, marker, vertex in (("max", "o", int(np.nanargmax(values))), ("min", "v", int(np.nanargmin(values)))):
         x, y = (points[vertex, 0] + 1) * width / 2, (1 - points[vertex, 1]) * height / 2
         around = depth[max(int(y) - 2, 0) : int(y) + 3, max(int(x) - 2, 0) : int(x) + 3]
@@ -249,10 +261,24 @@ def _mark_extremes(axes: Axes, panel: Panel, camera: Camera) -> None:
         for edge, wide in (("white", 3.2), (INK, 1.4)):
             axes.plot(x, y, marker, ms=size + 2, mfc="none", mec=edge, mew=wide, alpha=faint)
         words = f"{kind} {values[vertex]:.3g}{' ' + panel.unit if panel.unit else ''}{' (far side)' if hidden else ''}"
-        right, low = x < width / 2, y < height / 2
-        label = axes.annotate(words, (x, y), xytext=(9 if right else -9, -7 if low else 7), textcoords="offset points", size=9, color=INK,
-                              ha="left" if right else "right", va="top" if low else "bottom", weight="bold" if kind == "max" else "normal")
-        label.set_path_effects([withStroke(linewidth=3.0, foreground="white", alpha=0.85)])
+        taken.append(_write_beside(axes, (x, y), words, "bold" if kind == "max" else "normal", taken))
+
+
+def _write_beside(axes: Axes, at: tuple[float, float], words: str, weight: str, taken: Sequence[Bbox]) -> Bbox:
+    """Words next to a mark, towards the middle of the panel and clear of what is taken if they can be; the box they fill."""
+    (width, height), (x, y) = _pixels(axes), at
+    right = x < width / 2
+    inwards = -1 if y < height / 2 else 1
+    label = axes.annotate(words, at, xytext=(0, 0), textcoords="offset points", size=9, color=INK, weight=weight)
+    label.set_horizontalalignment("left" if right else "right")
+    label.set_path_effects([withStroke(linewidth=3.0, foreground="white", alpha=0.85)])
+    for up in (7 * inwards, -7 * inwards, 22 * inwards, -22 * inwards):
+        label.set_verticalalignment("bottom" if up > 0 else "top")
+        label.xyann = (9 if right else -9, up)
+        box: Bbox = label.get_window_extent()
+        if not any(box.overlaps(other) for other in taken):
+            break
+    return box
 
 
 def _draw_bar(axes: Axes, label: str, unit: str, scale: Scale) -> None:

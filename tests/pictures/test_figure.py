@@ -105,6 +105,25 @@ def test_long_words_are_shortened_to_the_panel(block):
         assert text.get_window_extent(renderer).width < 140 + 18
 
 
+def test_wide_letters_and_words_that_cannot_be_cut_stay_in_the_panel_too(block):
+    sheet = figure([Panel(block, "MW " * 13, note="MW" * 30)], **SMALL)
+    renderer = sheet.canvas.get_renderer()
+    for text in sheet.axes[0].texts:
+        assert text.get_text()
+        assert text.get_window_extent(renderer).width <= 140
+
+
+@pytest.mark.parametrize("apart", [1, 2, 5])
+def test_words_at_the_greatest_and_least_value_do_not_cover_each_other(ball, apart):
+    values = np.full(len(ball.vertices), 10.0)
+    nearest = np.linalg.norm(ball.vertices - ball.vertices[ball.vertices[:, 1].argmin()], axis=1).argsort()
+    values[nearest[[0, apart]]] = (33.3, 1.1)
+    sheet = figure([Panel(ball, "", values, "MPa", "stress", view="front")], panel_size=(300, 260))
+    renderer = sheet.canvas.get_renderer()
+    one, other = [text.get_window_extent(renderer) for text in sheet.axes[0].texts if text.get_text().startswith(("max", "min"))]
+    assert not one.overlaps(other)
+
+
 def test_bad_requests_are_refused_and_leave_nothing_behind(block, tmp_path):
     with pytest.raises(BadInput, match="at least one panel"):
         figure([])
