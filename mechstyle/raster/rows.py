@@ -40,6 +40,20 @@ def blended(values: torch.Tensor, index: torch.Tensor, weights: torch.Tensor) ->
     return sums
 
 
+def placed(rows: torch.Tensor, place: torch.Tensor, row: torch.Tensor) -> torch.Tensor:
+    """Rows, shape [m, k], each at a place of its own among n, with zeros elsewhere: shape [n, k].
+
+    Two indices say the same both ways, so that gradients are looked up as values are; from one alone torch would add them up.
+
+    Args:
+        rows: Gradients reach these alone.
+        place: Of every row, shape [m]; what stands there for a row that is at no place is of no account.
+        row: At every place, -1 for none, shape [n].
+    """
+    found: torch.Tensor = _Placed.apply(rows, place, row)
+    return found
+
+
 def added(rows: torch.Tensor, index: torch.Tensor, count: int) -> torch.Tensor:
     """Sums of the rows, shape [m, k], that share an index, shape [m], from 0 to count - 1: shape [count, k]."""
     if not _unordered(rows):
@@ -91,6 +105,19 @@ class _Blended(torch.autograd.Function):
     def backward(ctx: Any, slopes: torch.Tensor) -> tuple[torch.Tensor, None, None]:
         index, weights = ctx.saved_tensors
         return whole_sums(slopes, index, weights, ctx.count), None, None
+
+
+class _Placed(torch.autograd.Function):
+    @staticmethod
+    def forward(ctx: Any, rows: torch.Tensor, place: torch.Tensor, row: torch.Tensor) -> torch.Tensor:
+        ctx.save_for_backward(place, row)
+        return torch.where((row < 0)[:, None], 0.0, rows.index_select(0, row.clamp(min=0)))
+
+    @staticmethod
+    def backward(ctx: Any, slopes: torch.Tensor) -> tuple[torch.Tensor, None, None]:
+        place, row = ctx.saved_tensors
+        used = row.index_select(0, place) == torch.arange(len(place), device=place.device)
+        return torch.where(used[:, None], slopes.index_select(0, place), 0.0), None, None
 
 
 class _Added(torch.autograd.Function):

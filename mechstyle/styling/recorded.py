@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from typing import Generic, Protocol, TypeVar
 
 import torch
@@ -43,7 +44,7 @@ class Recorded(Generic[Given, Found]):
         if self._graph is None:
             self._given = given  # whose memory the graph reads; what is given later is copied there
             self._graph = torch.cuda.CUDAGraph()
-            with torch.cuda.graph(self._graph):  # records, without running anything
+            with torch.cuda.graph(self._graph, stream=_side()):  # records, without running anything
                 self._found = self._function(given)
         for place, value in zip(self._given.tensors, given.tensors, strict=True):
             place.copy_(value)
@@ -52,9 +53,15 @@ class Recorded(Generic[Given, Found]):
 
     def _aside(self, given: Given) -> Found:
         """Call the function on another stream than the default one, on which nothing can be recorded afterwards."""
-        stream, before = torch.cuda.Stream(), torch.cuda.current_stream()
+        stream, before = _side(), torch.cuda.current_stream()
         stream.wait_stream(before)
         with torch.cuda.stream(stream):
             found = self._function(given)
         before.wait_stream(stream)
         return found
+
+
+@cache
+def _side() -> torch.cuda.Stream:
+    """The stream of all that is recorded: autograd wants a gradient where the values came from, and one function's may reach another's."""
+    return torch.cuda.Stream()

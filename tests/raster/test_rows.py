@@ -1,7 +1,7 @@
 import pytest
 import torch
 
-from mechstyle.raster.rows import added, blended, taken, whole_sums
+from mechstyle.raster.rows import added, blended, placed, taken, whole_sums
 
 
 @pytest.fixture
@@ -45,3 +45,12 @@ def test_rows_are_taken_and_blended_with_their_gradients(drawn):
     assert torch.allclose(blended(values, index, weights), expected, atol=1e-6)
     (slope,) = torch.autograd.grad(blended(values, index, weights).square().sum(), values)
     assert torch.allclose(slope, torch.autograd.grad(expected.square().sum(), values)[0], rtol=1e-4, atol=1e-5)
+
+
+def test_rows_are_placed_with_their_gradients_and_those_at_no_place_have_none():
+    rows = torch.arange(8.0, dtype=torch.float64).view(4, 2).requires_grad_()
+    place, row = torch.tensor([5, 1, 1, 4]), torch.tensor([-1, 1, -1, -1, 3, 0])  # row 2 names the place of row 1
+    found = placed(rows, place, row)
+    assert found.tolist() == [[0, 0], [2, 3], [0, 0], [0, 0], [6, 7], [0, 1]]
+    (slope,) = torch.autograd.grad((found * torch.arange(1.0, 13.0).view(6, 2)).sum(), rows)
+    assert slope.tolist() == [[11, 12], [3, 4], [0, 0], [9, 10]]

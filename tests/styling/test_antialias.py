@@ -2,6 +2,7 @@ import pytest
 import torch
 
 from mechstyle.raster.tensors import edges_of, face_of, nearest_faces
+from mechstyle.styling import antialias
 from mechstyle.styling.antialias import antialiased
 
 SIZE = 10
@@ -45,3 +46,11 @@ def test_a_slanted_side_covers_its_exact_area_on_average():
     assert share.min() >= 0.0
     assert share.max() <= 1.0
     assert float(share.sum()) == pytest.approx(area, rel=5e-4)
+
+
+def test_where_no_shape_may_depend_on_the_picture_outlines_past_the_last_slot_stay_hard(monkeypatch):
+    sides = torch.tensor([2.25, 3.1, 6.75, 7.7], dtype=torch.float64)
+    monkeypatch.setattr(antialias, "MOST_PARTED", 50)  # 5 slots for 200 pairs, those on rows first
+    soft, some_hard = covered(*sides, static=False), covered(*sides, static=True)
+    assert some_hard[4, [2, 6]].tolist() == pytest.approx(soft[4, [2, 6]].tolist())  # the second row: pairs 3 and 4
+    assert some_hard[6].tolist() == [float(2.25 < column + 0.5 < 6.75) for column in range(SIZE)]  # the fourth

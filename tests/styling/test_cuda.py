@@ -29,7 +29,7 @@ def stylizer(sphere, tiny_clip):
 
 def test_a_recorded_iteration_is_the_one_run_step_by_step(stylizer):
     recorded, eager = stylizer(), stylizer()
-    eager._descend, eager._look = eager._descended, eager._looked
+    eager._descend._calls = eager._look._calls = -1_000_000  # warms up for ever
     for _ in range(WARM_UP + 5):
         one, two = recorded.step(), eager.step()
         assert np.abs(one.displacement - two.displacement).max() < 1e-4
