@@ -25,13 +25,14 @@ class Settings(NamedTuple):
     Attributes:
         edge_length: Edge length it aims at [mm].
         epsilon: Half width of the envelope its boundary stays in, over the diagonal of the bounding box.
-        stop_energy: AMIPS energy at which it is content; 3 is a regular tetrahedron.
+        stop_energy: AMIPS energy of the worst tetrahedron at which it is content; 3 is that of a regular one. Content with 30 only, it
+            takes two to three times as long as with 100, for meshes whose drops take a tenth fewer steps and come to the same stresses.
         iterations: Most rounds of optimisation.
     """
 
     edge_length: float
     epsilon: float
-    stop_energy: float = 30.0
+    stop_energy: float = 100.0
     iterations: int = 20
 
 
