@@ -23,7 +23,7 @@ from mechstyle.workpiece import Workpiece
 
 PLA = LIBRARY["PLA"]
 ORIENTATIONS = 5
-MESHES, TETS = 5, 6_000
+MESHES, TETS = 5, 9_000  # as the rule of the simulation page has it for a smooth part; with 6000 the 99th percentile scatters by 4 %
 P99_FINER, P99_AGAIN, PEAK = 0.06, 0.04, 0.12
 
 
