@@ -77,26 +77,28 @@ def _check(surface: SurfaceMesh, target: int) -> None:
 
 
 class Attempt(NamedTuple):
-    """One run's result and what is wrong with it, "" if nothing is."""
+    """One run's result, what is wrong with it, "" if nothing is, and whether the detail of the surface asks for all it has and more."""
 
     tets: TetMesh
     fault: str
+    detailed: bool
 
 
 def _meshed(surface: SurfaceMesh, target: int, timeout: float) -> TetMesh:
     """Run fTetWild until count and checks are met, aiming lower or higher or sharpening the tolerances, at most RUNS times.
 
-    A mesh of the wrong size is better than none: after one correction the nearest count is taken.
+    A mesh of the wrong size is better than none: after one correction the nearest count is taken, and at once if the surface's detail is
+    why there are too many.
     """
     aim, sharpness, sound, fault = float(target), 1.0, list[TetMesh](), ""
     for _ in range(RUNS):
-        tets, fault = _attempt(surface, aim, sharpness, timeout)
+        tets, fault, detailed = _attempt(surface, aim, sharpness, timeout)
         if fault:
             sharpness /= 2.0
             continue
         sound.append(tets)
         ratio = len(tets.tets) / target
-        if LEAST_COUNT <= ratio <= MOST_COUNT or len(sound) == 2:
+        if LEAST_COUNT <= ratio <= MOST_COUNT or len(sound) == 2 or (ratio > 1.0 and detailed):
             break
         aim /= ratio
     if not sound:
@@ -111,7 +113,7 @@ def _attempt(surface: SurfaceMesh, aim: float, sharpness: float, timeout: float)
     edge = _edge(surface.volume, len(even.faces), aim)
     found = _tidied(*tetwild(even.vertices, even.faces, Settings(edge, epsilon / surface.size), timeout=timeout))
     settled = _set_down(surface, found, max(FLAT, 1.5 * epsilon))
-    return Attempt(settled, _fault(surface, settled, DEVIATION * wall))
+    return Attempt(settled, _fault(surface, settled, DEVIATION * wall), detailed=0.5 * len(even.faces) > aim)
 
 
 def _edge(volume: float, faces: int, aim: float) -> float:

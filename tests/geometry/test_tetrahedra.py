@@ -104,18 +104,19 @@ def test_what_would_crash_or_fool_the_mesher_is_refused(cup, broken):
 class Attempts:
     """Stands in for fTetWild and its checks: hands out meshes of given counts, "" or a fault for each, and notes what was asked."""
 
-    def __init__(self, *results):
+    def __init__(self, *results, detailed=False):
         self.results = list(results)
+        self.detailed = detailed
         self.asked = []
 
     def __call__(self, _surface, aim, sharpness, _timeout):
         self.asked.append((round(aim), sharpness))
         count, fault = self.results.pop(0)
-        return module.Attempt(TetMesh(np.eye(4, 3), np.tile(np.arange(4), (count, 1))), fault)
+        return module.Attempt(TetMesh(np.eye(4, 3), np.tile(np.arange(4), (count, 1))), fault, self.detailed)
 
 
-def counts_of(monkeypatch, cup, *results):
-    attempts = Attempts(*results)
+def counts_of(monkeypatch, cup, *results, detailed=False):
+    attempts = Attempts(*results, detailed=detailed)
     monkeypatch.setattr(module, "_attempt", attempts)
     return len(tetrahedralise(cup, 1000).tets), attempts.asked
 
@@ -127,6 +128,16 @@ def test_a_count_near_the_target_is_taken_at_once(cup, monkeypatch, count):
 
 def test_a_count_far_off_is_corrected_once(cup, monkeypatch):
     assert counts_of(monkeypatch, cup, (2000, ""), (1200, "")) == (1200, [(1000, 1.0), (500, 1.0)])
+
+
+def test_too_many_for_the_detail_of_the_surface_are_not_corrected_but_too_few_are(cup, monkeypatch):
+    assert counts_of(monkeypatch, cup, (2000, ""), detailed=True) == (2000, [(1000, 1.0)])
+    assert counts_of(monkeypatch, cup, (500, ""), (900, ""), detailed=True) == (900, [(1000, 1.0), (2000, 1.0)])
+
+
+def test_detail_is_more_faces_than_twice_the_tetrahedra_wished(cup):
+    assert module._attempt(cup, 600.0, 1.0, 300.0).detailed
+    assert not module._attempt(cup, 3000.0, 1.0, 300.0).detailed
 
 
 def test_a_correction_that_makes_it_worse_is_not_taken(cup, monkeypatch):
