@@ -16,19 +16,19 @@ if sys.platform != "win32":
 
 
 @contextlib.contextmanager
-def exclusive(path: Path, what: str) -> Iterator[None]:
-    """Hold the lock `path` on `what` while the block runs.
+def exclusive(path: Path, what: str, *, wait: bool = False) -> Iterator[None]:
+    """Hold the lock `path` on `what` while the block runs; if somebody else holds it, wait for the end of that or refuse.
 
     The lock is the system's (flock), so it ends with its process, however that ends: the file of a process that was killed is taken
     over. The file holds the process and the host for the sentence that others get, and is empty while nobody holds it. It is never
     removed, or one process could lock the file that another has just unlinked.
 
     Raises:
-        BadInput: If somebody else holds it, another session of this process included.
+        BadInput: If somebody else holds it, another session of this process included, and this does not wait.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     with path.open("a+", encoding="utf-8") as file:
-        _lock(file.fileno(), path, what)
+        _lock(file.fileno(), path, what, wait=wait)
         try:
             _write(file.fileno(), f"process {os.getpid()} on {socket.gethostname()}")
             yield
@@ -36,12 +36,12 @@ def exclusive(path: Path, what: str) -> Iterator[None]:
             _write(file.fileno(), "")
 
 
-def _lock(descriptor: int, path: Path, what: str) -> None:
+def _lock(descriptor: int, path: Path, what: str, *, wait: bool) -> None:
     """Lock an open file; on Windows, or where the file system knows no locks, nobody is kept out."""
     if sys.platform == "win32":
         return
     try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        fcntl.flock(descriptor, fcntl.LOCK_EX if wait else fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError as error:
         holder = path.read_text(encoding="utf-8") or "another process"
         raise BadInput(f"{what} is being carried on by {holder}: wait until it ends, or stop it there") from error

@@ -191,7 +191,8 @@ class Run:
                 f"a branch at iteration {entry.iteration} must go beyond it, not to {recipe.iterations}: ask for more iterations"
             )
         fork = Lane(recipe=self.store.put_recipe(recipe), head=entry.digest, forked_from=entry.digest)
-        return Run(self.store, self._forked(fork, lane), self.device)
+        with exclusive(self.store.root / "locks" / ".branches.lock", "a new branch", wait=True):  # or two could take one name
+            return Run(self.store, self._forked(fork, lane), self.device)
 
     def _forked(self, fork: Lane, wanted: str) -> str:
         """Name of the lane of this recipe and fork: one that is there, by the wanted name if there is one, or a new one."""

@@ -7,6 +7,7 @@ import signal
 import socket
 import subprocess
 import sys
+import threading
 
 import pytest
 
@@ -15,6 +16,7 @@ from mechstyle.lock import exclusive
 
 HOLD = """
 import sys
+import threading
 from pathlib import Path
 from mechstyle.lock import exclusive
 with exclusive(Path(sys.argv[1]), "lane"):
@@ -71,3 +73,20 @@ def test_a_file_system_without_locks_is_used_without(tmp_path, monkeypatch):
     monkeypatch.setattr("fcntl.flock", refuse)
     with exclusive(tmp_path / "main.lock", "lane"), exclusive(tmp_path / "main.lock", "lane"):
         pass
+
+
+def test_who_waits_comes_after_who_holds(tmp_path):
+    path, order, waits = tmp_path / "main.lock", [], threading.Event()
+
+    def second():
+        waits.set()
+        with exclusive(path, "lane", wait=True):
+            order.append("second")
+
+    other = threading.Thread(target=second)
+    with exclusive(path, "lane"):
+        other.start()
+        waits.wait()
+        order.append("first")
+    other.join()
+    assert order == ["first", "second"]

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import shutil
 import signal
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -261,6 +264,26 @@ def test_other_settings_or_another_fork_are_another_branch(part):
     assert lanes == ["branch-1", "branch-2", "branch-3"]
     with pytest.raises(BadInput, match=r"'branch-1' of .* has other settings or another fork"):
         run.branch(5, lane="branch-1", control="linear")
+
+
+def test_branches_asked_for_at_the_same_moment_have_names_of_their_own(part, monkeypatch):
+    run, together, lanes_of = Run.open(part, "cpu"), threading.Barrier(6), Store.lanes
+
+    def slowly(store):
+        """Leave the others time to take the name that is free by this."""
+        names = lanes_of(store)
+        time.sleep(0.02)
+        return names
+
+    def ask(seed):
+        together.wait()
+        return run.branch(6, seed=seed).lane
+
+    monkeypatch.setattr(Store, "lanes", slowly)
+
+    with ThreadPoolExecutor(6) as pool:
+        lanes = list(pool.map(ask, range(1, 7)))
+    assert sorted(lanes) == [f"branch-{number}" for number in range(1, 7)]
 
 
 def test_a_part_meshed_anew_finds_its_run_again(part):
