@@ -20,14 +20,14 @@ import numpy as np
 import torch
 from transformers import BatchEncoding, CLIPConfig, CLIPModel
 
-from mechstyle.mesh import SurfaceMesh
-from mechstyle.styling import recorded
-from mechstyle.styling.clip import Clip
-from mechstyle.styling.clip_guidance import VIEWS, ClipGuidance
-from mechstyle.styling.neural import FIELD_RATE, VERTEX_RATE, NeuralStylizer, VertexField
-from mechstyle.styling.renderer import Renderer
-from mechstyle.styling.style_field import StyleField
-from mechstyle.styling.unit_shape import UnitShape
+from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.styling.learned import cuda_graph
+from mechstyle.styling.learned.clip import Clip
+from mechstyle.styling.learned.clip_guidance import VIEWS, ClipGuidance
+from mechstyle.styling.learned.renderer import Renderer
+from mechstyle.styling.learned.style_field import StyleField
+from mechstyle.styling.learned.stylizer import FIELD_RATE, VERTEX_RATE, NeuralStylizer, VertexField
+from mechstyle.styling.learned.unit_shape import UnitShape
 
 WARM_UP = 5
 
@@ -104,7 +104,7 @@ def main() -> None:
     """Print milliseconds per iteration."""
     asked = arguments()
     if asked.eager:
-        recorded.WARM_UP = sys.maxsize
+        cuda_graph.WARM_UP = sys.maxsize
     stylizer = prepared(asked.device, asked.images, asked.field)
     first, _ = timed(stylizer, 1 if asked.device == "cpu" else WARM_UP, asked.device)
     seconds, cpu = timed(stylizer, asked.iterations, asked.device)

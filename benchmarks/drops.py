@@ -26,23 +26,23 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from mechstyle._warp import wp
+from mechstyle.fea.backends.cpu import CoreBody
+from mechstyle.fea.backends.gpu import DeviceBody
 from mechstyle.fea.discretisation import Discretisation, discretise
-from mechstyle.fea.drop_test import DropTest, drop, scheme_for
-from mechstyle.fea.integration import RECORD_EVERY, Scheme, integrate
-from mechstyle.fea.interpolation import ELEMENTS, LINEAR, with_nodes
-from mechstyle.fea.on_cores import CoreBody
-from mechstyle.fea.on_device import DeviceBody
+from mechstyle.fea.drop import DropTest, drop, scheme_for
+from mechstyle.fea.elements import ELEMENTS, LINEAR, with_nodes
+from mechstyle.fea.explicit import RECORD_EVERY, Scheme, integrate
 from mechstyle.fea.orientations import directions, tilted
 from mechstyle.gallery import make
 from mechstyle.geometry.tetrahedra import tetrahedralise
-from mechstyle.material import LIBRARY
-from mechstyle.mesh import TetMesh
-from mechstyle.quiet import wp
-from mechstyle.styling.procedural import target
+from mechstyle.records.material import LIBRARY
+from mechstyle.records.mesh import TetMesh
+from mechstyle.simulation.part import Workpiece, prepare
+from mechstyle.simulation.validation import calculix
+from mechstyle.simulation.validation.meshes import box
+from mechstyle.styling.drawn import target
 from mechstyle.styling.prompt import read
-from mechstyle.validation import calculix
-from mechstyle.validation.meshes import box
-from mechstyle.workpiece import Workpiece, prepare
 
 PLA = LIBRARY["PLA"]
 STRIDE, CPU_SAMPLES, DEVICE_SAMPLES = 120, 2, 120

@@ -18,14 +18,14 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from mechstyle.fea.drop_test import DropTest
-from mechstyle.fea.experimental import ShortDrop
-from mechstyle.fea.interpolation import ELEMENTS
+from mechstyle._warp import wp
+from mechstyle.fea.drop import DropTest
+from mechstyle.fea.elements import ELEMENTS
+from mechstyle.fea.sensitivity.gradient import ShortDrop
 from mechstyle.gallery import make
-from mechstyle.material import LIBRARY
-from mechstyle.mesh import TetMesh
-from mechstyle.quiet import wp
-from mechstyle.workpiece import prepare
+from mechstyle.records.material import LIBRARY
+from mechstyle.records.mesh import TetMesh
+from mechstyle.simulation.part import prepare
 
 TILTED = (0.2, -0.3, 0.9)
 REPEATS = 3

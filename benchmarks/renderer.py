@@ -14,7 +14,7 @@ from collections.abc import Callable
 
 import torch
 
-from mechstyle.styling.renderer import Renderer, random_views
+from mechstyle.styling.learned.renderer import Renderer, random_views
 
 AROUND, ALONG = 250, 100
 BUDGET = 350.0

@@ -25,22 +25,22 @@ from rich.console import Console
 from rich.table import Table
 
 from mechstyle.errors import MechStyleError
-from mechstyle.events import Event, Stylized
-from mechstyle.fea.drop_test import DropTest, drop
+from mechstyle.fea.drop import DropTest, drop
 from mechstyle.fea.orientations import directions
 from mechstyle.gallery import make
 from mechstyle.geometry.morph import Morph
-from mechstyle.geometry.standardise import standardise
+from mechstyle.geometry.remesh import standardise
 from mechstyle.geometry.tetrahedra import tetrahedralise
 from mechstyle.geometry.thickness import local_thickness
 from mechstyle.geometry.transfer import Transfer
-from mechstyle.material import LIBRARY
-from mechstyle.mesh import SurfaceMesh, TetMesh
-from mechstyle.planning import plan
-from mechstyle.run import begin
-from mechstyle.styling.procedural import Target, target
+from mechstyle.loop.events import Event, Stylized
+from mechstyle.records.material import LIBRARY
+from mechstyle.records.mesh import SurfaceMesh, TetMesh
+from mechstyle.runs.recipes import plan
+from mechstyle.runs.run import begin
+from mechstyle.simulation.part import STANDARD_VERTICES, TETS_PER_VERTEX, Workpiece
+from mechstyle.styling.drawn import Target, target
 from mechstyle.styling.prompt import read
-from mechstyle.workpiece import STANDARD_VERTICES, TETS_PER_VERTEX, Workpiece
 
 Result = TypeVar("Result")
 

@@ -22,9 +22,9 @@ from rich.console import Console
 from rich.table import Table
 
 from mechstyle.gallery import make
-from mechstyle.report.assets import bundle
-from mechstyle.report.film import film
-from mechstyle.run import Run, stylize
+from mechstyle.runs.report.bundle import bundle
+from mechstyle.runs.report.replay_data import replay_data
+from mechstyle.runs.run import Run, stylize
 
 ARGUMENTS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 ARGUMENTS += ["--enable-precise-memory-info", "--js-flags=--expose-gc"]
@@ -48,7 +48,7 @@ SCRUB = """async () => {
 
 STEP = """() => {
     const { player } = window, times = [];
-    for (let frame = 0; frame < player.film.frames.length; frame++) {
+    for (let frame = 0; frame < player.replay.frames.length; frame++) {
         const start = performance.now();
         player.scene.current.show(frame, 'stress');
         times.push(performance.now() - start);
@@ -61,13 +61,13 @@ REOPEN = "open_player().then(close_player)"
 """Shows the replay and closes it again, as running its cell again does."""
 
 HARNESS = """
-window.take_film = ([header, payload]) => {
-    window.film_of = [header, Uint8Array.from(atob(payload), (letter) => letter.charCodeAt(0))];
+window.take_replay = ([header, payload]) => {
+    window.replay_of = [header, Uint8Array.from(atob(payload), (letter) => letter.charCodeAt(0))];
 };
 window.open_player = async () => {
     const root = document.createElement('div');
     document.body.append(root);
-    window.player = new Player(root, await unpack(...window.film_of));
+    window.player = new Player(root, await unpack(...window.replay_of));
     await new Promise(requestAnimationFrame);
     await new Promise(requestAnimationFrame);
 };
@@ -122,11 +122,11 @@ def of_report(browser: Browser, run: Run, path: Path) -> list[tuple[str, str, st
 
 def of_replay(browser: Browser, run: Run) -> list[tuple[str, str, str]]:
     """A frame without its drawing, and what opening and closing it over and over leaves behind."""
-    played = film(run)
+    played = replay_data(run)
     page = browser.new_page()
     page.set_content("<!doctype html><title>replay</title>")
     page.add_script_tag(content=bundle(HARNESS), type="module")
-    page.evaluate("film => take_film(film)", [played.header, base64.b64encode(played.payload).decode("ascii")])
+    page.evaluate("replay => take_replay(replay)", [played.header, base64.b64encode(played.payload).decode("ascii")])
     page.evaluate(REOPEN)
     first = page.evaluate("heap()")
     for _ in range(RERUNS):
@@ -136,7 +136,7 @@ def of_replay(browser: Browser, run: Run) -> list[tuple[str, str, str]]:
     frames = page.evaluate(STEP)
     page.close()
     return [
-        ("replay: film", f"{len(played.payload) / 1e6:.1f} MB", ""),
+        ("replay: data", f"{len(played.payload) / 1e6:.1f} MB", ""),
         ("replay: a frame decoded and uploaded, not drawn", spread(frames), "16.7 ms"),
         (f"replay: heap after 1 and after {RERUNS + 1} runs of a cell", f"{first:.1f} and {last:.1f} MB", ""),
     ]

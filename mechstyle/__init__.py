@@ -12,45 +12,45 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from mechstyle.errors import BadInput, DamagedStore, MechStyleError, MissingPiece, SimulationFailed
-from mechstyle.material import LIBRARY, Material, material_named
-from mechstyle.mesh import SurfaceMesh, TetMesh
 from mechstyle.records import Checkpoint, Judgement, Measures, Recipe, Simulation, Verdict
-from mechstyle.regions import Box, HalfSpace, Inside, Outside, Segment, Sphere, Vertices
+from mechstyle.records.material import LIBRARY, Material, material_named
+from mechstyle.records.mesh import SurfaceMesh, TetMesh
+from mechstyle.records.regions import Box, HalfSpace, Inside, Outside, Segment, Sphere, Vertices
 
 if TYPE_CHECKING:
-    from mechstyle.dropped import simulate
-    from mechstyle.engine import Engine
+    from mechstyle.gallery.style_swatches import styles
     from mechstyle.geometry.files import load, save
-    from mechstyle.planning import changed, plan
-    from mechstyle.plugins import register_stylizer
-    from mechstyle.protected import protect
-    from mechstyle.run import Run, begin, stylize
-    from mechstyle.session import Session
-    from mechstyle.simulator import DropSimulator
-    from mechstyle.store import Store
-    from mechstyle.swatches import styles
-    from mechstyle.workpiece import Workpiece, prepare
+    from mechstyle.loop.engine import Engine
+    from mechstyle.loop.store import Store
+    from mechstyle.runs.plugins import register_stylizer
+    from mechstyle.runs.protection import protect
+    from mechstyle.runs.recipes import changed, plan
+    from mechstyle.runs.run import Run, begin, stylize
+    from mechstyle.runs.session import Session
+    from mechstyle.simulation.part import Workpiece, prepare
+    from mechstyle.simulation.part_test import simulate
+    from mechstyle.simulation.simulator import DropSimulator
 
 __version__ = "0.1.0"
 
 _WHERE = {
-    "DropSimulator": "simulator",
-    "Engine": "engine",
-    "Run": "run",
-    "Session": "session",
-    "Store": "store",
-    "Workpiece": "workpiece",
-    "begin": "run",
-    "changed": "planning",
+    "DropSimulator": "simulation.simulator",
+    "Engine": "loop.engine",
+    "Run": "runs.run",
+    "Session": "runs.session",
+    "Store": "loop.store",
+    "Workpiece": "simulation.part",
+    "begin": "runs.run",
+    "changed": "runs.recipes",
     "load": "geometry.files",
-    "plan": "planning",
-    "prepare": "workpiece",
-    "protect": "protected",
-    "register_stylizer": "plugins",
+    "plan": "runs.recipes",
+    "prepare": "simulation.part",
+    "protect": "runs.protection",
+    "register_stylizer": "runs.plugins",
     "save": "geometry.files",
-    "simulate": "dropped",
-    "styles": "swatches",
-    "stylize": "run",
+    "simulate": "simulation.part_test",
+    "styles": "gallery.style_swatches",
+    "stylize": "runs.run",
 }
 
 __all__ = [

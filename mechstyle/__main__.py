@@ -2,7 +2,7 @@
 
 import typer
 
-from mechstyle.cli import comparing, listing, looking, making, protecting, reporting, testing, validating, weights
+from mechstyle.cli import demo, inspect_run, lists, protect, report, run, simulate, validate, weights
 
 app = typer.Typer(
     name="mechstyle",
@@ -12,7 +12,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode="rich",
 )
-for family in (making, testing, comparing, validating, looking, protecting, reporting, listing, weights):
+for family in (run, simulate, demo, validate, inspect_run, protect, report, lists, weights):
     app.add_typer(family.app)
 
 

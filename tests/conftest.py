@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
-from mechstyle.mesh import SurfaceMesh
+from mechstyle.records.mesh import SurfaceMesh
 
 # Derandomised: a red test is red for everybody. No deadline: two workers share the cores, and a slow example is not a wrong one.
 settings.register_profile("repeatable", derandomize=True, deadline=None, max_examples=60)

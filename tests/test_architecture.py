@@ -69,7 +69,7 @@ def test_no_package_loads_anything_heavy_by_itself():
 
 
 def test_physics_runs_without_torch():
-    assert "torch" not in loaded_by("import mechstyle.simulator, mechstyle.run")
+    assert "torch" not in loaded_by("import mechstyle.simulation.simulator, mechstyle.runs.run")
 
 
 # --- the public surface -------------------------------------------------------------------------------------------

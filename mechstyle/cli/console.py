@@ -15,7 +15,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn
 from rich.table import Table
 
 from mechstyle.errors import MechStyleError
-from mechstyle.events import BackedOff, Event, Finished, Simulated, SimulationStarted, Stylized
+from mechstyle.loop.events import BackedOff, Event, Finished, Simulated, SimulationStarted, Stylized
 
 P = ParamSpec("P")
 R = TypeVar("R")

@@ -6,10 +6,10 @@ from typing import Annotated
 
 import typer
 
+from mechstyle._files import clip_folder
 from mechstyle.cli.console import command, err, escape, out, print_json, table
-from mechstyle.cli.making import Json
-from mechstyle.styling.weights import DEFAULT, KNOWN, OWN_FOLDER, fetch, located, stored
-from mechstyle.workpiece import clip_folder
+from mechstyle.cli.run import Json
+from mechstyle.styling.learned.weights import DEFAULT, KNOWN, OWN_FOLDER, fetch, located, stored
 
 app = typer.Typer()
 family = typer.Typer(no_args_is_help=True, help="CLIP weights, which styles from any prompt need (--guidance clip).")
@@ -23,7 +23,7 @@ def fetch_command(
     as_json: Json = False,
 ) -> None:
     """Download weights once, with their checksums; what is there and sound is left as it is."""
-    from mechstyle.styling.extra import need_clip_extra  # noqa: PLC0415 — asked only where something is fetched
+    from mechstyle.styling.learned.extra import need_clip_extra  # noqa: PLC0415 — asked only where something is fetched
 
     need_clip_extra()
     if not as_json:

@@ -15,10 +15,10 @@ from scipy.sparse import coo_array, csr_array
 from scipy.spatial import cKDTree
 
 from mechstyle.errors import unknown
-from mechstyle.fea.interpolation import GAUSS_A, GAUSS_B
-from mechstyle.material import Material
-from mechstyle.mesh import Floats, TetMesh
+from mechstyle.fea.elements import GAUSS_A, GAUSS_B
 from mechstyle.records import CRITERIA, Judgement, Measures, Outcome, Simulation, Verdict
+from mechstyle.records.material import Material
+from mechstyle.records.mesh import Floats, TetMesh
 
 ALL_ORIENTATIONS_LIMIT = 1.10
 """Growth of the 99th percentile over all orientations that counts as unharmed; re-meshing alone changes it by 1 to 5 %."""

@@ -10,9 +10,9 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from mechstyle.errors import BadInput
 from mechstyle.fea.elasticity import barycentric_gradients, element_frequencies, lumped_masses
-from mechstyle.fea.interpolation import LINEAR, Element, ElementMesh, with_nodes
-from mechstyle.material import Material
-from mechstyle.mesh import Floats, Indices, TetMesh
+from mechstyle.fea.elements import LINEAR, Element, ElementMesh, with_nodes
+from mechstyle.records.material import Material
+from mechstyle.records.mesh import Floats, Indices, TetMesh
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,9 +14,9 @@ import numpy as np
 from scipy import sparse
 
 from mechstyle.errors import unknown
-from mechstyle.fea.interpolation import ElementMesh
-from mechstyle.material import Material
-from mechstyle.mesh import Floats, TetMesh
+from mechstyle.fea.elements import ElementMesh
+from mechstyle.records.material import Material
+from mechstyle.records.mesh import Floats, TetMesh
 
 LAWS = ("st_venant_kirchhoff", "stable_neo_hookean")
 """Elastic laws by name; the kernels know each by its place in this tuple."""

@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike
 from scipy.spatial import ConvexHull
 
 from mechstyle.errors import BadInput, unknown
-from mechstyle.mesh import Floats, frozen_array
 from mechstyle.records import POSES
+from mechstyle.records.mesh import Floats, frozen_array
 
 UP = (0.0, 0.0, 1.0)
 

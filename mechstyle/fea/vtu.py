@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mechstyle.errors import BadInput
-from mechstyle.fea.interpolation import EDGES, ElementMesh
-from mechstyle.mesh import Floats
+from mechstyle.fea.elements import EDGES, ElementMesh
+from mechstyle.records.mesh import Floats
 
 VTK_ORDER = {4: (0, 1, 2, 3), 10: (0, 1, 2, 3, 4, 7, 5, 6, 8, 9)}
 """Our node in each place of a VTK cell: VTK goes around the base, edges 01 12 20, and then up, 03 13 23."""

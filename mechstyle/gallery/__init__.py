@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from mechstyle.mesh import SurfaceMesh
+    from mechstyle.records.mesh import SurfaceMesh
 
 __all__ = ["describe", "make", "names"]
 

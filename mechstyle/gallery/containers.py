@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from mechstyle.errors import BadInput
-from mechstyle.gallery import shells, solids
-from mechstyle.mesh import Floats, SurfaceMesh
+from mechstyle.gallery import _shells, _solids
+from mechstyle.records.mesh import Floats, SurfaceMesh
 
 FOOT = 0.8  # chamfer under a standing model [mm]: a printed first layer spreads by about as much
 
@@ -28,7 +28,7 @@ def pen_holder(
         wall: Thickness of the wall [mm].
         base: Thickness of the floor [mm].
     """
-    solids.within(diameter=(diameter, 30, 200), height=(height, 30, 250), wall=(wall, 1.2, 8), base=(base, 1.2, 10))
+    _solids.within(diameter=(diameter, 30, 200), height=(height, 30, 250), wall=(wall, 1.2, 8), base=(base, 1.2, 10))
     radius, half = diameter / 2, wall / 2
     inside, fillet = radius - wall, min(5.0, 0.2 * (diameter - 2 * wall))
     over = np.linspace(0.0, math.pi, 13)
@@ -36,7 +36,7 @@ def pen_holder(
     outer = [(radius - FOOT, 0.0), (radius, FOOT)]
     rim = np.column_stack([radius - half + half * np.cos(over), height - half + half * np.sin(over)])
     floor = np.column_stack([inside - fillet * (1 - np.cos(into)), base + fillet * (1 - np.sin(into))])
-    return solids.standing(solids.turned(np.concatenate([outer, rim, floor])))
+    return _solids.standing(_solids.turned(np.concatenate([outer, rim, floor])))
 
 
 def vase(
@@ -60,20 +60,20 @@ def vase(
         relief: Depth of a wave on the belly, from its middle [mm].
         twist: How far the waves wind from foot to rim [degrees].
     """
-    solids.within(height=(height, 60, 260), diameter=(diameter, 40, 200), wall=(wall, 1.5, 6), base=(base, 1.2, 10))
-    solids.within(relief=(relief, 0, 5), twist=(twist, -180, 180))
-    lobes = solids.count("lobes", lobes, 3, 24)
+    _solids.within(height=(height, 60, 260), diameter=(diameter, 40, 200), wall=(wall, 1.5, 6), base=(base, 1.2, 10))
+    _solids.within(relief=(relief, 0, 5), twist=(twist, -180, 180))
+    lobes = _solids.count("lobes", lobes, 3, 24)
     if relief * lobes > 0.35 * diameter:
         raise BadInput(f"{lobes} waves of {relief:g} mm are too steep for a vase of {diameter:g} mm: take fewer or flatter ones")
-    turn = shells.angles(lobes)
+    turn = _shells.angles(lobes)
     up = np.concatenate([[0.0], np.linspace(FOOT / height, 1.0 - wall / (2 * height), 64)])
     outer = _belly(up)[:, None] * (diameter / 2 + relief * _waves(up, turn, lobes, twist))
-    inner = shells.inner_radius(outer, up * height, turn, wall)
+    inner = _shells.inner_radius(outer, up * height, turn, wall)
     outer[0] -= FOOT
-    lip, lip_level = shells.rim(outer[-1], inner[-1], up[-1] * height, wall / 2)
-    bowl, bowl_level = shells.bowl(inner, up * height, base, fillet=6.0)
+    lip, lip_level = _shells.rim(outer[-1], inner[-1], up[-1] * height, wall / 2)
+    bowl, bowl_level = _shells.bowl(inner, up * height, base, fillet=6.0)
     radius, level = np.concatenate([outer, lip, bowl]), np.concatenate([up * height, lip_level, bowl_level])
-    return solids.standing(solids.skinned(shells.rings(radius, level, turn)))
+    return _solids.standing(_solids.skinned(_shells.rings(radius, level, turn)))
 
 
 def pill_box(
@@ -95,16 +95,16 @@ def pill_box(
         wall: Thickness of the walls [mm].
         base: Thickness of the floor [mm].
     """
-    cells = solids.count("cells", cells, 1, 14)
-    solids.within(width=(width, 12, 60), length=(length, 12, 80), depth=(depth, 6, 60))
-    solids.within(wall=(wall, 1.2, 5), base=(base, 1.2, 6))
+    cells = _solids.count("cells", cells, 1, 14)
+    _solids.within(width=(width, 12, 60), length=(length, 12, 80), depth=(depth, 6, 60))
+    _solids.within(wall=(wall, 1.2, 5), base=(base, 1.2, 6))
     corner = min(6.0, 0.3 * min(width, length))
-    outline = solids.box(cells * (width + wall) + wall, length + 2 * wall, corner + wall)
-    tray = solids.slab(outline, base + depth, foot=FOOT, top=0.5 * wall)
-    cell = solids.pocket(solids.box(width, length, corner), depth, floor=min(0.9 * corner, 0.5 * depth), flare=0.45 * wall)
+    outline = _solids.box(cells * (width + wall) + wall, length + 2 * wall, corner + wall)
+    tray = _solids.slab(outline, base + depth, foot=FOOT, top=0.5 * wall)
+    cell = _solids.pocket(_solids.box(width, length, corner), depth, floor=min(0.9 * corner, 0.5 * depth), flare=0.45 * wall)
     for number in range(cells):
         tray -= cell.translate(((number - (cells - 1) / 2) * (width + wall), 0.0, base + depth))
-    return solids.standing(tray)
+    return _solids.standing(tray)
 
 
 def _belly(up: Floats) -> Floats:

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from mechstyle.gallery import solids
-from mechstyle.mesh import SurfaceMesh
+from mechstyle.gallery import _solids
+from mechstyle.records.mesh import SurfaceMesh
 
 
 def utensil_grip(
@@ -31,16 +31,16 @@ def utensil_grip(
         slot_height: Height of that slot [mm].
         slot_depth: How far the slot reaches in [mm].
     """
-    solids.within(length=(length, 70, 180), diameter=(diameter, 22, 60), relief=(relief, 0, 0.08 * diameter))
-    solids.within(slot_width=(slot_width, 5, 0.55 * diameter), slot_height=(slot_height, 2, 0.3 * diameter))
-    solids.within(slot_depth=(slot_depth, 20, length - 10))
-    waves = solids.count("waves", waves, 0, 8)
+    _solids.within(length=(length, 70, 180), diameter=(diameter, 22, 60), relief=(relief, 0, 0.08 * diameter))
+    _solids.within(slot_width=(slot_width, 5, 0.55 * diameter), slot_height=(slot_height, 2, 0.3 * diameter))
+    _solids.within(slot_depth=(slot_depth, 20, length - 10))
+    waves = _solids.count("waves", waves, 0, 8)
     path, radius = _profile(length, diameter / 2, waves, relief)
-    body = solids.swept(np.column_stack([path, np.zeros_like(path)]), np.column_stack([2.0 * radius, 1.84 * radius]), power=2.2)
+    body = _solids.swept(np.column_stack([path, np.zeros_like(path)]), np.column_stack([2.0 * radius, 1.84 * radius]), power=2.2)
     body = body.trim_by_plane((0.0, 0.0, 1.0), -0.33 * diameter)  # deeper than the waves, so that the flat is one face
-    mouth = solids.box(slot_width, slot_height, 0.35 * slot_height)
-    slot = solids.pocket(mouth, slot_depth, floor=0.3 * slot_height, flare=1.2).rotate((90.0, 0.0, 0.0))
-    return solids.standing(body - slot.translate((0.0, -length / 2, 0.0)))
+    mouth = _solids.box(slot_width, slot_height, 0.35 * slot_height)
+    slot = _solids.pocket(mouth, slot_depth, floor=0.3 * slot_height, flare=1.2).rotate((90.0, 0.0, 0.0))
+    return _solids.standing(body - slot.translate((0.0, -length / 2, 0.0)))
 
 
 def _profile(length: float, radius: float, waves: int, relief: float) -> tuple[np.ndarray, np.ndarray]:

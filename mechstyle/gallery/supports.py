@@ -8,8 +8,8 @@ import numpy as np
 from manifold3d import CrossSection
 
 from mechstyle.errors import BadInput
-from mechstyle.gallery import solids
-from mechstyle.mesh import Floats, SurfaceMesh
+from mechstyle.gallery import _solids
+from mechstyle.records.mesh import Floats, SurfaceMesh
 
 
 def phone_stand(
@@ -31,18 +31,18 @@ def phone_stand(
         thickness: Thickness of every bar [mm].
         slot: Width of the cable slot through ledge and lip [mm].
     """
-    solids.within(width=(width, 40, 140), height=(height, 60, 180), angle=(angle, 50, 80), ledge=(ledge, 8, 30))
-    solids.within(thickness=(thickness, 3, 10), slot=(slot, 6, 0.4 * width))
+    _solids.within(width=(width, 40, 140), height=(height, 60, 180), angle=(angle, 50, 80), ledge=(ledge, 8, 30))
+    _solids.within(thickness=(thickness, 3, 10), slot=(slot, 6, 0.4 * width))
     along = np.array([math.cos(math.radians(angle)), math.sin(math.radians(angle))])
     across = np.array([-along[1], along[0]])
     heel, end = (12.0 + 1.6 * thickness) * along, ledge + 0.5 * thickness
     foot, rear, brace = (-0.22 * height, 0.0), (0.62 * height, 0.0), 0.64 * height * along
     lines = ([foot, rear, brace], [(0.0, 0.0), height * along], [heel, heel + end * across, heel + end * across + 9.0 * along])
-    side = sum((solids.stroke(np.array(line), thickness) for line in lines), CrossSection())
-    stand = solids.bar(solids.softened(side, 0.3 * thickness, 4.0), width, 0.25 * thickness)
+    side = sum((_solids.stroke(np.array(line), thickness) for line in lines), CrossSection())
+    stand = _solids.bar(_solids.softened(side, 0.3 * thickness, 4.0), width, 0.25 * thickness)
     front, depth = heel - (0.5 * thickness + 2.0) * along + (0.5 * thickness + 1.0) * across, (ledge + 2.0 * thickness) * across
-    cut = solids.polygon([front, front + 40.0 * along, front + 40.0 * along + depth, front + depth])
-    return solids.standing((stand - solids.bar(cut, slot, 0.0)).rotate((0.0, 0.0, 90.0)))
+    cut = _solids.polygon([front, front + 40.0 * along, front + 40.0 * along + depth, front + depth])
+    return _solids.standing((stand - _solids.bar(cut, slot, 0.0)).rotate((0.0, 0.0, 90.0)))
 
 
 def wall_hook(
@@ -64,20 +64,20 @@ def wall_hook(
         thickness: Thickness of the arm [mm].
         screw: Diameter of the two countersunk screw holes [mm].
     """
-    solids.within(height=(height, 60, 160), width=(width, 24, 80), plate=(plate, 3, 12), reach=(reach, 32, 90))
-    solids.within(thickness=(thickness, 7, 18), screw=(screw, 2.5, min(0.2 * width, (plate - 1.8) / 0.55)))
+    _solids.within(height=(height, 60, 160), width=(width, 24, 80), plate=(plate, 3, 12), reach=(reach, 32, 90))
+    _solids.within(thickness=(thickness, 7, 18), screw=(screw, 2.5, min(0.2 * width, (plate - 1.8) / 0.55)))
     hole_place, root = 0.5 * height - 0.42 * width, 0.16 * height
     if hole_place - 1.1 * screw < root + 0.8 * thickness + 1.5:
         raise BadInput(f"a plate {width:g} x {height:g} mm has no room for {screw:g} mm screws beside a {thickness:g} mm arm: lengthen it")
-    outline = solids.softened(solids.box(width, height, 0.42 * width), 3.0, 3.0)
-    body = solids.slab(outline, plate, top=0.35 * plate)
+    outline = _solids.softened(_solids.box(width, height, 0.42 * width), 3.0, 3.0)
+    body = _solids.slab(outline, plate, top=0.35 * plate)
     path, sizes = _hook_line(reach, thickness, 0.62 * width, plate)
-    body += solids.swept(path - (root, 0.0), sizes)
+    body += _solids.swept(path - (root, 0.0), sizes)
     sink = 0.55 * screw
-    hole = solids.turned([(screw / 2, -1.0), (screw / 2, plate - sink), (screw / 2 + sink + 1.0, plate + 1.0)])
+    hole = _solids.turned([(screw / 2, -1.0), (screw / 2, plate - sink), (screw / 2 + sink + 1.0, plate + 1.0)])
     for y in (-hole_place, hole_place):
         body -= hole.translate((0.0, y, 0.0))
-    return solids.standing(body)
+    return _solids.standing(body)
 
 
 def _hook_line(reach: float, thickness: float, width: float, plate: float) -> tuple[Floats, Floats]:

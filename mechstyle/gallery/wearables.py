@@ -7,8 +7,8 @@ import math
 import numpy as np
 from manifold3d import CrossSection
 
-from mechstyle.gallery import solids
-from mechstyle.mesh import SurfaceMesh
+from mechstyle.gallery import _solids
+from mechstyle.records.mesh import SurfaceMesh
 
 
 def spectacle_frame(
@@ -28,27 +28,27 @@ def spectacle_frame(
         rim: Width of the rim around a lens [mm].
         depth: Thickness of the front [mm].
     """
-    solids.within(lens_width=(lens_width, 36, 64), lens_height=(lens_height, 26, 56), bridge=(bridge, 14, 28))
-    solids.within(rim=(rim, 2.5, 0.45 * bridge), depth=(depth, 2.5, 8))
+    _solids.within(lens_width=(lens_width, 36, 64), lens_height=(lens_height, 26, 56), bridge=(bridge, 14, 28))
+    _solids.within(rim=(rim, 2.5, 0.45 * bridge), depth=(depth, 2.5, 8))
     lens = _lens(lens_width, lens_height)
     middle = (lens_width + bridge) / 2
     lenses = lens.translate((-middle, 0.0)) + lens.mirror((1.0, 0.0)).translate((middle, 0.0))
-    around = solids.offset(lenses, rim)
+    around = _solids.offset(lenses, rim)
     spots = np.linspace(-1.0, 1.0, 9)
     arch = np.column_stack([spots * (0.5 * bridge + 0.5 * rim), lens_height * (0.20 + 0.06 * (1 - spots**2))])
     edge, brow = lens_width + bridge / 2, 0.24 * lens_height
-    outline = around + solids.stroke(arch, 1.25 * rim)
+    outline = around + _solids.stroke(arch, 1.25 * rim)
     for side in (-1.0, 1.0):
-        outline += solids.stroke([(side * edge, brow), (side * (edge + rim + 3.5), brow + 1.5)], 1.6 * rim)
+        outline += _solids.stroke([(side * edge, brow), (side * (edge + rim + 3.5), brow + 1.5)], 1.6 * rim)
     rounding = 0.3 * min(rim, depth)
-    front = solids.softened(outline, rounding + 0.6, 3.0) - lenses
-    return solids.standing(solids.slab(front, depth, foot=0.5, top=rounding))
+    front = _solids.softened(outline, rounding + 0.6, 3.0) - lenses
+    return _solids.standing(_solids.slab(front, depth, foot=0.5, top=rounding))
 
 
 def _lens(width: float, height: float) -> CrossSection:
     """A panto lens for the left of the wearer's picture: flat brow, narrower towards the cheek."""
-    line = solids.superellipse(width / 2, height / 2, 2.5, 120)
+    line = _solids.superellipse(width / 2, height / 2, 2.5, 120)
     down = 0.5 - line[:, 1] / height
     line[:, 0] *= 1.0 - 0.10 * down**2
     line[:, 0] -= 0.03 * width * np.sin(math.pi * (down - 0.5))
-    return solids.polygon(line)
+    return _solids.polygon(line)

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from mechstyle.errors import BadInput
 from mechstyle.geometry.repair import repaired
 from mechstyle.geometry.threemf import threemf_bytes
-from mechstyle.mesh import Floats, SurfaceMesh
+from mechstyle.records.mesh import Floats, SurfaceMesh
 
 FORMATS = ("stl", "obj", "ply", "glb", "3mf")
 MOST_FACES = 1_000_000
@@ -32,7 +32,7 @@ Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 """Rotation that takes a y-up position to a z-up one."""
 
 
-class Loaded(NamedTuple):
+class ReadPart(NamedTuple):
     """A part and what had to be done to it, one sentence each."""
 
     mesh: SurfaceMesh
@@ -44,7 +44,7 @@ def load(path: str | Path, *, scale: float | None = None) -> SurfaceMesh:
     return read(path, scale=scale).mesh
 
 
-def read(path: str | Path, *, scale: float | None = None) -> Loaded:
+def read(path: str | Path, *, scale: float | None = None) -> ReadPart:
     """One closed body from an STL, OBJ, PLY, GLB or 3MF file, and the repairs it took.
 
     Args:
@@ -63,7 +63,7 @@ def read(path: str | Path, *, scale: float | None = None) -> Loaded:
     mesh, notes = repaired(vertices * factor, faces, file.name)
     if factor != 1.0:
         notes = (f"converted to millimetres (times {factor:g})", *notes)
-    return Loaded(mesh, notes)
+    return ReadPart(mesh, notes)
 
 
 def _triangles(file: Path) -> tuple[Floats, NDArray[np.int64], float]:

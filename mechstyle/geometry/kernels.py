@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from mechstyle.quiet import wp
+from mechstyle._warp import wp
 
 
 @wp.kernel

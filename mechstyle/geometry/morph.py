@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 
 from mechstyle.errors import BadInput
 from mechstyle.geometry.proximity import TriangleTree
-from mechstyle.mesh import Floats, SurfaceMesh, TetMesh, frozen_array
+from mechstyle.records.mesh import Floats, SurfaceMesh, TetMesh, frozen_array
 
 LEAST_QUALITY = 0.08  # mean ratio below which a tetrahedron is backed off ...
 LEAST_SHARE = 0.5  # ... or below this share of its own quality at rest, if that is less

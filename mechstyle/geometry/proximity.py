@@ -8,9 +8,9 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 
+from mechstyle._warp import wp
 from mechstyle.geometry.kernels import nearest_points
-from mechstyle.mesh import Floats
-from mechstyle.quiet import wp
+from mechstyle.records.mesh import Floats
 
 
 class Nearest(NamedTuple):

@@ -13,10 +13,10 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from mechstyle.errors import BadInput, SimulationFailed
-from mechstyle.geometry.crossings import overlaps
-from mechstyle.geometry.standardise import manifold_of, surface_of
+from mechstyle.geometry.remesh import manifold_of, surface_of
+from mechstyle.geometry.self_intersections import overlaps
 from mechstyle.geometry.tetwild import Settings, tetwild
-from mechstyle.mesh import Floats, Indices, SurfaceMesh, TetMesh
+from mechstyle.records.mesh import Floats, Indices, SurfaceMesh, TetMesh
 
 HAIRLINE = 1e-4
 """Gaps up to this share of the part's diagonal, finer than printers resolve, are closed by moving their sides together."""

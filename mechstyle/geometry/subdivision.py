@@ -8,7 +8,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from mechstyle.mesh import Indices, SurfaceMesh
+from mechstyle.records.mesh import Indices, SurfaceMesh
 
 
 class Quartered(NamedTuple):

@@ -16,9 +16,9 @@ from scipy.sparse.csgraph import connected_components, reverse_cuthill_mckee
 
 from mechstyle.errors import BadInput, SimulationFailed
 from mechstyle.geometry.proximity import TriangleTree
-from mechstyle.geometry.standardise import even_edge, manifold_of, remeshed
+from mechstyle.geometry.remesh import even_edge, manifold_of, remeshed
 from mechstyle.geometry.tetwild import Settings, tetwild
-from mechstyle.mesh import Floats, Indices, SurfaceMesh, TetMesh, digest_of
+from mechstyle.records.mesh import Floats, Indices, SurfaceMesh, TetMesh, digest_of
 
 VERSION = "6"  # of what is cached: raise it when the result for the same input may change
 FEWEST, MOST = 500, 400_000

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mechstyle.errors import SimulationFailed
-from mechstyle.mesh import Floats
+from mechstyle.records.mesh import Floats
 
 GRACE = 10.0  # seconds after the limit at which an orphaned worker ends itself
 

@@ -10,10 +10,10 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import dijkstra
 
+from mechstyle._warp import wp
 from mechstyle.geometry.kernels import shrink_balls
 from mechstyle.geometry.proximity import TriangleTree
-from mechstyle.mesh import Floats, SurfaceMesh
-from mechstyle.quiet import wp
+from mechstyle.records.mesh import Floats, SurfaceMesh
 
 # A ball counts as empty if nothing reaches deeper into it than a tenth of its radius. In the centre of a sphere every
 # triangle is equally near and the search visits all of them: 0.97 takes 11 times longer there, for exactness nobody needs.

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.cluster.vq import kmeans2
 
-from mechstyle.mesh import SurfaceMesh
+from mechstyle.records.mesh import SurfaceMesh
 
 MOST_COLOURS = 48
 

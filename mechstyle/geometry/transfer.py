@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 
 from mechstyle.errors import BadInput, unknown
 from mechstyle.geometry.proximity import TriangleTree
-from mechstyle.mesh import Floats, SurfaceMesh, TetMesh
+from mechstyle.records.mesh import Floats, SurfaceMesh, TetMesh
 
 METHODS = ("barycentric", "nearest")
 

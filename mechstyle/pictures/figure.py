@@ -20,11 +20,11 @@ from matplotlib.transforms import Bbox
 from numpy.typing import NDArray
 
 from mechstyle.errors import BadInput
-from mechstyle.mesh import SurfaceMesh
 from mechstyle.pictures.camera import Camera
 from mechstyle.pictures.colormap import STRIPE, Scale, hatch, linear_to_srgb
+from mechstyle.pictures.raster.visibility import visible
 from mechstyle.pictures.scene import BACKGROUND, Field, render
-from mechstyle.raster.visibility import visible
+from mechstyle.records.mesh import SurfaceMesh
 
 DPI = 100.0
 INK, FAINT = "#1c1c1e", "#5f5f66"

@@ -9,11 +9,11 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.ndimage import binary_dilation
 
 from mechstyle.errors import BadInput
-from mechstyle.mesh import SurfaceMesh
 from mechstyle.pictures.camera import VIEWS, Camera
 from mechstyle.pictures.colormap import ABSENT, LINE, STRIPE, Scale, hatch, linear_to_srgb, srgb_to_linear
+from mechstyle.pictures.raster.visibility import Visibility, visible
 from mechstyle.pictures.shading import corner_normals, floor_shadow, hollows, lit
-from mechstyle.raster.visibility import Visibility, visible
+from mechstyle.records.mesh import SurfaceMesh
 
 __all__ = ["BACKGROUND", "VIEWS", "Camera", "Field", "render"]
 

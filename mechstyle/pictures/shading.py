@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter, map_coordinates
 
-from mechstyle.mesh import SurfaceMesh
 from mechstyle.pictures.camera import Camera
-from mechstyle.raster.visibility import visible
+from mechstyle.pictures.raster.visibility import visible
+from mechstyle.records.mesh import SurfaceMesh
 
 Image = NDArray[np.float32]
 

@@ -11,8 +11,8 @@ from collections.abc import Iterable, Mapping
 import msgspec
 
 from mechstyle.errors import BadInput
+from mechstyle.styling.drawing.colours import rgb, shaded
 from mechstyle.styling.library import library, style_named
-from mechstyle.styling.tones import rgb, shaded
 
 Rgb = tuple[float, float, float]
 

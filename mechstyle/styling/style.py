@@ -6,8 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from mechstyle.mesh import Floats
-from mechstyle.styling.canvas import Canvas
+from mechstyle.records.mesh import Floats
+from mechstyle.styling.drawing.canvas import Canvas
 
 
 class Relief(NamedTuple):

@@ -29,7 +29,7 @@ from PIL import Image
 from playwright.sync_api import Browser, Locator, Page, sync_playwright
 
 from mechstyle.gallery import make
-from mechstyle.run import Run, stylize
+from mechstyle.runs.run import Run, stylize
 
 SCREENSHOTS = Path(__file__).parents[2] / "build" / "browser"
 START = 120  # JupyterLab on two busy cores [s]

@@ -14,11 +14,11 @@ import pytest
 import trimesh
 
 from mechstyle.errors import BadInput
-from mechstyle.events import Checkpointed
-from mechstyle.mesh import TetMesh
-from mechstyle.planning import fitted
-from mechstyle.run import Run, begin, default_folder
-from mechstyle.store import Store
+from mechstyle.loop.events import Checkpointed
+from mechstyle.loop.store import Store
+from mechstyle.records.mesh import TetMesh
+from mechstyle.runs.run import Run, begin, default_folder
+from mechstyle.simulation.part import fitted
 
 KEYS = {
     "verdict",

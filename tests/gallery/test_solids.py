@@ -7,7 +7,7 @@ import pytest
 from manifold3d import CrossSection, Error, Manifold
 
 from mechstyle.errors import BadInput
-from mechstyle.gallery import solids
+from mechstyle.gallery import _solids
 
 
 def sound(body):
@@ -18,32 +18,32 @@ def sound(body):
 
 @pytest.mark.parametrize("radius", [0.5, 3.0, 20.0, 60.0])
 def test_circles_are_as_round_as_promised(radius):
-    sides = solids.segments(radius)
+    sides = _solids.segments(radius)
     assert sides % 8 == 0
-    assert radius * (1 - math.cos(math.pi / sides)) <= max(solids.SAGITTA, 0.3 * radius / 8) + 1e-9
+    assert radius * (1 - math.cos(math.pi / sides)) <= max(_solids.SAGITTA, 0.3 * radius / 8) + 1e-9
 
 
 def test_a_box_with_round_corners_has_its_area():
-    assert solids.box(40, 30, 5).area() == pytest.approx(40 * 30 - (4 - math.pi) * 25, rel=1e-3)
+    assert _solids.box(40, 30, 5).area() == pytest.approx(40 * 30 - (4 - math.pi) * 25, rel=1e-3)
 
 
 def test_a_stroke_is_as_long_and_thick_as_drawn():
-    area = solids.stroke([(0, 0), (30, 0), (30, 20)], 4.0).area()
+    area = _solids.stroke([(0, 0), (30, 0), (30, 20)], 4.0).area()
     corner = 4.0 - 4.0 * math.pi / 4  # two rectangles share a quarter square, a quarter disc rounds the outside
     assert area == pytest.approx(50 * 4 + math.pi * 4 - corner, rel=5e-3)
 
 
 def test_softening_rounds_outer_corners_and_fills_inner_ones():
     square = CrossSection.square((20, 20))
-    assert solids.softened(square, 3.0, 1.0).area() == pytest.approx(400 - (4 - math.pi) * 9, rel=1e-3)
+    assert _solids.softened(square, 3.0, 1.0).area() == pytest.approx(400 - (4 - math.pi) * 9, rel=1e-3)
     notched = square - CrossSection.square((10, 10))
-    filled = solids.softened(notched, 1e-3, 2.0).area() - notched.area()
+    filled = _solids.softened(notched, 1e-3, 2.0).area() - notched.area()
     assert filled == pytest.approx((1 - math.pi / 4) * 4, rel=0.05)
 
 
 def test_a_slab_is_a_prism_less_its_chamfer_and_round():
     radius, height, foot, top = 20.0, 10.0, 1.0, 2.0
-    body = sound(solids.slab(solids.disc(radius), height, foot=foot, top=top))
+    body = sound(_solids.slab(_solids.disc(radius), height, foot=foot, top=top))
     # Pappus: section times the way of its centroid; a triangle below, a square less a quarter disc above.
     chamfer = foot**2 / 2 * 2 * math.pi * (radius - foot / 3)
     round_ = (1 - math.pi / 4) * top**2 * 2 * math.pi * (radius - top * (1 - 2 / 3 / (4 - math.pi)))
@@ -53,14 +53,14 @@ def test_a_slab_is_a_prism_less_its_chamfer_and_round():
 
 def test_a_plain_slab_is_exact_also_around_holes():
     frame = CrossSection.square((30, 20), center=True) - CrossSection.square((10, 10), center=True)
-    body = sound(solids.slab(frame, 5.0, foot=0, top=0))
+    body = sound(_solids.slab(frame, 5.0, foot=0, top=0))
     assert body.volume() == pytest.approx(500 * 5)
     assert body.genus() == 1
 
 
 def test_edges_of_a_hole_are_rounded_into_the_material():
-    frame = solids.softened(CrossSection.square((40, 40), center=True), 3.0, 1.0) - solids.disc(10.0)
-    body = sound(solids.slab(frame, 6.0, foot=0, top=1.5))
+    frame = _solids.softened(CrossSection.square((40, 40), center=True), 3.0, 1.0) - _solids.disc(10.0)
+    body = sound(_solids.slab(frame, 6.0, foot=0, top=1.5))
     top = body.slice(6.0 - 1e-6).area()
     assert top < frame.area()
     hole = body.slice(6.0 - 1e-6).to_polygons()
@@ -69,51 +69,51 @@ def test_edges_of_a_hole_are_rounded_into_the_material():
 
 def test_a_bar_is_its_side_view_times_its_width():
     side = CrossSection.square((20, 8))
-    assert sound(solids.bar(side, 12.0, 0.0)).volume() == pytest.approx(20 * 8 * 12)
-    body = sound(solids.bar(solids.softened(side, 2.0, 1.0), 12.0, 1.0))
+    assert sound(_solids.bar(side, 12.0, 0.0)).volume() == pytest.approx(20 * 8 * 12)
+    body = sound(_solids.bar(_solids.softened(side, 2.0, 1.0), 12.0, 1.0))
     assert body.bounding_box() == pytest.approx((0, -6, 0, 20, 6, 8), abs=1e-3)
 
 
 def test_a_pocket_leaves_a_round_lip_and_floor():
     block = Manifold.cube((60, 60, 20), center=True).translate((0, 0, -10))
-    body = sound(block - solids.pocket(solids.box(30, 30, 8), 12.0, floor=4.0, flare=1.0))
-    assert body.slice(-1e-6).area() == pytest.approx(3600 - solids.box(32, 32, 9).area(), rel=1e-3)
-    assert body.slice(-6.0).area() == pytest.approx(3600 - solids.box(30, 30, 8).area(), rel=1e-3)
+    body = sound(block - _solids.pocket(_solids.box(30, 30, 8), 12.0, floor=4.0, flare=1.0))
+    assert body.slice(-1e-6).area() == pytest.approx(3600 - _solids.box(32, 32, 9).area(), rel=1e-3)
+    assert body.slice(-6.0).area() == pytest.approx(3600 - _solids.box(30, 30, 8).area(), rel=1e-3)
     assert body.slice(-12.0 - 1e-6).area() == pytest.approx(3600)
 
 
 def test_turning_a_line_gives_a_cylinder_and_a_sphere():
-    assert sound(solids.turned([(10, 0), (10, 7)])).volume() == pytest.approx(math.pi * 700, rel=3e-3)
+    assert sound(_solids.turned([(10, 0), (10, 7)])).volume() == pytest.approx(math.pi * 700, rel=3e-3)
     turn = np.linspace(-math.pi / 2 + 1e-3, math.pi / 2 - 1e-3, 60)
     arc = np.column_stack([10 * np.cos(turn), 10 * np.sin(turn)])
-    assert sound(solids.turned(arc)).volume() == pytest.approx(4000 / 3 * math.pi, rel=5e-3)
+    assert sound(_solids.turned(arc)).volume() == pytest.approx(4000 / 3 * math.pi, rel=5e-3)
 
 
 def test_a_closed_skin_is_a_torus():
     u, v = np.linspace(0, 2 * math.pi, 90, endpoint=False), np.linspace(0, 2 * math.pi, 40, endpoint=False)
     radius = 20 + 5 * np.cos(v)[:, None]
     rings = np.stack([radius * np.cos(u), radius * np.sin(u), np.broadcast_to(5 * np.sin(v)[:, None], (40, 90))], axis=-1)
-    torus = sound(solids.skinned(rings, closed=True))
+    torus = sound(_solids.skinned(rings, closed=True))
     assert torus.genus() == 1
     assert torus.volume() == pytest.approx(2 * math.pi**2 * 20 * 25, rel=1e-2)
 
 
 def test_a_swept_bar_has_its_section_and_length():
-    body = sound(solids.swept([(0, 0), (0, 10), (0, 30)], np.full((3, 2), (8.0, 4.0)), power=2.0))
+    body = sound(_solids.swept([(0, 0), (0, 10), (0, 30)], np.full((3, 2), (8.0, 4.0)), power=2.0))
     assert body.volume() == pytest.approx(math.pi * 4 * 2 * 30, rel=2e-2)
     assert body.bounding_box() == pytest.approx((-4, -2, 0, 4, 2, 30))
 
 
 def test_a_superellipse_reaches_its_half_axes_and_grows_with_its_power():
-    line = solids.superellipse(5.0, 3.0, 2.6, 64)
+    line = _solids.superellipse(5.0, 3.0, 2.6, 64)
     assert np.abs(line).max(axis=0) == pytest.approx((5.0, 3.0))
     assert (np.abs(line / (5.0, 3.0)) ** 2.6).sum(axis=1) == pytest.approx(1.0)
-    areas = [solids.polygon(solids.superellipse(1.0, 1.0, power, 400)).area() for power in (1.0, 2.0, 4.0)]
+    areas = [_solids.polygon(_solids.superellipse(1.0, 1.0, power, 400)).area() for power in (1.0, 2.0, 4.0)]
     assert areas == pytest.approx([2.0, math.pi, 3.7081], rel=1e-3)
 
 
 def test_standing_puts_a_body_on_the_floor_over_the_origin():
-    mesh = solids.standing(Manifold.cube((2, 4, 6)).translate((5, -7, -30)))
+    mesh = _solids.standing(Manifold.cube((2, 4, 6)).translate((5, -7, -30)))
     assert mesh.vertices.min(axis=0) == pytest.approx((-1, -2, 0))
     assert mesh.vertices.max(axis=0) == pytest.approx((1, 2, 6))
     assert mesh.volume == pytest.approx(48)
@@ -123,15 +123,15 @@ def test_what_is_not_one_body_is_refused():
     apart = Manifold.cube((1, 1, 1)) + Manifold.cube((1, 1, 1)).translate((5, 0, 0))
     for body in (apart, Manifold()):
         with pytest.raises(BadInput, match="one solid body"):
-            solids.standing(body)
+            _solids.standing(body)
 
 
 def test_rounding_more_than_the_corners_allow_is_refused():
     with pytest.raises(BadInput, match="rounded more than its corners allow"):
-        solids.slab(solids.box(6.0, 6.0, 1.0), 10.0, top=3.5)
+        _solids.slab(_solids.box(6.0, 6.0, 1.0), 10.0, top=3.5)
 
 
 def test_ranges_are_inclusive_and_name_the_measure():
-    solids.within(wall=(1.2, 1.2, 5))
+    _solids.within(wall=(1.2, 1.2, 5))
     with pytest.raises(BadInput, match="slot width is 9, but must lie in 1 to 8"):
-        solids.within(slot_width=(9, 1, 8))
+        _solids.within(slot_width=(9, 1, 8))

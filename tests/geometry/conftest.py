@@ -5,9 +5,9 @@ from __future__ import annotations
 import manifold3d
 import pytest
 
-from mechstyle.geometry.standardise import standardise, surface_of
+from mechstyle.geometry.remesh import standardise, surface_of
 from mechstyle.geometry.tetrahedra import tetrahedralise
-from mechstyle.mesh import SurfaceMesh, TetMesh
+from mechstyle.records.mesh import SurfaceMesh, TetMesh
 
 
 def cup_body(wall: float = 3.0) -> manifold3d.Manifold:

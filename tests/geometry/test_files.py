@@ -16,7 +16,7 @@ import trimesh
 from mechstyle.errors import BadInput
 from mechstyle.geometry import files
 from mechstyle.geometry.files import FORMATS, load, read, save
-from mechstyle.mesh import SurfaceMesh
+from mechstyle.records.mesh import SurfaceMesh
 
 CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
 

@@ -7,7 +7,7 @@ import pytest
 
 from mechstyle.errors import BadInput
 from mechstyle.geometry.morph import Morph, laplacian
-from mechstyle.mesh import SurfaceMesh
+from mechstyle.records.mesh import SurfaceMesh
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,7 @@ from mechstyle.errors import BadInput, SimulationFailed
 from mechstyle.geometry import tetrahedra as module
 from mechstyle.geometry import tetwild as worker
 from mechstyle.geometry.tetrahedra import tetrahedralise
-from mechstyle.mesh import SurfaceMesh, TetMesh
+from mechstyle.records.mesh import SurfaceMesh, TetMesh
 
 
 def test_they_fill_the_part(cup, cup_tets):

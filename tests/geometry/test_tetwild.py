@@ -10,9 +10,9 @@ from manifold3d import Manifold
 
 from mechstyle.errors import SimulationFailed
 from mechstyle.geometry import tetwild as module
-from mechstyle.geometry.standardise import surface_of
+from mechstyle.geometry.remesh import surface_of
 from mechstyle.geometry.tetwild import Settings, tetwild
-from mechstyle.mesh import TetMesh
+from mechstyle.records.mesh import TetMesh
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from manifold3d import Manifold
 
-from mechstyle.geometry.standardise import standardise, surface_of
+from mechstyle.geometry.remesh import standardise, surface_of
 from mechstyle.geometry.thickness import local_thickness
 
 

@@ -8,12 +8,12 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from mechstyle.engine import Bounds, Engine
 from mechstyle.fea.criterion import judge
-from mechstyle.material import LIBRARY
-from mechstyle.mesh import SurfaceMesh
+from mechstyle.loop.engine import Bounds, Engine
+from mechstyle.loop.store import Lane, Store
 from mechstyle.records import Measures, Recipe, Simulation
-from mechstyle.store import Lane, Store
+from mechstyle.records.material import LIBRARY
+from mechstyle.records.mesh import SurfaceMesh
 
 
 def grid(n: int = 8, step: float = 10.0) -> SurfaceMesh:

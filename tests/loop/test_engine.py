@@ -9,11 +9,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mechstyle.engine import STEP_LIMIT, Engine, kept
 from mechstyle.errors import BadInput
-from mechstyle.events import BackedOff, Checkpointed, Finished, Simulated, SimulationStarted, Stylized
+from mechstyle.loop.engine import STEP_LIMIT, Engine, kept
+from mechstyle.loop.events import BackedOff, Checkpointed, Finished, Simulated, SimulationStarted, Stylized
+from mechstyle.loop.store import Lane
 from mechstyle.records import Simulation
-from mechstyle.store import Lane
 
 
 def states(events):

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from mechstyle.events import Checkpointed, Simulated
-from mechstyle.store import Lane, Store
+from mechstyle.loop.events import Checkpointed, Simulated
+from mechstyle.loop.store import Lane, Store
 
 SETTINGS = {"schedule": "every", "every": 7, "iterations": 45}
 

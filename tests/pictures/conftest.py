@@ -2,7 +2,7 @@ import manifold3d
 import numpy as np
 import pytest
 
-from mechstyle.mesh import SurfaceMesh
+from mechstyle.records.mesh import SurfaceMesh
 
 
 def surface(body):

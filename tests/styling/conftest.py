@@ -5,8 +5,8 @@ import itertools
 import numpy as np
 import pytest
 
-from mechstyle.mesh import SurfaceMesh
-from mechstyle.styling.operators import Operators
+from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.styling.drawing.operators import Operators
 
 EDGE = 4.0  # mm
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from mechstyle.errors import BadInput
-from mechstyle.styling.canvas import Canvas
+from mechstyle.styling.drawing.canvas import Canvas
 from mechstyle.styling.library import library, names, style_named
 
 STUDY = {"brick", "stone", "cactus", "realistic", "crochet", "green"}  # of Faruqi et al. (2025)

@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 from ipywidgets import Widget
 
-from mechstyle.mesh import TetMesh
-from mechstyle.run import PartRecord, Run
-from mechstyle.session import Session
-from mechstyle.store import write_aside
-from mechstyle_widgets.conductor import Conductor, Wanted
-from mechstyle_widgets.state import StudioState
+from mechstyle._files import write_whole
+from mechstyle.records.mesh import TetMesh
+from mechstyle.runs.run import PartRecord, Run
+from mechstyle.runs.session import Session
+from mechstyle_widgets.state.controller import Conductor, Wanted
+from mechstyle_widgets.state.studio_state import StudioState
 
 _SPEC = importlib.util.spec_from_file_location("loop_fakes", Path(__file__).parents[1] / "loop" / "conftest.py")
 assert _SPEC is not None
@@ -46,7 +46,7 @@ class FakeRun:
             stands=True,
             notes=(),
         )
-        write_aside(folder / "part.json", msgspec.json.encode(record))
+        write_whole(folder / "part.json", msgspec.json.encode(record))
         self.run = Run(self.engine.store)
 
     def session(self, lane: str = "main") -> Session:

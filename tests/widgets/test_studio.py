@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 
 from mechstyle.errors import BadInput
-from mechstyle.load_cases import Load, LoadCase, Support
-from mechstyle.run import Run
-from mechstyle_widgets.run_viewer import RunViewer
+from mechstyle.records.load_cases import Load, LoadCase, Support
+from mechstyle.runs.run import Run
 from mechstyle_widgets.studio import Studio
+from mechstyle_widgets.viewer.run_viewer import RunViewer
 
 
 @pytest.fixture
 def unprotected(monkeypatch):
-    monkeypatch.setattr("mechstyle_widgets.mask_inspector._freedom", lambda run, _recipe: np.ones_like(run.part.thickness))
+    monkeypatch.setattr("mechstyle_widgets.panels.mask_inspector._freedom", lambda run, _recipe: np.ones_like(run.part.thickness))
 
 
 def test_settings_given_by_name_reach_the_recipe():

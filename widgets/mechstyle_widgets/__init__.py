@@ -4,43 +4,43 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from mechstyle_widgets.branches import Branches
-    from mechstyle_widgets.control_selector import ControlSelector
-    from mechstyle_widgets.drop_options import DropOptions
-    from mechstyle_widgets.layers import Layer, Subject
-    from mechstyle_widgets.mask_inspector import MaskInspector
-    from mechstyle_widgets.material_picker import MaterialPicker
-    from mechstyle_widgets.part_picker import PartPicker
-    from mechstyle_widgets.prompt_box import PromptBox
-    from mechstyle_widgets.regions_picker import RegionsPicker
-    from mechstyle_widgets.replay import Replay
-    from mechstyle_widgets.run_controls import RunControls
-    from mechstyle_widgets.run_viewer import RunViewer
-    from mechstyle_widgets.schedule_selector import ScheduleSelector
-    from mechstyle_widgets.state import StudioState
+    from mechstyle_widgets.panels.branches import Branches
+    from mechstyle_widgets.panels.mask_inspector import MaskInspector
+    from mechstyle_widgets.panels.run_controls import RunControls
+    from mechstyle_widgets.replay.replay import Replay
+    from mechstyle_widgets.settings.control import ControlSelector
+    from mechstyle_widgets.settings.drop import DropOptions
+    from mechstyle_widgets.settings.material import MaterialPicker
+    from mechstyle_widgets.settings.part import PartPicker
+    from mechstyle_widgets.settings.prompt import PromptBox
+    from mechstyle_widgets.settings.regions import RegionsPicker
+    from mechstyle_widgets.settings.schedule import ScheduleSelector
+    from mechstyle_widgets.state.studio_state import StudioState
     from mechstyle_widgets.studio import Studio
-    from mechstyle_widgets.timeline import Timeline
-    from mechstyle_widgets.viewer import Viewer
+    from mechstyle_widgets.timeline.timeline import Timeline
+    from mechstyle_widgets.viewer.layers import Layer, Subject
+    from mechstyle_widgets.viewer.run_viewer import RunViewer
+    from mechstyle_widgets.viewer.viewer import Viewer
 
 _WHERE = {
-    "Branches": "branches",
-    "ControlSelector": "control_selector",
-    "DropOptions": "drop_options",
-    "Layer": "layers",
-    "MaskInspector": "mask_inspector",
-    "MaterialPicker": "material_picker",
-    "PartPicker": "part_picker",
-    "PromptBox": "prompt_box",
-    "RegionsPicker": "regions_picker",
-    "Replay": "replay",
-    "RunControls": "run_controls",
-    "RunViewer": "run_viewer",
-    "ScheduleSelector": "schedule_selector",
+    "Branches": "panels.branches",
+    "ControlSelector": "settings.control",
+    "DropOptions": "settings.drop",
+    "Layer": "viewer.layers",
+    "MaskInspector": "panels.mask_inspector",
+    "MaterialPicker": "settings.material",
+    "PartPicker": "settings.part",
+    "PromptBox": "settings.prompt",
+    "RegionsPicker": "settings.regions",
+    "Replay": "replay.replay",
+    "RunControls": "panels.run_controls",
+    "RunViewer": "viewer.run_viewer",
+    "ScheduleSelector": "settings.schedule",
     "Studio": "studio",
-    "StudioState": "state",
-    "Subject": "layers",
-    "Timeline": "timeline",
-    "Viewer": "viewer",
+    "StudioState": "state.studio_state",
+    "Subject": "viewer.layers",
+    "Timeline": "timeline.timeline",
+    "Viewer": "viewer.viewer",
 }
 
 __all__ = [

@@ -10,29 +10,29 @@ import ipywidgets
 import traitlets
 
 from mechstyle.errors import BadInput
-from mechstyle.mesh import SurfaceMesh
-from mechstyle.planning import DECIDED_BY_THE_PART, FREESTYLE, draft
+from mechstyle.loop.store import parse_address
 from mechstyle.records import POSES, Recipe
-from mechstyle.run import Run
-from mechstyle.store import parse_address
-from mechstyle_widgets.branches import Branches
-from mechstyle_widgets.brush import covered, paintable
-from mechstyle_widgets.conductor import Conductor, Wanted
-from mechstyle_widgets.control_selector import ControlSelector
-from mechstyle_widgets.drop_options import DropOptions
-from mechstyle_widgets.family import close_family
-from mechstyle_widgets.mask_inspector import MaskInspector
-from mechstyle_widgets.material_picker import MaterialPicker
-from mechstyle_widgets.part_picker import PartPicker
-from mechstyle_widgets.prompt_box import PromptBox
-from mechstyle_widgets.regions_picker import RegionsPicker
-from mechstyle_widgets.reruns import OncePerCell
-from mechstyle_widgets.run_controls import RunControls
-from mechstyle_widgets.run_viewer import RunViewer
-from mechstyle_widgets.schedule_selector import ScheduleSelector
-from mechstyle_widgets.state import StudioState
-from mechstyle_widgets.timeline import Timeline
-from mechstyle_widgets.viewer import Viewer
+from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.runs.recipes import DECIDED_BY_THE_PART, FREESTYLE, draft
+from mechstyle.runs.run import Run
+from mechstyle_widgets.jupyter.cell_output import OncePerCell
+from mechstyle_widgets.jupyter.closing import close_family
+from mechstyle_widgets.panels.branches import Branches
+from mechstyle_widgets.panels.mask_inspector import MaskInspector
+from mechstyle_widgets.panels.run_controls import RunControls
+from mechstyle_widgets.settings.brush import covered, paintable
+from mechstyle_widgets.settings.control import ControlSelector
+from mechstyle_widgets.settings.drop import DropOptions
+from mechstyle_widgets.settings.material import MaterialPicker
+from mechstyle_widgets.settings.part import PartPicker
+from mechstyle_widgets.settings.prompt import PromptBox
+from mechstyle_widgets.settings.regions import RegionsPicker
+from mechstyle_widgets.settings.schedule import ScheduleSelector
+from mechstyle_widgets.state.controller import Conductor, Wanted
+from mechstyle_widgets.state.studio_state import StudioState
+from mechstyle_widgets.timeline.timeline import Timeline
+from mechstyle_widgets.viewer.run_viewer import RunViewer
+from mechstyle_widgets.viewer.viewer import Viewer
 
 COLUMN, GAP = 288, 12  # widths of a column beside the view, and between them [pixels]
 THREE_COLUMNS = 1160  # from this width on mask and branches have a column of their own [pixels]

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from mechstyle.styling.canvas import Canvas
+from mechstyle.styling.drawing.canvas import Canvas
+from mechstyle.styling.drawing.colours import mix, ramp, rgb, smoothstep
 from mechstyle.styling.style import Relief, Style
-from mechstyle.styling.tones import mix, ramp, rgb, smoothstep
 
 STRIP, GAP = 11.0, 2.4
 UPRIGHT = 0.40  # width of an upright over the length of a cell

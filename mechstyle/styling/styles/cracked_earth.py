@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from mechstyle.styling.canvas import Canvas
+from mechstyle.styling.drawing.canvas import Canvas
+from mechstyle.styling.drawing.colours import mix, ramp, rgb, smoothstep
 from mechstyle.styling.style import Relief, Style
-from mechstyle.styling.tones import mix, ramp, rgb, smoothstep
 
 PLATE, CRACK = 22.0, 3.4
 

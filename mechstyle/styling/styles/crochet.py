@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from mechstyle.mesh import Floats
-from mechstyle.styling.canvas import Canvas
+from mechstyle.records.mesh import Floats
+from mechstyle.styling.drawing.canvas import Canvas
+from mechstyle.styling.drawing.colours import ramp
 from mechstyle.styling.style import Relief, Style
-from mechstyle.styling.tones import ramp
 
 LENGTH, HEIGHT = 14.0, 9.6
 LEG_LENGTH, LEG_WIDTH, LEG_LEAN = 11.6, 6.4, np.radians(30.0)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from mechstyle.styling.canvas import Canvas
+from mechstyle.styling.drawing.canvas import Canvas
+from mechstyle.styling.drawing.colours import ramp, smoothstep
 from mechstyle.styling.style import Relief, Style
-from mechstyle.styling.tones import ramp, smoothstep
 
 LAYER, DROP = 4.4, 16.0
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from mechstyle.mesh import Floats
-from mechstyle.styling.canvas import Canvas
+from mechstyle.records.mesh import Floats
+from mechstyle.styling.drawing.canvas import Canvas
+from mechstyle.styling.drawing.colours import mix, ramp, rgb, smoothstep
 from mechstyle.styling.style import Relief, Style
-from mechstyle.styling.tones import mix, ramp, rgb, smoothstep
 
 SPACING, FLOWER, LEAF = 29.0, 16.0, 26.0
 PETALS = ("c8385f", "e88aa6", "f4b640", "f6efe2", "8f63b8", "e2663c")

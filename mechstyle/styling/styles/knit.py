@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from mechstyle.styling.canvas import Canvas
+from mechstyle.styling.drawing.canvas import Canvas
+from mechstyle.styling.drawing.colours import ramp
 from mechstyle.styling.style import Relief, Style
-from mechstyle.styling.tones import ramp
 
 LENGTH, HEIGHT = 13.0, 8.5
 LEG, YARN, LEAN = 15.5, 6.0, np.radians(24.0)

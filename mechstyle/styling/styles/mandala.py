@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from mechstyle.styling.canvas import Canvas
+from mechstyle.styling.drawing.canvas import Canvas
+from mechstyle.styling.drawing.colours import mix, ramp, rgb, smoothstep
 from mechstyle.styling.style import Relief, Style
 from mechstyle.styling.styles.wood import grain
-from mechstyle.styling.tones import mix, ramp, rgb, smoothstep
 
 RADIUS = 30.0
 # Rings of petals: inner and outer radius over that of the mandala, number of petals, colours of every other petal.

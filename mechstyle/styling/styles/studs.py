@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from mechstyle.mesh import Indices
-from mechstyle.styling.canvas import Canvas
+from mechstyle.records.mesh import Indices
+from mechstyle.styling.drawing.canvas import Canvas
+from mechstyle.styling.drawing.colours import mix, ramp, rgb, smoothstep
 from mechstyle.styling.style import Relief, Style
-from mechstyle.styling.tones import mix, ramp, rgb, smoothstep
 
 PITCH, STUD = 14.5, 4.9
 

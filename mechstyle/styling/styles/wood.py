@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from mechstyle.mesh import Floats
-from mechstyle.styling.canvas import Canvas
+from mechstyle.records.mesh import Floats
+from mechstyle.styling.drawing.canvas import Canvas
+from mechstyle.styling.drawing.colours import mix, ramp, rgb, smoothstep
 from mechstyle.styling.style import Relief, Style
-from mechstyle.styling.tones import mix, ramp, rgb, smoothstep
 
 RING, KNOT = 10.0, 9.0
 PITH = np.array([46.0, 30.0])  # of the trunk, from the corner of the part's box [nominal mm]

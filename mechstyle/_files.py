@@ -1,0 +1,44 @@
+"""Files that appear whole or not at all, and the folder of what may be deleted: prepared parts, fetched weights."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import os
+import tempfile
+from pathlib import Path
+
+from mechstyle.errors import MechStyleError
+
+
+def write_whole(path: Path, data: bytes) -> None:
+    """Write `data` beside `path`, then rename over it; MechStyleError in one sentence if the disk refuses."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=".new-")
+        try:
+            with os.fdopen(handle, "wb") as file:
+                file.write(data)
+            Path(name).chmod(0o644)  # temporary files are private, runs are for sharing
+            Path(name).replace(path)
+        except BaseException:
+            with contextlib.suppress(OSError):
+                Path(name).unlink(missing_ok=True)
+            raise
+    except OSError as error:
+        full = error.errno in (errno.ENOSPC, errno.EDQUOT)
+        why = "the disk is full" if full else (error.strerror or str(error))
+        remedy = "free some space" if full else "make the folder writable"
+        raise MechStyleError(f"could not write {path}: {why}; everything saved before is intact, {remedy} and run again") from error
+
+
+def cache_folder() -> Path:
+    """Where prepared parts are kept: $MECHSTYLE_CACHE, else the user's cache folder; safe to delete."""
+    given = os.environ.get("MECHSTYLE_CACHE")
+    base = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
+    return Path(given) if given else Path(base) / "mechstyle"
+
+
+def clip_folder() -> Path:
+    """Where fetched CLIP weights are kept."""
+    return cache_folder() / "clip"

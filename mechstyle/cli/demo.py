@@ -1,0 +1,88 @@
+"""Commands that stylize a part freely and with feedback, side by side: demo, application."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from mechstyle.cli.console import command, err, escape, out, print_json, table, verdict_text
+from mechstyle.cli.run import Device, Iterations, Json, Orientations, Vertices, carry_out
+
+if TYPE_CHECKING:
+    from mechstyle.study.applications import Pair
+
+app = typer.Typer()
+
+
+@app.command("demo")
+@command
+def demo_command(
+    folder: Annotated[Path, typer.Option("--out", help="Where the runs, pictures and 3MF files go.")] = Path("demo-out"),
+    model: Annotated[str, typer.Option(help="What to style.")] = "gallery:pen_holder",
+    prompt: Annotated[str, typer.Option("--prompt", "-p", help="The style, in words.")] = "brick",
+    device: Device = "auto",
+    as_json: Json = False,
+) -> None:
+    """Style the gallery's pen holder as brick, freely and with feedback, and compare the verdicts."""
+    tell(both_ways(model, prompt, 25_000, device, folder, as_json=as_json), folder, as_json=as_json)
+
+
+@app.command("application")
+@command
+def application_command(
+    name: Annotated[str, typer.Argument(metavar="[NAME]", help="Which; without it they are listed.")] = "",
+    folder: Annotated[Path | None, typer.Option("--out", help="Folder for runs, picture and table; applications/NAME by default.")] = None,
+    vertices: Vertices = 25_000,
+    iterations: Iterations = None,
+    orientations: Orientations = None,
+    device: Device = "auto",
+    as_json: Json = False,
+) -> None:
+    """Carry out an application of the published method, freely and with feedback, and compare the verdicts."""
+    from mechstyle.study.applications import APPLICATIONS, application_named  # noqa: PLC0415 — physics is loaded when something is run
+
+    if not name:
+        rows = table("application", "model", "style", "what it asks for")
+        for key, known in APPLICATIONS.items():
+            rows.add_row(key, f"gallery:{known.model}", f"“{known.prompt}”", known.about)
+        print_json({"applications": dict(APPLICATIONS)}) if as_json else out.print(rows)
+        return
+    chosen, where = application_named(name), folder or Path("applications") / name
+    settings = {"iterations": iterations, "orientations": orientations, "protect": list(chosen.protect) or None}
+    pair = both_ways(f"gallery:{chosen.model}", chosen.prompt, vertices, device, where, as_json=as_json, **settings)
+    tell(pair, where, as_json=as_json)
+
+
+def both_ways(model: str, prompt: str, vertices: int, device: str, folder: Path, *, as_json: bool, **settings: Any) -> Pair:
+    """Run a part freely and with feedback, with progress."""
+    from mechstyle.study.applications import Pair  # noqa: PLC0415 — as above
+
+    runs = []
+    for label, freestyle in (("Freestyle", True), ("MechStyle", False)):
+        if not as_json:
+            err.print(f"[bold]{label}[/]: {escape(model)} as “{escape(prompt)}”")
+        where = folder / label.lower()
+        runs.append(carry_out(model, prompt, "PLA", vertices, None, device, where, freestyle=freestyle, as_json=as_json, **settings))
+    return Pair(*runs)
+
+
+def tell(pair: Pair, folder: Path, *, as_json: bool) -> None:
+    """Write and print what the two runs came to."""
+    from mechstyle.study.applications import COLUMNS  # noqa: PLC0415 — as above
+
+    files = pair.save(folder)
+    if as_json:
+        print_json({"freestyle": pair.free.summary, "mechstyle": pair.fed.summary, "files": files})
+        return
+    rows = table(*(column.replace("[", r"\[") for column in COLUMNS))
+    for label, verdict, *figures in pair.rows():
+        rows.add_row(label, verdict_text(verdict), *figures)
+    out.print(rows)
+    for label, run in (("Freestyle", pair.free), ("MechStyle", pair.fed)):
+        out.print(f"\n{label}: {escape(run.summary.words)}")
+        out.print(f"  3MF: {escape(run.summary.files['model'])}")
+        for note in run.summary.notes:
+            out.print(f"  [dim]note: {escape(note)}[/]")
+    out.print(f"\npicture: {escape(files['comparison'])}\ntable: {escape(files['table'])}")

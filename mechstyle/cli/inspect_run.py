@@ -1,0 +1,137 @@
+"""Commands that look into run directories: log, show, export."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from mechstyle.cli.console import command, escape, out, print_json, table, verdict_text
+from mechstyle.cli.run import Device, Json
+from mechstyle.errors import BadInput, unknown
+from mechstyle.loop.store import Store, parse_address
+
+if TYPE_CHECKING:
+    from mechstyle.loop.history import LaneSummary
+    from mechstyle.runs.export import Exported
+
+app = typer.Typer()
+
+Address = Annotated[
+    str, typer.Argument(metavar="DIR@ITERATION", help="A run directory and an iteration: DIR@120, DIR@lane:120; DIR for the last.")
+]
+
+FORMATS = ("3mf", "glb", "obj", "ply", "stl")
+
+
+@app.command("log")
+@command
+def log_command(directory: Annotated[Path, typer.Argument(metavar="DIR", help="A run directory.")], as_json: Json = False) -> None:
+    """List the lanes of a run directory and what was simulated in each, and why."""
+    from mechstyle.loop.history import LaneSummary  # noqa: PLC0415 — loaded when wanted
+
+    store = Store.open(directory)
+    lanes = [LaneSummary.of(store, name) for name in store.lanes()]
+    if as_json:
+        print_json({"directory": str(directory), "lanes": lanes})
+        return
+    for lane in lanes:
+        rows = table("iteration", "verdict", "MPa", "reason", title=lane_title(lane))
+        for line in lane.simulations:
+            rows.add_row(str(line.iteration), verdict_text(line.verdict), f"{line.peak_stress:.1f}", escape(line.reason))
+        out.print(rows)
+        out.print()
+
+
+def lane_title(lane: LaneSummary) -> str:
+    """What a lane is, above its table."""
+    recipe = lane.recipe
+    state = "finished" if lane.finished else f"stands at iteration {lane.iteration} of {recipe.iterations}"
+    fork = "" if lane.forked_at is None else f", branched at {lane.forked_at}"
+    how = f"{recipe.material.name}, {recipe.control} control, {recipe.schedule} schedule"
+    return f"[bold]{lane.lane}[/]: “{escape(recipe.prompt)}” in {how}; {state}{fork}"
+
+
+@app.command("show")
+@command
+def show_command(
+    address: Address,
+    picture: Annotated[Path | None, typer.Option("--out", help="PNG to write; by default beside the run's objects.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Picture of a checkpoint: styled, stress, mask, side by side."""
+    from mechstyle.runs.run import Run  # noqa: PLC0415 — loaded when wanted
+
+    root, lane, iteration = parse_address(address)
+    run = Run.open(f"{root}@{lane}", "cpu")
+    state = run.checkpoint(iteration)
+    path = run.show(iteration).save(picture or root / f"{run.record.name}-{lane}-{state.iteration}.png")
+    if as_json:
+        fields = {
+            "iteration": state.iteration,
+            "reason": state.reason,
+            "verdict": state.verdict,
+            "style_loss": state.style_loss,
+            "simulated_at": state.simulated_at,
+        }
+        print_json({**fields, "lane": lane, "files": {"picture": str(path)}})
+        return
+    out.print(escape(str(path)))
+
+
+def chosen_format(form: str | None, path: Path | None) -> str:
+    """The format that was named, or that of the file; BadInput if there is no such format or the two contradict each other."""
+    suffix = "" if path is None else path.suffix.lower().lstrip(".")
+    named = (form or suffix or "3mf").lower().lstrip(".")
+    if named not in FORMATS:
+        raise unknown("format", named, FORMATS)
+    if path is not None and suffix and named != suffix:
+        other = path.with_suffix(f".{named}").name
+        raise BadInput(f"--format {named} contradicts --out {path}: leave --format out, or call the file {other}")
+    return named
+
+
+@app.command("export")
+@command
+def export_command(
+    address: Address,
+    form: Annotated[
+        str | None, typer.Option("--format", "-f", help=f"One of {', '.join(FORMATS)}; that of the file, else 3mf, by default.")
+    ] = None,
+    path: Annotated[Path | None, typer.Option("--out", help="File to write; by default in the run directory.")] = None,
+    fine: Annotated[bool, typer.Option("--fine", help="Draw the style again on four times as many faces, and drop the result.")] = False,
+    device: Device = "auto",
+    as_json: Json = False,
+) -> None:
+    """Write the surface of a checkpoint to a file, with its colours where the format can hold them, and say what to look at."""
+    from mechstyle.runs.export import sidecar  # noqa: PLC0415 — loaded when wanted
+    from mechstyle.runs.run import Run  # noqa: PLC0415
+
+    chosen = chosen_format(form, path)
+    root, lane, iteration = parse_address(address)
+    run = Run.open(f"{root}@{lane}", device if fine else "cpu")
+    number = run.store.find(iteration, lane).iteration
+    place = path or root / f"{run.record.name}-{lane}-{number}{'-fine' if fine else ''}.{chosen}"
+    written = run.exported(place, iteration, fine=fine)
+    if as_json:
+        print_json({"export": written, "files": {"model": str(place), "quality": str(sidecar(place))}})
+        return
+    report_export(place, written)
+
+
+def report_export(place: Path, written: Exported) -> None:
+    """Print what was written, and what is known of that very surface."""
+    q, verdict = written.quality, written.verdict
+    rows = table(escape(str(place)), "before", "written")
+    rows.add_row("verdict", "", "not simulated" if verdict is None else verdict_text(verdict.outcome))
+    if verdict is not None:
+        rows.add_row("peak stress, MPa", "", f"{verdict.deciding.value:.1f} of {verdict.deciding.limit:.1f}")
+    rows.add_row("folded faces", "", str(q.folds))
+    rows.add_row("crossing pairs of faces", str(q.crossings_before), str(q.crossings))
+    rows.add_row("thinnest wall, mm", f"{q.thinnest_before:.2f}", f"{q.thinnest:.2f}")
+    rows.add_row("wall that 1 % falls short of, mm", f"{q.thin_before:.2f}", f"{q.thin:.2f}")
+    rows.add_row("mass if solid, g", f"{q.mass - q.mass_change:.1f}", f"{q.mass:.1f} ({q.volume_change:+.1%})")
+    out.print(rows)
+    for warning in written.warnings:
+        out.print(f"[yellow]warning:[/] {escape(warning)}")

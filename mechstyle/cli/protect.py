@@ -1,0 +1,42 @@
+"""The command that shows what protected regions hold: protect."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from mechstyle.cli.console import command, escape, out, print_json, telling
+from mechstyle.cli.run import Json, Model, Regions, Scale, Vertices, read_model
+from mechstyle.errors import BadInput
+
+app = typer.Typer()
+
+
+@app.command("protect")
+@command
+def protect_command(
+    model: Model,
+    protect: Regions = None,
+    vertices: Vertices = 25_000,
+    scale: Scale = None,
+    picture: Annotated[Path | None, typer.Option("--out", help="PNG to write; by default in the current folder.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Picture of what protected regions hold, before anything is styled."""
+    from mechstyle.records.regions import KINDS  # noqa: PLC0415
+    from mechstyle.runs.protection import protect as looked_at  # noqa: PLC0415 — loaded when wanted
+
+    if not protect:
+        raise BadInput(f"say what to protect with --protect, once or more; it can be: {', '.join(KINDS.values())}")
+    mesh, name = read_model(model, scale, quiet=as_json)
+    with telling(1, quiet=as_json) as teller:
+        found = looked_at(mesh, protect, vertices=vertices, stage=teller.stage)
+        path = found.show().save(picture or Path(f"{name}-protected.png"))
+    if as_json:
+        print_json({"share": found.share, "notes": found.protection.notes, "files": {"picture": str(path)}})
+        return
+    for note in found.protection.notes:
+        out.print(escape(note))
+    out.print(f"picture: {escape(str(path))}")

@@ -1,0 +1,167 @@
+"""The command that tests a part as it is: simulate."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from mechstyle.cli.console import command, err, escape, factor, out, print_json, table, telling, verdict_text
+from mechstyle.cli.run import (
+    Criterion,
+    Device,
+    Json,
+    LoadFile,
+    MaterialName,
+    MinimumWall,
+    Model,
+    Orientations,
+    Poses,
+    Scale,
+    Vertices,
+    read_model,
+)
+
+if TYPE_CHECKING:
+    from mechstyle.simulation.part_test import Dropped
+
+app = typer.Typer()
+
+
+@app.command("simulate")
+@command
+def simulate_command(
+    model: Model,
+    material: MaterialName = "PLA",
+    orientations: Orientations = None,
+    poses: Poses = "fibonacci",
+    criterion: Criterion = "robust",
+    loads: LoadFile = None,
+    minimum_wall: MinimumWall = None,
+    vertices: Vertices = 25_000,
+    scale: Scale = None,
+    device: Device = "auto",
+    folder: Annotated[Path | None, typer.Option("--out", help="Folder for pictures and files; the current one by default.")] = None,
+    vtu: Annotated[bool, typer.Option("--vtu", help="Write displacement, stress and contact for ParaView.")] = False,
+    vtu_each: Annotated[bool, typer.Option("--vtu-each", help="The same, with stress and contact of every orientation.")] = False,
+    as_json: Json = False,
+) -> None:
+    """Drop a part as it is, without any style, and load it if asked to."""
+    from mechstyle.simulation.part_test import simulate  # noqa: PLC0415 — physics is loaded when something is run
+
+    mesh, name = read_model(model, scale, quiet=as_json)
+    with telling(1, quiet=as_json) as teller:
+        dropped = simulate(
+            mesh,
+            material=material,
+            orientations=orientations,
+            poses=poses or "fibonacci",
+            criterion=criterion or "robust",
+            loads=loads or (),
+            minimum_wall=0.8 if minimum_wall is None else minimum_wall,
+            vertices=vertices,
+            device=device,
+            stage=teller.stage,
+            progress=teller.fraction,
+        )
+        teller.stage("writing files")
+        files = _written(dropped, folder or Path(), name, vtu=vtu or vtu_each, each=vtu_each)
+    if as_json:
+        print_json(_figures(dropped, files))
+    else:
+        _report(dropped, files)
+
+
+def _written(dropped: Dropped, folder: Path, name: str, *, vtu: bool, each: bool) -> dict[str, str]:
+    """Write pictures and, if wanted, the file for ParaView; their paths by what they are. A failed drop has no history."""
+    files = {"picture": dropped.show().save(folder / f"{name}-stress.png")}
+    if dropped.course is not None:
+        files["history"] = dropped.show_history().save(folder / f"{name}-history.png")
+        if vtu:
+            files["vtu"] = dropped.save_vtu(folder / f"{name}.vtu", each_orientation=each)
+    return {what: str(path) for what, path in files.items()}
+
+
+def _figures(dropped: Dropped, files: dict[str, str]) -> dict[str, Any]:
+    """All that was measured, for programs."""
+    from mechstyle.simulation.drop_history import history_figures  # noqa: PLC0415 — as above
+
+    simulation = dropped.simulation
+    return {
+        **to_dict(dropped.strength),
+        "as_placed": simulation.as_placed,
+        "overall": simulation.overall,
+        "failure_probability": dropped.failure_probability,
+        "landings": simulation.landings,
+        "course": dropped.course,
+        "history": history_figures(dropped.history),
+        "warning": dropped.warning,
+        "loads": simulation.loaded,
+        "notes": dropped.part.notes,
+        "material": dropped.recipe.material,
+        "tetrahedra": len(dropped.tets.tets),
+        "steps": simulation.steps,
+        "time_step": simulation.time_step,
+        "added_mass": simulation.added_mass,
+        "files": files,
+    }
+
+
+def _report(dropped: Dropped, files: dict[str, str]) -> None:
+    """Print what a drop test found, for people."""
+    strength, simulation = dropped.strength, dropped.simulation
+    rows = table("", "")
+    peak = "largest element stress" if dropped.verdict.criterion == "paper" else "peak stress (2 mm average)"
+    for label, value in (
+        ("verdict", verdict_text(strength.verdict)),
+        (
+            peak,
+            f"{strength.peak_stress:.1f} MPa of {strength.allowable:.1f} MPa, safety factor {factor(strength.safety_factor)}",
+        ),
+        ("p99.9 as placed", f"{simulation.as_placed.p999:.1f} MPa"),
+        *_orientation_rows(dropped),
+        *((escape(f"load {case.name!r}"), case.words) for case in simulation.loaded),
+        ("literal maximum", f"{strength.maximum:.1f} MPa (depends on the mesh)"),
+        *_course_rows(dropped),
+        ("tetrahedra", f"{len(dropped.tets.tets)}; {simulation.steps} steps of {1e3 * simulation.time_step:.3f} µs"),
+        *((what, escape(path)) for what, path in files.items()),
+    ):
+        rows.add_row(label, value)
+    out.print(rows)
+    out.print(f"\n{escape(strength.words)}")
+    if dropped.warning:
+        err.print(f"[yellow]warning:[/] {escape(dropped.warning)}")
+
+
+def _orientation_rows(dropped: Dropped) -> list[tuple[str, str]]:
+    """What the drops in other orientations found."""
+    overall = dropped.simulation.overall
+    if overall is None or dropped.failure_probability is None:
+        return [("p99 over all orientations", "not run" if overall is None else "not known")]
+    number, worst = max(enumerate(dropped.simulation.landings), key=lambda landing: landing[1].measures.peak)
+    x, y, z = worst.normal
+    share = f"{dropped.failure_probability:.0%} of random drops exceed {dropped.recipe.material.yield_strength:.1f} MPa somewhere"
+    return [
+        ("p99 over all orientations", f"{overall.p99:.1f} MPa"),
+        ("worst orientation", f"{worst.measures.peak:.1f} MPa in number {number}, floor normal ({x:.2f}, {y:.2f}, {z:.2f})"),
+        ("failure probability", f"{share} (of {len(dropped.simulation.landings)} {dropped.recipe.poses} drops)"),
+    ]
+
+
+def _course_rows(dropped: Dropped) -> list[tuple[str, str]]:
+    """When the drop as placed did what."""
+    course = dropped.course
+    if course is None:
+        return []
+    x, y, z = course.peak_where
+    return [
+        ("highest on the surface", f"{course.peak_stress:.1f} MPa by {course.peak_time:.2f} ms, at ({x:.1f}, {y:.1f}, {z:.1f}) mm"),
+        ("contact force", f"up to {course.peak_force:.0f} N, the last of it at {course.contact_time:.2f} ms"),
+        ("energy", course.words),
+    ]
+
+
+def to_dict(record: Any) -> dict[str, Any]:
+    """The fields of a record by name."""
+    return {name: getattr(record, name) for name in record.__struct_fields__}

@@ -1,0 +1,144 @@
+"""The drop test on a GPU: all orientations step together, a stride of steps is one CUDA graph.
+
+The same code runs on any device Warp knows; that is how it is tested where there is no GPU.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mechstyle._warp import wp
+from mechstyle.fea.backends import kernels
+from mechstyle.fea.discretisation import Discretisation
+from mechstyle.fea.elasticity import ElasticLaw
+from mechstyle.fea.explicit import QUANTITIES, RECORD_EVERY, Scheme, law_number
+from mechstyle.records.mesh import Floats
+
+BLOCK = 64
+"""Threads in a block: few enough that a single drop of 10k tetrahedra is spread over all multiprocessors."""
+
+
+class DeviceBody:
+    """A discretised body as float32 arrays on a device."""
+
+    def __init__(self, body: Discretisation, device: str) -> None:
+        self.device = device
+        self.tet_count, self.node_count = len(body.volumes), len(body.masses)
+        self.element = body.mesh.element
+        self.element_forces = kernels.linear_forces if self.element.nodes == 4 else kernels.quadratic_forces
+        self.masses = self.array(body.masses, float)
+        numbers = (body.connectivity, body.slots, body.first_slot)
+        nodes, self.slots, self.first_slot = (wp.array(values, dtype=int, device=device) for values in numbers)
+        self.elements = [nodes, self.array(body.gradients, wp.mat33f), self.array(body.volumes, float)]
+        wp.load_module(kernels, device=device)
+
+    def array(self, values: Floats, dtype: Any) -> Any:
+        """A float32 array of Warp type `dtype` on the device."""
+        return wp.array(np.ascontiguousarray(values, dtype=np.float32), dtype=dtype, device=self.device)
+
+    def zeros(self, *shape: int, dtype: Any = float) -> Any:
+        """A zero array on the device."""
+        return wp.zeros(shape, dtype=dtype, device=self.device)
+
+    def launch(self, kernel: Any, dim: tuple[int, ...], *arguments: Any) -> None:
+        """Queue a kernel."""
+        wp.launch(kernel, dim=dim, inputs=arguments, device=self.device, block_dim=BLOCK)
+
+    def forces_and_peak(self, orientations: int) -> tuple[Any, Any]:
+        """Where the element kernels write: forces in slots and the running maximum at the Gauss points."""
+        forces = self.zeros(self.tet_count * self.element.nodes, orientations, dtype=wp.vec3f)
+        return forces, self.zeros(self.tet_count, self.element.points, orientations)
+
+    def internal_forces(
+        self, law: ElasticLaw, displacement: Floats, velocity: Floats | float = 0.0, damping: Floats | float = 0.0
+    ) -> Floats:
+        """As `elasticity.internal_forces` of u + β v, β [ms] of each tetrahedron, in float32 [N], shape [node_count, 3]."""
+        fields = (displacement, np.broadcast_to(velocity, displacement.shape))
+        ahead = (self.damping(damping), *(self.array(field[:, None], wp.vec3f) for field in fields))
+        total = self.zeros(self.node_count, 1, dtype=wp.vec3f)
+        forces, peak = self.forces_and_peak(1)
+        constants = (law_number(law), law.mu, law.la)
+        self.launch(self.element_forces, (self.tet_count, 1), *self.elements, self.slots, *ahead, *constants, 0, forces, peak)
+        self.launch(kernels.gather_forces, (self.node_count, 1), forces, self.first_slot, total)
+        return np.asarray(total.numpy()[:, 0], dtype=np.float64)
+
+    def damping(self, damping: Floats | float) -> Any:
+        """β of each tetrahedron."""
+        return self.array(np.broadcast_to(damping, self.tet_count), float)
+
+    def batches(self, scheme: Scheme, normals: Floats, heights: Floats) -> list[DeviceBatch]:
+        """All orientations together, at first touch."""
+        return [DeviceBatch(self, scheme, normals, heights)]
+
+
+class DeviceBatch:
+    """Drops in several orientations, a `Batch`.
+
+    Args:
+        body: The body.
+        scheme: The step.
+        normals: Floor normals in the frame of the body, shape [orientations, 3].
+        heights: Height of every node above the floor at first touch [mm], shape [node_count, orientations].
+    """
+
+    def __init__(self, body: DeviceBody, scheme: Scheme, normals: Floats, heights: Floats) -> None:
+        self.body, self.scheme, self.count = body, scheme, len(normals)
+        each_node = (body.node_count, self.count)
+        self.normals, self.heights = body.array(normals, wp.vec3f), body.array(heights, float)
+        self.v = body.array(np.broadcast_to(-scheme.speed * normals, (*each_node, 3)), wp.vec3f)
+        self.u, self.damping = body.zeros(*each_node, dtype=wp.vec3f), body.damping(scheme.damping)
+        self.forces, self.peak_squared = body.forces_and_peak(self.count)
+        self.impulse, self.contact_loss = body.zeros(*each_node), body.zeros(*each_node)
+        self.parts = body.zeros(len(QUANTITIES), int(kernels.PARTS), self.count)
+        self.samples = body.zeros(scheme.samples, len(QUANTITIES), self.count)
+        self.row = body.zeros(1, dtype=int)
+        self._graph: Any = None
+
+    def advance(self, samples: int) -> None:
+        """Queue `samples` strides, on CUDA as replays of one graph: thousands of launches would cost more than the work in them."""
+        for _ in range(samples):
+            if not wp.get_device(self.body.device).is_cuda:
+                self._stride()
+                continue
+            if self._graph is None:
+                with wp.ScopedCapture(device=self.body.device) as capture:
+                    self._stride()
+                self._graph = capture.graph
+            wp.capture_launch(self._graph)
+
+    def history(self, samples: int) -> Floats:
+        """The first samples, waiting until they are there, shape [samples, QUANTITIES, orientations]."""
+        return np.asarray(self.samples.numpy()[:samples], dtype=np.float64)
+
+    def peak(self) -> NDArray[np.float32]:
+        """Running maximum of the von Mises stress at the Gauss points [MPa], shape [orientations, tet_count, points]."""
+        return np.ascontiguousarray(np.moveaxis(np.sqrt(self.peak_squared.numpy()), -1, 0))
+
+    def touched(self) -> NDArray[np.bool_]:
+        """Whether each node has met the floor, shape [orientations, node_count]."""
+        return np.ascontiguousarray(self.impulse.numpy().T > 0.0)
+
+    def _stride(self) -> None:
+        body, scheme = self.body, self.scheme
+        for step in range(scheme.stride):
+            self._step(record=int(step % RECORD_EVERY == 0))
+        constants = (scheme.law_number, scheme.law.mu, scheme.law.la, scheme.time_step)
+        parts = (int(kernels.PARTS), self.count)
+        body.launch(kernels.sample_elements, parts, *body.elements, *constants, self.u, self.v, self.parts)
+        body.launch(kernels.sample_nodes, parts, body.masses, self.normals, self.u, self.v, self.impulse, self.contact_loss, self.parts)
+        body.launch(kernels.sample_total, (len(QUANTITIES), self.count), self.parts, self.row, self.samples)
+        body.launch(kernels.next_row, (1,), self.row)
+
+    def _step(self, record: int) -> None:
+        body, scheme = self.body, self.scheme
+        ahead = (self.damping, self.u, self.v)
+        constants = (scheme.law_number, scheme.law.mu, scheme.law.la)
+        outcome = (record, self.forces, self.peak_squared)
+        body.launch(body.element_forces, (body.tet_count, self.count), *body.elements, body.slots, *ahead, *constants, *outcome)
+        given = (self.forces, body.first_slot, body.masses, self.heights, self.normals)
+        numbers = (scheme.time_step, scheme.gravity, scheme.friction)
+        state = (self.u, self.v, self.impulse, self.contact_loss)
+        body.launch(kernels.advance, (body.node_count, self.count), *given, *numbers, *state)

@@ -1,0 +1,390 @@
+"""One step of the drop test as Warp kernels, float32, for any device; the formulas are those of `elasticity`.
+
+Layout: [node][orientation] and [tetrahedron][orientation], orientation fastest, so that neighbouring threads of a GPU touch
+neighbouring memory. The element kernels write each tetrahedron's nodal forces to slots of its own, sorted by node; the node kernel
+adds up its slots, which follow each other. There are no atomic sums, so the same inputs give the same bytes.
+"""
+
+# ruff: noqa: UP018 - float(0.0) declares a Warp variable that changes in a loop, 0.0 a constant
+
+from mechstyle._warp import wp
+from mechstyle.fea.elements import GAUSS_A, GAUSS_B
+
+wp.set_module_options({"enable_backward": False})
+
+NEAR, FAR = wp.constant(4.0 * GAUSS_A), wp.constant(4.0 * GAUSS_B)
+"""4 L at a Gauss point of the quadratic element for its near corner and for the others: ∂N_ij/∂L_i = 4 L_j."""
+
+PARTS = wp.constant(1024)
+"""Partial sums per history quantity: parallel enough for a GPU, a fixed order of summation everywhere."""
+
+KINETIC, STRAIN, IMPULSE, CONTACT_LOSS, HEIGHT, MOMENTUM, PEAK = range(7)
+"""Places of `integration.QUANTITIES`."""
+
+
+@wp.func
+def cofactor(A: wp.mat33f):
+    """Cof A, rows are cross products of the rows of A."""
+    a, b, c = A[0], A[1], A[2]
+    return wp.matrix_from_rows(wp.cross(b, c), wp.cross(c, a), wp.cross(a, b))
+
+
+@wp.func
+def st_venant_kirchhoff(H: wp.mat33f, mu: float, la: float):
+    """P = S + H S, S = λ tr(E) I + 2μ E [MPa]."""
+    I = wp.identity(n=3, dtype=float)
+    E = 0.5 * (H + wp.transpose(H) + wp.transpose(H) * H)
+    S = la * wp.trace(E) * I + 2.0 * mu * E
+    return S + H * S
+
+
+@wp.func
+def stable_neo_hookean(H: wp.mat33f, mu: float, la: float):
+    """P = 3μ/4 (H + Hᵀ − tr(H) I − cof H) + μ q / (4 (4 + q)) F + λ (J − 1) cof F [MPa]."""
+    I = wp.identity(n=3, dtype=float)
+    C = cofactor(H)
+    tr = wp.trace(H)
+    q = 2.0 * tr + wp.ddot(H, H)
+    volume_change = tr + wp.trace(C) + wp.dot(H[0], C[0])
+    shape = H + wp.transpose(H) - tr * I - C
+    cof_F = (1.0 + tr) * I - wp.transpose(H) + C
+    return 0.75 * mu * shape + (mu * q / (4.0 * (4.0 + q))) * (I + H) + la * volume_change * cof_F
+
+
+@wp.func
+def first_piola(H: wp.mat33f, mu: float, la: float, law: int):
+    """First Piola–Kirchhoff stress [MPa]; `law` is the place of its name in `elasticity.LAWS`."""
+    if law == 0:
+        return st_venant_kirchhoff(H, mu, la)
+    return stable_neo_hookean(H, mu, la)
+
+
+@wp.func
+def energy_density(H: wp.mat33f, mu: float, la: float, law: int):
+    """Ψ [MPa = mJ/mm³]; x − ln(1 + x) of the neo-Hookean law by the series of artanh, free of cancellation."""
+    energy = float(0.0)
+    if law == 0:
+        E = 0.5 * (H + wp.transpose(H) + wp.transpose(H) * H)
+        energy = 0.5 * la * wp.trace(E) * wp.trace(E) + mu * wp.ddot(E, E)
+    else:
+        C = cofactor(H)
+        square = wp.ddot(H, H)
+        minors = wp.trace(C) + wp.dot(H[0], C[0])
+        volume_change = wp.trace(H) + minors
+        x = 0.25 * (2.0 * wp.trace(H) + square)
+        s = x / (2.0 + x)
+        remainder = s * (x - s * s * (2.0 / 3.0 + s * s * (2.0 / 5.0 + s * s * 2.0 / 7.0)))
+        energy = 0.375 * mu * (square - 2.0 * minors) + 0.5 * mu * remainder + 0.5 * la * volume_change * volume_change
+    return energy
+
+
+@wp.func
+def von_mises_squared(H: wp.mat33f, P: wp.mat33f):
+    """Square of the equivalent Cauchy stress [MPa²], σ = P Fᵀ / J."""
+    J = 1.0 + wp.trace(H) + wp.trace(cofactor(H)) + wp.determinant(H)
+    T = P + P * wp.transpose(H)
+    a, b, c = T[0, 0] - T[1, 1], T[1, 1] - T[2, 2], T[2, 2] - T[0, 0]
+    shear = T[0, 1] * T[0, 1] + T[1, 2] * T[1, 2] + T[2, 0] * T[2, 0]
+    return (0.5 * (a * a + b * b + c * c) + 3.0 * shear) / (J * J)
+
+
+Nodes4 = wp.types.matrix(shape=(4, 3), dtype=float)
+Nodes10 = wp.types.matrix(shape=(10, 3), dtype=float)
+Between = wp.types.matrix(shape=(4, 4), dtype=int)
+
+BETWEEN = wp.constant(Between(0, 4, 5, 6, 4, 1, 7, 8, 5, 7, 2, 9, 6, 8, 9, 3))
+"""Node between two corners of a quadratic element, the corner itself on the diagonal; see `interpolation.EDGES`."""
+
+
+@wp.func
+def plus_linear(H: wp.mat33f, x0: wp.vec3f, x1: wp.vec3f, x2: wp.vec3f, x3: wp.vec3f, G: wp.mat33f):
+    """H and the gradient of the linear field with the values x_0 to x_3 at the corners; rows of G are ∇L_1 to ∇L_3."""
+    return H + wp.matrix_from_cols(x1 - x0, x2 - x0, x3 - x0) * G
+
+
+@wp.func
+def linear_gradient(field: wp.array2d(dtype=wp.vec3f), nodes: wp.array2d(dtype=int), G: wp.mat33f, e: int, b: int):
+    """∇ of a nodal field in a linear element."""
+    return plus_linear(wp.mat33f(), field[nodes[e, 0], b], field[nodes[e, 1], b], field[nodes[e, 2], b], field[nodes[e, 3], b], G)
+
+
+@wp.func
+def nodal_values(field: wp.array2d(dtype=wp.vec3f), nodes: wp.array2d(dtype=int), e: int, b: int):
+    """A nodal field in a quadratic element, less its value at corner 0, which no gradient sees."""
+    x = Nodes10()
+    first = field[nodes[e, 0], b]
+    for a in range(10):
+        x[a] = field[nodes[e, a], b] - first
+    return x
+
+
+@wp.func
+def values_ahead(u: wp.array2d(dtype=wp.vec3f), v: wp.array2d(dtype=wp.vec3f), beta: float, nodes: wp.array2d(dtype=int), e: int, b: int):
+    """The nodal field u + β v in a quadratic element, less its value at corner 0."""
+    x = Nodes10()
+    first = u[nodes[e, 0], b] + beta * v[nodes[e, 0], b]
+    for a in range(10):
+        x[a] = u[nodes[e, a], b] + beta * v[nodes[e, a], b] - first
+    return x
+
+
+@wp.func
+def common_gradient(x: Nodes10, G: wp.mat33f):
+    """What the gradients at the four Gauss points of a quadratic element have in common."""
+    base = Nodes4()
+    for i in range(4):
+        edges = wp.vec3f()
+        for j in range(4):
+            if i != j:
+                edges += x[BETWEEN[i, j]]
+        base[i] = (FAR - 1.0) * x[i] + FAR * edges
+    return plus_linear(wp.mat33f(), base[0], base[1], base[2], base[3], G)
+
+
+@wp.func
+def quadratic_gradient(common: wp.mat33f, x: Nodes10, G: wp.mat33f, q: int):
+    """∇ at Gauss point q of a quadratic element."""
+    extra = (NEAR - FAR) * G
+    return plus_linear(common, x[BETWEEN[0, q]], x[BETWEEN[1, q]], x[BETWEEN[2, q]], x[BETWEEN[3, q]], extra)
+
+
+@wp.func
+def corner_forces(P: wp.mat33f, G: wp.mat33f, volume: float):
+    """−V P ∇L_i for the four corners as rows [N]."""
+    F = wp.transpose((-volume) * (P * wp.transpose(G)))
+    g = Nodes4()
+    g[0] = -(F[0] + F[1] + F[2])
+    g[1] = F[0]
+    g[2] = F[1]
+    g[3] = F[2]
+    return g
+
+
+@wp.kernel
+def linear_forces(
+    nodes: wp.array2d(dtype=int),
+    gradients: wp.array(dtype=wp.mat33f),
+    volumes: wp.array(dtype=float),
+    slots: wp.array2d(dtype=int),
+    damping: wp.array(dtype=float),
+    u: wp.array2d(dtype=wp.vec3f),
+    v: wp.array2d(dtype=wp.vec3f),
+    law: int,
+    mu: float,
+    la: float,
+    record: int,
+    forces: wp.array2d(dtype=wp.vec3f),
+    peak_squared: wp.array3d(dtype=float),
+):
+    """Nodal forces −V P ∇N of u + β v [N] into forces[slots[e, a], b]; every recorded step also the running maximum of σ_vM² [MPa²]."""
+    e, b = wp.tid()
+    G = gradients[e]
+    H = linear_gradient(u, nodes, G, e, b) + damping[e] * linear_gradient(v, nodes, G, e, b)
+    P = first_piola(H, mu, la, law)
+    if record == 1:
+        peak_squared[e, 0, b] = wp.max(peak_squared[e, 0, b], von_mises_squared(H, P))
+    g = corner_forces(P, G, volumes[e])
+    for a in range(4):
+        forces[slots[e, a], b] = g[a]
+
+
+@wp.kernel(launch_bounds=(64, 10))  # fewer registers, more warps in flight: a tenth faster on an H200; 16 blocks spill and are slower
+def quadratic_forces(
+    nodes: wp.array2d(dtype=int),
+    gradients: wp.array(dtype=wp.mat33f),
+    volumes: wp.array(dtype=float),
+    slots: wp.array2d(dtype=int),
+    damping: wp.array(dtype=float),
+    u: wp.array2d(dtype=wp.vec3f),
+    v: wp.array2d(dtype=wp.vec3f),
+    law: int,
+    mu: float,
+    la: float,
+    record: int,
+    forces: wp.array2d(dtype=wp.vec3f),
+    peak_squared: wp.array3d(dtype=float),
+):
+    """As `linear_forces` for the quadratic element."""
+    e, b = wp.tid()
+    G = gradients[e]
+    x = values_ahead(u, v, damping[e], nodes, e, b)
+    common = common_gradient(x, G)
+    total = Nodes4()
+    f = Nodes10()
+    for q in range(4):
+        H = quadratic_gradient(common, x, G, q)
+        P = first_piola(H, mu, la, law)
+        if record == 1:
+            peak_squared[e, q, b] = wp.max(peak_squared[e, q, b], von_mises_squared(H, P))
+        g = corner_forces(P, G, 0.25 * volumes[e])
+        total += g
+        for i in range(4):
+            f[BETWEEN[i, q]] += g[i]
+    for i in range(4):
+        forces[slots[e, i], b] = (FAR - 1.0) * total[i] + (NEAR - FAR) * f[i]
+        for j in range(i + 1, 4):
+            middle = BETWEEN[i, j]
+            forces[slots[e, middle], b] = FAR * (total[i] + total[j]) + (NEAR - FAR) * f[middle]
+
+
+@wp.func
+def gathered(forces: wp.array2d(dtype=wp.vec3f), first_slot: wp.array(dtype=int), i: int, b: int):
+    """Sum of the forces in the slots of node i [N], in ascending order of the tetrahedra."""
+    total = wp.vec3f()
+    for k in range(first_slot[i], first_slot[i + 1]):
+        total += forces[k, b]
+    return total
+
+
+@wp.kernel
+def gather_forces(
+    forces: wp.array2d(dtype=wp.vec3f),
+    first_slot: wp.array(dtype=int),
+    total: wp.array2d(dtype=wp.vec3f),
+):
+    """The assembled internal forces alone [N], for the power iteration."""
+    i, b = wp.tid()
+    total[i, b] = gathered(forces, first_slot, i, b)
+
+
+@wp.func
+def after_contact(v: wp.vec3f, gap: float, n: wp.vec3f, dt: float, friction: float):
+    """Velocity that ends the step on the floor [mm/ms], the tangential part clipped by Coulomb's law.
+
+    The normal correction −gap/dt is the impulse per mass that Signorini's condition asks for (kinematic contact: no
+    penalty stiffness); friction removes at most μ times that from the tangential velocity.
+    """
+    push = -gap / dt
+    landed = v + push * n
+    normal = wp.dot(landed, n) * n
+    tangential = landed - normal
+    kept = 1.0 - wp.min(1.0, friction * push / wp.max(wp.length(tangential), 1.0e-12))
+    return normal + kept * tangential
+
+
+@wp.kernel
+def advance(
+    forces: wp.array2d(dtype=wp.vec3f),
+    first_slot: wp.array(dtype=int),
+    masses: wp.array(dtype=float),
+    heights: wp.array2d(dtype=float),
+    normals: wp.array(dtype=wp.vec3f),
+    dt: float,
+    gravity: float,
+    friction: float,
+    u: wp.array2d(dtype=wp.vec3f),
+    v: wp.array2d(dtype=wp.vec3f),
+    impulse: wp.array2d(dtype=float),
+    contact_loss: wp.array2d(dtype=float),
+):
+    """Symplectic Euler for one node: v ← v + dt a, contact, u ← u + dt v.
+
+    The floor's work is that of its force on the mean of the velocities before and after the step, as that of every other
+    force in the exact change of kinetic energy over a step: zero for a node that rests, m v²/2 for one that lands.
+    """
+    i, b = wp.tid()
+    n = normals[b]
+    force = gathered(forces, first_slot, i, b)
+    before = v[i, b]
+    free = before + dt * (force / masses[i] - gravity * n)
+    gap = heights[i, b] + wp.dot(n, u[i, b] + dt * free)
+    velocity = free
+    if gap < 0.0:
+        velocity = after_contact(free, gap, n, dt, friction)
+        impulse[i, b] += masses[i] * (-gap / dt)
+        contact_loss[i, b] -= 0.5 * masses[i] * wp.dot(velocity - free, before + velocity)
+    v[i, b] = velocity
+    u[i, b] += dt * velocity
+
+
+@wp.func
+def strain_at(H: wp.mat33f, rate: wp.mat33f, P: wp.mat33f, dt: float, mu: float, la: float, law: int):
+    """Strain energy density half a step ago [MPa].
+
+    Velocities belong to the middle of the step that led to the displacements, so strain energy is taken there too,
+    U − Δt/2 dU/dt: with kinetic energy this is what central differences conserve exactly in a linear body.
+    """
+    return energy_density(H, mu, la, law) - 0.5 * dt * wp.ddot(P, rate)
+
+
+@wp.kernel
+def sample_elements(
+    nodes: wp.array2d(dtype=int),
+    gradients: wp.array(dtype=wp.mat33f),
+    volumes: wp.array(dtype=float),
+    law: int,
+    mu: float,
+    la: float,
+    dt: float,
+    u: wp.array2d(dtype=wp.vec3f),
+    v: wp.array2d(dtype=wp.vec3f),
+    parts: wp.array3d(dtype=float),
+):
+    """Strain energy and peak of every PARTS-th element into parts[quantity, part, b]."""
+    part, b = wp.tid()
+    strain, peak = float(0.0), float(0.0)
+    for e in range(part, nodes.shape[0], PARTS):
+        G = gradients[e]
+        if nodes.shape[1] == 4:
+            H = linear_gradient(u, nodes, G, e, b)
+            P = first_piola(H, mu, la, law)
+            strain += volumes[e] * strain_at(H, linear_gradient(v, nodes, G, e, b), P, dt, mu, la, law)
+            peak = wp.max(peak, von_mises_squared(H, P))
+        else:
+            x = nodal_values(u, nodes, e, b)
+            y = nodal_values(v, nodes, e, b)
+            x_common = common_gradient(x, G)
+            y_common = common_gradient(y, G)
+            for q in range(4):
+                H = quadratic_gradient(x_common, x, G, q)
+                P = first_piola(H, mu, la, law)
+                strain += 0.25 * volumes[e] * strain_at(H, quadratic_gradient(y_common, y, G, q), P, dt, mu, la, law)
+                peak = wp.max(peak, von_mises_squared(H, P))
+    parts[STRAIN, part, b] = strain
+    parts[PEAK, part, b] = peak
+
+
+@wp.kernel
+def sample_nodes(
+    masses: wp.array(dtype=float),
+    normals: wp.array(dtype=wp.vec3f),
+    u: wp.array2d(dtype=wp.vec3f),
+    v: wp.array2d(dtype=wp.vec3f),
+    impulse: wp.array2d(dtype=float),
+    contact_loss: wp.array2d(dtype=float),
+    parts: wp.array3d(dtype=float),
+):
+    """The sums over every PARTS-th node into parts[quantity, part, b]."""
+    part, b = wp.tid()
+    kinetic, height, momentum = float(0.0), float(0.0), float(0.0)
+    pushed, lost = float(0.0), float(0.0)
+    for i in range(part, masses.shape[0], PARTS):
+        kinetic += 0.5 * masses[i] * wp.dot(v[i, b], v[i, b])
+        height += masses[i] * wp.dot(u[i, b], normals[b])
+        momentum += masses[i] * wp.dot(v[i, b], normals[b])
+        pushed += impulse[i, b]
+        lost += contact_loss[i, b]
+    parts[KINETIC, part, b] = kinetic
+    parts[IMPULSE, part, b] = pushed
+    parts[CONTACT_LOSS, part, b] = lost
+    parts[HEIGHT, part, b] = height
+    parts[MOMENTUM, part, b] = momentum
+
+
+@wp.kernel
+def sample_total(parts: wp.array3d(dtype=float), row: wp.array(dtype=int), samples: wp.array3d(dtype=float)):
+    """Sum the parts (maximum for PEAK) into the current row of samples[row, quantity, b]."""
+    quantity, b = wp.tid()
+    total = float(0.0)
+    for part in range(PARTS):
+        if quantity == PEAK:
+            total = wp.max(total, parts[quantity, part, b])
+        else:
+            total += parts[quantity, part, b]
+    samples[row[0], quantity, b] = total
+
+
+@wp.kernel
+def next_row(row: wp.array(dtype=int)):
+    """Count the samples on the device, so that a captured graph can be replayed without the host."""
+    row[0] = row[0] + 1

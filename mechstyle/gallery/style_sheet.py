@@ -1,0 +1,149 @@
+"""Every style on a few parts, coloured and grey, on one page: what a person looks at before choosing, and after changing, a style."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mechstyle.gallery import make
+from mechstyle.geometry.thickness import local_thickness
+from mechstyle.pictures.panels import Picture
+from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.simulation.part import INWARD_SHARE, STANDARD_VERTICES, standardised
+from mechstyle.styling.drawn import target
+from mechstyle.styling.library import names, style_named
+from mechstyle.styling.prompt import Wish
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+PARTS = ("pen_holder", "phone_stand", "vase")
+AMPLITUDE = 0.15
+"""Relief over wall thickness, as in a run that is not told otherwise."""
+CELL, LINE, MARGIN, GAP = 160, 26, 18, 28
+"""Side of a picture, height of the line above a row, border of the page, way between its columns [pixels]."""
+SHADES = 51
+"""Levels of a channel: fewer than a screen has halve the file, and nobody sees it on a textured part."""
+
+Pixels = NDArray[np.uint8]
+
+
+@dataclass(frozen=True, eq=False)
+class Specimen:
+    """A part to draw styles on, without any simulation.
+
+    Attributes:
+        surface: The standardised surface.
+        thickness: Local wall thickness [mm], shape [vertex_count].
+    """
+
+    surface: SurfaceMesh
+    thickness: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, mesh: SurfaceMesh, vertices: int = STANDARD_VERTICES) -> Specimen:
+        """A closed surface [mm] made ready, from the cache if it was made ready before."""
+        surface = standardised(mesh, vertices)
+        return cls(surface, local_thickness(surface))
+
+    def styled(self, wish: Wish, seed: int = 0) -> tuple[SurfaceMesh, tuple[str, ...]]:
+        """The finished style on the part, freely, and what the user should know of the drawing."""
+        inward, outward = INWARD_SHARE * self.thickness, self.thickness
+        aim = target(
+            self.surface, wish, seed=seed, amplitude=AMPLITUDE, thickness=self.thickness, inward=inward, outward=outward
+        )
+        return self.surface.displaced(aim.displacement).coloured(aim.colour), aim.notes
+
+
+def contact_sheet(
+    *,
+    styles: Sequence[str] = (),
+    parts: Sequence[str] = PARTS,
+    vertices: int = STANDARD_VERTICES,
+    columns: int = 2,
+    stage: Callable[[str], None] = lambda _: None,
+) -> Picture:
+    """A row for each style: on every part, coloured and in grey, which shows the relief alone.
+
+    Args:
+        styles: Their names; all by default.
+        parts: Names of gallery models.
+        vertices: Vertices of the standardised surfaces.
+        columns: Columns of rows, so that the page is not a ribbon.
+        stage: Told what is being drawn.
+
+    Raises:
+        BadInput: An unknown style or model.
+    """
+    known = [style_named(name) for name in styles or names()]
+    specimens = []
+    for part in parts:
+        stage(f"preparing {part}")
+        specimens.append(Specimen.of(make(part), vertices))
+    rows = []
+    for style in known:
+        stage(style.name)
+        rows.append(np.hstack([_pair(specimen.styled(Wish(style.name))[0]) for specimen in specimens]))
+    return Picture(_page(rows, [(style.name.replace("_", " "), style.description) for style in known], columns))
+
+
+def _pair(styled: SurfaceMesh) -> Pixels:
+    """A styled part in its colours and, beside it, in plain grey, shape [CELL, 2 · CELL, 3]."""
+    from mechstyle.pictures.scene import PLAIN, Camera, render  # noqa: PLC0415 — matplotlib is loaded when a picture is wanted
+
+    camera = Camera.named("three_quarter", styled.vertices)
+    grey = np.broadcast_to(PLAIN, styled.vertices.shape)
+    return np.hstack([render(styled, camera=camera, width=CELL, height=CELL, colours=colours) for colours in (None, grey)])
+
+
+def _page(rows: Sequence[Pixels], labels: Sequence[tuple[str, str]], columns: int) -> bytes:
+    """The rows below each other in columns, with name and description above each, as PNG."""
+    from mechstyle.pictures.scene import BACKGROUND  # noqa: PLC0415 — as above
+
+    wide, deep = rows[0].shape[1], -(-len(rows) // columns)
+    size = (deep * (CELL + LINE) + 2 * MARGIN, min(columns, len(rows)) * (wide + GAP) - GAP + 2 * MARGIN)
+    page = np.broadcast_to(np.rint(255.0 * np.array(BACKGROUND)).astype(np.uint8), (*size, 3)).copy()
+    places = []
+    for index, row in enumerate(rows):
+        column, line = divmod(index, deep)
+        left, top = MARGIN + column * (wide + GAP), MARGIN + line * (CELL + LINE)
+        page[top + LINE : top + LINE + CELL, left : left + wide] = row
+        places.append((left, top))
+    return _png(_lettered(page, places, labels))
+
+
+def _lettered(page: Pixels, places: Sequence[tuple[int, int]], labels: Sequence[tuple[str, str]]) -> Figure:
+    """The page as a figure of the same pixels, with a name and a description at each place."""
+    from matplotlib.figure import Figure  # noqa: PLC0415 — as above
+
+    from mechstyle.pictures.figure import DPI, FAINT, INK  # noqa: PLC0415
+
+    height, width = page.shape[:2]
+    sheet = Figure(figsize=(width / DPI, height / DPI), dpi=DPI)
+    axes = sheet.add_axes((0, 0, 1, 1))
+    axes.imshow(page, interpolation="none", extent=(0, width, height, 0), aspect="auto")
+    axes.set_axis_off()
+    for (left, top), (name, description) in zip(places, labels, strict=True):
+        base = top + LINE - 8
+        title = axes.text(left, base, name, size=11, weight="bold", color=INK)
+        axes.annotate(description, (1, 0), xycoords=title, xytext=(9, 0), textcoords="offset points", size=9, color=FAINT, va="bottom")
+    return sheet
+
+
+def _png(sheet: Figure) -> bytes:
+    """A figure as a PNG of few shades, which packs well."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415 — as above
+    from matplotlib.image import imsave  # noqa: PLC0415
+
+    canvas: Any = FigureCanvasAgg(sheet)
+    canvas.draw()
+    step = 256 // SHADES
+    pixels = np.minimum(np.asarray(canvas.buffer_rgba())[..., :3].astype(np.int16) + step // 2, 255) // step * step
+    buffer = io.BytesIO()
+    imsave(buffer, pixels.astype(np.uint8), format="png", pil_kwargs={"optimize": True})
+    return buffer.getvalue()

@@ -1,0 +1,88 @@
+"""Inside and outside of a hollow part: how much of the sky each place sees, and where one ends and the other begins."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.sparse.csgraph import connected_components
+from scipy.sparse.linalg import splu
+
+from mechstyle._warp import wp
+from mechstyle.geometry.kernels import count_escapes
+from mechstyle.geometry.proximity import TriangleTree
+from mechstyle.records.mesh import Floats, SurfaceMesh
+
+RAYS = 128
+HIDDEN, OPEN = 0.51, 0.97
+"""Sky seen by what is surely inside and surely outside: the wall of a cup sees half of it even at the rim, and less below."""
+CONVEXITY = 8.0
+"""How much more loosely two vertices hang together for each radian by which the surface bends away between them."""
+LEAST_SHARE = 0.005
+"""Smaller pieces, of the area, belong to what surrounds them."""
+
+
+@lru_cache(maxsize=4)  # a run asks again for each picture; meshes are frozen and differ by identity
+def is_inside(mesh: SurfaceMesh, *, device: str = "cpu") -> NDArray[np.bool_]:
+    """Whether each vertex lies in a hollow that opens to the outside, shape [vertex_count].
+
+    What sees less than half of the sky is inside, what sees nearly all of it outside. In between, by the random walker (Grady 2006),
+    each vertex goes where a walk along the surface ends more probably; walks rarely cross convex edges, so that the border runs along
+    the rim, and the open floor of a flat tray goes with the walls around it.
+
+    Args:
+        mesh: A closed surface.
+        device: Warp device.
+    """
+    sky = openness(mesh, device=device)
+    inside, outside = sky < HIDDEN, sky > OPEN
+    if inside.any() and outside.any():
+        inside = _without_specks(mesh, _walked(mesh, inside, outside) > 0.5)
+    inside.setflags(write=False)
+    return inside
+
+
+def openness(mesh: SurfaceMesh, *, device: str = "cpu") -> Floats:
+    """Share of the sky each vertex sees past the part itself, as a diffuse light would shine on it, in [0, 1], shape [vertex_count]."""
+    tree, count = TriangleTree(mesh.vertices, mesh.faces, device), len(mesh.vertices)
+    normals: Any = wp.array(mesh.vertex_normals.astype(np.float32), dtype=wp.vec3, device=device)
+    rays: Any = wp.array(_cosine_directions(RAYS), dtype=wp.vec3, device=device)
+    escaped: Any = wp.empty(count, dtype=wp.int32, device=device)
+    inputs = [tree.id, tree.points(mesh.vertices), normals, rays, 1e-4 * mesh.size, 2.0 * mesh.size, escaped]
+    wp.launch(count_escapes, dim=count, inputs=inputs, device=device)
+    return np.asarray(escaped.numpy() / RAYS, dtype=np.float64)
+
+
+def _cosine_directions(count: int) -> NDArray[np.float32]:
+    """Unit vectors about z as dense as the cosine of their angle to it: a Fibonacci spiral on the disc, lifted to the hemisphere."""
+    k = np.arange(count) + 0.5
+    radius, angle = np.sqrt(k / count), np.pi * (3.0 - np.sqrt(5.0)) * k
+    return np.column_stack([radius * np.cos(angle), radius * np.sin(angle), np.sqrt(1.0 - radius**2)]).astype(np.float32)
+
+
+def _walked(mesh: SurfaceMesh, ones: NDArray[np.bool_], zeros: NDArray[np.bool_]) -> Floats:
+    """Probability that a random walk from each vertex meets `ones` before `zeros`: the Laplace equation on the graph of edges."""
+    a, b = mesh.edges.T
+    way = mesh.vertices[b] - mesh.vertices[a]
+    bend = np.einsum("ij,ij->i", mesh.vertex_normals[b] - mesh.vertex_normals[a], way) / np.linalg.norm(way, axis=1)
+    weight, count = np.exp(-CONVEXITY * np.maximum(bend, 0.0)), len(mesh.vertices)
+    links = sp.coo_array((np.tile(weight, 2), (np.concatenate([a, b]), np.concatenate([b, a]))), shape=(count, count)).tocsr()
+    laplacian = (sp.diags_array(links.sum(axis=1)) - links).tocsr()
+    free, known = ~(ones | zeros), ones.astype(np.float64)
+    if free.any():
+        inner = laplacian[free][:, free].tocsc()
+        known[free] = splu(inner, permc_spec="MMD_AT_PLUS_A").solve(-(laplacian[free] @ known))
+    return known
+
+
+def _without_specks(mesh: SurfaceMesh, inside: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """The same with pieces of less than `LEAST_SHARE` of the area given to the other side."""
+    same = inside[mesh.edges[:, 0]] == inside[mesh.edges[:, 1]]
+    count = len(mesh.vertices)
+    graph = sp.coo_array((np.ones(int(same.sum())), mesh.edges[same].T), shape=(count, count))
+    piece = connected_components(graph, directed=False)[1]
+    areas = np.bincount(piece, mesh.vertex_areas)
+    return np.asarray(inside ^ (areas < LEAST_SHARE * areas.sum())[piece])

@@ -1,0 +1,93 @@
+"""What a relief did to a surface as something to print: folds, walls that pass through each other, how thin it got, what it weighs."""
+
+from __future__ import annotations
+
+import msgspec
+import numpy as np
+
+from mechstyle.geometry.self_intersections import crossings
+from mechstyle.geometry.thickness import wall_thickness
+from mechstyle.records.mesh import Floats, SurfaceMesh
+
+
+class Quality(msgspec.Struct, frozen=True, kw_only=True):
+    """A styled surface compared with the part it was made from.
+
+    Attributes:
+        folds: Faces that look the other way than before: there the relief folded over itself.
+        crossings: Pairs of faces that cross each other without sharing a corner.
+        crossings_before: The same of the unstylized surface.
+        thinnest: Thinnest wall, over an area of some vertices [mm].
+        thinnest_before: The same of the unstylized surface.
+        thin: Wall thickness that 1 % of the surface falls short of [mm].
+        thin_before: The same of the unstylized surface.
+        volume: Volume of the part [mm³].
+        volume_change: Volume gained over that of the unstylized part.
+        mass: Mass of the solid part [g].
+        mass_change: Mass gained [g].
+    """
+
+    folds: int
+    crossings: int
+    crossings_before: int
+    thinnest: float
+    thinnest_before: float
+    thin: float
+    thin_before: float
+    volume: float
+    volume_change: float
+    mass: float
+    mass_change: float
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What a user should know before printing, one sentence each; none if all is well."""
+        words = []
+        if self.folds:
+            remedy = "look at the part in the slicer, or style it with less amplitude"
+            words.append(f"the relief folded over itself at {self.folds} faces: {remedy}")
+        if self.crossings > self.crossings_before:
+            words.append(
+                f"the style added {self.crossings - self.crossings_before} pairs of faces that cross each other: slicers mostly mend that, "
+                f"but look at the part there"
+            )
+        return tuple(words)
+
+
+def quality(original: SurfaceMesh, styled: SurfaceMesh, density: float, *, device: str = "cpu") -> Quality:
+    """Compare a styled surface with its original, face by face.
+
+    Args:
+        original: The unstylized surface.
+        styled: The same faces on displaced vertices.
+        density: Density of the material [g/mm³].
+        device: Warp device of the searches.
+    """
+    before, after = (np.sort(_over_areas(mesh, wall_thickness(mesh, device=device))) for mesh in (original, styled))
+    one_percent = len(before) // 100
+    return Quality(
+        folds=folded_faces(original, styled),
+        crossings=crossings(styled, device=device).pairs,
+        crossings_before=crossings(original, device=device).pairs,
+        thinnest=float(after[0]),
+        thinnest_before=float(before[0]),
+        thin=float(after[one_percent]),
+        thin_before=float(before[one_percent]),
+        volume=styled.volume,
+        volume_change=styled.volume / original.volume - 1.0,
+        mass=density * styled.volume,
+        mass_change=density * (styled.volume - original.volume),
+    )
+
+
+def _over_areas(mesh: SurfaceMesh, thickness: Floats) -> Floats:
+    """The largest thickness at each vertex and its neighbours [mm]: a sharp edge or a single vertex is no thin wall."""
+    widest = thickness.copy()
+    for one, other in (mesh.edges.T, mesh.edges.T[::-1]):
+        np.maximum.at(widest, one, thickness[other])
+    return widest
+
+
+def folded_faces(original: SurfaceMesh, styled: SurfaceMesh) -> int:
+    """How many faces look the other way than before."""
+    return int((np.einsum("ij,ij->i", original.face_vectors, styled.face_vectors) < 0.0).sum())

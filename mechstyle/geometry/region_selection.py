@@ -1,0 +1,159 @@
+"""Which vertices a protected region holds, and how much of a relief is allowed around it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import ArrayLike, NDArray
+from scipy.sparse.csgraph import connected_components, dijkstra
+from scipy.spatial import cKDTree
+
+from mechstyle.errors import BadInput
+from mechstyle.geometry.inside_outside import is_inside
+from mechstyle.geometry.proximity import TriangleTree
+from mechstyle.records.mesh import Floats, Indices, SurfaceMesh
+from mechstyle.records.regions import Box, HalfSpace, Inside, Outside, Region, Segment, Sphere
+
+TURN = float(np.cos(np.radians(25.0)))
+"""Segments end where the surface turns by more than this between two neighbouring vertices …"""
+SLOPE, NEAR, STEP = 0.7, 1.5, 2.0
+"""… or where the wall gets thicker this steeply (thickness as measured jumps with a slope of 1) and, within as many times its own
+thickness, is so many times as thick. Where two equal walls meet it is not."""
+LEAST_SEGMENT = 0.005
+"""Smaller pieces, of the area, are no segments of their own."""
+
+
+class Protection(NamedTuple):
+    """What protected regions leave to the style.
+
+    Attributes:
+        freedom: Factor on the relief, 0 in the regions, growing to 1 over their ramps, shape [vertex_count], float32.
+        uncoloured: Whether a vertex keeps the part's own colour, shape [vertex_count].
+        notes: One sentence for each region: what it is and how much of the surface it holds.
+    """
+
+    freedom: NDArray[np.float32]
+    uncoloured: NDArray[np.bool_]
+    notes: tuple[str, ...]
+
+
+def protection(regions: Sequence[Region], surface: SurfaceMesh, thickness: ArrayLike) -> Protection:
+    """What all regions together leave to the style; where several meet, the strictest counts.
+
+    Args:
+        regions: What is to be protected.
+        surface: The standardised surface.
+        thickness: Local wall thickness [mm], shape [vertex_count]; it sets segments apart.
+
+    Raises:
+        BadInput: If a region holds nothing, or if nothing is left to style.
+    """
+    count = len(surface.vertices)
+    freedom, uncoloured, notes = np.ones(count), np.zeros(count, bool), []
+    areas = surface.vertex_areas / surface.vertex_areas.sum()
+    for region in regions:
+        chosen = selected(region, surface, thickness)
+        freedom = np.minimum(freedom, faded(surface, chosen, region.ramp))
+        uncoloured |= chosen & region.colour
+        notes.append(f"protected: {region.words}, {areas[chosen].sum():.0%} of the surface")
+    if not freedom.any():
+        raise BadInput("the protected regions hold all of the surface, so nothing is left to style; protect less")
+    return Protection(freedom.astype(np.float32), uncoloured, tuple(notes))
+
+
+def selected(region: Region, surface: SurfaceMesh, thickness: ArrayLike) -> NDArray[np.bool_]:
+    """Whether each vertex lies in a region, shape [vertex_count].
+
+    Args:
+        region: The region.
+        surface: The standardised surface.
+        thickness: Local wall thickness [mm], shape [vertex_count].
+
+    Raises:
+        BadInput: If it holds no vertex.
+    """
+    chosen = _selected(region, surface, thickness)
+    if not chosen.any():
+        low, high = (" ".join(f"{x:g}" for x in np.round(f(axis=0), 1)) for f in (surface.vertices.min, surface.vertices.max))
+        raise BadInput(f"the protected region {region.words!r} holds nothing of this part, which reaches from {low} to {high} mm")
+    return chosen
+
+
+def _selected(region: Region, surface: SurfaceMesh, thickness: ArrayLike) -> NDArray[np.bool_]:
+    points = surface.vertices
+    if isinstance(region, Box):
+        return np.asarray(((points >= region.low) & (points <= region.high)).all(axis=1))
+    if isinstance(region, Sphere):
+        return np.asarray(np.linalg.norm(points - region.centre, axis=1) <= region.radius)
+    if isinstance(region, HalfSpace):
+        return np.asarray((points - region.point) @ np.asarray(region.normal) >= 0.0)
+    if isinstance(region, Inside | Outside):
+        return is_inside(surface) ^ isinstance(region, Outside)
+    if isinstance(region, Segment):
+        labels = segments(surface, thickness)
+        near = TriangleTree(points, surface.faces).nearest([region.point])
+        return labels == labels[surface.faces[near.face[0], near.weights[0].argmax()]]
+    if max(region.indices) >= len(points):
+        raise BadInput(f"vertex {max(region.indices)} cannot be protected: the standardised surface has vertices 0 to {len(points) - 1}")
+    chosen = np.zeros(len(points), bool)
+    chosen[list(region.indices)] = True
+    return chosen
+
+
+def faded(surface: SurfaceMesh, chosen: NDArray[np.bool_], ramp: float) -> Floats:
+    """Factor on a relief: 0 where chosen, growing linearly to 1 over `ramp` [mm], shape [vertex_count].
+
+    The way is measured along the edges of the surface, not through the air: the other side of a thin wall is far away.
+    """
+    if ramp == 0.0 or not chosen.any():
+        return (~chosen).astype(np.float64)
+    lengths = np.linalg.norm(np.diff(surface.vertices[surface.edges], axis=1)[:, 0], axis=1)
+    way = dijkstra(_graph(surface, lengths), directed=False, indices=np.flatnonzero(chosen), min_only=True, limit=ramp)
+    return np.asarray(np.minimum(way / ramp, 1.0))
+
+
+def segments(surface: SurfaceMesh, thickness: ArrayLike) -> Indices:
+    """Smooth pieces of surface of one wall thickness, numbered from 0, shape [vertex_count].
+
+    A border is where neighbours' normals differ by more than 25° or where the wall doubles in a step. Connected vertices away from any
+    border make a segment if they are half a per cent of the area or more; all others go to the segment nearest along the surface.
+
+    Args:
+        surface: The surface.
+        thickness: Local wall thickness [mm], shape [vertex_count].
+    """
+    a, b = surface.edges.T
+    wall = np.asarray(thickness, dtype=np.float64)
+    turned = np.einsum("ij,ij->i", surface.vertex_normals[a], surface.vertex_normals[b]) < TURN
+    lengths = np.linalg.norm(surface.vertices[a] - surface.vertices[b], axis=1)
+    stepped = _steps(surface.vertices, wall, surface.edges, lengths)
+    calm = np.ones(len(wall), bool)
+    calm[surface.edges[turned | stepped]] = False
+    piece = connected_components(_graph(surface, (calm[a] & calm[b]).astype(np.float64)), directed=False)[1]
+    areas = np.bincount(piece, surface.vertex_areas)
+    seeds = calm & (areas >= LEAST_SEGMENT * areas.sum())[piece]
+    if not seeds.any():
+        return np.zeros(len(wall), np.int32)
+    found = dijkstra(_graph(surface, lengths), directed=False, indices=np.flatnonzero(seeds), min_only=True, return_predecessors=True)
+    nearest = np.where(found[2] >= 0, found[2], np.flatnonzero(seeds)[0])
+    return np.unique(piece[nearest], return_inverse=True)[1].astype(np.int32)
+
+
+def _steps(points: Floats, wall: Floats, edges: Indices, lengths: Floats) -> NDArray[np.bool_]:
+    """Whether the wall [mm] doubles in a step at each edge, shape [edge_count]."""
+    steep = np.abs(np.diff(wall[edges], axis=1)[:, 0]) > SLOPE * lengths
+    thinner, which = np.unique(edges[np.arange(len(edges)), wall[edges].argmin(axis=1)][steep], return_inverse=True)
+    around = cKDTree(points).query_ball_point(points[thinner], NEAR * wall[thinner])
+    doubled = np.array([wall[near].max() > STEP * wall[vertex] for near, vertex in zip(around, thinner, strict=True)], bool)
+    steep[steep] = doubled[which]
+    return steep
+
+
+def _graph(surface: SurfaceMesh, values: Floats) -> sp.csr_array:
+    """One value per edge as an upper triangular matrix; an edge of value zero is none."""
+    count = len(surface.vertices)
+    kept = values > 0.0
+    return sp.csr_array((values[kept], tuple(surface.edges[kept].T)), shape=(count, count))

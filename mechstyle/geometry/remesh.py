@@ -1,0 +1,172 @@
+"""An even triangulation with a wished number of vertices that keeps sharp edges where they are."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from typing import Any
+
+import manifold3d
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from mechstyle.errors import BadInput
+from mechstyle.geometry.proximity import TriangleTree
+from mechstyle.geometry.slivers import edge_pairs, mended
+from mechstyle.records.mesh import Floats, SurfaceMesh
+
+FEWEST, MOST = 500, 400_000
+SHARP = math.radians(30.0)  # an edge where the surface turns by more is a crease
+FLAT = math.radians(2.0)  # one where it turns by less says nothing of a round
+FINEST_STEP, WIDEST_STEP = 0.45, 0.8  # of the edge length: steps between the vertices that are fixed on narrow rounds
+ON_THE_PART = 1e-4  # mm; what is nearer stays exactly where it is, as on a plane or a crease
+CLEARANCE = 0.7  # of such a step, to the nearest crease
+TRIALS = 9
+TRIAL_ITERATIONS, ITERATIONS = 3, 8  # of the remesher: few suffice to see the count
+
+
+def standardise(mesh: SurfaceMesh, vertices: int = 25_000, tolerance: float = 0.05) -> SurfaceMesh:
+    """The surface in nearly equilateral triangles of one size.
+
+    Needless vertices go (Manifold), long edges are cut, and isotropic remeshing by splits, collapses, flips and tangential
+    smoothing with projection (Botsch and Kobbelt 2004) evens the rest out, with the vertices of edges sharper than 30° fixed.
+    Rounds narrower than a triangle would come out ragged; they are sampled by fixed vertices as close as they are narrow.
+    The edge length is corrected until the count fits.
+
+    Args:
+        mesh: A closed surface, any triangulation.
+        vertices: Vertices wanted, 500 to 400 000.
+        tolerance: Accepted deviation from that count, over the count.
+
+    Returns:
+        A closed surface with the same number of handles and shells, its vertices on the part; the same input gives the same bytes.
+        Colours are dropped.
+
+    Raises:
+        BadInput: If the count is out of range or cannot be reached, or the surface is not closed.
+    """
+    if not FEWEST <= vertices <= MOST:
+        raise BadInput(f"cannot standardise to {vertices} vertices: ask for {FEWEST} to {MOST}")
+    body = manifold_of(mesh)
+    if body.status() != manifold3d.Error.NoError or body.is_empty():
+        raise BadInput("cannot standardise a surface that is not closed; load it with mechstyle, which repairs it or says why not")
+    edge = even_edge(mesh, 2 * vertices)  # a closed surface has about two faces per vertex (Euler)
+    short, long = 0.0, math.inf
+    for trial in range(TRIALS):
+        found = remeshed(body, edge, tolerance=0.01 * edge, iterations=TRIAL_ITERATIONS if trial == 0 else ITERATIONS)
+        if trial > 0 and abs(len(found.vertices) / vertices - 1.0) <= tolerance and _shape(found) == _shape(mesh):
+            return found
+        edge, short, long = _corrected(edge, len(found.vertices) / vertices, short, long)
+    raise BadInput(f"this part could not be brought to {vertices} even vertices (the nearest was {len(found.vertices)}); "
+                   f"ask for {'more' if len(found.vertices) > vertices else 'another number'}")
+
+
+def _corrected(edge: float, excess: float, short: float, long: float) -> tuple[float, float, float]:
+    """The next edge length to try [mm], and the longest known to give too many vertices and the shortest known to give too few.
+
+    The count goes with the inverse square of the edge length, roughly: it jumps where the first cut of a coarse input changes, and
+    then halving the bracket finds what the square root steps over.
+    """
+    short, long = (max(short, edge), long) if excess > 1.0 else (short, min(long, edge))
+    wanted = edge * math.sqrt(excess)
+    return (wanted if short < wanted < long else math.sqrt(short * long)), short, long
+
+
+def manifold_of(mesh: SurfaceMesh) -> Any:
+    """The surface as a Manifold, in double precision; look at its status before use."""
+    return manifold3d.Manifold(manifold3d.Mesh64(mesh.vertices.copy(), mesh.faces.astype(np.uint64)))
+
+
+def surface_of(body: Any) -> SurfaceMesh:
+    """The surface of a Manifold."""
+    mesh = body.to_mesh64()
+    return SurfaceMesh(mesh.vert_properties[:, :3], mesh.tri_verts)
+
+
+def remeshed(body: Any, edge: float, *, tolerance: float, iterations: int = ITERATIONS) -> SurfaceMesh:
+    """A Manifold in even triangles.
+
+    Args:
+        body: The Manifold.
+        edge: Edge length [mm].
+        tolerance: Most by which removing needless vertices beforehand may move the surface [mm].
+        iterations: Rounds of splits, collapses, flips and smoothing.
+    """
+    original = surface_of(body)
+    fine = surface_of(body.simplify(tolerance).refine_to_length(edge))
+    creases, rounds = _fixed(fine, edge)
+    fixed = np.concatenate([creases, rounds])
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # the remesher warns if every vertex is fixed; the count then says so
+        from gpytoolbox import remesh_botsch  # noqa: PLC0415 (importing it warns of its own use of SciPy)
+
+        # Fixed vertices come first in the answer, in the order given.
+        vertices, faces = remesh_botsch(fine.vertices.copy(), fine.faces.copy(), i=iterations, h=edge, project=True, feature=fixed)
+    part = TriangleTree(original.vertices, original.faces)
+    there = part.nearest(vertices)
+    vertices = np.where(there.distance[:, None] > ON_THE_PART, there.point, vertices)
+    return mended(SurfaceMesh(vertices, faces), part, len(creases))
+
+
+def _fixed(mesh: SurfaceMesh, edge: float) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    """Vertices on creases, ascending, and others that sample the rounds narrower than a triangle of this edge length [mm]."""
+    edges, turns, radii = _bends(mesh)
+    creases = np.unique(edges[turns > SHARP]).astype(np.int32)
+    radius = np.full(len(mesh.vertices), np.inf)
+    bent = (turns > FLAT) & (turns <= SHARP)
+    np.minimum.at(radius, edges[bent].ravel(), np.repeat(radii[bent], 2))
+    narrow = np.setdiff1d(np.flatnonzero(radius < WIDEST_STEP * edge), creases).astype(np.int32)
+    steps = np.clip(radius[narrow], FINEST_STEP * edge, WIDEST_STEP * edge)
+    if len(creases) and len(narrow):
+        clear = cKDTree(mesh.vertices[creases]).query(mesh.vertices[narrow])[0] > CLEARANCE * steps
+        narrow, steps = narrow[clear], steps[clear]
+    return creases, narrow[_spread(mesh.vertices[narrow], steps)]
+
+
+def _bends(mesh: SurfaceMesh) -> tuple[NDArray[np.int32], Floats, Floats]:
+    """The edges of a closed surface, shape [k, 2], the angle by which it turns there, and the radius of the turn [mm], shape [k].
+
+    Between two bends of a round lie strips as wide as the triangles are high over the bend, so that its radius is their mean height
+    over the angle.
+    """
+    pairs = edge_pairs(mesh.faces)
+    one, other = mesh.face_normals[pairs.faces].transpose(1, 0, 2)
+    turns = np.arccos(np.clip(np.einsum("ij,ij->i", one, other), -1.0, 1.0))
+    start, end = mesh.vertices[pairs.edges].transpose(1, 0, 2)
+    heights = mesh.face_areas[pairs.faces].sum(axis=1) / np.linalg.norm(end - start, axis=1)
+    return pairs.edges, turns, heights / np.maximum(turns, 1e-9)
+
+
+def _spread(points: Floats, steps: Floats) -> NDArray[np.int64]:
+    """Indices of points no closer to each other than the smaller of their steps [mm], those of small steps first."""
+    if not len(points):
+        return np.zeros(0, np.int64)
+    tree, free, taken = cKDTree(points), np.ones(len(points), bool), []
+    for index in np.argsort(steps, kind="stable"):
+        if free[index]:
+            taken.append(index)
+            free[tree.query_ball_point(points[index], steps[index])] = False
+    return np.array(taken, np.int64)
+
+
+def even_edge(mesh: SurfaceMesh, faces: float) -> float:
+    """Edge length [mm] of equilateral triangles, so many that `faces` of them have the area of the mesh."""
+    return math.sqrt(4.0 / math.sqrt(3.0) * float(mesh.face_areas.sum()) / faces)
+
+
+def _shape(mesh: SurfaceMesh) -> tuple[bool, int, int]:
+    """Whether it is closed, its Euler characteristic, and its number of shells."""
+    used = np.unique(mesh.faces)
+    euler = len(used) - len(mesh.edges) + len(mesh.faces)
+    return mesh.is_closed, euler, shell_count(mesh)
+
+
+def shell_count(mesh: SurfaceMesh) -> int:
+    """Number of connected shells, bodies and cavities alike."""
+    count = len(mesh.vertices)
+    graph = sp.coo_array((np.ones(len(mesh.edges)), mesh.edges.T), shape=(count, count))
+    labels = connected_components(graph, directed=False)[1]
+    return len(np.unique(labels[mesh.faces[:, 0]]))

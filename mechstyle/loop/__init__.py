@@ -1,0 +1,1 @@
+"""The method: propose, restrain, simulate when it is worth it, remember."""

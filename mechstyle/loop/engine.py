@@ -1,0 +1,340 @@
+"""The loop: stylize, restrain, simulate when it is worth it, remember everything.
+
+`Engine.run` is a generator of frozen events. It owns the order of things and nothing else: what a style is, how a drop
+is simulated, how stress becomes a mask and when to simulate are collaborators declared here by what the loop needs of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mechstyle.errors import BadInput
+from mechstyle.loop import backoff, control, minimum_wall, schedule
+from mechstyle.loop.events import BackedOff, Checkpointed, Event, Finished, Simulated, SimulationStarted, Stylized
+from mechstyle.loop.store import Lane, Store
+from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict
+from mechstyle.records.mesh import SurfaceMesh
+
+Field = NDArray[np.float32]
+
+STEP_LIMIT = 0.01
+"""A vertex moves at most this share of the part's size per iteration (Faruqi et al. 2025)."""
+RETRACT_ABOVE = 0.9
+"""Retraction starts at this share of the allowable stress …"""
+RETRACT_RADIUS = 4.0
+"""… reaches this far [mm] …"""
+RETRACT_BY = 0.5
+"""… and takes away up to this share of the relief."""
+KEYFRAME_EVERY = 20
+"""Iterations between stored stylizer states."""
+STYLE_FIELDS = ("prompt", "seed", "amplitude", "stylizer", "guidance", "field", "clip", "crops")
+"""Recipe fields that change what the stylizer aims at."""
+
+
+class Proposal(Protocol):
+    """What a stylizer proposes: displacement along the original normals [mm], shape [vertex_count], and RGB colours."""
+
+    @property
+    def displacement(self) -> Field:
+        """Total displacement [mm], shape [vertex_count]."""
+
+    @property
+    def colour(self) -> Field:
+        """RGB in [0, 1], shape [vertex_count, 3]."""
+
+
+class Stylizer(Protocol):
+    """Anything that proposes a relief and colours, iteration by iteration, without being fed what the mask held back."""
+
+    def proposal(self) -> Proposal:
+        """What it proposes now."""
+
+    def step(self) -> Proposal:
+        """One iteration on; the new proposal."""
+
+    def loss(self, displacement: Field, colour: Field) -> float:
+        """How far a surface is from what the style wants."""
+
+    def state(self) -> dict[str, Field]:
+        """All that is needed to continue from here with the same bytes."""
+
+    def restore(self, state: dict[str, Field]) -> None:
+        """Continue from a state."""
+
+    def start_from(self, displacement: Field, colour: Field) -> None:
+        """Continue from a surface another style has left."""
+
+
+class Simulator(Protocol):
+    """Anything that tells what stress a displaced surface would see."""
+
+    @property
+    def baseline(self) -> Simulation:
+        """The unstylized part in all orientations."""
+
+    def simulate(self, displacement: Field, *, thorough: bool) -> Simulation:
+        """Drop the displaced part: as placed, or in all orientations if `thorough`."""
+
+    def judge(self, simulation: Simulation) -> Verdict:
+        """What a simulation means under the recipe's criterion."""
+
+
+@dataclass(frozen=True, eq=False)
+class Bounds:
+    """How far the style may go, per vertex.
+
+    Attributes:
+        thickness: Local wall thickness [mm], shape [vertex_count].
+        inward: Largest displacement into the material [mm], shape [vertex_count].
+        outward: Largest displacement out of it [mm], shape [vertex_count].
+        protection: Factor on the relief, 0 on the resting face and in protected regions, 1 away from them, shape [vertex_count].
+        uncoloured: Whether a vertex keeps its colour, shape [vertex_count, 1]; False for none.
+    """
+
+    thickness: Field
+    inward: Field
+    outward: Field
+    protection: Field
+    uncoloured: NDArray[np.bool_] | bool = False
+
+
+@dataclass(frozen=True)
+class Engine:
+    """One lane of one store, carried on from wherever it stands to the end of its recipe."""
+
+    recipe: Recipe
+    surface: SurfaceMesh
+    bounds: Bounds
+    stylizer: Stylizer
+    simulator: Simulator
+    store: Store
+    lane: str = "main"
+
+    def run(self) -> Iterator[Event]:
+        """Carry the lane on to its end, yielding what happens; stopping between two events loses nothing that was yielded."""
+        digest, state = self._stand()
+        if digest == "":
+            digest, event = self._save(self._original())
+            yield event
+            state = event.checkpoint
+        proposed = self._wind_stylizer(state).displacement
+        state = self._under_this_recipe(state)
+        while state.iteration < self.recipe.iterations:
+            proposal, before = self.stylizer.step(), state.displacement
+            state = self._moved(state, proposal, proposal.displacement - proposed, parent=digest)
+            proposed = proposal.displacement
+            yield Stylized(state.iteration, state.style_loss, float(np.abs(state.displacement - before).max()))
+            reason = self._reason(state)
+            if reason:
+                yield SimulationStarted(state.iteration, reason)
+                state, simulated = self._simulated(state, reason)
+                yield simulated
+            digest, event = self._save(state)
+            yield event
+        yield from self._finish(state, digest)
+
+    # where the lane stands
+
+    def _stand(self) -> tuple[str, Checkpoint]:
+        """The checkpoint to go on from; back-off rounds are replayed from the last iteration (their simulations are remembered)."""
+        digest = self.store.lane(self.lane).head
+        if not digest:
+            return "", self._original()
+        state = self.store.checkpoint(digest)
+        while state.parent and state.iteration == self.recipe.iterations == self.store.entry(state.parent).iteration:
+            digest, state = state.parent, self.store.checkpoint(state.parent)
+        if state.iteration > self.recipe.iterations:
+            beyond = f"beyond the {self.recipe.iterations} asked for; ask for more iterations"
+            raise BadInput(f"lane {self.lane!r} stands at iteration {state.iteration}, {beyond}")
+        return digest, state
+
+    def _original(self) -> Checkpoint:
+        count = len(self.surface.vertices)
+        nothing = np.zeros(count, np.float32)
+        start = self.stylizer.proposal()
+        base = self.simulator.baseline
+        demand = control.demand(base.stress, base.stress, self.recipe.material, self.recipe.normalisation)
+        return Checkpoint(
+            iteration=0,
+            parent="",
+            recipe=self.recipe.digest,
+            displacement=nothing,
+            colour=start.colour.astype(np.float16),
+            mask=self._mask(demand, self.bounds.protection),
+            share=np.ones(count, np.float32),
+            anchor=nothing,
+            stress=base.stress,
+            demand=demand,
+            simulated_at=0,
+            simulation=self.store.objects.put_record(base),
+            style_loss=self.stylizer.loss(nothing, start.colour),
+            reason="the part as it came",
+            verdict=self.simulator.judge(base),
+            keyframe=self.stylizer.state(),
+        )
+
+    def _under_this_recipe(self, state: Checkpoint) -> Checkpoint:
+        """A checkpoint of another recipe as this one judges it: its stress stays, its restraint is worked out anew."""
+        if state.recipe == self.recipe.digest:
+            return state
+        base = self.simulator.baseline.stress
+        demand = control.demand(state.stress, base, self.recipe.material, self.recipe.normalisation)
+        return replace(state, demand=demand, mask=self._mask(demand, self.bounds.protection))
+
+    def _wind_stylizer(self, state: Checkpoint) -> Proposal:
+        """Bring the stylizer to where it was after `state`: from the nearest keyframe, or afresh where another style ended."""
+        last = state.iteration
+        while True:
+            if self._other_style(state):
+                self.stylizer.start_from(state.displacement, state.colour.astype(np.float32))
+                break
+            if state.keyframe is not None:
+                self.stylizer.restore(state.keyframe)
+                break
+            state = self.store.checkpoint(state.parent)
+        for _ in range(last - state.iteration):  # back-off rounds are checkpoints too, but no iterations
+            self.stylizer.step()
+        return self.stylizer.proposal()
+
+    def _other_style(self, state: Checkpoint) -> bool:
+        theirs = self.recipe if state.recipe == self.recipe.digest else self.store.recipe(state.recipe)
+        return any(getattr(theirs, name) != getattr(self.recipe, name) for name in STYLE_FIELDS)
+
+    # one iteration
+
+    def _moved(self, state: Checkpoint, proposal: Proposal, increment: Field, parent: str) -> Checkpoint:
+        """D += mask · share · clip(increment), within the bounds; colours are never masked, only kept where the user wants it."""
+        limit = np.float32(STEP_LIMIT * self.surface.size)
+        displacement = advanced(state.displacement, state.mask * state.share, np.clip(increment, -limit, limit), self.bounds, self.recipe)
+        colour = np.where(self.bounds.uncoloured, state.colour, proposal.colour).astype(np.float32)
+        iteration = state.iteration + 1
+        return replace(
+            state,
+            iteration=iteration,
+            parent=parent,
+            recipe=self.recipe.digest,
+            displacement=displacement,
+            colour=colour.astype(np.float16),
+            style_loss=self.stylizer.loss(displacement, colour),
+            reason="",
+            verdict=None,
+            final=False,
+            keyframe=self.stylizer.state() if iteration % KEYFRAME_EVERY == 0 else None,
+        )
+
+    def _reason(self, state: Checkpoint) -> str:
+        if state.iteration == self.recipe.iterations:
+            return "last iteration"
+        travelled = state.displacement - state.anchor
+        progress = schedule.Progress(state.iteration, state.simulated_at, travelled, self.bounds.thickness, state.demand)
+        return schedule.due(self.recipe, progress)
+
+    def _simulated(self, state: Checkpoint, reason: str) -> tuple[Checkpoint, Simulated]:
+        """Simulate; what the tets could not follow is taken out of D, and the new demand restrains what comes next."""
+        last = state.iteration == self.recipe.iterations
+        simulation = self.simulator.simulate(state.displacement, thorough=last)
+        verdict = self.simulator.judge(simulation)
+        state = replace(state, displacement=simulation.displacement, simulated_at=state.iteration, reason=reason, verdict=verdict)
+        if not simulation.failure:
+            state = self._restrained(state, simulation, retract=self.recipe.retraction and not last)
+        state = replace(
+            state,
+            anchor=state.displacement,
+            simulation=self.store.objects.put_record(simulation),
+            style_loss=self.stylizer.loss(state.displacement, state.colour.astype(np.float32)),
+        )
+        return state, Simulated(state.iteration, reason, simulation, verdict, float((state.mask < 0.5).mean()))
+
+    def _restrained(self, state: Checkpoint, simulation: Simulation, *, retract: bool) -> Checkpoint:
+        base = self.simulator.baseline.stress
+        demand = control.demand(simulation.stress, base, self.recipe.material, self.recipe.normalisation)
+        mask = self._mask(demand, state.mask if self.recipe.memory else self.bounds.protection)
+        state = replace(state, stress=simulation.stress, demand=demand, mask=mask)
+        if not retract:
+            return state
+        hot = simulation.stress > RETRACT_ABOVE * control.allowable(base, self.recipe.material)
+        left = 1.0 - np.float32(RETRACT_BY) * backoff.nearness(self.surface.vertices, hot, RETRACT_RADIUS)
+        return replace(state, displacement=state.displacement * left, share=state.share * left)
+
+    def _mask(self, demand: Field, ceiling: Field) -> Field:
+        """The control's mask under a ceiling: the protection of the resting face, or with memory the mask so far."""
+        allowed = control.mask(demand, self.recipe.control, self.recipe.threshold)
+        return np.minimum(allowed * self.bounds.protection, ceiling)
+
+    # the end
+
+    def _finish(self, state: Checkpoint, digest: str) -> Iterator[Event]:
+        """Back off until the relief is viable (if the recipe asks for it), then mark the last simulated surface as final."""
+        first = before_scaling = state.displacement
+        verdict = state.verdict
+        assert verdict is not None, "the last iteration is always simulated"
+        rung = 0 if self.recipe.guarantee else backoff.RUNGS
+        while rung < backoff.RUNGS and not verdict.viable:
+            simulation = self.simulator.simulate(state.displacement, thorough=True)
+            if simulation.failure:  # there is no field to say where, so only scaling is left
+                rung = max(rung, backoff.SCALING)
+            if rung <= backoff.SCALING:
+                before_scaling = state.displacement
+            smaller, words = self._backed_off(rung, simulation, state.displacement, before_scaling)
+            rung += 1
+            state = replace(state, displacement=smaller, parent=digest, keyframe=None)
+            yield BackedOff(words, self._kept(smaller, first))
+            yield SimulationStarted(state.iteration, f"back-off: {words}")
+            state, simulated = self._simulated(state, f"back-off: {words}")
+            yield simulated
+            verdict = simulated.verdict
+            digest, event = self._save(state)
+            yield event
+        if not state.final:
+            digest, event = self._save(replace(state, parent=digest, keyframe=None, final=True))
+            yield event
+        yield Finished(verdict, digest)
+
+    def _backed_off(self, rung: int, simulation: Simulation, displacement: Field, before_scaling: Field) -> tuple[Field, str]:
+        base = self.simulator.baseline
+        limit = np.full_like(base.stress, max(self.recipe.material.yield_strength, float(base.stress.max())))
+        envelope_limit = np.float32(control.HEADROOM_GROWTH) * base.envelope
+        return backoff.step(rung, displacement, before_scaling, simulation, self.surface.vertices, limit, envelope_limit)
+
+    def _kept(self, displacement: Field, reference: Field) -> float:
+        return kept(displacement, reference, self.surface.vertex_areas)
+
+    def _save(self, state: Checkpoint) -> tuple[str, Checkpointed]:
+        """Store the checkpoint, then move the lane to it."""
+        digest = self.store.put_checkpoint(state)
+        lane = self.store.lane(self.lane)
+        self.store.move(self.lane, Lane(recipe=lane.recipe, head=digest, forked_from=lane.forked_from))
+        return digest, Checkpointed(digest, state)
+
+
+def advanced(displacement: Field, let_through: Field, increment: Field, bounds: Bounds, recipe: Recipe) -> Field:
+    """The displacement after one iteration [mm], shape [vertex_count]: what of the increment is let through, within the bounds.
+
+    Args:
+        displacement: D before it [mm], shape [vertex_count].
+        let_through: Mask times share, shape [vertex_count].
+        increment: What the stylizer wants more [mm], shape [vertex_count].
+        bounds: How far the style may go.
+        recipe: Whether walls are spared, and which.
+    """
+    step = let_through * increment
+    if recipe.feedback:
+        step = minimum_wall.spared(step, bounds.thickness, displacement, recipe.minimum_wall)
+    return np.clip(displacement + step, -bounds.inward, bounds.outward)
+
+
+def kept(displacement: Field, reference: Field, areas: NDArray[np.float64]) -> float:
+    """Share of a reference relief that is left, ⟨T, D⟩ / ⟨T, T⟩ weighted by area; 1 where the reference is flat.
+
+    Args:
+        displacement: D [mm], shape [vertex_count].
+        reference: T [mm], shape [vertex_count].
+        areas: Vertex areas [mm²], shape [vertex_count].
+    """
+    total = float((areas * reference.astype(np.float64) ** 2).sum())
+    return float((areas * reference * displacement).sum()) / total if total > 0 else 1.0

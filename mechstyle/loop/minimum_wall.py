@@ -1,0 +1,92 @@
+"""The thinnest wall a printer can make: how far a style may cut into one, and what to say where a wall is thinner.
+
+A drop does not see a thin wall, because the stress of an impact does not depend on thickness; so walls have a rule of their own.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from mechstyle.records.mesh import SurfaceMesh
+
+RAMP = 0.5
+"""Cutting is slowed from this share of the minimum above it …"""
+SEEN = 0.02
+"""… and a wall is called too thin from this far below it [mm]; less is rounding."""
+
+Field = NDArray[np.float32]
+
+
+def freedom(thickness: Field, displacement: Field, minimum: float) -> Field:
+    """Factor on movement into the material: 1 for a wall 1.5 times the minimum or more, falling to 0 at the minimum, shape [vertex_count].
+
+    The wall left is reckoned as if its other side were cut as deep, t + 2 min(D, 0), so that both together keep to the minimum.
+
+    Args:
+        thickness: Local wall thickness t of the unstylized part [mm], shape [vertex_count].
+        displacement: D along the outward normals [mm], shape [vertex_count].
+        minimum: The thinnest wall allowed [mm], above 0.
+    """
+    left = thickness + 2.0 * np.minimum(displacement, 0.0)
+    return np.clip((left - minimum) / (RAMP * minimum), 0.0, 1.0).astype(np.float32)
+
+
+def spared(step: Field, thickness: Field, displacement: Field, minimum: float) -> Field:
+    """A step [mm] of which the part into the material is slowed and never leaves less than the minimum; outwards it is free.
+
+    Args:
+        step: Change of D that is wanted [mm], shape [vertex_count].
+        thickness: As in `freedom`.
+        displacement: As in `freedom`.
+        minimum: As in `freedom`; 0 for no rule.
+    """
+    if minimum <= 0.0:
+        return step
+    deepest = np.minimum(0.0, 0.5 * (minimum - thickness) - np.minimum(displacement, 0.0))
+    inward = np.maximum(step * freedom(thickness, displacement, minimum), deepest)
+    return np.where(step < 0.0, inward, step).astype(np.float32)
+
+
+def styled_thickness(surface: SurfaceMesh, thickness: Field, displacement: Field) -> Field:
+    """Thickness less the relief cut into a wall from both sides [mm], shape [vertex_count].
+
+    The other side is the vertex nearest to where a way of the wall's thickness along the inward normal ends.
+    """
+    opposite = surface.vertices - surface.vertex_normals * thickness[:, None]
+    _, other = cKDTree(surface.vertices).query(opposite)
+    cut = np.minimum(displacement, 0.0)
+    return (thickness + cut + cut[other]).astype(np.float32)
+
+
+def without_specks(surface: SurfaceMesh, thickness: Field) -> Field:
+    """The largest thickness at a vertex and its neighbours [mm]: a wall is thin over an area, not along a sharp edge or at one vertex."""
+    widest = thickness.copy()
+    a, b = surface.edges.T
+    np.maximum.at(widest, a, thickness[b])
+    np.maximum.at(widest, b, thickness[a])
+    return widest
+
+
+def warnings(surface: SurfaceMesh, thickness: Field, displacement: Field, minimum: float) -> tuple[str, ...]:
+    """One sentence if the part itself has a wall below the minimum, and one if the style leaves such a wall, each with place and value."""
+    thickness = without_specks(surface, thickness)
+    thin = thickness < minimum - SEEN
+    styled = styled_thickness(surface, thickness, displacement)
+    cut = (styled < minimum - SEEN) & (styled < thickness - SEEN)
+    sentences = []
+    if thin.any():
+        what = f"the part itself has a wall of {_thinnest(surface, thickness, thin)}, thinner than the {minimum:g} mm minimum"
+        sentences.append(f"{what}: it may not print")
+    if cut.any():
+        what = f"the style leaves a wall of {_thinnest(surface, styled, cut)}, thinner than the {minimum:g} mm minimum"
+        sentences.append(f"{what}: lower the amplitude, or let feedback hold it back")
+    return tuple(sentences)
+
+
+def _thinnest(surface: SurfaceMesh, thickness: Field, where: NDArray[np.bool_]) -> str:
+    """The smallest thickness among some vertices and its place, in words."""
+    vertex = int(np.flatnonzero(where)[thickness[where].argmin()])
+    x, y, z = surface.vertices[vertex]
+    return f"{max(float(thickness[vertex]), 0.0):.2f} mm at ({x:.1f}, {y:.1f}, {z:.1f}) mm"

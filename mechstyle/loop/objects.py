@@ -1,0 +1,139 @@
+"""Immutable objects named by the SHA-256 of their content, records as JSON, and a memo of deterministic computations.
+
+Arrays are kept as `.npy` bytes and records as JSON, each zlib-compressed; nothing is ever unpickled.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import io
+import math
+import zlib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from mechstyle._files import write_whole
+from mechstyle.errors import DamagedStore
+from mechstyle.records.mesh import SurfaceMesh, TetMesh
+
+T = TypeVar("T")
+M = TypeVar("M", SurfaceMesh, TetMesh)
+
+
+def to_json(record: object, enc_hook: Callable[[Any], Any] | None = None) -> bytes:
+    """A record as JSON. NaN and the infinities, for which JSON has no number, become words that `from_json` reads back.
+
+    Args:
+        record: A msgspec Struct, a dataclass or plain values.
+        enc_hook: Turns what is none of these into something that is.
+    """
+    return msgspec.json.encode(_spelled(msgspec.to_builtins(record, enc_hook=enc_hook, order="deterministic")))
+
+
+def from_json(data: bytes, kind: type[T], dec_hook: Callable[[type, Any], Any] | None = None) -> T:
+    """What `to_json` wrote; msgspec.DecodeError if it is no such record."""
+    return msgspec.json.decode(data, type=kind, dec_hook=dec_hook, strict=False)
+
+
+def _spelled(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _spelled(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_spelled(item) for item in value]
+    return str(value) if isinstance(value, float) and not math.isfinite(value) else value
+
+
+class Objects:
+    """A folder of immutable objects named by the SHA-256 of their uncompressed content."""
+
+    def __init__(self, root: Path) -> None:
+        """Use `root`, which need not exist yet."""
+        self.root = root
+
+    def path(self, digest: str) -> Path:
+        """Where an object lies or would lie."""
+        return self.root / digest[:2] / digest[2:]
+
+    def put(self, content: bytes) -> str:
+        """Store bytes, once; return their digest. A damaged object of the same name is mended."""
+        digest = hashlib.sha256(content).hexdigest()
+        try:
+            self.get(digest)
+        except DamagedStore:
+            write_whole(self.path(digest), zlib.compress(content, 1))
+        return digest
+
+    def get(self, digest: str) -> bytes:
+        """The bytes of an object, verified; DamagedStore if it is missing or does not match its name."""
+        try:
+            content = zlib.decompress(self.path(digest).read_bytes())
+        except (OSError, zlib.error) as error:
+            raise DamagedStore(f"{self.path(digest)} is missing or unreadable: restore it from a copy, or start the run again") from error
+        if hashlib.sha256(content).hexdigest() != digest:
+            raise DamagedStore(
+                f"{self.path(digest)} does not have the content its name promises: restore it from a copy, or start the run again"
+            )
+        return content
+
+    def put_array(self, array: NDArray[Any]) -> str:
+        """Store an array with its type and shape."""
+        buffer = io.BytesIO()
+        np.save(buffer, np.ascontiguousarray(array), allow_pickle=False)
+        return self.put(buffer.getvalue())
+
+    def get_array(self, digest: str) -> NDArray[Any]:
+        """An array as it was stored."""
+        array: NDArray[Any] = np.load(io.BytesIO(self.get(digest)), allow_pickle=False)
+        return array
+
+    def put_record(self, record: object) -> str:
+        """Store a record; arrays inside become objects of their own, so equal arrays are kept once."""
+        return self.put(to_json(record, self._array_to_digest))
+
+    def get_record(self, digest: str, kind: type[T]) -> T:
+        """A record of the given type; DamagedStore if it is not one."""
+        try:
+            return from_json(self.get(digest), kind, lambda _, name: self.get_array(name))
+        except msgspec.DecodeError as error:
+            raise DamagedStore(f"{self.path(digest)} is not a {kind.__name__}: {error}") from error
+
+    def _array_to_digest(self, value: object) -> str:
+        if isinstance(value, np.ndarray):
+            return self.put_array(value)
+        raise TypeError(f"cannot store a {type(value).__name__}")
+
+    def put_mesh(self, mesh: SurfaceMesh | TetMesh) -> str:
+        """Store a mesh as its two arrays; colours are kept by checkpoints, not here."""
+        cells = mesh.faces if isinstance(mesh, SurfaceMesh) else mesh.tets
+        return self.put_record({"vertices": mesh.vertices, "cells": cells})
+
+    def get_mesh(self, digest: str, kind: type[M]) -> M:
+        """A mesh as it was stored."""
+        table = self.get_record(digest, dict[str, str])
+        return kind(self.get_array(table["vertices"]), self.get_array(table["cells"]))
+
+
+class Memo:
+    """Results of deterministic computations by the digest of their inputs, kept beside their objects."""
+
+    def __init__(self, folder: Path, objects: Objects) -> None:
+        """Keep the index in `folder`, results in `objects`."""
+        self.folder = folder
+        self.objects = objects
+
+    def recall(self, key: str, kind: type[T]) -> T | None:
+        """The stored result for `key`, or None if there is none that can be read."""
+        with contextlib.suppress(OSError, ValueError, DamagedStore):  # ValueError: the index is neither ASCII nor a path
+            return self.objects.get_record((self.folder / key).read_text(encoding="ascii"), kind)
+        return None
+
+    def remember(self, key: str, result: object) -> None:
+        """Store the result of the inputs named by `key`, unless it is there already and can be read."""
+        if self.recall(key, type(result)) is None:
+            write_whole(self.folder / key, self.objects.put_record(result).encode("ascii"))

@@ -1,0 +1,157 @@
+"""The run on disk: objects named by the SHA-256 of their content, one movable reference per lane, and a memo of simulations.
+
+Layout of a run directory:
+
+    objects/ab/cdef…    arrays (.npy bytes) and records (JSON), each zlib-compressed, never changed once written
+    lanes/main.json     where a lane stands: its recipe, its newest checkpoint, where it was forked
+    memo/0123…          digest of the result of a computation, named by the digest of its inputs
+    locks/main.lock     which process carries the lane on
+
+Everything is written aside and renamed, so a process killed at any moment loses at most the iteration in flight.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import msgspec
+
+from mechstyle._files import write_whole
+from mechstyle.errors import BadInput, DamagedStore, unknown
+from mechstyle.loop.objects import Memo, Objects
+from mechstyle.records import Checkpoint, Recipe, Verdict
+
+
+class Lane(msgspec.Struct, frozen=True, kw_only=True):
+    """Where one line of iterations stands.
+
+    Attributes:
+        recipe: Digest of the recipe its new iterations follow.
+        head: Digest of its newest checkpoint, "" before the first.
+        forked_from: Digest of the checkpoint it was branched at, "" for an original line.
+    """
+
+    recipe: str
+    head: str = ""
+    forked_from: str = ""
+
+
+class Entry(msgspec.Struct, frozen=True, kw_only=True):
+    """A checkpoint without its arrays: what a log needs. Fields as in `Checkpoint`."""
+
+    iteration: int
+    parent: str
+    recipe: str
+    simulated_at: int
+    style_loss: float
+    reason: str
+    verdict: Verdict | None
+    final: bool
+    digest: str = ""
+
+
+class Store:
+    """One run directory: checkpoints, lanes, recipes, meshes and the memo of its simulations."""
+
+    def __init__(self, root: str | Path) -> None:
+        """Use `root`, which is created by the first write."""
+        self.root = Path(root)
+        self.objects = Objects(self.root / "objects")
+        self.memo = Memo(self.root / "memo", self.objects)
+
+    @classmethod
+    def open(cls, root: str | Path) -> Store:
+        """An existing run directory, or BadInput."""
+        store = cls(root)
+        if not store.lanes():
+            raise BadInput(f"{root} is not a run directory: it holds no lanes/*.json; give the folder that `mechstyle run --out` wrote")
+        return store
+
+    def lanes(self) -> tuple[str, ...]:
+        """Names of the lanes, `main` first, then in order of name."""
+        names = sorted(path.stem for path in (self.root / "lanes").glob("*.json"))
+        return tuple(sorted(names, key=lambda name: name != "main"))
+
+    def lane(self, name: str = "main") -> Lane:
+        """Where a lane stands; BadInput for a lane that is not there."""
+        path = self.root / "lanes" / f"{name}.json"
+        if not path.is_file():
+            raise unknown(f"lane in {self.root}", name, self.lanes())
+        try:
+            return msgspec.json.decode(path.read_bytes(), type=Lane)
+        except msgspec.DecodeError as error:
+            raise DamagedStore(f"{path} cannot be read: {error}") from error
+
+    def move(self, name: str, lane: Lane) -> None:
+        """Point a lane somewhere; names are letters, digits, dots, dashes and underscores, but no number: `DIR@120` is an iteration."""
+        if name.isdigit() or not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9._-]*", name):
+            rest = "hold only letters, digits, '.', '-' and '_', and not be a number"
+            raise BadInput(f"lane name {name!r} must begin with a letter or digit, {rest}")
+        write_whole(self.root / "lanes" / f"{name}.json", msgspec.json.encode(lane))
+
+    def put_recipe(self, recipe: Recipe) -> str:
+        """Store a recipe; its digest is the recipe's own."""
+        return self.objects.put(msgspec.json.encode(recipe, order="deterministic"))
+
+    def recipe(self, digest: str) -> Recipe:
+        """A stored recipe."""
+        return self.objects.get_record(digest, Recipe)
+
+    def put_checkpoint(self, checkpoint: Checkpoint) -> str:
+        """Store a checkpoint; return its digest, which is the same for the same state and past."""
+        return self.objects.put_record(checkpoint)
+
+    def checkpoint(self, digest: str) -> Checkpoint:
+        """A stored checkpoint with its arrays."""
+        return self.objects.get_record(digest, Checkpoint)
+
+    def entry(self, digest: str) -> Entry:
+        """A stored checkpoint without its arrays."""
+        return msgspec.structs.replace(self.objects.get_record(digest, Entry), digest=digest)
+
+    def is_finished(self, name: str = "main") -> bool:
+        """Whether a lane's newest checkpoint is the end of the recipe in force."""
+        lane = self.lane(name)
+        if not lane.head:
+            return False
+        entry = self.entry(lane.head)
+        return entry.final and entry.recipe == lane.recipe
+
+    def history(self, lane: str = "main") -> list[Entry]:
+        """All checkpoints of a lane, its inherited past included, oldest first."""
+        return list(self._past(self.lane(lane).head))[::-1]
+
+    def _past(self, digest: str) -> Iterator[Entry]:
+        while digest:
+            entry = self.entry(digest)
+            yield entry
+            digest = entry.parent
+
+    def find(self, iteration: int | None, lane: str = "main") -> Entry:
+        """The newest checkpoint of an iteration in a lane (None: its head); BadInput says which iterations there are."""
+        history = self.history(lane)
+        if not history:
+            raise BadInput(f"lane {lane!r} in {self.root} has no checkpoint yet")
+        if iteration is None:
+            return history[-1]
+        for entry in reversed(history):
+            if entry.iteration == iteration:
+                return entry
+        raise BadInput(
+            f"iteration {iteration} is not in lane {lane!r} of {self.root}: it holds {history[0].iteration} to {history[-1].iteration}"
+        )
+
+
+def parse_address(address: str) -> tuple[Path, str, int | None]:
+    """Split `DIR`, `DIR@ITERATION`, `DIR@LANE` or `DIR@LANE:ITERATION` into directory, lane and iteration; a folder of that name is DIR."""
+    root, at, place = address.rpartition("@")
+    if not at or "/" in place or "\\" in place or Path(address).is_dir():  # an @ in the name of a folder is no address
+        return Path(address), "main", None
+    lane, colon, number = place.rpartition(":")
+    if not (colon or re.fullmatch("[0-9]+", number)):
+        lane, number = number, ""
+    if not re.fullmatch("[0-9]*", number):
+        raise BadInput(f"{address!r}: {number!r} is not an iteration; write DIR@120 or DIR@lane:120")
+    return Path(root), lane or "main", int(number) if number else None

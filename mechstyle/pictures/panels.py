@@ -1,0 +1,124 @@
+"""What a checkpoint looks like: styled, stressed, masked."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mechstyle._files import write_whole
+from mechstyle.records import Checkpoint, Recipe, Verdict
+from mechstyle.records.mesh import SurfaceMesh
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from mechstyle.pictures.figure import Panel
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A PNG a notebook displays."""
+
+    png: bytes
+
+    def _repr_png_(self) -> bytes:
+        return self.png
+
+    def save(self, path: str | Path) -> Path:
+        """Write the PNG to a file."""
+        write_whole(Path(path), self.png)
+        return Path(path)
+
+
+def stress_panel(
+    mesh: SurfaceMesh, stress: np.ndarray, verdict: Verdict | None, *, title: str, limit: float, view: str = "three_quarter"
+) -> Panel:
+    """A part coloured by stress [MPa], with the allowable stress marked."""
+    from mechstyle.pictures.figure import Panel  # noqa: PLC0415 — matplotlib is loaded when a picture is wanted
+
+    top = max(float(stress.max()), 1.05 * limit)
+    note = _note(verdict)
+    return Panel(mesh, title, values=stress, unit="MPa", label="von Mises stress", limits=(0.0, top), threshold=limit, note=note, view=view)
+
+
+def _note(verdict: Verdict | None) -> str:
+    """A verdict in the line under a picture, "" for none."""
+    if verdict is None:
+        return ""
+    if verdict.outcome == "UNKNOWN":
+        return "UNKNOWN: this drop gave no answer"
+    return f"{verdict.outcome}: peak {verdict.deciding.value:.0f} of {verdict.deciding.limit:.0f} MPa"
+
+
+def checkpoint_panels(original: SurfaceMesh, state: Checkpoint, recipe: Recipe, measured_at: int | None) -> list[Panel]:
+    """Styled look, stress of the last drop that gave an answer and mask, side by side.
+
+    Args:
+        original: The unstylized surface.
+        state: What to show.
+        recipe: Its recipe.
+        measured_at: Iteration of that drop, None if none gave an answer; if a later one failed, the picture says so.
+    """
+    from mechstyle.pictures.figure import Panel  # noqa: PLC0415 — as above
+
+    styled = original.displaced(state.displacement).coloured(state.colour)
+    limit = state.verdict.deciding.limit if state.verdict is not None else recipe.material.yield_strength
+    when = "" if measured_at in (None, state.iteration) else f" (iteration {measured_at})"
+    stress = stress_panel(styled, state.stress, state.verdict, title=f"stress{when}", limit=limit)
+    if state.verdict is None and measured_at != state.simulated_at:
+        stress = replace(stress, note=f"UNKNOWN: the later drop at iteration {state.simulated_at} gave no answer")
+    return [
+        Panel(styled, f"“{recipe.prompt}”"),
+        stress,
+        Panel(
+            styled,
+            "restraint",
+            values=1.0 - state.mask,
+            label="share of movement held back",
+            limits=(0.0, 1.0),
+            note=f"{(state.mask < 0.5).mean():.0%} restrained",
+        ),
+    ]
+
+
+def with_protected(panel: Panel, protected: np.ndarray) -> Panel:
+    """A field with the vertices the style must leave alone in hatched grey, shape [vertex_count], and their share in the note."""
+    if not protected.any():
+        return panel
+    share = panel.mesh.vertex_areas @ protected / panel.mesh.vertex_areas.sum()
+    note = f"{panel.note}; {share:.0%} protected (grey)" if panel.note else f"{share:.0%} protected (grey)"
+    return replace(panel, values=np.where(protected, np.nan, np.asarray(panel.values)), note=note)
+
+
+def picture(panels: Sequence[Panel], *, title: str = "", columns: int | None = None) -> Picture:
+    """Panels side by side as one PNG."""
+    from mechstyle.pictures.figure import figure_png  # noqa: PLC0415 — as above
+
+    return Picture(figure_png(panels, title=title, columns=columns))
+
+
+def comparison(original: SurfaceMesh, start: Checkpoint, finals: Sequence[tuple[str, Checkpoint, Recipe]]) -> Picture:
+    """The part as it came beside several results of one prompt: look above, stress below and from underneath."""
+    from mechstyle.pictures.figure import Panel  # noqa: PLC0415 — as above
+
+    rows: list[list[Panel]] = [[], [], []]
+    shown = [("as it came", start, finals[0][2]), *finals]
+    top = max(float(state.stress.max()) for _, state, _ in shown)
+    for name, state, recipe in shown:
+        styled = original.displaced(state.displacement).coloured(state.colour)
+        limit = state.verdict.deciding.limit if state.verdict is not None else recipe.material.yield_strength
+        rows[0].append(Panel(styled, name))
+        for row, view in ((1, "three_quarter"), (2, "below")):
+            panel = stress_panel(
+                styled,
+                state.stress,
+                state.verdict if row == 1 else None,
+                title="stress" if row == 1 else "from below",
+                limit=limit,
+                view=view,
+            )
+            rows[row].append(replace(panel, limits=(0.0, max(top, 1.05 * limit))))
+    return picture([panel for row in rows for panel in row], title=f"“{finals[0][2].prompt}”", columns=len(shown))

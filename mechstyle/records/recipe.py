@@ -1,0 +1,144 @@
+"""The recipe: all that decides a run, and the names its settings may have."""
+
+from __future__ import annotations
+
+import hashlib
+from typing import Literal
+
+import msgspec
+
+from mechstyle.errors import BadInput, unknown
+from mechstyle.records.load_cases import LoadCase
+from mechstyle.records.material import Material
+from mechstyle.records.regions import Region
+
+CONTROLS = ("linear", "exponential", "frozen", "none")
+NORMALISATIONS = ("headroom", "own_max", "sigma_c", "yield")
+SCHEDULES = ("every", "quadratic", "exponential", "geometry", "stress", "never", "always")
+CRITERIA = ("robust", "paper")
+GUIDANCES = ("offline", "clip")
+FIELDS = ("vertex", "network")
+ELEMENTS = ("tet10", "tet4")
+POSES = {"fibonacci": 5, "tilts": 8, "resting": 8}
+"""Ways a part may land, and how many drops each takes unless told: all directions, small tilts, or what it comes to rest on."""
+
+
+class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """All that decides a run, and nothing else: no times, hosts or paths.
+
+    Attributes:
+        surface: Digest of the standardised surface M_0.
+        tetrahedra: Digest of its tetrahedra (meshing is not deterministic, so they are part of the recipe).
+        prompt: The style asked for, as typed; "" for none.
+        stylizer: Name of a plugged-in stylizer that draws it, "" for the built-in ones.
+        guidance: What the style descends to, one of GUIDANCES: a target drawn offline, or what CLIP takes for the prompt.
+        field: What is descended in, one of FIELDS: values per vertex, or the X-Mesh style field.
+        clip: CLIP weights, `NAME@DIGEST`; "" offline.
+        crops: Close looks at each view per iteration of CLIP guidance and loss, 4 as published.
+        material: The material, in full.
+        iterations: Stylization iterations N.
+        seed: Seed of everything random in the style.
+        amplitude: Relief height over local wall thickness.
+        control: How demand becomes a mask, one of CONTROLS.
+        normalisation: How stress becomes demand, one of NORMALISATIONS.
+        threshold: Demand at which a vertex may move no further; 1 is the normalisation's own limit, less is stricter.
+        memory: Whether a vertex once restrained stays so (running minimum of the mask).
+        retraction: Whether the relief shrinks by half where stress exceeds 0.9 of the allowable.
+        protect_resting_face: Whether the relief fades out towards the face the part rests on.
+        protect: Regions the style must leave alone.
+        minimum_wall: The thinnest wall the style may leave [mm]; 0 for no rule.
+        loads: Load cases the part must carry besides the drop.
+        schedule: When to simulate, one of SCHEDULES.
+        every: Interval of the `every` schedule [iterations].
+        travel: Displacement since the last simulation over local thickness that triggers `geometry` and `stress`.
+        criterion: What viable means, one of CRITERIA.
+        guarantee: Whether the finished relief is backed off until it is viable.
+        orientations: Drops in the final test, the first as placed; of resting poses at most so many.
+        poses: How the others land, one of POSES: `fibonacci` every way, `tilts` nearly as placed, `resting` as the part comes to rest.
+        drop_height: Height of fall [mm].
+        friction: Coulomb coefficient of the floor.
+        window: Simulated time after first touch [ms].
+        element: `tet10`, or `tet4` as in the published study, which is several times too stiff in thin walls.
+        damping: Kelvin-Voigt time β [ms].
+        transfer: How stress gets from tets to surface, `barycentric` or `nearest` (the paper's unit-box nearest neighbour).
+    """
+
+    surface: str
+    tetrahedra: str
+    prompt: str
+    material: Material
+    stylizer: str = ""
+    guidance: str = "offline"
+    field: str = "vertex"
+    clip: str = ""
+    crops: int = 1
+    iterations: int = 200
+    seed: int = 0
+    amplitude: float = 0.15
+    control: str = "exponential"
+    normalisation: str = "headroom"
+    threshold: float = 1.0
+    memory: bool = True
+    retraction: bool = True
+    protect_resting_face: bool = True
+    protect: tuple[Region, ...] = ()
+    minimum_wall: float = 0.8
+    loads: tuple[LoadCase, ...] = ()
+    schedule: str = "stress"
+    every: int = 20
+    travel: float = 0.1
+    criterion: str = "robust"
+    guarantee: bool = True
+    orientations: int = 5
+    poses: str = "fibonacci"
+    drop_height: float = 1500.0
+    friction: float = 0.0
+    window: float = 1.5
+    element: str = "tet10"
+    damping: float = 1e-4
+    transfer: Literal["barycentric", "nearest"] = "barycentric"
+
+    def __post_init__(self) -> None:
+        """Refuse unknown names and values out of range, each in one sentence."""
+        for field, known in (
+            ("control", CONTROLS),
+            ("normalisation", NORMALISATIONS),
+            ("schedule", SCHEDULES),
+            ("criterion", CRITERIA),
+            ("guidance", GUIDANCES),
+            ("field", FIELDS),
+            ("element", ELEMENTS),
+            ("poses", POSES),
+            ("transfer", ("barycentric", "nearest")),
+        ):
+            if getattr(self, field) not in known:
+                raise unknown(field, str(getattr(self, field)), known)
+        limits = {
+            "iterations": (1, 100_000),
+            "crops": (1, 16),
+            "every": (1, 100_000),
+            "seed": (0, 2**32 - 1),
+            "amplitude": (0.0, 2.0),
+            "travel": (1e-3, 10.0),
+            "threshold": (0.01, 100.0),
+            "minimum_wall": (0.0, 100.0),
+            "orientations": (1, 512),
+            "drop_height": (1.0, 1e5),
+            "friction": (0.0, 2.0),
+            "window": (0.05, 50.0),
+            "damping": (0.0, 0.1),
+        }
+        for field, (low, high) in limits.items():
+            value = getattr(self, field)
+            if not low <= value <= high:
+                raise BadInput(f"{field.replace('_', ' ')} is {value:g}, but must lie between {low:g} and {high:g}")
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of the recipe's canonical JSON."""
+        return hashlib.sha256(msgspec.json.encode(self, order="deterministic")).hexdigest()
+
+    @property
+    def feedback(self) -> bool:
+        """Whether simulation restrains the style (MechStyle) or not (Freestyle)."""
+        return self.control != "none"

@@ -1,0 +1,128 @@
+"""What a test measured: scalars of one drop, of each way to land and of each load case, and the fields over the surface."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from mechstyle.records.mesh import frozen_array
+
+
+class Measures(msgspec.Struct, frozen=True, kw_only=True):
+    """Scalar results of one drop test (or of the envelope of several): running-maximum von Mises stress [MPa].
+
+    Attributes:
+        peak: Largest 2 mm volume average.
+        p999: Volume-weighted 99.9th percentile.
+        p99: Volume-weighted 99th percentile.
+        maximum: Literal maximum over the elements; depends on the mesh where contact is a point.
+        where: Place of `peak` in the undeformed part [mm].
+        volume: Volume of the tetrahedra [mm³].
+    """
+
+    peak: float
+    p999: float
+    p99: float
+    maximum: float
+    where: tuple[float, float, float]
+    volume: float
+
+    def or_worse(self, other: Measures) -> Measures:
+        """The larger of each stress of two tests of one part, and where the larger peak is."""
+        larger = {name: max(getattr(self, name), getattr(other, name)) for name in ("peak", "p999", "p99", "maximum")}
+        return msgspec.structs.replace(self, where=self.where if self.peak >= other.peak else other.where, **larger)
+
+
+class Landing(msgspec.Struct, frozen=True, kw_only=True):
+    """One drop of a test in several orientations.
+
+    Attributes:
+        normal: Floor normal in the frame of the part, out of the floor.
+        weight: Probability that a random drop lands so.
+        measures: What that drop did.
+    """
+
+    normal: tuple[float, float, float]
+    weight: float
+    measures: Measures
+
+
+class LoadResult(msgspec.Struct, frozen=True, kw_only=True):
+    """What one load case did to the part.
+
+    Attributes:
+        name: The case.
+        peak: Largest 2 mm volume average of the von Mises stress [MPa].
+        where: Place of `peak` in the undeformed part [mm].
+        deflection: Largest displacement [mm].
+    """
+
+    name: str
+    peak: float
+    where: tuple[float, float, float]
+    deflection: float
+
+    @property
+    def words(self) -> str:
+        """Its figures, as they are printed."""
+        x, y, z = self.where
+        return f"{self.peak:.1f} MPa at ({x:.1f}, {y:.1f}, {z:.1f}) mm, gives way {self.deflection:.2f} mm"
+
+
+@dataclass(frozen=True, eq=False)
+class Simulation:
+    """One drop test brought to the surface.
+
+    Attributes:
+        displacement: What was simulated [mm], shape [vertex_count]: the request, less what the tets could not follow.
+        stress: Robust stress field that drives the mask and decides: of drop as placed and load cases [MPa], shape [vertex_count].
+        envelope: The same over all orientations [MPa], shape [vertex_count]; equals `stress` for one orientation.
+        probability: Probability that a random drop takes `stress` there beyond the yield strength, shape [vertex_count]; zero for one
+            orientation. Of the drop alone.
+        contact: Whether the surface there touched the floor in the as-placed drop, shape [vertex_count].
+        as_placed: Measures of the as-placed drop and of all load cases, the largest of each.
+        overall: Measures of the envelope over all orientations, None if only one was run.
+        failure_probability: Probability that a random drop takes the peak of the part beyond the yield strength; zero for one orientation.
+        landings: What each drop did, the first as placed; none if the drop failed.
+        backed_off: Share of the surface whose displacement the morph had to reduce.
+        deviation: Largest such reduction [mm].
+        time_step: Step of the explicit integration [ms].
+        steps: Steps per drop.
+        added_mass: Mass added by scaling slivers, over the mass of the part.
+        loaded: What each load case did.
+        meshing: How the tetrahedra followed the surface: `morphed`, `fresh`, or why a fresh mesh could not be had.
+        failure: Why there is no usable answer, "" if there is.
+    """
+
+    displacement: NDArray[np.float32]
+    stress: NDArray[np.float32]
+    envelope: NDArray[np.float32]
+    probability: NDArray[np.float32]
+    contact: NDArray[np.bool_]
+    as_placed: Measures
+    overall: Measures | None
+    backed_off: float
+    deviation: float
+    time_step: float
+    steps: int
+    added_mass: float
+    failure_probability: float = 0.0
+    landings: tuple[Landing, ...] = ()
+    loaded: tuple[LoadResult, ...] = ()
+    meshing: str = "morphed"
+    failure: str = ""
+
+    def __post_init__(self) -> None:
+        """Freeze the fields over the surface."""
+        count = len(self.displacement)
+        for name in ("displacement", "stress", "envelope", "probability", "contact"):
+            kind = np.bool_ if name == "contact" else np.float32
+            object.__setattr__(self, name, frozen_array(getattr(self, name), kind, (count,), name))
+
+    @property
+    def governing(self) -> str:
+        """Name of the load case with the peak that decides, "" if it is the drop's."""
+        return next((case.name for case in self.loaded if case.peak == self.as_placed.peak), "")

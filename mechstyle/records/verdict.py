@@ -1,0 +1,64 @@
+"""The verdict on a part: each rule applied to the measures, and the worst of the rules that count."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import msgspec
+
+Outcome = Literal["VIABLE", "FAILS", "UNKNOWN"]
+
+
+class Judgement(msgspec.Struct, frozen=True, kw_only=True):
+    """One rule applied to one simulation.
+
+    Attributes:
+        rule: What was compared, in words.
+        outcome: VIABLE, FAILS or UNKNOWN.
+        value: The measure [unit].
+        limit: What it may at most be [unit].
+        unit: "MPa" or "x the original".
+        marginal: Whether value and limit differ by less than 15 %.
+    """
+
+    rule: str
+    outcome: Outcome
+    value: float
+    limit: float
+    unit: str
+    marginal: bool
+
+    @property
+    def safety_factor(self) -> float:
+        """Limit over value; infinite for a value of zero, NaN for NaN."""
+        return float("inf") if self.value == 0 else self.limit / self.value
+
+
+class Verdict(msgspec.Struct, frozen=True, kw_only=True):
+    """Whether the part survives, with the figures behind it.
+
+    Attributes:
+        outcome: The worst of the judgements that count under the criterion.
+        criterion: `robust` or `paper`.
+        as_placed: (A) peak stress of the drop as placed.
+        all_orientations: (B) envelope over all orientations relative to the unstylized part, None if not run.
+        literal: The published rule, max σ_vM ≤ S_yield, always shown, mesh-dependent.
+        words: One sentence a person can act on.
+    """
+
+    outcome: Outcome
+    criterion: str
+    as_placed: Judgement
+    all_orientations: Judgement | None
+    literal: Judgement
+    words: str
+
+    @property
+    def deciding(self) -> Judgement:
+        """The as-placed judgement under the criterion in force; its value is the peak, its limit the allowable stress."""
+        return self.literal if self.criterion == "paper" else self.as_placed
+
+    @property
+    def viable(self) -> bool:
+        """Whether the outcome is VIABLE."""
+        return self.outcome == "VIABLE"

@@ -1,0 +1,1 @@
+"""A run from request to export: recipe, stylizer, session, summary, report."""

@@ -1,0 +1,156 @@
+"""From what a person asks for to the recipe of a run."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from functools import partial
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from mechstyle.errors import BadInput, unknown
+from mechstyle.records import POSES, Recipe
+from mechstyle.records.load_cases import load_cases
+from mechstyle.records.material import Material, material_named
+from mechstyle.records.regions import regions
+from mechstyle.runs.plugins import name_of
+from mechstyle.runs.stylizers import settled
+from mechstyle.simulation.part import Workpiece, fitted
+
+FREESTYLE: dict[str, Any] = {
+    "control": "none",
+    "schedule": "never",
+    "memory": False,
+    "retraction": False,
+    "protect_resting_face": False,
+    "guarantee": False,
+}
+"""Stylization without feedback: one simulation, at the end."""
+
+PAPER: dict[str, Any] = {
+    "memory": False,
+    "retraction": False,
+    "protect_resting_face": False,
+    "guarantee": False,
+    "transfer": "nearest",
+    "element": "tet4",
+    "minimum_wall": 0.0,
+}
+"""The published method taken literally (Faruqi et al. 2025)."""
+
+ROBUST: dict[str, Any] = {
+    "memory": True,
+    "retraction": True,
+    "protect_resting_face": True,
+    "guarantee": True,
+    "transfer": "barycentric",
+    "element": "tet10",
+    "minimum_wall": 0.8,
+}
+"""What this project adds to it by default."""
+
+DECIDED_BY_THE_PART = ("surface", "tetrahedra")
+PLAIN = {int: "a whole number, such as 40", float: "a number", bool: "True or False"}
+"""Types of settings that are checked here, in words; names are checked by the recipe."""
+
+
+def plan(part: Workpiece, prompt: str, material: str | Material = "PLA", *, freestyle: bool = False, **settings: Any) -> Recipe:
+    """The recipe for a part: `draft` fitted to it."""
+    return fitted(draft(prompt, material, freestyle=freestyle, **settings), part)
+
+
+def draft(prompt: str, material: str | Material = "PLA", *, freestyle: bool = False, **settings: Any) -> Recipe:
+    """A recipe for any part, so that a bad request is refused before anything slow is done.
+
+    Args:
+        prompt: The style, in words.
+        material: A library name, a .toml/.json file, or a Material.
+        freestyle: Whether to stylize without feedback.
+        settings: Fields of `Recipe` that are to differ from the defaults of the criterion chosen.
+
+    Raises:
+        BadInput: If a name is unknown or a value out of range.
+    """
+    given = _given({"material": material, **settings})
+    paper = given.get("criterion") == "paper"
+    presets = {**(PAPER if paper else {}), **(FREESTYLE if freestyle else {})}
+    chosen = {**presets, **given}
+    if "poses" in chosen:
+        chosen.setdefault("orientations", POSES.get(chosen["poses"]))
+    chosen.setdefault("normalisation", default_normalisation(chosen.get("control", "exponential"), paper=paper))
+    return settled(Recipe(surface="", tetrahedra="", prompt=prompt, **chosen), clip_asked_for="clip" in given)
+
+
+def changed(recipe: Recipe, changes: dict[str, Any]) -> Recipe:
+    """A recipe with some settings changed; another criterion brings its presets, another control its normalisation, unless given."""
+    given = _given(changes)
+    if "poses" in given:
+        given.setdefault("orientations", POSES.get(given["poses"]))
+    control, paper = given.get("control", recipe.control), given.get("criterion", recipe.criterion) == "paper"
+    other_criterion = given.get("criterion", recipe.criterion) != recipe.criterion
+    if other_criterion:
+        presets = {**(PAPER if paper else ROBUST), **(FREESTYLE if control == "none" else {})}
+        given = {**presets, "schedule": recipe.schedule, **given}
+    if other_criterion or "control" in given:
+        given.setdefault("normalisation", default_normalisation(control, paper=paper))
+    return settled(msgspec.structs.replace(recipe, **given), clip_asked_for="clip" in given)
+
+
+def check_settings(settings: dict[str, Any]) -> None:
+    """Refuse a setting no recipe has, with the nearest names."""
+    known = [name for name in Recipe.__struct_fields__ if name not in DECIDED_BY_THE_PART]
+    for name in settings:
+        if name not in known:
+            raise unknown("setting", name, known)
+
+
+def typed(text: str) -> tuple[str, Any]:
+    """A setting and its value, written as NAME=VALUE; the value as JSON or as it is.
+
+    Raises:
+        BadInput: If there is no such setting, or it cannot have that value.
+    """
+    name, equals, value = text.partition("=")
+    if not equals:
+        raise BadInput(f"--set {text} gives no value: write NAME=VALUE, such as travel=0.2")
+    check_settings({name: value})
+    kind = next(field.type for field in msgspec.structs.fields(Recipe) if field.name == name)
+    for read_value in (partial(msgspec.json.decode, value, type=kind), partial(msgspec.convert, value, kind, strict=False)):
+        with suppress(msgspec.MsgspecError):
+            return name, read_value()
+    if name == "material":
+        return name, value  # a library name or a file
+    raise BadInput(f"--set {text}: {name.replace('_', ' ')} cannot be {value!r}; give one it can have, such as those a report lists")
+
+
+def _given(settings: dict[str, Any]) -> dict[str, Any]:
+    """The settings that are not None, in the types they have when read from disk: 1000 and 1000.0 must not be two recipes."""
+    given = {name: _built_in(value) for name, value in settings.items() if value is not None}
+    check_settings(given)
+    for field in msgspec.structs.fields(Recipe):
+        if field.name in given and field.type in PLAIN:
+            try:
+                given[field.name] = msgspec.convert(given[field.name], field.type)
+            except msgspec.ValidationError as error:
+                raise BadInput(f"{field.name.replace('_', ' ')} is {given[field.name]!r}, but must be {PLAIN[field.type]}") from error
+    if "material" in given:
+        given["material"] = msgspec.convert(msgspec.to_builtins(material_named(given["material"]), enc_hook=_built_in), Material)
+    if "loads" in given:
+        given["loads"] = load_cases(given["loads"])
+    if "protect" in given:
+        given["protect"] = regions(given["protect"])
+    if "stylizer" in given:
+        given["stylizer"] = name_of(given["stylizer"])
+    return given
+
+
+def _built_in(value: Any) -> Any:
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def default_normalisation(control: str, *, paper: bool) -> str:
+    """`frozen` compares with the part's own maximum, as published; graded masks use headroom, or σ_c in the paper's preset."""
+    if control == "frozen":
+        return "own_max"
+    return "sigma_c" if paper else "headroom"

@@ -1,0 +1,250 @@
+"""The report of a lane as one HTML file that opens offline: everything it shows is inside."""
+
+from __future__ import annotations
+
+import base64
+import platform
+from collections.abc import Sequence
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from mechstyle._files import write_whole
+from mechstyle.errors import BadInput
+from mechstyle.records import Judgement, Recipe
+from mechstyle.records.material import Material
+from mechstyle.runs.recipes import DECIDED_BY_THE_PART
+from mechstyle.runs.report import texts
+from mechstyle.runs.report.bundle import bundle, static
+from mechstyle.runs.report.markup import Markup, cells, fill, joined, script_json, table
+from mechstyle.runs.report.replay_data import ReplayData, replay_data
+from mechstyle.runs.report.reproduce import command_for
+from mechstyle.runs.report.run_protocol import LaneOfRun, begun
+from mechstyle.runs.report.static_view import still
+from mechstyle.runs.report.story import Step, largest_mask_change, steps
+from mechstyle.runs.report.timeline import timeline
+
+TOOLS = ("numpy", "scipy", "trimesh", "manifold3d", "gpytoolbox", "pytetwild", "warp-lang")
+"""Libraries whose version can change a figure."""
+
+
+def write_report(run: LaneOfRun, path: str | Path) -> Path:
+    """Write the report of a lane to a file.
+
+    Raises:
+        BadInput: If the path is no `.html` file, or the lane has no checkpoint yet.
+    """
+    target = Path(path)
+    if target.suffix.lower() not in {".html", ".htm"} or target.is_dir():
+        raise BadInput(f"a report is an HTML file: give {target.with_suffix('.html').name} instead of {target.name}")
+    write_whole(target, report_page(run).encode("utf-8"))
+    return target
+
+
+def report_page(run: LaneOfRun) -> str:
+    """The report of a lane, finished or not, as HTML text.
+
+    Raises:
+        BadInput: If the lane has no checkpoint yet.
+    """
+    history = begun(run)
+    told, played = steps(run, history), replay_data(run)
+    return fill(
+        static("page.html"),
+        title=f"{run.record.name}, “{run.recipe.prompt}”",
+        style=Markup(static("report.css") + static("player.css")),
+        head=_head(run, told, history[-1].iteration),
+        figures=_figures(run, told),
+        still=still(run),
+        rules=_rules(told),
+        chart=timeline(told, history[-1].iteration),
+        story=_story(told),
+        notes=_notes(run),
+        settings=_settings(run.recipe),
+        material=_material(run.recipe.material),
+        limits=joined(fill("<li>{text}</li>", text=text) for text in texts.LIMITS),
+        method=texts.METHOD,
+        command=command_for(run, history),
+        missing=_missing(run),
+        versions=_versions(run),
+        replay_header=script_json(played.header),
+        replay_payload=_payload(played),
+        script=Markup(bundle(static("report.js"))),
+    )
+
+
+def _payload(played: ReplayData) -> Markup:
+    return Markup(base64.b64encode(played.payload).decode("ascii"))
+
+
+def _head(run: LaneOfRun, told: Sequence[Step], last: int) -> Markup:
+    verdict = told[-1].verdict
+    stands = "finished" if run.finished else f"stands at iteration {last} of {run.recipe.iterations}"
+    marginal = verdict.deciding.marginal or (verdict.all_orientations is not None and verdict.all_orientations.marginal)
+    return fill(
+        '<p class="kicker">MechStyle report</p><h1>{name}<span class="prompt"> as “{prompt}”</span></h1>'
+        '<p class="facts">{material} · {iterations} iterations · {simulations} simulations · lane {lane}, {stands}</p>'
+        '<div class="verdict {kind}"><strong>{outcome}</strong><div><p>{meaning}{marginal}</p><p class="faint">{words}</p></div></div>',
+        name=run.record.name.replace("_", " "), prompt=run.recipe.prompt, material=run.recipe.material.name,
+        iterations=last, simulations=len(told) - 1, lane=run.lane, stands=stands, kind=verdict.outcome.lower(),
+        outcome=verdict.outcome, meaning=texts.OUTCOMES[verdict.outcome], marginal=f" {texts.MARGINAL}" if marginal else "",
+        words=verdict.words,
+    )  # fmt: skip
+
+
+def _figures(run: LaneOfRun, told: Sequence[Step]) -> Markup:
+    """The figures one looks for first."""
+    verdict, first = told[-1].verdict, told[0].verdict
+    decides, unknown = verdict.deciding, verdict.outcome == "UNKNOWN"
+    shown = [
+        ("peak stress", "–" if unknown else f"{decides.value:.1f} MPa", f"limit {decides.limit:.1f}, before {first.deciding.value:.1f}"),
+        ("safety factor", "–" if unknown else f"{decides.safety_factor:.2f}", "limit over peak, dropped as placed"),
+    ]
+    spread = verdict.all_orientations
+    if spread is not None and not unknown:
+        shown.append(("all orientations", f"{spread.value:.2f} ×", f"the original's stress, limit {spread.limit:.2f}"))
+    shown.append(("held back", f"{told[-1].share:.0%}", f"{told[-1].restrained} of {told[-1].vertices} vertices"))
+    if run.finished:
+        shown.append(("relief kept", f"{run.summary.kept:.0%}", "of what the style alone would have made"))
+    return joined(
+        fill("<div><dt>{name}</dt><dd>{value}</dd><dd class='faint'>{more}</dd></div>", name=name, value=value, more=more)
+        for name, value, more in shown
+    )
+
+
+def _rules(told: Sequence[Step]) -> Markup:
+    """What each rule says of the part as it is and as it came."""
+    now, first = told[-1].verdict, told[0].verdict
+    rows: list[tuple[str, Judgement, Judgement | None]] = [("as placed", now.as_placed, first.as_placed)]
+    if now.all_orientations is not None:
+        rows.append(("all orientations", now.all_orientations, first.all_orientations))
+    rows.append(("published rule", now.literal, first.literal))
+    counts = {"published rule"} if now.criterion == "paper" else {"as placed", "all orientations"}
+    return table(
+        ("test", "rule", "counts", "outcome", "now", "as it came", "limit"),
+        [
+            (
+                name, judged.rule, "yes" if name in counts else "shown only", _outcome(judged), _value(judged),
+                "–" if before is None else _value(before), _figure(judged.limit, judged.unit),
+            )
+            for name, judged, before in rows
+        ],
+        "Verdicts",
+        "rules",
+    )  # fmt: skip
+
+
+def _outcome(judged: Judgement) -> Markup:
+    return fill(
+        '<span class="{kind}">{outcome}</span>{marginal}', kind=judged.outcome.lower(), outcome=judged.outcome,
+        marginal=", marginal" if judged.marginal else "",
+    )  # fmt: skip
+
+
+def _value(judged: Judgement) -> str:
+    return "–" if judged.outcome == "UNKNOWN" else _figure(judged.value, judged.unit)
+
+
+def _figure(value: float, unit: str) -> str:
+    """As many digits as mean something."""
+    return f"{value:.1f} MPa" if unit == "MPa" else f"{value:.2f} {unit}"
+
+
+def _story(told: Sequence[Step]) -> Markup:
+    """How the mask came about: a sentence, then every simulation."""
+    last, jump = told[-1], largest_mask_change(told)
+    sentence = f"{last.restrained} of {last.vertices} vertices ({last.share:.0%}) ended up held back by more than half. "
+    sentence += f"{told[0].restrained} were so from the start: by the stress of the part as it came, or because they are protected. "
+    sentence += (
+        f"The largest step was at iteration {jump.iteration}, which restrained {jump.added} more."
+        if jump
+        else "No simulation restrained any more of them."
+    )
+    rows = joined(
+        fill('<tr data-iteration="{at}" tabindex="0">{cells}</tr>', at=step.iteration, cells=cells(_row(step))) for step in told
+    )
+    return fill(
+        '<p>{sentence}</p><div class="scroll"><table class="steps">'
+        "<caption>Simulations, and what they restrained; a click shows the iteration</caption>"
+        '<thead><tr><th scope="col">iteration</th><th scope="col">why it was simulated</th><th scope="col">verdict</th>'
+        '<th scope="col">peak [MPa]</th><th scope="col">held back</th><th scope="col">newly</th></tr></thead>'
+        "<tbody>{rows}</tbody></table></div>",
+        sentence=sentence, rows=rows,
+    )  # fmt: skip
+
+
+def _row(step: Step) -> tuple[object, ...]:
+    decides, outcome = step.verdict.deciding, step.verdict.outcome
+    badge = fill('<span class="{kind}">{outcome}</span>', kind=outcome.lower(), outcome=outcome)
+    peak = "–" if outcome == "UNKNOWN" else f"{decides.value:.1f}"
+    return step.iteration, step.reason, badge, peak, f"{step.restrained} ({step.share:.1%})", step.added
+
+
+def _notes(run: LaneOfRun) -> Markup:
+    notes = run.summary.notes if run.finished else run.part.notes
+    if not notes:
+        return Markup("")
+    return fill('<ul class="notes">{items}</ul>', items=joined(fill("<li>{note}</li>", note=note) for note in notes))
+
+
+def _settings(recipe: Recipe) -> Markup:
+    explained = texts.settings_explained()
+    elsewhere = ("material", *DECIDED_BY_THE_PART)
+    plain: dict[str, Any] = {name: getattr(recipe, name) for name in Recipe.__struct_fields__ if name not in elsewhere}
+    return table(
+        ("setting", "value", "what it is"),
+        [(name.replace("_", " "), _plain(value), explained.get(name, "")) for name, value in plain.items()],
+        "Settings",
+    )
+
+
+def _plain(value: object) -> object:
+    """A setting as a reader expects it; structures become JSON."""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, str):
+        return value or "none"
+    if isinstance(value, int | float):
+        return f"{value:g}"
+    return msgspec.json.encode(value).decode() if value else "none"
+
+
+def _material(material: Material) -> Markup:
+    rows = (
+        ("Young's modulus E", f"{material.youngs_modulus:g} MPa"),
+        ("Poisson's ratio ν", f"{material.poisson_ratio:g}"),
+        ("density ρ", f"{1000 * material.density:g} g/cm³"),
+        ("yield strength", f"{material.yield_strength:g} MPa"),
+        ("safety coefficient λ_s (published criterion)", f"{material.safety_coefficient:g}"),
+    )
+    source = fill('<p class="faint">Source of the figures of {name}: {source}.</p>', name=material.name, source=material.source.rstrip("."))
+    return joined([table(("property", "value"), rows, f"Material {material.name}"), source])
+
+
+def _missing(run: LaneOfRun) -> str:
+    """What the command cannot know by itself, in words."""
+    model = run.record.origin.model
+    if not model:
+        return f"The run was begun from a mesh in memory: save it as {run.record.name}.stl first. "
+    return "" if model.startswith("gallery:") else f"It needs the file {model} in the folder where it is typed. "
+
+
+def _digest(digest: str) -> Markup:
+    return fill('<span class="digest">{digest}</span>', digest=digest)
+
+
+def _versions(run: LaneOfRun) -> Markup:
+    recipe = run.recipe
+    rows: list[tuple[str, object]] = [
+        ("recipe (SHA-256)", _digest(recipe.digest)),
+        ("surface", _digest(recipe.surface)),
+        ("tetrahedra", _digest(recipe.tetrahedra)),
+        ("mechstyle", version("mechstyle")),
+        ("Python", platform.python_version()),
+        *((name, version(name)) for name in TOOLS),
+    ]
+    if run.finished:
+        rows.insert(3, ("simulated on", run.summary.device))
+    return table(("of", "value"), rows, "Digests and versions")

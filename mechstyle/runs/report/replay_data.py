@@ -1,0 +1,229 @@
+"""A run as a browser plays it: base surface and normals once, then one plane of quantised values per field and iteration.
+
+A vertex moves along its own normal only, so one displacement per vertex makes a frame. Planes that do not change from one
+iteration to the next (stress, demand, mask between simulations) are kept once. Each plane is stored as the difference to the one
+before, low bytes apart from high bytes, which gzip then packs to a fraction. `static/replay_data.js` unpacks what is packed here.
+"""
+
+from __future__ import annotations
+
+import gzip
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from mechstyle.loop.objects import Objects
+from mechstyle.loop.store import Entry
+from mechstyle.pictures.colormap import ABOVE, LINE, STRIPE, UNKNOWN, Scale, linear_to_srgb
+from mechstyle.records import Verdict
+from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.runs.report.run_protocol import LaneOfRun, begun
+
+LEVELS = 4095
+"""Steps of a quantised field: a quarter of a micrometre for a millimetre of relief."""
+NO_NUMBER = 65535
+"""Stands for a value that is not a number."""
+
+Plane = NDArray[np.uint8] | NDArray[np.uint16]
+
+
+@dataclass(frozen=True)
+class ReplayData:
+    """All iterations of a lane.
+
+    Attributes:
+        header: What the payload holds, the frames and the layers, as JSON can hold it.
+        payload: The packed arrays, gzip.
+    """
+
+    header: dict[str, Any]
+    payload: bytes
+
+    @property
+    def iterations(self) -> list[int]:
+        """Iteration of each frame, rising."""
+        return [frame["iteration"] for frame in self.header["frames"]]
+
+    def layer(self, key: str) -> dict[str, Any]:
+        """A layer of the header by its key."""
+        return next(layer for layer in self.header["layers"] if layer["key"] == key)
+
+
+class Fields(msgspec.Struct, frozen=True):
+    """The digests of a checkpoint's arrays: equal digests are equal planes, known without reading them."""
+
+    displacement: str
+    colour: str
+    stress: str
+    demand: str
+    mask: str
+
+
+@dataclass(frozen=True, eq=False)
+class Channel:
+    """One field over all frames.
+
+    Attributes:
+        name: Its key in the header.
+        planes: The different planes, raw, shape [vertex_count * width] each.
+        frames: Plane of each frame.
+        low: Value of raw 0.
+        step: Value of one raw step.
+        width: Numbers per vertex.
+    """
+
+    name: str
+    planes: list[Plane]
+    frames: list[int]
+    low: float = 0.0
+    step: float = 1.0
+    width: int = 1
+
+    @property
+    def spec(self) -> dict[str, Any]:
+        """What the header says of it."""
+        size = self.planes[0].dtype.itemsize
+        return {
+            "name": self.name, "planes": len(self.planes), "frames": self.frames,
+            "low": self.low, "step": self.step, "width": self.width, "size": size,
+        }
+
+    def packed(self) -> bytes:
+        """The planes as differences to the plane before, low bytes before high bytes."""
+        parts, before = [], np.zeros_like(self.planes[0])
+        for plane in self.planes:
+            change = (plane - before).view(np.uint8).reshape(len(plane), -1)  # wraps around, as the browser's sum does
+            parts.append(np.ascontiguousarray(change.T).tobytes())
+            before = plane
+        return b"".join(parts)
+
+
+def replay_data(run: LaneOfRun) -> ReplayData:
+    """The replay of a lane, finished or not; one frame per iteration, the newest where back-off repeated one.
+
+    Raises:
+        BadInput: If the lane has no checkpoint yet.
+    """
+    history = begun(run)
+    entries = list({entry.iteration: entry for entry in history}.values())
+    fields = [run.store.objects.get_record(entry.digest, Fields) for entry in entries]
+    surface = run.part.surface
+    read = partial(_channel, run.store.objects, fields)
+    stress, demand = read("stress"), read("demand")
+    displacement, restraint = read("displacement"), read("mask", name="restraint", change=lambda mask: 1.0 - mask)
+    channels = [displacement, _colour_channel(run.store.objects, fields), stress, demand, restraint]
+    limit = latest_limit(history, run.recipe.material.yield_strength)
+    header = {
+        "name": run.record.name,
+        "prompt": run.recipe.prompt,
+        "vertices": len(surface.vertices),
+        "faces": len(surface.faces),
+        "frames": [_frame(entry, restraint, index) for index, entry in enumerate(entries)],
+        "layers": _layers(stress, demand, displacement, limit),
+        "channels": [channel.spec for channel in channels],
+        "colours": _palette(),
+    }
+    packed = b"".join([_surface_bytes(surface), *(channel.packed() for channel in channels)])
+    return ReplayData(header, gzip.compress(packed, 6, mtime=0))
+
+
+def latest_limit(history: Sequence[Entry], otherwise: float) -> float:
+    """Allowable stress of the newest verdict [MPa], `otherwise` without one."""
+    verdicts = [entry.verdict for entry in history if entry.verdict is not None]
+    return verdicts[-1].deciding.limit if verdicts else otherwise
+
+
+def _surface_bytes(surface: SurfaceMesh) -> bytes:
+    arrays = (surface.vertices.astype("<f4"), surface.vertex_normals.astype("<f4"), surface.faces.astype("<u4"))
+    return b"".join(array.tobytes() for array in arrays)
+
+
+def _unique(fields: Sequence[Fields], key: str) -> tuple[list[str], list[int]]:
+    """Different digests in order of appearance, and which of them each frame has."""
+    digests = [getattr(one, key) for one in fields]
+    order = {digest: place for place, digest in enumerate(dict.fromkeys(digests))}
+    return list(order), [order[digest] for digest in digests]
+
+
+def _channel(
+    objects: Objects, fields: Sequence[Fields], key: str, name: str = "", change: Callable[[Any], Any] = lambda values: values
+) -> Channel:
+    """A scalar field quantised to LEVELS steps between its extremes."""
+    digests, frames = _unique(fields, key)
+    arrays = [change(objects.get_array(digest)) for digest in digests]
+    known = [array[np.isfinite(array)] for array in arrays]
+    low = min((float(array.min()) for array in known if array.size), default=0.0)
+    high = max((float(array.max()) for array in known if array.size), default=0.0)
+    step = (high - low) / LEVELS or 1.0
+    return Channel(name or key, [_quantised(array, low, step) for array in arrays], frames, low, step)
+
+
+def _quantised(values: NDArray[np.float32], low: float, step: float) -> Plane:
+    raw = np.full(values.shape, NO_NUMBER, "<u2")
+    known = np.isfinite(values)
+    raw[known] = np.rint((values[known].astype(np.float64) - low) / step)
+    return raw
+
+
+def _colour_channel(objects: Objects, fields: Sequence[Fields]) -> Channel:
+    digests, frames = _unique(fields, "colour")
+    planes: list[Plane] = [
+        np.rint(255 * np.clip(objects.get_array(digest).astype(np.float32), 0, 1)).astype(np.uint8).ravel() for digest in digests
+    ]
+    return Channel("colour", planes, frames, width=3)
+
+
+def _frame(entry: Entry, restraint: Channel, index: int) -> dict[str, Any]:
+    raw = restraint.planes[restraint.frames[index]]
+    held = float((restraint.low + restraint.step * raw.astype(np.float64) > 0.5).mean())
+    frame = {
+        "iteration": entry.iteration, "simulatedAt": entry.simulated_at, "reason": entry.reason,
+        "restrained": round(held, 5), "loss": entry.style_loss,
+    }
+    return frame if entry.verdict is None else {**frame, **_verdict_words(entry.verdict)}
+
+
+def _verdict_words(verdict: Verdict) -> dict[str, Any]:
+    decides = verdict.deciding
+    return {"outcome": verdict.outcome, "peak": decides.value, "limit": decides.limit}
+
+
+def _extent(channel: Channel) -> tuple[float, float]:
+    return channel.low, channel.low + LEVELS * channel.step
+
+
+def _layers(stress: Channel, demand: Channel, displacement: Channel, limit: float) -> list[dict[str, Any]]:
+    """What can be looked at: the ends of each colour scale and the threshold above which values are set apart."""
+    relief = _extent(displacement)
+    flat = relief[1] - relief[0] == LEVELS  # nothing has moved: any scale will do
+    return [
+        {"key": "style", "title": "Style", "label": "", "unit": "", "low": 0.0, "high": 1.0, "threshold": None},
+        {
+            "key": "stress", "title": "Stress", "label": "von Mises stress of the last simulation, 2 mm average", "unit": "MPa",
+            "low": 0.0, "high": max(_extent(stress)[1], 1.05 * limit), "threshold": limit,
+        },
+        {
+            "key": "demand", "title": "Demand", "label": "share of the stress reserve used up", "unit": "",
+            "low": 0.0, "high": max(1.25, _extent(demand)[1]), "threshold": 1.0,
+        },
+        {
+            "key": "restraint", "title": "Restraint", "label": "share of movement held back by the mask", "unit": "",
+            "low": 0.0, "high": 1.0, "threshold": 0.5,
+        },
+        {
+            "key": "displacement", "title": "Displacement", "label": "displacement along the normal", "unit": "mm",
+            "low": -0.1 if flat else relief[0], "high": 0.1 if flat else relief[1], "threshold": None,
+        },
+    ]  # fmt: skip
+
+
+def _palette() -> dict[str, Any]:
+    """The colours of the figures, as display RGB in 0 to 255, so that report, notebook and pictures agree."""
+    ramp = np.rint(255 * linear_to_srgb(Scale(0.0, 1.0).colours(np.linspace(0.0, 1.0, 256)))).astype(int)
+    named = {"above": ABOVE, "stripe": STRIPE, "line": LINE, "unknown": UNKNOWN}
+    return {"ramp": ramp.ravel().tolist(), **{name: [round(255 * part) for part in colour] for name, colour in named.items()}}

@@ -1,0 +1,95 @@
+"""The one command that makes a run again: its options are what differs from the defaults, so nobody has to remember them."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Callable, Collection, Sequence
+from functools import partial
+from itertools import pairwise
+from typing import Any
+
+import msgspec
+
+from mechstyle.loop.store import Entry
+from mechstyle.records import Recipe
+from mechstyle.records.material import LIBRARY
+from mechstyle.runs.recipes import DECIDED_BY_THE_PART, changed, draft
+from mechstyle.runs.report.run_protocol import LaneOfRun
+from mechstyle.simulation.part import STANDARD_VERTICES
+
+OF_FREESTYLE = frozenset(
+    ("amplitude", "criterion", "field", "guidance", "iterations", "minimum_wall", "orientations", "poses", "seed", "stylizer")
+)
+OPTIONS = OF_FREESTYLE | {"control", "every", "normalisation", "protect_resting_face", "schedule", "threshold"}
+"""Settings with an option of their own; the others are given with --set."""
+
+FIRST = ("criterion", "control", "poses")
+"""Settings that bring others with them, so they are compared first."""
+
+ANY_PROMPT = "brick"
+
+AS_THEY_ARE = ("prompt", "stylizer", "guidance", "field", "clip", "crops")
+"""Settings that bring nothing with them, and whose check may need what is not on this machine."""
+
+
+def command_for(run: LaneOfRun, history: Sequence[Entry]) -> str:
+    """What to type to make a lane again: `mechstyle run`, then one `mechstyle branch` for each recipe it went on with."""
+    recipes = [run.store.recipe(digest) for digest in dict.fromkeys(entry.recipe for entry in history)]
+    if run.recipe.digest not in {recipe.digest for recipe in recipes}:
+        recipes.append(run.recipe)  # branched, but not carried on yet
+    folder = f"again-{run.record.name}"
+    steps = [_run(run, recipes[0], folder)]
+    parent = "main"
+    for number, (old, new) in enumerate(pairwise(recipes), 1):
+        at = max(entry.iteration for entry in history if entry.recipe == old.digest)
+        lane = run.lane if number == len(recipes) - 1 and run.lane != "main" else f"step-{number}"
+        steps.append(shlex.join(["mechstyle", "branch", f"{folder}@{parent}:{at}", "--lane", lane, *_branch_options(old, new)]))
+        parent = lane
+    return " && ".join(steps)
+
+
+def settings_for(recipe: Recipe, start: Callable[..., Recipe]) -> dict[str, Any]:
+    """The settings that lead from `start`, a function of settings such as `draft`, to the recipe."""
+    plain = [name for name in Recipe.__struct_fields__ if name not in (*AS_THEY_ARE, *DECIDED_BY_THE_PART)]
+    given: dict[str, Any] = {}
+    for names in (FIRST, plain):
+        given |= _differing(names, start(**given), recipe)
+    return _differing(AS_THEY_ARE, start(), recipe) | given
+
+
+def _differing(names: Sequence[str], old: Recipe, new: Recipe) -> dict[str, Any]:
+    return {name: getattr(new, name) for name in names if getattr(old, name) != getattr(new, name)}
+
+
+def options(settings: dict[str, Any], known: Collection[str] = OPTIONS) -> list[str]:
+    """Settings as command-line arguments; `known` have an option of their own."""
+    arguments: list[str] = []
+    for name, value in settings.items():
+        flag = name.replace("_", "-")
+        if name == "material" and LIBRARY.get(value.name) == value:
+            arguments += ["--material", value.name]
+        elif name == "prompt":
+            arguments += [f"--prompt={value}"] if value.startswith("-") else ["--prompt", value]
+        elif name in known and isinstance(value, bool):
+            arguments.append(f"--{flag}" if value else f"--no-{flag}")
+        elif name in known:
+            arguments += [f"--{flag}", str(value)]
+        else:
+            arguments += ["--set", f"{name}={msgspec.json.encode(value).decode()}"]
+    return arguments
+
+
+def _run(run: LaneOfRun, recipe: Recipe, folder: str) -> str:
+    """`mechstyle run` or `mechstyle freestyle`, whichever needs fewer settings."""
+    plain, free = (settings_for(recipe, partial(draft, ANY_PROMPT, freestyle=freestyle)) for freestyle in (False, True))
+    verb, settings, known = ("freestyle", free, OF_FREESTYLE) if len(free) < len(plain) else ("run", plain, OPTIONS)
+    origin = run.record.origin
+    model = origin.model or f"{run.record.name}.stl"
+    made = ["--vertices", str(origin.vertices)] if origin.vertices != STANDARD_VERTICES else []
+    made += ["--scale", str(origin.scale)] if origin.scale is not None else []
+    model = f"./{model}" if model.startswith("-") else model
+    return shlex.join(["mechstyle", verb, model, *options({"prompt": recipe.prompt, **settings}, known), *made, "--out", folder])
+
+
+def _branch_options(old: Recipe, new: Recipe) -> list[str]:
+    return options(settings_for(new, lambda **given: changed(old, given)))

@@ -1,0 +1,57 @@
+"""What a run looks like where nothing can move: a picture and a table, for a notebook on GitHub or nbviewer."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Sequence
+
+from mechstyle.pictures.panels import Picture, picture
+from mechstyle.runs.report.markup import Markup, fill, joined, table
+from mechstyle.runs.report.run_protocol import LaneOfRun
+from mechstyle.runs.report.story import Step, steps
+
+
+def mimebundle(run: LaneOfRun) -> dict[str, str]:
+    """The forms a notebook chooses from; text only before the first checkpoint."""
+    history = run.history
+    if not history:
+        return {"text/plain": repr(run)}
+    told = steps(run, history)
+    return {"text/plain": as_text(run, told), "text/html": as_html(run, told)}
+
+
+def as_text(run: LaneOfRun, told: Sequence[Step]) -> str:
+    """The run and its simulations, a line each."""
+    lines = [f"{step.iteration:>5}  {step.verdict.outcome:<8} {_peak(step):>7} MPa  {step.reason}" for step in told]
+    return "\n".join([repr(run), told[-1].verdict.words, *lines])
+
+
+def as_html(run: LaneOfRun, told: Sequence[Step]) -> str:
+    """The same as a table under a picture; no style sheet and no script, which such places strip."""
+    rows = [(step.iteration, step.reason, step.verdict.outcome, _peak(step), f"{step.share:.0%}") for step in told]
+    return fill(
+        "<p><strong>{name}</strong> as “{prompt}”</p>{picture}<p>{words}</p>{rows}",
+        name=run.record.name, prompt=run.recipe.prompt, picture=still(run), words=told[-1].verdict.words,
+        rows=table(("iteration", "why it was simulated", "verdict", "peak [MPa]", "held back"), rows, "Simulations"),
+    )  # fmt: skip
+
+
+def still(run: LaneOfRun) -> Markup:
+    """The part as it came, then styled, stressed and restrained, as images that carry their own bytes."""
+    from mechstyle.pictures.figure import Panel  # noqa: PLC0415 — matplotlib is loaded when a picture is wanted
+
+    return joined(
+        [
+            _image(picture([Panel(run.part.surface, "as it came")]), "The part as it came"),
+            _image(run.show(), f"The part as {run.recipe.prompt}, its stress and its restraint"),
+        ]
+    )
+
+
+def _image(shown: Picture, words: str) -> Markup:
+    data = Markup(base64.b64encode(shown.png).decode("ascii"))
+    return fill('<img src="data:image/png;base64,{data}" alt="{words}">', data=data, words=words)
+
+
+def _peak(step: Step) -> str:
+    return "–" if step.verdict.outcome == "UNKNOWN" else f"{step.verdict.deciding.value:.1f}"

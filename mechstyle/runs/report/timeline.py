@@ -1,0 +1,107 @@
+"""The timeline as SVG: peak stress against its limit at each simulation, and below it how much of the surface is held back."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+from mechstyle.runs.report.markup import Markup, fill, joined
+from mechstyle.runs.report.story import Step
+
+WIDTH, HEIGHT = 960, 330
+LEFT, RIGHT = 62, 944
+STRESS_TOP, STRESS_BOTTOM = 34, 204
+HELD_TOP, HELD_BOTTOM = 244, 296
+
+SHAPES = {
+    "VIABLE": '<circle r="6"/>',
+    "FAILS": '<path d="M-6-6 6 6M-6 6 6-6"/>',
+    "UNKNOWN": '<path d="M0-7 7 0 0 7-7 0Z"/>',
+}
+"""A mark for each outcome: told by shape, and only then by colour."""
+
+
+def timeline(told: Sequence[Step], last: int) -> Markup:
+    """The chart of a lane that stands at iteration `last`; marks carry `data-iteration` for the script.
+
+    Args:
+        told: At least one simulation.
+        last: Newest iteration, at least the last of `told`.
+    """
+    span = max(last, 1)
+    top = 1.12 * max(max(step.verdict.deciding.value, step.verdict.deciding.limit) for step in told)
+    x = {step.iteration: LEFT + (RIGHT - LEFT) * step.iteration / span for step in told}
+
+    def height(stress: float) -> float:
+        return STRESS_BOTTOM - (STRESS_BOTTOM - STRESS_TOP) * stress / top
+
+    known = [step for step in told if step.verdict.outcome != "UNKNOWN"]
+    peaks = " ".join(f"{x[step.iteration]:.1f},{height(step.verdict.deciding.value):.1f}" for step in known)
+    limit = told[-1].verdict.deciding.limit
+    return fill(
+        '<svg class="timeline" viewBox="0 0 {width} {height}" role="group" tabindex="0"'
+        ' data-left="{left}" data-right="{right}" data-last="{last}"'
+        ' aria-label="Timeline: peak stress and restraint at each simulation. Arrow keys move the replay.">'
+        '{axes}<line class="limit" x1="{left}" x2="{right}" y1="{y}" y2="{y}"/>'
+        '<text class="limit-name" x="{beside}" y="{above}" text-anchor="end">limit {limit} MPa</text>'
+        '{held}<polyline class="peaks" points="{peaks}"/>{marks}'
+        '<g class="cursor"><line y1="{top}" y2="{bottom}"/></g></svg>',
+        width=WIDTH, height=HEIGHT, left=LEFT, right=RIGHT, last=span,
+        beside=RIGHT - 10, y=f"{height(limit):.1f}", above=f"{height(limit) - 7:.1f}",
+        limit=f"{limit:.1f}", peaks=peaks, axes=_axes(span, top), held=_held(told, x, RIGHT if last else LEFT),
+        marks=joined(_mark(step, x[step.iteration], height(step.verdict.deciding.value)) for step in told),
+        top=STRESS_TOP - 8, bottom=HELD_BOTTOM,
+    )  # fmt: skip
+
+
+def ticks(top: float, about: int) -> Iterator[float]:
+    """Round numbers from 0 to `top`, about so many, in steps of 1, 2 or 5 times a power of ten."""
+    rough = top / about
+    power = 10.0 ** math.floor(math.log10(rough))
+    step = next(factor * power for factor in (1, 2, 5, 10) if factor * power >= rough * (1 - 1e-9))
+    for k in range(int(top / step + 1e-9) + 1):
+        yield k * step
+
+
+def _mark(step: Step, x: float, y: float) -> Markup:
+    decides = step.verdict.deciding
+    figures = "" if step.verdict.outcome == "UNKNOWN" else f", peak {decides.value:.1f} of {decides.limit:.1f} MPa"
+    words = f"iteration {step.iteration}: {step.verdict.outcome}{figures}; {step.reason}"
+    return fill(
+        '<g class="mark {kind}" transform="translate({x} {y})" data-iteration="{iteration}"'
+        ' role="button" tabindex="0" aria-label="{words}">'
+        '<title>{words}</title><circle class="reach" r="14"/>{shape}</g>',
+        kind=step.verdict.outcome.lower(), x=f"{x:.1f}", y=f"{y:.1f}", iteration=step.iteration, words=words,
+        shape=Markup(SHAPES[step.verdict.outcome]),
+    )  # fmt: skip
+
+
+def _axes(span: int, top: float) -> Markup:
+    """Names, round numbers and faint lines."""
+    parts = [
+        fill('<text class="axis" x="{x}" y="{y}">{name}</text>', x=4, y=y, name=name)
+        for y, name in ((STRESS_TOP - 16, "peak stress [MPa]"), (HELD_TOP - 12, "vertices held back"))
+    ]
+    parts += [_rung(STRESS_BOTTOM - (STRESS_BOTTOM - STRESS_TOP) * value / top, f"{value:g}") for value in ticks(top, 4)]
+    parts += [_rung(HELD_BOTTOM, "0 %"), _rung(HELD_TOP, "100 %")]
+    parts += [_under(LEFT + (RIGHT - LEFT) * value / span, f"{value:g}") for value in ticks(span, 10) if value == int(value)]
+    return joined(parts)
+
+
+def _under(x: float, name: str) -> Markup:
+    return fill('<text x="{x}" y="{y}" text-anchor="middle">{name}</text>', x=f"{x:.1f}", y=HELD_BOTTOM + 20, name=name)
+
+
+def _rung(y: float, name: str) -> Markup:
+    return fill(
+        '<line class="rung" x1="{left}" x2="{right}" y1="{y}" y2="{y}"/><text x="{beside}" y="{middle}" text-anchor="end">{name}</text>',
+        left=LEFT, right=RIGHT, y=f"{y:.1f}", beside=LEFT - 10, middle=f"{y + 4:.1f}", name=name,
+    )  # fmt: skip
+
+
+def _held(told: Sequence[Step], x: dict[int, float], end: float) -> Markup:
+    """The share held back as a staircase: it changes at simulations only."""
+    path = f"M{LEFT} {HELD_BOTTOM}"
+    for step in told:
+        path += f"H{x[step.iteration]:.1f}V{HELD_BOTTOM - (HELD_BOTTOM - HELD_TOP) * step.share:.1f}"
+    return fill('<path class="held" d="{path}"/>', path=f"{path}H{end}V{HELD_BOTTOM}Z")

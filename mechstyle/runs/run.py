@@ -1,0 +1,389 @@
+"""Runs as people meet them: start one, carry it on, look into it, branch it, take the part out of it."""
+
+from __future__ import annotations
+
+import logging
+import re
+from collections.abc import Callable, Generator
+from contextlib import closing
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from mechstyle._files import cache_folder, write_whole
+from mechstyle.errors import BadInput
+from mechstyle.fea.drop import resolve_device
+from mechstyle.loop import minimum_wall
+from mechstyle.loop.engine import Engine
+from mechstyle.loop.events import Event, Finished
+from mechstyle.loop.lock import exclusive
+from mechstyle.loop.objects import from_json, to_json
+from mechstyle.loop.store import Entry, Lane, Store, parse_address
+from mechstyle.pictures.panels import Picture, checkpoint_panels, picture, with_protected
+from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict
+from mechstyle.records.material import Material
+from mechstyle.records.mesh import SurfaceMesh, TetMesh
+from mechstyle.runs.export import Exported, exported
+from mechstyle.runs.recipes import changed, draft
+from mechstyle.runs.session import Session
+from mechstyle.runs.stylizers import stylizer_for
+from mechstyle.runs.summary import Clock, Summary, summarise
+from mechstyle.simulation.part import STANDARD_VERTICES, Origin, Stage, Workpiece, bounds_for, cached_memo, fitted, prepare, say_nothing
+from mechstyle.simulation.simulator import DropSimulator, no_progress
+
+Progress = Callable[[float], None]
+OnEvent = Callable[[Event], None]
+
+logger = logging.getLogger(__name__)
+
+
+class PartRecord(msgspec.Struct, frozen=True, kw_only=True):
+    """The prepared part as a run directory keeps it: digests of stored meshes and arrays."""
+
+    name: str
+    surface: str
+    tets: str
+    thickness: str
+    stands: bool
+    notes: tuple[str, ...]
+    origin: Origin = Origin()
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """One lane of a run directory.
+
+    Attributes:
+        store: The run directory.
+        lane: Name of the lane.
+        device: `cpu` or `cuda`: where it is simulated when it goes on.
+        clock: Seconds spent on it in this process.
+    """
+
+    store: Store
+    lane: str = "main"
+    device: str = "cpu"
+    clock: Clock = field(default_factory=Clock, repr=False)
+
+    @classmethod
+    def open(cls, address: str | Path, device: str = "auto") -> Run:
+        """A run directory, written as `DIR` or `DIR@LANE`."""
+        root, lane, iteration = parse_address(str(address))
+        if iteration is not None:
+            raise BadInput(f"{address} names an iteration: open {root}@{lane} and give the iteration to show, surface, export or branch")
+        store = Store.open(root)
+        store.lane(lane)
+        return cls(store, lane, resolve_device(device))
+
+    def __repr__(self) -> str:
+        """Where it is and how far it came."""
+        history = self.history
+        where = f"iteration {history[-1].iteration} of {self.recipe.iterations}" if history else "not started"
+        return f"Run({str(self.store.root)!r}, lane {self.lane!r}, {self.recipe.prompt!r}, {where})"
+
+    # what it is
+
+    @property
+    def recipe(self) -> Recipe:
+        """The recipe in force."""
+        return self.store.recipe(self.store.lane(self.lane).recipe)
+
+    @property
+    def record(self) -> PartRecord:
+        """The part as stored."""
+        return msgspec.json.decode((self.store.root / "part.json").read_bytes(), type=PartRecord)
+
+    @cached_property
+    def part(self) -> Workpiece:
+        """The prepared part."""
+        record, objects = self.record, self.store.objects
+        surface, tets = objects.get_mesh(record.surface, SurfaceMesh), objects.get_mesh(record.tets, TetMesh)
+        return Workpiece(surface, tets, objects.get_array(record.thickness), record.stands, record.notes)
+
+    @property
+    def history(self) -> list[Entry]:
+        """Every checkpoint without its arrays, oldest first."""
+        return self.store.history(self.lane)
+
+    @property
+    def finished(self) -> bool:
+        """Whether the newest checkpoint is the end of the recipe in force."""
+        return self.store.is_finished(self.lane)
+
+    @property
+    def verdict(self) -> Verdict:
+        """The verdict of the newest simulation."""
+        for entry in reversed(self.history):
+            if entry.verdict is not None:
+                return entry.verdict
+        raise BadInput(f"nothing has been simulated in lane {self.lane!r} of {self.store.root} yet")
+
+    @property
+    def summary(self) -> Summary:
+        """What the lane came to; BadInput if it is not finished."""
+        path = self._summary_path
+        if not (self.finished and path.is_file()):
+            how = "run the command that started it again, it goes on where it stopped"
+            raise BadInput(f"lane {self.lane!r} of {self.store.root} is not finished: {how}")
+        return from_json(path.read_bytes(), Summary)
+
+    def checkpoint(self, iteration: int | None = None) -> Checkpoint:
+        """The newest checkpoint of an iteration, None for the last."""
+        return self.store.checkpoint(self.store.find(iteration, self.lane).digest)
+
+    def simulation(self, iteration: int | None = None) -> Simulation:
+        """The last simulation before or at an iteration, None for the last."""
+        return self.store.objects.get_record(self.checkpoint(iteration).simulation, Simulation)
+
+    def surface(self, iteration: int | None = None) -> SurfaceMesh:
+        """The styled, coloured surface at an iteration, None for the last."""
+        state = self.checkpoint(iteration)
+        return self.part.surface.displaced(state.displacement).coloured(state.colour)
+
+    # what can be done with it
+
+    def show(self, iteration: int | None = None) -> Picture:
+        """Styled part, stress and mask side by side: a notebook displays it, `.save(path)` writes the PNG."""
+        state = self.checkpoint(iteration)
+        recipe = self.store.recipe(state.recipe)
+        *panels, restraint = checkpoint_panels(self.part.surface, state, recipe, self._measured_at(iteration))
+        protected = bounds_for(self.part, recipe)[0].protection == 0.0
+        return picture([*panels, with_protected(restraint, protected)], title=f"{self.record.name}, iteration {state.iteration}")
+
+    def _repr_mimebundle_(self, **_: Any) -> dict[str, str]:
+        """A picture and a table in a notebook, also where no kernel runs; the one-line form elsewhere."""
+        from mechstyle.runs.report.static_view import mimebundle  # noqa: PLC0415 — loaded when a notebook asks
+
+        return mimebundle(self)
+
+    def report(self, path: str | Path) -> Path:
+        """Write a report of the lane as one HTML file that opens offline: verdicts, replay, timeline, settings, how to make it again."""
+        from mechstyle.runs.report.page import write_report  # noqa: PLC0415 — loaded when a report is wanted
+
+        return write_report(self, path)
+
+    def export(self, path: str | Path, iteration: int | None = None, *, fine: bool = False) -> Path:
+        """Write the surface at an iteration to a file, and what is known of it to `FILE.json`; the suffix decides the format.
+
+        Args:
+            path: The file.
+            iteration: None for the last.
+            fine: Whether to draw the style again on four times as many faces, and to drop the result.
+        """
+        for warning in self.exported(path, iteration, fine=fine).warnings:
+            logger.warning("%s: %s", path, warning)
+        return Path(path)
+
+    def exported(self, path: str | Path, iteration: int | None = None, *, fine: bool = False) -> Exported:
+        """As `export`; returns verdict, quality and warnings of the very surface that was written."""
+        entry = self.store.find(iteration, self.lane)
+        return exported(self.store, self.lane, self.part, entry, Path(path), fine=fine, device=self.device)
+
+    def branch(self, iteration: int | None = None, *, lane: str = "", **changes: Any) -> Run:
+        """A lane from the checkpoint of an iteration, with other settings; `.go()` carries it on.
+
+        It is new unless the same was asked for before: that lane then goes on where it stopped.
+        """
+        entry = self.store.find(iteration, self.lane)
+        recipe = changed(self.store.recipe(entry.recipe), changes)
+        if recipe.iterations <= entry.iteration:
+            raise BadInput(
+                f"a branch at iteration {entry.iteration} must go beyond it, not to {recipe.iterations}: ask for more iterations"
+            )
+        fork = Lane(recipe=self.store.put_recipe(recipe), head=entry.digest, forked_from=entry.digest)
+        with exclusive(self.store.root / "locks" / ".branches.lock", "a new branch", wait=True):  # or two could take one name
+            return Run(self.store, self._forked(fork, lane), self.device)
+
+    def _forked(self, fork: Lane, wanted: str) -> str:
+        """Name of the lane of this recipe and fork: one that is there, by the wanted name if there is one, or a new one."""
+        lanes = {name: self.store.lane(name) for name in self.store.lanes()}
+        same = [name for name, lane in lanes.items() if (lane.recipe, lane.forked_from) == (fork.recipe, fork.forked_from)]
+        if found := [name for name in same if wanted in ("", name)]:
+            return found[0]
+        name = wanted or next(f"branch-{number}" for number in range(1, len(lanes) + 2) if f"branch-{number}" not in lanes)
+        if name in lanes:
+            raise BadInput(f"lane {name!r} of {self.store.root} has other settings or another fork; choose another name")
+        self.store.move(name, fork)
+        return name
+
+    def events(self, progress: Progress = no_progress) -> Generator[Event, None, None]:
+        """Carry the lane on to its end, yielding what happens; the summary is written at the end.
+
+        Raises:
+            BadInput: If another process, or another session of this one, is carrying it on.
+        """
+        with exclusive(self.store.root / "locks" / f"{self.lane}.lock", f"lane {self.lane!r} of {self.store.root}"):
+            yield from self._carried_on(progress)
+
+    def _carried_on(self, progress: Progress) -> Generator[Event, None, None]:
+        with self.clock.stage("style target"):
+            engine, notes = self._engine(progress)
+        with self.clock.stage("simulation of the unstylized part"):
+            _ = engine.simulator.baseline
+        for event in self.clock.timed(engine.run()):
+            if isinstance(event, Finished):
+                files = {"run": str(self.store.root)}
+                left = self.checkpoint().displacement
+                thin = minimum_wall.warnings(self.part.surface, self.part.thickness, left, self.recipe.minimum_wall)
+                notes = (*self.part.notes, *notes, *thin)
+                self._save(summarise(engine, device=self.device, notes=notes, seconds=self.clock.seconds(), files=files))
+            yield event
+
+    def go(self, on_event: OnEvent | None = None, progress: Progress = no_progress) -> Run:
+        """Carry the lane on to its end."""
+        with closing(self.events(progress)) as events:  # a listener that raises ends it at once
+            for event in events:
+                if on_event is not None:
+                    on_event(event)
+        return self
+
+    def session(self) -> Session:
+        """A background session that carries the lane on."""
+        return Session(self.events)
+
+    def add_files(self, files: dict[str, Path], notes: tuple[str, ...] = ()) -> Summary:
+        """Name more files in the summary, and what a user should know of them."""
+        known = self.summary
+        named = {**known.files, **{what: str(path) for what, path in files.items()}}
+        summary = msgspec.structs.replace(known, files=named, notes=tuple(dict.fromkeys((*known.notes, *notes))))
+        self._save(summary)
+        return summary
+
+    def _engine(self, progress: Progress) -> tuple[Engine, tuple[str, ...]]:
+        recipe, part = self.recipe, self.part
+        stylizer, notes = stylizer_for(part, recipe, self.device)
+        bounds, protected = bounds_for(part, recipe)
+        simulator = DropSimulator(
+            part.surface, part.tets, recipe, self.store.memo, cached_memo(), self.device, cache_folder() / "tets", progress
+        )
+        return Engine(recipe, part.surface, bounds, stylizer, simulator, self.store, self.lane), (*protected, *notes)
+
+    def _measured_at(self, iteration: int | None) -> int | None:
+        """Iteration of the last drop up to this one that gave an answer, None if there is none."""
+        shown = self.store.find(iteration, self.lane).digest
+        measured = None
+        for entry in self.history:
+            if entry.verdict is not None and entry.verdict.outcome != "UNKNOWN":
+                measured = entry.iteration
+            if entry.digest == shown:
+                break
+        return measured
+
+    @property
+    def _summary_path(self) -> Path:
+        return self.store.root / "summaries" / f"{self.lane}.json"
+
+    def _save(self, summary: Summary) -> None:
+        write_whole(self._summary_path, msgspec.json.format(to_json(summary), indent=2))
+
+
+def begin(
+    part: Workpiece, recipe: Recipe, out: str | Path, *, name: str = "part", device: str = "auto", origin: Origin | None = None
+) -> Run:
+    """A run directory for a part and a recipe: new, or an earlier one of the same recipe, which then goes on where it stopped.
+
+    The earlier one keeps its tetrahedra: those of a part that was meshed anew are others, without anything else being other.
+
+    Raises:
+        BadInput: If `out` holds something else.
+    """
+    store = Store(out)
+    run = Run(store, "main", resolve_device(device))
+    if "main" in store.lanes():
+        if msgspec.structs.replace(run.recipe, tetrahedra=recipe.tetrahedra) != recipe:
+            raise BadInput(
+                f"{out} holds a run with other settings: choose another --out, or branch it with `mechstyle branch {out}@ITERATION`"
+            )
+        return run
+    if store.root.exists() and (not store.root.is_dir() or any(store.root.iterdir())) and not (store.root / "part.json").exists():
+        raise BadInput(f"{out} exists and is not a run directory: choose another --out")
+    objects = store.objects
+    record = PartRecord(
+        name=name,
+        surface=objects.put_mesh(part.surface),
+        tets=objects.put_mesh(part.tets),
+        thickness=objects.put_array(part.thickness),
+        stands=part.stands,
+        notes=part.notes,
+        origin=origin or Origin(),
+    )
+    write_whole(store.root / "part.json", msgspec.json.encode(record))
+    store.move("main", Lane(recipe=store.put_recipe(recipe)))
+    return run
+
+
+def stylize(
+    mesh: SurfaceMesh,
+    prompt: str,
+    *,
+    material: str | Material = "PLA",
+    freestyle: bool = False,
+    vertices: int = STANDARD_VERTICES,
+    out: str | Path | None = None,
+    name: str = "part",
+    device: str = "auto",
+    stage: Stage = say_nothing,
+    on_event: OnEvent | None = None,
+    **settings: Any,
+) -> Run:
+    """Style a part while a drop test watches its strength.
+
+    Args:
+        mesh: A closed surface [mm], z up, as it stands.
+        prompt: The style, in words: "brick", "small blue stones".
+        material: A library name, a .toml/.json file, or a Material.
+        freestyle: Whether to stylize without feedback.
+        vertices: Vertices of the standardised surface.
+        out: Run directory; by default one named by prompt and recipe under `mechstyle-runs`. The same recipe goes on where it stopped.
+        name: What the part is called in pictures and files.
+        device: `auto`, `cpu` or `cuda`.
+        stage: Told what is being prepared, in words.
+        on_event: Told every event.
+        settings: Fields of `Recipe`, such as control, schedule, iterations, criterion, protect=["inside", ms.Box(low, high, ramp=2)],
+            stylizer (a registered name, or a function as docs/plug-in.md shows).
+
+    Returns:
+        The finished run.
+
+    Raises:
+        BadInput: If the part, the prompt or a setting cannot be used, in one sentence.
+    """
+    wanted = draft(prompt, material, freestyle=freestyle, **settings)
+    device = resolve_device(device)
+    clock = Clock()
+    part = clock_stages(clock, stage, mesh, vertices)
+    recipe = fitted(wanted, part)
+    folder = out if out is not None else default_folder(prompt, recipe)
+    run = begin(part, recipe, folder, name=name, device=device, origin=Origin(vertices=vertices))
+    run.clock.add(clock.seconds())
+    return run.go(on_event)
+
+
+def clock_stages(clock: Clock, stage: Stage, mesh: SurfaceMesh, vertices: int) -> Workpiece:
+    """Prepare a part, counting each announced stage."""
+    current: list[Any] = []
+
+    def announce(what: str) -> None:
+        end()
+        stage(what)
+        block = clock.stage(what)
+        block.__enter__()
+        current.append(block)
+
+    def end() -> None:
+        if current:
+            current.pop().__exit__(None, None, None)
+
+    try:
+        return prepare(mesh, vertices=vertices, stage=announce)
+    finally:
+        end()
+
+
+def default_folder(prompt: str, recipe: Recipe) -> Path:
+    """`mechstyle-runs/PROMPT-RECIPE`: the same request finds its run again, with whatever tetrahedra it was begun."""
+    slug = re.sub(r"[^a-z0-9]+", "-", prompt.lower()).strip("-")[:40] or "run"
+    return Path("mechstyle-runs") / f"{slug}-{msgspec.structs.replace(recipe, tetrahedra='').digest[:8]}"

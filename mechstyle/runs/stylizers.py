@@ -1,0 +1,76 @@
+"""From a recipe to its stylizer: plugged in, drawn, or learned with CLIP or the style field.
+
+Guidance (a drawn target or CLIP) and field (a value per vertex or the style field) are chosen independently; the default pair needs no
+torch and is in `styling.drawn`.
+"""
+
+from __future__ import annotations
+
+import msgspec
+
+from mechstyle._files import clip_folder
+from mechstyle.errors import BadInput
+from mechstyle.loop.engine import Stylizer
+from mechstyle.records import Recipe
+from mechstyle.runs.plugins import made
+from mechstyle.simulation.part import Workpiece, bounds_for
+from mechstyle.styling.drawn import ProceduralStylizer, target
+from mechstyle.styling.learned.extra import need_clip_extra
+from mechstyle.styling.learned.weights import located
+from mechstyle.styling.prompt import read
+
+
+def settled(recipe: Recipe, *, clip_asked_for: bool) -> Recipe:
+    """A recipe whose style is known to be possible here, naming the very CLIP weights it needs.
+
+    Raises:
+        BadInput: If a prompt names no style that can be drawn, or settings contradict each other.
+        MissingPiece: If libraries or weights are not on this machine.
+    """
+    if recipe.guidance != "clip":
+        if clip_asked_for:
+            raise BadInput(f"CLIP weights are of no use to guidance {recipe.guidance!r}: ask for guidance 'clip' as well")
+        if recipe.field != "vertex":
+            need_clip_extra()
+        if not recipe.stylizer:  # a stylizer from elsewhere reads prompts its own way
+            read(recipe.prompt)
+        return msgspec.structs.replace(recipe, clip="")
+    if recipe.stylizer:
+        raise BadInput(f"the stylizer {recipe.stylizer!r} has its own guidance: leave out guidance 'clip'")
+    if not recipe.prompt.strip():
+        raise BadInput("the prompt is empty: say in words what the part is to look like")
+    need_clip_extra()
+    return msgspec.structs.replace(recipe, clip=located(recipe.clip, clip_folder()).identity)
+
+
+def stylizer_for(part: Workpiece, recipe: Recipe, device: str = "cpu") -> tuple[Stylizer, tuple[str, ...]]:
+    """The stylizer of a recipe, and what its user should know about how the prompt was read and what the mesh can carry."""
+    if recipe.stylizer:
+        return made(part.surface, bounds_for(part, recipe)[0], recipe), ()
+    if recipe.guidance == "clip":
+        return _towards_prompt(part, recipe, device), ()
+    wish = read(recipe.prompt)
+    aim = target(
+        part.surface,
+        wish,
+        seed=recipe.seed,
+        amplitude=recipe.amplitude,
+        thickness=part.thickness,
+        inward=part.inward(),
+        outward=part.outward(),
+    )
+    notes = (*wish.notes, *aim.notes)
+    if recipe.field != "network":
+        return ProceduralStylizer(part.surface, aim), notes
+    need_clip_extra()
+    from mechstyle.styling.learned.build import towards_target  # noqa: PLC0415 — torch is loaded when it is wanted
+
+    return towards_target(part.surface, bounds_for(part, recipe)[0], recipe, aim, device), notes
+
+
+def _towards_prompt(part: Workpiece, recipe: Recipe, device: str) -> Stylizer:
+    need_clip_extra()
+    from mechstyle.styling.learned.build import towards_prompt  # noqa: PLC0415 — as above
+
+    weights = located(recipe.clip, clip_folder()).folder
+    return towards_prompt(part.surface, bounds_for(part, recipe)[0], recipe, weights, device)

@@ -1,0 +1,139 @@
+"""What a run came to, in figures: the object behind `--json`, the log and the reports."""
+
+from __future__ import annotations
+
+import time
+from collections import defaultdict
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import msgspec
+
+from mechstyle.loop.engine import Engine, kept
+from mechstyle.loop.events import Event, SimulationStarted
+from mechstyle.loop.history import SimulationLine, Strength, simulations
+from mechstyle.records import LoadResult
+
+
+class Summary(msgspec.Struct, frozen=True, kw_only=True):
+    """What a lane came to.
+
+    Attributes:
+        verdict: VIABLE, FAILS or UNKNOWN.
+        peak_stress: Stress that decides as placed [MPa].
+        allowable: What it may at most be [MPa].
+        safety_factor: allowable / peak_stress, None if the peak is not known.
+        words: The verdict in one sentence.
+        result: The figures of the delivered part in full.
+        baseline: The same of the unstylized part.
+        simulations: Every simulation of the lane with its reason.
+        style_loss: Loss of the delivered surface.
+        style_loss_ratio: style_loss over the loss of the unstylized part.
+        kept: Share of the freestyle displacement that was kept.
+        iterations: Stylization iterations.
+        meshing: How the tetrahedra of the last simulation followed the surface.
+        backed_off: Share of the surface the tetrahedra could not follow in the last simulation.
+        loads: What each load case did to the delivered part.
+        failure_probability: Probability that a random drop takes the delivered part beyond the yield strength, over the orientations of the
+            recipe; None if one orientation was dropped, or none gave an answer.
+        seconds: Wall time per stage of the process that finished the run [s].
+        notes: What the user should know, one sentence each.
+        lane: Name of the lane.
+        recipe: Digest of its recipe.
+        device: Where it was simulated.
+        files: What was written, by what it is.
+    """
+
+    verdict: str
+    peak_stress: float
+    allowable: float
+    safety_factor: float | None
+    words: str
+    result: Strength
+    baseline: Strength
+    simulations: tuple[SimulationLine, ...]
+    style_loss: float
+    style_loss_ratio: float
+    kept: float
+    iterations: int
+    meshing: str
+    backed_off: float
+    loads: tuple[LoadResult, ...] = ()
+    failure_probability: float | None = None
+    seconds: dict[str, float]
+    notes: tuple[str, ...]
+    lane: str
+    recipe: str
+    device: str
+    files: dict[str, str]
+
+
+def summarise(engine: Engine, *, device: str, notes: tuple[str, ...], seconds: dict[str, float], files: dict[str, str]) -> Summary:
+    """The summary of a lane its engine has just finished."""
+    history = engine.store.history(engine.lane)
+    last = engine.store.checkpoint(history[-1].digest)
+    assert last.verdict is not None, "a finished lane ends with a simulated checkpoint"
+    result = Strength.of(last.verdict)
+    simulation = engine.simulator.simulate(last.displacement, thorough=True)
+    start = history[0].style_loss
+    return Summary(
+        verdict=result.verdict,
+        peak_stress=result.peak_stress,
+        allowable=result.allowable,
+        safety_factor=result.safety_factor,
+        words=result.words,
+        result=result,
+        baseline=Strength.of(engine.simulator.judge(engine.simulator.baseline)),
+        simulations=simulations(history),
+        style_loss=last.style_loss,
+        style_loss_ratio=last.style_loss / start if start else 0.0,
+        kept=kept(last.displacement, engine.stylizer.proposal().displacement, engine.surface.vertex_areas),
+        iterations=last.iteration,
+        meshing=simulation.meshing,
+        backed_off=simulation.backed_off,
+        loads=simulation.loaded,
+        failure_probability=None if simulation.overall is None or simulation.failure else simulation.failure_probability,
+        seconds=seconds,
+        notes=notes,
+        lane=engine.lane,
+        recipe=engine.recipe.digest,
+        device=device,
+        files=files,
+    )
+
+
+class Clock:
+    """Wall seconds per stage."""
+
+    def __init__(self) -> None:
+        """Start with no stage."""
+        self._seconds: defaultdict[str, float] = defaultdict(float)
+
+    @contextmanager
+    def stage(self, name: str) -> Iterator[None]:
+        """Count the time inside the block towards a stage."""
+        start = time.perf_counter()
+        try:
+            yield
+        finally:
+            self._seconds[name] += time.perf_counter() - start
+
+    def timed(self, events: Iterator[Event]) -> Iterator[Event]:
+        """Pass events on, counting the time each took to come: after SimulationStarted `simulate`, else `stylize`."""
+        name = "stylize"
+        while True:
+            with self.stage(name):
+                event = next(events, None)
+            if event is None:
+                return
+            name = "simulate" if isinstance(event, SimulationStarted) else "stylize"
+            yield event
+
+    def add(self, seconds: dict[str, float]) -> None:
+        """Count stages measured elsewhere."""
+        for name, value in seconds.items():
+            self._seconds[name] += value
+
+    def seconds(self) -> dict[str, float]:
+        """Seconds per stage so far, in the order the stages began [s]."""
+        return {name: round(value, 3) for name, value in self._seconds.items()}

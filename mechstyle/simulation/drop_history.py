@@ -1,0 +1,195 @@
+"""What a drop test leaves besides the stress on the surface: curves over time, figures of them, and fields in the body for ParaView."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import msgspec
+import numpy as np
+
+from mechstyle.fea.criterion import BallAverage, exceedance, robust_field
+from mechstyle.fea.drop import Drop, History
+from mechstyle.fea.snapshots import Snapshot
+from mechstyle.fea.vtu import on_nodes, vtu
+from mechstyle.pictures.panels import Picture
+from mechstyle.records import Landing
+from mechstyle.records.mesh import Floats, TetMesh
+from mechstyle.simulation.impact import Impact, nearest_rigid
+
+if TYPE_CHECKING:
+    from mechstyle.pictures.plots import Plot
+
+
+class Course(msgspec.Struct, frozen=True, kw_only=True):
+    """The drop as placed over time, in figures.
+
+    Attributes:
+        peak_time: When the 2 mm average was highest anywhere, to a frame of the impact [ms since first touch].
+        peak_where: Vertex of the surface where it was, in the undeformed part [mm].
+        peak_stress: What it was there [MPa].
+        peak_force: Largest mean normal force of the floor over a sample [N].
+        peak_force_time: When [ms].
+        contact_time: Until when the floor pushed last [ms].
+        energy: Kinetic energy at first touch [mJ].
+        kinetic: Share of that, and of the work of weight since, that is kinetic energy when the window ends.
+        strain: Share that is strain energy then.
+        contact_loss: Share that the floor took.
+        damping_loss: Share that damping took.
+        balance_error: Largest error of the balance over the drop, as a share; measured without damping. None if that drop failed.
+    """
+
+    peak_time: float
+    peak_where: tuple[float, float, float]
+    peak_stress: float
+    peak_force: float
+    peak_force_time: float
+    contact_time: float
+    energy: float
+    kinetic: float
+    strain: float
+    contact_loss: float
+    damping_loss: float
+    balance_error: float | None
+
+    @classmethod
+    def of(cls, history: History, impact: Impact, vertices: Floats, balance_error: float | None) -> Course:
+        """The figures of a drop.
+
+        Args:
+            history: The first orientation is looked at.
+            impact: The same drop on the surface.
+            vertices: Of the surface [mm], shape [vertex_count, 3].
+            balance_error: Of `simulator.Detail`.
+        """
+        frame, vertex = np.unravel_index(np.argmax(impact.stress), impact.stress.shape)
+        force = history.contact_force[:, 0]
+        energy = float(history.kinetic[0, 0])
+        given = energy + history.gravity_work[-1, 0]
+        x, y, z = vertices[vertex]
+        return cls(
+            peak_time=float(impact.time[frame]),
+            peak_where=(float(x), float(y), float(z)),
+            peak_stress=float(impact.stress[frame, vertex]),
+            peak_force=float(force.max()),
+            peak_force_time=float(history.time[force.argmax()]),
+            contact_time=float(history.time[np.flatnonzero(force > 0.0)].max(initial=0.0)),
+            energy=energy,
+            **{name: float(getattr(history, name)[-1, 0] / given) for name in ("kinetic", "strain", "contact_loss", "damping_loss")},
+            balance_error=balance_error,
+        )
+
+    @property
+    def words(self) -> str:
+        """Where the energy went and how well that adds up, in one sentence."""
+        where = f"Of {self.energy:.0f} mJ the floor took {self.contact_loss:.0%} and damping {self.damping_loss:.0%}"
+        left = f"{self.kinetic:.0%} are motion and {self.strain:.0%} strain when the window ends"
+        return f"{where}; {left}; {self.balance_words}."
+
+    @property
+    def balance_words(self) -> str:
+        """How well energy adds up, in words."""
+        if self.balance_error is None:
+            return "the balance could not be checked, as the drop without damping failed"
+        kept = "within" if self.balance_error <= 0.01 else "NOT within"
+        return f"without damping the balance closes to {100 * self.balance_error:.1g} %, {kept} 1 %"
+
+
+def history_picture(history: History, impact: Impact, course: Course, limit: float) -> Picture:
+    """Peak stress, energies and contact force of the drop as placed over time.
+
+    Args:
+        history: The first orientation is shown.
+        impact: The same drop on the surface.
+        course: Its figures.
+        limit: What the 2 mm average may at most be [MPa].
+    """
+    from mechstyle.pictures.plots import plots_png  # noqa: PLC0415 — matplotlib is loaded when a picture is wanted
+
+    plots = [_stress_plot(history, impact, course, limit), _energy_plot(history), _force_plot(history, course)]
+    return Picture(plots_png(plots, x_label="time since first touch [ms]", title="The drop as placed", note=course.words))
+
+
+def history_figures(history: History) -> dict[str, list[float]]:
+    """The curves of the drop as placed, by name; units as in `History`."""
+    columns = {name: np.asarray(getattr(history, name)) for name in History.__dataclass_fields__}
+    return {name: (values if values.ndim == 1 else values[:, 0]).tolist() for name, values in columns.items()}
+
+
+def vtu_bytes(
+    tets: TetMesh, drop: Drop, at: Snapshot, landings: tuple[Landing, ...], allowable: float, *, each: bool = False
+) -> bytes:
+    """A drop test as a VTU file.
+
+    At the nodes: `displacement` at the moment of the peak [mm], fall and all, and `deformation`, the same less rigid motion;
+    `robust_stress`, the 2 mm average [MPa], and `contact` as placed; over several orientations `robust_stress_envelope` [MPa] and
+    `failure_probability`. In the cells: `von_mises`, the running maximum at the Gauss points [MPa], and `von_mises_envelope`.
+
+    Args:
+        tets: The body that was dropped.
+        drop: What was found.
+        at: The moment whose displacement is shown.
+        landings: The orientations with their weights.
+        allowable: Stress beyond which a drop counts as failed [MPa].
+        each: Whether stress and contact of every orientation are added, with its number.
+    """
+    mesh, average = at.mesh, BallAverage(tets)
+    fields = np.stack([robust_field(tets, stress, average) for stress in drop.von_mises])
+    cells = drop.von_mises.max(axis=2)
+
+    def spread(values: Any) -> Floats:
+        return on_nodes(mesh, np.asarray(values)[at.vertices])
+
+    def touched(contact: Any) -> np.ndarray:
+        return (spread(contact) > 0.99).astype(np.uint8)  # between two corners that did
+
+    nodes: dict[str, Any] = {
+        "displacement": at.displacement,
+        "deformation": mesh.nodes + at.displacement - nearest_rigid(mesh.nodes, mesh.nodes + at.displacement),
+        "robust_stress": spread(fields[0]),
+        "contact": touched(drop.contact[0]),
+    }
+    inside: dict[str, Any] = {"von_mises": cells[0]}
+    if len(cells) > 1:
+        worst = robust_field(tets, drop.von_mises.max(axis=0), average)
+        nodes["robust_stress_envelope"] = spread(np.maximum(worst, fields.max(axis=0)))
+        nodes["failure_probability"] = spread(exceedance(fields, [landing.weight for landing in landings], allowable))
+        inside["von_mises_envelope"] = cells.max(axis=0)
+    for number in range(len(cells) if each else 0):
+        nodes[f"robust_stress_{number:02}"] = spread(fields[number])
+        nodes[f"contact_{number:02}"] = touched(drop.contact[number])
+        inside[f"von_mises_{number:02}"] = cells[number]
+    return vtu(mesh, _single(nodes), _single(inside))
+
+
+def _single(fields: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Single precision is finer than any of these figures is, at half the file."""
+    return {name: values if values.dtype == np.uint8 else values.astype(np.float32) for name, values in fields.items()}
+
+
+def _stress_plot(history: History, impact: Impact, course: Course, limit: float) -> Plot:
+    from mechstyle.pictures.plots import Curve, Plot  # noqa: PLC0415 — as above
+
+    curves = (
+        Curve("2 mm average on the surface", impact.time, impact.stress.max(axis=1), stepped=True),
+        Curve("largest in an element", history.time, history.peak_stress[:, 0]),
+    )
+    x, y, z = course.peak_where
+    words = f"highest by {course.peak_time:.2f} ms, at ({x:.1f}, {y:.1f}, {z:.1f}) mm"
+    mark = (course.peak_time, course.peak_stress)
+    return Plot("Peak von Mises stress", "MPa", curves, limit=(limit, f"limit {limit:.1f} MPa"), mark=mark, words=words)
+
+
+def _energy_plot(history: History) -> Plot:
+    from mechstyle.pictures.plots import Curve, Plot  # noqa: PLC0415 — as above
+
+    named = (("kinetic", "kinetic"), ("strain", "strain"), ("contact_loss", "taken by the floor"), ("damping_loss", "taken by damping"))
+    return Plot("Energy", "mJ", [Curve(label, history.time, getattr(history, name)[:, 0]) for name, label in named])
+
+
+def _force_plot(history: History, course: Course) -> Plot:
+    from mechstyle.pictures.plots import Curve, Plot  # noqa: PLC0415 — as above
+
+    curve = Curve("floor", history.time, history.contact_force[:, 0], stepped=True)
+    words = f"up to {course.peak_force:.0f} N, the last of it at {course.contact_time:.2f} ms"
+    return Plot("Contact force", "N", [curve], mark=(course.peak_force_time, course.peak_force), words=words)

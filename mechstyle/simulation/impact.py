@@ -1,0 +1,96 @@
+"""The impact of a checkpoint, moment by moment, on the surface: how it deforms and where the stress runs."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from mechstyle.fea.criterion import BallAverage, robust_field
+from mechstyle.fea.snapshots import Snapshots, snapshots
+from mechstyle.geometry.morph import Morph
+from mechstyle.geometry.transfer import Transfer
+from mechstyle.loop.objects import Memo
+from mechstyle.records import Recipe
+from mechstyle.records.mesh import Floats, SurfaceMesh, TetMesh
+from mechstyle.simulation.part import Workpiece
+from mechstyle.simulation.simulator import PHYSICS_VERSION, no_progress, prescribed
+
+
+@dataclass(frozen=True, eq=False)
+class Impact:
+    """The drop of a part as placed.
+
+    Attributes:
+        time: Time since first touch [ms], shape [frames].
+        displacement: How far the surface has moved since first touch, fall and all [mm], shape [frames, vertex_count, 3].
+        stress: Largest 2 mm average of the von Mises stress since the frame before [MPa], shape [frames, vertex_count].
+    """
+
+    time: NDArray[np.float64]
+    displacement: NDArray[np.float32]
+    stress: NDArray[np.float32]
+
+    def shape(self, mesh: SurfaceMesh, frame: int, exaggeration: float = 1.0) -> SurfaceMesh:
+        """The part at a moment, its deformation exaggerated, its motion as a whole not.
+
+        Args:
+            mesh: The part before the drop.
+            frame: The moment, counted from 0.
+            exaggeration: Factor on what is left of the displacement once the rigid motion nearest to it is taken out.
+        """
+        moved = mesh.vertices + self.displacement[frame]
+        rigid = nearest_rigid(mesh.vertices, moved)
+        return mesh.moved(rigid + exaggeration * (moved - rigid))
+
+
+def nearest_rigid(points: Floats, moved: Floats) -> Floats:
+    """Points rotated and shifted as a whole to where they are nearest to others, in the sense of least squares (Kabsch 1976).
+
+    Args:
+        points: Where they were [mm], shape [n, 3].
+        moved: Where they are [mm], shape [n, 3].
+    """
+    centre, middle = points.mean(axis=0), moved.mean(axis=0)
+    left, _, right = np.linalg.svd((points - centre).T @ (moved - middle))
+    flip = np.diag([1.0, 1.0, np.sign(np.linalg.det(left @ right))])
+    return np.asarray((points - centre) @ left @ flip @ right + middle)
+
+
+def impact_of(
+    part: Workpiece, recipe: Recipe, displacement: NDArray[np.float32], memo: Memo, progress: Callable[[float], None] = no_progress
+) -> Impact:
+    """Drop a displaced part as it stands and keep what happens on its surface; remembered by its inputs.
+
+    Args:
+        part: The prepared part.
+        recipe: What decides the physics.
+        displacement: Of a checkpoint [mm], shape [vertex_count].
+        memo: Where the answer is remembered.
+        progress: Called with the fraction done; may raise to cancel.
+
+    Raises:
+        SimulationFailed: If the drop breaks down.
+    """
+    physics = (recipe.material, recipe.drop_height, recipe.friction, recipe.window, recipe.damping, recipe.element)
+    inputs = msgspec.json.encode(("impact", PHYSICS_VERSION, recipe.surface, recipe.tetrahedra, physics))
+    key = hashlib.sha256(inputs + np.ascontiguousarray(displacement, np.float32).tobytes()).hexdigest()
+    known = memo.recall(key, Impact)
+    if known is not None:
+        return known
+    tets = Morph(part.surface, part.tets).morphed(displacement).tets
+    impact = _on_surface(snapshots(tets, recipe.material, prescribed(recipe), progress=progress), part, tets)
+    memo.remember(key, impact)
+    return impact
+
+
+def _on_surface(seen: Snapshots, part: Workpiece, tets: TetMesh) -> Impact:
+    """Frames at the vertices of the tetrahedra as frames at those of the surface."""
+    transfer, average = Transfer(part.surface, part.tets), BallAverage(part.tets)
+    moved = [np.stack([transfer.to_surface(frame[:, axis]) for axis in range(3)], axis=1) for frame in seen.displacement]
+    stress = [transfer.to_surface(robust_field(tets, frame, average)) for frame in seen.von_mises]
+    return Impact(seen.time, np.array(moved, np.float32), np.array(stress, np.float32))

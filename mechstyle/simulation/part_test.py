@@ -1,0 +1,193 @@
+"""One drop test of a part as it is, without any style."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import msgspec
+import numpy as np
+
+from mechstyle._files import write_whole
+from mechstyle.errors import SimulationFailed
+from mechstyle.fea.criterion import input_warning, judge
+from mechstyle.fea.drop import History, resolve_device
+from mechstyle.fea.snapshots import snapshot
+from mechstyle.fea.vtu import vtu_path
+from mechstyle.loop.history import Strength
+from mechstyle.pictures.panels import Picture, picture, stress_panel
+from mechstyle.records import POSES, Recipe, Simulation, Verdict
+from mechstyle.records.load_cases import LoadCase, load_cases
+from mechstyle.records.material import Material, material_named
+from mechstyle.records.mesh import SurfaceMesh, TetMesh
+from mechstyle.simulation.drop_history import Course, history_picture, vtu_bytes
+from mechstyle.simulation.impact import Impact, impact_of
+from mechstyle.simulation.part import STANDARD_VERTICES, Stage, Workpiece, cached_memo, fitted, prepare, say_nothing
+from mechstyle.simulation.simulator import Detail, DropSimulator, Progress, no_progress, prescribed
+
+if TYPE_CHECKING:
+    from mechstyle.pictures.figure import Panel
+
+
+@dataclass(frozen=True, eq=False)
+class Dropped:
+    """A part and what its drop test said.
+
+    Attributes:
+        part: The prepared part.
+        recipe: Material, drop and criterion.
+        simulation: What was measured.
+        verdict: What it means.
+        warning: What the part itself exceeds, its material's strength or its printer's thinnest wall, in sentences; "" for nothing.
+        tets: The tetrahedra that were dropped.
+        detail: The test in full.
+        impact: The drop as placed, moment by moment; None for one that failed.
+    """
+
+    part: Workpiece
+    recipe: Recipe
+    simulation: Simulation
+    verdict: Verdict
+    warning: str
+    tets: TetMesh
+    detail: Detail
+    impact: Impact | None
+
+    @property
+    def strength(self) -> Strength:
+        """The verdict in figures."""
+        return Strength.of(self.verdict)
+
+    @property
+    def history(self) -> History:
+        """Energies, contact force and largest stress over time, of every orientation."""
+        return self.detail.drop.history
+
+    @property
+    def failure_probability(self) -> float | None:
+        """Probability that a random drop takes the peak beyond the yield strength; None if one orientation was dropped."""
+        return None if self.simulation.overall is None or self.simulation.failure else self.simulation.failure_probability
+
+    @cached_property
+    def course(self) -> Course | None:
+        """The drop as placed over time, in figures; None for one that failed."""
+        if self.impact is None:
+            return None
+        return Course.of(self.history, self.impact, self.part.surface.vertices, self.detail.balance_error)
+
+    def show(self) -> Picture:
+        """Stress as placed from three sides; below it, if several orientations were dropped, the worst of them and the probability."""
+        limit, surface, simulation = self.verdict.deciding.limit, self.part.surface, self.simulation
+        first = "stress, dropped and loaded" if simulation.loaded else "stress as placed"
+        panels = [stress_panel(surface, simulation.stress, self.verdict, title=first, limit=limit)]
+        for view, title in (("front", "from the front"), ("below", "from below")):
+            panels.append(stress_panel(surface, simulation.stress, None, title=title, limit=limit, view=view))
+        if simulation.overall is not None:
+            worst = f"worst of {len(self.detail.drop.von_mises)} orientations"
+            for view, title in (("three_quarter", worst), ("below", "from below")):
+                panel = stress_panel(surface, simulation.envelope, None, title=title, limit=limit, view=view)
+                panels.append(replace(panel, label="worst von Mises stress"))
+            panels.append(self._probability_panel())
+        return picture(panels, columns=3)
+
+    def _probability_panel(self) -> Panel:
+        from mechstyle.pictures.figure import Panel  # noqa: PLC0415 — matplotlib is loaded when a picture is wanted
+
+        whole = f"{self.simulation.failure_probability:.0%} of random drops exceed it somewhere"
+        label = f"probability to exceed {self.recipe.material.yield_strength:.1f} MPa"
+        field = self.simulation.probability
+        return Panel(self.part.surface, "failure probability", values=field, label=label, limits=(0.0, 1.0), note=whole)
+
+    def show_history(self) -> Picture:
+        """Peak stress, energies and contact force of the drop as placed over time.
+
+        Raises:
+            SimulationFailed: If the drop failed.
+        """
+        if self.impact is None or self.course is None:
+            raise SimulationFailed(self.simulation.failure)
+        return history_picture(self.history, self.impact, self.course, self.verdict.as_placed.limit)
+
+    def save_vtu(self, path: str | Path, *, each_orientation: bool = False) -> Path:
+        """Write displacement, stress and contact in the body for ParaView; `traces.vtu_bytes` lists the fields.
+
+        Args:
+            path: A file that ends in .vtu.
+            each_orientation: Whether to add stress and contact of every orientation.
+
+        Raises:
+            BadInput: If the file has another ending.
+            SimulationFailed: If the drop failed.
+        """
+        target = vtu_path(path)
+        if self.course is None:
+            raise SimulationFailed(self.simulation.failure)
+        at = snapshot(self.tets, self.recipe.material, prescribed(self.recipe), self.course.peak_time)
+        allowable = self.recipe.material.yield_strength
+        write_whole(target, vtu_bytes(self.tets, self.detail.drop, at, self.simulation.landings, allowable, each=each_orientation))
+        return target
+
+
+def simulate(
+    mesh: SurfaceMesh,
+    *,
+    material: str | Material = "PLA",
+    orientations: int | None = None,
+    poses: str = "fibonacci",
+    criterion: str = "robust",
+    loads: str | Path | LoadCase | Sequence[LoadCase] = (),
+    minimum_wall: float = 0.8,
+    vertices: int = STANDARD_VERTICES,
+    device: str = "auto",
+    stage: Stage = say_nothing,
+    progress: Progress = no_progress,
+) -> Dropped:
+    """Drop a part as it is.
+
+    Args:
+        mesh: A closed surface [mm], z up, as it stands.
+        material: A library name, a .toml/.json file, or a Material.
+        orientations: Drops, the first as placed; by default as many as the poses need.
+        poses: How the others land: `fibonacci` every way, `tilts` nearly as placed, `resting` as the part comes to rest.
+        criterion: `robust` or `paper`.
+        loads: A load file or load cases the part must carry besides.
+        minimum_wall: The thinnest wall that is not warned about [mm]; 0 for no warning.
+        vertices: Vertices of the standardised surface.
+        device: `auto`, `cpu` or `cuda`.
+        stage: Told what is being prepared, in words.
+        progress: Called with the fraction of the drop done; may raise to cancel.
+
+    Raises:
+        BadInput: If the part or a setting cannot be used, in one sentence.
+    """
+    chosen, where = material_named(material), resolve_device(device)
+    drops = POSES.get(poses, 1) if orientations is None else orientations
+    wanted = Recipe(
+        surface="", tetrahedra="", prompt="", material=chosen, orientations=drops, poses=poses, criterion=criterion,
+        loads=load_cases(loads), minimum_wall=minimum_wall,
+    )  # fmt: skip
+    part = prepare(mesh, vertices=vertices, stage=stage)
+    recipe = fitted(wanted, part)
+    stage("dropping it")
+    memo, unstyled = cached_memo(), np.zeros(len(part.surface.vertices), np.float32)
+    tets, detail = DropSimulator(part.surface, part.tets, recipe, memo, device=where, progress=progress).detail(unstyled)
+    simulation = detail.simulation
+    stage("looking at the impact")
+    impact = None if detail.drop.failure else impact_of(part, recipe, unstyled, memo, progress)
+    thin = wall_warnings(part.surface, part.thickness, unstyled, minimum_wall)
+    warning = " ".join(filter(None, (input_warning(simulation, chosen), *(f"{sentence}." for sentence in thin))))
+    return Dropped(part, recipe, simulation, judge_alone(simulation, chosen, criterion), warning, tets, detail, impact)
+
+
+def judge_alone(simulation: Simulation, material: Material, criterion: str) -> Verdict:
+    """Whether a part that has no original to be compared with survives: its peak as placed against the yield strength.
+
+    The rule over all orientations compares with the original and therefore does not apply. An original without stress leaves
+    nothing but the yield strength of `fea.criterion.judge`.
+    """
+    as_placed = replace(simulation, overall=None)
+    original = replace(as_placed, as_placed=msgspec.structs.replace(simulation.as_placed, peak=0.0))
+    return judge(as_placed, original, material, criterion)

@@ -1,0 +1,275 @@
+"""From a displaced surface to the stress on it: morph the tetrahedra, drop them, average, bring the field back, judge."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from mechstyle.errors import MechStyleError, SimulationFailed
+from mechstyle.fea.criterion import BallAverage, exceedance, judge, measures, robust_field
+from mechstyle.fea.drop import Drop, DropTest, drop
+from mechstyle.fea.orientations import Orientations, orientation_set
+from mechstyle.fea.statics.load_test import StaticTest
+from mechstyle.geometry.morph import Morph, Morphed
+from mechstyle.geometry.resting_face import centre_of_mass
+from mechstyle.geometry.tetrahedra import tetrahedralise
+from mechstyle.geometry.transfer import Transfer
+from mechstyle.loop.objects import Memo
+from mechstyle.records import Landing, LoadResult, Measures, Recipe, Simulation, Verdict
+from mechstyle.records.mesh import SurfaceMesh, TetMesh
+
+PHYSICS_VERSION = 4
+"""Counts changes that alter results, so that remembered simulations of older code are not reused."""
+
+Progress = Callable[[float], None]
+
+
+def prescribed(recipe: Recipe) -> DropTest:
+    """How a recipe has a part dropped."""
+    return DropTest(
+        height=recipe.drop_height, friction=recipe.friction, window=recipe.window, damping=recipe.damping, element=recipe.element
+    )
+
+
+def no_progress(fraction: float) -> None:
+    """Report to nobody."""
+
+
+@dataclass(frozen=True, eq=False)
+class Detail:
+    """A drop test in full.
+
+    Attributes:
+        simulation: What it left on the surface.
+        drop: Stress in the body, and history in time, of every orientation.
+        balance_error: Largest error of the energy balance of the drop as placed, over the energy at first touch; measured on the same
+            drop without damping. None for a drop that failed.
+    """
+
+    simulation: Simulation
+    drop: Drop
+    balance_error: float | None
+
+
+@dataclass(frozen=True, eq=False)
+class DropSimulator:
+    """The drop test of one part under one recipe.
+
+    Attributes:
+        surface: The unstylized, standardised surface.
+        tets: Its tetrahedra.
+        recipe: What decides the physics: material, drop, orientations, transfer.
+        memo: Where results are remembered by the digest of their inputs.
+        shared: Where the unstylized part's result is remembered for other runs too, None for nowhere.
+        device: `cpu` or `cuda`.
+        cache: Folder for fresh tetrahedra, None to mesh anew each time.
+        progress: Called with the fraction done of the drop in hand; may raise to cancel it.
+    """
+
+    surface: SurfaceMesh
+    tets: TetMesh
+    recipe: Recipe
+    memo: Memo
+    shared: Memo | None = None
+    device: str = "cpu"
+    cache: Path | None = None
+    progress: Progress = field(default=no_progress)
+
+    @cached_property
+    def baseline(self) -> Simulation:
+        """The unstylized part in all orientations."""
+        return self.simulate(np.zeros(len(self.surface.vertices), np.float32), thorough=True)
+
+    def judge(self, simulation: Simulation) -> Verdict:
+        """What a simulation means under the recipe's criterion."""
+        return judge(simulation, self.baseline, self.recipe.material, self.recipe.criterion)
+
+    def simulate(self, displacement: NDArray[np.float32], *, thorough: bool) -> Simulation:
+        """Drop the displaced part, as placed or (`thorough`) in all orientations, and load it; remembered by its inputs.
+
+        A relief that reaches under a part whose resting face is not protected cannot be carried by morphed tetrahedra, so
+        the thorough test of such a part is run on a fresh mesh of the styled surface.
+        """
+        fresh = thorough and not self.recipe.protect_resting_face and bool(np.any(displacement))
+        key = self._key(displacement, thorough=thorough, fresh=fresh)
+        memos = [self.memo] if np.any(displacement) or self.shared is None else [self.memo, self.shared]
+        simulation = next((found for memo in memos if (found := memo.recall(key, Simulation)) is not None), None)
+        if simulation is None:
+            simulation = self._on_fresh_mesh(displacement) if fresh else self._on_morphed_mesh(displacement, thorough=thorough)
+        for memo in memos:
+            memo.remember(key, simulation)
+            if not fresh:  # what the tets did follow has the same answer
+                memo.remember(self._key(simulation.displacement, thorough=thorough, fresh=False), simulation)
+        return simulation
+
+    def detail(self, displacement: NDArray[np.float32]) -> tuple[TetMesh, Detail]:
+        """The morphed tetrahedra and the whole drop test in all orientations, with its history in time; remembered as well."""
+        key = self._key(displacement, thorough=True, fresh=False)
+        morphed = self._morph.morphed(displacement)
+        detail = self.memo.recall(f"{key}-detail", Detail)
+        if detail is None:
+            self._static.check()
+            result = self._drop(morphed.tets, thorough=True)
+            balance = None if result.failure else self._balance_error(morphed.tets)
+            detail = Detail(self._told(morphed, result), result, balance)
+            self.memo.remember(f"{key}-detail", detail)
+            self.memo.remember(key, detail.simulation)
+        return morphed.tets, detail
+
+    def _balance_error(self, tets: TetMesh) -> float | None:
+        """Of `Detail`. What damping took is what is missing in the balance, so the balance can be checked only without it."""
+        undamped = replace(prescribed(self.recipe), damping=0.0)
+        found = drop(tets, self.recipe.material, self._orientations.normals[:1], undamped, device=self.device, progress=self.progress)
+        return None if found.failure else float(np.abs(found.history.damping_loss).max() / found.history.kinetic[0, 0])
+
+    def _key(self, displacement: NDArray[np.float32], *, thorough: bool, fresh: bool) -> str:
+        recipe = self.recipe
+        physics = (
+            PHYSICS_VERSION,
+            self.device,
+            recipe.surface,
+            recipe.tetrahedra,
+            recipe.material,
+            recipe.drop_height,
+            recipe.friction,
+            recipe.window,
+            recipe.damping,
+            recipe.element,
+            recipe.transfer,
+            recipe.loads,
+            (recipe.poses, recipe.orientations) if thorough else 1,
+            fresh,
+        )
+        return hashlib.sha256(msgspec.json.encode(physics) + np.ascontiguousarray(displacement, np.float32).tobytes()).hexdigest()
+
+    @cached_property
+    def _morph(self) -> Morph:
+        return Morph(self.surface, self.tets)
+
+    @cached_property
+    def _transfer(self) -> Transfer:
+        return Transfer(self.surface, self.tets, self.recipe.transfer)
+
+    @cached_property
+    def _average(self) -> BallAverage:
+        return BallAverage(self.tets)
+
+    @cached_property
+    def _orientations(self) -> Orientations:
+        """Those of the unstylized part, so that what is compared with it lands as it did."""
+        return orientation_set(self.recipe.poses, self.recipe.orientations, self.surface.vertices, centre_of_mass(self.surface))
+
+    def _on_morphed_mesh(self, displacement: NDArray[np.float32], *, thorough: bool) -> Simulation:
+        morphed = self._morph.morphed(displacement)
+        self._static.check()  # before the long drop
+        return self._told(morphed, self._drop(morphed.tets, thorough=thorough))
+
+    def _told(self, morphed: Morphed, result: Drop) -> Simulation:
+        """What a drop on morphed tetrahedra and the loads on them come to."""
+        return self._under_loads(self._measured(morphed, result, self._average, self._transfer), morphed.tets)
+
+    def _on_fresh_mesh(self, displacement: NDArray[np.float32]) -> Simulation:
+        """As above on new tetrahedra; if fTetWild cannot mesh the styled surface, on morphed ones, and the record says so."""
+        styled = self.surface.displaced(displacement)
+        try:
+            tets = tetrahedralise(styled, len(self.tets.tets), cache=self.cache)
+        except MechStyleError as error:
+            fallback = self._on_morphed_mesh(displacement, thorough=True)
+            return replace(fallback, meshing=f"morphed, as a fresh mesh of the styled surface could not be had: {error}")
+        whole = Morphed(tets=tets, displacement=np.asarray(displacement, np.float32), backed_off=0.0, deviation=0.0, remesh=False)
+        transfer = Transfer(styled, tets, self.recipe.transfer)
+        dropped = self._measured(whole, self._drop(tets, thorough=True), BallAverage(tets), transfer)
+        if not self.recipe.loads:
+            return replace(dropped, meshing="fresh")
+        loaded = self._under_loads(dropped, self._morph.morphed(displacement).tets)
+        return replace(loaded, meshing="fresh for the drop, morphed for the loads")
+
+    @cached_property
+    def _static(self) -> StaticTest:
+        return StaticTest(self.tets, self.recipe.loads, self.recipe.element)
+
+    def _under_loads(self, dropped: Simulation, tets: TetMesh) -> Simulation:
+        """A drop's result raised to what the recipe's load cases do to morphed tetrahedra, on which their places are known."""
+        if dropped.failure or not self.recipe.loads:
+            return dropped
+        try:
+            responses = self._static.run(tets, self.recipe.material)
+        except SimulationFailed as error:
+            return replace(dropped, failure=str(error))
+        result = dropped
+        for name, response in responses.items():
+            case = measures(tets, response.von_mises, self._average)
+            field = self._transfer.to_surface(robust_field(tets, response.von_mises, self._average)).astype(np.float32)
+            result = replace(
+                result,
+                stress=np.maximum(result.stress, field),
+                envelope=np.maximum(result.envelope, field),
+                as_placed=result.as_placed.or_worse(case),
+                loaded=(*result.loaded, LoadResult(name=name, peak=case.peak, where=case.where, deflection=response.deflection)),
+            )
+        return result
+
+    def _drop(self, tets: TetMesh, *, thorough: bool) -> Drop:
+        floor_normals = self._orientations.normals[: None if thorough else 1]
+        return drop(tets, self.recipe.material, floor_normals, prescribed(self.recipe), device=self.device, progress=self.progress)
+
+    def _measured(self, morphed: Morphed, result: Drop, average: BallAverage, transfer: Transfer) -> Simulation:
+        """Averages, percentiles and surface fields of a drop; all zero, with the reason, for one that failed."""
+        tets, zeros = morphed.tets, np.zeros(len(self.surface.vertices), np.float32)
+        nothing = Measures(peak=0.0, p999=0.0, p99=0.0, maximum=0.0, where=(0.0, 0.0, 0.0), volume=float(tets.volumes.sum()))
+        several = len(result.von_mises) > 1
+        failed = Simulation(
+            displacement=morphed.displacement,
+            stress=zeros,
+            envelope=zeros,
+            probability=zeros,
+            contact=np.zeros(len(zeros), bool),
+            as_placed=nothing,
+            overall=nothing if several else None,
+            backed_off=morphed.backed_off,
+            deviation=morphed.deviation,
+            time_step=result.time_step,
+            steps=result.steps,
+            added_mass=result.added_mass,
+            failure=result.failure,
+        )
+        if result.failure:
+            return failed
+        landings = self._landings(tets, result, average)
+        fields = np.stack([transfer.to_surface(robust_field(tets, stress, average)) for stress in result.von_mises])
+        found = replace(
+            failed,
+            stress=fields[0],
+            envelope=fields[0],
+            contact=transfer.to_surface(result.contact[0].astype(np.float64)) > 0.5,
+            as_placed=landings[0].measures,
+            landings=landings,
+        )
+        if not several:
+            return found
+        worst = result.von_mises.max(axis=0)
+        # The value between Gauss points is not monotone in theirs: without the maximum an envelope could fall below what it envelops.
+        envelope = np.maximum(fields.max(axis=0), transfer.to_surface(robust_field(tets, worst, average)))
+        allowable, weights = self.recipe.material.yield_strength, self._orientations.weights
+        return replace(
+            found,
+            envelope=envelope,
+            overall=measures(tets, worst, average),
+            probability=exceedance(fields, weights, allowable).astype(np.float32),
+            failure_probability=float(exceedance([landing.measures.peak for landing in landings], weights, allowable)),
+        )
+
+    def _landings(self, tets: TetMesh, result: Drop, average: BallAverage) -> tuple[Landing, ...]:
+        """What each drop did."""
+        ways = zip(self._orientations.normals, self._orientations.weights, result.von_mises, strict=False)  # as placed may be all
+        return tuple(
+            Landing(normal=(float(x), float(y), float(z)), weight=float(weight), measures=measures(tets, stress, average))
+            for (x, y, z), weight, stress in ways
+        )

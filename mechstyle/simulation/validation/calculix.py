@@ -1,0 +1,116 @@
+"""CalculiX as a second opinion: write its input, run it, read what it prints. It wants mm, t and s; that is converted here."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import tempfile
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mechstyle.errors import MissingPiece, SimulationFailed
+from mechstyle.fea.elements import ElementMesh
+from mechstyle.records.material import Material
+from mechstyle.records.mesh import Floats
+
+TONNES_PER_GRAM, SECONDS_PER_MILLISECOND = 1e-6, 1e-3
+NODE_ORDER = {4: [0, 1, 2, 3], 10: [0, 1, 2, 3, 4, 7, 5, 6, 8, 9]}
+"""CalculiX numbers the middles of the edges 01, 12, 02, 03, 13, 23."""
+SECONDS = 900
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """What CalculiX printed at the end of its step.
+
+    Attributes:
+        displacement: Of the nodes [mm], shape [node_count, 3].
+        stress: Cauchy stress at the Gauss points [MPa], shape [tet_count, points, 3, 3].
+        seconds: Wall time of the run [s].
+    """
+
+    displacement: Floats
+    stress: Floats
+    seconds: float
+
+
+def available() -> bool:
+    """Whether there is a `ccx` to run."""
+    return shutil.which("ccx") is not None
+
+
+def static(mesh: ElementMesh, material: Material, fixed: NDArray[np.bool_], forces: Floats) -> Answer:
+    """Small-strain statics: nodes held in all directions and forces on nodes [N], shape [node_count, 3]."""
+    loads = "".join(f"{node + 1},{axis + 1},{forces[node, axis]:.9e}\n" for node, axis in np.argwhere(forces != 0.0))
+    step = f"*BOUNDARY\nFIXED,1,3\n*STEP\n*STATIC\n*CLOAD\n{loads}"
+    return _run(mesh, material, {"FIXED": fixed}, step)
+
+
+def impact(mesh: ElementMesh, material: Material, held: NDArray[np.bool_], speed: float, window: float, step: float) -> Answer:
+    """Explicit dynamics of a body that moves down the z-axis while the given nodes cannot.
+
+    Args:
+        mesh: The body [mm].
+        material: Its material.
+        held: Nodes held along z, shape [node_count].
+        speed: Initial speed [mm/ms].
+        window: Simulated time [ms].
+        step: Time step [ms].
+    """
+    velocity = -speed / SECONDS_PER_MILLISECOND
+    times = f"{step * SECONDS_PER_MILLISECOND:.6e},{window * SECONDS_PER_MILLISECOND:.6e}"
+    start = f"*INITIAL CONDITIONS,TYPE=VELOCITY\nNALL,3,{velocity:.6f}\n*BOUNDARY\nHELD,3,3\n"
+    return _run(mesh, material, {"HELD": held}, f"{start}*STEP,INC=10000000,NLGEOM\n*DYNAMIC,EXPLICIT\n{times}\n")
+
+
+def _run(mesh: ElementMesh, material: Material, sets: Mapping[str, NDArray[np.bool_]], step: str) -> Answer:
+    """Write, run and read a job in a folder of its own.
+
+    MissingPiece without CalculiX, SimulationFailed with its last words if it does not finish.
+    """
+    if not available():
+        raise MissingPiece("CalculiX is not installed: install it (Debian: apt-get install calculix-ccx) or leave its cases out")
+    prints = "*NODE PRINT,NSET=NALL,FREQUENCY=1000000\nU\n*EL PRINT,ELSET=EALL,FREQUENCY=1000000\nS\n*END STEP\n"
+    with tempfile.TemporaryDirectory() as folder:
+        Path(folder, "job.inp").write_text(_model(mesh, material, sets) + step + prints)
+        started = time.perf_counter()
+        one_core = {**os.environ, "OMP_NUM_THREADS": "1"}
+        job = subprocess.run(["ccx", "job"], cwd=folder, capture_output=True, text=True, timeout=SECONDS, check=False, env=one_core)  # noqa: S607
+        seconds = time.perf_counter() - started
+        if "Job finished" not in job.stdout:
+            raise SimulationFailed(f"CalculiX did not finish: {' '.join(job.stdout.split()[-40:])}")
+        return Answer(*_read(Path(folder, "job.dat").read_text(), mesh), seconds)
+
+
+def _model(mesh: ElementMesh, material: Material, sets: Mapping[str, NDArray[np.bool_]]) -> str:
+    """Nodes, elements, material and node sets."""
+    nodes = mesh.element.nodes
+    lines = ["*NODE,NSET=NALL"]
+    lines += [f"{number},{x:.12e},{y:.12e},{z:.12e}" for number, (x, y, z) in enumerate(mesh.nodes, start=1)]
+    lines += [f"*ELEMENT,TYPE=C3D{nodes},ELSET=EALL"]
+    lines += [f"{number},{','.join(map(str, row))}" for number, row in enumerate(mesh.connectivity[:, NODE_ORDER[nodes]] + 1, start=1)]
+    lines += ["*MATERIAL,NAME=M", "*ELASTIC", f"{material.youngs_modulus:.12g},{material.poisson_ratio:.12g}"]
+    lines += ["*DENSITY", f"{material.density * TONNES_PER_GRAM:.12e}", "*SOLID SECTION,ELSET=EALL,MATERIAL=M"]
+    for name, chosen in sets.items():
+        lines += [f"*NSET,NSET={name}", *(str(node + 1) for node in np.flatnonzero(chosen))]
+    return "\n".join(lines) + "\n"
+
+
+def _read(text: str, mesh: ElementMesh) -> tuple[Floats, Floats]:
+    """The last printed displacements and stresses of a .dat file."""
+    displacement = np.zeros_like(mesh.nodes)
+    stress = np.zeros((len(mesh.connectivity), mesh.element.points, 3, 3))
+    for line in text.splitlines():
+        words = line.split()
+        if len(words) == 4 and words[0].isdigit():
+            displacement[int(words[0]) - 1] = [float(word) for word in words[1:]]
+        elif len(words) == 8 and words[0].isdigit():
+            xx, yy, zz, xy, xz, yz = (float(word) for word in words[2:])
+            stress[int(words[0]) - 1, int(words[1]) - 1] = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
+    return displacement, stress

@@ -1,0 +1,131 @@
+"""Bodies that hit the floor: wave theory, Hertz's contact, CalculiX's explicit dynamics, and our own arithmetic in double precision."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from mechstyle.errors import MissingPiece
+from mechstyle.fea import elasticity
+from mechstyle.fea.backends.cpu import CoreBody
+from mechstyle.fea.discretisation import discretise
+from mechstyle.fea.drop import Drop, DropTest, available_devices, drop, scheme_for
+from mechstyle.fea.elasticity import law_named
+from mechstyle.fea.elements import ELEMENTS, LINEAR, QUADRATIC, with_nodes
+from mechstyle.fea.explicit import RECORD_EVERY
+from mechstyle.fea.orientations import directions
+from mechstyle.fea.snapshots import snapshots
+from mechstyle.records.material import LIBRARY
+from mechstyle.records.mesh import Floats, TetMesh
+from mechstyle.simulation.validation import calculix
+from mechstyle.simulation.validation.cases import Result, bounded, compared
+from mechstyle.simulation.validation.meshes import ball, box
+
+PLA = LIBRARY["PLA"]
+SAME = 1e-3
+UPRIGHT = ((0.0, 0.0, 1.0),)
+
+
+def bar() -> Iterator[Result]:
+    """A bar that lands on its end carries ρ c v until the wave comes back from the other end, after 2 L / c."""
+    length, c = 100.0, PLA.bar_wave_speed
+    for name in ELEMENTS:
+        tets = box((2, 2, 40), (5.0, 5.0, length))
+        history = drop(tets, PLA, UPRIGHT, DropTest(window=0.13, element=name, law="st_venant_kirchhoff"), device="cpu").history
+        plateau = (history.time > 0.15 * 2.0 * length / c) & (history.time < 0.9 * 2.0 * length / c)
+        pressure = float(history.contact_force[plateau, 0].mean()) / 25.0
+        yield compared(f"bar: {name}, pressure", pressure, PLA.density * c * DropTest().speed, 0.005, "MPa", "ρ c v")
+
+
+def bar_calculix() -> Iterator[Result]:
+    """The stress in a bar on the floor while the wave runs up: linear elements in CalculiX's explicit dynamics, end face held."""
+    mesh = with_nodes(box((4, 4, 40), (5.0, 5.0, 50.0)), LINEAR)
+    test = DropTest(window=0.04, damping=0.0, law="st_venant_kirchhoff", element="tet4", added_mass=0.0, safety=0.25)
+    theirs = calculix.impact(mesh, PLA, mesh.nodes[:, 2] < 1e-9, test.speed, test.window, 1e-4)
+    u = snapshots(mesh.tets, PLA, test, frames=2).displacement[-1].astype(np.float64)
+    H = elasticity.displacement_gradients(mesh, u)
+    ours = elasticity.von_mises(elasticity.cauchy_stress(H, law_named(test.law, PLA).first_piola(H)))
+    reference = elasticity.von_mises(theirs.stress)
+    note = "CalculiX *DYNAMIC, EXPLICIT, 3840 C3D4, after 0.04 ms"
+    yield bounded("bar_calculix: von Mises, L2", _distance(ours, reference), 0.015, note)
+    yield bounded("bar_calculix: displacement, L2", _distance(u, theirs.displacement), 0.005, note)
+
+
+def sphere() -> Iterator[Result]:
+    """A ball on the floor: force and duration of Hertz's contact (Johnson, Contact Mechanics, §11.4), for the mass that was meshed.
+
+    St. Venant–Kirchhoff's law: the strain of some per cent under the contact stiffens a neo-Hookean ball by 2 %, which is not in Hertz.
+    """
+    radius, test = 20.0, DropTest(window=0.2, law="st_venant_kirchhoff")
+    tets = ball(radius, 16, 5.0)
+    stiffness = PLA.youngs_modulus / (1.0 - PLA.poisson_ratio**2)
+    result = drop(tets, PLA, UPRIGHT, test)
+    mass = float(tets.volumes.sum()) * PLA.density * (1.0 + result.added_mass)
+    depth = (15.0 * mass * test.speed**2 / (16.0 * math.sqrt(radius) * stiffness)) ** 0.4
+    force = 4.0 / 3.0 * stiffness * math.sqrt(radius) * depth**1.5
+    duration = 2.94 * depth / test.speed
+    history = result.history
+    measured = history.contact_force[:, 0]
+    contact = float(history.time[measured > 0.0][-1])
+    impulse = float(measured.sum() * (history.time[1] - history.time[0]))
+    yield compared("sphere: mean force", impulse / contact, 2.0 * mass * test.speed / duration, 0.01, "N", "Hertz")
+    own_modes = "Hertz; the ball's own modes ride on his pulse, on 200k elements they add 1.2 %"
+    yield compared("sphere: largest force", float(measured.max()), force, 0.02, "N", own_modes)
+    yield compared("sphere: contact time", contact, duration, 0.02, "ms", "Hertz, quasi-static")
+
+
+def precision() -> Iterator[Result]:
+    """The kernels' single precision against the same steps in double precision: von Mises over a whole impact."""
+    tets = box((3, 3, 4), (12.0, 10.0, 16.0))
+    for name, element in ELEMENTS.items():
+        test, normals = DropTest(window=0.05, element=name), directions(3)
+        single = drop(tets, PLA, normals, test, device="cpu").von_mises
+        double = np.stack([_in_double_precision(tets, test, element.name, normal) for normal in normals])
+        yield bounded(f"precision: {name}, von Mises, L2", _distance(single, double), SAME, "float64 numpy, three orientations")
+
+
+def devices() -> Iterator[Result]:
+    """CUDA against CPU: von Mises in five orientations."""
+    if len(available_devices()) == 1:
+        raise MissingPiece("there is no CUDA device here, so CPU and CUDA were not compared")
+    tets = box((16, 16, 2), (40.0, 40.0, 5.0))
+    for name in ELEMENTS:
+        one, other = (drop(tets, PLA, directions(5), DropTest(window=0.3, element=name), device=device) for device in ("cpu", "cuda"))
+        yield bounded(f"devices: {name}, von Mises, L2", _distance(other.von_mises, one.von_mises), SAME, "CPU against CUDA")
+
+
+def energy() -> Iterator[Result]:
+    """What fall and weight put in is what motion, strain, floor and damping hold, at every moment of an undamped drop."""
+    tets = box((4, 3, 4), (12.0, 10.0, 16.0))
+    for name in ELEMENTS:
+        result: Drop = drop(tets, PLA, directions(5), DropTest(window=0.5, damping=0.0, element=name), device="cpu")
+        error = np.abs(result.history.damping_loss).max() / result.history.kinetic[0, 0]
+        yield bounded(f"energy: {name}, balance", float(error), 0.01, "largest gap over five undamped drops")
+
+
+def _in_double_precision(tets: TetMesh, test: DropTest, element: str, normal: Floats) -> Floats:
+    """The drop by the numpy reference: running maximum of von Mises [MPa], shape [tet_count, points]."""
+    body = discretise(tets, PLA, test.added_mass, LINEAR if element == "tet4" else QUADRATIC)
+    scheme = scheme_for(CoreBody(body), body, PLA, test)
+    masses, damping = body.masses[body.place][:, None], np.empty_like(scheme.damping)
+    damping[body.tet_order] = scheme.damping
+    heights = body.mesh.nodes @ normal - (body.mesh.nodes @ normal).min()
+    u, v = np.zeros_like(body.mesh.nodes), np.tile(-scheme.speed * normal, (len(masses), 1))
+    peak = np.zeros((len(tets.tets), body.mesh.element.points))
+    for step in range(scheme.steps):
+        H = elasticity.damped_gradients(body.mesh, u, v, damping)
+        if step % RECORD_EVERY == 0:
+            peak = np.maximum(peak, elasticity.von_mises(elasticity.cauchy_stress(H, scheme.law.first_piola(H))))
+        v = v + scheme.time_step * (elasticity.forces_of(body.mesh, scheme.law, H) / masses - scheme.gravity * normal)
+        gap = heights + (u + scheme.time_step * v) @ normal
+        v = v + np.maximum(-gap / scheme.time_step, 0.0)[:, None] * normal
+        u = u + scheme.time_step * v
+    return peak
+
+
+def _distance(one: ArrayLike, other: ArrayLike) -> float:
+    """Relative distance in the L2 norm."""
+    return float(np.linalg.norm(np.subtract(one, other)) / np.linalg.norm(other))

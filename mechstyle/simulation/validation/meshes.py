@@ -1,0 +1,119 @@
+"""Structured bodies whose answers are known, and their refinement."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+
+from mechstyle.fea.elements import EDGES
+from mechstyle.records.mesh import Floats, TetMesh
+
+
+def box(counts: tuple[int, int, int], size: tuple[float, float, float]) -> TetMesh:
+    """A box in the positive octant [mm], each of its cells cut into the six Kuhn tetrahedra."""
+    axes = [np.linspace(0.0, length, count + 1) for count, length in zip(counts, size, strict=True)]
+    return lattice(*axes)
+
+
+def lattice(x: Floats, y: Floats, z: Floats) -> TetMesh:
+    """The box between the first and last of given coordinates [mm], each cell cut into the six Kuhn tetrahedra."""
+    counts = np.array([len(x), len(y), len(z)]) - 1
+    vertices = np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1).reshape(-1, 3)
+    strides = np.array([(counts[1] + 1) * (counts[2] + 1), counts[2] + 1, 1])
+    cells = np.stack(np.meshgrid(*[np.arange(count) for count in counts], indexing="ij"), axis=-1).reshape(-1, 3) @ strides
+    tets = []
+    for order in itertools.permutations(range(3)):
+        path = np.concatenate([[0], np.cumsum(strides[list(order)])])
+        if np.linalg.det(np.eye(3)[list(order)]) < 0.0:
+            path[[2, 3]] = path[[3, 2]]
+        tets.append(cells[:, None] + path)
+    return TetMesh(vertices, np.stack(tets, axis=1).reshape(-1, 4))
+
+
+def ball(radius: float, cells: int, finer: float) -> TetMesh:
+    """A ball that touches z = 0 from above at the origin [mm], graded towards that point.
+
+    Args:
+        radius: Its radius [mm].
+        cells: Cells along each edge of the cube that is bent into the ball; even.
+        finer: How many times smaller than the mean the cells at the point of contact are, about.
+    """
+    steepness = math.asinh(finer)
+    across = np.sinh(steepness * np.linspace(-1.0, 1.0, cells + 1)) / math.sinh(steepness)
+    up = 2.0 * np.sinh(0.5 * steepness * np.linspace(0.0, 1.0, cells + 1)) / math.sinh(0.5 * steepness) - 1.0
+    cube = lattice(across, across, up)
+    # Shells of the cube become shells of the ball; tangents spread the cells evenly over the angle.
+    shell = np.abs(cube.vertices).max(axis=1, keepdims=True)
+    outward = np.tan(0.25 * math.pi * cube.vertices / np.maximum(shell, 1e-12))
+    outward /= np.maximum(np.linalg.norm(outward, axis=1, keepdims=True), 1e-12)
+    bent = radius * shell * outward + [0.0, 0.0, radius]
+    return _upright(cube.moved(bent))
+
+
+def cup(radius: float, height: float, wall: float, counts: tuple[int, int, int] = (36, 10, 4)) -> TetMesh:
+    """A round cup with a floor, standing on z = 0 [mm]: wall and floor one element thick.
+
+    Args:
+        radius: Outer radius [mm].
+        height: Height [mm].
+        wall: Thickness of wall and floor [mm].
+        counts: Cells around, along the height of the wall, and along the radius of the floor between its middle and the wall.
+    """
+    around, up, out = counts
+    profile = [(r, 0.0) for r in np.linspace(0.0, radius - wall, out + 1)] + [(radius, 0.0)]
+    inside = [(r, wall) for r, _ in profile]
+    rings = [profile, inside]
+    rings += [[(radius - wall, z), (radius, z)] for z in np.linspace(wall, height, up + 1)[1:]]
+    return _revolved(rings, around)
+
+
+def square_cup(width: float, height: float, wall: float) -> TetMesh:
+    """A square cup with a floor, standing on z = 0 [mm]: cells as large as the wall is thick, each cut into the six Kuhn tetrahedra."""
+    across, up = round(width / wall), round(height / wall)
+    block = box((across, across, up), (width, width, height))
+    centres = block.vertices[block.tets].mean(axis=1)
+    hollow = (np.abs(centres[:, :2] - 0.5 * width).max(axis=1) < 0.5 * width - wall) & (centres[:, 2] > wall)
+    used, numbers = np.unique(block.tets[~hollow], return_inverse=True)
+    return TetMesh(block.vertices[used], numbers.reshape(-1, 4).astype(np.int32))
+
+
+def _revolved(rings: list[list[tuple[float, float]]], around: int) -> TetMesh:
+    """Turn the quadrilaterals between rows of (radius, z) about the z-axis; a shorter row joins the end of the one below."""
+    quads = []
+    for lower, upper in itertools.pairwise(rings):
+        below = lower[len(lower) - len(upper) :]
+        quads += [(below[k], below[k + 1], upper[k + 1], upper[k]) for k in range(len(upper) - 1)]
+    angles = np.linspace(0.0, 2.0 * np.pi, around, endpoint=False)
+    corners, tets = [], []
+    for a, quad in itertools.product(range(around), quads):
+        for turn in (angles[a], angles[(a + 1) % around]):
+            corners += [(r * np.cos(turn), r * np.sin(turn), z) for r, z in quad]
+        tets.append(8 * (len(corners) // 8 - 1) + HEXAHEDRON)
+    points, number = np.unique(np.round(np.array(corners), 9), axis=0, return_inverse=True)
+    cells = number.ravel()[np.concatenate(tets)]
+    used = np.array([len(set(cell)) == 4 for cell in cells])  # at the axis two corners are one
+    return _upright(TetMesh(points, cells[used]))
+
+
+HEXAHEDRON = np.array([[0, 1, 2, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 7, 4, 6], [0, 4, 5, 6], [0, 5, 1, 6]])
+"""Six tetrahedra about the diagonal 0–6 of a cell with the corners 0 to 3 on one side and 4 to 7 opposite."""
+
+
+def refined(tets: TetMesh) -> TetMesh:
+    """Every tetrahedron cut into eight at the middles of its edges; the shape stays."""
+    ends = np.sort(tets.tets[:, EDGES].reshape(-1, 2), axis=1)
+    edges, number = np.unique(ends, axis=0, return_inverse=True)
+    m01, m02, m03, m12, m13, m23 = len(tets.vertices) + number.reshape(-1, 6).T
+    p, q, r, s = tets.tets.T
+    corners = [(p, m01, m02, m03), (m01, q, m12, m13), (m02, m12, r, m23), (m03, m13, m23, s)]
+    middle = [(m01, m02, m03, m13), (m01, m02, m13, m12), (m02, m03, m13, m23), (m02, m13, m12, m23)]
+    vertices = np.concatenate([tets.vertices, tets.vertices[edges].mean(axis=1)])
+    return _upright(TetMesh(vertices, np.concatenate([np.stack(corner, axis=1) for corner in corners + middle])))
+
+
+def _upright(tets: TetMesh) -> TetMesh:
+    """The same with every tetrahedron of positive volume."""
+    inverted = (tets.volumes < 0.0)[:, None]
+    return TetMesh(tets.vertices, np.where(inverted, tets.tets[:, [0, 2, 1, 3]], tets.tets))

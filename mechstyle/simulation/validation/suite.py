@@ -1,0 +1,91 @@
+"""All validation cases by name, and what they come to as a table, a page and a picture."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from mechstyle.fea.explicit import cores
+from mechstyle.simulation.validation import convergence, impacts, statics
+from mechstyle.simulation.validation.cases import Case, Result
+
+CASES = {
+    case.name: case
+    for case in (
+        Case("patch", "Patch test: an affine displacement is reproduced without forces inside", statics.patch),
+        Case("rigid", "Rigid motion: a large rotation gives no force", statics.rigid),
+        Case("frame", "Frame indifference: forces turn with the body", statics.frame),
+        Case("plate", "A 2 mm plate one element thick against beam theory and finer meshes", statics.plate, slow=True),
+        Case("cantilever", "A cantilever in CalculiX, C3D4 and C3D10", statics.cantilever),
+        Case("bar", "Pressure under a bar that lands on its end: ρ c v", impacts.bar),
+        Case("bar_calculix", "The stress wave in a bar in CalculiX's explicit dynamics", impacts.bar_calculix, slow=True),
+        Case("sphere", "A ball on the floor: Hertz's contact", impacts.sphere, slow=True),
+        Case("energy", "Energy balance of undamped drops", impacts.energy),
+        Case("precision", "Single against double precision over an impact", impacts.precision),
+        Case("devices", "CUDA against CPU", impacts.devices),
+        Case("finer", "A smooth cup on a finer mesh", convergence.finer, slow=True),
+        Case("finer_styled", "A square cup in brick on a finer mesh", convergence.finer_styled, slow=True),
+        Case("again", "Five meshes of a smooth square cup", convergence.again, slow=True),
+        Case("again_styled", "Five meshes of a square cup in brick", convergence.again_styled, slow=True),
+    )
+}
+"""In the order in which they are told."""
+
+
+def run(cases: Iterable[Case]) -> Iterator[tuple[Case, list[Result]]]:
+    """The cases one after another with their figures."""
+    for case in cases:
+        yield case, case.results()
+
+
+def write_page(path: Path, found: Iterable[tuple[Case, list[Result]]]) -> Path:
+    """The figures as a Markdown page that says what they were measured on."""
+    lines = [
+        "# What the simulation is held against",
+        "",
+        f"Written by `mechstyle validate --page`, not by hand, on {machine()}.",
+        "Errors are relative; a dash stands for a figure that is an error itself or was not run.",
+    ]
+    for case, results in found:
+        lines += ["", f"## {case.title}", "", f"`mechstyle validate --case {case.name}`", "", *_table(results)]
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return path
+
+
+def machine() -> str:
+    """Where the figures were measured, in words, without the name of the machine."""
+    return f"{platform.system()} {platform.machine()}, {cores()} cores, Python {platform.python_version()}"
+
+
+def _table(results: list[Result]) -> list[str]:
+    rows = ["| figure | measured | reference | error | limit | | against |", "|---|---|---|---|---|---|---|"]
+    for result in results:
+        mark = {True: "passed", False: "**failed**", None: "not run"}[result.passed]
+        name = result.case.partition(": ")[2] or result.case
+        known = result.reference != 0.0
+        measured, reference = (f"{value:.4g} {result.unit}".strip() if known else "–" for value in (result.measured, result.reference))
+        error, limit = (f"{value:.2g}" if result.passed is not None else "–" for value in (result.error, result.limit))
+        rows.append(f"| {name} | {measured} | {reference} | {error} | {limit} | {mark} | {result.note} |")
+    return rows
+
+
+def draw(path: Path, found: Iterable[tuple[Case, list[Result]]]) -> Path:
+    """Error over limit of every figure on a logarithmic axis: what lies left of the line passes."""
+    from matplotlib.figure import Figure  # noqa: PLC0415 - half a second, for pictures only
+
+    figures = [result for _, results in found for result in results if result.passed is not None]
+    shares = [max(result.error / result.limit, 1e-10) if result.limit else float(result.error > 0.0) + 1e-10 for result in figures]
+    figure = Figure(figsize=(9.0, 0.9 + 0.22 * len(figures)), layout="constrained")
+    axes = figure.add_subplot()
+    colours = ["#2b6ca3" if result.passed else "#c2410c" for result in figures]
+    axes.scatter(shares, range(len(figures)), c=colours, s=22, zorder=3)
+    axes.axvline(1.0, color="#333333", linewidth=1.0)
+    axes.set(xscale="log", xlabel="error over its limit: left of the line passes", ylim=(len(figures) - 0.5, -0.5))
+    axes.set_yticks(range(len(figures)), [result.case for result in figures], fontsize=8)
+    axes.grid(axis="x", color="#dddddd", linewidth=0.6)
+    axes.spines[["top", "right"]].set_visible(False)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(path, dpi=110)
+    return path

@@ -1,0 +1,1 @@
+"""Many runs compared: the four applications of the paper."""

@@ -1,0 +1,155 @@
+"""The tools a style program draws with, on one part, in millimetres."""
+
+from __future__ import annotations
+
+import zlib
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mechstyle.records.mesh import Floats, Indices, SurfaceMesh
+from mechstyle.styling.drawing import noise, scatter
+from mechstyle.styling.drawing.charts import Chart, chart_of
+from mechstyle.styling.drawing.colours import recoloured, shaded
+from mechstyle.styling.drawing.operators import Operators
+
+_REFERENCE_AREA = 60_000.0  # surface of a 100 mm cube or pen holder [mm²], on which features have their nominal size
+_SCALES = (0.1, 4.0)
+_SOFTENING = 0.35  # halves a pattern that alternates from vertex to vertex, and leaves one of six edges nearly as it was
+
+
+class Bond(NamedTuple):
+    """Cells in rows.
+
+    Attributes:
+        x: Place along the row in the cell, in [-½, ½], 0 in the middle, shape [n].
+        y: Place across the row, upwards, in [-½, ½], shape [n].
+        odd: Whether the row is one of every second, shape [n].
+    """
+
+    x: Floats
+    y: Floats
+    odd: NDArray[np.bool_]
+
+
+class Canvas:
+    """A part and the tools to draw on it; equal part, seed, size and colour draw equal pictures.
+
+    Attributes:
+        mesh: The part.
+        seed: Decides everything random.
+        colour: Display RGB of the body, None for the style's own.
+        shade: How light the style's own colours are to be; 1 as they are.
+        scale: Size of features over their nominal size, which suits a part of 100 mm.
+        edge: Edge length of the mesh [mm]; nothing much finer than two of them can be drawn.
+        notes: What the user should know of this drawing, in sentences.
+    """
+
+    def __init__(
+        self, mesh: SurfaceMesh, seed: int, size: float = 1.0, colour: tuple[float, float, float] | None = None, shade: float = 1.0
+    ) -> None:
+        self.colour = colour
+        self.shade = shade
+        self.mesh = mesh
+        self.seed = seed
+        self.operators = Operators(mesh)
+        self.edge = self.operators.edge_length
+        self.scale = float(np.clip(np.sqrt(mesh.face_areas.sum() / _REFERENCE_AREA), *_SCALES)) * size
+        self.notes: list[str] = []
+
+    @property
+    def points(self) -> Floats:
+        """Positions [mm], shape [n, 3]."""
+        return self.mesh.vertices
+
+    @cached_property
+    def chart(self) -> Chart:
+        """Where rows and columns lie."""
+        return chart_of(self.operators)
+
+    def unit(self, what: str, finest: float, edges: float = 2.0) -> float:
+        """Millimetres per nominal millimetre, enough for the finest feature to be carried by the mesh.
+
+        Args:
+            what: Plural name of the finest feature, for the note.
+            finest: Its nominal size [mm].
+            edges: How many mesh edges it must span.
+        """
+        needed = edges * self.edge / finest
+        # Meshes of one vertex count differ a little in edge length; a pattern a tenth too fine is still carried.
+        if needed > 1.1 * self.scale:
+            wide, carried = finest * self.scale, finest * needed
+            self.notes.append(
+                f"the mesh (edge {self.edge:.2g} mm) is too coarse for {what} of {wide:.2g} mm: "
+                f"the pattern was enlarged {needed / self.scale:.1f}x, to {what} of {carried:.2g} mm"
+            )
+        return max(self.scale, needed)
+
+    def bond(self, length: float, height: float, *, shift: float = 0.5, margin: float = 0.0, grip: float = 1.0) -> Bond:
+        """Rows of cells, by default in running bond.
+
+        Args:
+            length: Of a cell along its row [mm].
+            height: Of a row [mm].
+            shift: How far every second row is shifted [cells].
+            margin: How far inside the outermost cells a box-like part ends [mm].
+            grip: How firmly cells stay above each other where the part gets narrower; below 1 they rather keep their length.
+        """
+        row = self.chart.rows(height, margin)
+        nearest = np.round(row)
+        odd = nearest % 2 == 1
+        column = self.chart.columns(length, margin, grip) + shift * odd
+        return Bond(column - np.round(column), row - nearest, odd)
+
+    def noise(self, wavelength: float, octaves: int = 4, salt: str = "", at: Floats | None = None) -> Floats:
+        """Fractal solid noise, three deviations scaled to 1, free of what the mesh would alias; shape [n]."""
+        where = self.points if at is None else at
+        return noise.fbm(where, wavelength, octaves, self._seed(salt), finest=2.5 * self.edge)
+
+    def warped(self, wavelength: float, strength: float, salt: str = "") -> Floats:
+        """The points moved by noise of about `strength` [mm], shape [n, 3]."""
+        moves = [self.noise(wavelength, 3, f"{salt}/{axis}") for axis in "xyz"]
+        return self.points + strength * np.stack(moves, axis=1)
+
+    def random(self, identities: NDArray[np.integer], salt: str = "") -> Floats:
+        """A uniform random number in [0, 1) per identity, the same shape as `identities`."""
+        return noise.random_of(identities, self._seed(salt))
+
+    def scattered(self, spacing: float, salt: str = "", among: NDArray[np.bool_] | None = None) -> Indices:
+        """Vertices no two of which are nearer than `spacing` [mm] (Poisson disc)."""
+        return scatter.poisson_disc(self.mesh, spacing, self._seed(salt), among)
+
+    def cells(self, spacing: float, salt: str = "", at: Floats | None = None) -> scatter.Cells:
+        """Worley cells around scattered points, looked up at `at` if given, shape [n]."""
+        points = self.scattered(spacing, salt)
+        return scatter.worley(self.points, self.mesh.vertex_normals, points, self.points if at is None else at, spacing)
+
+    def stamps(self, points: Indices, spacing: float, count: int = 1) -> scatter.Stamps:
+        """The `count` nearest stamps at each vertex, placed at vertices `points` and upright, `spacing` [mm] apart."""
+        return scatter.stamps(self.mesh, points, self.chart.along, count, spacing)
+
+    def pieces(self, inside: NDArray[np.bool_], label: NDArray[np.generic] | None = None) -> Indices:
+        """Identity of the connected piece of `inside` (and of one `label`) that each vertex is in, shape [n]."""
+        tail, head = self.operators.tail, self.operators.head
+        together = inside[tail] & inside[head]
+        if label is not None:
+            together &= label[tail] == label[head]
+        return self.operators.components(together)
+
+    def painted(self, colours: Floats) -> Floats:
+        """The style's own colours of its body (brick, not mortar), shaded, or the colour asked for with their lights; shape [n, 3]."""
+        return shaded(colours, self.shade) if self.colour is None else recoloured(colours, self.colour)
+
+    def softened(self, values: Floats) -> Floats:
+        """Values [n] or [n, k] averaged with their neighbours' mean: edges sharper than the mesh can carry no longer look like combs."""
+        return (1.0 - _SOFTENING) * values + _SOFTENING * (self.operators.ring_mean @ values)
+
+    def smoothed(self, values: Floats, length: float) -> Floats:
+        """Values diffused over `length` [mm]."""
+        return self.operators.diffused(values, length)
+
+    def _seed(self, salt: str) -> int:
+        """A seed of its own for each use, so that two noises of one program are independent."""
+        return zlib.crc32(f"{self.seed}/{salt}".encode())

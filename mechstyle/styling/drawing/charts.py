@@ -1,0 +1,131 @@
+"""Where rows and columns lie on a part: level on the faces of a box-like part, along smooth lines on any other.
+
+Both charts answer the same two questions in *cells*: the phase along the horizontal and the phase upwards, integers at the cells' centres.
+Only what is the same for a phase and its negative is meaningful (see `fields`): distance from the centre, and parity counted from a centre.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+
+from mechstyle.records.mesh import Floats, Indices, SurfaceMesh
+from mechstyle.styling.drawing.operators import Operators
+from mechstyle.styling.drawing.stripes import horizontal_lines, stripes
+
+_BOX_SHARE, _BOX_COSINE = 0.80, float(np.cos(np.radians(10.0)))
+
+
+class Chart(Protocol):
+    """Phases of rows and columns, and the directions in which they grow."""
+
+    @property
+    def along(self) -> Floats:
+        """Unit tangent along the rows, shape [n, 3]."""
+
+    @property
+    def up(self) -> Floats:
+        """Unit tangent across the rows, upwards, shape [n, 3]."""
+
+    def columns(self, length: float, margin: float, grip: float) -> Floats:
+        """Phase along the horizontal [columns], one every `length` [mm], modulo one; shape [n]."""
+
+    def rows(self, height: float, margin: float) -> Floats:
+        """Phase upwards [rows], one every `height` [mm], modulo two, shape [n]."""
+
+
+class StripeChart:
+    """Rows and columns along a smooth line field.
+
+    Attributes:
+        along: Unit tangent along the rows, shape [n, 3].
+        up: Unit tangent across the rows, upwards, shape [n, 3].
+    """
+
+    def __init__(self, operators: Operators) -> None:
+        self._operators = operators
+        self.along = horizontal_lines(operators)
+        self.up = np.cross(operators.mesh.vertex_normals, self.along)
+
+    def columns(self, length: float, margin: float, grip: float) -> Floats:  # noqa: ARG002  (stripes end nowhere)
+        """Phase along the horizontal; see `Chart`, and `stripes` for the grip."""
+        return stripes(self._operators, self.along, length, grip=grip)
+
+    def rows(self, height: float, margin: float) -> Floats:
+        """Phase upwards; see `Chart`. It is solved at half the frequency, so that the rows' parity is known.
+
+        Rows are stretched a little so that a whole number fills the height from `margin` below the part to as much above it, and on the
+        outside of upright walls they start there; the solution is free to slide, so that this costs nothing.
+        """
+        mesh = self._operators.mesh
+        low, extent = mesh.vertices[:, 2].min() - margin, mesh.extents[2] + 2.0 * margin
+        period = 2.0 * extent / max(round(extent / height), 1.0)
+        wished = (mesh.vertices[:, 2] - low) / period - 0.25
+        outwards = mesh.vertices - mesh.vertices.mean(axis=0)
+        outside = np.einsum("ij,ij->i", outwards[:, :2], mesh.vertex_normals[:, :2]) > 0.0
+        upright = np.linalg.norm(mesh.vertex_normals[:, :2], axis=1) ** 4
+        return 2.0 * stripes(self._operators, self.up, period, start=outside * upright * np.exp(2j * np.pi * wished))
+
+
+class BoxChart:
+    """Rows and columns by the coordinates of a box, turned about z as the part stands.
+
+    Periods are stretched a little so that whole rows, and half columns, fill the box from `margin` before its first face to as much
+    after its last. On every second pair of sides columns start half a length later, so that at a corner the long and short faces of
+    bricks alternate.
+
+    Attributes:
+        along: Unit tangent along the rows, shape [n, 3].
+        up: Unit tangent across the rows, upwards on walls, shape [n, 3].
+    """
+
+    def __init__(self, mesh: SurfaceMesh) -> None:
+        self._axes = box_axes(mesh)
+        self._place = mesh.vertices @ self._axes.T
+        facing = mesh.vertex_normals @ self._axes.T
+        self._face = np.abs(facing).argmax(axis=1)
+        lying = (0, 1) if np.ptp(self._place[:, 0]) >= np.ptp(self._place[:, 1]) else (1, 0)
+        # For a face across axis 0, 1 or 2: the axes that columns and rows are counted along.
+        self._column_axis = np.array([1, 0, lying[0]])[self._face]
+        self._row_axis = np.array([2, 2, lying[1]])[self._face]
+        self.up = self._axes[self._row_axis]
+        outwards = np.sign(facing[np.arange(len(facing)), self._face])[:, None] * self._axes[self._face]
+        self.along = np.cross(self.up, outwards)
+        self._sense = np.einsum("ij,ij->i", self.along, self._axes[self._column_axis])
+
+    def columns(self, length: float, margin: float, grip: float) -> Floats:  # noqa: ARG002  (columns of a box are all alike)
+        """Phase along the horizontal; see `Chart`."""
+        phase = self._fitted(self._column_axis, length, 0.5, margin)
+        return self._sense * (phase + np.where(self._face == 0, 0.5, 0.0))
+
+    def rows(self, height: float, margin: float) -> Floats:
+        """Phase upwards; see `Chart`."""
+        return self._fitted(self._row_axis, height, 1.0, margin)
+
+    def _fitted(self, axes: Indices, period: float, unit: float, margin: float) -> Floats:
+        """Phase [cells] along each vertex's own axis, the box holding a whole number of `unit` cells."""
+        low = self._place.min(axis=0) - margin
+        extent = self._place.max(axis=0) + margin - low
+        cells = unit * np.maximum(np.round(extent / (unit * period)), 1.0)
+        chosen = np.arange(len(axes)), axes
+        return np.asarray((self._place[chosen] - low[axes]) / extent[axes] * cells[axes] - 0.5)
+
+
+def box_axes(mesh: SurfaceMesh) -> Floats:
+    """Orthonormal axes as rows, the last up, turned about z to the walls' common direction (mean of fourfold angles); shape [3, 3]."""
+    normal, areas = mesh.face_normals, mesh.face_areas
+    yaw = 0.25 * np.angle(np.sum(areas * (normal[:, 0] + 1j * normal[:, 1]) ** 4)) if areas.sum() > 0 else 0.0
+    cosine, sine = np.cos(yaw), np.sin(yaw)
+    return np.array([[cosine, sine, 0.0], [-sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+
+
+def is_prismatic(mesh: SurfaceMesh) -> bool:
+    """Whether at least 80 % of the area faces one of the six directions of a box within 10°."""
+    facing = np.abs(mesh.face_normals @ box_axes(mesh).T).max(axis=1) >= _BOX_COSINE
+    return bool(mesh.face_areas[facing].sum() >= _BOX_SHARE * mesh.face_areas.sum())
+
+
+def chart_of(operators: Operators) -> Chart:
+    """The chart that suits a part: of a box for prismatic parts, of stripes for all others."""
+    return BoxChart(operators.mesh) if is_prismatic(operators.mesh) else StripeChart(operators)

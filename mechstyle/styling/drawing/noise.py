@@ -1,0 +1,76 @@
+"""Solid noise: smooth random fields in space and random numbers per identity, both decided by a seed alone."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mechstyle.records.mesh import Floats
+
+# The twelve edge directions of a cube and four repeats, so that four bits of a hash choose one (Perlin 2002).
+_GRADIENTS = np.array(
+    [[1, 1, 0], [-1, 1, 0], [1, -1, 0], [-1, -1, 0], [1, 0, 1], [-1, 0, 1], [1, 0, -1], [-1, 0, -1],
+     [0, 1, 1], [0, -1, 1], [0, 1, -1], [0, -1, -1], [1, 1, 0], [-1, 1, 0], [0, -1, 1], [0, -1, -1]],
+    dtype=np.float64,
+)
+_PERLIN_DEVIATION = 0.27  # standard deviation of `perlin` over space
+_TYPICAL_PEAK = 3.0  # `fbm` is scaled so that this many standard deviations are 1
+
+
+def mixed(values: NDArray[np.uint64]) -> NDArray[np.uint64]:
+    """The 64-bit finaliser of SplitMix64 (Steele, Lea and Flood 2014): every input bit sways every output bit."""
+    z = values + np.uint64(0x9E3779B97F4A7C15)
+    z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+    z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+    return z ^ (z >> np.uint64(31))
+
+
+def random_of(identities: NDArray[np.integer], seed: int, salt: int = 0) -> Floats:
+    """One uniform random number in [0, 1) per identity, the same for equal identities, any shape."""
+    key = mixed(np.array([seed * 1_000_003 + salt], dtype=np.uint64))
+    bits = mixed(identities.astype(np.uint64) ^ key)
+    return (bits >> np.uint64(11)).astype(np.float64) / 2.0**53
+
+
+def _corner_bits(cell: NDArray[np.int64], seed: int) -> NDArray[np.uint64]:
+    """A hash of each lattice point of `cell`, shape [n, 3]."""
+    bits = mixed(np.array([seed], dtype=np.uint64))
+    for axis in range(3):
+        bits = mixed(bits ^ cell[:, axis].astype(np.uint64))
+    return bits
+
+
+def perlin(points: Floats, seed: int) -> Floats:
+    """Gradient noise of unit wavelength (Perlin 2002), in about [-1, 1], shape [n] for points [n, 3]."""
+    floor = np.floor(points)
+    cell, inside = floor.astype(np.int64), points - floor
+    fade = inside**3 * (inside * (inside * 6.0 - 15.0) + 10.0)
+    total = np.zeros(len(points))
+    for corner in np.ndindex(2, 2, 2):
+        offset = np.array(corner)
+        gradient = _GRADIENTS[(_corner_bits(cell + offset, seed) & np.uint64(15)).astype(np.int64)]
+        weight = np.where(offset == 1, fade, 1.0 - fade).prod(axis=1)
+        total += weight * np.einsum("ij,ij->i", gradient, inside - offset)
+    return total
+
+
+def fbm(points: Floats, wavelength: float, octaves: int, seed: int, *, finest: float = 0.0, gain: float = 0.5) -> Floats:
+    """Fractal sum of noise, each octave twice as fine and `gain` as strong (Musgrave 1998), three deviations scaled to 1.
+
+    Args:
+        points: Where [mm], shape [n, 3].
+        wavelength: Of the coarsest octave [mm].
+        octaves: How many at most.
+        seed: Decides the field.
+        finest: Octaves of a shorter wavelength [mm] than this are left out, because the mesh would alias them.
+        gain: Strength of an octave over that of the one before.
+    """
+    total, power, strength = np.zeros(len(points)), 0.0, 1.0
+    for octave in range(octaves):
+        if octave and wavelength < finest:
+            break
+        shift = 37.0 * octave + 0.5  # octaves must not share the lattice, where the noise is zero
+        total += strength * perlin(points / wavelength + shift, seed + octave)
+        power += strength**2
+        wavelength, strength = wavelength / 2.03, strength * gain
+    return np.asarray(total / (_TYPICAL_PEAK * _PERLIN_DEVIATION * power**0.5))

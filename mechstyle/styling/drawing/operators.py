@@ -1,0 +1,130 @@
+"""Discrete operators of a triangle surface: cotangent weights, tangent frames, parallel transport, diffusion."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.sparse.csgraph import connected_components
+from scipy.sparse.linalg import SuperLU, splu
+
+from mechstyle.records.mesh import Floats, Indices, SurfaceMesh
+
+Complexes = NDArray[np.complex128]
+
+
+def factorised(matrix: sp.sparray) -> SuperLU:
+    """Sparse LU of a symmetric positive matrix, ordered for symmetry, which fills in least."""
+    return splu(sp.csc_array(matrix), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+
+
+class Operators:
+    """What the fields on one surface are computed with; everything in mm.
+
+    Attributes:
+        mesh: The surface.
+        tail: First vertex of each edge, shape [edge_count].
+        head: Second vertex of each edge, shape [edge_count].
+        edge_length: Edge of an equilateral triangle of the mean face area [mm].
+    """
+
+    def __init__(self, mesh: SurfaceMesh) -> None:
+        self.mesh = mesh
+        self.tail: Indices = mesh.edges[:, 0]
+        self.head: Indices = mesh.edges[:, 1]
+        self.edge_length = float(np.sqrt(mesh.face_areas.mean() * 4.0 / np.sqrt(3.0)))
+
+    @cached_property
+    def edge_vectors(self) -> Floats:
+        """From tail to head [mm], shape [edge_count, 3]."""
+        return np.asarray(self.mesh.vertices[self.head] - self.mesh.vertices[self.tail])
+
+    @cached_property
+    def weights(self) -> Floats:
+        """Cotangent weight of each edge, ½(cot α + cot β), kept positive, shape [edge_count]."""
+        count = len(self.mesh.vertices)
+        total = sp.csr_array((count, count))
+        for corner in range(3):
+            here = self.mesh.corners[:, corner]
+            left = self.mesh.corners[:, (corner + 1) % 3] - here
+            right = self.mesh.corners[:, (corner + 2) % 3] - here
+            sine = np.maximum(np.linalg.norm(np.cross(left, right), axis=1), 1e-12)
+            half_cot = 0.5 * np.einsum("ij,ij->i", left, right) / sine
+            i, j = np.sort(self.mesh.faces[:, [(corner + 1) % 3, (corner + 2) % 3]], axis=1).T
+            total = total + sp.csr_array((half_cot, (i, j)), (count, count))
+        # Obtuse triangles would give negative weights, with which a smoothest field need not exist.
+        return np.asarray(np.clip(total[self.tail, self.head], 0.05, 5.0))
+
+    @cached_property
+    def frames(self) -> tuple[Floats, Floats]:
+        """Orthonormal tangent vectors x, y with x × y = n at each vertex, shape [vertex_count, 3] each."""
+        normal = self.mesh.vertex_normals
+        other = np.where(np.abs(normal[:, :1]) < 0.9, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
+        x = np.cross(normal, other)
+        x /= np.maximum(np.linalg.norm(x, axis=1, keepdims=True), 1e-12)
+        return np.asarray(x), np.asarray(np.cross(normal, x))
+
+    @cached_property
+    def transport(self) -> Floats:
+        """Angle that takes frame coordinates at the tail to those at the head [rad], shape [edge_count].
+
+        The tail's frame is turned by the least rotation that takes its normal to the head's.
+        """
+        x, y = self.frames
+        turned = self.carried(x[self.tail])
+        return np.asarray(np.arctan2(np.einsum("ij,ij->i", turned, y[self.head]), np.einsum("ij,ij->i", turned, x[self.head])))
+
+    def carried(self, vectors: Floats) -> Floats:
+        """Tangent vectors at the tails, shape [edge_count, 3], turned into the tangent planes of the heads."""
+        before, after = self.mesh.vertex_normals[self.tail], self.mesh.vertex_normals[self.head]
+        cosine = np.einsum("ij,ij->i", before, after)
+        along = np.einsum("ij,ij->i", vectors, after) / np.maximum(1.0 + cosine, 1e-6)
+        return np.asarray(vectors - along[:, None] * (before + after))
+
+    @cached_property
+    def laplacian(self) -> sp.csr_array:
+        """Positive cotangent Laplacian, shape [vertex_count, vertex_count]."""
+        return self.connection(np.zeros(len(self.tail)), self.weights).real
+
+    def connection(self, angles: Floats, weights: Floats) -> sp.csr_array:
+        """Hermitian matrix of Σ w |z_head − e^{i angle} z_tail|² over the edges."""
+        count = len(self.mesh.vertices)
+        degree = np.bincount(self.tail, weights, count) + np.bincount(self.head, weights, count)
+        turn = -weights * np.exp(1j * angles)
+        rows = np.concatenate([self.head, self.tail, np.arange(count)])
+        columns = np.concatenate([self.tail, self.head, np.arange(count)])
+        values = np.concatenate([turn, turn.conj(), degree.astype(np.complex128)])
+        return sp.csr_array((values, (rows, columns)), (count, count))
+
+    @cached_property
+    def ring_mean(self) -> sp.csr_array:
+        """Matrix that takes the mean over each vertex's neighbours, shape [vertex_count, vertex_count]."""
+        count, ones = len(self.mesh.vertices), np.ones(len(self.tail))
+        graph = sp.csr_array((ones, (self.tail, self.head)), (count, count))
+        graph = graph + graph.T
+        return sp.csr_array(sp.diags_array(1.0 / np.maximum(graph.sum(axis=1), 1.0)) @ graph)
+
+    def slope(self, values: Floats) -> Floats:
+        """How fast values [n] change along the surface, averaged over the edges around each vertex [1/mm], shape [n]."""
+        steps = np.abs(values[self.head] - values[self.tail])
+        lengths = np.linalg.norm(self.edge_vectors, axis=1)
+        count = len(values)
+        squares, runs = (
+            np.bincount(self.tail, part, count) + np.bincount(self.head, part, count) for part in (steps**2, lengths**2)
+        )
+        return np.asarray(np.sqrt(2.0 * squares / np.maximum(runs, 1e-12)))  # an edge sees half of a slope's square on average
+
+    def diffused(self, values: Floats, length: float) -> Floats:
+        """Values [n] or [n, k] smoothed over `length` [mm]: one implicit step of heat flow."""
+        mass = sp.diags_array(self.mesh.vertex_areas)
+        solver = factorised(mass + 0.5 * length**2 * self.laplacian)
+        areas = self.mesh.vertex_areas if values.ndim == 1 else self.mesh.vertex_areas[:, None]
+        return np.asarray(solver.solve(areas * values))
+
+    def components(self, together: NDArray[np.bool_]) -> Indices:
+        """Label of the piece each vertex is in, when only the edges marked `together` [edge_count] hold."""
+        count, kept = len(self.mesh.vertices), int(together.sum())
+        graph = sp.csr_array((np.ones(kept), (self.tail[together], self.head[together])), (count, count))
+        return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int32)

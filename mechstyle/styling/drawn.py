@@ -1,0 +1,181 @@
+"""Stylization by a drawn target: the relief and colours a prompt asks for, and gradient descent towards them."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import ArrayLike, NDArray
+from scipy.sparse.csgraph import dijkstra
+
+from mechstyle.records.mesh import Floats, SurfaceMesh, frozen_array
+from mechstyle.styling.drawing.canvas import Canvas
+from mechstyle.styling.drawing.folds import unfolded
+from mechstyle.styling.drawing.operators import Operators
+from mechstyle.styling.library import style_named
+from mechstyle.styling.prompt import Wish
+
+NEUTRAL = 0.75  # the light grey of an uncoloured part, display value
+COLOUR_WEIGHT = 4.0
+_RATE = 1.0 - float(np.exp(-1.0 / 40.0))  # 40 iterations bring the distance to the target down by e
+_NOTICEABLE, _WORTH_A_NOTE = 0.1, 0.02  # share of the relief lost at a vertex, and of the surface where it is
+_THICKNESS_SLOPE = 0.3  # how fast the relief may grow along the surface where the wall gets thicker [mm/mm]
+
+
+class Target(NamedTuple):
+    """The finished style.
+
+    Attributes:
+        displacement: Relief along the normals [mm], shape [n], float32.
+        colour: Display RGB in [0, 1], shape [n, 3], float32.
+        notes: What the user should know of the drawing, in sentences; those on the prompt are in the wish.
+    """
+
+    displacement: NDArray[np.float32]
+    colour: NDArray[np.float32]
+    notes: tuple[str, ...]
+
+
+class Proposal(NamedTuple):
+    """What the stylizer would like next, whatever a mask held back.
+
+    Attributes:
+        displacement: Along the original normals [mm], shape [n], float32.
+        colour: Display RGB in [0, 1], shape [n, 3], float32.
+        loss: Loss of this proposal.
+    """
+
+    displacement: NDArray[np.float32]
+    colour: NDArray[np.float32]
+    loss: float
+
+
+def target(
+    mesh: SurfaceMesh,
+    wish: Wish,
+    *,
+    seed: int,
+    amplitude: float,
+    thickness: ArrayLike,
+    inward: ArrayLike,
+    outward: ArrayLike,
+    canvas: Canvas | None = None,
+) -> Target:
+    """Draw a style on a part: height times amplitude times local wall thickness, zero on average, within limits, without folds.
+
+    Args:
+        mesh: The unstylized part.
+        wish: What the prompt asks for.
+        seed: Decides everything random in the style.
+        amplitude: Relief height over wall thickness.
+        thickness: Local wall thickness [mm], shape [n].
+        inward: How far each vertex may go inwards [mm], at least 0, shape [n].
+        outward: The same outwards.
+        canvas: What to draw on; by default one for the wish and the seed.
+    """
+    style = style_named(wish.style)
+    canvas = canvas or Canvas(mesh, seed, wish.size, wish.colour, wish.shade)
+    relief = style.program(canvas)
+    # No wall counts as thicker than the style's features are wide, or a solid ball would grow spikes.
+    wall = gradual_thickness(canvas.operators, np.minimum(np.asarray(thickness, dtype=np.float64), style.feature_mm * canvas.scale))
+    displacement = balanced(relief.height, amplitude * wish.amount * wall, mesh.vertex_areas)
+    limited = np.clip(displacement, -np.asarray(inward, dtype=np.float64), np.asarray(outward, dtype=np.float64))
+    smooth = unfolded(canvas.operators, limited)
+    notes = (*canvas.notes, *_fold_notes(mesh, np.abs(smooth - limited) > _NOTICEABLE * np.abs(limited)))
+    return Target(smooth.astype(np.float32), np.clip(relief.colour, 0.0, 1.0).astype(np.float32), notes)
+
+
+def _fold_notes(mesh: SurfaceMesh, lowered: NDArray[np.bool_]) -> tuple[str, ...]:
+    share = float(mesh.vertex_areas @ lowered) / float(mesh.vertex_areas.sum())
+    if share < _WORTH_A_NOTE:
+        return ()
+    return (f"the relief was lowered on {share:.0%} of the surface, where it would have folded over itself",)
+
+
+def balanced(height: Floats, depth: Floats, areas: Floats) -> Floats:
+    """Displacement height · depth [mm] with the height shifted so that no volume is gained or lost to first order, shape [n]."""
+    weight = areas * depth
+    total = weight.sum()
+    return depth * (height - (weight @ height) / total) if total > 0 else np.zeros_like(height)
+
+
+def gradual_thickness(operators: Operators, thickness: Floats) -> Floats:
+    """The largest field under the median-filtered thickness [mm] whose slope along edges is bounded (Persson 2006), shape [n].
+
+    A measured thickness jumps, for example from a wall to the block it grows from; relief made from it would have cliffs.
+    """
+    filtered = _median_of_ring(operators, thickness)
+    lengths = _THICKNESS_SLOPE * np.linalg.norm(operators.edge_vectors, axis=1)
+    count = len(filtered)
+    # One more node, joined to every vertex by its thickness, turns the lower envelope of cones into one shortest-path problem.
+    source, floor = np.full(count, count), np.maximum(filtered, 1e-9)
+    rows = np.concatenate([operators.tail, source])
+    columns = np.concatenate([operators.head, np.arange(count)])
+    graph = sp.csr_array((np.concatenate([lengths, floor]), (rows, columns)), (count + 1, count + 1))
+    return np.asarray(dijkstra(graph, directed=False, indices=count)[:count])
+
+
+def _median_of_ring(operators: Operators, values: Floats) -> Floats:
+    """Median over each vertex and its neighbours, shape [n]."""
+    count = len(values)
+    centre = np.concatenate([operators.tail, operators.head, np.arange(count)])
+    other = np.concatenate([operators.head, operators.tail, np.arange(count)])
+    order = np.lexsort((values[other], centre))
+    size = np.bincount(centre, minlength=count)
+    first = np.concatenate([[0], np.cumsum(size)[:-1]])
+    ranked = values[other][order]
+    return np.asarray(0.5 * (ranked[first + (size - 1) // 2] + ranked[first + size // 2]))
+
+
+class ProceduralStylizer:
+    """Gradient descent of a displacement and a colour per vertex towards a target.
+
+    The loss is Σ A_i [((s_i − s*_i)/s_ref)² + 4 ‖c_i − c*_i‖²] / Σ A_i with vertex areas A, displacements s, colours c and s_ref the
+    root mean square of s*. It sees its own proposals only: fed with what a mask let through, it would push ever harder against the mask.
+    """
+
+    def __init__(self, mesh: SurfaceMesh, target: Target) -> None:
+        self._share = mesh.vertex_areas / mesh.vertex_areas.sum()
+        self._target = target.displacement.astype(np.float64), target.colour.astype(np.float64)
+        mean_square = float(self._share @ self._target[0] ** 2)
+        self._reference = mean_square**0.5 if mean_square > 0 else 1.0
+        self.start_from(np.zeros(len(mesh.vertices)), np.full((len(mesh.vertices), 3), NEUTRAL))
+
+    def proposal(self) -> Proposal:
+        """What it proposes now; at first no displacement and a neutral light grey."""
+        return Proposal(self._displacement, self._colour, self.loss(self._displacement, self._colour))
+
+    def step(self) -> Proposal:
+        """One iteration of descent, preconditioned by the areas so that all vertices approach their target alike."""
+        slope, colour_slope = self._gradient()
+        displacement = self._displacement - _RATE * slope * self._reference**2 / (2.0 * self._share)
+        colour = self._colour - _RATE * colour_slope / (2.0 * COLOUR_WEIGHT * self._share[:, None])
+        self.start_from(displacement, colour)
+        return self.proposal()
+
+    def start_from(self, displacement: ArrayLike, colour: ArrayLike) -> None:
+        """Go on from any displacement [mm], shape [n], and colour, shape [n, 3], for example those another style left."""
+        count = len(self._share)
+        self._displacement = frozen_array(displacement, np.float32, (count,), "displacement")
+        self._colour = frozen_array(colour, np.float32, (count, 3), "colour")
+
+    def loss(self, displacement: ArrayLike, colour: ArrayLike) -> float:
+        """Loss of any displacement [mm], shape [n], and colour, shape [n, 3], for example of what a mask let through."""
+        relief = (np.asarray(displacement, dtype=np.float64) - self._target[0]) / self._reference
+        tint = np.asarray(colour, dtype=np.float64) - self._target[1]
+        return float(self._share @ (relief**2 + COLOUR_WEIGHT * (tint**2).sum(axis=1)))
+
+    def state(self) -> dict[str, NDArray[np.float32]]:
+        """All that `restore` needs to go on with the same bytes."""
+        return {"displacement": self._displacement, "colour": self._colour}
+
+    def restore(self, state: dict[str, NDArray[np.float32]]) -> None:
+        """Go back to a `state` of a stylizer of the same mesh and target."""
+        self.start_from(state["displacement"], state["colour"])
+
+    def _gradient(self) -> tuple[Floats, Floats]:
+        """∂loss/∂displacement [1/mm], shape [n], and ∂loss/∂colour, shape [n, 3]."""
+        relief = 2.0 * self._share * (self._displacement - self._target[0]) / self._reference**2
+        tint = 2.0 * COLOUR_WEIGHT * self._share[:, None] * (self._colour - self._target[1])
+        return relief, tint

@@ -1,0 +1,189 @@
+"""Pictures of a part that can be differentiated by its vertices and colours: Warp decides what is seen, torch computes how it looks.
+
+Light is that of X-Mesh (Ma et al. 2023): the first spherical harmonics with coefficients 1 (Kaolin's `spherical_harmonic_lighting`), in
+the axes of each camera. The renderer takes its own liberties unless `kaolin_compat`: smooth normals, because the light of flat ones jumps
+where faces meet; weights correct in perspective; outlines that fade, so that gradients know where the part ends.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+
+from mechstyle.errors import BadInput, MissingPiece
+
+try:
+    import torch
+    from torch.nn import functional
+except ModuleNotFoundError as error:
+    raise MissingPiece("rendering with gradients needs torch: install it with `pip install 'mechstyle[clip]'`") from error
+
+from mechstyle.styling.learned.antialias import antialiased
+from mechstyle.styling.learned.cameras import Cameras, random_views
+from mechstyle.styling.learned.rows import added, taken
+from mechstyle.styling.learned.tensors import edges_of, face_of, nearest_faces
+
+__all__ = ["Cameras", "Rendered", "Renderer", "random_views"]
+
+AMBIENT = 0.28209479177387814  # Y_00 = 1 / (2 √π)
+DIRECTED = 0.4886025119029199  # Y_1m = √(3 / 4π) times x, y or z
+BACKGROUND = 1.0
+KAOLIN_EPS = 1e-8
+
+
+@dataclass(frozen=True, eq=False)
+class Rendered:
+    """Views of a part.
+
+    Attributes:
+        image: RGB in [0, 1] on white, row 0 at the top, shape [views, 3, size, size].
+        coverage: Share of each pixel the part covers, shape [views, 1, size, size]; 0 or 1 without antialiasing.
+    """
+
+    image: torch.Tensor
+    coverage: torch.Tensor
+
+
+class Renderer:
+    """Renders views of surfaces that share their faces.
+
+    Args:
+        faces: Vertex indices, anticlockwise seen from outside, shape [face_count, 3], any integers.
+        size: Pixels of a picture each way.
+        kaolin_compat: Pictures and gradients as the released X-Mesh gets them from Kaolin's DIB-R: flat normals, faces culled by
+            them, weights linear in the picture, hard outlines without gradients.
+        antialias: Whether outlines fade and have gradients; never with `kaolin_compat`.
+        device: Of all tensors, "cpu" or "cuda".
+        static: Whether no shape depends on what is seen, as CUDA graphs need; by default on CUDA only, since it costs a CPU time.
+
+    Raises:
+        BadInput: Faces or a size that cannot be drawn.
+    """
+
+    def __init__(
+        self,
+        faces: torch.Tensor,
+        size: int = 224,
+        *,
+        kaolin_compat: bool = False,
+        antialias: bool = True,
+        device: str | torch.device = "cpu",
+        static: bool | None = None,
+    ) -> None:
+        if faces.ndim != 2 or faces.shape[1] != 3 or not len(faces) or faces.is_floating_point():
+            raise BadInput(f"faces must be integers of shape [face_count, 3], not {faces.dtype} of shape {tuple(faces.shape)}")
+        if not 1 <= size <= 4096:
+            raise BadInput(f"views of {size} x {size} pixels cannot be rendered: use 1 to 4096")
+        self._faces = faces.to(device=device, dtype=torch.int32).contiguous()
+        self._corners = self._faces.long().T.contiguous()
+        self._least, self._most = int(faces.min()), int(faces.max())
+        self._size, self._flat = size, kaolin_compat
+        self._edges = edges_of(self._faces) if antialias and not kaolin_compat else None
+        self._static = self._faces.is_cuda if static is None else static
+        self._empty = torch.tensor([BACKGROUND, BACKGROUND, BACKGROUND, 0.0], device=device)
+
+    def __call__(self, positions: torch.Tensor, colours: torch.Tensor, cameras: Cameras) -> Rendered:
+        """Every view of a surface.
+
+        Args:
+            positions: Vertices in the unit sphere, y up, shape [n, 3], float32 or float64.
+            colours: Display RGB, brought to [0, 1], shape [n, 3], or [views, n, 3] if views differ in it, of the same type.
+            cameras: The views.
+
+        Raises:
+            BadInput: Shapes that do not fit each other or the faces.
+        """
+        self._check(positions, colours, len(cameras.elevation))
+        axes = cameras.axes.to(positions)
+        normals = self._normals(positions)
+        pixels = cameras.project(positions, self._size)
+        hidden = axes[:, 2] @ normals.detach().T < 0 if self._flat else None
+        buffer = nearest_faces(pixels, self._faces, self._size, self._size, cull=not self._flat, hidden=hidden)
+        channels = [pixels, colours.clamp(0.0, 1.0).expand_as(pixels)]
+        if not self._flat:
+            channels.append(normals.expand_as(pixels))
+        surface, light = torch.cat(channels, dim=2), axes.sum(dim=1)
+        picture = self._shaded(surface, normals, light, face_of(buffer).view(-1))
+        if self._edges is not None:
+            look = partial(_smooth_look, light)
+            picture = antialiased(picture, surface, self._edges, buffer, look, static=self._static)
+        views = picture.view(4, -1, self._size, self._size).transpose(0, 1)
+        return Rendered(views[:, :3], views[:, 3:])
+
+    def _check(self, positions: torch.Tensor, colours: torch.Tensor, views: int) -> None:
+        if positions.ndim != 2 or positions.shape[1] != 3 or colours.shape not in {positions.shape, (views, *positions.shape)}:
+            shapes = f"{tuple(positions.shape)} and {tuple(colours.shape)}"
+            raise BadInput(f"positions and the colours of a view must both have shape [vertex_count, 3], not {shapes}")
+        if not 0 <= self._least <= self._most < len(positions):
+            raise BadInput(f"the faces name vertices {self._least} to {self._most}, but there are {len(positions)} positions")
+
+    def _normals(self, positions: torch.Tensor) -> torch.Tensor:
+        """Unit normals of the faces if flat, else of the vertices, weighted by area, shape [face_count or n, 3]."""
+        a, b, c = taken(positions, self._corners)
+        across = torch.linalg.cross(b - a, c - a)
+        if not self._flat:
+            across = added(across.repeat(3, 1), self._corners.reshape(-1), len(positions))
+        return functional.normalize(across, dim=1)
+
+    def _shaded(self, surface: torch.Tensor, normals: torch.Tensor, light: torch.Tensor, face: torch.Tensor) -> torch.Tensor:
+        """RGB and coverage of all pixels, shape [4, views · size²], that see these faces (-1 for none) under one light per view."""
+        count = self._size**2
+        pixel = torch.arange(len(face), device=face.device) if self._static else (face >= 0).nonzero()[:, 0]
+        seen = face[pixel] >= 0
+        shown = torch.where(seen, face[pixel], pixel % len(self._faces))  # any face will do; one for all would be a queue of additions
+        view = pixel // count
+        corners = taken(surface.flatten(0, 1), self._corners.index_select(1, shown) + view * surface.shape[1])
+        place, beside = corners.split([2, corners.shape[-1] - 2], dim=-1)
+        areas = self._areas(place, pixel % count)
+        if self._flat:
+            blended = (_screen_weights(areas, 0.5 * self._size)[..., None] * beside[..., 1:]).sum(dim=0)
+            samples = _lit(blended, normals.index_select(0, shown), light.index_select(0, view))
+        else:
+            samples = _smooth_look(light, beside, areas, view)
+        empty = self._empty.to(surface)
+        if self._static:
+            return torch.where(seen[:, None], samples, empty).T.contiguous()
+        return empty.repeat(len(face), 1).index_copy(0, pixel, samples).T.contiguous()
+
+    def _areas(self, corners: torch.Tensor, pixel: torch.Tensor) -> torch.Tensor:
+        """Twice the areas [pixels²] that pixel centres span with each corner's opposite side, shape [3, k]; corners of shape [3, k, 2]."""
+        x, y = (pixel % self._size).to(corners) + 0.5, (pixel // self._size).to(corners) + 0.5
+        (ax, ay), (bx, by), (cx, cy) = (corner.unbind(dim=1) for corner in corners)
+        ax, bx, cx, ay, by, cy = ax - x, bx - x, cx - x, y - ay, y - by, y - cy
+        return torch.stack([bx * cy - by * cx, cx * ay - cy * ax, ax * by - ay * bx])
+
+
+def _smooth_look(light: torch.Tensor, corners: torch.Tensor, weights: torch.Tensor, view: torch.Tensor) -> torch.Tensor:
+    """RGB and coverage, shape [k, 4], of points between vertices under one light per view; as `antialias.Look` says.
+
+    Args:
+        light: Shape [views, 3].
+        corners: 1 / depth, colour and normal of the vertices, shape [r, k, 7].
+        weights: In the picture, in any unit, shape [r, k].
+        view: Of each point, shape [k].
+    """
+    inverse_depth, look = corners.split([1, 6], dim=2)
+    colour, normal = (_perspective_weights(weights[..., None], inverse_depth) * look).sum(dim=0).split(3, dim=1)
+    return _lit(colour, functional.normalize(normal, dim=1), light.index_select(0, view))
+
+
+def _lit(colours: torch.Tensor, normals: torch.Tensor, light: torch.Tensor) -> torch.Tensor:
+    """RGB and coverage, shape [k, 4], of points of these colours, unit normals and lights, all of shape [k, 3]."""
+    brightness = AMBIENT + DIRECTED * (normals * light).sum(dim=1, keepdim=True)
+    return torch.cat([(colours * brightness).clamp(0.0, 1.0), torch.ones_like(brightness)], dim=1)
+
+
+def _perspective_weights(weights: torch.Tensor, inverse_depth: torch.Tensor) -> torch.Tensor:
+    """Weights in space from those in the picture, both shape [r, k, 1], scaled to a sum of 1.
+
+    A triangle may be so thin that rounding puts the pixel outside; its weights stay between 0 and 1 even so.
+    """
+    positive = (weights * inverse_depth).clamp(min=1e-20)
+    return positive / positive.sum(dim=0)
+
+
+def _screen_weights(areas: torch.Tensor, half: float) -> torch.Tensor:
+    """Kaolin's weights, linear in the picture, with twice the areas [pixels²] brought to its picture from -1 to 1 first."""
+    divisor = areas.sum(dim=0) / half**2 + KAOLIN_EPS
+    b, c = areas[1:] / half**2 / divisor
+    return torch.stack([1.0 - b - c, b, c])

@@ -1,0 +1,73 @@
+"""Protected regions and fine files from the command line, on the finished small run."""
+
+from __future__ import annotations
+
+import json
+import shutil
+
+import numpy as np
+import pytest
+import trimesh
+
+from mechstyle.runs.run import Run
+
+
+def test_protect_shows_what_regions_hold(finished):
+    line, _, _ = finished
+    told = line("protect", "gallery:pen_holder", "--vertices", "2500", "--protect", "inside", "--protect", "above 99 ramp 3", "--json").json
+    assert told["notes"][0].startswith("protected: inside, 4")
+    assert 0.4 < told["share"] < 0.6
+    assert (line.folder / told["files"]["picture"]).read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ((), "say what to protect"),
+        (("--protect", "insde"), "did you mean 'inside'"),
+        (("--protect", "box 0 0 0"), "write box x y z x y z"),
+        (("--protect", "sphere 900 0 0 5"), "holds nothing of this part"),
+    ],
+)
+def test_a_region_that_cannot_be_is_refused(finished, arguments, said):
+    line, _, _ = finished
+    assert said in line("protect", "gallery:pen_holder", "--vertices", "2500", *arguments, code=2).stderr
+
+
+@pytest.fixture(scope="module")
+def protected(finished, tmp_path_factory):
+    """A branch that protects the inside, with a quick drop, and its fine file."""
+    line, root, _ = finished
+    copy = tmp_path_factory.mktemp("protected") / "part"
+    shutil.copytree(root, copy)
+    quick = ("--orientations", "1", "--set", "element=tet4", "--set", "window=0.2", "--schedule", "never")
+    line("branch", f"{copy}@0", "--lane", "outside", "--protect", "inside colour", *quick, "--json")
+    fine = line("export", f"{copy}@outside", "--fine", "--out", copy / "fine.ply", "--json").json
+    return copy, fine
+
+
+def test_what_is_protected_does_not_move_and_keeps_its_colour(protected):
+    run = Run.open(f"{protected[0]}@outside", "cpu")
+    state, start = run.checkpoint(), run.checkpoint(0)
+    x, y, z = run.part.surface.vertices.T
+    held = (np.hypot(x, y) < 37.2) & (z > 10.0) & (z < z.max() - 5.0)  # clear of floor and rim, where inside ends
+    assert held.any()
+    assert not state.displacement[held].any()
+    assert np.array_equal(state.colour[held], start.colour[held])
+    assert state.displacement[~held].any()
+    assert any(note.startswith("protected: inside colour") for note in run.summary.notes)
+
+
+def test_a_fine_file_comes_with_its_own_verdict(protected):
+    root, told = protected
+    assert told["export"]["fine"]
+    assert told["export"]["verdict"]["outcome"] == "VIABLE"
+    assert json.loads((root / "fine.ply.json").read_text()) == told["export"]
+    faces = len(Run.open(root, "cpu").part.surface.faces)
+    assert len(trimesh.load(root / "fine.ply", process=False).faces) == 4 * faces
+
+
+def test_an_unknown_stylizer_is_refused(finished):
+    line, _, _ = finished
+    said = line("run", "gallery:pen_holder", "--prompt", "brick", "--stylizer", "picture", code=2).stderr
+    assert "the stylizer 'picture' is not here" in said

@@ -1,0 +1,287 @@
+"""The two float32 implementations of a step against the float64 reference, and against each other."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.sparse import diags_array
+from scipy.sparse.linalg import eigsh
+from scipy.spatial.transform import Rotation
+
+from mechstyle.fea import elasticity
+from mechstyle.fea.backends import cpu
+from mechstyle.fea.backends.cpu import CoreBody, CoreDrop, CoreDrops
+from mechstyle.fea.backends.gpu import DeviceBody
+from mechstyle.fea.discretisation import discretise
+from mechstyle.fea.elasticity import LAWS, law_named
+from mechstyle.fea.elements import ELEMENTS, LINEAR
+from mechstyle.fea.explicit import QUANTITIES, RECORD_EVERY, Scheme, damped_step, largest_frequency, stable_step
+from mechstyle.fea.orientations import directions
+
+each_law = pytest.mark.parametrize("name", LAWS)
+NORMALS = np.array([[0.0, 0.0, 1.0], [0.6, 0.0, 0.8], [-0.48, 0.64, 0.6]])
+
+
+def on_device(discretisation):
+    """The kernels that CUDA runs, on the CPU, where this test can run too."""
+    return DeviceBody(discretisation, "cpu")
+
+
+each_body = pytest.mark.parametrize("body_type", [CoreBody, on_device])
+
+
+@pytest.fixture(scope="module", params=ELEMENTS.values(), ids=ELEMENTS)
+def discretisation(block, pla, request):
+    return discretise(block, pla, 0.005, request.param)
+
+
+def gradients(body, u, v=None, damping=None):
+    """H of u + β v in the order of the mesh; u, v and β in the order of computation."""
+    if v is None:
+        return elasticity.displacement_gradients(body.mesh, u[body.place])
+    of_mesh = np.empty_like(damping)
+    of_mesh[body.tet_order] = damping
+    return elasticity.damped_gradients(body.mesh, u[body.place], v[body.place], of_mesh)
+
+
+def reference_forces(body, law, u, v=None, damping=None):
+    """`elasticity.internal_forces` in the order of computation."""
+    forces = np.empty_like(u)
+    forces[body.place] = elasticity.forces_of(body.mesh, law, gradients(body, u, v, damping))
+    return forces
+
+
+def reference_stress(body, law, u, v=None, damping=None):
+    """Von Mises stress at the Gauss points in the order of computation [MPa]."""
+    H = gradients(body, u, v, damping)
+    return elasticity.von_mises(elasticity.cauchy_stress(H, law.first_piola(H)))[body.tet_order]
+
+
+def stiffness(body, material):
+    """`elasticity.stiffness_matrix` in the order of computation."""
+    number = np.empty(3 * len(body.place), dtype=int)
+    number[(3 * body.place[:, None] + np.arange(3)).ravel()] = np.arange(3 * len(body.place))
+    return elasticity.stiffness_matrix(body.mesh, material)[number][:, number]
+
+
+def scheme_of(discretisation, pla, name="stable_neo_hookean", samples=8, **changes):
+    law = law_named(name, pla)
+    step = 0.8 * stable_step(largest_frequency(CoreBody(discretisation), discretisation, law), 1e-4)
+    damping = 1e-4 * np.random.default_rng(3).uniform(0.2, 1.0, len(discretisation.volumes))
+    scheme = Scheme(law, step, damping=damping, gravity=9.81e-3, friction=0.3, speed=5.4, stride=RECORD_EVERY, samples=samples)
+    return replace(scheme, **changes)
+
+
+def heights_of(discretisation, normals=NORMALS):
+    heights = discretisation.positions @ normals.T
+    return heights - heights.min(axis=0)
+
+
+def reference_drop(discretisation, scheme, normal, heights):
+    """The scheme in float64 numpy: displacement, velocity, running σ_vM, and per sample the reference's own energies."""
+    masses = discretisation.masses[:, None]
+    u, v = np.zeros((len(masses), 3)), np.tile(-scheme.speed * normal, (len(masses), 1))
+    peak, impulse, lost, samples = np.zeros((1, 1)), 0.0, 0.0, []
+    for step in range(scheme.stride * scheme.samples):
+        now = (discretisation, scheme.law, u, v, scheme.damping)
+        if step % RECORD_EVERY == 0:
+            peak = np.maximum(peak, reference_stress(*now))
+        before = v
+        free = v + scheme.time_step * (reference_forces(*now) / masses - scheme.gravity * normal)
+        gap = heights + (u + scheme.time_step * free) @ normal
+        push = np.maximum(-gap / scheme.time_step, 0.0)[:, None]
+        v = free + push * normal
+        tangential = v - (v @ normal)[:, None] * normal
+        v = v - tangential * np.minimum(1.0, scheme.friction * push / np.maximum(np.linalg.norm(tangential, axis=1, keepdims=True), 1e-12))
+        impulse += float((masses * push).sum())
+        lost -= float((0.5 * masses * (v - free) * (before + v)).sum())
+        u = u + scheme.time_step * v
+        if (step + 1) % scheme.stride == 0:
+            kinetic = float((0.5 * masses * v**2).sum())
+            power = -float((reference_forces(discretisation, scheme.law, u) * v).sum())
+            strain = elasticity.strain_energy(discretisation.mesh, scheme.law, u[discretisation.place]) - 0.5 * scheme.time_step * power
+            highest = reference_stress(discretisation, scheme.law, u).max()
+            sums = ((masses * u).sum(axis=0) @ normal, (masses * v).sum(axis=0) @ normal)
+            samples.append((kinetic, strain, impulse, lost, *sums, highest**2))
+    return u, peak, np.array(samples)
+
+
+@each_law
+@each_body
+@pytest.mark.parametrize("size", [1e-4, 0.3])
+def test_internal_forces_agree_with_the_reference(body_type, name, size, discretisation, pla):
+    law = law_named(name, pla)
+    u = size * np.random.default_rng(0).standard_normal(discretisation.positions.shape)
+    expected = reference_forces(discretisation, law, u)
+    # float32 carries 6e-8; a force is a sum of some hundred products.
+    np.testing.assert_allclose(body_type(discretisation).internal_forces(law, u), expected, rtol=0, atol=3e-6 * np.abs(expected).max())
+
+
+@each_law
+@each_body
+def test_a_large_rotation_alone_gives_next_to_no_force(body_type, name, discretisation, pla):
+    vertices, law = discretisation.positions, law_named(name, pla)
+    turned = vertices @ Rotation.from_rotvec([0.0, 0.5, 0.3]).as_matrix().T - vertices
+    strained = vertices * 1e-3
+    scale = np.abs(reference_forces(discretisation, law, strained)).max()
+    # Displacements of 10 mm in float32 (1e-6 mm) over edges of 3 mm: strain noise of some 1e-6 against 1e-3.
+    assert np.abs(body_type(discretisation).internal_forces(law, turned)).max() < 1e-2 * scale
+
+
+@each_law
+@each_body
+def test_a_drop_agrees_step_by_step_with_the_reference(body_type, name, discretisation, pla):
+    scheme, heights = scheme_of(discretisation, pla, name), heights_of(discretisation)
+    batches = body_type(discretisation).batches(scheme, NORMALS, heights)
+    for batch in batches:
+        batch.advance(scheme.samples)
+    peak = np.concatenate([batch.peak() for batch in batches])
+    touched = np.concatenate([batch.touched() for batch in batches])
+    history = np.concatenate([batch.history(scheme.samples) for batch in batches], axis=2)
+    for index, normal in enumerate(NORMALS):
+        _, expected, samples = reference_drop(discretisation, scheme, normal, heights[:, index])
+        # 32 steps of float32: the rounding of 6e-8 a step on displacements of 1e-2 mm, strains of 1e-2.
+        np.testing.assert_allclose(peak[index], expected, rtol=0, atol=2e-4 * expected.max())
+        scale = np.abs(samples).max(axis=0) + 1e-6 * np.abs(samples).max()
+        np.testing.assert_allclose(history[:, :, index] / scale, samples / scale, atol=1e-3)
+        assert touched[index].any()
+        assert not touched[index].all()
+
+
+def test_eight_drops_side_by_side_are_the_eight_drops(discretisation, pla, monkeypatch):
+    normals = directions(11)
+    scheme, heights = scheme_of(discretisation, pla, samples=20), heights_of(discretisation, normals)
+    results = []
+    for cores in (1, 8):  # on one core in lanes of drops, on eight cores one by one
+        monkeypatch.setattr(cpu, "cores", lambda cores=cores: cores)
+        batches = CoreBody(discretisation).batches(scheme, normals, heights)
+        for batch in batches:
+            batch.advance(scheme.samples)
+        results.append([np.concatenate([batch.history(20) for batch in batches], axis=2)])
+        results[-1] += [np.concatenate([getattr(batch, name)() for batch in batches]) for name in ("peak", "touched")]
+        assert len(batches) == {1: 4, 8: 11}[cores]
+    for side_by_side, alone in zip(*results, strict=True):
+        np.testing.assert_allclose(side_by_side.astype(float), alone.astype(float), rtol=0, atol=1e-4 * np.abs(alone).max())
+
+
+def test_vectorised_and_gathering_kernels_agree_over_a_whole_bounce(discretisation, pla):
+    scheme, heights = scheme_of(discretisation, pla, samples=100), heights_of(discretisation)
+    results = []
+    for body in (CoreBody(discretisation), on_device(discretisation)):
+        batches = body.batches(scheme, NORMALS, heights)
+        for batch in batches:
+            batch.advance(scheme.samples)
+        results.append(np.concatenate([batch.peak() for batch in batches]))
+    # Different order of summation in float32 over 400 steps with contact.
+    assert np.abs(results[0] - results[1]).max() < 1e-3 * results[0].max()
+
+
+@each_body
+def test_a_body_in_the_air_falls_and_feels_nothing(body_type, discretisation, pla):
+    scheme = scheme_of(discretisation, pla)
+    (batch,) = body_type(discretisation).batches(scheme, NORMALS[1:2], heights_of(discretisation)[:, 1:2] + 1e3)
+    batch.advance(scheme.samples)
+    last = dict(zip(QUANTITIES, batch.history(scheme.samples)[-1, :, 0], strict=True))
+    time, mass = scheme.samples * scheme.stride * scheme.time_step, discretisation.masses.sum()
+    assert last["momentum"] == pytest.approx(-mass * (scheme.speed + scheme.gravity * time), rel=1e-5)
+    assert last["height"] == pytest.approx(-mass * (scheme.speed * time + scheme.gravity * time**2 / 2), rel=1e-3)
+    assert last["impulse"] == 0.0
+    assert last["contact_loss"] == 0.0
+    # Rounding of the velocities accumulates to a few 1e-6 mm between neighbours.
+    assert batch.peak().max() < 0.05
+    assert not batch.touched().any()
+
+
+@each_body
+def test_results_do_not_depend_on_what_runs_beside(body_type, discretisation, pla):
+    scheme, heights = scheme_of(discretisation, pla, samples=20), heights_of(discretisation)
+
+    def peaks(which):
+        batches = body_type(discretisation).batches(scheme, NORMALS[which], heights[:, which])
+        for batch in batches:
+            batch.advance(scheme.samples)
+        return np.concatenate([batch.peak() for batch in batches])
+
+    together = peaks([0, 1, 2])
+    assert peaks([2]).tobytes() == together[2:].tobytes()
+    assert peaks([1, 0]).tobytes() == together[[1, 0]].tobytes()
+
+
+def test_the_power_iteration_finds_the_largest_frequency(discretisation, pla):
+    root = diags_array(np.repeat(discretisation.masses, 3) ** -0.5)
+    scaled = root @ stiffness(discretisation, pla) @ root
+    exact = np.sqrt(eigsh(scaled, k=1, return_eigenvectors=False)[0])
+    for body in (CoreBody(discretisation), on_device(discretisation)):
+        found = largest_frequency(body, discretisation, law_named("stable_neo_hookean", pla))
+        assert 0.97 * exact < found < 1.001 * exact
+
+
+@pytest.fixture(scope="module")
+def uneven(box, pla):
+    """A bar of cells that grow from 0.5 to 4 mm: the smallest would set the step."""
+    bar = box((1, 1, 10), (4.0, 4.0, 1.0))
+    z = np.cumsum(np.concatenate([[0.0], np.geomspace(0.5, 4.0, 10)]))
+    vertices = bar.vertices.copy()
+    vertices[:, 2] = np.interp(vertices[:, 2], np.linspace(0.0, 1.0, 11), z)
+    return discretise(bar.moved(vertices), pla, 0.0, ELEMENTS["tet10"])
+
+
+@each_body
+def test_with_no_volume_less_damped_the_step_is_that_of_the_stiffest_mode(body_type, uneven, pla):
+    body, law = body_type(uneven), law_named("stable_neo_hookean", pla)
+    step, damping = damped_step(body, uneven, law, 1e-4, 0.0)
+    assert step == pytest.approx(stable_step(largest_frequency(body, uneven, law), 1e-4), rel=1e-6)
+    np.testing.assert_array_equal(damping, 1e-4)
+
+
+@each_body
+@pytest.mark.parametrize("share", [0.05, 0.15])
+def test_less_damping_in_the_stiffest_tetrahedra_lengthens_the_step_which_stays_stable(body_type, share, uneven, pla):
+    body, law = body_type(uneven), law_named("stable_neo_hookean", pla)
+    step, damping = damped_step(body, uneven, law, 1e-4, share)
+    assert step > 1.15 * damped_step(body, uneven, law, 1e-4, 0.0)[0]
+    lowered = damping < 0.999e-4
+    assert 0.0 < uneven.volumes[lowered].sum() <= share * uneven.volumes.sum()
+    assert damping.min() >= 0.09 * 2.0 / largest_frequency(body, uneven, law)
+    assert uneven.frequencies[lowered].min() >= uneven.frequencies[~lowered].max()
+    # Δt² K + 2 Δt C ≤ 4 M on the assembled body, by the reference in double precision; the power iteration comes from below.
+    root = np.repeat(uneven.masses, 3) ** 0.5
+    modes = 1e-6 * (np.eye(len(root)) / root).reshape(len(root), -1, 3)
+    rows = [reference_forces(uneven, law, step**2 * mode, 2.0 * step * mode, damping).ravel() for mode in modes]
+    assert 3.6 < np.linalg.eigvalsh(-np.stack(rows) / root / 1e-6)[-1] < 4.0 * 1.02
+
+
+def test_damping_lets_a_mode_decay_as_the_textbook_says(box, pla):
+    """Amplitude ∝ exp(−β ω² t / 2), so energy ∝ exp(−β ω² t): an eigenmode released far from any floor."""
+    body = discretise(box((1, 1, 8), (2.0, 2.0, 16.0)), pla, 0.0, LINEAR)
+    root = np.repeat(body.masses, 3) ** -0.5
+    values, vectors = eigsh(diags_array(root) @ stiffness(body, pla) @ diags_array(root), k=40)
+    chosen = int(np.argmin(np.abs(np.sqrt(values) - 2500.0)))
+    omega, mode = float(np.sqrt(values[chosen])), (root * vectors[:, chosen]).reshape(-1, 3)
+    period, periods, samples, beta = 2.0 * np.pi / omega, 8, 8, 2e-5
+    law = law_named("stable_neo_hookean", pla)
+    damping = np.full(len(body.volumes), beta)
+    scheme = Scheme(law, period / 80, damping, gravity=0.0, friction=0.0, speed=0.0, stride=80 // samples, samples=periods * samples)
+    (drop,) = CoreBody(body).batches(scheme, NORMALS[:1], np.full((len(mode), 1), 1e3))
+    start = np.pad(1e-4 * mode / np.abs(mode).max(), ((0, 0), (0, 1))).astype(np.float32).ravel()
+    drop.state.u.assign(start)
+    drop.advance(scheme.samples)
+    rows = drop.history(scheme.samples)[:, :, 0]
+    energy = (rows[:, QUANTITIES.index("kinetic")] + rows[:, QUANTITIES.index("strain")]).reshape(periods, samples).mean(axis=1)
+    assert np.log(energy[0] / energy[-1]) == pytest.approx(beta * omega**2 * (periods - 1) * period, rel=0.02)
+
+
+@pytest.mark.parametrize("layout", ["one drop", "eight drops"])
+def test_numbers_below_the_normal_range_are_zero_in_a_drop_and_only_there(box, pla, layout):
+    """They appear ahead of the wave in a long part; processors compute with them a hundred times slower."""
+    body = discretise(box((2, 2, 8), (4.0, 4.0, 16.0)), pla, 0.005)
+    scheme, normals = scheme_of(body, pla, samples=1, gravity=0.0), NORMALS[:1]
+    heights = heights_of(body, normals)
+    parts, scheme = CoreBody(body), replace(scheme, speed=0.0)
+    drops = CoreDrop(parts, scheme, normals[0], heights[:, 0]) if layout == "one drop" else CoreDrops(parts, scheme, normals, heights)
+    tiny = np.finfo(np.float32).tiny
+    drops.state.u.fill_(float(tiny) / 8.0)
+    drops.advance(1)
+    for field in (drops.state.u.numpy(), drops.state.v.numpy()):
+        assert not np.any((field != 0.0) & (np.abs(field) < tiny))
+    assert np.float32(tiny) * np.float32(0.5) != 0.0

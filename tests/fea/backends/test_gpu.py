@@ -1,0 +1,50 @@
+"""The CUDA path against the CPU path; runs where there is a CUDA device, and says so where there is none."""
+
+import numpy as np
+import pytest
+import warp as wp
+
+from mechstyle.fea.drop import DropTest, drop
+from mechstyle.fea.elasticity import LAWS
+from mechstyle.fea.elements import ELEMENTS
+from mechstyle.fea.orientations import directions
+
+pytestmark = pytest.mark.skipif(
+    not wp.get_cuda_device_count(), reason="NO CUDA DEVICE: the GPU drop test, its graphs and its agreement with the CPU were NOT tested"
+)
+
+
+@pytest.fixture(scope="module")
+def tube_foot(box):
+    """A plate-like part, 40 x 40 x 6 mm, 8640 tetrahedra: bending, contact of a face and of corners."""
+    return box((20, 24, 3), (40.0, 40.0, 6.0), shake=0.1)
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+@pytest.mark.parametrize("element", ELEMENTS)
+def test_cuda_and_cpu_agree(tube_foot, pla, element, law, friction):
+    test = DropTest(law=law, friction=friction, window=0.3, element=element)
+    cpu, cuda = (drop(tube_foot, pla, directions(8), test, device=device) for device in ("cpu", "cuda"))
+    assert cpu.failure == cuda.failure == ""
+    assert cuda.time_step == pytest.approx(cpu.time_step, rel=1e-3)
+    # Two orders of summation in float32 over a whole bounce.
+    difference = np.linalg.norm(cuda.von_mises - cpu.von_mises, axis=(1, 2)) / np.linalg.norm(cpu.von_mises, axis=(1, 2))
+    assert difference.max() < 1e-3
+    assert np.abs(cuda.history.kinetic - cpu.history.kinetic).max() < 1e-3 * cpu.history.kinetic[0, 0]
+    assert (cuda.contact != cpu.contact).mean() < 1e-3
+
+
+def test_cuda_gives_the_same_bytes_twice_and_whatever_runs_beside(tube_foot, pla):
+    test = DropTest(window=0.1)
+    first, second = (drop(tube_foot, pla, directions(8), test, device="cuda") for _ in range(2))
+    alone = drop(tube_foot, pla, directions(8)[3:4], test, device="cuda")
+    assert first.von_mises.tobytes() == second.von_mises.tobytes()
+    assert first.history.kinetic.tobytes() == second.history.kinetic.tobytes()
+    assert alone.von_mises[0].tobytes() == first.von_mises[3].tobytes()
+
+
+def test_cuda_names_an_unstable_step(tube_foot, pla):
+    result = drop(tube_foot, pla, directions(2), DropTest(safety=2.0), device="cuda")
+    assert "unstable" in result.failure or "no longer finite" in result.failure
+    assert np.isposinf(result.von_mises).all()

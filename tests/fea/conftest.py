@@ -1,0 +1,40 @@
+"""Meshes whose answers are known: structured boxes of tetrahedra, straight or shaken."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from mechstyle.records.material import LIBRARY, Material
+from mechstyle.records.mesh import TetMesh
+from mechstyle.simulation.validation.meshes import box as straight_box
+
+Box = Callable[..., TetMesh]
+
+
+def box_mesh(counts: tuple[int, int, int], size: tuple[float, float, float], shake: float = 0.0) -> TetMesh:
+    """A box in the positive octant, each cell cut into the six Kuhn tetrahedra; inner vertices moved by `shake` of a cell."""
+    straight = straight_box(counts, size)
+    vertices = straight.vertices.copy()
+    inside = np.all((vertices > 1e-9) & (vertices < np.array(size) - 1e-9), axis=1)
+    cell = np.array(size) / np.array(counts)
+    vertices[inside] += shake * cell * np.random.default_rng(1).uniform(-1.0, 1.0, (int(inside.sum()), 3))
+    return straight.moved(vertices)
+
+
+@pytest.fixture(scope="session")
+def box() -> Box:
+    """The mesher itself."""
+    return box_mesh
+
+
+@pytest.fixture(scope="session")
+def block() -> TetMesh:
+    """A shaken block of 12 x 10 x 16 mm, 288 tetrahedra."""
+    return box_mesh((4, 3, 4), (12.0, 10.0, 16.0), shake=0.2)
+
+
+@pytest.fixture(scope="session")
+def pla() -> Material:
+    """PLA from the library."""
+    return LIBRARY["PLA"]

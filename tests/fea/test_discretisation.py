@@ -1,0 +1,95 @@
+"""Numbering, masses and what is refused."""
+
+import numpy as np
+import pytest
+
+from mechstyle.errors import BadInput
+from mechstyle.fea.discretisation import discretise, sliver_scale
+from mechstyle.fea.elasticity import element_frequencies
+from mechstyle.fea.elements import ELEMENTS
+from mechstyle.records.mesh import TetMesh
+
+each_element = pytest.mark.parametrize("element", ELEMENTS.values(), ids=ELEMENTS)
+
+
+@pytest.fixture(scope="module")
+def sliver(block) -> TetMesh:
+    """The block with an inner vertex moved until one of its tetrahedra is almost flat."""
+    inner = np.setdiff1d(np.arange(len(block.vertices)), block.boundary_faces)[0]
+    around = block.tets[(block.tets == inner).any(axis=1)][0]
+    target = block.vertices[around[around != inner]].mean(axis=0)
+    vertices = block.vertices.copy()
+    vertices[inner] += 0.98 * (target - vertices[inner])
+    mesh = block.moved(vertices)
+    assert mesh.volumes.min() > 0
+    return mesh
+
+
+@each_element
+def test_orders_lead_back_to_the_callers_numbering(element, block, pla):
+    body = discretise(block, pla, 0.0, element)
+    np.testing.assert_array_equal(body.mesh.nodes[: len(block.vertices)], block.vertices[body.vertices])
+    np.testing.assert_array_equal(body.positions[body.place], body.mesh.nodes)
+    np.testing.assert_array_equal(body.place[body.mesh.connectivity][body.tet_order], body.connectivity)
+    np.testing.assert_array_equal(body.positions[body.connectivity[:, :4]], block.vertices[block.tets[body.tet_order]])
+
+
+@each_element
+def test_nodes_that_share_an_element_lie_close_in_memory(element, block, pla):
+    body = discretise(block, pla, 0.0, element)
+    spread = np.ptp(body.connectivity, axis=1)
+    assert spread.max() < 0.5 * len(body.masses)
+    assert (np.diff(body.connectivity.min(axis=1)) >= 0).all()
+
+
+@each_element
+def test_every_share_of_a_force_has_a_slot_and_those_of_a_node_follow_each_other(element, block, pla):
+    body = discretise(block, pla, 0.0, element)
+    assert sorted(body.slots.ravel()) == list(range(element.nodes * len(block.tets)))
+    tet_of_slot = np.argsort(body.slots.ravel()) // element.nodes
+    for node in range(0, len(body.masses), 17):
+        mine = slice(body.first_slot[node], body.first_slot[node + 1])
+        assert (np.diff(tet_of_slot[mine]) > 0).all()
+        assert (body.connectivity[tet_of_slot[mine]] == node).sum() == mine.stop - mine.start
+
+
+@each_element
+def test_unused_vertices_are_left_out(element, block, pla):
+    crowded = TetMesh(np.vstack([[[99.0, 99.0, -99.0]], block.vertices]), block.tets + 1)
+    body, plain = discretise(crowded, pla, 0.0, element), discretise(block, pla, 0.0, element)
+    assert len(body.masses) == len(plain.masses)
+    np.testing.assert_array_equal(body.vertices, plain.vertices + 1)
+
+
+def test_sliver_scaling_uses_the_allowance_and_no_more(sliver, pla):
+    scale = sliver_scale(sliver, pla, 0.005)
+    added = sliver.volumes @ scale / sliver.volumes.sum() - 1.0
+    assert added == pytest.approx(0.005, rel=1e-9)
+    frequency = element_frequencies(sliver, pla)
+    scaled = frequency / np.sqrt(scale)
+    # Every element that was made heavier sits exactly at the common target, the others below it.
+    np.testing.assert_allclose(scaled[scale > 1.0], scaled.max(), rtol=1e-9)
+    assert scaled.max() < 0.5 * frequency.max()
+
+
+def test_no_allowance_means_no_scaling(sliver, pla):
+    np.testing.assert_array_equal(sliver_scale(sliver, pla, 0.0), 1.0)
+
+
+@each_element
+def test_added_mass_is_what_the_masses_say(element, sliver, pla):
+    body = discretise(sliver, pla, 0.005, element)
+    true_mass = pla.density * sliver.volumes.sum()
+    assert body.masses.sum() / true_mass - 1.0 == pytest.approx(body.added_mass, rel=1e-9)
+    assert body.added_mass <= 0.005 * (1 + 1e-9)
+
+
+def test_unusable_tetrahedra_are_refused_with_a_reason(block, pla):
+    with pytest.raises(BadInput, match="no tetrahedra"):
+        discretise(TetMesh(block.vertices, np.empty((0, 4))), pla, 0.0)
+    with pytest.raises(BadInput, match=r"1 tetrahedra have no positive volume, the first at \("):
+        discretise(TetMesh(block.vertices, np.vstack([block.tets, block.tets[:1, [0, 2, 1, 3]]])), pla, 0.0)
+    broken = block.vertices.copy()
+    broken[3, 1] = np.nan
+    with pytest.raises(BadInput, match="1 vertices of the tetrahedra are not finite"):
+        discretise(block.moved(broken), pla, 0.0)

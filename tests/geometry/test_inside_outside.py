@@ -1,0 +1,65 @@
+"""Inside and outside of hollow parts, against shapes where every vertex's side is known."""
+
+from __future__ import annotations
+
+import manifold3d
+import numpy as np
+import pytest
+
+from mechstyle.geometry.inside_outside import _walked, is_inside, openness
+from mechstyle.geometry.remesh import standardise, surface_of
+
+
+def test_a_ball_sees_the_whole_sky(sphere):
+    assert openness(sphere).min() > 0.99
+    assert not is_inside(sphere).any()
+
+
+def test_no_normal_is_left_out(sphere):
+    """The direction straight down has no shortest turn from straight up."""
+    assert openness(sphere)[sphere.vertices[:, 2].argmin()] == 1.0
+
+
+def test_the_bottom_of_a_round_well_sees_the_share_of_the_sky_its_mouth_fills():
+    """Seen from the middle of the floor, a mouth of radius r at height h fills r² / (r² + h²) of a diffuse sky."""
+    well = manifold3d.Manifold.cylinder(20.0, 15.0, 15.0, 64) - manifold3d.Manifold.cylinder(20.0, 10.0, 10.0, 64).translate((0, 0, 5))
+    mesh = standardise(surface_of(well), 3000)
+    middle = np.linalg.norm(mesh.vertices - [0.0, 0.0, 5.0], axis=1).argmin()
+    assert openness(mesh)[middle] == pytest.approx(10.0**2 / (10.0**2 + 15.0**2), abs=0.03)
+
+
+def test_the_wall_of_a_cup_has_an_inside_and_an_outside(cup):
+    """The cup of 20 mm radius with a 3 mm wall: by radius and height, each vertex away from the rim is known."""
+    inside, radius, height = is_inside(cup), np.linalg.norm(cup.vertices[:, :2], axis=1), cup.vertices[:, 2]
+    below_rim = height < 28.0
+    hollow = (radius < 17.2) & (height > 2.9)
+    assert inside[hollow & below_rim].all()
+    assert not inside[~hollow & below_rim].any()
+
+
+def test_the_floor_of_a_flat_tray_goes_with_its_walls():
+    """Its middle sees nine tenths of the sky, more than many a place in a flute of an outside."""
+    tray = manifold3d.Manifold.cube((60.0, 60.0, 12.0)) - manifold3d.Manifold.cube((54.0, 54.0, 12.0)).translate((3.0, 3.0, 3.0))
+    mesh = standardise(surface_of(tray), 4000)
+    inside = is_inside(mesh)
+    floor = (np.abs(mesh.vertices[:, 2] - 3.0) < 0.1) & (np.abs(mesh.vertices[:, :2] - 30.0).max(axis=1) < 20.0)
+    assert openness(mesh)[floor].max() > 0.9
+    assert inside[floor].all()
+    assert not inside[mesh.vertices[:, 2] < 0.1].any()
+
+
+def test_a_waist_is_outside():
+    """A shape narrower in the middle than its hull is still all outside."""
+    profile = manifold3d.CrossSection([[(0.0, 0.0), (20.0, 0.0), (12.0, 20.0), (20.0, 40.0), (0.0, 40.0)]])
+    mesh = standardise(surface_of(profile.revolve(64)), 2500)
+    assert not is_inside(mesh).any()
+
+
+def test_a_walk_rarely_leaves_a_side_over_its_convex_edges(block):
+    """One vertex in the middle of the top against all of the bottom: by ways alone, most of the top would fall to the bottom."""
+    height, from_axis = block.vertices[:, 2], np.linalg.norm(block.vertices[:, :2] - 10.0, axis=1)
+    middle = np.arange(len(height)) == np.where(height > 19.9, from_axis, np.inf).argmin()
+    met = _walked(block, middle, height < 0.1)
+    top = (height > 19.9) & (np.abs(block.vertices[:, :2] - 10.0).max(axis=1) < 9.0)
+    assert met[top].min() > 0.9
+    assert met[(height > 5.0) & (height < 10.0)].max() < 0.5

@@ -1,0 +1,88 @@
+"""Folds, crossings, walls and mass of a styled surface, against shapes that are known to have them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import trimesh
+from manifold3d import Manifold
+
+from mechstyle.geometry.print_quality import folded_faces, quality
+from mechstyle.geometry.remesh import standardise, surface_of
+from mechstyle.geometry.subdivision import quartered
+from mechstyle.records.mesh import SurfaceMesh
+
+
+def box(at=(0.0, 0.0, 0.0), size=10.0, cuts=2):
+    made = trimesh.creation.box((size, size, size))
+    made.apply_translation(at)
+    for _ in range(cuts):
+        made = made.subdivide()
+    return SurfaceMesh(made.vertices, made.faces)
+
+
+def both(one, other):
+    return SurfaceMesh(np.vstack([one.vertices, other.vertices]), np.vstack([one.faces, other.faces + len(one.vertices)]))
+
+
+def test_faces_that_look_the_other_way_are_counted(cube):
+    mirrored = cube.moved(cube.vertices * [1.0, 1.0, -1.0])  # top and bottom change places, the sides are turned inside out
+    assert folded_faces(cube, cube) == 0
+    assert folded_faces(cube, mirrored) == 8
+
+
+def test_a_relief_driven_through_the_part_is_told(sphere):
+    """Every second ring of latitudes is pushed in beyond the centre."""
+    pushed = sphere.displaced(np.where(np.abs(sphere.vertices[:, 2]) < 2.0, -15.0, 0.0))
+    found = quality(sphere, pushed, 1.24e-3)
+    assert found.folds > 0
+    assert found.crossings > found.crossings_before == 0
+    assert len(found.warnings) == 2
+    assert f"at {found.folds} faces" in found.warnings[0]
+    assert all("\n" not in words for words in found.warnings)
+
+
+def test_walls_and_mass_of_a_ball_grown_evenly(sphere):
+    found = quality(sphere, sphere.displaced(np.full(len(sphere.vertices), 1.0)), 2e-3)
+    assert found.thinnest_before == pytest.approx(20.0, rel=0.12)  # a ball is measured at most 10 % too thick
+    assert found.thin / found.thin_before == pytest.approx(1.1, rel=0.02)
+    assert found.volume_change == pytest.approx(1.1**3 - 1.0, rel=2e-3)
+    assert found.mass == pytest.approx(2e-3 * found.volume)
+    assert found.mass_change == pytest.approx(2e-3 * (found.volume - sphere.volume))
+    assert found.warnings == ()
+
+
+def test_what_the_part_itself_brings_is_no_warning():
+    """Crossings that were there before the style are the file's, not the style's."""
+    pair = both(box(), box((5.0, 0.3, 0.2)))
+    found = quality(pair, pair, 1.24e-3)
+    assert found.crossings == found.crossings_before > 0
+    assert found.warnings == ()
+
+
+def leaning_wall(wall=3.0):
+    """A plate of 40 x 30 mm whose narrow sides lean: its edges are of 70 and 110 degrees."""
+    plate = Manifold.cube((40.0, 30.0, wall), center=True)
+    lean = np.tan(np.radians(20.0))
+    return standardise(surface_of(plate.transform([[1.0, 0.0, lean, 0.0], [0.0, 1.0, lean, 0.0], [0.0, 0.0, 1.0, 0.0]])), 3000)
+
+
+@pytest.mark.parametrize("rounds", [0, 1, 2])
+def test_the_thinnest_wall_does_not_depend_on_how_close_to_an_edge_vertices_lie(rounds):
+    """Beside an edge of 70 degrees the inner ball vanishes: the more vertices, the thinner such a wall would read."""
+    surface = leaning_wall(3.0)
+    for _ in range(rounds):
+        surface = quartered(surface).mesh
+    found = quality(surface, surface, 1.24e-3)
+    assert found.thinnest == pytest.approx(3.0, rel=0.02)
+    assert found.thin == pytest.approx(3.0, rel=0.02)
+
+
+def test_a_wall_that_is_thinner_in_the_middle_is_seen_on_a_finer_surface_too():
+    surface = leaning_wall(3.0)
+    dent = quartered(surface)
+    depth = np.where(np.hypot(*surface.vertices[:, :2].T) < 6.0, -0.8, 0.0) * (np.abs(surface.vertex_normals[:, 2]) > 0.99)
+    coarse = quality(surface, surface.displaced(depth), 1.24e-3)
+    fine = quality(dent.mesh, dent.mesh.displaced(dent.interpolation @ depth), 1.24e-3)
+    assert coarse.thinnest == pytest.approx(1.4, rel=0.02)
+    assert fine.thinnest == pytest.approx(1.4, rel=0.02)

@@ -1,0 +1,115 @@
+"""An even triangulation of the wished size that is still the same part."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import trimesh
+from manifold3d import CrossSection, Manifold, OpType
+
+from mechstyle.errors import BadInput
+from mechstyle.geometry.proximity import TriangleTree
+from mechstyle.geometry.remesh import _bends, shell_count, standardise, surface_of
+from mechstyle.records.mesh import SurfaceMesh
+
+
+@pytest.mark.parametrize("wished", [800, 3000, 8000])
+def test_the_count_is_met_within_five_percent(cup, wished):
+    assert abs(len(standardise(cup, wished).vertices) / wished - 1) <= 0.05
+
+
+def test_triangles_are_nearly_equilateral(cup):
+    sides = np.linalg.norm(np.roll(cup.corners, -1, axis=1) - cup.corners, axis=2)
+    quality = 4 * np.sqrt(3) * cup.face_areas / (sides**2).sum(axis=1)
+    assert quality.mean() > 0.9
+    assert np.percentile(quality, 1) > 0.4
+
+
+def test_the_shape_stays(cup):
+    assert cup.is_closed
+    assert len(cup.vertices) - len(cup.edges) + len(cup.faces) == 2
+    ideal = np.pi * (20**2 * 30 - 17**2 * 27)
+    assert cup.volume == pytest.approx(ideal, rel=0.01)
+    assert cup.extents == pytest.approx([40, 40, 30], abs=0.05)
+
+
+def test_sharp_edges_stay_where_they_are():
+    box = trimesh.creation.box((30.0, 20.0, 10.0))
+    even = standardise(SurfaceMesh(box.vertices, box.faces), 2000)
+    distance = TriangleTree(even.vertices, even.faces).nearest(box.vertices).distance
+    assert distance.max() < 1e-4
+    assert even.volume == pytest.approx(6000, rel=1e-4)
+
+
+def test_handles_and_cavities_are_kept():
+    ring = Manifold.cylinder(6.0, 15.0, 15.0, 48) - Manifold.cylinder(6.0, 9.0, 9.0, 48)
+    hollow = Manifold.sphere(12.0, 48) - Manifold.sphere(8.0, 48)
+    even_ring, even_hollow = standardise(surface_of(ring), 1500), standardise(surface_of(hollow), 2000)
+    assert len(even_ring.vertices) - len(even_ring.edges) + len(even_ring.faces) == 0
+    assert shell_count(even_hollow) == 2
+
+
+def test_the_same_input_gives_the_same_bytes(cup):
+    assert standardise(cup, 1500).digest == standardise(cup, 1500).digest
+
+
+@pytest.mark.parametrize("count", [10, 499, 400_001])
+def test_counts_out_of_range_are_refused(cup, count):
+    with pytest.raises(BadInput, match="500 to 400000"):
+        standardise(cup, count)
+
+
+def test_an_open_surface_is_refused(cup):
+    with pytest.raises(BadInput, match="not closed"):
+        standardise(SurfaceMesh(cup.vertices, cup.faces[:-1]), 1000)
+
+
+@pytest.fixture(scope="module")
+def rounded():
+    """A cup whose rim is rounder than its triangles are small, the case that remeshing likes least."""
+    wall, turn = 3.0, np.linspace(0.0, np.pi, 13)
+    rim = np.column_stack([20 - wall / 2 + wall / 2 * np.cos(turn), 30 + wall / 2 * np.sin(turn)])
+    profile = np.vstack([[(0.0, 0.0), (20.0, 0.0)], rim, [(20.0 - wall, wall), (0.0, wall)]])
+    return surface_of(Manifold.revolve(CrossSection([profile]), 96))
+
+
+def test_every_vertex_lies_on_the_part(rounded):
+    even = standardise(rounded, 2500)
+    assert TriangleTree(rounded.vertices, rounded.faces).nearest(even.vertices).distance.max() < 2e-4
+
+
+def test_the_volume_stays_where_rounds_are_narrower_than_triangles(rounded):
+    assert standardise(rounded, 2500).volume == pytest.approx(rounded.volume, rel=0.01)
+
+
+def test_no_flap_is_left_at_a_narrow_round(rounded):
+    _, turns, _ = _bends(standardise(rounded, 2500))
+    assert turns.max() < np.radians(110.0)
+
+
+def test_a_narrow_round_is_as_round_as_the_part(rounded):
+    """Without vertices of its own the rim comes out ragged, cut by triangles that miss it by half a wall."""
+    even = standardise(rounded, 2500)
+    rim = rounded.vertices[rounded.vertices[:, 2] > 30.0]
+    assert TriangleTree(even.vertices, even.faces).nearest(rim).distance.max() < 0.45
+
+
+def test_the_radius_of_a_round_is_found(rounded):
+    edges, turns, radii = _bends(rounded)
+    on_rim = (rounded.vertices[edges][:, :, 2] > 30.1).all(axis=1) & (turns > np.radians(10.0))
+    assert np.median(radii[on_rim]) == pytest.approx(1.5, rel=0.05)
+
+
+def test_a_knife_edge_of_the_part_itself_is_no_flap():
+    blade = Manifold.hull_points([(0, -2, 0), (0, 2, 0), (12, 0, 0), (0, -2, 20), (0, 2, 20), (12, 0, 20)])
+    even = standardise(surface_of(blade), 1500)
+    edge = TriangleTree(even.vertices, even.faces).nearest(np.column_stack([np.full(50, 12.0), np.zeros(50), np.linspace(0, 20, 50)]))
+    assert edge.distance.max() < 1e-4
+    assert even.volume == pytest.approx(480.0, rel=1e-4)
+
+
+def test_too_few_vertices_for_the_features_are_refused_with_advice():
+    teeth = [Manifold.cube((0.5, 20.0, 2.0)).translate((float(x), 0.0, 0.0)) for x in range(90)]
+    comb = Manifold.batch_boolean([Manifold.cube((90.0, 20.0, 1.0)), *teeth], OpType.Add)
+    with pytest.raises(BadInput, match=r"could not be brought to 500 even vertices .*; ask for "):
+        standardise(surface_of(comb), 500)

@@ -1,0 +1,186 @@
+"""From stress to restraint: demand on hand-computed figures, masks with their exact limits."""
+
+import msgspec
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from mechstyle.errors import BadInput
+from mechstyle.loop.control import MASKS, allowable, demand, exponential, frozen, linear, mask, unrestrained
+from mechstyle.records import CONTROLS, NORMALISATIONS
+from mechstyle.records.material import LIBRARY
+
+PLA = LIBRARY["PLA"]  # yield strength 45.6 MPa, critical stress 0.2 · 45.6 = 9.12 MPa
+RESTRAINING = [linear, exponential, frozen]
+restraining = pytest.mark.parametrize("restrain", RESTRAINING, ids=lambda function: function.__name__)
+
+
+def field(*values):
+    return np.array(values, np.float32)
+
+
+# Float32 neighbours of 1, where exp(-s / (1 - s)) blows up if it is not kept away from its pole.
+CRITICAL = field(0.0, 1e-45, 0.5, np.nextafter(np.float32(1), np.float32(0)), 1.0, np.nextafter(np.float32(1), np.float32(2)), 2.0, 3e38)
+demands = arrays(np.float32, st.integers(1, 30), elements=st.one_of(st.floats(0, 2, width=32), st.sampled_from(CRITICAL.tolist())))
+stresses = st.floats(0, 1e4, width=32)
+
+# --- masks --------------------------------------------------------------------------------------------------------
+
+
+@restraining
+@given(s_norm=demands)
+def test_mask_is_exactly_zero_where_no_reserve_is_left(restrain, s_norm):
+    assert not restrain(s_norm)[s_norm >= 1.0].any()
+
+
+@restraining
+@given(s_norm=demands)
+def test_mask_lies_between_zero_and_one_and_never_rises_with_demand(restrain, s_norm):
+    with np.errstate(over="raise", invalid="raise", divide="raise"):
+        values = restrain(np.sort(s_norm))
+    assert np.all((values >= 0.0) & (values <= 1.0))
+    assert np.all(np.diff(values) <= 0.0)
+
+
+@restraining
+def test_mask_is_one_at_rest(restrain):
+    assert restrain(field(0.0)).tolist() == [1.0]
+
+
+@restraining
+def test_mask_is_of_four_bytes_and_leaves_the_demand_alone(restrain):
+    s_norm = CRITICAL.copy()
+    assert restrain(s_norm).dtype == np.float32
+    assert np.array_equal(s_norm, CRITICAL)
+
+
+@restraining
+def test_a_demand_that_is_not_a_number_frees_nothing(restrain):
+    assert restrain(field(np.nan, 0.0)).tolist() == [0.0, 1.0]
+
+
+def test_linear_mask_is_what_is_left_of_the_reserve():
+    assert linear(field(0.25, 0.75)).tolist() == [0.75, 0.25]
+
+
+@given(s_norm=demands)
+def test_exponential_mask_follows_its_formula_below_one(s_norm):
+    inside = s_norm[s_norm < 1.0].astype(np.float64)
+    np.testing.assert_allclose(exponential(s_norm)[s_norm < 1.0], np.exp(-inside / (1.0 - inside)), rtol=1e-6, atol=1e-37)
+
+
+def test_exponential_mask_has_its_known_values():
+    assert exponential(field(0.5, 2 / 3, 0.75)) == pytest.approx(np.exp([-1.0, -2.0, -3.0]), rel=1e-6)
+
+
+def test_frozen_mask_is_a_switch():
+    assert frozen(CRITICAL).tolist() == [1, 1, 1, 1, 0, 0, 0, 0]
+
+
+@given(s_norm=demands)
+def test_exponential_restrains_at_least_as_much_as_linear_and_frozen_least(s_norm):
+    """1 − 1/x ≤ ln x with x = 1 − s gives exp(−s / (1 − s)) ≤ 1 − s."""
+    assert np.all(exponential(s_norm) <= linear(s_norm) * np.float32(1 + 1e-6))
+    assert np.all(linear(s_norm) <= frozen(s_norm))
+
+
+def test_freestyle_is_restrained_nowhere():
+    assert unrestrained(CRITICAL).tolist() == [1.0] * len(CRITICAL)
+
+
+@pytest.mark.parametrize(("control", "function"), [*zip(CONTROLS, [linear, exponential, frozen, unrestrained], strict=True)])
+def test_a_control_is_found_by_its_name(control, function):
+    assert np.array_equal(mask(CRITICAL, control), function(CRITICAL))
+
+
+def test_every_control_a_recipe_may_name_has_a_mask():
+    assert set(MASKS) == set(CONTROLS)
+
+
+def test_an_unknown_control_is_refused_with_the_nearest():
+    with pytest.raises(BadInput, match="unknown control 'exponentail': did you mean 'exponential'"):
+        mask(CRITICAL, "exponentail")
+
+
+# --- allowable stress and demand ----------------------------------------------------------------------------------
+
+
+def test_allowable_is_yield_or_a_quarter_above_the_unstylized_stress():
+    assert allowable(field(0.0, 20.0, 40.0, 100.0), PLA) == pytest.approx([45.6, 45.6, 50.0, 125.0])
+
+
+def test_headroom_is_the_share_of_the_reserve_used_up():
+    baseline = field(20.0, 20.0, 40.0, 100.0, 100.0)
+    stress = field(32.8, 45.6, 45.0, 106.25, 150.0)  # reserves of 25.6, 25.6, 10, 25 and 25 MPa
+    assert demand(stress, baseline, PLA, "headroom") == pytest.approx([0.5, 1.0, 0.5, 0.25, 2.0], rel=1e-6)
+
+
+@given(baseline=arrays(np.float32, 20, elements=stresses))
+def test_headroom_demands_nothing_of_the_unstylized_part(baseline):
+    """Not even of a vertex that is above yield as it came: or the style could never start there."""
+    assert not demand(baseline, baseline, PLA, "headroom").any()
+
+
+@given(baseline=stresses, over=st.floats(1.0, 3.0))
+def test_headroom_is_used_up_at_the_allowable_stress(baseline, over):
+    limit = allowable(field(baseline), PLA)
+    assert demand(limit * np.float32(over), field(baseline), PLA, "headroom")[0] >= 1.0
+
+
+def test_own_max_compares_with_the_largest_unstylized_stress_anywhere():
+    assert demand(field(20.0, 50.0), field(10.0, 40.0), PLA, "own_max").tolist() == [0.5, 1.25]
+    assert demand(field(0.25), field(0.5), PLA, "own_max").tolist() == [0.5]
+
+
+@given(stress=arrays(np.float32, 20, elements=stresses), baseline=arrays(np.float32, 20, elements=stresses.filter(lambda s: s > 1e-3)))
+def test_frozen_with_own_max_is_the_published_rule(stress, baseline):
+    """Selectively frozen: 0 where s_v ≥ max(s of M_0), else 1 (Faruqi et al. 2025, §4.2)."""
+    published = np.where(stress >= baseline.max(), 0.0, 1.0)
+    assert np.array_equal(mask(demand(stress, baseline, PLA, "own_max"), "frozen"), published)
+
+
+def test_own_max_of_an_unloaded_part_is_a_number():
+    assert np.isfinite(demand(field(1.0), field(0.0), PLA, "own_max")).all()
+
+
+def test_sigma_c_compares_with_a_fifth_of_yield():
+    assert demand(field(4.56, 9.12, 45.6), field(1.0, 1.0, 1.0), PLA, "sigma_c") == pytest.approx([0.5, 1.0, 5.0])
+
+
+def test_sigma_c_takes_the_safety_coefficient_of_the_material():
+    stricter = msgspec.structs.replace(PLA, safety_coefficient=0.5)
+    assert demand(field(22.8), field(1.0), stricter, "sigma_c") == pytest.approx([1.0])
+
+
+def test_yield_compares_with_the_yield_strength():
+    assert demand(field(11.4, 45.6, 91.2), field(1.0, 1.0, 1.0), PLA, "yield") == pytest.approx([0.25, 1.0, 2.0])
+
+
+@pytest.mark.parametrize("normalisation", NORMALISATIONS)
+@given(stress=arrays(np.float32, 20, elements=stresses), baseline=arrays(np.float32, 20, elements=stresses))
+def test_demand_is_finite_and_never_negative(normalisation, stress, baseline):
+    found = demand(stress, baseline, PLA, normalisation)
+    assert found.dtype == np.float32
+    assert np.all(np.isfinite(found) & (found >= 0.0))
+
+
+def test_an_unknown_normalisation_is_refused_with_the_nearest():
+    with pytest.raises(BadInput, match="unknown normalisation 'headrom': did you mean 'headroom'"):
+        demand(field(1.0), field(1.0), PLA, "headrom")
+
+
+@pytest.mark.parametrize("control", ["linear", "exponential", "frozen"])
+def test_the_threshold_is_the_demand_at_which_movement_ends(control):
+    """exp(−½ / (1 − ½)) = exp(−1) halfway there, whatever the threshold."""
+    found = mask(field(0.0, 0.2, 0.39, 0.41), control, 0.4)
+    assert found[0] == 1.0
+    assert found[1] == pytest.approx({"linear": 0.5, "exponential": np.exp(-1.0), "frozen": 1.0}[control])
+    assert found[2] > 0.0
+    assert found[3] == 0.0
+
+
+def test_a_threshold_of_one_changes_nothing():
+    demands = field(0.0, 0.3, 0.999, 1.0, 2.0)
+    assert np.array_equal(mask(demands, "exponential", 1.0), exponential(demands))

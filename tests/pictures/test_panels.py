@@ -1,0 +1,57 @@
+"""What the picture of a checkpoint says about its stress, above all when a drop in the middle of a run gave none."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mechstyle.records.mesh import TetMesh
+from mechstyle.runs import run as module
+from mechstyle.runs.run import begin
+from mechstyle.simulation.part import Workpiece
+
+TETS = TetMesh(np.eye(4, 3), [[0, 1, 2, 3]])
+
+
+@pytest.fixture
+def run(bench):
+    """The drops at 20 and 60 give an answer, the one at 40 does not, as it alone finds a relief above 0.9 mm."""
+    bench.gain, bench.broken_above = 1.0, 0.95
+    part = Workpiece(bench.surface, TETS, np.full(64, 4.0, np.float32), stands=False)
+    recipe = bench.recipe(schedule="every", every=20, control="none", memory=False, retraction=False)
+    run = begin(part, recipe, bench.root, device="cpu")
+    for event in bench.engine(recipe).run():
+        if getattr(event, "iteration", 0) == 50:
+            break
+    return run
+
+
+@pytest.fixture
+def shown(run, monkeypatch):
+    """The stress panel of an iteration."""
+
+    def stress(iteration):
+        taken = []
+        monkeypatch.setattr(module, "picture", lambda panels, **_: taken.extend(panels))
+        run.show(iteration)
+        return taken[1]
+
+    return stress
+
+
+@pytest.mark.parametrize(
+    ("iteration", "title", "note"),
+    [
+        (20, "stress", "VIABLE: peak 21 of 46 MPa"),
+        (30, "stress (iteration 20)", ""),
+        (40, "stress (iteration 20)", "UNKNOWN: this drop gave no answer"),
+        (45, "stress (iteration 20)", "UNKNOWN: the later drop at iteration 40 gave no answer"),
+    ],
+)
+def test_the_stress_of_an_older_drop_is_not_shown_as_that_of_a_failed_one(shown, iteration, title, note):
+    panel = shown(iteration)
+    assert (panel.title, panel.note) == (title, note)
+
+
+def test_a_picture_can_be_made_of_a_failed_drop(run, tmp_path):
+    assert run.show(40).save(tmp_path / "failed.png").read_bytes()[:4] == b"\x89PNG"

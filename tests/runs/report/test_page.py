@@ -1,0 +1,158 @@
+"""The report: what is in it, that nothing typed by a person becomes markup, and that it loads nothing."""
+
+import base64
+import gzip
+import json
+import re
+from html.parser import HTMLParser
+
+import pytest
+
+from mechstyle.errors import BadInput
+from mechstyle.runs.report import texts
+from mechstyle.runs.report.page import report_page, write_report
+from mechstyle.runs.report.replay_data import replay_data
+from mechstyle.runs.report.story import largest_mask_change, steps
+from mechstyle.runs.report.timeline import ticks
+
+
+class Reader(HTMLParser):
+    """Elements and visible text of a page; complains about elements that are not closed."""
+
+    EMPTY = frozenset({"meta", "img", "circle", "path", "line", "polyline", "input", "br"})
+
+    def __init__(self, page):
+        super().__init__()
+        self.open, self.elements, self.text, self.scripts = [], [], "", []
+        self.feed(page)
+        assert self.open == []
+
+    def handle_starttag(self, tag, attributes):
+        self.elements.append((tag, dict(attributes)))
+        if tag not in self.EMPTY:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attributes):
+        self.elements.append((tag, dict(attributes)))
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        if self.open and self.open[-1] == "script":
+            self.scripts.append(data)
+        elif self.open and self.open[-1] != "style":
+            self.text += data
+
+
+@pytest.fixture(scope="module")
+def page(lane):
+    return report_page(lane)
+
+
+@pytest.fixture(scope="module")
+def read(page):
+    return Reader(page)
+
+
+def test_it_says_what_a_reader_must_know(read, lane):
+    verdict, recipe = lane.verdict, lane.recipe
+    for words_ in (
+        verdict.words, texts.OUTCOMES[verdict.outcome], recipe.digest, recipe.material.source, "a note on the part", *texts.LIMITS,
+        verdict.as_placed.rule, verdict.literal.rule, "mechstyle run gallery:pen_holder --prompt brick",
+    ):  # fmt: skip
+        assert words_ in read.text
+    for name in type(recipe).__struct_fields__:
+        assert name == "material" or name.replace("_", " ") in read.text
+
+
+def test_every_setting_is_explained():
+    explained = texts.settings_explained()
+    assert explained["drop_height"] == "Height of fall [mm]."
+    assert explained["control"] == "How demand becomes a mask."
+
+
+def test_every_simulation_has_a_mark_and_a_row_with_its_reason(read, lane):
+    told = steps(lane, lane.history)
+    marks = [given for tag, given in read.elements if tag == "g" and "data-iteration" in given]
+    rows = [given for tag, given in read.elements if tag == "tr" and "data-iteration" in given]
+    wanted = [str(step.iteration) for step in told]
+    assert [mark["data-iteration"] for mark in marks] == [row["data-iteration"] for row in rows] == wanted
+    for step, mark in zip(told, marks, strict=True):
+        assert step.reason in mark["aria-label"]
+        assert step.verdict.outcome in mark["aria-label"]
+        assert mark["tabindex"] == "0"
+
+
+def test_the_story_of_the_mask_counts_vertices(lane):
+    told = steps(lane, lane.history)
+    for step in told:
+        assert step.restrained == int((lane.checkpoint(step.iteration).mask < 0.5).sum()) or step.reason.startswith("back-off")
+    jump = largest_mask_change(told)
+    assert jump is not None
+    assert jump.added == max(step.added for step in told[1:])
+
+
+def test_it_loads_nothing_from_anywhere(page, read):
+    for tag, given in read.elements:
+        for name in ("src", "href", "data", "action", "poster"):
+            assert given.get(name, "data:").startswith("data:"), f"{tag} {name}"
+    assert not re.search(r"@import|url\(|\bimport\s*\(|\bfetch\s*\(|XMLHttpRequest|https?://", page.replace("http-equiv", ""))
+    assert "default-src 'none'" in page
+
+
+def test_what_people_typed_never_becomes_markup(sheet):
+    evil = "brick </script><script>alert(1)</script><img src=x onerror=alert(2)>{name}"
+    run = sheet(iterations=3, prompt=evil, name="<b>cup</b>&amp;")
+    read = Reader(report_page(run))
+    assert [tag for tag, _ in read.elements].count("script") == 3
+    assert not [given for tag, given in read.elements if "onerror" in given or tag == "b"]
+    assert evil in read.text
+    assert "<b>cup</b>&amp;" in read.text
+    assert json.loads(read.scripts[0])["prompt"] == evil
+
+
+def test_the_replay_inside_is_that_of_the_lane(read, lane):
+    played = replay_data(lane)
+    header, payload, _ = read.scripts
+    assert json.loads(header) == json.loads(json.dumps(played.header))
+    assert gzip.decompress(base64.b64decode(payload)) == gzip.decompress(played.payload)
+
+
+def test_a_small_run_makes_a_small_file_and_the_same_one_each_time(lane, tmp_path):
+    path = write_report(lane, tmp_path / "out.html")
+    assert path.stat().st_size < 400_000
+    assert path.read_bytes() == write_report(lane, tmp_path / "again.html").read_bytes()
+
+
+@pytest.mark.parametrize("name", ["out", "out.pdf", "folder.html"])
+def test_a_path_that_is_no_html_file_is_refused(lane, tmp_path, name):
+    (tmp_path / "folder.html").mkdir()
+    with pytest.raises(BadInput, match=r"a report is an HTML file"):
+        lane.report(tmp_path / name)
+
+
+def test_an_unfinished_lane_has_a_report_as_well(sheet):
+    run = sheet(iterations=20)
+    branch = run.branch(10, lane="later", seed=3)
+    text = Reader(report_page(branch)).text
+    assert "stands at iteration 10 of 20" in text
+    assert "--lane later --seed 3" in text
+
+
+def test_a_notebook_without_a_kernel_shows_a_picture_and_a_table(lane):
+    shown = lane._repr_mimebundle_()
+    read = Reader(shown["text/html"])
+    assert [tag for tag, _ in read.elements].count("img") == 2
+    assert "script" not in [tag for tag, _ in read.elements]
+    for text in (read.text, shown["text/plain"]):
+        assert lane.verdict.words in text
+        assert "every 10 iterations" in text
+
+
+@pytest.mark.parametrize(("top", "about", "wanted"), [(60, 6, [0, 10, 20, 30, 40, 50, 60]), (51, 4, [0, 20, 40]), (1, 10, None)])
+def test_ticks_are_round_numbers(top, about, wanted):
+    found = list(ticks(top, about))
+    assert found[0] == 0
+    assert found[-1] <= top * (1 + 1e-9)
+    assert wanted is None or found == wanted

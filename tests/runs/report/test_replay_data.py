@@ -1,0 +1,97 @@
+"""The replay data hold every iteration to within half a step, and say so in their header."""
+
+import gzip
+
+import numpy as np
+import pytest
+
+from mechstyle.errors import BadInput
+from mechstyle.loop.store import Lane, Store
+from mechstyle.runs.report.replay_data import LEVELS, NO_NUMBER, Channel, _quantised, replay_data
+from mechstyle.runs.run import Run
+
+
+def unpacked(played):
+    """What the browser makes of replay data: the base surface, and for each field the values of every frame."""
+    header, content = played.header, gzip.decompress(played.payload)
+    count, at = header["vertices"], 0
+    base = {}
+    for name, kind, length in (("vertices", "<f4", 3 * count), ("normals", "<f4", 3 * count), ("faces", "<u4", 3 * header["faces"])):
+        base[name] = np.frombuffer(content, kind, length, at).reshape(-1, 3)
+        at += 4 * length
+    for spec in header["channels"]:
+        length, size = count * spec["width"], spec["size"]
+        changes = np.frombuffer(content, np.uint8, spec["planes"] * size * length, at).reshape(spec["planes"], size, length)
+        at += changes.size
+        kind = np.uint8 if size == 1 else np.uint16
+        whole = sum(changes[:, byte].astype(np.uint32) << (8 * byte) for byte in range(size))
+        planes = np.cumsum(whole, axis=0, dtype=np.uint32).astype(kind)
+        base[spec["name"]] = spec["low"] + spec["step"] * planes[spec["frames"]].astype(float)
+    assert at == len(content)
+    return base
+
+
+def test_every_iteration_is_there_once_and_in_order(lane):
+    assert replay_data(lane).iterations == list(range(61))
+
+
+def test_the_browser_gets_the_surface_and_every_field_of_every_iteration(lane):
+    played = replay_data(lane)
+    got, surface = unpacked(played), lane.part.surface
+    assert np.allclose(got["vertices"], surface.vertices, atol=1e-4)
+    assert np.allclose(got["normals"], surface.vertex_normals, atol=1e-6)
+    assert np.array_equal(got["faces"], surface.faces)
+    for frame in (0, 1, 37, 60):
+        state = lane.checkpoint(frame)
+        wanted = {"displacement": state.displacement, "stress": state.stress, "demand": state.demand, "restraint": 1.0 - state.mask}
+        for name, values in wanted.items():
+            half_a_step = 0.5 * next(spec["step"] for spec in played.header["channels"] if spec["name"] == name)
+            assert np.abs(got[name][frame] - values).max() <= half_a_step * 1.001 + 1e-6, name
+        assert np.abs(got["colour"][frame] / 255 - state.colour.ravel()).max() <= 0.5 / 255 + 1e-3
+
+
+def test_fields_that_change_at_simulations_only_are_kept_once(lane):
+    channels = {spec["name"]: spec for spec in replay_data(lane).header["channels"]}
+    simulations = len({entry.simulated_at for entry in lane.history})
+    assert channels["stress"]["planes"] == simulations
+    assert channels["displacement"]["planes"] > 50
+
+
+def test_frames_say_what_was_simulated_and_why(lane):
+    frames = replay_data(lane).header["frames"]
+    assert frames[20]["reason"] == "every 10 iterations"
+    assert frames[20]["outcome"] in {"VIABLE", "FAILS"}
+    assert frames[20]["peak"] == pytest.approx(lane.checkpoint(20).verdict.deciding.value)
+    assert "outcome" not in frames[21]
+    assert frames[21]["simulatedAt"] == 20
+    assert frames[60]["restrained"] == pytest.approx(float((lane.checkpoint(60).mask < 0.5).mean()), abs=1e-4)
+
+
+def test_layers_hold_their_values_and_their_threshold(lane):
+    played = replay_data(lane)
+    stress = played.layer("stress")
+    assert stress["threshold"] == lane.verdict.deciding.limit
+    assert stress["low"] <= stress["threshold"] < stress["high"]
+    assert max(lane.checkpoint(i).stress.max() for i in range(61)) <= stress["high"] * 1.0001
+    assert played.layer("style")["threshold"] is None
+
+
+def test_a_value_that_is_no_number_stays_apart_from_those_that_are():
+    raw = _quantised(np.array([0.0, np.nan, 1.0], np.float32), 0.0, 1.0 / LEVELS)
+    assert raw.tolist() == [0, NO_NUMBER, LEVELS]
+
+
+def test_differences_wrap_around_instead_of_overflowing():
+    planes = [np.array([250, 3], np.uint8), np.array([2, 255], np.uint8)]
+    assert Channel("c", planes, [0, 1]).packed() == bytes([250, 3, 8, 252])
+
+
+def test_the_same_lane_gives_the_same_bytes(lane):
+    assert replay_data(lane) == replay_data(lane)
+
+
+def test_a_lane_that_has_not_begun_is_refused(tmp_path, lane):
+    store = Store(tmp_path)
+    store.move("main", Lane(recipe=store.put_recipe(lane.recipe)))
+    with pytest.raises(BadInput, match="has no checkpoint yet"):
+        replay_data(Run(store))

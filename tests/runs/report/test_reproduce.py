@@ -1,0 +1,98 @@
+"""The command in a report makes the same recipe again, whatever was set."""
+
+import shlex
+
+import msgspec
+import pytest
+from typer.main import get_command
+
+from mechstyle.cli import run
+from mechstyle.records.material import LIBRARY, Material
+from mechstyle.records.regions import Box
+from mechstyle.runs.recipes import draft
+from mechstyle.runs.report.reproduce import OF_FREESTYLE, OPTIONS, command_for
+from mechstyle.simulation.part import Origin
+
+PARSER = get_command(run.app)
+OWN = Material(name="my own", youngs_modulus=1000.0, poisson_ratio=0.3, density=1e-3, yield_strength=20.0)
+CASES = [
+    {},
+    {"prompt": "brick; rm -rf ~ 'quoted' \"and\" $HOME"},
+    {"material": LIBRARY["PETG"], "iterations": 30, "amplitude": 0.2},
+    {"material": OWN},
+    {"material": msgspec.structs.replace(LIBRARY["PLA"], yield_strength=40.0)},
+    {"control": "frozen"},
+    {"control": "linear", "normalisation": "yield", "threshold": 0.5},
+    {"criterion": "paper"},
+    {"criterion": "paper", "memory": True, "control": "frozen"},
+    {"protect": (Box(low=(0.0, 0.0, 0.0), high=(1.0, 2.0, 3.0)),), "minimum_wall": 1.2},
+    {"protect_resting_face": False, "drop_height": 800.0, "window": 2.5, "guarantee": False},
+]
+
+
+def typed(steps, monkeypatch):
+    """What the command line makes of a command: the settings of its draft, and the rest of what it was given."""
+    caught = []
+
+    def catch(*given, freestyle, as_json, more=None, **settings):
+        caught.append((given, freestyle, run.merged(more, material=given[2], **settings)))
+        raise SystemExit(0)
+
+    monkeypatch.setattr(run, "carry_out", catch)
+    with pytest.raises(SystemExit):
+        PARSER(shlex.split(steps)[1:])
+    (given, freestyle, settings) = caught[0]
+    return draft(given[1], freestyle=freestyle, **settings), given
+
+
+@pytest.mark.parametrize("freestyle", [False, True], ids=["mechstyle", "freestyle"])
+@pytest.mark.parametrize("settings", CASES, ids=lambda settings: ",".join(settings) or "defaults")
+def test_the_command_makes_the_same_recipe(lane, monkeypatch, settings, freestyle):
+    wanted = draft(**{"prompt": "brick", **settings}, freestyle=freestyle)
+    made, _ = typed(command_for(FakeLane(lane, wanted), []), monkeypatch)
+    assert made.digest == wanted.digest
+
+
+class FakeLane:
+    """A lane of another recipe."""
+
+    def __init__(self, lane, recipe):
+        self.store, self.lane, self.record, self.recipe = lane.store, "main", lane.record, recipe
+
+
+def test_the_command_of_a_plain_run_is_short(lane):
+    plain = FakeLane(lane, draft("brick"))
+    assert command_for(plain, []) == "mechstyle run gallery:pen_holder --prompt brick --out again-sheet"
+
+
+def test_freestyle_is_called_by_its_name(lane):
+    command = command_for(FakeLane(lane, draft("brick", freestyle=True)), [])
+    assert command == "mechstyle freestyle gallery:pen_holder --prompt brick --out again-sheet"
+
+
+def test_a_style_that_needs_weights_is_named_without_having_them(lane):
+    wanted = msgspec.structs.replace(draft("brick"), prompt="a mossy ruin", guidance="clip", field="network", clip="b32@0123", crops=2)
+    command = command_for(FakeLane(lane, wanted), [])
+    assert "--prompt 'a mossy ruin' --guidance clip --field network --set 'clip=\"b32@0123\"' --set crops=2" in command
+
+
+def test_size_and_scale_are_given_where_they_differ(sheet, monkeypatch):
+    run = sheet(iterations=2, origin=Origin(model="my cup.stl", vertices=4000, scale=25.4))
+    _, given = typed(command_for(run, run.history), monkeypatch)
+    assert (given[0], given[3], given[4]) == ("my cup.stl", 4000, 25.4)
+
+
+def test_every_option_it_writes_exists():
+    for verb, settings in (("run", OPTIONS), ("branch", OPTIONS), ("freestyle", OF_FREESTYLE)):
+        known = {option for parameter in PARSER.commands[verb].params for option in parameter.opts}
+        assert {f"--{setting.replace('_', '-')}" for setting in settings} | {"--set", "--material", "--prompt"} <= known
+
+
+def test_a_branch_is_made_again_by_a_second_step(sheet):
+    run = sheet(iterations=20)
+    branch = run.branch(10, lane="other", control="frozen", material="PETG")
+    command = command_for(branch, branch.history)
+    first, second = command.split(" && ")
+    assert first.startswith("mechstyle run ")
+    assert second.startswith("mechstyle branch again-sheet@main:10 --lane other ")
+    assert set(shlex.split(second)[5:]) == {"--control", "frozen", "--material", "PETG"}

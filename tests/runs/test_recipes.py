@@ -1,0 +1,412 @@
+"""From a request to a recipe: presets, what overrides them, and what is refused before anything is computed."""
+
+import msgspec
+import numpy as np
+import pytest
+
+from mechstyle.errors import BadInput, MissingPiece
+from mechstyle.loop.store import Store
+from mechstyle.records import CONTROLS, POSES, Recipe
+from mechstyle.records.load_cases import Load, LoadCase, Support
+from mechstyle.records.material import LIBRARY, Material
+from mechstyle.records.mesh import TetMesh
+from mechstyle.records.regions import HalfSpace, Inside
+from mechstyle.runs.recipes import changed, check_settings, draft, plan
+from mechstyle.runs.stylizers import stylizer_for
+from mechstyle.simulation.part import Workpiece, bounds_for
+from mechstyle.styling.learned.weights import verified
+
+WITHOUT_OUR_ADDITIONS = {"memory": False, "retraction": False, "protect_resting_face": False, "guarantee": False}
+
+
+@pytest.fixture
+def part(cube):
+    """The recipe takes digests from it and nothing else, so these tetrahedra need not fill it."""
+    tets = TetMesh(np.vstack([np.zeros(3), 10.0 * np.eye(3)]), [[0, 1, 2, 3]])
+    return Workpiece(cube, tets, thickness=np.full(8, 10.0, np.float32), stands=True)
+
+
+def defaults(part, **settings):
+    return Recipe(surface=part.surface.digest, tetrahedra=part.tets.digest, prompt="brick", material=LIBRARY["PLA"], **settings)
+
+
+def test_loads_come_from_a_file_or_as_cases_and_are_the_same_recipe(part, tmp_path):
+    file = tmp_path / "loads.toml"
+    file.write_text("[[case]]\nname = 'rest'\nsupports = [{ at = 'resting face' }]\nloads = [{ gravity = 2 }]\n", encoding="utf-8")
+    case = LoadCase(name="rest", supports=[Support(at="resting face")], loads=[Load(gravity=2)])
+    from_file = plan(part, "brick", loads=file)
+    assert from_file.digest == plan(part, "brick", loads=[case]).digest == plan(part, "brick", loads=case).digest
+    assert from_file.digest != plan(part, "brick").digest
+    with pytest.raises(BadInput, match="does not exist"):
+        changed(from_file, {"loads": str(tmp_path / "none.toml")})
+
+
+# --- presets ------------------------------------------------------------------------------------------------------
+
+
+def test_a_plain_request_gets_the_defaults_of_the_recipe(part):
+    assert plan(part, "brick") == defaults(part)
+
+
+def test_the_recipe_names_part_prompt_and_material(part):
+    one = plan(part, "small blue stones", "pla")
+    assert (one.surface, one.tetrahedra) == (part.surface.digest, part.tets.digest)
+    assert (one.prompt, one.material) == ("small blue stones", LIBRARY["PLA"])
+
+
+def test_freestyle_is_stylization_without_feedback(part):
+    one = plan(part, "brick", freestyle=True)
+    assert one == defaults(part, control="none", schedule="never", **WITHOUT_OUR_ADDITIONS)
+    assert not one.feedback
+
+
+def test_the_paper_criterion_brings_the_published_method(part):
+    theirs = {"normalisation": "sigma_c", "transfer": "nearest", "element": "tet4", "minimum_wall": 0.0}
+    expected = defaults(part, criterion="paper", **theirs, **WITHOUT_OUR_ADDITIONS)
+    assert plan(part, "brick", criterion="paper") == expected
+
+
+def test_freestyle_under_the_paper_criterion_is_both(part):
+    one = plan(part, "brick", criterion="paper", freestyle=True)
+    assert (one.control, one.schedule, one.transfer, one.criterion) == ("none", "never", "nearest", "paper")
+
+
+@pytest.mark.parametrize(
+    ("preset", "setting"),
+    [
+        ({"freestyle": True}, {"schedule": "always"}),
+        ({"freestyle": True}, {"control": "linear"}),
+        ({"freestyle": True}, {"guarantee": True}),
+        ({"criterion": "paper"}, {"memory": True}),
+        ({"criterion": "paper"}, {"transfer": "barycentric"}),
+        ({"criterion": "paper"}, {"normalisation": "yield"}),
+        ({"criterion": "paper", "freestyle": True}, {"protect_resting_face": True}),
+    ],
+)
+def test_what_is_asked_for_overrides_the_preset_and_nothing_else(part, preset, setting):
+    expected = msgspec.structs.replace(plan(part, "brick", **preset), **setting)
+    assert plan(part, "brick", **preset, **setting) == expected
+
+
+def test_a_setting_of_none_is_not_given(part):
+    """As the command line hands over options nobody typed."""
+    assert plan(part, "brick", control=None, iterations=None) == plan(part, "brick")
+    assert changed(plan(part, "brick"), {"control": None, "material": None, "prompt": None}) == plan(part, "brick")
+
+
+# --- normalisation ------------------------------------------------------------------------------------------------
+
+NORMALISATIONS = [
+    ("robust", "linear", "headroom"),
+    ("robust", "exponential", "headroom"),
+    ("robust", "none", "headroom"),
+    ("robust", "frozen", "own_max"),
+    ("paper", "linear", "sigma_c"),
+    ("paper", "exponential", "sigma_c"),
+    ("paper", "none", "sigma_c"),
+    ("paper", "frozen", "own_max"),
+]
+by_control = pytest.mark.parametrize(("criterion", "control", "normalisation"), NORMALISATIONS)
+
+
+@by_control
+def test_each_control_has_its_own_normalisation(part, criterion, control, normalisation):
+    assert plan(part, "brick", criterion=criterion, control=control).normalisation == normalisation
+
+
+@by_control
+def test_another_control_brings_its_own_normalisation(part, criterion, control, normalisation):
+    one = plan(part, "brick", criterion=criterion, control="linear", normalisation="yield")
+    assert changed(one, {"control": control}) == msgspec.structs.replace(one, control=control, normalisation=normalisation)
+
+
+@pytest.mark.parametrize("control", CONTROLS)
+def test_a_normalisation_asked_for_is_kept(part, control):
+    assert plan(part, "brick", control=control, normalisation="yield").normalisation == "yield"
+    assert changed(plan(part, "brick"), {"control": control, "normalisation": "yield"}).normalisation == "yield"
+
+
+def test_another_control_and_criterion_at_once_follow_the_new_criterion(part):
+    assert changed(plan(part, "brick"), {"control": "linear", "criterion": "paper"}).normalisation == "sigma_c"
+
+
+def test_without_another_control_the_normalisation_stays(part):
+    one = plan(part, "brick", control="frozen")
+    assert changed(one, {"every": 5, "schedule": "every"}).normalisation == "own_max"
+
+
+# --- changes ------------------------------------------------------------------------------------------------------
+
+
+def test_changing_nothing_gives_the_same_recipe(part):
+    one = plan(part, "brick", control="frozen", iterations=40)
+    assert changed(one, {}).digest == one.digest
+
+
+def test_changes_leave_everything_else_alone(part):
+    one = plan(part, "brick", seed=3)
+    assert changed(one, {"iterations": 300, "prompt": "stone"}) == msgspec.structs.replace(one, iterations=300, prompt="stone")
+
+
+def test_a_material_is_changed_by_name_or_in_full(part):
+    soft = Material(name="soft", youngs_modulus=1000.0, poisson_ratio=0.4, density=1.1e-3, yield_strength=20.0)
+    one = changed(plan(part, "brick"), {"material": soft})
+    assert one.material == soft
+    assert changed(one, {"material": "pla"}).material == LIBRARY["PLA"]
+
+
+# --- what is refused ----------------------------------------------------------------------------------------------
+
+
+def both_ways(part, settings):
+    """The recipe of these settings, asked for at the start and as a change."""
+    return (lambda: plan(part, "brick", **settings)), (lambda: changed(plan(part, "brick"), settings))
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"iteration": 10}, "unknown setting 'iteration': did you mean 'iterations'"),
+        ({"schedul": "every"}, "unknown setting 'schedul': did you mean 'schedule'"),
+        ({"surface": "5" * 64}, "unknown setting 'surface': "),
+        ({"tetrahedra": "5" * 64}, "unknown setting 'tetrahedra': "),
+        ({"control": "exponental"}, "unknown control 'exponental': did you mean 'exponential'"),
+        ({"normalisation": "head"}, "unknown normalisation 'head': did you mean 'headroom'"),
+        ({"criterion": "papr"}, "unknown criterion 'papr': did you mean 'paper'"),
+        ({"schedule": "stres"}, "unknown schedule 'stres': did you mean 'stress'"),
+        ({"transfer": "nearst"}, "unknown transfer 'nearst': did you mean 'nearest'"),
+        ({"iterations": 0}, "iterations is 0, but must lie between 1 and 100000"),
+        ({"amplitude": -0.1}, "amplitude is -0.1, but must lie between 0 and 2"),
+        ({"drop_height": 1e6}, r"drop height is 1e\+06, but must lie between 1 and 100000"),
+        ({"travel": float("nan")}, "travel is nan, but must lie between 0.001 and 10"),
+        ({"iterations": "many"}, "iterations is 'many', but must be a whole number"),
+        ({"iterations": 20.5}, "iterations is 20.5, but must be a whole number"),
+        ({"orientations": True}, "orientations is True, but must be a whole number"),
+        ({"amplitude": "high"}, "amplitude is 'high', but must be a number"),
+        ({"memory": "no"}, "memory is 'no', but must be True or False"),
+    ],
+    ids=str,
+)
+def test_a_setting_that_cannot_be_is_refused_in_one_sentence(part, settings, message):
+    for ask in both_ways(part, settings):
+        with pytest.raises(BadInput, match=f"^{message}") as caught:
+            ask()
+        assert "\n" not in str(caught.value)
+
+
+def test_an_unknown_prompt_or_material_is_refused(part):
+    with pytest.raises(BadInput, match="the prompt 'chocolate' names no style"):
+        plan(part, "chocolate")
+    with pytest.raises(BadInput, match="unknown material 'PLAA': did you mean 'PLA'"):
+        plan(part, "brick", "PLAA")
+    with pytest.raises(BadInput, match="'chocolate' names no style"):
+        changed(plan(part, "brick"), {"prompt": "chocolate"})
+    with pytest.raises(BadInput, match="unknown material 'PLAA': did you mean 'PLA'"):
+        changed(plan(part, "brick"), {"material": "PLAA"})
+
+
+def test_settings_can_be_checked_before_a_part_is_prepared():
+    check_settings({"control": None, "iterations": 5, "prompt": "brick", "material": "PLA"})
+    with pytest.raises(BadInput, match="unknown setting 'seeed': did you mean 'seed'"):
+        check_settings({"seeed": 1})
+
+
+# --- a recipe and its name on disk --------------------------------------------------------------------------------
+
+NUMBERS = [
+    {"drop_height": 1000},
+    {"travel": 1, "window": 2, "friction": 0},
+    {"amplitude": np.linspace(0.1, 0.3, 3)[1]},
+    {"amplitude": np.float32(0.25)},
+    {"iterations": np.arange(40, 41)[0], "seed": np.uint32(2**32 - 1)},
+    {"memory": np.bool_(0)},
+    {"material": Material(name="ABS", youngs_modulus=2100, poisson_ratio=np.float64(0.35), density=1.05e-3, yield_strength=40)},
+]
+
+
+@pytest.mark.parametrize("settings", NUMBERS, ids=lambda settings: next(iter(settings)))
+def test_any_kind_of_number_gives_a_recipe_that_is_found_again(part, tmp_path, settings):
+    """1000 and 1000.0 are written differently: a lane named by one would never be finished by a run that read the other."""
+    for ask in both_ways(part, settings):
+        one = ask()
+        back = Store(tmp_path).recipe(Store(tmp_path).put_recipe(one))
+        assert back == one
+        assert back.digest == one.digest
+
+
+def test_equal_requests_have_equal_digests(part):
+    assert plan(part, "brick", drop_height=1000).digest == plan(part, "brick", drop_height=1000.0).digest
+    assert plan(part, "brick", every=np.int64(5)).digest == plan(part, "brick", every=5).digest
+
+
+# --- the stylizer of a recipe -------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def ball(sphere):
+    tets = TetMesh(np.vstack([np.zeros(3), 10.0 * np.eye(3)]), [[0, 1, 2, 3]])
+    return Workpiece(sphere, tets, thickness=np.full(len(sphere.vertices), 20.0, np.float32), stands=False)
+
+
+def relief(part, recipe):
+    """What the stylizer of a recipe proposes in the end [mm]."""
+    stylizer, _ = stylizer_for(part, recipe)
+    for _ in range(200):
+        stylizer.step()
+    return stylizer.proposal().displacement
+
+
+def test_the_stylizer_follows_prompt_seed_and_amplitude(ball):
+    one = plan(ball, "stone", amplitude=0.1)
+    first, again, reseeded, higher, brick = (
+        relief(ball, changed(one, change)) for change in ({}, {}, {"seed": 1}, {"amplitude": 0.2}, {"prompt": "brick"})
+    )
+    assert np.array_equal(first, again)
+    assert not np.array_equal(first, reseeded)
+    assert not np.array_equal(first, brick)
+    assert np.abs(higher).mean() > 1.5 * np.abs(first).mean()
+
+
+def test_the_stylizer_keeps_within_what_the_part_can_bear(ball):
+    found = relief(ball, plan(ball, "stone", amplitude=2.0))
+    assert np.all(found >= -ball.inward())
+    assert np.all(found <= ball.outward())
+
+
+def test_what_was_not_understood_of_the_prompt_is_said(ball):
+    _, notes = stylizer_for(ball, plan(ball, "brick with sprinkles"))
+    assert any("sprinkles" in note for note in notes)
+
+
+def test_branching_to_the_other_criterion_brings_its_presets(part):
+    robust = plan(part, "brick")
+    paper = changed(robust, {"criterion": "paper"})
+    assert paper == plan(part, "brick", criterion="paper")
+    assert changed(paper, {"criterion": "robust"}) == robust
+    free = plan(part, "brick", freestyle=True)
+    assert not changed(free, {"criterion": "paper"}).guarantee
+    assert changed(changed(free, {"criterion": "paper"}), {"criterion": "robust"}) == free
+
+
+# --- protected regions --------------------------------------------------------------------------------------------
+
+
+def test_regions_in_words_and_as_records_are_one_recipe(part):
+    said, meant = plan(part, "brick", protect=["above 5", "inside ramp 2"]), (HalfSpace((0, 0, 5), (0, 0, 1)), Inside(ramp=2))
+    assert said == plan(part, "brick", protect=meant)
+    assert said == plan(part, "brick", protect=list(said.protect))
+    assert changed(said, {"protect": []}) == plan(part, "brick")
+
+
+def test_protected_vertices_are_free_in_nothing_and_the_user_is_told(ball):
+    bounds, notes = bounds_for(ball, plan(ball, "brick", protect="above 5 ramp 4 colour"))
+    height = ball.surface.vertices[:, 2]
+    assert np.array_equal(bounds.protection == 0.0, height >= 5)
+    assert np.array_equal(bounds.uncoloured[:, 0], height >= 5)
+    assert np.all(bounds.protection[height < -1] == 1.0)
+    assert notes == ("protected: plane 0 0 5 0 0 1 ramp 4 colour, 25% of the surface",)
+
+
+def test_without_feedback_what_the_user_protects_is_protected_still(ball):
+    bounds, _ = bounds_for(ball, plan(ball, "brick", freestyle=True, protect="above 5"))
+    assert np.any(bounds.protection == 0.0)
+
+
+# --- guidance and field -------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def weights(tiny_clip, monkeypatch, tmp_path):
+    """A machine with a tiny CLIP in a folder of its user's own and none fetched."""
+    monkeypatch.setenv("MECHSTYLE_CACHE", str(tmp_path))
+    monkeypatch.setenv("MECHSTYLE_CLIP", str(tiny_clip))
+    return verified(tiny_clip).identity
+
+
+@pytest.fixture
+def no_weights(monkeypatch, tmp_path):
+    monkeypatch.setenv("MECHSTYLE_CACHE", str(tmp_path))
+    monkeypatch.delenv("MECHSTYLE_CLIP", raising=False)
+
+
+def test_guidance_by_clip_takes_any_prompt_and_records_the_weights(part, weights):
+    one = plan(part, "a zebra in the snow", guidance="clip")
+    assert (one.guidance, one.field, one.clip) == ("clip", "vertex", weights)
+    assert changed(one, {"field": "network"}).clip == weights
+
+
+def test_back_offline_no_weights_are_recorded_and_the_prompt_must_be_drawable(part, weights):
+    one = plan(part, "brick", guidance="clip")
+    assert changed(one, {"guidance": "offline"}) == plan(part, "brick")
+    with pytest.raises(BadInput, match="'a zebra' names no style"):
+        changed(plan(part, "a zebra", guidance="clip"), {"guidance": "offline"})
+
+
+def test_without_weights_a_prompt_is_refused_with_the_command(part, no_weights):
+    for ask in (lambda: plan(part, "zebra", guidance="clip"), lambda: changed(plan(part, "brick"), {"guidance": "clip"})):
+        with pytest.raises(MissingPiece, match="`mechstyle weights fetch ViT-B-32`"):
+            ask()
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"guidance": "clp"}, "unknown guidance 'clp': did you mean 'clip'"),
+        ({"field": "net"}, "unknown field 'net': did you mean 'network'"),
+        ({"clip": "ViT-B-32"}, "CLIP weights are of no use to guidance 'offline'"),
+        ({"guidance": "clip", "clip": "ViT-B"}, "unknown CLIP model 'ViT-B': did you mean"),
+        ({"crops": 0}, "crops is 0, but must lie between 1 and 16"),
+    ],
+    ids=str,
+)
+def test_a_guidance_that_cannot_be_is_refused(part, weights, settings, message):
+    for ask in both_ways(part, settings):
+        with pytest.raises(BadInput, match=f"^{message}"):
+            ask()
+
+
+def test_an_empty_prompt_is_refused_by_clip_too(part, weights):
+    with pytest.raises(BadInput, match="the prompt is empty"):
+        plan(part, "  ", guidance="clip")
+
+
+def test_without_torch_the_network_and_clip_are_refused_and_the_rest_goes_on(part, weights, monkeypatch):
+    monkeypatch.setattr("importlib.util.find_spec", lambda _name: None)
+    for settings in ({"guidance": "clip"}, {"field": "network"}):
+        with pytest.raises(MissingPiece, match=r"torch, transformers, safetensors: install with `pip install 'mechstyle\[clip\]'`"):
+            plan(part, "brick", **settings)
+    assert plan(part, "brick") == defaults(part)
+
+
+@pytest.mark.parametrize("guidance", ["offline", "clip"])
+@pytest.mark.parametrize("field", ["vertex", "network"])
+def test_every_pair_of_guidance_and_field_has_a_stylizer_within_the_bounds(ball, weights, guidance, field):
+    recipe = plan(ball, "stone", guidance=guidance, field=field, amplitude=0.2)
+    stylizer, _ = stylizer_for(ball, recipe)
+    first = stylizer.proposal()
+    assert not first.displacement.any()
+    for _ in range(2):
+        found = stylizer.step()
+    assert found.displacement.any()
+    assert np.all((found.displacement >= -ball.inward()) & (found.displacement <= ball.outward()))
+    assert np.ptp(found.colour) > 0.0
+
+
+def test_a_network_never_moves_what_is_protected_and_draws_no_ramp_twice(ball, weights):
+    recipe = plan(ball, "stone", guidance="clip", field="vertex", protect=["below 0 ramp 4"])
+    protection = bounds_for(ball, recipe)[0].protection
+    assert np.any((protection > 0.0) & (protection < 1.0))
+    stylizer, _ = stylizer_for(ball, recipe)
+    for _ in range(2):
+        found = stylizer.step()
+    assert np.array_equal(stylizer._shape.mask.numpy(), protection > 0.0)
+    assert not found.displacement[protection == 0.0].any()
+
+
+@pytest.mark.parametrize(("poses", "drops"), POSES.items())
+def test_poses_bring_their_number_of_drops_unless_told(poses, drops):
+    assert draft("brick", poses=poses).orientations == drops
+    assert draft("brick", poses=poses, orientations=3).orientations == 3
+    assert changed(draft("brick", orientations=3), {"poses": poses}).orientations == drops
+    with pytest.raises(BadInput, match="unknown poses 'tilt': did you mean 'tilts'"):
+        draft("brick", poses="tilt")

@@ -1,0 +1,77 @@
+"""A part made ready: bounds from its walls, protection of what it stands on, and a cache that changes nothing."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import trimesh
+
+from mechstyle.errors import BadInput
+from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.simulation import part as module
+from mechstyle.simulation.part import prepare
+
+
+def block() -> SurfaceMesh:
+    box = trimesh.creation.box((30.0, 20.0, 12.0))
+    box.apply_translation((0, 0, 6.0))
+    return SurfaceMesh(box.vertices, box.faces)
+
+
+@pytest.fixture(scope="module")
+def ready(tmp_path_factory):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("MECHSTYLE_CACHE", str(tmp_path_factory.mktemp("cache")))
+        first = prepare(block(), vertices=1200)
+        patch.setattr(module, "standardise", None)  # a second preparation must not need it
+        second = prepare(block(), vertices=1200)
+    return first, second
+
+
+def test_a_second_preparation_gives_the_same_bytes_from_the_cache(ready):
+    first, second = ready
+    assert first.surface.digest == second.surface.digest
+    assert first.tets.digest == second.tets.digest
+    assert np.array_equal(first.thickness, second.thickness)
+
+
+def test_the_wall_of_a_block_is_its_shortest_side(ready):
+    surface, thickness = ready[0].surface, ready[0].thickness
+    top = np.abs(surface.face_normals[:, 2]) > 0.99
+    middle = np.unique(surface.faces[top])
+    inner = middle[(np.abs(surface.vertices[middle, 0]) < 8) & (np.abs(surface.vertices[middle, 1]) < 3)]
+    assert thickness[inner] == pytest.approx(12.0, rel=0.02)
+
+
+def test_relief_cuts_at_most_a_quarter_of_the_wall(ready):
+    assert np.all(ready[0].inward() <= 0.25 * ready[0].thickness + 1e-6)
+
+
+def test_relief_near_the_floor_stays_low(ready):
+    part = ready[0]
+    low = part.surface.vertices[:, 2] < 4.9
+    assert part.outward()[low].max() <= 0.4 + 1e-6
+    assert part.outward()[~low].max() > 1.0
+
+
+def test_the_resting_face_is_protected_and_the_top_is_not(ready):
+    part = ready[0]
+    height = part.surface.vertices[:, 2]
+    assert part.stands
+    assert np.all(part.protection()[height < 0.9] == 0.0)
+    assert np.all(part.protection()[height > 5.1] == 1.0)
+
+
+def test_a_ball_stands_on_nothing_and_says_so(tmp_path, monkeypatch):
+    monkeypatch.setenv("MECHSTYLE_CACHE", str(tmp_path))
+    ball = trimesh.creation.icosphere(subdivisions=3, radius=15.0)
+    part = prepare(SurfaceMesh(ball.vertices, ball.faces), vertices=1500)
+    assert not part.stands
+    assert np.all(part.protection() == 1.0)
+    assert "no flat face" in part.notes[0]
+
+
+def test_an_open_surface_is_refused():
+    closed = block()
+    with pytest.raises(BadInput, match="not closed"):
+        prepare(SurfaceMesh(closed.vertices, closed.faces[:-1]))

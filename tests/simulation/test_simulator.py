@@ -1,0 +1,276 @@
+"""From displacement to verdict: what is remembered, what is meshed anew, and what a failure becomes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import msgspec
+import numpy as np
+import pytest
+import trimesh
+
+from mechstyle.errors import BadInput, SimulationFailed
+from mechstyle.geometry.tetrahedra import tetrahedralise
+from mechstyle.loop.objects import Memo, Objects
+from mechstyle.records import Recipe
+from mechstyle.records.load_cases import Load, LoadCase, Patch, Support
+from mechstyle.records.material import LIBRARY
+from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.simulation import simulator as module
+from mechstyle.simulation.simulator import DropSimulator
+
+
+@pytest.fixture(scope="module")
+def block():
+    """A 30 × 20 × 10 mm block and its tetrahedra."""
+    box = trimesh.creation.box((30.0, 20.0, 10.0))
+    box.apply_translation((0, 0, 5.0))
+    for _ in range(3):
+        box = box.subdivide()
+    surface = SurfaceMesh(box.vertices, box.faces)
+    return surface, tetrahedralise(surface, 600)
+
+
+@pytest.fixture
+def memo(tmp_path):
+    return Memo(tmp_path / "memo", Objects(tmp_path / "objects"))
+
+
+@pytest.fixture
+def drops(monkeypatch):
+    """Counts drop tests; each entry is the number of orientations."""
+    counted, real = [], module.drop
+
+    def counting(tets, material, floor_normals, test, **options):
+        counted.append(len(floor_normals))
+        return real(tets, material, floor_normals, test, **options)
+
+    monkeypatch.setattr(module, "drop", counting)
+    return counted
+
+
+def simulator(block, memo, **settings) -> DropSimulator:
+    surface, tets = block
+    chosen = {"material": LIBRARY["PLA"], "orientations": 2, "window": 0.1, **settings}
+    recipe = Recipe(surface=surface.digest, tetrahedra=tets.digest, prompt="", **chosen)
+    return DropSimulator(surface, tets, recipe, memo)
+
+
+def bumps(block, height=0.2):
+    """A smooth relief that is zero on the resting face."""
+    x, y, z = block[0].vertices.T
+    return (height * np.sin(x) * np.sin(y) * (z > 3.0)).astype(np.float32)
+
+
+def test_no_relief_is_the_baseline_bit_for_bit_and_viable(block, memo):
+    sim = simulator(block, memo)
+    again = sim.simulate(np.zeros(len(block[0].vertices), np.float32), thorough=True)
+    assert np.array_equal(again.stress, sim.baseline.stress)
+    assert sim.judge(again).viable
+
+
+def test_stress_is_there_and_bounded_by_the_literal_maximum(block, memo):
+    base = simulator(block, memo).baseline
+    assert 0 < base.stress.max() <= base.as_placed.maximum
+    assert np.all(base.envelope >= base.stress - 1e-4)
+    assert base.contact.any()
+    assert block[0].vertices[base.contact, 2].max() < 4.0  # a block standing flat touches with its underside, seen through 4 mm elements
+
+
+def test_the_same_question_is_simulated_once(block, memo, drops):
+    sim = simulator(block, memo)
+    first = sim.simulate(bumps(block), thorough=False)
+    second = simulator(block, memo).simulate(bumps(block), thorough=False)
+    assert drops == [1]
+    assert np.array_equal(first.stress, second.stress)
+    assert first.as_placed == second.as_placed
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"window": 0.12},
+        {"drop_height": 1000.0},
+        {"damping": 2e-4},
+        {"friction": 0.3},
+        {"material": msgspec.structs.replace(LIBRARY["PLA"], youngs_modulus=2000.0)},
+    ],
+)
+def test_anything_that_matters_makes_it_another_question(block, memo, drops, settings):
+    sim = simulator(block, memo)
+    sim.simulate(bumps(block), thorough=False)
+    replace(sim, recipe=msgspec.structs.replace(sim.recipe, **settings)).simulate(bumps(block), thorough=False)
+    assert drops == [1, 1]
+
+
+def test_what_does_not_matter_does_not(block, memo, drops):
+    for settings in ({}, {"control": "linear"}, {"schedule": "never"}, {"iterations": 3}, {"seed": 7}):
+        simulator(block, memo, **settings).simulate(bumps(block), thorough=False)
+    assert drops == [1]
+
+
+def test_the_baseline_is_shared_between_runs(block, memo, tmp_path, drops):
+    shared = Memo(tmp_path / "shared", Objects(tmp_path / "shared-objects"))
+    for name in ("a", "b"):
+        own = Memo(tmp_path / name, Objects(tmp_path / f"{name}-objects"))
+        assert replace(simulator(block, own), shared=shared).baseline.stress.any()
+    assert drops == [2]
+
+
+def test_only_the_thorough_test_turns_the_part(block, memo, drops):
+    sim = simulator(block, memo)
+    assert sim.simulate(bumps(block), thorough=False).overall is None
+    assert sim.simulate(bumps(block), thorough=True).overall is not None
+    assert drops == [1, 2]
+
+
+def test_poses_are_another_question_where_the_part_is_turned_and_only_there(block, memo, drops):
+    for poses in ("fibonacci", "tilts"):
+        for thorough in (False, True):
+            simulator(block, memo, poses=poses).simulate(bumps(block), thorough=thorough)
+    assert drops == [1, 2, 2]
+
+
+def test_a_block_is_dropped_on_what_it_rests_on(block, memo, drops):
+    base = simulator(block, memo, poses="resting", orientations=24, window=0.05).baseline
+    assert drops == [6]
+    normals = np.array([landing.normal for landing in base.landings])
+    np.testing.assert_allclose(np.abs(normals).max(axis=1), 1.0, atol=1e-6)
+    assert base.landings[0].measures == base.as_placed
+    assert base.landings[0].weight > 0.25  # the largest side of 30 × 20 × 10 mm
+
+
+def test_probability_is_the_weight_of_the_drops_that_exceed_the_yield_strength(block, memo):
+    first = simulator(block, memo, orientations=4).baseline
+    peaks = [landing.measures.peak for landing in first.landings]
+    between = msgspec.structs.replace(LIBRARY["PLA"], yield_strength=float(np.mean(sorted(peaks)[1:3])))
+    base = simulator(block, memo, orientations=4, material=between).baseline
+    beyond = [landing.weight for landing in base.landings if landing.measures.peak > between.yield_strength]
+    assert len(beyond) == 2
+    assert base.failure_probability == pytest.approx(sum(beyond))
+    assert 0.0 < base.probability.max() <= base.failure_probability + 1e-6
+    assert np.array_equal(base.probability > 0.0, base.probability >= min(beyond) - 1e-6)
+    assert (base.envelope[base.probability > 0.0] > between.yield_strength).all()
+    assert not base.probability[base.envelope <= between.yield_strength].any()
+
+
+def test_one_drop_has_no_probability(block, memo):
+    weak = msgspec.structs.replace(LIBRARY["PLA"], yield_strength=1.0)
+    alone = simulator(block, memo, material=weak, orientations=1).baseline
+    assert alone.as_placed.peak > 1.0
+    assert not alone.probability.any()
+    assert alone.failure_probability == 0.0
+
+
+def test_what_the_tets_could_not_follow_is_taken_out(block, memo):
+    wild = (np.random.default_rng(0).choice([-4.0, 4.0], len(block[0].vertices)) * (block[0].vertices[:, 2] > 3.0)).astype(np.float32)
+    result = simulator(block, memo).simulate(wild, thorough=False)
+    assert result.backed_off > 0
+    assert np.abs(result.displacement).max() <= 4.0
+    assert np.abs(result.displacement - wild).max() == pytest.approx(result.deviation, abs=1e-3)
+
+
+def test_relief_under_an_unprotected_part_is_meshed_fresh(block, memo, monkeypatch):
+    asked = []
+
+    def meshed(surface, target, **options):
+        asked.append(surface.digest)
+        return tetrahedralise(surface, target, **options)
+
+    monkeypatch.setattr(module, "tetrahedralise", meshed)
+    sim = simulator(block, memo, protect_resting_face=False, orientations=1)
+    assert sim.simulate(bumps(block), thorough=False).meshing == "morphed"
+    assert sim.simulate(bumps(block), thorough=True).meshing == "fresh"
+    assert asked == [block[0].displaced(bumps(block)).digest]
+
+
+def test_a_surface_that_cannot_be_meshed_fresh_falls_back_and_says_so(block, memo, monkeypatch):
+    def refuse(*_args, **_options):
+        raise SimulationFailed("fTetWild gave up")
+
+    monkeypatch.setattr(module, "tetrahedralise", refuse)
+    result = simulator(block, memo, protect_resting_face=False, orientations=1).simulate(bumps(block), thorough=True)
+    assert result.meshing.startswith("morphed, as")
+    assert "fTetWild gave up" in result.meshing
+
+
+def test_a_drop_that_breaks_down_is_unknown_never_viable(block, memo, monkeypatch):
+    sim = simulator(block, memo)
+    assert sim.judge(sim.baseline).viable
+    real = module.drop
+
+    def broken(*args, **options):
+        return replace(real(*args, **options), failure="the energy grew")
+
+    monkeypatch.setattr(module, "drop", broken)
+    result = sim.simulate(bumps(block), thorough=True)
+    assert result.failure == "the energy grew"
+    assert sim.judge(result).outcome == "UNKNOWN"
+
+
+PUSH = LoadCase(
+    name="push", supports=(Support(at="resting face"),), loads=(Load(at=Patch(plane=(0, 0, 10, 0, 0, 1)), force=(3e4, 0.0, 0.0)),)
+)
+REST = LoadCase(name="rest", supports=(Support(at="resting face"),), loads=(Load(gravity=1.0),))
+
+
+def test_the_worse_of_drop_and_loads_drives_and_decides(block, memo):
+    dropped, loaded = (simulator(block, memo, **settings).baseline for settings in ({}, {"loads": (PUSH, REST)}))
+    push, rest = loaded.loaded
+    assert loaded.governing == "push"
+    assert loaded.as_placed.peak == push.peak > dropped.as_placed.peak > rest.peak > 0.0
+    assert loaded.as_placed.where == push.where
+    assert np.all(loaded.stress >= dropped.stress)
+    assert loaded.stress.max() == pytest.approx(push.peak, rel=0.3)  # the field is seen through the surface, the peak in the body
+    assert np.all(loaded.envelope >= dropped.envelope)
+    assert loaded.overall == dropped.overall
+
+
+def test_a_drop_that_is_worse_than_its_loads_stays_as_it_is(block, memo):
+    dropped, loaded = (simulator(block, memo, **settings).baseline for settings in ({}, {"loads": (REST,)}))
+    assert loaded.governing == ""
+    assert loaded.as_placed == dropped.as_placed
+    assert len(loaded.loaded) == 1
+
+
+def test_other_loads_are_another_question_and_their_answer_is_remembered(block, memo, drops):
+    for loads in ((), (REST,), (PUSH,), (REST,)):
+        assert len(simulator(block, memo, loads=loads).simulate(bumps(block), thorough=False).loaded) == len(loads)
+    assert drops == [1, 1, 1]
+
+
+def test_loads_that_cannot_be_solved_are_unknown_never_viable(block, memo, monkeypatch):
+    def singular(*_args):
+        raise SimulationFailed("the load cases could not be solved")
+
+    sim = simulator(block, memo, loads=(REST,))
+    assert sim.judge(sim.baseline).viable
+    monkeypatch.setattr(module.StaticTest, "run", singular)
+    assert sim.judge(sim.simulate(bumps(block), thorough=False)).outcome == "UNKNOWN"
+
+
+def test_a_place_that_is_not_there_is_refused_before_the_long_drop(block, memo, drops):
+    nowhere = LoadCase(name="nowhere", supports=(Support(at=Patch(sphere=(99, 0, 0, 1))),), loads=(Load(gravity=1.0),))
+    with pytest.raises(BadInput, match="'nowhere': sphere"):
+        _ = simulator(block, memo, loads=(nowhere,)).baseline
+    assert drops == []
+
+
+def test_loads_keep_their_places_where_the_drop_is_meshed_fresh(block, memo):
+    sim = simulator(block, memo, protect_resting_face=False, orientations=1, loads=(PUSH,))
+    result = sim.simulate(bumps(block), thorough=True)
+    assert result.meshing == "fresh for the drop, morphed for the loads"
+    assert result.governing == "push"
+
+
+def test_progress_can_cancel_a_drop(block, memo):
+    class Enough(Exception):
+        pass
+
+    def stop(_fraction):
+        raise Enough
+
+    sim = replace(simulator(block, memo), progress=stop)
+    with pytest.raises(Enough):
+        sim.simulate(bumps(block), thorough=False)
+    assert replace(sim, progress=lambda _: None).simulate(bumps(block), thorough=False).stress.any()

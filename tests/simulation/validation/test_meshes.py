@@ -1,0 +1,55 @@
+"""The structured bodies: closed, of the volume and area of the shape they stand for."""
+
+import numpy as np
+import pytest
+
+from mechstyle.simulation.validation.meshes import ball, box, cup, refined, square_cup
+
+
+def boundary_area(tets):
+    corners = tets.vertices[tets.boundary_faces]
+    return 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum()
+
+
+def edges_are_shared_by_two(tets):
+    faces = tets.boundary_faces
+    edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
+    return (np.unique(edges, axis=0, return_counts=True)[1] == 2).all()
+
+
+CUP = {"volume": np.pi * (15.0**2 * 2.0 + (15.0**2 - 13.0**2) * 23.0)}
+CUP["area"] = np.pi * (15.0**2 + 2 * 15.0 * 25.0 + (15.0**2 - 13.0**2) + 2 * 13.0 * 23.0 + 13.0**2)
+
+
+@pytest.mark.parametrize(
+    ("tets", "volume", "area", "tolerance"),
+    [
+        (box((3, 2, 4), (12.0, 10.0, 16.0)), 1920.0, 944.0, 1e-9),
+        (ball(20.0, 12, 4.0), 4 / 3 * np.pi * 20.0**3, 4 * np.pi * 20.0**2, 0.02),
+        (square_cup(24.0, 24.0, 2.0), 24.0**3 - 20.0**2 * 22.0, 2 * 24.0**2 + 4 * 24.0**2 + 4 * 20.0 * 22.0, 1e-9),
+        (cup(15.0, 25.0, 2.0), CUP["volume"], CUP["area"], 0.01),  # a face inside, where cells do not fit, would add to the area
+    ],
+)
+def test_bodies_are_whole_and_of_the_size_they_should_be(tets, volume, area, tolerance):
+    assert (tets.volumes > 0.0).all()
+    assert edges_are_shared_by_two(tets)
+    assert tets.volumes.sum() == pytest.approx(volume, rel=tolerance)
+    assert boundary_area(tets) == pytest.approx(area, rel=tolerance)
+
+
+def test_the_ball_touches_the_floor_at_one_point_where_it_is_finer():
+    tets = ball(20.0, 12, 4.0)
+    assert tets.vertices[:, 2].min() == pytest.approx(0.0, abs=1e-9)
+    assert (np.abs(tets.vertices[tets.vertices[:, 2] < 1e-6]) < 1e-6).all()
+    centre = tets.vertices[tets.tets].mean(axis=1)
+    near, far = (np.linalg.norm(centre - pole, axis=1) < 5.0 for pole in ([0.0, 0.0, 0.0], [0.0, 0.0, 40.0]))
+    assert near.sum() > 1.4 * far.sum()
+    assert np.median(tets.volumes[near]) < 0.5 * np.median(tets.volumes)
+
+
+def test_refinement_keeps_the_shape_and_cuts_every_tetrahedron_into_eight():
+    coarse = cup(15.0, 25.0, 2.0, (12, 3, 2))
+    fine = refined(coarse)
+    assert len(fine.tets) == 8 * len(coarse.tets)
+    np.testing.assert_allclose(fine.volumes.reshape(8, -1), np.broadcast_to(coarse.volumes / 8.0, (8, len(coarse.tets))))
+    assert boundary_area(fine) == pytest.approx(boundary_area(coarse), rel=1e-12)

@@ -1,0 +1,95 @@
+"""The validation cases themselves, as a user runs them; what takes minutes is run by hand, see docs/validation.md."""
+
+import json
+import math
+import os
+import re
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from mechstyle.__main__ import app
+from mechstyle.errors import MissingPiece
+from mechstyle.simulation.validation import calculix, suite
+from mechstyle.simulation.validation.cases import Case, bounded, compared
+
+QUICK = [name for name, case in suite.CASES.items() if not case.slow]
+MAY_SKIP = {"devices": "no CUDA device"}
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_the_simulation_holds(name):
+    if name == "cantilever" and not calculix.available() and not os.environ.get("MECHSTYLE_SKIP_NOTHING"):
+        pytest.skip("NO CALCULIX: the comparison of stiffness matrices with C3D4 and C3D10 was NOT run; apt-get install calculix-ccx")
+    results = suite.CASES[name].results()
+    assert results
+    for result in results:
+        if result.passed is None:
+            assert MAY_SKIP[name] in result.note
+        else:
+            assert result.passed, f"{result.case}: error {result.error:.3g}, limit {result.limit:.3g}"
+
+
+@pytest.mark.slow
+def test_the_stress_wave_agrees_with_calculix():
+    if not calculix.available() and not os.environ.get("MECHSTYLE_SKIP_NOTHING"):
+        pytest.skip("NO CALCULIX: the stress wave was NOT compared; apt-get install calculix-ccx")
+    assert all(result.passed for result in suite.CASES["bar_calculix"].results())
+
+
+@pytest.mark.parametrize(("measured", "passed"), [(1.04, True), (0.96, True), (1.06, False), (math.nan, False), (math.inf, False)])
+def test_only_a_finite_error_within_the_limit_passes(measured, passed):
+    assert compared("a", measured, 1.0, 0.05).passed is passed
+    assert bounded("a", abs(measured - 1.0), 0.05).passed is passed
+
+
+def test_what_is_missing_is_not_run_and_says_why():
+    def nothing():
+        raise MissingPiece("there is no wind tunnel")
+        yield
+
+    (result,) = Case("wind", "In the wind", nothing).results()
+    assert result.passed is None
+    assert result.note == "there is no wind tunnel"
+
+
+def test_without_calculix_its_cases_say_so(monkeypatch):
+    monkeypatch.setattr(calculix.shutil, "which", lambda _: None)
+    (result,) = suite.CASES["cantilever"].results()
+    assert result.passed is None
+    assert "calculix-ccx" in result.note
+
+
+def test_the_command_line_gives_figures_a_page_and_a_picture(tmp_path):
+    outcome = CliRunner().invoke(app, ["validate", "--case", "patch", "--case", "devices", "--json", "--out", str(tmp_path)])
+    assert outcome.exit_code == 0, outcome.output
+    cases = json.loads(outcome.stdout)["cases"]
+    assert {"case", "measured", "reference", "error", "limit", "passed"} <= set(cases[0])
+    assert cases[0]["passed"] is True
+    page = (tmp_path / "validation.md").read_text()
+    assert "patch" in page
+    assert "passed" in page
+    assert (tmp_path / "validation.png").stat().st_size > 5_000
+
+
+def test_a_failing_figure_is_named_and_the_exit_is_not_zero(monkeypatch):
+    def wrong():
+        yield compared("wrong: mass", 2.0, 1.0, 0.01)
+
+    monkeypatch.setitem(suite.CASES, "wrong", Case("wrong", "Wrong on purpose", wrong))
+    outcome = CliRunner().invoke(app, ["validate", "--case", "wrong"])
+    assert outcome.exit_code == 1
+    assert "wrong: mass" in outcome.output
+
+
+def test_an_unknown_case_is_refused_with_the_nearest():
+    outcome = CliRunner().invoke(app, ["validate", "--case", "pach"])
+    assert outcome.exit_code == 2
+    assert "did you mean 'patch'" in outcome.output
+
+
+def test_the_page_in_docs_tells_of_every_case():
+    page = Path(__file__).parents[2].joinpath("docs/validation.md").read_text()
+    assert re.findall(r"`mechstyle validate --case (\w+)`", page) == list(suite.CASES)
+    assert "**failed**" not in page

@@ -1,0 +1,57 @@
+import numpy as np
+
+from mechstyle.styling.drawing.operators import Operators
+
+
+def test_cotangent_weights_of_a_right_angled_grid(stand):
+    # Across the diagonal of a square both angles are right: cotangents of 0, kept positive at 0.05. Along its sides they are ½ + ½.
+    operators = Operators(stand)
+    length = np.linalg.norm(operators.edge_vectors, axis=1)
+    assert np.allclose(operators.weights[length > 4.1], 0.05)
+    assert np.allclose(operators.weights[length < 4.1], 1.0)
+
+
+def test_the_laplacian_of_a_constant_vanishes_and_of_x_gives_minus_the_mean_curvature_normal(sphere):
+    operators = Operators(sphere)
+    assert np.abs(operators.laplacian @ np.ones(len(sphere.vertices))).max() < 1e-12
+    # On a sphere of radius 10 mm the mean curvature is 1/10: Δx = 2 H n (area-weighted).
+    curvature = operators.laplacian @ sphere.vertices / sphere.vertex_areas[:, None]
+    assert np.abs(np.einsum("ij,ij->i", curvature, sphere.vertex_normals).mean() - 0.2) < 0.004
+
+
+def test_transport_over_an_edge_and_back_is_no_turn(sphere):
+    operators = Operators(sphere)
+    x, y = operators.frames
+    here = np.cos(0.3) * x[operators.tail] + np.sin(0.3) * y[operators.tail]
+    there = operators.carried(here)
+    angle = 0.3 + operators.transport
+    expected = np.cos(angle)[:, None] * x[operators.head] + np.sin(angle)[:, None] * y[operators.head]
+    assert np.abs(there - expected).max() < 1e-9
+    assert np.abs(np.linalg.norm(there, axis=1) - 1.0).max() < 1e-9
+
+
+def test_diffusion_keeps_the_mean_and_shrinks_the_spread(sphere):
+    operators = Operators(sphere)
+    values = np.random.default_rng(0).normal(size=len(sphere.vertices))
+    smooth = operators.diffused(values, 2.0)
+    assert abs(sphere.vertex_areas @ (smooth - values)) < 1e-9 * sphere.vertex_areas.sum()
+    assert smooth.std() < 0.3 * values.std()
+    assert np.allclose(operators.diffused(np.full(len(values), 2.5), 3.0), 2.5)
+
+
+def test_components_are_the_pieces_held_together_by_the_edges_kept(sphere):
+    operators = Operators(sphere)
+    above = sphere.vertices[:, 2] > 0.0
+    labels = operators.components(above[operators.tail] == above[operators.head])
+    assert len(np.unique(labels)) == 2
+    assert len(np.unique(labels[above])) == 1
+
+
+def test_the_slope_of_the_height_is_one_on_a_wall_and_scales_with_it(stand):
+    operators = Operators(stand)
+    z = stand.vertices[:, 2]
+    slope = operators.slope(z)
+    wall = (np.abs(stand.vertex_normals[:, 1]) > 0.999) & (z > 20.0) & (z < 70.0)
+    # Its edges run along both axes and one diagonal: half of their squared length is up the wall.
+    assert np.allclose(slope[wall], 1.0)
+    assert np.allclose(operators.slope(0.5 * z), 0.5 * slope)

@@ -1,0 +1,308 @@
+"""The renderer against formulas worked by hand, the picture room's camera, and differences of its own pictures."""
+
+import math
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import torch
+from torch.nn.functional import max_pool2d
+
+from mechstyle.errors import BadInput
+from mechstyle.pictures.camera import Camera
+from mechstyle.styling.learned.renderer import Cameras, Renderer, random_views
+
+VIEWS = Cameras(torch.tensor([0.3, -0.5, 1.2], dtype=torch.float64), torch.tensor([0.5, 2.2, -1.0], dtype=torch.float64))
+SIZE = 64
+
+
+@pytest.fixture(scope="module")
+def faces(sphere):
+    return torch.tensor(sphere.faces)
+
+
+@pytest.fixture(scope="module")
+def egg(sphere):
+    """An ellipsoid: no part of it hides another, so its only outline is the one against the background."""
+    return torch.tensor(sphere.vertices / 10.0) * torch.tensor([0.9, 0.7, 0.6], dtype=torch.float64)
+
+
+@pytest.fixture(scope="module")
+def paint(egg):
+    return 0.4 + 0.2 * torch.sin(5.0 * egg)
+
+
+def slope(function, at, direction, step):
+    """Derivative of a scalar function along a direction, by central difference and by autograd."""
+    with torch.no_grad():
+        measured = (function(at + step * direction) - function(at - step * direction)) / (2.0 * step)
+    leaf = at.clone().requires_grad_()
+    function(leaf).backward()
+    return float(measured), float((leaf.grad * direction).sum())
+
+
+def waves(views=3, size=SIZE):
+    """Smooth weights over pictures, so that a sum of pixels feels where things are."""
+    along = torch.linspace(-1.0, 1.0, size, dtype=torch.float64)
+    return torch.stack([torch.sin(3.0 * along + k)[None] * torch.cos(2.0 * along - k)[:, None] for k in range(3)]).expand(views, -1, -1, -1)
+
+
+# --- gradients ----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_gradients_inside_the_outline_are_those_of_the_picture(egg, faces, paint, seed):
+    renderer = Renderer(faces, SIZE)
+    inside = max_pool2d(1.0 - renderer(egg, paint, VIEWS).coverage, 5, stride=1, padding=2) == 0
+    generator = torch.Generator().manual_seed(seed)
+    weights = inside * torch.rand(3, 3, SIZE, SIZE, generator=generator, dtype=torch.float64)
+    direction = torch.randn(egg.shape, generator=generator, dtype=torch.float64)
+    measured, found = slope(lambda points: (renderer(points, paint, VIEWS).image * weights).sum(), egg, direction, 1e-6)
+    assert found == pytest.approx(measured, rel=1e-3)
+
+
+def test_a_vertex_feels_its_own_normal_and_place(egg, faces, paint):
+    """One vertex in the middle of a view, each coordinate: what a sum over many vertices could hide."""
+    front = Cameras(torch.zeros(1, dtype=torch.float64), torch.zeros(1, dtype=torch.float64))
+    nearest = int(egg[:, 0].argmax())
+    renderer, weights = Renderer(faces, SIZE), torch.rand(1, 3, SIZE, SIZE, generator=torch.Generator().manual_seed(5), dtype=torch.float64)
+    for axis in range(3):
+        direction = torch.zeros_like(egg)
+        direction[nearest, axis] = 1.0
+        measured, found = slope(lambda points: (renderer(points, paint, front).image * weights).sum(), egg, direction, 1e-6)
+        assert found == pytest.approx(measured, rel=1e-3)
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2, None])
+def test_the_outline_has_gradients(egg, faces, paint, axis):
+    """Moving along an axis, or growing. Blending between two pixel centres is not the exact area, so the bound is a measured one."""
+    direction = egg if axis is None else torch.eye(3, dtype=torch.float64)[axis].expand_as(egg)
+    renderer, weights = Renderer(faces, SIZE), waves()
+    measured, found = slope(lambda points: (renderer(points, paint, VIEWS).image * weights).sum(), egg, direction, 0.02)
+    assert found == pytest.approx(measured, rel=0.15)
+
+
+def torus(bump, around=250, along=100):
+    """Vertices of a lying ring, y up, with bumps as high as that, and its faces: a ring hides parts of itself."""
+    u, v = torch.meshgrid(*(torch.arange(count, dtype=torch.float64) * (2 * math.pi / count) for count in (around, along)), indexing="ij")
+    tube = 0.3 + bump * torch.sin(11 * u) * torch.cos(7 * v)
+    ring = 0.62 + tube * v.cos()
+    number = torch.arange(around * along).view(around, along)
+    a, b, c, d = number, number.roll(-1, 0), number.roll((-1, -1), (0, 1)), number.roll(-1, 1)
+    faces = torch.stack([torch.stack(corners, dim=-1) for corners in ((a, b, c), (a, c, d))]).view(-1, 3)
+    return torch.stack([ring * u.cos(), tube * v.sin(), -ring * u.sin()], dim=-1).view(-1, 3), faces
+
+
+@pytest.mark.parametrize("shape", ["torus", "bumpy torus", "pen holder"])
+def test_gradients_of_parts_that_hide_themselves_are_those_of_the_picture(shape, holder):
+    """Growing, shifting and a single bump. What remains within the bound is chance: where outlines happen to pass between centres."""
+    upright = torch.tensor(holder.vertices[:, [0, 2, 1]] * (1.0, 1.0, -1.0)) / 75.0 - torch.tensor([0.0, 0.65, 0.0], dtype=torch.float64)
+    points, faces = (upright, torch.tensor(holder.faces)) if shape == "pen holder" else torus(0.02 if shape == "bumpy torus" else 0.0)
+    paint, renderer, weights = 0.4 + 0.2 * torch.sin(5.0 * points), Renderer(faces, 224), waves(size=224)
+    near = torch.tensor([0.4, 0.3, 0.5], dtype=torch.float64)
+    bump = near * torch.exp(-(points - near).square().sum(dim=1, keepdim=True) / 0.25**2)
+    for direction in (points, *(axis.expand_as(points) for axis in torch.eye(3, dtype=torch.float64)), bump):
+        measured, found = slope(lambda at: (renderer(at, paint, VIEWS).image * weights).sum(), points, direction, 0.02)
+        assert found == pytest.approx(measured, rel=0.1)
+
+
+def test_covered_area_and_its_growth_are_those_of_the_cone_around_a_sphere(sphere, faces):
+    radius = torch.tensor(0.8, dtype=torch.float64, requires_grad=True)
+    points = radius * torch.tensor(sphere.vertices / 10.0)
+    area = Renderer(faces, SIZE)(points, torch.ones_like(points), VIEWS).coverage.sum()
+    area.backward()
+    pixels_at_one = SIZE / 2.0 / math.tan(math.radians(30.0))
+    expected = 3.0 * math.pi * pixels_at_one**2 * 0.8**2 / (2.0**2 - 0.8**2)  # tan² asin(r / d) = r² / (d² - r²)
+    assert area.item() == pytest.approx(expected, rel=2e-3)
+    assert radius.grad.item() == pytest.approx(expected * 2.0 / 0.8 * 2.0**2 / (2.0**2 - 0.8**2), rel=1e-2)
+
+
+def test_colours_have_exact_gradients(egg, faces, paint):
+    """Unclamped, a picture is an affine function of the colours, so any step gives its slope."""
+    for kaolin in (False, True):
+        renderer, weights = Renderer(faces, SIZE, kaolin_compat=kaolin), waves()
+        measured, found = slope(
+            lambda colours, r=renderer, w=weights: (r(egg, colours, VIEWS).image * w).sum(), paint, egg.roll(1, 0), 0.05
+        )
+        assert found == pytest.approx(measured, rel=1e-9)
+
+
+def test_hard_outlines_have_none(egg, faces, paint):
+    for options in ({"antialias": False}, {"kaolin_compat": True}):
+        points = egg.clone().requires_grad_()
+        coverage = Renderer(faces, SIZE, **options)(points, paint, VIEWS).coverage
+        assert set(coverage.unique().tolist()) == {0.0, 1.0}
+        (slopes,) = torch.autograd.grad(coverage.sum(), points)
+        assert (slopes == 0.0).all()
+
+
+# --- what is seen -------------------------------------------------------------------------------------------------
+
+
+def test_a_sphere_is_lit_as_its_radii_say(sphere, faces):
+    """White light on grey 0.5 by the first spherical harmonics, with the normal where each pixel's ray meets the sphere."""
+    points = torch.tensor(sphere.vertices / 10.0)
+    view = Renderer(faces, SIZE)(points, torch.full_like(points, 0.5), Cameras(torch.zeros(1), torch.zeros(1)))
+    along = ((2 * np.arange(SIZE) + 1) / SIZE - 1) * math.tan(math.radians(30.0))
+    rays = np.stack(np.broadcast_arrays(along[None, :], -along[:, None], -1.0), axis=-1)
+    rays /= np.linalg.norm(rays, axis=-1, keepdims=True)
+    reach = -2.0 * rays[..., 2] - np.sqrt(np.maximum((2.0 * rays[..., 2]) ** 2 - 3.0, 0.0))
+    normals = reach[..., None] * rays + (0.0, 0.0, 2.0)  # in camera axes: the sphere is at the origin, the camera at z = 2
+    expected = np.clip(0.5 * (0.28209479177 + 0.48860251190 * normals.sum(axis=-1)), 0.0, 1.0)
+    inside = max_pool2d(1.0 - view.coverage, 3, stride=1, padding=1)[0, 0].numpy() == 0
+    assert view.image[0, 1].numpy()[inside] == pytest.approx(expected[inside], abs=0.01)  # facets of 3 degrees
+
+
+def by_hand(corners, colours, row, column, size):
+    """A pixel of one triangle seen from +x, as Kaolin computes it: camera axes (-z, y, x), weights linear in the picture."""
+    seen = [(-z, y, x - 2.0) for x, y, z in corners]
+    scale = 1.0 / math.tan(math.radians(30.0))
+    (ax, ay), (bx, by), (cx, cy) = [(scale * x / -z, scale * y / -z) for x, y, z in seen]
+    m, p, n, q = bx - ax, by - ay, cx - ax, cy - ay
+    s, t = (2 * column + 1 - size) / size - ax, (size - 1 - 2 * row) / size - ay
+    whole = m * q - n * p + 1e-8
+    b, c = (s * q - n * t) / whole, (m * t - s * p) / whole
+    normal = np.cross(np.subtract(seen[1], seen[0]), np.subtract(seen[2], seen[0]))
+    light = 0.28209479177 + 0.48860251190 * normal.sum() / np.linalg.norm(normal)
+    return light * ((1 - b - c) * np.array(colours[0]) + b * np.array(colours[1]) + c * np.array(colours[2]))
+
+
+def test_kaolin_compat_is_kaolins_formula():
+    corners, colours = [(0.0, -0.5, 0.6), (0.3, -0.4, -0.5), (-0.4, 0.6, 0.1)], [(0.8, 0.1, 0.2), (0.1, 0.7, 0.3), (0.2, 0.3, 0.6)]
+    points, paint = torch.tensor(corners, dtype=torch.float64), torch.tensor(colours, dtype=torch.float64)
+    front, triangle = Cameras(torch.zeros(1), torch.zeros(1)), torch.tensor([[0, 1, 2]])
+    view = Renderer(triangle, 16, kaolin_compat=True)(points, paint, front)
+    for row, column in ((8, 8), (7, 7), (9, 6)):
+        expected = by_hand(corners, colours, row, column, 16)
+        assert (expected < 1.0).all()
+        assert view.image[0, :, row, column].numpy() == pytest.approx(expected, abs=1e-9)
+    correct = Renderer(triangle, 16)(points, paint, front).image[0, :, 8, 8].numpy()
+    assert np.abs(correct - by_hand(corners, colours, 8, 8, 16)).max() > 1e-3  # the corners are not equally far away
+
+
+def test_kaolin_compat_culls_by_the_normal_in_camera_axes():
+    """Well above the axis a face can show its front although its normal has a negative part along the viewing axis."""
+    points = torch.tensor([(0.0, -0.9, -0.3), (0.0, -0.9, 0.3), (0.8, -0.6, 0.0)], dtype=torch.float64)
+    front = Cameras(torch.zeros(1), torch.zeros(1))
+    for order in ([0, 1, 2], [0, 2, 1]):
+        towards = float(torch.linalg.cross(points[order[1]] - points[order[0]], points[order[2]] - points[order[0]])[0])
+        kaolin = Renderer(torch.tensor([order]), SIZE, kaolin_compat=True)(points, points.abs(), front)
+        assert bool(kaolin.coverage.any()) == (towards > 0)
+        ours = Renderer(torch.tensor([order]), SIZE)(points, points.abs(), front)
+        eye = torch.tensor([2.0, 0.0, 0.0], dtype=torch.float64)
+        normal = torch.linalg.cross(points[order[1]] - points[order[0]], points[order[2]] - points[order[0]])
+        assert bool(ours.coverage.any()) == bool(normal @ (eye - points[0]) > 0)
+
+
+def test_views_at_once_are_the_views_one_by_one(egg, faces, paint):
+    renderer = Renderer(faces, SIZE)
+    together = renderer(egg, paint, VIEWS)
+    for k in range(3):
+        alone = renderer(egg, paint, Cameras(VIEWS.elevation[k : k + 1], VIEWS.azimuth[k : k + 1]))
+        assert torch.allclose(together.image[k], alone.image[0], atol=1e-12)
+        assert torch.allclose(together.coverage[k], alone.coverage[0], atol=1e-12)
+
+
+@pytest.mark.parametrize("options", [{}, {"kaolin_compat": True}])
+def test_shapes_that_do_not_depend_on_what_is_seen_change_nothing(egg, faces, paint, options):
+    views, slopes = [], []
+    for static in (False, True):
+        points, colours = egg.clone().requires_grad_(), paint.clone().requires_grad_()
+        seen = Renderer(faces, SIZE, static=static, **options)(points, colours, VIEWS)
+        ((seen.image + seen.coverage) * waves()).sum().backward()
+        views.append(torch.cat([seen.image, seen.coverage], dim=1).detach())
+        slopes.append(torch.cat([points.grad, colours.grad]))
+    assert torch.allclose(*views, atol=1e-12)
+    assert torch.allclose(*slopes, rtol=1e-9, atol=1e-9)
+
+
+def test_single_precision_is_enough(egg, faces, paint):
+    pictures, slopes = [], []
+    for kind in (torch.float32, torch.float64):
+        points = egg.to(kind).requires_grad_()
+        image = Renderer(faces, SIZE)(points, paint.to(kind), VIEWS).image
+        (image * waves()).sum().backward()
+        pictures.append(image.detach().double())
+        slopes.append(points.grad.double())
+    assert image.dtype == torch.float64
+    assert (pictures[0] - pictures[1]).abs().quantile(0.999) < 1e-4  # a pixel at an edge may see the other face
+    assert (slopes[0] - slopes[1]).norm() < 1e-2 * slopes[1].norm()
+
+
+def test_nothing_in_view_is_white_and_has_no_gradient(faces, egg, paint):
+    points = (egg + 50.0).requires_grad_()
+    for static in (False, True):
+        seen = Renderer(faces, 8, static=static)(points, paint, VIEWS)
+        assert (seen.image == 1.0).all()
+        assert (seen.coverage == 0.0).all()
+        (slope,) = torch.autograd.grad(seen.image.sum(), points)
+        assert (slope == 0.0).all()
+
+
+# --- cameras ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("azimuth", "elevation"), [(0.0, 0.0), (35.0, 28.0), (200.0, -60.0), (90.0, 90.0)])
+def test_cameras_are_those_of_the_pictures_with_y_up(sphere, azimuth, elevation):
+    upright = sphere.vertices / 10.0 * (0.9, 0.5, 0.7) + (0.05, 0.02, -0.1)
+    x, y, depth = Camera(azimuth, elevation, (0.0, 0.0, 0.0), 2.0, 60.0).project(upright).T
+    turned = torch.tensor(upright[:, [0, 2, 1]] * (1.0, 1.0, -1.0))
+    angles = torch.deg2rad(torch.tensor([[elevation], [90.0 - azimuth]], dtype=torch.float64))
+    found = Cameras(angles[0], angles[1]).project(turned, SIZE)[0].numpy()
+    assert found == pytest.approx(np.column_stack([(x + 1.0) * SIZE / 2, (1.0 - y) * SIZE / 2, 1.0 / depth]), abs=1e-9)
+
+
+def test_axes_are_a_right_handed_frame_with_y_up_also_beyond_a_pole():
+    around = torch.linspace(-3.0, 3.0, 13, dtype=torch.float64)
+    axes = Cameras(around, 2.0 * around).axes
+    assert torch.allclose(axes @ axes.transpose(1, 2), torch.eye(3, dtype=torch.float64).expand(13, 3, 3))
+    assert torch.allclose(torch.linalg.det(axes), torch.ones(13, dtype=torch.float64))
+    assert (axes[:, 1, 1] >= 0).all()
+
+
+def test_random_views_are_spread_around_the_centre_which_comes_first():
+    views = random_views(20001, (0.6, -1.0), 4.0, torch.Generator().manual_seed(1))
+    assert (views.elevation[0], views.azimuth[0]) == (torch.tensor(0.6), torch.tensor(-1.0))
+    assert float(views.elevation.mean()) == pytest.approx(0.6, abs=0.03)
+    assert float(views.azimuth.mean()) == pytest.approx(-1.0, abs=0.05)
+    assert float(views.elevation.std()) == pytest.approx(math.pi / 4, rel=0.02)
+    assert float(views.azimuth.std()) == pytest.approx(math.pi / 2, rel=0.02)
+    again = random_views(20001, (0.6, -1.0), 4.0, torch.Generator().manual_seed(1))
+    assert torch.equal(views.azimuth, again.azimuth)
+
+
+@pytest.mark.parametrize("kaolin", [False, True])
+def test_views_may_differ_in_their_colours(egg, faces, paint, kaolin):
+    renderer, greys = Renderer(faces, SIZE, kaolin_compat=kaolin), [0.2, 0.5, 0.8]
+    together = renderer(egg, torch.stack([paint * grey for grey in greys]), VIEWS).image
+    for number, grey in enumerate(greys):
+        assert torch.allclose(together[number], renderer(egg, paint * grey, VIEWS).image[number], atol=1e-12)
+
+
+# --- what cannot be rendered --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        (lambda: Renderer(torch.zeros(4, 2, dtype=torch.int64)), r"not torch.int64 of shape \(4, 2\)"),
+        (lambda: Renderer(torch.zeros(4, 3)), "not torch.float32"),
+        (lambda: Renderer(torch.zeros(4, 3, dtype=torch.int64), 0), "views of 0 x 0 pixels"),
+        (lambda: Renderer(torch.tensor([[0, 1, 9]]))(torch.zeros(3, 3), torch.zeros(3, 3), VIEWS), "vertices 0 to 9, but there are 3"),
+        (lambda: Renderer(torch.tensor([[0, 1, 2]]))(torch.zeros(3, 3), torch.zeros(3, 4), VIEWS), r"not \(3, 3\) and \(3, 4\)"),
+        (lambda: Cameras(torch.zeros(2), torch.zeros(3)), r"not shapes \(2,\) and \(3,\)"),
+        (lambda: Cameras(torch.zeros(1), torch.zeros(1), fov=180.0), "opened by 180°"),
+        (lambda: random_views(0, (0.0, 0.0), 4.0, torch.Generator()), "0 views"),
+    ],
+)
+def test_what_cannot_be_rendered_is_refused(wrong, words):
+    with pytest.raises(BadInput, match=words):
+        wrong()
+
+
+def test_without_torch_the_command_that_installs_it_is_named():
+    program = "import sys; sys.modules['torch'] = None; import mechstyle.styling.learned.renderer"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert done.returncode != 0
+    assert "MissingPiece: rendering with gradients needs torch: install it with `pip install 'mechstyle[clip]'`" in done.stderr

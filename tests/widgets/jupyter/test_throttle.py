@@ -1,0 +1,75 @@
+"""Ten updates a second at most, the last one always; and a cell that runs again takes away what it made before."""
+
+from __future__ import annotations
+
+import asyncio
+from types import SimpleNamespace
+
+import IPython
+import ipywidgets
+
+from mechstyle_widgets.jupyter.cell_output import OncePerCell
+from mechstyle_widgets.jupyter.throttle import SHORTEST_WAIT, Paced
+
+
+def test_without_a_loop_it_acts_at_once():
+    seen = []
+    paced = Paced(lambda: seen.append(1))
+    paced()
+    paced()
+    assert seen == [1, 1]
+
+
+def test_in_a_loop_the_latest_wins():
+    """A loop whose clock the test holds: what is asked for in one tick is drawn once, with the last value."""
+    seen, asked = [], []
+    latest = 0
+
+    async def drag() -> None:
+        nonlocal latest
+        loop = asyncio.get_running_loop()
+        loop.call_later = lambda wait, act: asked.append((wait, act)) or SimpleNamespace(cancel=lambda: None)
+        paced = Paced(lambda: seen.append(latest))
+        for latest in range(1, 51):  # noqa: B007 — read by what is paced
+            paced()
+        assert len(asked) == 1
+        assert asked[0][0] == 0.0
+        asked[0][1]()
+        paced()
+
+    asyncio.run(drag())
+    assert seen == [50]
+    assert len(asked) == 2
+    assert 0.0 < asked[1][0] <= SHORTEST_WAIT
+
+
+def test_what_is_cancelled_does_not_happen():
+    async def close_while_waiting() -> list[int]:
+        seen = []
+        paced = Paced(lambda: seen.append(1))
+        paced()
+        paced.cancel()
+        await asyncio.sleep(0)
+        return seen
+
+    assert asyncio.run(close_while_waiting()) == []
+
+
+class Shown(OncePerCell, ipywidgets.HTML):
+    """Something a cell can show."""
+
+
+def test_a_cell_that_runs_again_closes_what_it_showed(monkeypatch):
+    parent = {"metadata": {"cellId": "cell"}, "header": {"msg_id": "first"}}
+    monkeypatch.setattr(IPython, "get_ipython", lambda: SimpleNamespace(get_parent=lambda: parent))
+    one, two, three = Shown(), Shown(), Shown()
+    one._repr_mimebundle_()
+    two._repr_mimebundle_()
+    assert one.comm is not None  # two of one run live side by side
+    parent["header"] = {"msg_id": "second"}
+    two._repr_mimebundle_()
+    assert one.comm is None
+    assert two.comm is not None  # what is shown again lives on
+    parent["metadata"] = {"cellId": "another"}
+    three._repr_mimebundle_()
+    assert two.comm is not None

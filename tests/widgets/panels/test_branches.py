@@ -1,0 +1,96 @@
+"""Lanes: which there are, a new one, and two iterations compared."""
+
+import msgspec
+import pytest
+
+from mechstyle.records.load_cases import Load, LoadCase, Support
+from mechstyle.records.regions import Inside
+from mechstyle_widgets.panels.branches import Branches, said
+from mechstyle_widgets.state.controller import Conductor, Wanted
+from mechstyle_widgets.state.studio_state import StudioState
+
+
+@pytest.fixture
+def branches(done):
+    """The lanes of a finished run with a branch; it is only looked at."""
+    return Branches(Conductor(StudioState(done), lambda: Wanted(done.recipe, None, 500, "sheet")))
+
+
+def test_lanes_are_listed_with_where_they_come_from(branches):
+    words = [words for words, _ in branches._choice.options]
+    assert words[0].endswith("main: 12 iterations")
+    assert words[1].endswith("soft: 12 iterations, from main at 6")
+
+
+def test_choosing_a_lane_shows_it_and_what_it_changed(branches):
+    branches._choice.value = "soft"
+    assert branches.state.lane == "soft"
+    assert "exponential" in branches._changes.value
+    assert "linear" in branches._changes.value
+    branches.state.lane = "main"
+    assert branches._choice.value == "main"
+
+
+def test_two_iterations_are_compared_in_settings_and_results(branches):
+    branches.state.iteration = 4
+    branches._pin.click()
+    branches.state.lane, branches.state.iteration = "soft", 9
+    table = {name: (there, here) for name, there, here in branches.comparison()}
+    assert table["control"] == ("exponential", "linear")
+    assert table["iteration"] == ("4", "9")
+    assert table["simulated because"] == ("every 4 iterations", "every 3 iterations")
+    assert "main · 4" in branches._comparison.value
+
+
+def test_nothing_is_compared_before_something_is_pinned(branches):
+    assert branches.comparison() == []
+    assert branches._comparison.layout.display == "none"
+
+
+def test_a_branch_from_the_iteration_on_show_takes_what_was_changed_at_the_left(conducted, settle):
+    conducted.run()
+    settle(conducted)
+    branches = Branches(conducted)
+    conducted.state.iteration = 5
+    branches.branch()
+    assert "change a setting at the left first" in branches.trouble
+    changed = msgspec.structs.replace(conducted.state.run.recipe, every=2)
+    conducted.wanted = lambda: Wanted(changed, None, 500, "sheet")
+    branches._name.value = "often"
+    assert branches._branch.description == "branch from iteration 5"
+    branches._branch.click()
+    settle(conducted)
+    assert (conducted.state.lane, conducted.state.run.recipe.every) == ("often", 2)
+    assert branches.trouble == ""
+
+
+def test_a_branch_has_the_very_settings_of_the_left_column(conducted, settle):
+    """Told `frozen` alone, a branch would compare with the part's own maximum, which is not what the column shows."""
+    branches = Branches(conducted)
+    conducted.run()
+    settle(conducted)
+    shown = msgspec.structs.replace(conducted.state.run.recipe, control="frozen", poses="tilts")
+    conducted.wanted = lambda: Wanted(shown, None, 500, "sheet")
+    conducted.state.iteration = 5
+    branches._branch.click()
+    settle(conducted)
+    assert conducted.state.lane == "branch-1"
+    assert conducted.state.run.recipe == shown
+
+
+def test_a_name_that_cannot_be_is_refused_in_one_sentence(conducted, settle):
+    conducted.run()
+    settle(conducted)
+    conducted.state.iteration = 5
+    conducted.branch(5, "12", control="linear")
+    assert "lane name '12' must begin with" in conducted.state.message
+
+
+CASE = LoadCase(name="heavy coat", supports=(Support(at="resting face"),), loads=(Load(gravity=1.0),))
+
+
+@pytest.mark.parametrize(("value", "words"), [
+    (True, "yes"), (0.1234567, "0.1235"), ((), "–"), ("", "–"), (20, "20"), ((CASE,), "heavy coat"), ((Inside(),), "inside"),
+])  # fmt: skip
+def test_values_for_a_table(value, words):
+    assert said(value) == words

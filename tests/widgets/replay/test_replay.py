@@ -1,0 +1,102 @@
+"""The replay without a browser: its data, its traits, and what it refuses."""
+
+import importlib.util
+import sys
+from pathlib import Path
+
+import pytest
+from ipywidgets import Widget
+from ipywidgets.widgets.widget import _instances as alive
+
+from mechstyle.errors import BadInput
+from mechstyle.runs.report.replay_data import replay_data
+from mechstyle_widgets.replay.replay import Replay
+
+_SPEC = importlib.util.spec_from_file_location("report_lanes", Path(__file__).parents[1] / "report" / "conftest.py")
+assert _SPEC is not None
+assert _SPEC.loader is not None
+report_lanes = importlib.util.module_from_spec(_SPEC)
+sys.modules["report_lanes"] = report_lanes
+_SPEC.loader.exec_module(report_lanes)
+
+
+@pytest.fixture
+def run(tmp_path):
+    return report_lanes.lane_on_a_sheet(tmp_path / "run", iterations=20)
+
+
+@pytest.fixture
+def replay(run):
+    yield Replay(run)
+    Widget.close_all()
+
+
+def test_it_stands_at_the_end_and_holds_the_data(replay, run):
+    played = replay_data(run)
+    assert (replay.iteration, replay.layer, replay.threshold) == (20, "style", None)
+    assert replay._header == played.header
+    assert replay._payload == played.payload
+
+
+def test_everything_can_be_said_at_once(run):
+    replay = Replay(run, iteration=7, layer="stress", threshold=22.0)
+    assert (replay.iteration, replay.layer, replay.threshold) == (7, "stress", 22.0)
+    replay.close()
+
+
+def test_a_layer_brings_its_threshold_and_keeps_one_that_is_set(replay, run):
+    replay.layer = "stress"
+    assert replay.threshold == run.verdict.deciding.limit
+    replay.threshold = 25.0
+    replay.iteration = 3
+    assert replay.threshold == 25.0
+    replay.layer = "restraint"
+    assert replay.threshold == 0.5
+    replay.threshold = None
+    assert replay.threshold is None
+    replay.layer = "displacement"
+    assert replay.threshold is None
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "words"),
+    [
+        ("iteration", 21, "iteration 21 is not in this replay: it holds 0 to 20"),
+        ("layer", "stres", "did you mean 'stress'"),
+        ("threshold", 1.0, "the layer 'style' has no threshold"),
+    ],
+)
+def test_what_cannot_be_shown_is_refused_and_nothing_changes(replay, name, value, words):
+    before = (replay.iteration, replay.layer, replay.threshold)
+    with pytest.raises(BadInput, match=words):
+        setattr(replay, name, value)
+    assert (replay.iteration, replay.layer, replay.threshold) == before
+
+
+def test_a_threshold_is_a_number(replay):
+    replay.layer = "stress"
+    with pytest.raises(BadInput, match="must be a number, not nan"):
+        replay.threshold = float("nan")
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"layer": "nonsense"}, {"iteration": 99}, {"threshold": 2.0}, {"layer": "stress", "threshold": float("inf")}]
+)
+def test_a_refused_replay_leaves_nothing_behind(run, wrong):
+    before = set(alive)
+    with pytest.raises(BadInput):
+        Replay(run, **wrong)
+    assert set(alive) == before
+
+
+def test_a_replay_takes_in_what_the_run_did_since(run):
+    branch = run.branch(10, lane="later", iterations=30, seed=1)
+    replay = Replay(branch)
+    assert replay.iteration == 10
+    report_lanes.carry_on(branch)
+    replay.refresh()
+    assert replay.iteration == 30
+    replay.iteration = 4
+    replay.refresh()
+    assert replay.iteration == 4
+    replay.close()

@@ -1,0 +1,266 @@
+"""Material, prompt, part, regions, drop test: mouse and Python set the same, and what is wrong is said in one sentence."""
+
+from datetime import UTC, datetime
+
+import msgspec
+import numpy as np
+import pytest
+
+from mechstyle import gallery
+from mechstyle.errors import BadInput
+from mechstyle.geometry.files import save
+from mechstyle.records.load_cases import read_loads
+from mechstyle.records.material import LIBRARY
+from mechstyle.records.regions import Inside, Sphere
+from mechstyle.styling.library import names
+from mechstyle_widgets.settings.drop import ONCE, DropOptions
+from mechstyle_widgets.settings.material import MaterialPicker
+from mechstyle_widgets.settings.part import PartPicker
+from mechstyle_widgets.settings.prompt import PromptBox
+from mechstyle_widgets.settings.regions import RegionsPicker
+
+# --- material -----------------------------------------------------------------------------------------------------
+
+
+def test_a_material_of_the_library():
+    picker = MaterialPicker("petg")
+    assert picker.material == LIBRARY["PETG"]
+    picker._choice.value = "ABS"
+    assert picker.material == LIBRARY["ABS"]
+    assert picker._figures["yield_strength"].value == 33.0
+    assert "Stratasys" in picker._note.value
+
+
+def test_figures_may_be_edited_in_units_people_know():
+    picker = MaterialPicker("PLA")
+    picker._figures["density"].value = 1.3
+    assert picker.material.density == pytest.approx(1.3e-3)
+    assert picker._choice.label == "PLA (edited)"
+    assert "edited by hand" in picker._note.value
+
+
+def test_a_figure_no_solid_has_is_refused_and_the_last_one_stays():
+    picker = MaterialPicker("PLA")
+    picker._figures["poisson_ratio"].value = 0.7
+    assert picker.material == LIBRARY["PLA"]
+    assert "poisson_ratio is 0.7, but must lie in" in picker.trouble
+
+
+def test_python_may_set_any_material():
+    picker = MaterialPicker()
+    own = msgspec.structs.replace(LIBRARY["PLA"], name="mine", yield_strength=40.0)
+    picker.material = own
+    assert picker._figures["yield_strength"].value == 40.0
+    assert picker._choice.label == "mine (edited)"
+
+
+# --- prompt -------------------------------------------------------------------------------------------------------
+
+
+def test_a_prompt_is_read_aloud():
+    box = PromptBox("small blue stones")
+    assert box.wish.style == "stone"
+    assert box._chips.value == "stone"
+    assert "features × 0.7" in box._note.value
+
+
+def test_what_was_not_understood_is_said():
+    assert "not understood and left out: &#x27;wobbly&#x27;" in PromptBox("wobbly brick")._note.value
+
+
+def test_a_prompt_without_a_style_names_the_nearest_and_leaves_no_wish():
+    box = PromptBox("brick")
+    box._text.value = "bricc-a-brac"
+    box._text.value = "marbel"
+    assert box.wish.style == "marble"
+    box._text.value = "spaceship"
+    assert box.wish is None
+    assert "names no style" in box.trouble
+    assert box._chips.value == ""
+
+
+def test_clip_takes_any_prompt():
+    box = PromptBox("spaceship")
+    assert "names no style" in box.trouble
+    box._guidance.value = "clip"
+    assert box.settings["guidance"] == "clip"
+    assert box.trouble == ""
+
+
+def test_a_picture_takes_the_place_of_the_style_and_leaves_the_rest():
+    box = PromptBox("small brick")
+    box._chips._press("dragon_scales")
+    assert box.prompt == "small dragon scales"
+    assert box.wish.style == "dragon_scales"
+    box._chips._press("wood")
+    assert box.prompt == "small wood"
+
+
+@pytest.mark.parametrize("name", names())
+def test_every_picture_asks_for_its_style(name):
+    box = PromptBox("brick")
+    box._chips._press(name)
+    assert box.wish.style == name
+
+
+# --- part ---------------------------------------------------------------------------------------------------------
+
+
+def test_a_gallery_model_shows_its_size():
+    picker = PartPicker("gallery:pen_holder")
+    assert "pen holder: 80.0 × 80.0 × 100.0 mm" in picker._note.value
+    picker._gallery._press("wall_hook")
+    assert (picker.model, picker.name) == ("gallery:wall_hook", "wall_hook")
+    assert picker._unit.disabled
+
+
+def test_a_file_in_its_unit(tmp_path, cube):
+    path = save(cube, tmp_path / "brick.stl")
+    picker = PartPicker(str(path))
+    assert picker.mesh.size == pytest.approx(cube.size)
+    picker._unit.value = 25.4
+    assert picker.scale == 25.4
+    assert "254.0 × 254.0 × 254.0 mm" in picker._note.value
+
+
+def test_a_part_that_cannot_be_used_is_refused_and_the_last_one_stays():
+    picker = PartPicker("gallery:pen_holder")
+    before = picker.mesh
+    picker._path.value = "nowhere.stl"
+    assert picker.mesh is before
+    assert "nowhere.stl does not exist" in picker.trouble
+    with pytest.raises(BadInput, match="does not exist"):
+        picker.choose("nowhere.stl")
+
+
+def test_an_uploaded_file_is_kept_beside_the_runs(tmp_path, monkeypatch, cube):
+    monkeypatch.chdir(tmp_path)
+    content = save(cube, tmp_path / "mine.stl").read_bytes()
+    picker = PartPicker()
+    sent = {"name": "../mine.stl", "type": "", "size": len(content), "content": memoryview(content), "last_modified": datetime.now(UTC)}
+    picker._upload.value = (sent,)
+    assert picker.model == str(tmp_path.joinpath("mechstyle-runs", "uploads", "mine.stl").relative_to(tmp_path))
+    assert np.allclose(picker.mesh.extents, 10.0)
+
+
+def test_a_surface_of_ones_own(sphere):
+    picker = PartPicker(sphere, name="ball")
+    assert (picker.mesh, picker.model, picker.name) == (sphere, "", "ball")
+
+
+def test_every_gallery_model_is_offered():
+    assert set(PartPicker()._gallery._buttons) == set(gallery.names())
+
+
+# --- regions ------------------------------------------------------------------------------------------------------
+
+
+def test_regions_are_ticked_and_written():
+    picker = RegionsPicker()
+    picker._inside.value = True
+    picker._lines.value = "sphere 0 0 10 5\n"
+    assert picker.protect == (Inside(), Sphere((0.0, 0.0, 10.0), 5.0))
+    assert "sphere 0 0 10 5" in picker._note.value
+
+
+def test_regions_set_in_python_are_shown():
+    picker = RegionsPicker()
+    picker.protect = ["inside", "below 5"]
+    assert picker._inside.value
+    assert picker._lines.value.startswith("plane 0 0 5 0 0 -1")
+
+
+def test_a_region_that_cannot_be_read_is_said_and_the_others_stay():
+    picker = RegionsPicker("inside")
+    picker._lines.value = "sphere 1 2"
+    assert picker.protect == (Inside(),)
+    assert "write sphere x y z radius" in picker.trouble
+
+
+def test_a_clicked_piece_is_protected():
+    picker = RegionsPicker()
+    assert picker._clicked.disabled
+    picker.place = (1.0, 2.0, 3.0)
+    picker._protect_clicked()
+    assert picker.protect[0].words == "segment 1 2 3"
+
+
+def test_clicks_paint_where_the_switch_is_on():
+    picker = RegionsPicker("inside")
+    picker.click((1.0, 2.0, 3.0))
+    assert picker.protect == (Inside(),)
+    picker.paint, picker.radius = True, 2.5
+    picker.click((1.0, 2.0, 3.0))
+    assert picker.protect == (Inside(), Sphere((1.0, 2.0, 3.0), 2.5))
+    assert "sphere 1 2 3 2.5" in picker._lines.value
+    assert not picker._clicked.disabled
+
+
+# --- drop test ----------------------------------------------------------------------------------------------------
+
+
+def test_options_go_both_ways():
+    options = DropOptions(vertices=2000)
+    options.children[1].value = 750.0
+    assert options.settings["drop_height"] == 750.0
+    options.orientations = 3
+    assert options._drops.value == 3
+    assert options.vertices == 2000
+
+
+def test_a_way_to_land_brings_its_usual_number_of_drops():
+    options = DropOptions(orientations=1, poses="tilts")
+    assert (options._way.label, options._drops.layout.display) == ("as it stands, once", "none")
+    options._way.value = "resting"
+    assert (options.poses, options.orientations, options._drops.layout.display) == ("resting", 8, "")
+    assert "up to 8 drops" in options._note.value
+    options._way.value = "fibonacci"
+    assert (options.poses, options.orientations) == ("fibonacci", 5)
+    options._way.value = ONCE
+    assert (options.poses, options.orientations) == ("fibonacci", 1)
+    assert "one drop, as the part stands" in options._note.value
+    options.orientations = 3
+    assert (options.way, options._way.value) == ("fibonacci", "fibonacci")
+
+
+LOADS = """
+[[case]]
+name = "heavy coat"
+supports = [{ at = "resting face" }]
+loads = [{ gravity = 1 }]
+"""
+
+
+@pytest.fixture
+def load_file(tmp_path):
+    path = tmp_path / "coat.toml"
+    path.write_text(LOADS, encoding="utf-8")
+    return str(path)
+
+
+def test_a_load_file_is_named_and_taken_away_again(load_file):
+    options = DropOptions()
+    options._file.value = load_file
+    assert options.loads == read_loads(load_file)
+    assert "it must carry: heavy coat" in options._note.value
+    options._unload.click()
+    assert (options.loads, options._file.value, options._unload.layout.display) == ((), "", "none")
+    options.loads = load_file
+    assert options.settings["loads"] == read_loads(load_file)
+
+
+def test_a_load_file_that_cannot_be_used_is_said_and_the_loads_stay(load_file):
+    options = DropOptions()
+    options._file.value = load_file
+    options._file.value = "nowhere.toml"
+    assert "load file nowhere.toml does not exist" in options.trouble
+    assert options.loads == read_loads(load_file)
+    options._file.value = load_file
+    assert options.trouble == ""
+
+
+def test_loads_of_another_recipe_are_not_those_of_the_file_named_last(load_file):
+    options = DropOptions()
+    options._file.value = load_file
+    options.loads = ()
+    assert options._file.value == ""

@@ -1,0 +1,89 @@
+"""Pictures of models and styles: drawn once, kept, and hung up as they come."""
+
+import asyncio
+import io
+
+import numpy as np
+import pytest
+from matplotlib.image import imread
+
+from mechstyle.errors import BadInput
+from mechstyle_widgets.jupyter.prepare import prepare_aside
+from mechstyle_widgets.jupyter.worker_process import Aside
+from mechstyle_widgets.settings import thumbnails
+from mechstyle_widgets.settings.thumbnail_buttons import PictureChoice
+
+
+@pytest.fixture
+def empty_cache(tmp_path, monkeypatch):
+    monkeypatch.setenv("MECHSTYLE_CACHE", str(tmp_path / "cache"))
+
+
+@pytest.mark.parametrize(("kind", "name"), [("model", "wall_hook"), ("style", "brick")])
+def test_a_picture_shows_something_and_is_kept(empty_cache, kind, name):
+    assert thumbnails.kept(kind, name) is None
+    png = thumbnails.draw(kind, name)
+    assert thumbnails.kept(kind, name) == png
+    pixels = imread(io.BytesIO(png))[..., :3]
+    assert pixels.std() > 0.05
+
+
+def test_the_bricks_of_the_picture_are_red_and_lie_level():
+    pixels = imread(io.BytesIO(thumbnails.style_picture("brick")))[..., :3]
+    red, _, blue = pixels.mean(axis=(0, 1))
+    assert red > 1.2 * blue
+    rows, columns = pixels.mean(axis=(1, 2)), pixels.mean(axis=(0, 2))
+    assert rows.std() > 2.0 * columns.std()  # joints run across
+
+
+def test_pictures_come_from_another_process_and_are_hung_up(empty_cache):
+    async def cell() -> str:
+        choice = PictureChoice("style", {"brick": "bricks"})
+        hung = asyncio.Event()
+        choice._sheet.observe(lambda _: hung.set(), "value")
+        await asyncio.wait_for(hung.wait(), 60.0)
+        return choice._sheet.value
+
+    assert "data:image/png;base64," in asyncio.run(cell())
+
+
+def test_the_chosen_one_is_marked():
+    choice = PictureChoice("style", {"brick": "bricks", "wood": "wood"})
+    choice.value = "brick"
+    assert "mechstyle-chosen" in choice._buttons["brick"]._dom_classes
+    choice._buttons["wood"].click()
+    assert (choice.value, choice.pressed) == ("wood", 1)
+    assert "mechstyle-chosen" not in choice._buttons["brick"]._dom_classes
+
+
+# --- work aside ---------------------------------------------------------------------------------------------------
+
+
+def test_what_is_said_comes_in_order_and_then_it_ends(empty_cache):
+    said = list(Aside(thumbnails._draw_all, "style", ["wood", "brick"]).said())
+    assert [name for name, _ in said] == ["wood", "brick"]
+    assert said[1][1] == thumbnails.kept("style", "brick")
+
+
+def test_giving_up_ends_the_other_process(sphere):
+    class Enough(Exception):
+        pass
+
+    def give_up():
+        raise Enough
+
+    with pytest.raises(Enough):
+        prepare_aside(sphere, 1000, lambda _: None, give_up)
+
+
+def test_what_cannot_be_prepared_is_refused_in_its_own_words(sphere, empty_cache):
+    with pytest.raises(BadInput, match="cannot standardise to 3 vertices"):
+        prepare_aside(sphere, 3, lambda _: None, lambda: None)
+
+
+def test_a_part_is_made_ready_and_the_stages_are_told(cube):
+    stages = []
+    part = prepare_aside(cube, 600, stages.append, lambda: None)
+    assert np.allclose(part.surface.extents, 10.0, atol=0.1)
+    assert stages[0] == "standardising the surface"
+    assert len(stages) >= 3

@@ -1,0 +1,149 @@
+"""What the buttons do, on a run without physics."""
+
+from html import escape
+
+import msgspec
+import pytest
+
+from mechstyle.errors import BadInput
+from mechstyle_widgets.panels.run_controls import RunControls, duration
+from mechstyle_widgets.state import controller as module
+from mechstyle_widgets.state.controller import Wanted
+
+
+def test_running_goes_to_the_end(conducted, settle):
+    conducted.run()
+    settle(conducted)
+    assert conducted.state.status == "finished"
+    assert conducted.state.iterations_done == 12
+    assert not conducted.busy
+
+
+def test_a_step_is_an_iteration(conducted, settle):
+    for expected in (0, 1, 2):
+        conducted.step()
+        settle(conducted)
+        assert (conducted.state.status, conducted.state.iterations_done) == ("paused", expected)
+
+
+def test_stepping_to_a_simulation_shows_it(conducted, settle):
+    conducted.step_to_simulation()
+    settle(conducted)
+    assert conducted.state.iteration == 4
+    assert conducted.state.row().reason == "every 4 iterations"
+
+
+def test_stop_keeps_what_was_made_and_run_goes_on_from_there(conducted, settle):
+    conducted.step_to_simulation()
+    settle(conducted)
+    conducted.stop()
+    settle(conducted)
+    assert (conducted.state.status, conducted.state.iterations_done) == ("stopped", 4)
+    conducted.run()
+    settle(conducted)
+    assert (conducted.state.status, conducted.state.iterations_done) == ("finished", 12)
+
+
+def test_a_finished_lane_says_what_to_do_next(conducted, settle):
+    conducted.run()
+    settle(conducted)
+    conducted.run()
+    assert "change a setting to begin another run" in conducted.state.message
+
+
+def test_settings_that_cannot_be_used_are_said(conducted):
+    def refuse():
+        raise BadInput("the prompt is empty: write something")
+
+    conducted.wanted = refuse
+    conducted.run()
+    assert conducted.state.message == "the prompt is empty: write something"
+    assert conducted.state.session is None
+
+
+def test_a_branch_has_its_settings_and_is_carried_on(conducted, settle):
+    conducted.run()
+    settle(conducted)
+    conducted.branch(6, "soft", control="linear")
+    settle(conducted)
+    state = conducted.state
+    assert (state.lane, state.status, state.iterations_done) == ("soft", "finished", 12)
+    assert state.run.recipe.control == "linear"
+    assert state.branches[1].forked_at == 6
+
+
+def test_branching_needs_a_run_that_is_at_rest(conducted, settle):
+    conducted.step()
+    settle(conducted)
+    conducted.branch(0, control="linear")
+    assert "stop it before you branch" in conducted.state.message
+    conducted.state.run = None
+    conducted.branch(0, control="linear")
+    assert "no run to branch from" in conducted.state.message
+
+
+def test_a_branch_that_cannot_be_is_said(conducted, settle):
+    conducted.run()
+    settle(conducted)
+    conducted.branch(12, control="linear")
+    assert "must go beyond it" in conducted.state.message
+
+
+def test_other_settings_begin_another_run_with_the_part_at_hand(conducted, settle, tmp_path):
+    other = msgspec.structs.replace(conducted.state.run.recipe, threshold=0.5)
+    conducted.wanted = lambda: Wanted(other, None, 500, "sheet", str(tmp_path / "other"))
+    assert conducted.differs() == {"threshold": 0.5}
+    part = conducted.state.run.part
+    begun = []
+    before = module.begin
+    module.begin = lambda *given, **named: begun.append(given) or before(*given, **named)
+    try:
+        conducted.step()
+        conducted.state.session.wait(30.0)
+        conducted.state.pump()
+    finally:
+        module.begin = before
+    assert begun[0][0] is part
+    assert conducted.state.run.store.root == tmp_path / "other"
+    assert conducted.state.run.recipe.threshold == 0.5
+
+
+# --- the buttons themselves ---------------------------------------------------------------------------------------
+
+
+def test_buttons_can_be_pressed_when_they_do_something(conducted, settle):
+    controls = RunControls(conducted)
+
+    def able():
+        return {name for name, button in controls._buttons.items() if not button.disabled}
+
+    assert able() == {"run", "step", "step_to_simulation"}
+    controls._buttons["step"].click()
+    settle(conducted)
+    assert able() == {"run", "step", "step_to_simulation", "stop"}
+    controls._buttons["run"].click()
+    settle(conducted)
+    assert able() == {"run"}
+    assert "finished, iteration 12 of 12" in controls.words
+    assert controls._bar.value == 1.0
+    assert escape(conducted.state.message) in controls._note.value
+
+
+def test_what_is_being_done_is_told(conducted):
+    controls = RunControls(conducted)
+    conducted.state.tell(status="running", stage="drop test: every 4 iterations", step=0.42, seconds_left=130.0)
+    conducted.state.pump()
+    assert controls.words.endswith("drop test: every 4 iterations, 42% · about 2 min left")
+
+
+def test_trouble_is_set_apart_from_good_news(conducted):
+    controls = RunControls(conducted)
+    conducted.state.tell(status="failed", message="the disk is full: free some space")
+    conducted.state.pump()
+    assert 'role="alert"' in controls.trouble
+    assert "the disk is full" in controls.trouble
+
+
+@pytest.mark.parametrize(("seconds", "words"), [(0.2, "1 s"), (41.0, "41 s"), (170.0, "3 min"), (7300.0, "2.0 h")])
+def test_durations_for_people(seconds, words):
+    assert duration(seconds) == words

@@ -1,0 +1,181 @@
+"""The timeline without a browser: what its traces hold, and that it is one with the state."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import pytest
+from ipywidgets import Widget
+from ipywidgets.widgets.widget import _instances as alive
+
+from mechstyle_widgets.state.studio_state import StudioState
+from mechstyle_widgets.timeline.figure import VERDICTS, story
+from mechstyle_widgets.timeline.timeline import Timeline
+
+LANES, STEPS, VIABLE, FAILS, UNKNOWN, OTHER_PEAKS, LIMIT, PEAKS, OTHER_CURVES, CURVE, PLANNED = range(11)
+
+
+@pytest.fixture
+def state(done):
+    return StudioState(done)
+
+
+@pytest.fixture
+def timeline(state):
+    return Timeline(state)
+
+
+def trace(timeline, number):
+    return timeline._figure.data[number]
+
+
+def test_every_simulation_is_a_mark_by_its_verdict(timeline, state):
+    for number, outcome in ((VIABLE, "VIABLE"), (FAILS, "FAILS"), (UNKNOWN, "UNKNOWN")):
+        of_this = [row.iteration for row in state.histories["main"] if row.outcome == outcome]
+        marks = zip(trace(timeline, number).x, trace(timeline, number).y, strict=True)
+        assert [x for x, lane in marks if lane == "main"] == of_this
+    assert sum(len(trace(timeline, number).x) for number in (VIABLE, FAILS, UNKNOWN)) == 4 + 2
+
+
+def test_verdicts_differ_in_shape_and_not_by_colour_alone():
+    assert len({symbol for symbol, _ in VERDICTS.values()}) == len(VERDICTS) == len({colour for _, colour in VERDICTS.values()})
+
+
+def test_hovering_tells_reason_verdict_and_figures(state):
+    told = story("a<b", state.row(4))
+    for text in ("a&lt;b · iteration 4", "simulated because: every 4 iterations", state.row(4).outcome, "style loss", "travel 0.00"):
+        assert text in told
+
+
+def test_a_branch_starts_where_it_forks_on_its_parents_line(timeline):
+    lines = list(zip(trace(timeline, LANES).x, trace(timeline, LANES).y, strict=True))
+    assert lines == [(0, "main"), (12, "main"), (None, None), (6, "main"), (6, "soft"), (7, "soft"), (12, "soft"), (None, None)]
+
+
+def test_the_peak_stands_beside_its_limit(timeline, state):
+    simulated = [row for row in state.history if row.peak is not None]
+    assert trace(timeline, PEAKS).y == tuple(row.peak for row in simulated)
+    assert trace(timeline, LIMIT).y[: len(simulated)] == tuple(row.limit for row in simulated)
+
+
+def test_the_curve_can_be_chosen(timeline, state):
+    assert trace(timeline, CURVE).y == tuple(row.style_loss for row in state.history)
+    timeline.curve = "travel"
+    assert trace(timeline, CURVE).y == tuple(row.travel for row in state.history)
+    timeline.curve = "seconds"
+    assert trace(timeline, CURVE).y == ()  # this notebook did not see it run
+    assert timeline._figure.layout.yaxis3.title.text == "seconds"
+
+
+def test_the_line_stands_at_the_iteration(timeline, state):
+    state.iteration = 5
+    assert timeline.iteration == timeline._slider.value == 5
+    assert timeline._figure.layout.shapes[0].x0 == timeline._figure.layout.shapes[0].x1 == 5
+
+
+def test_the_slider_and_the_trait_move_the_state(timeline, state):
+    timeline._slider.value = 3
+    assert (timeline.iteration, state.iteration) == (3, 3)
+    timeline.iteration = 99
+    assert (timeline.iteration, state.iteration) == (12, 12)
+
+
+def test_a_click_shows_lane_and_iteration(timeline, state):
+    place = next(number for number, lane in enumerate(trace(timeline, STEPS).y) if lane == "soft") + 1
+    timeline._clicked(trace(timeline, STEPS), SimpleNamespace(point_inds=[place]), None)
+    assert (state.lane, timeline.lane, state.iteration) == ("soft", "soft", 8)
+    assert trace(timeline, LIMIT).x[-2] == 12
+    timeline._clicked(trace(timeline, PEAKS), SimpleNamespace(point_inds=[]), None)
+    assert state.iteration == 8
+
+
+def test_it_grows_with_the_run(fake):
+    fake.go()
+    state = StudioState(fake.run)
+    timeline = Timeline(state)
+    state.run.branch(4, lane="late", control="linear")
+    fake.go("late")
+    state.tell(stale=True)
+    state.pump()
+    assert set(trace(timeline, STEPS).y) == {"main", "late"}
+    assert timeline._figure.layout.height > 0
+
+
+ASKED = {"schedule": "every", "every": 5, "travel": 0.1, "iterations": 20, "amplitude": 0.15}
+
+
+def sentence(timeline):
+    return timeline._figure.layout.annotations[0].text
+
+
+def test_before_there_is_a_run_it_says_what_will_appear():
+    timeline = Timeline(StudioState())
+    assert trace(timeline, STEPS).x == trace(timeline, PLANNED).x == ()
+    assert "Nothing has run yet" in sentence(timeline)
+
+
+def test_before_there_is_a_run_it_shows_where_the_schedule_will_simulate():
+    timeline = Timeline(StudioState(settings=ASKED))
+    assert trace(timeline, PLANNED).x == (0, 5, 10, 15, 20)
+    assert "the unstylized part, then 4 simulations." in sentence(timeline)
+    timeline._state.settings = {**ASKED, "every": 10}
+    assert trace(timeline, PLANNED).x == (0, 10, 20)
+    timeline._state.settings = {**ASKED, "schedule": "stress"}
+    assert "the run decides" in sentence(timeline)
+    timeline._clicked(trace(timeline, PLANNED), SimpleNamespace(point_inds=[1]), None)
+    assert timeline.iteration == 0
+
+
+def test_the_plan_gives_way_to_what_was_simulated(fake):
+    state = StudioState(fake.run, settings=ASKED)
+    timeline = Timeline(state)
+    assert trace(timeline, PLANNED).x == (0, 5, 10, 15, 20)
+    fake.go()
+    state.tell(stale=True)
+    state.pump()
+    state.settings = {**ASKED, "every": 10}
+    assert trace(timeline, PLANNED).x == ()
+    assert trace(timeline, STEPS).x == tuple(range(13))
+    assert timeline._figure.layout.yaxis2.showticklabels
+    assert "limit" in sentence(timeline)
+
+
+def test_the_theme_changes_the_template(timeline):
+    before = timeline._figure.layout.template
+    timeline.theme = "dark"
+    assert timeline._figure.layout.template != before
+
+
+def test_closing_leaves_nothing_behind_but_a_figure_for_the_next(state):
+    Timeline(state).close()
+    before = set(alive)
+    timeline = Timeline(state)
+    timeline.close()
+    state.iteration = 3
+    assert timeline.iteration == 12
+    assert set(alive) == before
+    timeline.close()
+
+
+def test_a_figure_is_used_again_and_shows_nothing_of_before(state):
+    first = Timeline(state, theme="dark", width=700)
+    figure = first._figure
+    first.close()
+    second = Timeline(StudioState(settings=ASKED), width=800)
+    fresh = Timeline(StudioState(settings=ASKED), width=800)
+    assert second._figure is figure
+    assert fresh._figure is not figure
+    second._figure.update_traces(uid=None)
+    fresh._figure.update_traces(uid=None)
+    assert second._figure.to_dict() == fresh._figure.to_dict()
+    assert second._figure._widget_layout["width"] == 800
+    assert list(second._figure._widget_data[PLANNED]["x"]) == [0, 5, 10, 15, 20]
+    assert figure.data[STEPS]._click_callbacks == [second._clicked]
+
+
+def test_a_figure_that_was_closed_is_not_used_again(state):
+    first = Timeline(state)
+    figure = first._figure
+    first.close()
+    Widget.close_all()
+    assert Timeline(state)._figure is not figure

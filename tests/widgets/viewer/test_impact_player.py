@@ -1,0 +1,96 @@
+"""The player of impacts, with an impact that is known."""
+
+from __future__ import annotations
+
+import asyncio
+
+import numpy as np
+import pytest
+from ipywidgets.widgets.widget import _instances as alive
+
+from mechstyle.errors import SimulationFailed
+from mechstyle.simulation.impact import Impact
+from mechstyle_widgets.state.studio_state import StudioState
+from mechstyle_widgets.viewer import impact_player
+from mechstyle_widgets.viewer.run_viewer import RunViewer
+
+
+@pytest.fixture
+def state(done):
+    return StudioState(done)
+
+
+@pytest.fixture
+def impact(done):
+    """Three moments of a sheet that bulges: by 0, 0.1 and 0.2 mm along x."""
+    x = done.part.surface.vertices[:, 0]
+    bulge = np.zeros((3, len(x), 3), np.float32)
+    bulge[:, :, 0] = np.array([0.0, 0.1, 0.2])[:, None] * np.sin(x)
+    return Impact(np.array([0.0, 0.5, 1.0]), bulge, np.outer([0.0, 10.0, 20.0], np.linspace(0.5, 1.0, len(x))).astype(np.float32))
+
+
+@pytest.fixture
+def viewer(state, impact, monkeypatch):
+    def worked_out(_part, _recipe, _displacement, _memo, progress):
+        progress(0.5)
+        return impact
+
+    monkeypatch.setattr(impact_player, "impact_of", worked_out)
+    return RunViewer(state)
+
+
+def test_an_impact_shows_the_stress_of_the_moment_on_the_deformed_part(viewer, impact):
+    viewer.player.play()
+    viewer.player.frame = 2
+    assert viewer.layer == "moment"
+    assert np.allclose(viewer.subject.layer("moment").values, impact.stress[2])
+    assert "at 1000 µs, deformed × 20" in viewer._legend.value
+    assert np.allclose(viewer.subject.mesh.vertices, impact.shape(viewer._state.run.surface(12), 2, 20.0).vertices)
+    viewer.player.exaggeration = 1.0
+    assert np.allclose(viewer.subject.mesh.vertices, impact.shape(viewer._state.run.surface(12), 2, 1.0).vertices)
+
+
+def test_put_away_the_part_is_at_rest_again(viewer):
+    viewer.player.play()
+    viewer.player.frame = 2
+    viewer.player.put_away()
+    assert viewer.subject.layer("moment") is None
+    assert np.allclose(viewer.subject.mesh.vertices, viewer._state.run.surface(12).vertices)
+    assert viewer.player.children == (viewer.player._button,)
+
+
+def test_another_iteration_puts_the_impact_away(viewer, state):
+    viewer.player.play()
+    state.iteration = 4
+    assert viewer.player.impact is None
+    assert np.allclose(viewer.subject.mesh.vertices, state.run.surface(4).vertices)
+
+
+def test_a_drop_that_fails_says_so_in_one_sentence(viewer, monkeypatch):
+    def fails(*_):
+        raise SimulationFailed("the drop test broke down")
+
+    monkeypatch.setattr(impact_player, "impact_of", fails)
+    viewer.player.play()
+    assert viewer.player.children == (viewer.player._button, viewer.player._said)
+    assert viewer.player._said.value == "the drop test broke down"
+
+
+def test_in_a_notebook_it_is_worked_out_in_a_thread_and_brought_back(viewer, impact):
+    async def click() -> None:
+        arrived = asyncio.Event()
+        viewer.player.observe(lambda _: arrived.set(), "impact")
+        viewer.player.play()
+        assert viewer.player.impact is None  # the loop has not turned yet
+        await asyncio.wait_for(arrived.wait(), 30)
+
+    asyncio.run(click())
+    assert viewer.player.impact is impact
+
+
+def test_closing_leaves_nothing_behind(state):
+    before = set(alive)
+    viewer = RunViewer(state)
+    viewer.close()
+    viewer.player.close()
+    assert set(alive) == before

@@ -1,0 +1,84 @@
+"""The viewer of a run follows the state, and the state follows the viewer."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from ipywidgets.widgets.widget import _instances as alive
+
+from mechstyle.errors import BadInput
+from mechstyle_widgets.state.studio_state import StudioState
+from mechstyle_widgets.viewer.layers import Layer
+from mechstyle_widgets.viewer.run_viewer import RunViewer
+
+
+def test_the_part_is_the_one_of_the_iteration(done):
+    state = StudioState(done)
+    viewer = RunViewer(state)
+    state.iteration = 5
+    assert viewer.iteration == 5
+    assert np.allclose(viewer.subject.mesh.vertices, done.surface(5).vertices)
+    viewer.iteration = 7
+    assert state.iteration == 7
+    assert np.allclose(viewer.subject.mesh.vertices, done.surface(7).vertices)
+
+
+def test_a_click_on_the_styled_part_tells_the_place_on_the_unstylized_one(done):
+    viewer, told = RunViewer(StudioState(done)), []
+    viewer.on_click(told.append)
+    face = int(np.abs(done.checkpoint(12).displacement[viewer.subject.mesh.faces]).max(axis=1).argmax())
+    viewer._picker.three.faceIndex = face
+    viewer._picker.three.point = tuple(viewer.subject.mesh.corners[face].mean(axis=0) - viewer._orbit.home.target)
+    assert np.allclose(told, done.part.surface.corners[face].mean(axis=0), atol=1e-6)
+    assert not np.allclose(told, viewer.subject.mesh.corners[face].mean(axis=0), atol=1e-3)
+
+
+def test_the_original_is_the_unstylized_part(done):
+    viewer = RunViewer(StudioState(done))
+    assert np.allclose(viewer.original.mesh.vertices, done.part.surface.vertices)
+    assert np.array_equal(viewer.original.layer("stress").values, done.checkpoint(0).stress)
+
+
+def test_lane_and_layer_are_those_of_the_state(done):
+    state = StudioState(done, layer="mask")
+    viewer = RunViewer(state)
+    assert viewer.layer == "mask"
+    viewer.layer = "demand"
+    assert state.layer == "demand"
+    viewer.lane = "soft"
+    assert state.lane == "soft"
+    assert np.allclose(viewer.subject.layer("demand").values, state.checkpoint.demand)
+
+
+def test_an_iteration_that_is_not_there_is_brought_to_the_nearest(done):
+    viewer = RunViewer(StudioState(done))
+    viewer.iteration = 99
+    assert viewer.iteration == 12
+
+
+def test_derived_layers_are_worked_out_for_every_iteration(done):
+    state = StudioState(done)
+    viewer = RunViewer(state)
+    viewer.derived = (lambda _run, at: Layer("half", 0.5 * at.demand),)
+    viewer.layer = "half"
+    state.iteration = 6
+    assert viewer.layer == "half"
+    assert np.allclose(viewer.subject.layer("half").values, 0.5 * done.checkpoint(6).demand)
+
+
+def test_without_an_iteration_there_is_nothing_to_view(fake):
+    before = set(alive)
+    for state in (StudioState(), StudioState(fake.run)):
+        with pytest.raises(BadInput, match="no iteration to show yet"):
+            RunViewer(state)
+    assert set(alive) == before
+
+
+def test_a_closed_viewer_follows_no_longer(done):
+    state, before = StudioState(done), set(alive)
+    viewer = RunViewer(state)
+    viewer.close()
+    state.iteration = 3
+    assert viewer.iteration == 12
+    assert set(alive) == before
+    viewer.close()

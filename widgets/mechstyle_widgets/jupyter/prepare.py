@@ -1,0 +1,34 @@
+"""Making a part ready in a process of its own: remeshing holds the interpreter for seconds, and a kernel must answer meanwhile."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from mechstyle.errors import SimulationFailed
+from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.simulation.part import Stage, Workpiece, prepare
+from mechstyle_widgets.jupyter.worker_process import Aside
+
+
+def prepare_aside(mesh: SurfaceMesh, vertices: int, stage: Stage, go_on: Callable[[], None]) -> Workpiece:
+    """As `workpiece.prepare`, in another process.
+
+    Args:
+        mesh: A closed surface [mm].
+        vertices: Vertices of the standardised surface.
+        stage: Told what is being done, in words.
+        go_on: Called ten times a second; what it raises ends the work.
+
+    Raises:
+        MechStyleError: What the preparation itself refuses, in its own words.
+    """
+    for word in Aside(_prepare, mesh, vertices).said(go_on):
+        if isinstance(word, Workpiece):
+            return word
+        stage(word)
+    raise SimulationFailed("making the part ready ended without an answer: it may need more memory; ask for fewer vertices")
+
+
+def _prepare(say: Callable[[object], None], mesh: SurfaceMesh, vertices: int) -> None:
+    """What the other process does: say the stages, then the part."""
+    say(prepare(mesh, vertices=vertices, stage=say))

@@ -1,0 +1,1 @@
+"""What stands around the view: run controls, the mask inspector, branches."""

@@ -1,0 +1,153 @@
+"""What the mask does at an iteration, and what it would do under another strategy or threshold, without running anything."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any
+
+import ipywidgets
+import msgspec
+import numpy as np
+import traitlets
+from numpy.typing import NDArray
+
+from mechstyle.loop import control
+from mechstyle.records import Checkpoint, Recipe
+from mechstyle.runs.run import Run
+from mechstyle.simulation.part import bounds_for
+from mechstyle_widgets.jupyter.svg import Frame, drawing, shares
+from mechstyle_widgets.settings.control import ControlSelector
+from mechstyle_widgets.settings.section import WIDE, Section, Words
+from mechstyle_widgets.state.controller import Conductor
+from mechstyle_widgets.viewer.layers import Layer
+
+Field = NDArray[np.float32]
+
+LAYER = "what_if"
+"""Name of the viewer's layer that shows the mask that would be."""
+BINS = 24
+DECIDES = ("control", "normalisation", "threshold", "material")
+"""Fields of a recipe that a mask depends on, besides what is protected."""
+
+
+class MaskInspector(Section):
+    """Demand and mask of the iteration on show, beside the mask that other settings would make of the same stress.
+
+    Attributes:
+        selector: Where the other settings are chosen; set its traits to choose them in Python.
+        would_be: The mask they would make, shape [vertex_count]; None without a checkpoint.
+    """
+
+    would_be = traitlets.Any(None, allow_none=True)
+
+    def __init__(self, conductor: Conductor) -> None:
+        """Inspect what a conductor's state shows."""
+        self.conductor, self.state = conductor, conductor.state
+        self._freedom = lru_cache(maxsize=4)(_freedom)
+        self.selector = ControlSelector()
+        self._plots = Words(layout=WIDE)
+        self._show_layer = ipywidgets.ToggleButton(
+            description="show it", icon="eye", tooltip="Colour the part by the mask that would be", layout={"width": "50%"}
+        )
+        self._use = ipywidgets.Button(
+            description="use this", icon="code-fork", tooltip="Branch from this iteration with these settings", layout={"width": "50%"}
+        )
+        buttons = ipywidgets.HBox([self._show_layer, self._use], layout=WIDE)
+        super().__init__([self._plots, ipywidgets.HTML("<b>what if …</b>"), self.selector, buttons])
+        self._use.on_click(lambda _: self.use())
+        self._show_layer.observe(self._switch, "value")
+        self.state.observe(self._restore, "run")
+        self.state.observe(self._redraw, "checkpoint")
+        self.state.observe(self._follow_layer, "layer")
+        self.selector.observe(self._redraw, ("freestyle", *DECIDES))
+        self._restore()
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """The settings that are tried, as fields of a recipe."""
+        tried = self.selector
+        return {"control": "none" if tried.freestyle else tried.control, **{name: getattr(tried, name) for name in DECIDES[1:]}}
+
+    def layer(self, run: Run, checkpoint: Checkpoint) -> Layer:
+        """The mask that would be, as a layer for a viewer's `derived`."""
+        held = 1.0 - self.mask(run, checkpoint, **self.settings)
+        return Layer(LAYER, held, "held back, what if", "", (0.0, 1.0), None, "1 = might not move any further")
+
+    def mask(self, run: Run, checkpoint: Checkpoint, **settings: Any) -> Field:
+        """The mask that settings make of a checkpoint's stress, as a branch from there would begin with, shape [vertex_count]."""
+        recipe = msgspec.structs.replace(run.recipe, **settings)
+        first = self.state.checkpoint_at(0)
+        baseline = checkpoint.stress if first is None else first.stress
+        return mask_of(checkpoint.stress, baseline, recipe) * self._freedom(run, run.recipe)
+
+    def use(self) -> None:
+        """Branch from the iteration on show with the settings that are tried."""
+        self.conductor.branch(self.state.iteration, **self.settings)
+
+    def _restore(self, _change: object = None) -> None:
+        """Try the settings in force, whenever another run or lane comes into view."""
+        run, first = self.state.run, self.state.checkpoint_at(0)
+        if run is not None:
+            self.selector.take(run.recipe)
+        if first is not None:
+            self.selector.typical_stress = float(np.median(first.stress))
+            self.selector.peak_stress = float(first.stress.max())
+        self._redraw()
+
+    def _redraw(self, _change: object = None) -> None:
+        run, checkpoint = self.state.run, self.state.checkpoint
+        self._use.disabled = self._show_layer.disabled = run is None or checkpoint is None
+        if run is None or checkpoint is None:
+            self._plots.say("")
+            self.note("nothing to inspect yet: run something first")
+            return
+        self.would_be = self.mask(run, checkpoint, **self.settings)
+        self._plots.say(plots(checkpoint, self.would_be, self.selector.threshold))
+        self.note(summary(checkpoint.mask, self.would_be))
+
+    def _switch(self, change: dict[str, Any]) -> None:
+        self.state.layer = LAYER if change["new"] else "mask"
+
+    def _follow_layer(self, change: dict[str, Any]) -> None:
+        self._show_layer.unobserve(self._switch, "value")
+        self._show_layer.value = change["new"] == LAYER
+        self._show_layer.observe(self._switch, "value")
+
+
+def mask_of(stress: Field, baseline: Field, recipe: Recipe) -> Field:
+    """The mask a recipe makes of a stress field, protection left out, shape [vertex_count].
+
+    Args:
+        stress: Field of a simulation [MPa], shape [vertex_count].
+        baseline: Field of the unstylized part [MPa], shape [vertex_count].
+        recipe: Gives strategy, normalisation, threshold and material.
+    """
+    demand = control.demand(stress, baseline, recipe.material, recipe.normalisation)
+    return control.mask(demand, recipe.control, recipe.threshold)
+
+
+def _freedom(run: Run, recipe: Recipe) -> Field:
+    """Factor on all movement that protected regions leave, shape [vertex_count]."""
+    return bounds_for(run.part, recipe)[0].protection
+
+
+def summary(now: Field, then: Field) -> str:
+    """Shares of the vertices that are frozen and restrained, now and then."""
+    frozen = [f"{float((mask <= 0.0).mean()):.1%}" for mask in (now, then)]
+    restrained = [f"{float((mask < 0.5).mean()):.1%}" for mask in (now, then)]
+    return f"frozen: {frozen[0]}, would be {frozen[1]}; held back by more than half: {restrained[0]}, would be {restrained[1]}"
+
+
+def plots(checkpoint: Checkpoint, would_be: Field, threshold: float) -> str:
+    """Histograms of demand and of the mask; bars are what is, outlines what would be."""
+    top = max(1.25, 1.1 * threshold, float(np.percentile(checkpoint.demand, 99.9)))
+    demand = np.sqrt(shares(checkpoint.demand, 0.0, top, BINS))  # the root lets the few that matter be seen beside the many at 0
+    above = float((checkpoint.demand >= threshold).mean())
+    first = Frame(0.0, top, top=max(float(demand.max()), 1e-3), height=96, left=10)
+    limit = first.mark(threshold, f"{above:.1%} at or above {threshold:.2g}")
+    one = [first.axes("demand s_norm", (0.0, 0.5, 1.0)), first.bars(demand), limit]
+    is_now, then = (np.sqrt(shares(mask, 0.0, 1.0, BINS)) for mask in (checkpoint.mask, would_be))
+    second = Frame(0.0, 1.0, top=max(float(is_now.max()), float(then.max()), 1e-3), height=96, left=10)
+    two = [second.axes("mask: bars are, outlines would be", (0.0, 0.5, 1.0)), second.bars(is_now), second.bars(then, hollow=True)]
+    words = f"histogram of demand: {above:.1%} of the vertices at or above the threshold {threshold:.2g}"
+    return drawing(first, one, words) + drawing(second, two, "histogram of the mask now and as it would be")

@@ -1,0 +1,83 @@
+"""Run, pause, step, stop; and how far it is."""
+
+from __future__ import annotations
+
+from html import escape
+from typing import Any
+
+import ipywidgets
+import traitlets
+
+from mechstyle_widgets.settings.section import WIDE, Section
+from mechstyle_widgets.state.controller import Conductor
+
+MAY = {
+    "run": ("idle", "paused", "stopped", "finished", "failed"),
+    "pause": ("running",),
+    "step": ("idle", "paused", "stopped", "failed"),
+    "step_to_simulation": ("idle", "paused", "stopped", "failed"),
+    "stop": ("preparing", "running", "paused"),
+}
+"""In which states each button does something."""
+LOOKS = {"preparing": "info", "running": "info", "paused": "warning", "stopped": "warning", "finished": "success", "failed": "danger"}
+
+
+class RunControls(Section):
+    """Buttons for a conductor, a bar and a line that says what is being done and how long it will take.
+
+    Attributes:
+        words: The line under the bar.
+    """
+
+    words = traitlets.Unicode("")
+
+    def __init__(self, conductor: Conductor) -> None:
+        """Control what a conductor conducts."""
+        self.conductor, self.state = conductor, conductor.state
+        self._buttons = {
+            "run": self._button("play", "Run", "Run to the end, or go on", "success", "72px"),
+            "pause": self._button("pause", "", "Pause after the iteration in hand"),
+            "step": self._button("step-forward", "", "One iteration, then pause"),
+            "step_to_simulation": self._button("fast-forward", "", "On to the next simulation, then pause"),
+            "stop": self._button("stop", "", "Stop; what was made is kept"),
+        }
+        for name, button in self._buttons.items():
+            button.on_click(lambda _, name=name: getattr(self.conductor, name)())
+        self._bar = ipywidgets.FloatProgress(min=0.0, max=1.0, layout=WIDE)
+        self._line = ipywidgets.HTML()
+        super().__init__([ipywidgets.HBox(list(self._buttons.values())), self._bar, self._line])
+        self.state.observe(self._show, ("status", "stage", "step", "fraction", "seconds_left", "message", "iterations_done", "run"))
+        self._show()
+
+    def _button(self, icon: str, words: str, tooltip: str, look: str = "", width: str = "44px") -> ipywidgets.Button:
+        return ipywidgets.Button(icon=icon, description=words, tooltip=tooltip, button_style=look, layout={"width": width})
+
+    def _show(self, _change: Any = None) -> None:
+        state = self.state
+        for name, button in self._buttons.items():
+            button.disabled = state.status not in MAY[name]
+        self._bar.value, self._bar.bar_style = state.fraction, LOOKS.get(state.status, "")
+        self.words = line_of(state)
+        self._line.value = f'<div class="mechstyle-note" role="status" aria-live="polite">{escape(self.words)}</div>'
+        failed = state.status == "failed" or (state.status not in ("finished", "running", "preparing") and bool(state.message))
+        self.complain(state.message if failed else "")
+        self.note(state.message if not failed else "")
+
+
+def line_of(state: Any) -> str:
+    """Where a run stands, in one line."""
+    parts = [state.status]
+    if state.run is not None and state.status != "preparing":
+        parts = [f"{state.status}, iteration {state.iterations_done} of {state.run.recipe.iterations}"]
+    if state.stage:
+        parts.append(f"{state.stage}, {state.step:.0%}" if state.stage.startswith("drop test") and state.step > 0 else state.stage)
+    if state.seconds_left is not None:
+        parts.append(f"about {duration(state.seconds_left)} left")
+    return " · ".join(parts)
+
+
+def duration(seconds: float) -> str:
+    """A time for people: 40 s, 3 min, 2 h."""
+    if seconds < 90:
+        return f"{max(round(seconds), 1)} s"
+    return f"{round(seconds / 60)} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"

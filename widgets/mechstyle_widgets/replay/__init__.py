@@ -1,0 +1,1 @@
+"""Every iteration of a run in the browser, without the kernel."""

@@ -1,0 +1,1 @@
+"""The settings column: one box for each group of the recipe's settings."""

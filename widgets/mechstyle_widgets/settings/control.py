@@ -1,0 +1,144 @@
+"""How stress restrains the style: strategy, normalisation and threshold, with the mask they make drawn as they change."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import ipywidgets
+import msgspec
+import numpy as np
+import traitlets
+
+from mechstyle.loop import control
+from mechstyle.records import CONTROLS, NORMALISATIONS, Recipe
+from mechstyle.records.material import LIBRARY, Material
+from mechstyle_widgets.jupyter.svg import Frame, drawing
+from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section
+
+GRAVITY = 9.81e-3  # [mm/ms²]
+MEANS = {
+    "headroom": "the share of each vertex's own reserve that the style has used up",
+    "own_max": "stress over the largest stress of the unstylized part",
+    "sigma_c": "stress over λ times the yield strength",
+    "yield": "stress over the yield strength",
+}
+"""What each normalisation compares."""
+
+
+class ControlSelector(Section):
+    """Strategy, normalisation, threshold, memory and retraction, or Freestyle, which has none of them.
+
+    Attributes:
+        freestyle: Whether nothing restrains the style.
+        control: How demand becomes a mask: `linear`, `exponential` or `frozen`.
+        normalisation: How stress becomes demand, one of NORMALISATIONS.
+        threshold: Demand at which a vertex may move no further.
+        memory: Whether a vertex once restrained stays so.
+        retraction: Whether the relief shrinks where stress comes near its limit.
+        material: Gives yield strength and, for `sigma_c`, λ, which is its safety coefficient and changes with the slider.
+        typical_stress: Stress of the unstylized vertex the curve is drawn for [MPa].
+        peak_stress: Largest stress of the unstylized part [MPa].
+    """
+
+    FIELDS = ("control", "normalisation", "threshold", "memory", "retraction")
+    OWN = ("freestyle",)
+
+    freestyle = traitlets.Bool(False)
+    control = traitlets.Enum(tuple(name for name in CONTROLS if name != "none"), "exponential")
+    normalisation = traitlets.Enum(NORMALISATIONS, "headroom")
+    threshold = traitlets.Float(1.0, min=0.01, max=100.0)
+    memory = traitlets.Bool(True)
+    retraction = traitlets.Bool(True)
+    material = traitlets.Instance(Material)
+    typical_stress = traitlets.Float(min=0.0)
+    peak_stress = traitlets.Float(min=0.0)
+
+    def __init__(self, material: Material = LIBRARY["PLA"], drop_height: float = 1500.0, **traits: Any) -> None:
+        """Offer the strategies for a material.
+
+        Args:
+            material: The material.
+            drop_height: Height of fall [mm]; gives the stress of a flat landing, ρ c v, for which the curve is drawn at first.
+            traits: Any of the attributes.
+        """
+        wave = material.density * material.bar_wave_speed * math.sqrt(2.0 * GRAVITY * drop_height)
+        traits = {"material": material, "typical_stress": wave, "peak_stress": material.yield_strength, **traits}
+        self._plot = ipywidgets.HTML(layout=WIDE)
+        self._make_controls()
+        super().__init__([self._mode, self._restraint])
+        for name, value in traits.items():
+            setattr(self, name, value)
+        self._link()
+        self._redraw()
+
+    def take(self, recipe: Recipe) -> None:
+        """Choose what a recipe has."""
+        self.freestyle = not recipe.feedback
+        self.material = recipe.material
+        if recipe.feedback:
+            super().take(recipe)
+
+    def _make_controls(self) -> None:
+        self._mode = ipywidgets.ToggleButtons(
+            options=[("MechStyle", False), ("Freestyle", True)],
+            tooltips=["Drop tests on the way hold the style back where the part needs its strength", "The whole style, tested at the end"],
+            style={"button_width": "112px"},
+        )
+        choice = {"style": NARROW_LABEL, "layout": WIDE}
+        self._strategy = ipywidgets.Dropdown(options=self.traits()["control"].values, description="strategy", **choice)
+        self._compared_with = ipywidgets.Dropdown(options=NORMALISATIONS, description="compares", **choice)
+        slider = {"base": 10, "min": -1.0, "max": 1.0, "step": 0.02, "readout_format": ".2f", "continuous_update": True}
+        self._threshold = ipywidgets.FloatLogSlider(
+            description="threshold", tooltip="Demand at which a vertex may move no further", **slider, **choice
+        )
+        self._lambda = ipywidgets.FloatSlider(
+            description="λ (σ_c / yield)", min=0.05, max=1.0, step=0.01, tooltip="Safety coefficient of the material", **choice
+        )
+        plain = {"indent": False, "layout": WIDE}
+        self._memory = ipywidgets.Checkbox(description="memory: once held, always held", **plain)
+        self._retraction = ipywidgets.Checkbox(description="retraction near the stress limit", **plain)
+        self._restraint = ipywidgets.VBox(
+            [self._strategy, self._compared_with, self._threshold, self._lambda, self._plot, self._memory, self._retraction]
+        )
+
+    def _link(self) -> None:
+        pairs = {"freestyle": self._mode, "control": self._strategy, "normalisation": self._compared_with, "threshold": self._threshold,
+                 "memory": self._memory, "retraction": self._retraction}  # fmt: skip
+        for name, widget in pairs.items():
+            traitlets.link((self, name), (widget, "value"))
+        self._lambda.value = self.material.safety_coefficient
+        self._lambda.observe(self._other_lambda, "value")
+        watched = ("freestyle", "control", "normalisation", "threshold", "material", "typical_stress", "peak_stress")
+        self.observe(self._redraw, watched)
+
+    def _other_lambda(self, change: dict[str, Any]) -> None:
+        if not math.isclose(change["new"], self.material.safety_coefficient):
+            self.material = msgspec.structs.replace(self.material, safety_coefficient=round(change["new"], 4))
+
+    def curve(self, count: int = 121) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Stress [MPa], demand and mask along the plot, each of shape [count]."""
+        top = 1.35 * max(self.material.yield_strength, self.peak_stress, 1.25 * self.typical_stress)
+        stress = np.linspace(0.0, top, count, dtype=np.float32)
+        baseline = np.full(count, self.typical_stress, np.float32)
+        # `own_max` looks for the largest stress anywhere in the unstylized part: one more vertex carries it.
+        demand = control.demand(np.append(stress, 0.0), np.append(baseline, self.peak_stress), self.material, self.normalisation)[:-1]
+        return stress, demand, control.mask(demand, self.control, self.threshold)
+
+    def _redraw(self, _change: object = None) -> None:
+        self._lambda.value = self.material.safety_coefficient
+        self._lambda.layout.display = "" if self.normalisation == "sigma_c" else "none"
+        self._restraint.layout.display = "none" if self.freestyle else ""
+        self.note("one drop test, at the end" if self.freestyle else f"demand s_norm is {MEANS[self.normalisation]}")
+        self._plot.value = self._picture()
+
+    def _picture(self) -> str:
+        stress, demand, mask = self.curve()
+        frame = Frame(0.0, float(stress[-1]), width=264, height=118)
+        stops = float(np.interp(self.threshold, demand, stress)) if demand[-1] >= self.threshold else None
+        end = "never stops" if stops is None else f"stops at {stops:.0f} MPa"
+        strength = self.material.yield_strength
+        parts = [frame.axes("stress at a vertex [MPa]", (0.0, strength / 2, strength), ((1.0, "1"), (0.0, "0"))), frame.curve(stress, mask)]
+        if stops is not None:
+            parts.append(frame.mark(stops, f"{end}, s_norm = {self.threshold:.2g}"))
+        return drawing(frame, parts, f"mask against stress, {self.control} with {self.normalisation}: 1 at rest, {end}")

@@ -1,0 +1,148 @@
+"""How the part is tested and the run is made: drop, loads, criterion, resolution, device, folder."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import ipywidgets
+import traitlets
+
+from mechstyle.errors import BadInput
+from mechstyle.records import CRITERIA, POSES
+from mechstyle.records.load_cases import LoadCase, load_cases
+from mechstyle.simulation.part import STANDARD_VERTICES
+from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section
+
+DEVICES = ("auto", "cpu", "cuda")
+ONCE = "once"
+"""The way to land that is a single drop."""
+WAYS = {
+    ONCE: ("as it stands, once", "one drop, as the part stands"),
+    "fibonacci": ("any way up", "{} drops: as the part stands, then turned every way, evenly spread"),
+    "tilts": ("nearly as it stands", "{} drops: as the part stands, then tilted a little to every side"),
+    "resting": ("as it comes to rest", "up to {} drops: as the part stands, then on what it would come to rest on, the likeliest first"),
+}
+"""Ways to land, a single drop or one of `POSES`: what they are called, and what is dropped so many times."""
+
+
+class DropOptions(Section):
+    """Settings most people leave as they are.
+
+    Attributes:
+        drop_height: Height of fall [mm].
+        orientations: Drops in the final test, the first as placed.
+        poses: How the others land, one of `POSES`; of no account with one drop.
+        loads: Load cases the part must carry besides the drop, as records; a load file or a list of records may be set.
+        criterion: What viable means, `robust` or `paper`.
+        guarantee: Whether the finished relief is backed off until it is viable.
+        minimum_wall: The thinnest wall the style may leave [mm], 0 for no rule.
+        vertices: Of the standardised surface.
+        device: `auto`, `cpu` or `cuda`.
+        folder: Run directory, "" for one named by prompt and recipe.
+    """
+
+    FIELDS = ("drop_height", "orientations", "poses", "loads", "criterion", "guarantee", "minimum_wall")
+    OWN = ("vertices", "device", "folder")
+
+    drop_height = traitlets.Float(1500.0, min=1.0, max=1e5)
+    orientations = traitlets.Int(5, min=1, max=512)
+    poses = traitlets.Enum(tuple(POSES), "fibonacci")
+    loads = traitlets.Any(())
+    criterion = traitlets.Enum(CRITERIA, "robust")
+    guarantee = traitlets.Bool(True)
+    minimum_wall = traitlets.Float(0.8, min=0.0)
+    vertices = traitlets.Int(STANDARD_VERTICES, min=1)
+    device = traitlets.Enum(DEVICES, "auto")
+    folder = traitlets.Unicode("")
+
+    def __init__(self, **traits: Any) -> None:
+        """Offer them; `traits` are any of the attributes."""
+        look = {"style": NARROW_LABEL, "layout": WIDE}
+        controls = {
+            "drop_height": ipywidgets.BoundedFloatText(description="drop [mm]", min=1.0, max=1e5, step=100.0, **look),
+            "orientations": ipywidgets.BoundedIntText(
+                description="drops", min=1, max=512, tooltip="Drops of the final test, the first as the part stands", **look
+            ),
+            "criterion": ipywidgets.Dropdown(options=CRITERIA, description="criterion", **look),
+            "guarantee": ipywidgets.Checkbox(description="back off until it is viable", indent=False, layout=WIDE),
+            "minimum_wall": ipywidgets.BoundedFloatText(
+                description="thinnest [mm]", min=0.0, max=50.0, step=0.1, tooltip="The thinnest wall the style may leave", **look
+            ),
+            "vertices": ipywidgets.BoundedIntText(description="vertices", min=1, max=400_000, step=1000, **look),
+            "device": ipywidgets.Dropdown(options=DEVICES, description="device", **look),
+            "folder": ipywidgets.Text(
+                description="folder", placeholder="mechstyle-runs/…", continuous_update=False, tooltip="Where the run is kept", **look
+            ),
+        }
+        ways = [(name, way) for way, (name, _) in WAYS.items()]
+        self._way = ipywidgets.Dropdown(options=ways, description="it lands", tooltip="How the part meets the floor", **look)
+        self._drops = controls["orientations"]
+        drop_height, *others = controls.values()
+        super().__init__([drop_height, self._way, *others[:1], self._loads_row(), *others[1:]])
+        for name, value in traits.items():
+            setattr(self, name, value)
+        for name, widget in controls.items():
+            traitlets.link((self, name), (widget, "value"))
+        self._way.observe(self._choose_way, "value")
+        self._file.observe(self._read, "value")
+        self._tell()
+
+    def _loads_row(self) -> ipywidgets.HBox:
+        """A place for the name of a load file, and a button that takes the loads away."""
+        self._file = ipywidgets.Text(
+            description="it carries", placeholder="a load file.toml", continuous_update=False, style=NARROW_LABEL,
+            tooltip="A file of load cases: where the part is held, what pulls or presses on it", layout={"flex": "1 1 auto", "width": "0"},
+        )  # fmt: skip
+        self._unload = ipywidgets.Button(icon="times", tooltip="Nothing to carry but the drop", layout={"width": "32px"})
+        self._unload.on_click(lambda _: self._carry(""))
+        return ipywidgets.HBox([self._file, self._unload], layout=WIDE)
+
+    @property
+    def way(self) -> str:
+        """How the part lands, a key of WAYS."""
+        return ONCE if self.orientations == 1 else self.poses
+
+    @traitlets.validate("loads")
+    def _as_records(self, proposal: dict[str, Any]) -> tuple[LoadCase, ...]:
+        return load_cases(proposal["value"])
+
+    @traitlets.observe("orientations", "poses", "loads")
+    def _tell(self, _change: object = None) -> None:
+        """Bring the way up to date, and say what will be tested."""
+        self._way.value = self.way
+        self._drops.layout.display = "none" if self.way == ONCE else ""
+        self._unload.layout.display = "" if self.loads else "none"
+        drops, carried = WAYS[self.way][1].format(self.orientations), "; ".join(case.name for case in self.loads)
+        self.note(f"{drops}. Besides, it must carry: {carried}" if carried else drops)
+
+    @traitlets.observe("loads")
+    def _forget_file(self, _change: object) -> None:
+        """Loads that came another way are not those of the file named last."""
+        self._name("")
+
+    def _choose_way(self, change: dict[str, Any]) -> None:
+        """Another way brings its usual number of drops."""
+        way = change["new"]
+        if way == ONCE:
+            self.orientations = 1
+        elif way != self.way:
+            with self.hold_trait_notifications():
+                self.poses, self.orientations = way, POSES[way]
+
+    def _carry(self, file: str) -> None:
+        """Take the load cases of a file, or none; what cannot be used is said and leaves the others."""
+        try:
+            self.loads = file or ()
+        except BadInput as error:
+            self.complain(str(error))
+        else:
+            self.complain("")
+            self._name(file)
+
+    def _name(self, file: str) -> None:
+        self._file.unobserve(self._read, "value")
+        self._file.value = file
+        self._file.observe(self._read, "value")
+
+    def _read(self, change: dict[str, Any]) -> None:
+        self._carry(change["new"].strip())

@@ -1,0 +1,77 @@
+"""Which material: one of the library, or its figures changed by hand."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import ipywidgets
+import msgspec
+import traitlets
+
+from mechstyle.errors import BadInput
+from mechstyle.records.material import LIBRARY, Material, material_named
+from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section
+
+FIGURES = {
+    "youngs_modulus": ("E [MPa]", 50.0),
+    "poisson_ratio": ("ν", 0.01),
+    "density": ("ρ [g/cm³]", 0.01),
+    "yield_strength": ("yield [MPa]", 1.0),
+}
+"""What can be edited: the fields of `Material`, how they are called, by how much an arrow changes them."""
+SHOWN_IN = {"density": 1000.0}
+"""Factor to the unit people know, where it is not the program's own: a density of 1.24 g/cm³ is 1.24e-3 g/mm³."""
+EDITED = "figures edited by hand"
+
+
+class MaterialPicker(Section):
+    """A material of the library with its figures, which may be changed.
+
+    Attributes:
+        material: The material chosen; setting one that is not in the library shows it as edited.
+    """
+
+    FIELDS = ("material",)
+
+    material = traitlets.Instance(Material)
+
+    def __init__(self, material: str | Material = "PLA") -> None:
+        """Offer the library; `material` is chosen at first."""
+        look = {"style": NARROW_LABEL, "layout": WIDE}
+        self._choice = ipywidgets.Dropdown(description="material", **look)
+        self._figures = {
+            field: ipywidgets.FloatText(description=name, step=step, continuous_update=False, **look)
+            for field, (name, step) in FIGURES.items()
+        }
+        grid = ipywidgets.VBox(list(self._figures.values()))
+        super().__init__([self._choice, grid])
+        self.material = material_named(material)
+        self._choice.observe(self._choose, "value")
+        for field, widget in self._figures.items():
+            widget.observe(lambda change, field=field: self._edit(field, change["new"]), "value")
+        self._show()
+
+    @traitlets.observe("material")
+    def _show(self, _change: object = None) -> None:
+        """Bring the controls up to date."""
+        edited = [] if LIBRARY.get(self.material.name) == self.material else [(f"{self.material.name} (edited)", "")]
+        with self.hold_trait_notifications():
+            self._choice.options = [*[(name, name) for name in LIBRARY], *edited]
+            self._choice.value = "" if edited else self.material.name
+        for field, widget in self._figures.items():
+            widget.value = round(getattr(self.material, field) * SHOWN_IN.get(field, 1.0), 6)
+        self.note(f"source: {self.material.source}")
+        self.complain("")
+
+    def _choose(self, change: dict[str, Any]) -> None:
+        if change["new"]:
+            self.material = LIBRARY[change["new"]]
+
+    def _edit(self, field: str, shown: float) -> None:
+        value = shown / SHOWN_IN.get(field, 1.0)
+        if abs(value - getattr(self.material, field)) <= 1e-9 * abs(value):
+            return
+        try:
+            self.material = msgspec.structs.replace(self.material, source=EDITED, **{field: value})
+        except BadInput as error:
+            self.complain(str(error))

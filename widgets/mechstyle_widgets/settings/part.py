@@ -1,0 +1,128 @@
+"""Which part: a model of the gallery, a file by its path or uploaded, in which unit; its size is shown in millimetres."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import ipywidgets
+import traitlets
+
+from mechstyle import gallery
+from mechstyle._files import write_whole
+from mechstyle.errors import BadInput
+from mechstyle.geometry.files import FORMATS, read
+from mechstyle.records.mesh import SurfaceMesh
+from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section
+from mechstyle_widgets.settings.thumbnail_buttons import PictureChoice
+
+UNITS = {"as the file says": None, "millimetres": 1.0, "centimetres": 10.0, "inches": 25.4, "metres": 1000.0}
+"""Units a file may be in, and the factor that brings it to millimetres."""
+UPLOADS = Path("mechstyle-runs") / "uploads"
+"""Where uploaded files are put, under the folder the notebook runs in."""
+GALLERY = "gallery:"
+
+
+class PartPicker(Section):
+    """A part, ready to be looked at.
+
+    Attributes:
+        model: `gallery:NAME` or the path of a file; "" for a part that came as a mesh or from a run.
+        scale: Factor from the coordinates of the file to millimetres, None for its own unit.
+        mesh: The part [mm], None before there is one.
+        name: What it is called.
+    """
+
+    model = traitlets.Unicode("")
+    scale = traitlets.Float(None, allow_none=True)
+    mesh = traitlets.Instance(SurfaceMesh, None, allow_none=True)
+    name = traitlets.Unicode("")
+
+    def __init__(self, model: str | SurfaceMesh = "", *, scale: float | None = None, name: str = "part") -> None:
+        """Offer the gallery.
+
+        Args:
+            model: `gallery:NAME`, the path of a file, or a surface.
+            scale: As the attribute.
+            name: What a surface given as such is called.
+
+        Raises:
+            BadInput: If the part cannot be used.
+        """
+        self._gallery = PictureChoice("model", {one: gallery.describe(one) for one in gallery.names()}, height=156)
+        look = {"style": NARROW_LABEL, "layout": WIDE}
+        self._path = ipywidgets.Text(description="or a file", placeholder="part.stl", continuous_update=False, **look)
+        self._upload = ipywidgets.FileUpload(
+            accept=",".join(f".{suffix}" for suffix in FORMATS),
+            description="upload",
+            tooltip="A file of this computer",
+            layout={"width": "100px"},
+        )
+        self._unit = ipywidgets.Dropdown(options=UNITS, tooltip="Unit of the file", layout={"width": "138px"})
+        super().__init__([self._gallery, self._path, ipywidgets.HBox([self._upload, self._unit])])
+        self._gallery.observe(lambda _: self._wish(GALLERY + self._gallery.value, None), "pressed")
+        self._path.observe(self._typed, "value")
+        self._upload.observe(self._uploaded, "value")
+        self._unit.observe(lambda change: self._wish(self.model, change["new"]), "value")
+        if isinstance(model, SurfaceMesh):
+            self.show(model, name)
+        elif model:
+            self.choose(model, scale)
+
+    def choose(self, model: str, scale: float | None = None) -> None:
+        """Take a part by its address.
+
+        Args:
+            model: `gallery:NAME` or the path of a file.
+            scale: Factor to millimetres, for files.
+
+        Raises:
+            BadInput: If it cannot be used; what was chosen before stays.
+        """
+        mesh, name, notes = opened(model, scale)
+        with self.hold_trait_notifications():
+            self.model, self.scale, self.name, self.mesh = model, scale, name, mesh
+        self._say(notes)
+
+    def show(self, mesh: SurfaceMesh, name: str) -> None:
+        """Show a part that has no address."""
+        with self.hold_trait_notifications():
+            self.model, self.scale, self.name, self.mesh = "", None, name, mesh
+        self._say(())
+
+    def _say(self, notes: tuple[str, ...]) -> None:
+        assert self.mesh is not None, "there is a part to speak of"
+        x, y, z = self.mesh.extents
+        self.note("; ".join([f"{self.name.replace('_', ' ')}: {x:.1f} × {y:.1f} × {z:.1f} mm", *notes]))
+        self.complain("")
+        from_gallery = self.model.startswith(GALLERY)
+        self._gallery.value = self.model.removeprefix(GALLERY) if from_gallery else ""
+        self._path.value = "" if from_gallery else self.model
+        self._unit.disabled = from_gallery or not self.model
+
+    def _wish(self, model: str, scale: float | None) -> None:
+        """What mouse and keyboard ask for: as `choose`, what is wrong is said here."""
+        if not model or (model, scale) == (self.model, self.scale):
+            return
+        try:
+            self.choose(model, scale)
+        except BadInput as error:
+            self.complain(str(error))
+
+    def _typed(self, change: dict[str, Any]) -> None:
+        self._wish(change["new"].strip(), self._unit.value)
+
+    def _uploaded(self, change: dict[str, Any]) -> None:
+        for file in change["new"]:
+            place = UPLOADS / Path(file["name"]).name
+            write_whole(place, bytes(file["content"]))
+            self._wish(str(place), self._unit.value)
+
+
+def opened(model: str, scale: float | None) -> tuple[SurfaceMesh, str, tuple[str, ...]]:
+    """Mesh, name and notes of a model given as `gallery:NAME` or as a path; BadInput if it cannot be used."""
+    if model.startswith(GALLERY):
+        name = model.removeprefix(GALLERY)
+        return gallery.make(name), name, ()
+    mesh, notes = read(model, scale=scale)
+    return mesh, Path(model).stem, notes

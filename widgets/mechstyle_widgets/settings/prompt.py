@@ -1,0 +1,102 @@
+"""The style in words: a prompt, a picture of each style to choose from, and how the prompt was read."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import ipywidgets
+import traitlets
+
+from mechstyle import records
+from mechstyle.errors import BadInput
+from mechstyle.records import Recipe
+from mechstyle.styling.library import library
+from mechstyle.styling.prompt import Wish, read
+from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section
+from mechstyle_widgets.settings.thumbnail_buttons import PictureChoice
+
+
+class PromptBox(Section):
+    """A prompt and the styles it may name.
+
+    Attributes:
+        prompt: The style, in words.
+        wish: How it was read, None if it could not be.
+        amplitude: Height of the relief over wall thickness.
+        seed: Decides everything random in the style.
+        guidance: What the style descends to: `offline`, a drawn target, or `clip`, what CLIP takes for the prompt.
+        field: What is descended in: `vertex`, values per vertex, or `network`, the X-Mesh style field.
+    """
+
+    FIELDS = ("prompt", "amplitude", "seed", "guidance", "field")
+
+    prompt = traitlets.Unicode("")
+    wish = traitlets.Instance(Wish, None, allow_none=True)
+    amplitude = traitlets.Float(0.15, min=0.0, max=2.0)
+    seed = traitlets.Int(0, min=0, max=2**32 - 1)
+    guidance = traitlets.Enum(records.GUIDANCES, "offline")
+    field = traitlets.Enum(records.FIELDS, "vertex")
+
+    def __init__(self, prompt: str = "brick", **traits: Any) -> None:
+        """Offer the styles; `prompt` is asked for at first, `traits` are any other attributes."""
+        self._text = ipywidgets.Text(placeholder="small blue stones", tooltip="The style, in words", layout=WIDE)
+        self._chips = PictureChoice("style", {name: style.description for name, style in library().items()})
+        look = {"style": NARROW_LABEL, "layout": WIDE}
+        self._amplitude = ipywidgets.FloatSlider(
+            description="relief / wall", min=0.0, max=0.6, step=0.01, tooltip="Height of the relief over local wall thickness", **look
+        )
+        self._seed = ipywidgets.BoundedIntText(description="seed", min=0, max=2**32 - 1, **look)
+        guides = [("a drawn target, offline", "offline"), ("CLIP, any prompt", "clip")]
+        self._guidance = ipywidgets.Dropdown(options=guides, description="guided by", tooltip="CLIP needs its weights on disk", **look)
+        carriers = [("values per vertex", "vertex"), ("X-Mesh style field", "network")]
+        self._field = ipywidgets.Dropdown(options=carriers, description="carried by", tooltip="What is optimised", **look)
+        super().__init__([self._text, self._chips, self._amplitude, self._seed, self._guidance, self._field])
+        self._chips.observe(self._choose, "pressed")
+        traitlets.link((self, "prompt"), (self._text, "value"))
+        self.prompt = prompt
+        for name, value in traits.items():
+            setattr(self, name, value)
+        self._amplitude.max = max(self._amplitude.max, self.amplitude)
+        pairs = {"amplitude": self._amplitude, "seed": self._seed, "guidance": self._guidance, "field": self._field}
+        for name, widget in pairs.items():
+            traitlets.link((self, name), (widget, "value"))
+
+    def take(self, recipe: Recipe) -> None:
+        """Choose what a recipe has."""
+        self._amplitude.max = max(self._amplitude.max, recipe.amplitude)
+        super().take(recipe)
+
+    def _choose(self, _change: object) -> None:
+        """A picture was pressed: put the name of its style in the place of the one the prompt names."""
+        name = self._chips.value.replace("_", " ")
+        old = "" if self.wish is None else self.wish.style.replace("_", " ")
+        self.prompt = self.prompt.replace(old, name) if old and old in self.prompt else name
+
+    @traitlets.observe("prompt", "guidance")
+    def _read(self, _change: object) -> None:
+        try:
+            self.wish = read(self.prompt) if self.prompt.strip() else None
+        except BadInput as error:
+            self.wish = None
+            drawn = self.guidance == "offline"
+            self.complain(str(error).split("; any other prompt")[0] if drawn else "")
+            self.note("" if drawn else "CLIP reads the whole prompt")
+            self._chips.value = ""
+            return
+        self.complain("" if self.wish else "write what it should look like, or choose a style")
+        self.note("" if self.wish is None else words_of(self.wish))
+        self._chips.value = "" if self.wish is None else self.wish.style
+
+
+def words_of(wish: Wish) -> str:
+    """How a prompt was read, in one line."""
+    parts = [wish.style.replace("_", " ")]
+    if wish.size != 1.0:
+        parts.append(f"features × {wish.size:.2g}")
+    if wish.amount != 1.0:
+        parts.append(f"relief × {wish.amount:.2g}")
+    if wish.shade != 1.0:
+        parts.append("darker" if wish.shade < 1.0 else "lighter")
+    if wish.colour is not None:
+        parts.append("in #" + "".join(f"{round(255 * channel):02x}" for channel in wish.colour))
+    return "; ".join(["read as " + ", ".join(parts), *wish.notes])

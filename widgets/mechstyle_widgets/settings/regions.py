@@ -1,0 +1,100 @@
+"""What the style must leave alone: the resting face, the inside, and regions written or clicked."""
+
+from __future__ import annotations
+
+import textwrap
+from typing import Any
+
+import ipywidgets
+import traitlets
+
+from mechstyle.errors import BadInput
+from mechstyle.records.regions import KINDS, Point, Region, regions
+from mechstyle_widgets.settings.brush import dabbed
+from mechstyle_widgets.settings.section import WIDE, Section
+
+
+class RegionsPicker(Section):
+    """Protected regions.
+
+    Attributes:
+        protect_resting_face: Whether the relief fades out towards the face the part rests on.
+        protect: The regions, as records.
+        paint: Whether a click on the part leaves a ball around it alone, or no longer does where there is one.
+        radius: Radius of that ball [mm].
+        place: A point on the part that was clicked [mm], None for none; it can be protected with the smooth piece around it.
+    """
+
+    FIELDS = ("protect_resting_face", "protect")
+
+    protect_resting_face = traitlets.Bool(True)
+    protect = traitlets.Tuple()
+    paint = traitlets.Bool(False)
+    radius = traitlets.Float(5.0, min=0.1, max=1e3)
+    place = traitlets.Tuple(None, allow_none=True)
+
+    def __init__(self, protect: str | Region | list[str | Region] = (), *, resting_face: bool = True) -> None:  # type: ignore[assignment]
+        """Protect regions, given as records or as people write them, and the resting face."""
+        self._resting = ipywidgets.Checkbox(description="the face it rests on", indent=False, layout=WIDE)
+        self._inside = ipywidgets.Checkbox(description="the inside of hollows", indent=False, layout=WIDE)
+        self._clicked = ipywidgets.Button(
+            description="protect the piece clicked on", icon="mouse-pointer", disabled=True, layout=WIDE,
+            tooltip="Click a place on the part, then protect the smooth piece of surface around it",
+        )  # fmt: skip
+        self._lines = ipywidgets.Textarea(
+            placeholder="one region a line, for example\nbox 0 0 0 10 10 10 ramp 2\nbelow 5", rows=3, continuous_update=False, layout=WIDE,
+            tooltip="\n".join(KINDS.values()),
+        )  # fmt: skip
+        super().__init__([self._resting, self._inside, self._brush(), self._clicked, self._lines])
+        traitlets.link((self, "protect_resting_face"), (self._resting, "value"))
+        self.protect_resting_face, self.protect = resting_face, regions(protect)
+        self._show()
+        self._inside.observe(self._write, "value")
+        self._lines.observe(self._write, "value")
+        self._clicked.on_click(lambda _: self._protect_clicked())
+
+    def click(self, place: Point) -> None:
+        """What a click on the part does at a place [mm]."""
+        self.place = place
+        if self.paint:
+            self.protect = dabbed(self.protect, place, self.radius)
+
+    def _brush(self) -> ipywidgets.HBox:
+        """The switch and the radius, in one line."""
+        switch = ipywidgets.ToggleButton(
+            description="paint", icon="paint-brush", layout={"width": "80px"},
+            tooltip="Click on the part to leave a ball around the place alone; click in its middle to take it away",
+        )  # fmt: skip
+        look = {"style": {"description_width": "88px"}, "layout": {"width": "168px"}}
+        radius = ipywidgets.BoundedFloatText(description="radius [mm]", min=0.1, max=1e3, step=0.5, **look)
+        traitlets.link((self, "paint"), (switch, "value"))
+        traitlets.link((self, "radius"), (radius, "value"))
+        return ipywidgets.HBox([switch, radius])
+
+    @traitlets.validate("protect")
+    def _as_records(self, proposal: dict[str, Any]) -> tuple[Region, ...]:
+        return regions(proposal["value"])
+
+    @traitlets.observe("protect")
+    def _show(self, _change: object = None) -> None:
+        """Bring the controls up to date."""
+        words = [one.words for one in self.protect]
+        self._inside.value = "inside" in words
+        self._lines.value = "\n".join(line for line in words if line != "inside")
+        self.note(textwrap.shorten("the style leaves alone: " + "; ".join(words), 160, placeholder=" …") if words else "")
+        self.complain("")
+
+    @traitlets.observe("place")
+    def _offer(self, _change: object) -> None:
+        self._clicked.disabled = self.place is None
+
+    def _write(self, _change: object) -> None:
+        lines = [line for line in self._lines.value.splitlines() if line.strip()]
+        try:
+            self.protect = regions((["inside"] if self._inside.value else []) + lines)
+        except BadInput as error:
+            self.complain(str(error))
+
+    def _protect_clicked(self) -> None:
+        if self.place is not None:
+            self.protect = (*self.protect, *regions("segment " + " ".join(f"{x:.2f}" for x in self.place)))

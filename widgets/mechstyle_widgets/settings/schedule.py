@@ -1,0 +1,86 @@
+"""When to simulate: the schedule with its parameters, and a preview of where it would."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import ipywidgets
+import traitlets
+
+from mechstyle.records import SCHEDULES, Recipe
+from mechstyle_widgets.jupyter.svg import Frame, drawing, line
+from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section
+from mechstyle_widgets.state.schedule_forecast import Plan, plan
+
+WHAT = {
+    "every": "every k iterations",
+    "quadratic": "at 1, 4, 9, 16 …",
+    "exponential": "at 2, 4, 8, 16 …",
+    "geometry": "when a vertex has moved a share of its wall",
+    "stress": "as geometry, sooner where stress is high",
+    "never": "only at the end",
+    "always": "every iteration",
+}
+
+
+class ScheduleSelector(Section):
+    """Schedule, its parameters, and how many iterations there are.
+
+    Attributes:
+        schedule: One of SCHEDULES.
+        every: Interval of `every` [iterations].
+        travel: Displacement over wall thickness that triggers `geometry` and `stress`.
+        iterations: Iterations of the run.
+        amplitude: Height of the relief over wall thickness; the preview needs it.
+    """
+
+    FIELDS = ("schedule", "every", "travel", "iterations")
+
+    schedule = traitlets.Enum(SCHEDULES, "stress")
+    every = traitlets.Int(20, min=1, max=100_000)
+    travel = traitlets.Float(0.1, min=1e-3, max=10.0)
+    iterations = traitlets.Int(200, min=1, max=100_000)
+    amplitude = traitlets.Float(0.15, min=0.0, max=2.0)
+
+    def __init__(self, **traits: Any) -> None:
+        """Offer the schedules; `traits` are any of the attributes."""
+        look = {"style": NARROW_LABEL, "layout": WIDE}
+        options = [(f"{name} – {WHAT[name]}", name) for name in SCHEDULES]
+        self._choice = ipywidgets.Dropdown(options=options, description="simulate", **look)
+        self._every = ipywidgets.BoundedIntText(description="k", min=1, max=100_000, **look)
+        self._travel = ipywidgets.BoundedFloatText(description="share of wall", min=0.001, max=10.0, step=0.01, **look)
+        self._iterations = ipywidgets.BoundedIntText(description="iterations", min=1, max=100_000, **look)
+        self._plot = ipywidgets.HTML(layout=WIDE)
+        super().__init__([self._iterations, self._choice, self._every, self._travel, self._plot])
+        for name, value in traits.items():
+            setattr(self, name, value)
+        pairs = (("schedule", self._choice), ("every", self._every), ("travel", self._travel), ("iterations", self._iterations))
+        for name, widget in pairs:
+            traitlets.link((self, name), (widget, "value"))
+        self.observe(self._redraw, (*self.FIELDS, "amplitude"))
+        self._redraw()
+
+    def take(self, recipe: Recipe) -> None:
+        """Choose what a recipe has."""
+        super().take(recipe)
+        self.amplitude = recipe.amplitude
+
+    @property
+    def plan(self) -> Plan:
+        """Where it would simulate."""
+        return plan(self.schedule, self.every, self.travel, self.iterations, self.amplitude)
+
+    def _redraw(self, _change: object = None) -> None:
+        self._every.layout.display = "" if self.schedule == "every" else "none"
+        self._travel.layout.display = "none" if self.plan.certain else ""
+        guess = "" if self.plan.certain else "; an estimate, the run decides"
+        self.note(f"{self.plan.count}, the last one in all orientations{guess}")
+        self._plot.value = self._picture()
+
+    def _picture(self) -> str:
+        frame = Frame(0.0, float(self.iterations), height=48, left=10)
+        places = [frame.x(place) for place in self.plan.places]
+        marks = [line(x, 6, x, frame.floor, "var(--jp-brand-color1, #1565c0)") for x in places]
+        ticks = (0.0, float(self.iterations // 2), float(self.iterations)) if self.iterations > 1 else (0.0, 1.0)
+        words = f"{self.schedule}: {self.plan.count} of {self.iterations} iterations"
+        return drawing(frame, [frame.axes("iteration", ticks), *marks], words)

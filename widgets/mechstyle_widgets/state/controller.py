@@ -1,0 +1,184 @@
+"""What the buttons do: begin a run, carry it on, pause, step, stop, branch. It changes the state and nothing on screen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from mechstyle.errors import BadInput, MechStyleError
+from mechstyle.fea.drop import resolve_device
+from mechstyle.loop.events import Checkpointed, Event
+from mechstyle.records import Recipe
+from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.runs.recipes import DECIDED_BY_THE_PART
+from mechstyle.runs.run import Run, begin, default_folder
+from mechstyle.runs.session import Session
+from mechstyle.simulation.part import fitted
+from mechstyle_widgets.jupyter.prepare import prepare_aside
+from mechstyle_widgets.state.studio_state import StudioState
+
+Progress = Callable[[float], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Wanted:
+    """The run the settings ask for.
+
+    Attributes:
+        recipe: Its recipe, but for the part.
+        mesh: The part [mm]; None for that of the run on show.
+        vertices: Vertices of the standardised surface.
+        name: What the part is called.
+        folder: Run directory, "" for one named by prompt and recipe.
+        device: `auto`, `cpu` or `cuda`.
+    """
+
+    recipe: Recipe
+    mesh: SurfaceMesh | None
+    vertices: int
+    name: str
+    folder: str = ""
+    device: str = "auto"
+
+
+class Conductor:
+    """Carries out what people ask for, in the background; what cannot be done is said in `state.message`."""
+
+    def __init__(self, state: StudioState, wanted: Callable[[], Wanted]) -> None:
+        """Conduct runs.
+
+        Args:
+            state: Where they are shown.
+            wanted: Asked for the settings when a run is begun; may raise BadInput.
+        """
+        self.state, self.wanted = state, wanted
+        self._begun_with: tuple[Any, ...] = ()
+
+    # what the buttons do
+
+    def run(self) -> None:
+        """Go on to the end: what is paused or unfinished if the settings are still its own, else a new run."""
+        self._with_session(lambda session: session.run())
+
+    def step(self) -> None:
+        """Go on to the next checkpoint, then pause."""
+        self._with_session(lambda session: session.run_until(lambda event: isinstance(event, Checkpointed)))
+
+    def step_to_simulation(self) -> None:
+        """Go on to the next checkpoint that was simulated, then pause."""
+        self._with_session(lambda session: session.run_until(_simulated))
+
+    def pause(self) -> None:
+        """Pause after the event in hand."""
+        if self.busy and self.state.session is not None:
+            self.state.session.pause()
+
+    def stop(self) -> None:
+        """End the work; what was checkpointed is kept, and running again goes on from there."""
+        if self.busy and self.state.session is not None:
+            self.state.session.stop()
+
+    def branch(self, iteration: int, lane: str = "", **changes: Any) -> None:
+        """Begin a new lane at an iteration of the lane on show, with other settings, and carry it on."""
+        run = self.state.run
+        if run is None:
+            self.state.message = "there is no run to branch from yet: run something first"
+        elif self.busy:
+            self.state.message = "a run is going on: stop it before you branch"
+        else:
+            self._tried(lambda: self._carry_on(run.branch(iteration, lane=lane, **changes)).run())
+
+    @property
+    def busy(self) -> bool:
+        """Whether a session is under way, be it paused."""
+        return self.state.session is not None and self.state.session.state in ("running", "paused")
+
+    def differs(self) -> dict[str, Any]:
+        """Settings that are not those of the lane on show, by name; BadInput if the settings cannot be used."""
+        run = self.state.run
+        return {} if run is None else changes(run.recipe, self.wanted().recipe)
+
+    # how it does it
+
+    def _with_session(self, act: Callable[[Session], None]) -> None:
+        self._tried(lambda: act(self._session()))
+
+    def _tried(self, act: Callable[[], None]) -> None:
+        try:
+            act()
+        except MechStyleError as error:
+            self.state.message = str(error)
+
+    def _session(self) -> Session:
+        """The session under way, or a new one for what is wanted."""
+        state = self.state
+        if self.busy and state.session is not None:
+            return state.session
+        wanted = self.wanted()
+        same_part = wanted.mesh is None or self._part_of(wanted) == self._begun_with
+        if state.run is None or not same_part or changes(state.run.recipe, wanted.recipe):
+            return self._begin(wanted, state.run.part if state.run is not None and same_part else None)
+        if state.run.finished:
+            raise BadInput("this lane is finished: change a setting to begin another run, or branch from an earlier iteration")
+        return self._carry_on(state.run)
+
+    def _part_of(self, wanted: Wanted) -> tuple[Any, ...]:
+        return () if wanted.mesh is None else (wanted.mesh.digest, wanted.vertices)
+
+    def _begin(self, wanted: Wanted, part: Any) -> Session:
+        """A session that makes the part ready unless it is there already, begins its run and carries it on."""
+        device = resolve_device(wanted.device)
+        if wanted.mesh is not None:
+            self._begun_with = self._part_of(wanted)
+
+        def events(progress: Progress) -> Generator[Event, None, None]:
+            self.state.tell(status="preparing", fraction=0.0)
+            ready = part
+            if ready is None:
+                assert wanted.mesh is not None, "a part that is not ready comes with its mesh"
+                ready = prepare_aside(wanted.mesh, wanted.vertices, lambda words: self.state.tell(stage=words), lambda: progress(0.0))
+            recipe = fitted(wanted.recipe, ready)
+            folder = Path(wanted.folder) if wanted.folder else default_folder(recipe.prompt, recipe)
+            run = begin(ready, recipe, folder, name=wanted.name, device=device)
+            self.state.tell(opened=run)
+            yield from self._told(run, progress)
+
+        return self._followed(Session(events), wanted.recipe.iterations)
+
+    def _carry_on(self, run: Run) -> Session:
+        """A session that carries a lane on."""
+        self.state.open(run)
+        return self._followed(Session(lambda progress: self._told(run, progress)), run.recipe.iterations)
+
+    def _followed(self, session: Session, iterations: int) -> Session:
+        self.state.message = ""
+        self.state.watch(session, iterations)
+        return session
+
+    def _told(self, run: Run, progress: Progress) -> Generator[Event, None, None]:
+        """The events of a run; how far a drop test has come is told, too."""
+        self.state.tell(stage="drawing the style, simulating the unstylized part", step=0.0)
+
+        def told(fraction: float) -> None:
+            self.state.tell(step=fraction)
+            progress(fraction)
+
+        return run.events(told)
+
+
+def settings_of(recipe: Recipe) -> dict[str, Any]:
+    """All settings of a recipe by name; the part is left out, and so are CLIP weights that it does not need."""
+    names = [name for name in Recipe.__struct_fields__ if name not in DECIDED_BY_THE_PART]
+    return {name: getattr(recipe, name) for name in names if name != "clip" or recipe.clip}
+
+
+def changes(theirs: Recipe, ours: Recipe) -> dict[str, Any]:
+    """Settings of `ours` that `theirs` does not share; the part is left out."""
+    names = [name for name in Recipe.__struct_fields__ if name not in DECIDED_BY_THE_PART]
+    return {name: getattr(ours, name) for name in names if getattr(ours, name) != getattr(theirs, name)}
+
+
+def _simulated(event: Event) -> bool:
+    return isinstance(event, Checkpointed) and event.checkpoint.simulated_at == event.checkpoint.iteration > 0

@@ -1,0 +1,267 @@
+"""The one truth that every widget of the Studio looks at: which run, which lane, which iteration, and how far the work has come.
+
+Pure traitlets, no widget. The worker thread of a session never touches a trait: what it has to say is noted down and
+carried over by `pump`, on the kernel's own event loop, at most ten times a second, the latest word on each trait winning.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+import time
+from functools import lru_cache
+from typing import Any
+
+import traitlets
+
+from mechstyle.errors import MechStyleError
+from mechstyle.loop.events import BackedOff, Checkpointed, Event, Finished, SimulationStarted, Stylized
+from mechstyle.records import Checkpoint
+from mechstyle.runs.run import Run
+from mechstyle.runs.session import Session
+from mechstyle_widgets.state.history import Branch, Row, branches_of, rows_of
+from mechstyle_widgets.state.time_left import Outlook, Stopwatch
+
+STATUSES = ("idle", "preparing", "running", "paused", "stopped", "finished", "failed")
+SHORTEST_WAIT = 0.1  # between two updates of what is shown [s]
+KEPT = 12  # checkpoints in memory; one of 25k vertices is about 1 MB
+
+
+class StudioState(traitlets.HasTraits):
+    """What is shown and what is going on.
+
+    Attributes:
+        run: The run on show, opened at `lane`; None before there is one.
+        session: The session that carries it on, or the last one that did.
+        lane: Name of the lane on show.
+        iteration: Iteration on show; may be set to any that `history` holds.
+        iterations_done: Newest iteration of the lane.
+        follow: Whether `iteration` moves on with the run; so it does until an earlier one is chosen.
+        checkpoint: The newest checkpoint of `iteration` in `lane`, read from the store; None before there is one.
+        history: One `Row` for each iteration of the lane, oldest first.
+        histories: The same for every lane, by its name.
+        branches: One `Branch` for each lane.
+        status: One of STATUSES.
+        stage: What is being done, in words; "" while nothing is.
+        fraction: How much of the run is done, 0 to 1.
+        step: How much of the drop test in hand is done, 0 to 1.
+        seconds_left: Estimate of what is left of it [s], None while there is none.
+        message: One sentence for the user: what went wrong, or what to do next.
+        layer: Name of the viewer's layer on show.
+        settings: Fields of the recipe that the next run is to have.
+    """
+
+    run = traitlets.Instance(Run, None, allow_none=True)
+    session = traitlets.Instance(Session, None, allow_none=True)
+    lane = traitlets.Unicode("main")
+    iteration = traitlets.Int(0)
+    iterations_done = traitlets.Int(0)
+    follow = traitlets.Bool(True)
+    checkpoint = traitlets.Instance(Checkpoint, None, allow_none=True)
+    history = traitlets.List(traitlets.Instance(Row))
+    histories = traitlets.Dict()
+    branches = traitlets.List(traitlets.Instance(Branch))
+    status = traitlets.Enum(STATUSES, "idle")
+    stage = traitlets.Unicode("")
+    fraction = traitlets.Float(0.0)
+    step = traitlets.Float(0.0)
+    seconds_left = traitlets.Float(None, allow_none=True)
+    message = traitlets.Unicode("")
+    layer = traitlets.Unicode("style")
+    settings = traitlets.Dict()
+
+    def __init__(self, run: Run | None = None, **traits: Any) -> None:
+        """Look at a run, if there is one; made in a cell, it learns the kernel's event loop by itself."""
+        super().__init__(**traits)
+        self._lock = threading.Lock()
+        self._noted: dict[str, Any] = {}
+        self._stale, self._due, self._pumped = False, False, 0.0
+        self._loop = _running_loop()
+        self._opened: Run | None = None
+        self._watch, self._outlook, self._iterations = Stopwatch(), Outlook(), 1
+        self._last = ("", -1)  # digest and iteration of the newest checkpoint of the session
+        self._seconds: dict[str, float] = {}
+        self._read = lru_cache(maxsize=KEPT)(_checkpoint)
+        if run is not None:
+            self.open(run)
+
+    # what is on show
+
+    def open(self, run: Run) -> None:
+        """Show a lane of a run at its newest iteration.
+
+        Args:
+            run: The run, opened at the lane to show.
+        """
+        self.follow = True
+        with self.hold_trait_notifications():
+            self.run, self.lane = run, run.lane
+        self._read_store()
+        self._rest()
+
+    def row(self, iteration: int | None = None, lane: str = "") -> Row | None:
+        """What is known of an iteration of a lane, of the one on show if none is given; None if it is not there."""
+        wanted = self.iteration if iteration is None else iteration
+        rows = self.histories.get(lane or self.lane, [])
+        return next((row for row in reversed(rows) if row.iteration == wanted), None)
+
+    def checkpoint_at(self, iteration: int, lane: str = "") -> Checkpoint | None:
+        """The newest checkpoint of an iteration, from memory or from the store; None if it is not there."""
+        row = self.row(iteration, lane)
+        return None if row is None or self.run is None else self._read(self.run.store, row.digest)
+
+    @traitlets.validate("iteration")
+    def _within_lane(self, proposal: dict[str, Any]) -> int:
+        return max(0, min(proposal["value"], self.iterations_done))
+
+    @traitlets.validate("lane")
+    def _there(self, proposal: dict[str, Any]) -> str:
+        if self.run is not None:
+            self.run.store.lane(proposal["value"])  # refuses a lane that is not there
+        return proposal["value"]
+
+    @traitlets.observe("lane")
+    def _other_lane(self, change: dict[str, Any]) -> None:
+        if self.run is not None and self.run.lane != change["new"]:
+            self.run = Run(self.run.store, change["new"], self.run.device)
+        self._read_store()
+        self._rest()
+
+    @traitlets.observe("iteration")
+    def _other_iteration(self, _change: object) -> None:
+        self.follow = self.iteration >= self.iterations_done
+        self._show()
+
+    def _read_store(self) -> None:
+        """Bring rows and lanes up to date with what is on disk; the checkpoint follows."""
+        if self.run is None:
+            return
+        known = {row.digest: row for rows in self.histories.values() for row in rows}
+        store, follow = self.run.store, self.follow
+        thickness = self.run.part.thickness
+        histories = {name: rows_of(store, name, thickness, known, self._seconds) for name in store.lanes()}
+        self.history = histories.get(self.lane, [])
+        self.iterations_done = self.history[-1].iteration if self.history else 0
+        self.histories = histories
+        self.branches = branches_of(store, histories)
+        self.iteration = self.iterations_done if follow else min(self.iteration, self.iterations_done)
+        self._show()
+
+    def _rest(self) -> None:
+        """While nothing is going on, the status is that of the lane on show."""
+        run = self.run
+        if run is None or (self.session is not None and self.session.state in ("running", "paused")):
+            return
+        self.status = "finished" if run.finished else "stopped" if self.history else "idle"
+        self.fraction = self.iterations_done / run.recipe.iterations
+        self.message = self.history[-1].words if self.status == "finished" else ""
+
+    def _show(self) -> None:
+        self.checkpoint = self.checkpoint_at(self.iteration)
+
+    # what is going on
+
+    def watch(self, session: Session, iterations: int) -> None:
+        """Follow a session that is about to start: every event and every change of its state is brought here.
+
+        Args:
+            session: The session.
+            iterations: Where the lane it carries on is to end.
+        """
+        self.session, self._iterations = session, iterations
+        self._watch, self._outlook, self._last = Stopwatch(), Outlook(), ("", -1)
+        session.listen(lambda event: self._hear(event) if session is self.session else None)
+        session.watch(lambda state: self._hear_state(session, state))
+
+    def tell(self, *, stale: bool = False, opened: Run | None = None, **traits: Any) -> None:
+        """Note what traits are to become, from any thread.
+
+        Args:
+            stale: Whether the store holds more than is shown.
+            opened: A run to show from now on.
+            traits: Traits and what they are to become.
+        """
+        with self._lock:
+            self._noted.update(traits)
+            self._stale |= stale
+            self._opened = opened or self._opened
+            if self._due or self._loop is None:
+                return
+            self._due = True
+        self._loop.call_soon_threadsafe(self._soon)
+
+    def pump(self) -> None:
+        """Carry over what was noted; the kernel's event loop calls it, in plain Python whoever wants to see the news does."""
+        with self._lock:
+            noted, self._noted = self._noted, {}
+            stale, self._stale, self._due = self._stale, False, False
+            opened, self._opened = self._opened, None
+        self._pumped = time.monotonic()
+        for name, value in noted.items():
+            setattr(self, name, value)
+        if opened is not None:
+            self.open(opened)
+        elif stale:
+            self._read_store()
+
+    def _soon(self) -> None:
+        assert self._loop is not None, "only a loop calls this"
+        self._loop.call_later(max(0.0, self._pumped + SHORTEST_WAIT - time.monotonic()), self.pump)
+
+    def _hear(self, event: Event) -> None:
+        """In the worker thread: what an event means for the traits."""
+        if isinstance(event, Stylized):
+            self.tell(status="running", stage="stylizing", **self._left(event.iteration))
+        elif isinstance(event, SimulationStarted):
+            self.tell(status="running", stage=f"drop test: {event.reason}", step=0.0, **self._left(event.iteration))
+        elif isinstance(event, BackedOff):
+            self.tell(stage=f"backing off: {event.step}")
+        elif isinstance(event, Checkpointed):
+            self._count(event)
+            self.tell(stale=True, fraction=event.checkpoint.iteration / self._iterations)
+        elif isinstance(event, Finished):
+            self.tell(fraction=1.0, seconds_left=None, message=event.verdict.words)
+
+    def _count(self, event: Checkpointed) -> None:
+        """How long a checkpoint took; those that share an iteration, as back-off rounds do, add up."""
+        made, seconds = event.checkpoint, self._watch.lap()
+        if (made.parent, made.iteration) == self._last:
+            self._seconds[event.digest] = seconds + self._seconds[made.parent]
+        else:
+            self._seconds[event.digest] = seconds
+            if made.iteration > 0:
+                self._outlook.record(seconds, simulated=made.simulated_at == made.iteration)
+        self._last = (event.digest, made.iteration)
+
+    def _left(self, iteration: int) -> dict[str, Any]:
+        return {"seconds_left": self._outlook.seconds_left(self._iterations - iteration + 1)}
+
+    def _hear_state(self, session: Session, state: str) -> None:
+        """In whatever thread a session changed its state."""
+        if session is not self.session:
+            return
+        self._watch.run() if state == "running" else self._watch.pause()
+        if state == "failed":
+            self.tell(message=_sentence(session.error))
+        if state != "running":
+            self.tell(stage="", seconds_left=None)
+        self.tell(status="idle" if state == "ready" else state)
+
+
+def _checkpoint(store: Any, digest: str) -> Checkpoint:
+    return store.checkpoint(digest)
+
+
+def _running_loop() -> asyncio.AbstractEventLoop | None:
+    """The event loop a cell runs in, None in plain Python."""
+    try:
+        return asyncio.get_running_loop()
+    except RuntimeError:
+        return None
+
+
+def _sentence(error: BaseException | None) -> str:
+    """What went wrong, in one sentence."""
+    if isinstance(error, MechStyleError):
+        return str(error)
+    return f"the run ended by an unexpected {type(error).__name__}: {error}; what was checkpointed is kept"

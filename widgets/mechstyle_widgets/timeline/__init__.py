@@ -1,0 +1,1 @@
+"""The simulations of a run over its iterations, drawn by plotly."""

@@ -1,0 +1,206 @@
+"""The picture of a timeline: a fixed set of traces, filled anew from the rows of every lane.
+
+Markers are set with every filling: a batch in which only some traces name a property takes it away from the others.
+Verdicts are told by shape as well as by colour. Whatever can be clicked carries the name of its lane as custom data.
+"""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Mapping, Sequence
+from html import escape
+from typing import Any
+
+from plotly.subplots import make_subplots
+
+from mechstyle_widgets.state.history import Branch, Row
+from mechstyle_widgets.state.schedule_forecast import Plan
+
+CURVES = {"style_loss": "style loss", "travel": "travel", "seconds": "seconds"}
+UNITS = {"style_loss": "style loss", "travel": "travel / threshold", "seconds": "seconds"}
+TEMPLATES = {"light": "plotly_white", "dark": "plotly_dark"}
+PAPER = {"light": "#ffffff", "dark": "#26272b"}
+VERDICTS = {"VIABLE": ("circle", "#1f7a8c"), "FAILS": ("x", "#d1495b"), "UNKNOWN": ("diamond", "#8d8d8d")}
+INK, FAINT = "#1f7a8c", "rgba(140,140,140,0.45)"
+LANE, STRESS, CURVE, MARGINS = 24, 120, 90, 64  # heights [pixels]
+
+Rows = Sequence[Row]
+
+
+def empty() -> Any:
+    """The figure with all its traces, none of them filled."""
+    figure = make_subplots(rows=3, cols=1, shared_xaxes=True, vertical_spacing=0.05)
+    line = {"mode": "lines", "hoverinfo": "skip", "showlegend": False}
+    figure.add_scatter(row=1, col=1, line={"color": FAINT, "width": 2}, **line)
+    figure.add_scatter(row=1, col=1, mode="markers", showlegend=False)
+    for outcome in VERDICTS:
+        figure.add_scatter(row=1, col=1, mode="markers", name=outcome)
+    figure.add_scatter(row=2, col=1, line={"color": FAINT, "width": 1.5}, **line)
+    figure.add_scatter(row=2, col=1, line={"color": VERDICTS["FAILS"][1], "width": 1.5, "dash": "dash"}, **line)
+    figure.add_scatter(row=2, col=1, mode="lines+markers", line={"color": INK, "width": 1.5}, showlegend=False)
+    figure.add_scatter(row=3, col=1, line={"color": FAINT, "width": 1.5}, **line)
+    figure.add_scatter(row=3, col=1, mode="lines", line={"color": INK, "width": 1.8}, showlegend=False)
+    figure.add_scatter(row=1, col=1, mode="lines+markers", name="planned", line={"color": FAINT, "width": 2})
+    rule = {"type": "line", "xref": "x", "yref": "paper", "x0": 0, "x1": 0, "y0": 0, "y1": 1, "line": {"color": "#e08e0b", "width": 2}}
+    figure.update_layout(
+        shapes=[rule], dragmode=False, hovermode="closest", paper_bgcolor="rgba(0,0,0,0)", plot_bgcolor="rgba(0,0,0,0)",
+        margin={"l": 96, "r": 12, "t": 24, "b": 36}, font={"size": 11},
+        legend={"orientation": "h", "x": 1.0, "xanchor": "right", "y": 1.02, "yanchor": "bottom", "itemclick": False},
+    )
+    figure.update_xaxes(fixedrange=True, zeroline=False)
+    figure.update_yaxes(fixedrange=True, zeroline=False, automargin=False)
+    return figure
+
+
+def contents(
+    histories: Mapping[str, Rows], branches: Sequence[Branch], lane: str, curve: str, theme: str
+) -> tuple[list[dict[str, Any]], dict[str, Any]]:
+    """What each trace of `empty` is to hold, and the layout that goes with it.
+
+    Args:
+        histories: The rows of every lane, by its name, oldest first.
+        branches: One for each lane.
+        lane: The lane on show.
+        curve: What the lowest row shows, one of CURVES.
+        theme: `light` or `dark`.
+    """
+    forks = {branch.lane: (branch.forked_at, branch.parent or branch.lane) for branch in branches if branch.forked_at is not None}
+    own = {name: [row for row in rows if name not in forks or row.iteration > forks[name][0]] for name, rows in histories.items()}
+    others = {name: rows for name, rows in own.items() if name != lane}
+    shown = {lane: histories.get(lane, [])}
+    traces = [
+        *_lanes(own, forks),
+        _lines(others, lambda row: row.peak),
+        _lines(shown, lambda row: row.limit),
+        _peaks(lane, shown[lane]),
+        _lines(others, lambda row: getattr(row, curve)),
+        _curve(lane, shown[lane], curve),
+        _planned(lane, ()),
+    ]
+    limit = next((row.limit for row in reversed(shown[lane]) if row.limit is not None), None)
+    layout = _layout(list(histories), lane, curve, theme, max((branch.iterations for branch in branches), default=1))
+    return traces, {**layout, "annotations": [] if limit is None else [_limit_note(limit)]}
+
+
+def before(plan: Plan | None, lane: str, curve: str, theme: str) -> tuple[list[dict[str, Any]], dict[str, Any]]:
+    """As `contents`, for a run without an iteration.
+
+    Args:
+        plan: Where it will simulate, None if that is not known.
+        lane: Name of its lane.
+        curve: As for `contents`.
+        theme: As for `contents`.
+    """
+    places = (0, *plan.places) if plan else ()
+    traces, layout = contents({lane: []}, [], lane, curve, theme)
+    words = {"text": "<br>".join(_prospect(plan)), "showarrow": False, "font": {"size": 12, "color": None}}  # no longer that of a limit
+    middle = {"x": 0.5, "xref": "paper", "xanchor": "center", "y": 0.5, "yref": "y2 domain", "yanchor": "middle"}
+    empty_axes = {axis: {**layout[axis], "showticklabels": False} for axis in ("yaxis2", "yaxis3")}
+    ranges = {axis: _range(places[-1] if places else 1) for axis in ("xaxis", "xaxis2")}
+    return [*traces[:-1], _planned(lane, places)], {**layout, **empty_axes, **ranges, "annotations": [{**words, **middle}]}
+
+
+def _prospect(plan: Plan | None) -> list[str]:
+    """What is to be seen once the run has begun, in lines."""
+    later = "Verdicts, peak stress against its limit and the style loss will appear here."
+    if plan is None:
+        return ["Nothing has run yet.", later]
+    where = "" if plan.certain else ", about there: the run decides"
+    return [f"Nothing has run yet. Hollow marks are to come: the unstylized part, then {plan.count}{where}.", later]
+
+
+def _planned(lane: str, places: Sequence[int]) -> dict[str, Any]:
+    marker = {"symbol": "circle-open", "color": VERDICTS["UNKNOWN"][1], "size": 9}
+    told = {"hovertemplate": "simulation planned at iteration %{x}<extra></extra>"}
+    return {"x": list(places), "y": [lane] * len(places), "marker": marker, **told}
+
+
+def _lanes(own: Mapping[str, Rows], forks: Mapping[str, tuple[int, str]]) -> list[dict[str, Any]]:
+    """The lines of the lanes from where they fork, their iterations, and their simulations by verdict."""
+    flat = [(name, row) for name, rows in own.items() for row in rows]
+    lines: list[tuple[float | None, str | None]] = []
+    for name, rows in own.items():
+        start = [forks[name], (forks[name][0], name)] if name in forks else []
+        lines += start + [(row.iteration, name) for row in (*rows[:1], *rows[-1:])] + [(None, None)]
+    traces = [{"x": [x for x, _ in lines], "y": [y for _, y in lines]}, {**_marks(flat), "marker": {"size": 16, "opacity": 0.0}}]
+    for outcome, (symbol, colour) in VERDICTS.items():
+        of_this = _marks([(name, row) for name, row in flat if row.outcome == outcome])
+        traces.append({**of_this, "marker": {"symbol": symbol, "color": colour, "size": 9}})
+    return traces
+
+
+def _marks(flat: Sequence[tuple[str, Row]]) -> dict[str, Any]:
+    return {
+        "x": [row.iteration for _, row in flat],
+        "y": [name for name, _ in flat],
+        "customdata": [[name] for name, _ in flat],
+        "hovertext": [story(name, row) for name, row in flat],
+        "hovertemplate": "%{hovertext}<extra></extra>",
+    }
+
+
+def _lines(lanes: Mapping[str, Rows], value: Any) -> dict[str, Any]:
+    """One line for each lane over the rows that have a value, with gaps between them."""
+    x: list[float | None] = []
+    y: list[float | None] = []
+    for rows in lanes.values():
+        known = [(row.iteration, value(row)) for row in rows if value(row) is not None]
+        x += [*(at for at, _ in known), None]
+        y += [*(height for _, height in known), None]
+    return {"x": x, "y": y}
+
+
+def _peaks(lane: str, rows: Rows) -> dict[str, Any]:
+    simulated = [row for row in rows if row.peak is not None]
+    looks = [VERDICTS[row.outcome] for row in simulated]
+    marker = {"symbol": [symbol for symbol, _ in looks], "color": [colour for _, colour in looks], "size": 8}
+    return {**_marks([(lane, row) for row in simulated]), "y": [row.peak for row in simulated], "marker": marker}
+
+
+def _curve(lane: str, rows: Rows, curve: str) -> dict[str, Any]:
+    known = [row for row in rows if getattr(row, curve) is not None]
+    return {**_marks([(lane, row) for row in known]), "y": [getattr(row, curve) for row in known]}
+
+
+def story(lane: str, row: Row) -> str:
+    """What hovering over an iteration tells."""
+    lines = [f"<b>{escape(lane)} · iteration {row.iteration}</b>"]
+    if row.outcome:
+        lines.append(f"{row.outcome}, simulated because: {escape(row.reason)}")
+        lines += textwrap.wrap(escape(row.words), 70)
+    figures = [f"style loss {row.style_loss:.3g}", f"travel {row.travel:.2f} of the threshold"]
+    if row.seconds is not None:
+        figures.append(f"{row.seconds:.1f} s")
+    return "<br>".join([*lines, " · ".join(figures)])
+
+
+def _limit_note(limit: float) -> dict[str, Any]:
+    place = {"x": 0.0, "xref": "paper", "xanchor": "left", "y": limit, "yref": "y2", "yanchor": "top"}
+    return {"text": f"limit {limit:.3g} MPa", "showarrow": False, "font": {"size": 10, "color": VERDICTS["FAILS"][1]}, **place}
+
+
+def _layout(lanes: Sequence[str], lane: str, curve: str, theme: str, iterations: int) -> dict[str, Any]:
+    heights = (LANE * max(len(lanes), 1) + 10, STRESS, CURVE)
+    inside, gap = sum(heights) + 28, 14 / (sum(heights) + 28)
+    bottom, domains = 1.0, []
+    for height in heights:
+        domains.append([max(bottom - height / inside, 0.0), bottom])
+        bottom -= height / inside + gap
+    names = [f"<b>{escape(name)}</b>" if name == lane else escape(name) for name in lanes]
+    rows = {"categoryorder": "array", "categoryarray": lanes[::-1], "tickmode": "array", "tickvals": lanes, "ticktext": names}
+    return {
+        "template": TEMPLATES[theme],
+        "height": inside + MARGINS,
+        "hoverlabel": {"bgcolor": PAPER[theme], "align": "left"},
+        "paper_bgcolor": "rgba(0,0,0,0)",
+        "plot_bgcolor": "rgba(0,0,0,0)",
+        "yaxis": {"domain": domains[0], "type": "category", "range": [-0.6, len(lanes) - 0.4], "showgrid": False, **rows},
+        "yaxis2": {"domain": domains[1], "title": {"text": "peak [MPa]"}, "rangemode": "tozero", "nticks": 5, "showticklabels": True},
+        "yaxis3": {"domain": domains[2], "title": {"text": UNITS[curve]}, "rangemode": "tozero", "nticks": 4, "showticklabels": True},
+        "xaxis3": {"title": {"text": "iteration", "standoff": 4}},
+        **{axis: _range(iterations) for axis in ("xaxis", "xaxis2")},
+    }
+
+
+def _range(iterations: int) -> dict[str, Any]:
+    return {"range": [-0.02 * iterations, 1.02 * iterations]}

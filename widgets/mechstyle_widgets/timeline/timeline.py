@@ -1,0 +1,132 @@
+"""The story of a run on one line: what was simulated and why, how near the limit it came, and which lane branched where."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import ipywidgets
+import traitlets
+
+from mechstyle_widgets.jupyter.cell_output import OncePerCell
+from mechstyle_widgets.jupyter.closing import close_family
+from mechstyle_widgets.jupyter.throttle import Paced
+from mechstyle_widgets.state.linked import Linked
+from mechstyle_widgets.state.schedule_forecast import plan_of
+from mechstyle_widgets.state.studio_state import StudioState
+from mechstyle_widgets.timeline import figure, figure_pool
+from mechstyle_widgets.timeline.figure import CURVES, TEMPLATES
+
+
+class Timeline(Linked, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
+    """Iterations from left to right: lanes with their simulations on top, peak stress against its limit, and one curve to choose.
+
+    A click, or the arrow keys on the slider, shows another iteration; a click on another lane shows that lane. Before there is
+    an iteration, it shows where the schedule that is asked for will simulate.
+    `iteration` and `lane` are those of the state, both ways.
+
+    Attributes:
+        curve: What the lowest row shows, one of `CURVES`.
+        theme: `light` or `dark`.
+    """
+
+    curve = traitlets.Enum(tuple(CURVES), "style_loss")
+    theme = traitlets.Enum(tuple(TEMPLATES), "light")
+
+    def __init__(self, state: StudioState, *, theme: str = "light", width: int = 900) -> None:
+        """Tell the story of a state's run.
+
+        Args:
+            state: What is shown.
+            theme: `light` or `dark`.
+            width: Width of the timeline [pixels].
+        """
+        self._state, self.theme = state, theme
+        self._width = width
+        self._figure = figure_pool.taken(figure.empty, self._fill)
+        self._figure._config = {"displayModeBar": False, "responsive": False}  # noqa: SLF001 — plotly offers no other way
+        for trace in self._figure.data:
+            trace.on_click(self._clicked)
+        self._slider = ipywidgets.IntSlider(description="iteration", tooltip="Arrow keys step", continuous_update=True)
+        choice = ipywidgets.ToggleButtons(options=[(label, name) for name, label in CURVES.items()], tooltips=list(CURVES.values()))
+        choice.style.button_width = "auto"
+        super().__init__([self._bar(choice, width), self._figure])
+        self.add_class("mechstyle-timeline")
+        self._redraw, self._point = Paced(self._draw), Paced(self._move_line)
+        self.link(state)
+        traitlets.link((self, "curve"), (choice, "value"))
+        self._slider.observe(self._slid, "value")
+        state.observe(self._grown, ("histories", "branches", "lane"))
+        state.observe(self._replanned, "settings")
+        self.observe(lambda _: self._redraw(), ("curve", "theme"))
+        self.observe(lambda _: self._point(), "iteration")
+        self._slider.max, self._slider.value = max(state.iterations_done, 1), state.iteration
+
+    def __repr__(self) -> str:
+        """What is shown."""
+        return f"Timeline(lane={self.lane!r}, iteration={self.iteration})"
+
+    def close(self) -> None:
+        """Close it and every widget it is made of, but for its figure, which the next timeline shows; the state is followed no longer."""
+        self._redraw.cancel()
+        self._point.cancel()
+        if self._links:
+            self.unlink()
+            self._state.unobserve(self._grown, ("histories", "branches", "lane"))
+            self._state.unobserve(self._replanned, "settings")
+            figure_pool.put_away(self._figure)
+        close_family(self, keep=self._figure)
+        super().close()
+        self.children = ()  # whoever closes a family this belongs to must not find the figure
+
+    def _bar(self, choice: ipywidgets.ToggleButtons, width: int) -> ipywidgets.HBox:
+        self._slider.layout.width = f"{max(width - 430, 240)}px"
+        return ipywidgets.HBox([self._slider, choice], layout={"justify_content": "space-between", "width": f"{width}px"})
+
+    # what is drawn
+
+    def _grown(self, _change: object) -> None:
+        self._redraw()
+
+    def _replanned(self, _change: object) -> None:
+        if not self._begun:
+            self._redraw()
+
+    @property
+    def _begun(self) -> bool:
+        return any(self._state.histories.values())
+
+    def _draw(self) -> None:
+        self._slider.max = max(self._state.iterations_done, 1)
+        with self._figure.batch_update():
+            self._fill(self._figure)
+        self._move_line()
+
+    def _fill(self, figure: Any) -> None:
+        """Put what the state holds into a figure."""
+        state, lane = self._state, self._state.lane
+        if self._begun:
+            traces, layout = figure.contents(state.histories, state.branches, lane, self.curve, self.theme)
+        else:
+            traces, layout = figure.before(plan_of(state.settings), lane, self.curve, self.theme)
+        for trace, content in zip(figure.data, traces, strict=True):
+            trace.update(content)
+        figure.update_layout(layout, width=self._width)
+        figure.layout.shapes[0].update(x0=state.iteration, x1=state.iteration)
+
+    def _move_line(self) -> None:
+        self._slider.value = self.iteration
+        with self._figure.batch_update():
+            self._figure.layout.shapes[0].update(x0=self.iteration, x1=self.iteration)
+
+    # what the user does
+
+    def _slid(self, change: dict[str, Any]) -> None:
+        self.iteration = change["new"]
+
+    def _clicked(self, trace: Any, points: Any, _modifiers: Any) -> None:
+        """Show the lane and the iteration of the first point clicked."""
+        if points.point_inds and trace.customdata is not None:
+            number = points.point_inds[0]
+            lane = trace.customdata[number][0]
+            self._state.lane = lane
+            self.iteration = int(trace.x[number])

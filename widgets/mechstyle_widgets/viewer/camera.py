@@ -1,0 +1,94 @@
+"""Where one looks from: a camera that orbits a part, fits it into view and says how long a millimetre is on screen."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pythreejs
+
+from mechstyle.pictures.camera import Camera
+from mechstyle.records.mesh import SurfaceMesh
+from mechstyle_widgets.viewer.scene import floor_corners
+
+
+class Orbit:
+    """A camera about the origin of a scene that a mouse turns, moves and brings nearer.
+
+    Attributes:
+        three: The camera of pythreejs; several views may share it and then move together.
+        home: Where the part lies in view when fitted: its `target` [mm] is the origin of the scene.
+    """
+
+    def __init__(self, mesh: SurfaceMesh, aspect: float, view: str = "three_quarter") -> None:
+        """Look at a part from one of `VIEWS`, through a window of `aspect` = width over height."""
+        self._points = np.concatenate([mesh.vertices, floor_corners(mesh)])
+        self.home = Camera.named(view, self._points, aspect=aspect)
+        distance = self.home.distance
+        self.three = pythreejs.PerspectiveCamera(
+            position=self._eye(self.home),
+            up=[0.0, 0.0, 1.0],
+            fov=self.home.field_of_view,
+            aspect=aspect,
+            near=distance / 100.0,
+            far=distance * 20.0,
+        )
+        self._controls = [self.control()]
+
+    def control(self) -> Any:
+        """Mouse control of one more view that shares the camera."""
+        return pythreejs.OrbitControls(controlling=self.three)
+
+    @property
+    def controls(self) -> list[Any]:
+        """The control of the first view."""
+        return self._controls
+
+    def share(self) -> Any:
+        """A control for another view of the same camera."""
+        self._controls.append(self.control())
+        return self._controls[-1]
+
+    def fit(self, view: str = "") -> None:
+        """Bring the whole part into view, from one of `VIEWS` or from where one looks now."""
+        now, aspect = self.seen, self.three.aspect
+        if view:
+            seen = Camera.named(view, self._points, aspect=aspect)
+        else:
+            seen = Camera.fitted(self._points, now.azimuth, now.elevation, aspect=aspect)
+        target = np.subtract(seen.target, self.home.target).tolist()
+        self.three.position = (np.add(self._eye(seen), target)).tolist()
+        for control in self._controls:
+            control.target = target
+            control.exec_three_obj_method("update")
+
+    def resize(self, aspect: float) -> None:
+        """Look through a window of another shape."""
+        self.three.aspect = aspect
+        self.fit()
+
+    @property
+    def seen(self) -> Camera:
+        """The camera as it stands now, in the part's own coordinates."""
+        target = np.asarray(self._controls[0].target, dtype=np.float64)
+        away = np.asarray(self.three.position, dtype=np.float64) - target
+        distance = float(np.linalg.norm(away))
+        elevation = math.degrees(math.asin(np.clip(away[2] / distance, -1.0, 1.0)))
+        azimuth = math.degrees(math.atan2(away[0], -away[1]))
+        at = target + self.home.target
+        return Camera(azimuth, elevation, tuple(at.tolist()), distance, self.home.field_of_view, self.three.aspect)
+
+    def pixels_per_mm(self, height: int) -> float:
+        """Pixels a millimetre takes at the point one orbits about, in a view of `height` pixels."""
+        seen = self.seen
+        return height / (2.0 * seen.distance * math.tan(math.radians(seen.field_of_view / 2)))
+
+    def observe(self, moved: Callable[[Any], None]) -> None:
+        """Call `moved` when the mouse has let go of the camera."""
+        self.three.observe(moved, "position")
+
+    @staticmethod
+    def _eye(camera: Camera) -> list[float]:
+        return np.subtract(camera.eye, camera.target).tolist()

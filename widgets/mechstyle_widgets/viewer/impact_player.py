@@ -1,0 +1,152 @@
+"""The impact of an iteration, moment by moment: deformed as much as one likes, with the stress of that moment on it."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from collections.abc import Callable
+from typing import Any
+
+import ipywidgets
+import traitlets
+
+from mechstyle.errors import MechStyleError
+from mechstyle.simulation.impact import Impact, impact_of
+from mechstyle_widgets.jupyter.closing import close_family
+from mechstyle_widgets.state.studio_state import StudioState
+from mechstyle_widgets.viewer.layers import Layer, Subject
+
+MOMENT = "moment"
+"""Name of the layer that shows the stress of the moment."""
+Progress = Callable[[float], None]
+FACTORS = (1, 2, 5, 10, 20, 50, 100, 200)
+
+
+class _Cancelled(Exception):
+    """The view was closed while a drop was being worked out."""
+
+
+class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
+    """A button that drops the part of the iteration on show once more, and then a slider through what happened.
+
+    Attributes:
+        impact: The impact on show, None while there is none.
+        frame: Which of its moments, counted from 0.
+        exaggeration: Factor on the deformation; the motion of the part as a whole is shown as it is.
+    """
+
+    impact = traitlets.Instance(Impact, None, allow_none=True)
+    frame = traitlets.Int(0)
+    exaggeration = traitlets.Float(20.0)
+    _built = False
+
+    def __init__(self, state: StudioState) -> None:
+        """Play impacts of whatever iteration a state shows."""
+        self._state, self._cancelled = state, False
+        self._button = ipywidgets.Button(description="see the impact", icon="play-circle", tooltip="Drop this part and watch")
+        self._away = ipywidgets.Button(icon="times", tooltip="Back to the part at rest", layout={"width": "36px"})
+        self._progress = ipywidgets.FloatProgress(value=0.0, max=1.0, description="dropping", layout={"width": "260px"})
+        self._said = ipywidgets.HTML()
+        self._play = ipywidgets.Play(interval=250, tooltip="Play the impact")
+        self._slider = ipywidgets.IntSlider(readout=False, tooltip="Arrow keys step", layout={"width": "220px"})
+        self._time = ipywidgets.HTML(layout={"width": "64px"})
+        factors = [(f"× {factor}", float(factor)) for factor in FACTORS]
+        factor = ipywidgets.SelectionSlider(options=factors, value=self.exaggeration, description="deformed", layout={"width": "230px"})
+        self._moments = ipywidgets.HBox([self._play, self._slider, self._time, factor, self._away])
+        super().__init__([self._button])
+        self._link = ipywidgets.jslink((self._play, "value"), (self._slider, "value"))
+        traitlets.link((self._slider, "value"), (self, "frame"))
+        traitlets.link((factor, "value"), (self, "exaggeration"))
+        self._button.on_click(lambda _: self.play())
+        self._away.on_click(lambda _: self.put_away())
+        state.observe(self._other_part, "checkpoint")
+        self._built = True
+
+    def play(self) -> None:
+        """Work the impact out, in a thread where there is an event loop to bring it back, and show it."""
+        run, checkpoint = self._state.run, self._state.checkpoint
+        if run is None or checkpoint is None:
+            return
+        self._progress.value, self._cancelled = 0.0, False
+        self._say(self._progress)
+        part, recipe, memo = run.part, run.store.recipe(checkpoint.recipe), run.store.memo
+
+        def drop(progress: Progress) -> Impact:
+            return impact_of(part, recipe, checkpoint.displacement, memo, progress)
+
+        try:
+            loop = asyncio.get_running_loop()
+        except RuntimeError:
+            self._work(drop, lambda function, *given: function(*given))
+        else:
+            threading.Thread(target=self._work, args=(drop, loop.call_soon_threadsafe), daemon=True).start()
+
+    def put_away(self) -> None:
+        """Show the part at rest again."""
+        self._cancelled, self._play.playing = True, False
+        self.impact = None
+        self._say(self._button)
+
+    def at_the_moment(self, subject: Subject, limit: float) -> Subject:
+        """A subject as the impact has it now, with the stress of the moment against a limit [MPa]; as it is without an impact."""
+        if self.impact is None:
+            return subject
+        stress = self.impact.stress
+        top = max(float(stress.max()), 1.05 * limit)
+        note = f"at {1e3 * self.impact.time[self.frame]:.0f} µs, deformed × {self.exaggeration:g}"
+        layer = Layer(MOMENT, stress[self.frame], "stress of the moment", "MPa", (0.0, top), limit, note)
+        return Subject(self.impact.shape(subject.mesh, self.frame, self.exaggeration), (*subject.layers, layer))
+
+    def close(self) -> None:
+        """Close it; a drop that is being worked out ends."""
+        if self._built:
+            self._built, self._cancelled = False, True
+            self._state.unobserve(self._other_part, "checkpoint")
+            close_family(self, self._button, self._progress, self._moments, self._said, self._link)
+        super().close()
+
+    def _work(self, drop: Callable[[Progress], Impact], bring: Callable[..., Any]) -> None:
+        """In the thread: the drop, and its answer brought to the event loop."""
+
+        def progress(fraction: float) -> None:
+            if self._cancelled:
+                raise _Cancelled
+            bring(self._report, fraction)
+
+        try:
+            impact = drop(progress)
+        except _Cancelled:
+            return
+        except MechStyleError as error:
+            bring(self._fail, str(error))
+        else:
+            bring(self._show, impact)
+
+    def _say(self, *widgets: ipywidgets.Widget) -> None:
+        self.children = widgets
+
+    def _report(self, fraction: float) -> None:
+        self._progress.value = fraction
+
+    def _fail(self, why: str) -> None:
+        self._said.value = why
+        self._say(self._button, self._said)
+
+    def _show(self, impact: Impact) -> None:
+        if self._cancelled:
+            return
+        self._slider.max = self._play.max = len(impact.time) - 1
+        self._slider.value = 0
+        self.impact = impact
+        self._say(self._moments)
+        self._tell_time()
+
+    @traitlets.observe("frame")
+    def _tell_time(self, _change: object = None) -> None:
+        if self.impact is not None:
+            self._time.value = f"{1e3 * self.impact.time[self.frame]:.0f} µs"
+
+    def _other_part(self, _change: object) -> None:
+        """Another iteration is another part: what is on show would not be its impact."""
+        if self.impact is not None or self.children == (self._progress,):
+            self.put_away()

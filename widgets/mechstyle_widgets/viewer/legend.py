@@ -1,0 +1,98 @@
+"""How a picture of a part is to be read: colour bar with units, limit and extremes, and the length of a millimetre."""
+
+from __future__ import annotations
+
+from html import escape
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mechstyle.pictures.colormap import ABOVE, ABSENT, STRIPE, Scale, linear_to_srgb
+from mechstyle.records.mesh import SurfaceMesh
+from mechstyle_widgets.viewer.layers import Layer
+from mechstyle_widgets.viewer.scene import round_length
+
+INK, FAINT = "var(--jp-ui-font-color1, #1c1c1e)", "var(--jp-ui-font-color2, #5f5f66)"
+BAR_WIDTH = 300  # [pixels]
+
+
+def colour_bar(layer: Layer, mesh: SurfaceMesh) -> str:
+    """HTML of a layer's caption, colours, limit and extremes, and of how much of the surface lies above the limit."""
+    scale = layer.scale
+    ticks = [_tick(0.0, 0.0, f"{scale.low:.3g}"), _tick(1.0, 1.0, f"{scale.high:.3g}")]
+    edge = (scale.top - scale.low) / (scale.high - scale.low)
+    if 0.15 < edge < 0.8:  # nearer to an end the numbers would overlap, and the caption has it too
+        ticks.append(_tick(edge, 0.5, f"<b>{scale.top:.3g}</b>"))
+    lines = [f"<div><b>{escape(layer.caption)}</b></div>"]
+    lines.append(f'<div style="width:{BAR_WIDTH}px;height:12px;border-radius:2px;background:{_gradient(scale)}"></div>')
+    lines.append(f'<div style="position:relative;width:{BAR_WIDTH}px;height:1.5em">{"".join(ticks)}</div>')
+    said = (_extremes(layer), _share_above(layer, mesh), escape(layer.note))
+    lines += [f'<div style="color:{FAINT}">{line}</div>' for line in said if line]
+    return _block("".join(lines))
+
+
+def scale_bar(pixels_per_mm: float, cell: float) -> str:
+    """HTML of a bar of a round length [mm] as long as it is on screen, and how wide a cell of the floor is [mm]."""
+    length = round_length(110.0 / pixels_per_mm)
+    style = f"width:{length * pixels_per_mm:.0f}px;height:5px;border:solid {INK};border-width:0 1.5px 1.5px"
+    bar = f'<div role="img" aria-label="scale bar of {length:g} mm" style="{style}"></div>'
+    return _block(f'{bar}<div>{length:g} mm</div><div style="color:{FAINT}">floor grid {cell:g} mm</div>')
+
+
+def left_alone(kept: NDArray[np.bool_], mesh: SurfaceMesh) -> str:
+    """HTML of what the grey hatch means and how much of the surface it covers; "" where it covers nothing.
+
+    Args:
+        kept: Whether each vertex is left alone, shape [vertex_count].
+        mesh: The surface.
+    """
+    if not kept.any():
+        return ""
+    share = mesh.vertex_areas[kept].sum() / mesh.vertex_areas.sum()
+    grey = f"repeating-linear-gradient(45deg,{_css(ABSENT)} 0 2px,transparent 2px 5px)"
+    box = f"display:inline-block;width:24px;height:10px;margin-right:8px;border:1px solid {_css(ABSENT)};background:{grey}"
+    return _block(f'<span style="{box}"></span>left alone by the style: {share:.1%} of the surface')
+
+
+def titles(*names: str) -> str:
+    """HTML of names side by side, each in the middle of its share of the width."""
+    cells = "".join(f'<div style="flex:1;text-align:center">{escape(name)}</div>' for name in names)
+    return f'<div style="display:flex;font-size:12px;color:{FAINT}">{cells}</div>'
+
+
+def _block(inside: str) -> str:
+    return f'<div style="margin:4px 8px;line-height:1.45;font-size:12px;white-space:nowrap;color:{INK}">{inside}</div>'
+
+
+def _extremes(layer: Layer) -> str:
+    """Where the markers are: a ring at the greatest value, a triangle at the least."""
+    found = layer.extremes()
+    return "" if found is None else escape(f"○ max {layer.at(found[0])}   ▽ min {layer.at(found[1])}").replace("   ", " &emsp; ")
+
+
+def _share_above(layer: Layer, mesh: SurfaceMesh) -> str:
+    if layer.threshold is None:
+        return ""
+    above = layer.scale.above(layer.values)
+    share = f"{mesh.vertex_areas[above].sum() / mesh.vertex_areas.sum():.1%} of the surface is" if above.any() else "nothing is"
+    return escape(f"{share} above the limit of {layer.threshold:.3g} {layer.unit}".rstrip())
+
+
+def _gradient(scale: Scale) -> str:
+    """The scale as CSS, with a hard edge where the hatch begins."""
+    end = 100.0 * (scale.top - scale.low) / (scale.high - scale.low)
+    places = np.linspace(0.0, 1.0, 17)
+    colours = linear_to_srgb(scale.colours(scale.low + places * (scale.top - scale.low)))
+    stops = [f"{_css(colour)} {share * end:.1f}%" for share, colour in zip(places, colours, strict=True)]
+    ramp = f"linear-gradient(to right,{','.join(stops)},transparent {end:.1f}%)"
+    return f"{ramp},repeating-linear-gradient(135deg,{_css(STRIPE)} 0 2px,{_css(ABOVE)} 2px 6px)"
+
+
+def _css(colour: tuple[float, ...]) -> str:
+    r, g, b = np.rint(255 * np.asarray(colour)).astype(int).tolist()
+    return f"rgb({r},{g},{b})"
+
+
+def _tick(place: float, anchor: float, text: str) -> str:
+    """A number under the bar: the share `anchor` of its own width stands at the share `place` of the bar's."""
+    return f'<span style="position:absolute;left:{place:.1%};transform:translateX(-{anchor:.0%})">{text}</span>'

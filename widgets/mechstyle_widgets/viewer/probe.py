@@ -1,0 +1,84 @@
+"""What is known of one vertex: found by a click on the part, told as a table."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from html import escape
+from typing import Any
+
+import numpy as np
+import pythreejs
+import trimesh
+
+from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.records.regions import Point
+from mechstyle_widgets.viewer.layers import Subject
+from mechstyle_widgets.viewer.legend import FAINT, INK
+
+DRAG = 0.3
+"""A click this soon after the camera has moved is the end of a drag [s]."""
+NOWHERE = (0.0, 0.0, 0.0)
+"""Of the scene, about which one orbits: what the browser is told after a click, so that one more at the same place is news."""
+
+
+class Picker:
+    """Clicks on a part, told as the nearest vertex.
+
+    Attributes:
+        three: The control of pythreejs that listens to the mouse.
+    """
+
+    def __init__(self, part: Any, camera: Any, picked: Callable[[tuple[float, float, float], int], None]) -> None:
+        """Call `picked` with the point [mm, about the scene's origin] and the face of every click that is no drag."""
+        self.three = pythreejs.Picker(controlling=part, event="click")
+        self._picked, self._moved = picked, -DRAG
+        camera.observe(self._drag, "position")
+        self.three.observe(self._click, "point")
+
+    def _drag(self, change: dict[str, Any]) -> None:
+        if not np.allclose(change["old"], change["new"], rtol=1e-4, atol=1e-4):  # a first click rounds the position in the browser
+            self._moved = time.monotonic()
+
+    def _click(self, _change: object) -> None:
+        point = tuple(self.three.point)
+        if point == NOWHERE or self.three.faceIndex is None:
+            return
+        if time.monotonic() - self._moved > DRAG:
+            self._picked(point, self.three.faceIndex)
+        self.three.point = NOWHERE
+
+
+def nearest_corner(subject: Subject, face: int, point: Any) -> int:
+    """The vertex of a face that is nearest to a point [mm]."""
+    corners = subject.mesh.faces[face]
+    return int(corners[np.linalg.norm(subject.mesh.vertices[corners] - point, axis=1).argmin()])
+
+
+def carried_over(face: int, point: Any, shown: SurfaceMesh, rest: SurfaceMesh) -> Point:
+    """The place on a part at rest [mm] of a point [mm] on a face of the same part as it is shown."""
+    weights = trimesh.triangles.points_to_barycentric(shown.corners[[face]], np.atleast_2d(point))  # type: ignore[no-untyped-call]
+    x, y, z = (weights[0] @ rest.corners[face]).tolist()
+    return (x, y, z)
+
+
+def table(subject: Subject, vertex: int) -> str:
+    """HTML of a vertex's place and of its value in every layer."""
+    place = ", ".join(f"{value:.2f}" for value in subject.mesh.vertices[vertex])
+    rows = [("place", f"({place}) mm"), *((layer.label, layer.at(vertex)) for layer in subject.layers)]
+    cells = "".join(
+        f'<tr><td style="color:{FAINT};padding-right:12px">{escape(name)}</td>'
+        f'<td style="font-variant-numeric:tabular-nums">{escape(value)}{_swatch(subject, vertex) if name == "place" else ""}</td></tr>'
+        for name, value in rows
+    )
+    head = f'<div><b>✕ vertex {vertex}</b></div><table style="border-spacing:0 1px">{cells}</table>'
+    return f'<div style="margin:4px 8px;font-size:12px;line-height:1.45;color:{INK}">{head}</div>'
+
+
+def _swatch(subject: Subject, vertex: int) -> str:
+    """The colour of the style there."""
+    if subject.mesh.colours is None:
+        return ""
+    r, g, b = np.rint(255 * np.clip(subject.mesh.colours[vertex], 0.0, 1.0)).astype(int).tolist()
+    box = "display:inline-block;width:10px;height:10px;margin-left:8px;border-radius:2px"
+    return f'<span title="colour of the style" style="{box};background:rgb({r},{g},{b})"></span>'

@@ -1,0 +1,107 @@
+"""A run in three dimensions: the viewer of whatever iteration the state shows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import traitlets
+
+from mechstyle.errors import BadInput
+from mechstyle.records import Checkpoint
+from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.runs.run import Run
+from mechstyle_widgets.jupyter.throttle import Paced
+from mechstyle_widgets.state.linked import Linked
+from mechstyle_widgets.state.studio_state import StudioState
+from mechstyle_widgets.viewer.impact_player import MOMENT, ImpactPlayer
+from mechstyle_widgets.viewer.layers import STYLE, Layer, stress_limit, subject_of
+from mechstyle_widgets.viewer.viewer import Viewer
+
+Derived = Callable[[Run, Checkpoint], Layer]
+
+
+class RunViewer(Linked, Viewer):
+    """The styled part at the iteration a state shows, with every field known there; the unstylized part may stand beside it.
+
+    `iteration`, `lane` and `layer` are those of the state, both ways.
+
+    Attributes:
+        player: Shows the impact moment by moment.
+        compared: Lane and iteration that may stand beside it, None for the unstylized part.
+        derived: Functions of run and checkpoint, each of which gives one more layer, such as a mask that would be.
+    """
+
+    compared = traitlets.Tuple(None, allow_none=True)
+    derived = traitlets.Tuple()
+
+    def __init__(self, state: StudioState, *, theme: str = "light", width: int = 640, height: int = 440) -> None:
+        """Show the run of a state.
+
+        Args:
+            state: What is shown; its run must have been begun.
+            theme: `light` or `dark`.
+            width: Width of the view [pixels].
+            height: Height of the view [pixels].
+
+        Raises:
+            BadInput: If there is nothing to show yet.
+        """
+        if state.run is None or state.checkpoint is None:
+            raise BadInput("there is no iteration to show yet: start a run, or open one with Run.open")
+        self._catch_up = Paced(self._show_checkpoint)
+        subject = subject_of(state.run, state.checkpoint)
+        original = subject_of(state.run, state.run.checkpoint(0))
+        wanted = state.layer if subject.layer(state.layer) else STYLE
+        super().__init__(subject.mesh, subject.layers, original=original, theme=theme, width=width, height=height)
+        self.player = ImpactPlayer(state)
+        self._add_under_view(self.player)
+        self.player.observe(self._follow, ("impact", "frame", "exaggeration"))
+        self.player.observe(self._show_stress, "impact")
+        self.layer = state.layer = wanted
+        self.link(state, "layer")
+        state.observe(self._follow, "checkpoint")
+        self.observe(self._follow, "derived")
+        self.observe(self._stand_beside, "compared")
+
+    def close(self) -> None:
+        """Close the view; the state is followed no longer."""
+        if self._links:
+            self._catch_up.cancel()
+            self.unlink()
+            self._state.unobserve(self._follow, "checkpoint")
+            self.player.close()
+        super().close()
+
+    @property
+    def at_rest(self) -> SurfaceMesh:
+        """The unstylized part, to which regions belong, whatever style or impact has moved."""
+        run = self._state.run
+        return super().at_rest if run is None else run.part.surface
+
+    def _stand_beside(self, _change: Any) -> None:
+        """Let what is compared stand beside it."""
+        run = self._state.run
+        if run is not None:
+            lane, iteration = self.compared or (self._state.lane, 0)
+            other = Run(run.store, lane, run.device)
+            self.names = ("on show", f"{lane}, iteration {iteration}") if self.compared else ("styled", "original")
+            self.original, self.beside = subject_of(other, other.checkpoint(iteration)), self.compared is not None
+
+    def _follow(self, _change: Any) -> None:
+        self._catch_up()
+
+    def _show_checkpoint(self) -> None:
+        run, state = self._state.run, self._state.checkpoint
+        if run is None or state is None:
+            return
+        subject = subject_of(run, state)
+        for layer in self.derived:
+            subject = subject.with_layer(layer(run, state))
+        self.subject = self.player.at_the_moment(subject, stress_limit(run, state))
+
+    def _show_stress(self, change: Any) -> None:
+        """An impact begins with its stress on show, and when it is put away the stress of the whole drop takes its place."""
+        self._show_checkpoint()
+        if change["new"] is not None:
+            self.layer = MOMENT

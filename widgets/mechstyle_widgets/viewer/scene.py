@@ -1,0 +1,171 @@
+"""One part on its floor as the browser draws it: buffers made once, of which only the contents change.
+
+Replacing a buffer, or adding to a scene on show, leaks memory in the browser.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pythreejs
+from numpy.typing import ArrayLike, NDArray
+
+from mechstyle.records.mesh import SurfaceMesh
+from mechstyle_widgets.viewer.layers import Layer
+from mechstyle_widgets.viewer.shaders import (
+    FLOOR_FRAGMENT,
+    FLOOR_VERTEX,
+    HIDDEN,
+    MARKER_FRAGMENT,
+    MARKER_VERTEX,
+    MAXIMUM,
+    MINIMUM,
+    PART_FRAGMENT,
+    PART_VERTEX,
+    PICKED,
+    PLAIN,
+    paint,
+    ramp,
+)
+
+PLASTIC = (0.76, 0.75, 0.73)  # sRGB of a part without colours: unpainted, neither light nor dark
+BACKGROUNDS = {"light": "#f6f6f4", "dark": "#1e1f22"}
+AXES = {"x": "#b4483c", "y": "#3d7d3a", "z": "#3b5fa8"}
+
+Floats32 = NDArray[np.float32]
+
+
+class Scene:
+    """A part, the floor it stands on, its axes and three markers.
+
+    Attributes:
+        three: The scene pythreejs draws.
+        part: The mesh in it that can be picked.
+    """
+
+    def __init__(self, mesh: SurfaceMesh, centre: ArrayLike, theme: str = "light") -> None:
+        """Build it whole around a part, with `centre` [mm] at the origin, about which the controls orbit."""
+        self._vertices, self._normals = _attribute(mesh.vertices), _attribute(mesh.vertex_normals)
+        self._colours, self._places = _attribute(_own_colours(mesh)), _attribute(np.full(len(mesh.vertices), PLAIN))
+        self._kept = _attribute(np.zeros(len(mesh.vertices)))
+        self._spots, self._kinds = _attribute(np.zeros((3, 3))), _attribute(np.full(3, HIDDEN))
+        self._geometry = pythreejs.BufferGeometry(
+            attributes={
+                "position": self._vertices,
+                "normal": self._normals,
+                "colour": self._colours,
+                "place": self._places,
+                "kept": self._kept,
+                "index": pythreejs.BufferAttribute(mesh.faces.ravel().astype(np.uint32), normalized=False),
+            }
+        )
+        self.part = pythreejs.Mesh(self._geometry, _part_material())
+        stage = pythreejs.Group(children=[self.part, *_floor(mesh), self._markers()], position=(-np.asarray(centre)).tolist())
+        self.three = pythreejs.Scene(children=[stage], background=BACKGROUNDS[theme])
+
+    def move(self, mesh: SurfaceMesh) -> None:
+        """Take over the positions, normals and colours of a mesh of the same faces."""
+        self._vertices.array = _single(mesh.vertices)
+        self._normals.array = _single(mesh.vertex_normals)
+        self._colours.array = _single(_own_colours(mesh))
+        self._geometry.exec_three_obj_method("computeBoundingSphere")
+
+    def paint(self, layer: Layer | None) -> None:
+        """Show a field, or the part's own colours."""
+        count = len(self._places.array)
+        self._places.array = np.full(count, PLAIN, np.float32) if layer is None else paint(layer.values, layer.scale)
+
+    def hatch(self, kept: NDArray[np.bool_] | None) -> None:
+        """Hatch what the style leaves alone, shape [vertex_count]; None for nothing."""
+        self._kept.array = np.zeros(len(self._kept.array), np.float32) if kept is None else _single(kept)
+
+    def mark(self, extremes: tuple[int, int] | None, picked: int | None) -> None:
+        """Put the markers on the vertices of the greatest and least value and on the picked one; None takes one away."""
+        vertices = [*(extremes or (None, None)), picked]
+        self._spots.array = np.stack([self._vertices.array[vertex or 0] for vertex in vertices])
+        kinds = zip(vertices, (MAXIMUM, MINIMUM, PICKED), strict=True)
+        self._kinds.array = np.array([HIDDEN if vertex is None else kind for vertex, kind in kinds], np.float32)
+
+    def relight(self, theme: str) -> None:
+        """Change the background."""
+        self.three.background = BACKGROUNDS[theme]
+
+    def _markers(self) -> Any:
+        geometry = pythreejs.BufferGeometry(attributes={"position": self._spots, "kind": self._kinds})
+        material = pythreejs.ShaderMaterial(
+            vertexShader=MARKER_VERTEX, fragmentShader=MARKER_FRAGMENT, depthTest=False, depthWrite=False, transparent=True
+        )
+        return pythreejs.Points(geometry, material, frustumCulled=False, renderOrder=2)
+
+
+def round_length(wanted: float) -> float:
+    """The largest of 1, 2, 5, 10, 20, 50 … (and of their tenths) that is not above `wanted` [mm]."""
+    power = 10.0 ** math.floor(math.log10(max(wanted, 1e-3)))
+    return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= max(wanted, 1e-3) * (1 + 1e-9))
+
+
+def floor_cell(mesh: SurfaceMesh) -> float:
+    """Width of a cell of the grid a part stands on [mm]."""
+    return round_length(max(0.12 * mesh.size, 0.1 * float(mesh.extents[:2].max())))
+
+
+def floor_corners(mesh: SurfaceMesh) -> NDArray[np.float64]:
+    """Two opposite corners of the grid a part stands on [mm], shape [2, 3]."""
+    cell, low, high = floor_cell(mesh), mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+    first, last = np.floor(low[:2] / cell), np.ceil(high[:2] / cell)
+    return np.column_stack([np.stack([first, last]) * cell, [low[2], low[2]]])
+
+
+def _floor(mesh: SurfaceMesh) -> list[Any]:
+    """A grid on the floor, and the three axes at its corner with their letters."""
+    corners, cell = floor_corners(mesh), floor_cell(mesh)
+    positions = pythreejs.BufferGeometry(attributes={"position": _attribute(_grid_lines(corners[0], corners[1], cell))})
+    material = pythreejs.ShaderMaterial(vertexShader=FLOOR_VERTEX, fragmentShader=FLOOR_FRAGMENT, transparent=True, depthWrite=False)
+    arrows = [part for axis, letter in enumerate(AXES) for part in _axis(corners[0], axis, letter, cell)]
+    return [pythreejs.LineSegments(positions, material), *arrows]
+
+
+def _grid_lines(first: NDArray[np.float64], last: NDArray[np.float64], cell: float) -> NDArray[np.float64]:
+    """Ends of the lines of a grid between two corners [mm], shape [2 * line_count, 3]."""
+    (x0, y0, floor), (x1, y1, _) = first, last
+    along_y = [((x, y0, floor), (x, y1, floor)) for x in np.arange(x0, x1 + 0.5 * cell, cell)]
+    along_x = [((x0, y, floor), (x1, y, floor)) for y in np.arange(y0, y1 + 0.5 * cell, cell)]
+    return np.array(along_x + along_y, dtype=np.float64).reshape(-1, 3)
+
+
+def _axis(corner: NDArray[np.float64], axis: int, letter: str, length: float) -> list[Any]:
+    """A line of one grid cell along an axis, and its letter at the end."""
+    step = np.zeros(3)
+    step[axis] = length
+    line = pythreejs.BufferGeometry(attributes={"position": _attribute(np.stack([corner, corner + step]))})
+    texture = pythreejs.TextTexture(string=letter, color=AXES[letter], size=64, squareTexture=True)
+    name = pythreejs.Sprite(pythreejs.SpriteMaterial(map=texture, transparent=True), position=(corner + 1.3 * step).tolist())
+    name.scale = [0.6 * length] * 3
+    return [pythreejs.LineSegments(line, pythreejs.LineBasicMaterial(color=AXES[letter], linewidth=2)), name]
+
+
+def _part_material() -> Any:
+    smooth = {"magFilter": "LinearFilter", "minFilter": "LinearFilter"}
+    texture = pythreejs.DataTexture(ramp(), format="RGBAFormat", type="UnsignedByteType", **smooth)
+    return pythreejs.ShaderMaterial(
+        vertexShader=PART_VERTEX,
+        fragmentShader=PART_FRAGMENT,
+        uniforms={"ramp": {"value": texture}},
+        extensions={"derivatives": True},
+        side="DoubleSide",
+    )
+
+
+def _own_colours(mesh: SurfaceMesh) -> NDArray[np.floating]:
+    """Display colours of the part itself, shape [vertex_count, 3]."""
+    return np.broadcast_to(PLASTIC, mesh.vertices.shape) if mesh.colours is None else mesh.colours
+
+
+def _attribute(values: ArrayLike) -> Any:
+    return pythreejs.BufferAttribute(_single(values), normalized=False)
+
+
+def _single(values: ArrayLike) -> Floats32:
+    return np.ascontiguousarray(values, dtype=np.float32)

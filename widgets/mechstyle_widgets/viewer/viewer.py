@@ -1,0 +1,303 @@
+"""A part in three dimensions: turn it, see its style or a field on it, ask what is known of a place.
+
+All of pythreejs stays behind `Viewer`.
+"""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from typing import Any
+
+import ipywidgets
+import numpy as np
+import pythreejs
+import traitlets
+from numpy.typing import NDArray
+
+from mechstyle.errors import BadInput, unknown
+from mechstyle.pictures.camera import VIEWS
+from mechstyle.pictures.figure import Panel
+from mechstyle.pictures.panels import Picture, picture
+from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.records.regions import Point
+from mechstyle_widgets.jupyter.cell_output import OncePerCell
+from mechstyle_widgets.jupyter.closing import close_family
+from mechstyle_widgets.jupyter.throttle import Paced
+from mechstyle_widgets.viewer import legend, probe
+from mechstyle_widgets.viewer.camera import Orbit
+from mechstyle_widgets.viewer.layers import STYLE, Layer, Subject
+from mechstyle_widgets.viewer.scene import BACKGROUNDS, Scene, floor_cell
+
+
+class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
+    """A part one can orbit with the mouse, coloured by its style or by a field over it.
+
+    Drag turns it, the right button moves it, the wheel comes nearer, a click asks what is known of the place.
+
+    Attributes:
+        subject: The part and its fields; may be replaced by one with the same faces.
+        original: What may be shown beside it, None for nothing.
+        layer: Name of what is shown: `style`, or one of the fields.
+        beside: Whether the original is shown beside it, moving along with the mouse.
+        names: What the two are called where they stand side by side.
+        markers: Whether the greatest (ring) and the least value (triangle) are marked.
+        probed: The vertex asked about, None for none.
+        kept: Whether the style leaves each vertex alone, which is hatched, shape [vertex_count]; None for nothing.
+        theme: `light` or `dark`.
+    """
+
+    subject = traitlets.Instance(Subject)
+    original = traitlets.Instance(Subject, None, allow_none=True)
+    layer = traitlets.Unicode(STYLE)
+    beside = traitlets.Bool(False)
+    names = traitlets.Tuple(traitlets.Unicode(), traitlets.Unicode(), default_value=("styled", "original"))
+    markers = traitlets.Bool(True)
+    probed = traitlets.Int(None, allow_none=True)
+    kept = traitlets.Instance(np.ndarray, None, allow_none=True)
+    theme = traitlets.Enum(tuple(BACKGROUNDS), "light")
+    _built = False  # a viewer that was refused is closed too, by the garbage collector
+
+    def __init__(
+        self,
+        mesh: SurfaceMesh,
+        layers: Sequence[Layer] = (),
+        *,
+        original: Subject | None = None,
+        theme: str = "light",
+        width: int = 640,
+        height: int = 440,
+    ) -> None:
+        """Show a part.
+
+        Args:
+            mesh: The part [mm].
+            layers: Fields over its surface; the first is shown.
+            original: What may be shown beside it, with the same faces.
+            theme: `light` or `dark`.
+            width: Width of the view [pixels].
+            height: Height of the view [pixels].
+
+        Raises:
+            BadInput: If a layer does not fit the part, or the original has other faces.
+        """
+        subject = Subject(mesh, tuple(layers))
+        self._faces, self._size = mesh.faces, (width, height)
+        self._clicks = ipywidgets.CallbackDispatcher()
+        if original is not None:
+            self._check_faces(original)
+        if theme not in BACKGROUNDS:
+            raise unknown("theme", theme, BACKGROUNDS)
+        self._orbit = Orbit(mesh, width / height)
+        centre = self._orbit.home.target
+        self._scenes = [Scene(mesh, centre, theme)]
+        self._picker = probe.Picker(self._scenes[0].part, self._orbit.three, self._pick)
+        self._views = [self._renderer(self._scenes[0], [*self._orbit.controls, self._picker.three])]
+        self._stage = ipywidgets.HBox(self._views)
+        self._legend, self._scale, self._table = ipywidgets.HTML(), ipywidgets.HTML(), ipywidgets.HTML()
+        self._legend.layout.width = f"{max(width // 2, legend.BAR_WIDTH + 36)}px"
+        self._titles = ipywidgets.HTML(layout={"display": "none", "width": f"{width}px"})
+        foot = ipywidgets.HBox([self._legend, ipywidgets.VBox([self._scale, self._table])])
+        super().__init__([self._toolbar(), self._titles, self._stage, foot])
+        self.add_class("mechstyle-viewer")
+        self.subject, self.original, self.theme = subject, original, theme
+        self._refresh = Paced(self._draw)
+        self.layer = layers[0].name if layers else STYLE
+        self._orbit.observe(self._measure)
+        self.observe(lambda _: self._refresh(), ("subject", "original", "layer", "markers", "probed", "beside", "names", "kept"))
+        self._built = True
+        self._draw()
+
+    def __repr__(self) -> str:
+        """What is shown; never the arrays."""
+        return f"Viewer({self.subject.mesh!r}, layer={self.layer!r})"
+
+    # what can be done with it
+
+    def put(self, layer: Layer) -> None:
+        """Add a layer, or put it in the place of the one of its name."""
+        self.subject = self.subject.with_layer(layer)
+
+    def fit(self, view: str = "") -> None:
+        """Bring the whole part into view, from `three_quarter`, `front`, `side`, `top`, `below`, or from where one looks now."""
+        if view and view not in VIEWS:
+            raise unknown("view", view, VIEWS)
+        self._orbit.fit(view)
+        self._measure()
+
+    @property
+    def at_rest(self) -> SurfaceMesh:
+        """The part to which the places of clicks belong."""
+        return self.subject.mesh
+
+    def on_click(self, call: Callable[[Point], None]) -> None:
+        """Call with the place [mm] of every click on the part, be it the same as before."""
+        self._clicks.register_callback(call)
+
+    def picture(self) -> Picture:
+        """What is shown but for what is hatched as left alone, drawn by the computer the kernel runs on: `.save(path)` writes the PNG."""
+        shown = [(self.subject, self.names[0]), (self.original, self.names[1])] if self.beside else [(self.subject, "")]
+        panels = [self._panel(subject, title) for subject, title in shown if subject is not None]
+        return picture(panels)
+
+    def close(self) -> None:
+        """Close the view and every widget it is made of; nothing stays behind in the kernel."""
+        if self._built:
+            self._refresh.cancel()
+            close_family(self, *self._views)
+        super().close()
+
+    # traits
+
+    @traitlets.validate("subject", "original")
+    def _same_faces(self, proposal: dict[str, Any]) -> Subject | None:
+        if proposal["value"] is not None:
+            self._check_faces(proposal["value"])
+        return proposal["value"]
+
+    def _check_faces(self, subject: Subject) -> None:
+        if not np.array_equal(subject.mesh.faces, self._faces):
+            raise BadInput("a viewer follows one part as it moves, but the new mesh has other faces: make another Viewer for it")
+
+    @traitlets.validate("layer")
+    def _known_layer(self, proposal: dict[str, Any]) -> str:
+        names = [STYLE, *(layer.name for layer in self.subject.layers)]
+        if proposal["value"] not in names:
+            raise unknown("layer", proposal["value"], names)
+        return proposal["value"]
+
+    @traitlets.validate("probed")
+    def _known_vertex(self, proposal: dict[str, Any]) -> int | None:
+        count = len(self.subject.mesh.vertices)
+        if proposal["value"] is not None and not 0 <= proposal["value"] < count:
+            raise BadInput(f"there is no vertex {proposal['value']}: the part has {count}, counted from 0")
+        return proposal["value"]
+
+    @traitlets.validate("kept")
+    def _one_for_each(self, proposal: dict[str, Any]) -> NDArray[np.bool_] | None:
+        given, count = proposal["value"], len(self.subject.mesh.vertices)
+        if given is not None and given.shape != (count,):
+            raise BadInput(f"what is left alone has shape {given.shape}, but the part has {count} vertices: give one value for each")
+        return None if given is None else given.astype(bool)
+
+    @traitlets.observe("subject")
+    def _offer_layers(self, _change: object) -> None:
+        """Keep the layer if there still is one of its name."""
+        shown = self.layer if self.subject.layer(self.layer) else STYLE
+        options = [("style", STYLE), *((layer.label, layer.name) for layer in self.subject.layers)]
+        if tuple(self._choice.options) != tuple(options):
+            self._choice.options = options
+            self._choice.value = shown
+        self.layer = shown
+
+    @traitlets.observe("original")
+    def _offer_original(self, _change: object) -> None:
+        self._both.layout.display = "none" if self.original is None else ""
+        self.beside = self.beside and self.original is not None
+
+    @traitlets.observe("theme")
+    def _relight(self, change: dict[str, Any]) -> None:
+        for scene in self._scenes:
+            scene.relight(change["new"])
+
+    # what is drawn
+
+    def _draw(self) -> None:
+        """Bring the scenes, the legend and the table up to date with the traits."""
+        layer = self.subject.layer(self.layer)
+        self._arrange()
+        with self._at_once():
+            for scene, subject in zip(self._scenes, (self.subject, self.original), strict=False):
+                if subject is not None:
+                    _fill(scene, subject, self.layer, self.probed, markers=self.markers)
+            self._scenes[0].hatch(self.kept)
+        mesh = self.subject.mesh
+        key = "" if self.kept is None else legend.left_alone(self.kept, mesh)
+        self._legend.value = (legend.colour_bar(layer, mesh) if layer else "") + key
+        self._table.value = "" if self.probed is None else probe.table(self.subject, self.probed)
+        self._measure()
+
+    def _arrange(self) -> None:
+        """One view, or two of half the width that share the camera."""
+        wanted = self.beside and self.original is not None
+        self._titles.value, self._both.description = legend.titles(*self.names), self.names[1].split(",")[0]
+        if self.original is not None and wanted and len(self._views) == 1:
+            self._scenes.append(Scene(self.original.mesh, self._orbit.home.target, self.theme))
+            self._views.append(self._renderer(self._scenes[1], [self._orbit.share()]))
+        shown = tuple(self._views) if wanted else tuple(self._views[:1])
+        if self._stage.children != shown:
+            width, height = self._size
+            for view in shown:
+                view.width = width // len(shown)
+            self._orbit.resize(width / len(shown) / height)
+            self._stage.children = shown
+            self._titles.layout.display = "" if wanted else "none"
+
+    @contextmanager
+    def _at_once(self) -> Iterator[None]:
+        """Let nothing be drawn until all that changes has changed."""
+        with ExitStack() as views:
+            for view in self._views:
+                views.enter_context(view.hold())
+            yield
+
+    def _measure(self, _change: object = None) -> None:
+        self._scale.value = legend.scale_bar(self._orbit.pixels_per_mm(self._size[1]), floor_cell(self.subject.mesh))
+
+    def _renderer(self, scene: Scene, controls: list[Any]) -> Any:
+        width, height = self._size
+        return pythreejs.Renderer(
+            camera=self._orbit.three, scene=scene.three, controls=controls, width=width, height=height, antialias=True
+        )
+
+    def _panel(self, subject: Subject, title: str) -> Panel:
+        layer, seen = subject.layer(self.layer), self._orbit.seen
+        if layer is None:
+            return Panel(subject.mesh, title, view=seen)
+        return Panel(subject.mesh, title, layer.values, layer.unit, layer.label, layer.limits, layer.threshold, seen, layer.note)
+
+    def _add_under_view(self, widget: ipywidgets.Widget) -> None:
+        """Show one more widget between the view and what is written under it."""
+        self.children: tuple[ipywidgets.Widget, ...] = (*self.children[:-1], widget, self.children[-1])
+
+    # what the mouse does
+
+    def _toolbar(self) -> ipywidgets.HBox:
+        self._choice = ipywidgets.Dropdown(options=[("style", STYLE)], tooltip="What is shown on the part", layout={"width": "190px"})
+        views = [(view.replace("_", " "), view) for view in VIEWS]
+        self._view = ipywidgets.Dropdown(options=views, value="three_quarter", tooltip="Where from", layout={"width": "120px"})
+        fit = ipywidgets.Button(icon="arrows-alt", tooltip="Bring the whole part into view", layout={"width": "36px"})
+        self._both = ipywidgets.ToggleButton(
+            description="original", icon="columns", tooltip="Show the original beside it", layout={"width": "96px", "display": "none"}
+        )
+        marks = ipywidgets.ToggleButton(
+            description="extremes", icon="dot-circle-o", tooltip="Mark the greatest and the least value", layout={"width": "108px"}
+        )
+        shot = ipywidgets.Button(icon="camera", tooltip="Make a picture of this to save", layout={"width": "36px"})
+        self._download = ipywidgets.HTML()
+        traitlets.link((self, "layer"), (self._choice, "value"))
+        traitlets.link((self, "beside"), (self._both, "value"))
+        traitlets.link((self, "markers"), (marks, "value"))
+        self._view.observe(lambda change: self.fit(change["new"]), "value")
+        fit.on_click(lambda _: self.fit())
+        shot.on_click(lambda _: self._offer_picture())
+        return ipywidgets.HBox([self._choice, self._view, fit, self._both, marks, shot, self._download])
+
+    def _offer_picture(self) -> None:
+        data = base64.b64encode(self.picture().png).decode("ascii")
+        name = f"mechstyle-{self.layer}.png"
+        self._download.value = f'<a download="{name}" href="data:image/png;base64,{data}" style="font-size:12px">save {name}</a>'
+
+    def _pick(self, point: tuple[float, float, float], face: int) -> None:
+        where = np.add(point, self._orbit.home.target)
+        self.probed = probe.nearest_corner(self.subject, face, where)
+        self._clicks(probe.carried_over(face, where, self.subject.mesh, self.at_rest))
+
+
+def _fill(scene: Scene, subject: Subject, name: str, probed: int | None, *, markers: bool) -> None:
+    """Put a subject into a scene, painted with the layer of a name."""
+    layer = subject.layer(name)
+    scene.move(subject.mesh)
+    scene.paint(layer)
+    scene.mark(layer.extremes() if layer and markers else None, probed)
