@@ -9,6 +9,7 @@ import pytest
 from hypothesis import settings
 
 from mechstyle.records.mesh import SurfaceMesh
+from support.bench import Bench
 
 # Derandomised: a red test is red for everybody. No deadline: two workers share the cores, and a slow example is not a wrong one.
 settings.register_profile("repeatable", derandomize=True, deadline=None, max_examples=60)
@@ -59,3 +60,9 @@ def tiny_clip(tmp_path_factory) -> Path:
     (folder / "vocab.json").write_text(json.dumps({token: number for number, token in enumerate(tokens)}))
     (folder / "merges.txt").write_text("#version: 0.2\n")
     return folder
+
+
+@pytest.fixture
+def bench(tmp_path) -> Bench:
+    """The loop without physics: a stylizer that grows a bump, a simulator whose stress is a known function of the relief."""
+    return Bench(tmp_path / "run")

@@ -15,8 +15,8 @@ from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
 import mechstyle
+from support import ROOT
 
-ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
 _GIT = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True)
 TRACKED = [ROOT / line for line in _GIT.stdout.splitlines()]

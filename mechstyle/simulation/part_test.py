@@ -18,6 +18,7 @@ from mechstyle.fea.drop import History, resolve_device
 from mechstyle.fea.snapshots import snapshot
 from mechstyle.fea.vtu import vtu_path
 from mechstyle.loop.history import Strength
+from mechstyle.loop.minimum_wall import warnings as wall_warnings
 from mechstyle.pictures.panels import Picture, picture, stress_panel
 from mechstyle.records import POSES, Recipe, Simulation, Verdict
 from mechstyle.records.load_cases import LoadCase, load_cases

@@ -30,8 +30,9 @@ from playwright.sync_api import Browser, Locator, Page, sync_playwright
 
 from mechstyle.gallery import make
 from mechstyle.runs.run import Run, stylize
+from support import ROOT
 
-SCREENSHOTS = Path(__file__).parents[2] / "build" / "browser"
+SCREENSHOTS = ROOT / "build" / "browser"
 START = 120  # JupyterLab on two busy cores [s]
 PATIENCE = 60_000  # for anything a page is waited for [ms]
 ARGUMENTS = [  # WebGL without a graphics card, and a browser that keeps to itself

@@ -14,8 +14,8 @@ COUNT = "iteration => document.querySelector('.ms-count').textContent.startsWith
 def shown(notebook, finished_run):
     opened = notebook.open(
         f"""
-from mechstyle.run import Run
-from mechstyle_widgets.replay import Replay
+from mechstyle import Run
+from mechstyle_widgets import Replay
 replay = Replay(Run.open({str(finished_run.store.root)!r}))
 replay
 """

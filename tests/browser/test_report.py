@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import io
-from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image
 from playwright.sync_api import expect
 
+from support import ROOT
+
 pytestmark = pytest.mark.browser
 
-SCREENSHOTS = Path(__file__).parents[2] / "build" / "browser"
+SCREENSHOTS = ROOT / "build" / "browser"
 PATIENCE = 60_000  # [ms]
 
 

@@ -18,10 +18,10 @@ def shown(notebook, finished_run):
     opened = notebook.open(
         f"""
 import ipywidgets
-from mechstyle.run import Run
-from mechstyle_widgets.run_viewer import RunViewer
-from mechstyle_widgets.state import StudioState
-from mechstyle_widgets.timeline import Timeline
+from mechstyle import Run
+from mechstyle_widgets import RunViewer
+from mechstyle_widgets import StudioState
+from mechstyle_widgets import Timeline
 state = StudioState(Run.open({str(finished_run.store.root)!r}))
 viewer, timeline = RunViewer(state, height=300), Timeline(state)
 ipywidgets.VBox([viewer, timeline])

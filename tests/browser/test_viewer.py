@@ -12,9 +12,9 @@ pytestmark = pytest.mark.browser
 def shown(notebook, finished_run):
     return notebook.open(
         f"""
-from mechstyle.run import Run
-from mechstyle_widgets.run_viewer import RunViewer
-from mechstyle_widgets.state import StudioState
+from mechstyle import Run
+from mechstyle_widgets import RunViewer
+from mechstyle_widgets import StudioState
 from ipywidgets.widgets.widget import _instances as alive
 run = Run.open({str(finished_run.store.root)!r})
 state = StudioState(run)

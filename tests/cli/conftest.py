@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from support.lanes import lane_on_a_sheet
+
 SMALL = ("--vertices", "2500", "--iterations", "12", "--orientations", "2", "--set", "element=tet4", "--set", "window=0.4")
 
 
@@ -65,3 +67,9 @@ def finished(tmp_path_factory, shared_cache) -> tuple[CommandLine, Path, dict]:
     line = CommandLine(folder, shared_cache)
     outcome = line("run", "gallery:pen_holder", "--prompt", "brick", *SMALL, "--out", "part", "--json")
     return line, folder / "part", outcome.json
+
+
+@pytest.fixture
+def sheet(tmp_path):
+    """Makes a lane without physics: name, origin, gain and any setting of the recipe may be given."""
+    return lambda **settings: lane_on_a_sheet(tmp_path / "run", **settings)

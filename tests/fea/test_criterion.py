@@ -221,7 +221,8 @@ def test_words_hold_figures_place_limit_and_doubt():
 
 def test_words_name_the_load_that_governs():
     one = simulation(peak=40.0)
-    loaded = tuple(LoadResult(name=name, peak=peak, where=(0.0, 0.0, 0.0), deflection=0.1) for name, peak in (("hand", 40.0), ("shelf", 12.0)))
+    cases = (("hand", 40.0), ("shelf", 12.0))
+    loaded = tuple(LoadResult(name=name, peak=peak, where=(0.0, 0.0, 0.0), deflection=0.1) for name, peak in cases)
     governed = judge(replace(one, loaded=loaded), simulation(), PLA, "robust")
     assert "under the load 'hand' its peak stress is 40.0 MPa at" in governed.words
     dropped = judge(replace(one, loaded=loaded[1:]), simulation(), PLA, "robust")

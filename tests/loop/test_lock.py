@@ -18,7 +18,7 @@ HOLD = """
 import sys
 import threading
 from pathlib import Path
-from mechstyle.lock import exclusive
+from mechstyle.loop.lock import exclusive
 with exclusive(Path(sys.argv[1]), "lane"):
     print("held", flush=True)
     sys.stdin.read()

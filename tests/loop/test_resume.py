@@ -14,6 +14,7 @@ import pytest
 
 from mechstyle.loop.events import Checkpointed, Simulated
 from mechstyle.loop.store import Lane, Store
+from support import ROOT
 
 SETTINGS = {"schedule": "every", "every": 7, "iterations": 45}
 
@@ -50,7 +51,8 @@ def test_a_finished_run_carried_on_changes_nothing(bench, whole):
 CRAWL = """
 import sys
 sys.path[:0] = [{tests!r}]
-from conftest import Bench
+from support.bench import Bench
+from support import ROOT
 bench = Bench({root!r}, gain=200.0)
 print("started", flush=True)
 for event in bench.engine(bench.recipe(**{settings!r})).run():
@@ -60,7 +62,7 @@ for event in bench.engine(bench.recipe(**{settings!r})).run():
 
 @pytest.mark.parametrize("lines", [3, 30, 77])
 def test_a_run_killed_with_sigkill_resumes_to_the_same_bytes(bench, whole, lines):
-    script = CRAWL.format(tests=str(Path(__file__).parent), root=str(bench.root), settings=SETTINGS)
+    script = CRAWL.format(tests=str(ROOT / "tests"), root=str(bench.root), settings=SETTINGS)
     with subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, env={**os.environ, "PYTHONUNBUFFERED": "1"}) as process:
         for _ in range(lines):
             assert process.stdout.readline()

@@ -216,7 +216,7 @@ def test_another_state_or_past_has_another_digest(store, changes):
 
 def test_what_is_stored_is_not_written_again(store, monkeypatch):
     store.put_checkpoint(checkpoint())
-    monkeypatch.setattr("mechstyle._files.write_aside", lambda path, _: pytest.fail(f"{path} was written again"))
+    monkeypatch.setattr("mechstyle.loop.objects.write_whole", lambda path, _: pytest.fail(f"{path} was written again"))
     store.put_checkpoint(checkpoint())
 
 

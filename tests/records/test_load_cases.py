@@ -1,13 +1,13 @@
 """Load cases as people write them: what is understood, and what a file that cannot be used is told."""
 
 import re
-from pathlib import Path
 
 import msgspec
 import pytest
 
 from mechstyle.errors import BadInput
 from mechstyle.records.load_cases import SHAPES, Load, LoadCase, Patch, Support, load_cases, read_loads
+from support import ROOT
 
 HAND = """
 [[case]]
@@ -103,7 +103,7 @@ def test_a_missing_file_two_cases_of_one_name_and_other_objects_are_refused(file
 
 
 def test_the_file_in_the_documentation_is_understood(file):
-    page = (Path(__file__).parents[1] / "docs" / "loads.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "loads.md").read_text(encoding="utf-8")
     (example,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
     coat, bump = read_loads(file(example))
     assert coat.loads[0].force == (0.0, -120.0, 0.0)

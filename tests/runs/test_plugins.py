@@ -19,8 +19,9 @@ from mechstyle.runs import plugins
 from mechstyle.runs.recipes import changed, draft
 from mechstyle.runs.run import Run
 from mechstyle.styling.drawn import ProceduralStylizer, Target
+from support import ROOT
 
-PAGE = Path(__file__).parents[1] / "docs" / "plug-in.md"
+PAGE = ROOT / "docs" / "plug-in.md"
 
 
 @pytest.fixture(autouse=True)

@@ -1,7 +1,5 @@
 """The applications of the published method, and two runs side by side."""
 
-import importlib.util
-from pathlib import Path
 
 import msgspec
 import pytest
@@ -12,6 +10,7 @@ from mechstyle.runs.recipes import draft
 from mechstyle.study import applications
 from mechstyle.study.applications import APPLICATIONS, COLUMNS, Pair, application_named, apply
 from mechstyle.styling.prompt import read
+from support.lanes import lane_on_a_sheet
 
 
 @pytest.mark.parametrize(
@@ -53,11 +52,8 @@ def test_both_runs_get_the_same_part_prompt_and_regions(monkeypatch, tmp_path):
 @pytest.fixture(scope="module")
 def pair(tmp_path_factory) -> Pair:
     """Two finished runs on a sheet whose stress is a known function of the relief."""
-    spec = importlib.util.spec_from_file_location("lanes_on_a_sheet", Path(__file__).parent / "report" / "conftest.py")
-    lanes = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(lanes)
     roots = [tmp_path_factory.mktemp("pair") / label for label in ("freestyle", "mechstyle")]
-    return Pair(*(lanes.lane_on_a_sheet(root, gain=gain) for root, gain in zip(roots, (90.0, 50.0), strict=True)))
+    return Pair(*(lane_on_a_sheet(root, gain=gain) for root, gain in zip(roots, (90.0, 50.0), strict=True)))
 
 
 def test_a_table_has_the_figures_of_all_three(pair):

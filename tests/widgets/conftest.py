@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
-import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -18,13 +16,7 @@ from mechstyle.runs.run import PartRecord, Run
 from mechstyle.runs.session import Session
 from mechstyle_widgets.state.controller import Conductor, Wanted
 from mechstyle_widgets.state.studio_state import StudioState
-
-_SPEC = importlib.util.spec_from_file_location("loop_fakes", Path(__file__).parents[1] / "loop" / "conftest.py")
-assert _SPEC is not None
-assert _SPEC.loader is not None
-loop = importlib.util.module_from_spec(_SPEC)
-sys.modules[_SPEC.name] = loop  # dataclasses look their module up
-_SPEC.loader.exec_module(loop)
+from support.bench import Bench
 
 PATIENCE = 30.0  # seconds before a test gives up; nothing waits this long
 
@@ -33,7 +25,7 @@ class FakeRun:
     """A run directory of the sheet, carried on by the lever simulator instead of a drop test."""
 
     def __init__(self, folder: Path, **settings: object) -> None:
-        self.bench = loop.Bench(folder)
+        self.bench = Bench(folder)
         defaults = {"prompt": "brick", "iterations": 12, "schedule": "every", "every": 4}
         self.engine = self.bench.engine(self.bench.recipe(**{**defaults, **settings}))
         surface, objects = self.bench.surface, self.engine.store.objects

@@ -102,6 +102,6 @@ def test_nothing_of_the_package_relies_on_it():
         for node in ast.walk(tree):
             module = (node.module or "") if isinstance(node, ast.ImportFrom) else ""
             names = [alias.name for alias in node.names] if isinstance(node, ast.Import | ast.ImportFrom) else []
-            if "experimental" in f"{module} {' '.join(names)}":
+            if "sensitivity" in f"{module} {' '.join(names)}":
                 importers.add(path.name)
-    assert importers == {"experimental.py"}  # which imports its own kernels
+    assert importers == {"gradient.py"}  # which imports its own kernels

@@ -4,7 +4,6 @@ import json
 import math
 import os
 import re
-from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
@@ -13,6 +12,7 @@ from mechstyle.__main__ import app
 from mechstyle.errors import MissingPiece
 from mechstyle.simulation.validation import calculix, suite
 from mechstyle.simulation.validation.cases import Case, bounded, compared
+from support import ROOT
 
 QUICK = [name for name, case in suite.CASES.items() if not case.slow]
 MAY_SKIP = {"devices": "no CUDA device"}
@@ -90,6 +90,6 @@ def test_an_unknown_case_is_refused_with_the_nearest():
 
 
 def test_the_page_in_docs_tells_of_every_case():
-    page = Path(__file__).parents[2].joinpath("docs/validation.md").read_text()
+    page = ROOT.joinpath("docs/validation.md").read_text()
     assert re.findall(r"`mechstyle validate --case (\w+)`", page) == list(suite.CASES)
     assert "**failed**" not in page

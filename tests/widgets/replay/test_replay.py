@@ -1,8 +1,5 @@
 """The replay without a browser: its data, its traits, and what it refuses."""
 
-import importlib.util
-import sys
-from pathlib import Path
 
 import pytest
 from ipywidgets import Widget
@@ -11,18 +8,12 @@ from ipywidgets.widgets.widget import _instances as alive
 from mechstyle.errors import BadInput
 from mechstyle.runs.report.replay_data import replay_data
 from mechstyle_widgets.replay.replay import Replay
-
-_SPEC = importlib.util.spec_from_file_location("report_lanes", Path(__file__).parents[1] / "report" / "conftest.py")
-assert _SPEC is not None
-assert _SPEC.loader is not None
-report_lanes = importlib.util.module_from_spec(_SPEC)
-sys.modules["report_lanes"] = report_lanes
-_SPEC.loader.exec_module(report_lanes)
+from support.lanes import carry_on, lane_on_a_sheet
 
 
 @pytest.fixture
 def run(tmp_path):
-    return report_lanes.lane_on_a_sheet(tmp_path / "run", iterations=20)
+    return lane_on_a_sheet(tmp_path / "run", iterations=20)
 
 
 @pytest.fixture
@@ -93,7 +84,7 @@ def test_a_replay_takes_in_what_the_run_did_since(run):
     branch = run.branch(10, lane="later", iterations=30, seed=1)
     replay = Replay(branch)
     assert replay.iteration == 10
-    report_lanes.carry_on(branch)
+    carry_on(branch)
     replay.refresh()
     assert replay.iteration == 30
     replay.iteration = 4

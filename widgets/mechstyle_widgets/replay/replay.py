@@ -21,7 +21,7 @@ from mechstyle_widgets.jupyter.cell_output import OncePerCell
 
 
 def _own(name: str) -> str:
-    return files("mechstyle_widgets").joinpath("static", name).read_text(encoding="utf-8")
+    return files("mechstyle_widgets.replay").joinpath("static", name).read_text(encoding="utf-8")
 
 
 class Replay(OncePerCell, anywidget.AnyWidget):

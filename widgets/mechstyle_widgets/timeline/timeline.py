@@ -13,7 +13,8 @@ from mechstyle_widgets.jupyter.throttle import Paced
 from mechstyle_widgets.state.linked import Linked
 from mechstyle_widgets.state.schedule_forecast import plan_of
 from mechstyle_widgets.state.studio_state import StudioState
-from mechstyle_widgets.timeline import figure, figure_pool
+from mechstyle_widgets.timeline import figure as timeline_figure
+from mechstyle_widgets.timeline import figure_pool
 from mechstyle_widgets.timeline.figure import CURVES, TEMPLATES
 
 
@@ -42,7 +43,7 @@ class Timeline(Linked, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # i
         """
         self._state, self.theme = state, theme
         self._width = width
-        self._figure = figure_pool.taken(figure.empty, self._fill)
+        self._figure = figure_pool.taken(timeline_figure.empty, self._fill)
         self._figure._config = {"displayModeBar": False, "responsive": False}  # noqa: SLF001 — plotly offers no other way
         for trace in self._figure.data:
             trace.on_click(self._clicked)
@@ -105,9 +106,9 @@ class Timeline(Linked, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # i
         """Put what the state holds into a figure."""
         state, lane = self._state, self._state.lane
         if self._begun:
-            traces, layout = figure.contents(state.histories, state.branches, lane, self.curve, self.theme)
+            traces, layout = timeline_figure.contents(state.histories, state.branches, lane, self.curve, self.theme)
         else:
-            traces, layout = figure.before(plan_of(state.settings), lane, self.curve, self.theme)
+            traces, layout = timeline_figure.before(plan_of(state.settings), lane, self.curve, self.theme)
         for trace, content in zip(figure.data, traces, strict=True):
             trace.update(content)
         figure.update_layout(layout, width=self._width)

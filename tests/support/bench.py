@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-import pytest
 
 from mechstyle.fea.criterion import judge
 from mechstyle.loop.engine import Bounds, Engine
@@ -138,8 +137,3 @@ class Bench:
         bounds = Bounds(thickness=thick, inward=np.float32(0.25) * thick, outward=thick, protection=protection)
         simulator = LeverSimulator(count, recipe, self.gain, self.broken_above)
         return Engine(recipe, surface, bounds, BumpStylizer(count, self.height), simulator, store, lane)
-
-
-@pytest.fixture
-def bench(tmp_path) -> Bench:
-    return Bench(tmp_path / "run")
