@@ -80,6 +80,19 @@ def test_the_slider_and_the_trait_move_the_state(timeline, state):
     assert (timeline.iteration, state.iteration) == (12, 12)
 
 
+def test_a_run_is_followed_however_late_the_curves_are_drawn(fake):
+    """The line may move before the figure is drawn again: what the slider then cuts off is nobody's choice."""
+    state = StudioState(fake.run)
+    timeline = Timeline(state)
+    timeline._redraw._act = lambda: None
+    fake.go()
+    state.tell(stale=True)
+    state.pump()
+    assert (state.iteration, timeline.iteration, timeline._slider.value, state.follow) == (12, 12, 12, True)
+    timeline._slider.value = 5
+    assert (state.iteration, state.follow) == (5, False)
+
+
 def test_a_click_shows_lane_and_iteration(timeline, state):
     place = next(number for number, lane in enumerate(trace(timeline, STEPS).y) if lane == "soft") + 1
     timeline._clicked(trace(timeline, STEPS), SimpleNamespace(point_inds=[place]), None)

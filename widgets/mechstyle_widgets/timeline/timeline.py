@@ -55,12 +55,11 @@ class Timeline(Linked, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # i
         self._redraw, self._point = Paced(self._draw), Paced(self._move_line)
         self.link(state)
         traitlets.link((self, "curve"), (choice, "value"))
-        self._slider.observe(self._slid, "value")
         state.observe(self._grown, ("histories", "branches", "lane"))
         state.observe(self._replanned, "settings")
         self.observe(lambda _: self._redraw(), ("curve", "theme"))
         self.observe(lambda _: self._point(), "iteration")
-        self._slider.max, self._slider.value = max(state.iterations_done, 1), state.iteration
+        self._set_slider()
 
     def __repr__(self) -> str:
         """What is shown."""
@@ -97,7 +96,6 @@ class Timeline(Linked, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # i
         return any(self._state.histories.values())
 
     def _draw(self) -> None:
-        self._slider.max = max(self._state.iterations_done, 1)
         with self._figure.batch_update():
             self._fill(self._figure)
         self._move_line()
@@ -115,9 +113,17 @@ class Timeline(Linked, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # i
         figure.layout.shapes[0].update(x0=state.iteration, x1=state.iteration)
 
     def _move_line(self) -> None:
-        self._slider.value = self.iteration
+        self._set_slider()
         with self._figure.batch_update():
             self._figure.layout.shapes[0].update(x0=self.iteration, x1=self.iteration)
+
+    def _set_slider(self) -> None:
+        """Show the iteration on the slider. Its end moves first: a value beyond it would come back cut off, as if the user had chosen it."""
+        self._slider.unobserve(self._slid, "value")  # a shorter lane cuts the value off as well
+        with self._slider.hold_sync():
+            self._slider.max = max(self._state.iterations_done, self.iteration, 1)
+            self._slider.value = self.iteration
+        self._slider.observe(self._slid, "value")
 
     # what the user does
 
