@@ -2,6 +2,8 @@
 
 import itertools
 import json
+import os
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +19,16 @@ settings.load_profile("repeatable")
 
 # Corner 4x + 2y + z of the unit cube; two triangles a side, anticlockwise seen from outside.
 _CUBE_SIDES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+
+
+@pytest.fixture(scope="session", autouse=True)
+def cache(tmp_path_factory) -> Iterator[Path]:
+    """One cache for all tests of all workers: each part is meshed once, and the user's own cache stays out of it."""
+    mine = tmp_path_factory.getbasetemp()
+    folder = (mine.parent if "PYTEST_XDIST_WORKER" in os.environ else mine) / "cache"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("MECHSTYLE_CACHE", str(folder))
+        yield folder
 
 
 @pytest.fixture(scope="session")

@@ -13,7 +13,7 @@ import pytest
 
 from support.lanes import lane_on_a_sheet
 
-SMALL = ("--vertices", "2500", "--iterations", "12", "--orientations", "2", "--set", "element=tet4", "--set", "window=0.4")
+SMALL = ("--vertices", "2000", "--iterations", "12", "--orientations", "2", "--set", "element=tet4", "--set", "window=0.4")
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,6 @@ class Outcome:
 @dataclass(frozen=True)
 class CommandLine:
     folder: Path
-    cache: Path
     small: tuple[str, ...] = SMALL
 
     def start(self, *arguments: object) -> subprocess.Popen[str]:
@@ -39,7 +38,7 @@ class CommandLine:
 
     @property
     def environment(self) -> dict[str, str]:
-        return {**os.environ, "MECHSTYLE_CACHE": str(self.cache), "COLUMNS": "160", "NO_COLOR": "1"}
+        return {**os.environ, "COLUMNS": "160", "NO_COLOR": "1"}
 
     def __call__(self, *arguments: object, code: int | None = 0) -> Outcome:
         command = [sys.executable, "-m", "mechstyle", *map(str, arguments)]
@@ -49,22 +48,16 @@ class CommandLine:
         return Outcome(done.returncode, done.stdout, done.stderr)
 
 
-@pytest.fixture(scope="session")
-def shared_cache(tmp_path_factory) -> Path:
-    """One cache for all command line tests, so that each part is meshed once."""
-    return tmp_path_factory.mktemp("cache")
-
-
 @pytest.fixture
-def mechstyle(tmp_path, shared_cache) -> CommandLine:
-    return CommandLine(tmp_path, shared_cache)
+def mechstyle(tmp_path) -> CommandLine:
+    return CommandLine(tmp_path)
 
 
 @pytest.fixture(scope="session")
-def finished(tmp_path_factory, shared_cache) -> tuple[CommandLine, Path, dict]:
+def finished(tmp_path_factory) -> tuple[CommandLine, Path, dict]:
     """A finished small run: the command line, its directory and the JSON it printed."""
     folder = tmp_path_factory.mktemp("finished")
-    line = CommandLine(folder, shared_cache)
+    line = CommandLine(folder)
     outcome = line("run", "gallery:pen_holder", "--prompt", "brick", *SMALL, "--out", "part", "--json")
     return line, folder / "part", outcome.json
 

@@ -19,15 +19,9 @@ SMALL = {
 """Parameters by notebook that are smaller than, or other than, the defaults in it."""
 
 
-@pytest.fixture(scope="module")
-def cache(tmp_path_factory):
-    return tmp_path_factory.mktemp("cache")
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
-def test_notebook_runs(path, cache, tmp_path, monkeypatch):
-    monkeypatch.setenv("MECHSTYLE_CACHE", str(cache))
+def test_notebook_runs(path, tmp_path):
     done = tmp_path / path.name
     papermill.execute_notebook(path, done, SMALL.get(path.stem), cwd=tmp_path, kernel_name="python3", progress_bar=False, log_output=False)
     notebook = nbformat.read(done, as_version=4)
