@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from mechstyle.errors import BadInput, DamagedStore, MechStyleError, MissingPiece, SimulationFailed
 from mechstyle.records import Checkpoint, Judgement, Measures, Recipe, Simulation, Verdict
+from mechstyle.records.load_cases import Load, LoadCase, Patch, Support
 from mechstyle.records.material import LIBRARY, Material, material_named
 from mechstyle.records.mesh import SurfaceMesh, TetMesh
 from mechstyle.records.regions import Box, HalfSpace, Inside, Outside, Segment, Sphere, Vertices
@@ -20,8 +21,9 @@ from mechstyle.records.regions import Box, HalfSpace, Inside, Outside, Segment, 
 if TYPE_CHECKING:
     from mechstyle.gallery.style_swatches import styles
     from mechstyle.geometry.files import load, save
-    from mechstyle.loop.engine import Engine
+    from mechstyle.loop.engine import Bounds, Engine, Stylizer
     from mechstyle.loop.store import Store
+    from mechstyle.pictures.panels import Picture
     from mechstyle.runs.plugins import register_stylizer
     from mechstyle.runs.protection import protect
     from mechstyle.runs.recipes import changed, plan
@@ -30,15 +32,21 @@ if TYPE_CHECKING:
     from mechstyle.simulation.part import Workpiece, prepare
     from mechstyle.simulation.part_test import simulate
     from mechstyle.simulation.simulator import DropSimulator
+    from mechstyle.styling.drawn import ProceduralStylizer, Target
 
 __version__ = "0.1.0"
 
 _WHERE = {
+    "Bounds": "loop.engine",
     "DropSimulator": "simulation.simulator",
     "Engine": "loop.engine",
+    "Picture": "pictures.panels",
+    "ProceduralStylizer": "styling.drawn",
     "Run": "runs.run",
     "Session": "runs.session",
     "Store": "loop.store",
+    "Stylizer": "loop.engine",
+    "Target": "styling.drawn",
     "Workpiece": "simulation.part",
     "begin": "runs.run",
     "changed": "runs.recipes",
@@ -56,6 +64,7 @@ _WHERE = {
 __all__ = [
     "LIBRARY",
     "BadInput",
+    "Bounds",
     "Box",
     "Checkpoint",
     "DamagedStore",
@@ -64,11 +73,16 @@ __all__ = [
     "HalfSpace",
     "Inside",
     "Judgement",
+    "Load",
+    "LoadCase",
     "Material",
     "Measures",
     "MechStyleError",
     "MissingPiece",
     "Outside",
+    "Patch",
+    "Picture",
+    "ProceduralStylizer",
     "Recipe",
     "Run",
     "Segment",
@@ -77,7 +91,10 @@ __all__ = [
     "SimulationFailed",
     "Sphere",
     "Store",
+    "Stylizer",
+    "Support",
     "SurfaceMesh",
+    "Target",
     "TetMesh",
     "Verdict",
     "Vertices",

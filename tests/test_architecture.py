@@ -21,6 +21,7 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
 _GIT = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True)
 TRACKED = [ROOT / line for line in _GIT.stdout.splitlines()]
 SOURCES = [path for folder in ("mechstyle", "widgets", "benchmarks") for path in sorted((ROOT / folder).rglob("*.py"))]
+IMPORTS = re.compile(r"^(?:from|import) (mechstyle[\w.]*)", re.MULTILINE)
 HEAVY = {"gpytoolbox", "lxml", "manifold3d", "matplotlib", "networkx", "pytetwild", "rich", "scipy", "trimesh", "typer", "warp"}
 HEAVY |= {"IPython", "PIL", "ipywidgets", "pandas", "plotly", "pythreejs", "skimage", "torch", "transformers"}
 
@@ -45,12 +46,60 @@ def test_import_contracts_hold():
     assert re.search(r"Contracts: \d+ kept, 0 broken", done.stdout)
 
 
-def test_the_layers_are_all_built_and_none_may_import_its_neighbours():
+LAYERS = [contract for contract in PROJECT["tool"]["importlinter"]["contracts"] if contract["type"] == "layers"]
+
+
+@pytest.mark.parametrize("contract", LAYERS, ids=lambda contract: contract["containers"][0])
+def test_the_layers_are_all_built_and_none_may_import_its_neighbours(contract):
     """An optional layer, in parentheses, or one joined by a colon would pass without being looked at."""
-    layers = next(contract["layers"] for contract in PROJECT["tool"]["importlinter"]["contracts"] if contract["type"] == "layers")
-    for name in re.split(r" \| ", " | ".join(layers)):
+    assert contract["exhaustive"]
+    for name in re.split(r" \| ", " | ".join(contract["layers"])):
         assert re.fullmatch(r"\w+", name), f"layer {name!r} is optional or not kept apart"
-        assert importlib.util.find_spec(f"mechstyle.{name}") is not None
+        assert importlib.util.find_spec(f"{contract['containers'][0]}.{name}") is not None
+
+
+def rooms_of(package: Path) -> set[str]:
+    """Top-level entries of a package that hold code."""
+    return {path.stem for path in package.iterdir() if path.suffix == ".py" or (path / "__init__.py").is_file()}
+
+
+def arrows_of(package: Path) -> set[tuple[str, str]]:
+    """Pairs of different top-level entries of a package of which the first imports the second, wherever in the file."""
+    found = set()
+    for path in package.rglob("*.py"):
+        here = path.relative_to(package).parts[0].removesuffix(".py")
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] == package.name:
+                names = [f"{node.module}.{alias.name}" for alias in node.names]
+                found |= {(here, name.split(".")[1]) for name in names if name.split(".")[1] in rooms_of(package)}
+    return {(here, there) for here, there in found if here not in (there, "__init__")}
+
+
+def test_the_house_has_a_dozen_rooms_and_few_arrows_between_them():
+    """A thirteenth room, or an arrow more than a reader can follow, needs a reason in docs/design.md and another number here."""
+    rooms = {path.name for path in (ROOT / "mechstyle").iterdir() if (path / "__init__.py").is_file()}
+    assert "loop" in rooms
+    assert len(rooms) <= 12
+    assert 30 < len(arrows_of(ROOT / "mechstyle")) <= 100
+    assert len(rooms_of(ROOT / "widgets" / "mechstyle_widgets")) <= 10
+    assert len(LAYERS[0]["layers"]) <= 9
+
+
+def test_tests_stand_where_what_they_test_stands():
+    roots = {"widgets": ROOT / "widgets" / "mechstyle_widgets"}
+    elsewhere = {"browser", "notebooks", "support"}
+    for path in sorted((ROOT / "tests").rglob("test_*.py")):
+        first, *rest = path.relative_to(ROOT / "tests").parent.parts or ("",)
+        if first not in elsewhere:
+            folder = roots.get(first, ROOT / "mechstyle" / first).joinpath(*rest)
+            assert folder.is_dir(), f"{named(path)} has no room of that name to test"
+
+
+def test_the_documentation_imports_public_names_only():
+    imported = [(page, found) for page in sorted((ROOT / "docs").glob("*.md")) for found in IMPORTS.findall(page.read_text())]
+    assert len(imported) >= 3
+    for page, module in imported:
+        assert module in {"mechstyle", "mechstyle_widgets"}, f"{page.name} imports {module}"
 
 
 def test_importing_mechstyle_loads_nothing_heavy():
