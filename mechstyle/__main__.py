@@ -1,19 +1,61 @@
 """`mechstyle` and `python -m mechstyle`."""
 
-import typer
+from __future__ import annotations
 
-from mechstyle.cli import demo, inspect_run, lists, protect, report, run, simulate, validate, weights
+from typing import Annotated, Any
+
+import typer
+from rich.markup import escape
+from typer.core import TyperGroup
+
+from mechstyle import __version__
+from mechstyle.cli import demo, doctor, inspect_run, lists, protect, report, run, simulate, validate, weights
+
+
+class PlainHelp(TyperGroup):
+    """Commands whose help is plain text: [mm] in it is a unit, though typer would have rich read it as markup."""
+
+    def __init__(self, **attributes: Any) -> None:
+        """Take the commands over; their help is marked as plain."""
+        super().__init__(**attributes)
+        _mark_as_plain(self)
+
+
+def _mark_as_plain(command: Any) -> None:
+    """Escape the help of a command, of what it takes and of the commands below it."""
+    for documented in (command, *command.params):
+        if documented.help:
+            documented.help = escape(documented.help)
+    for below in getattr(command, "commands", {}).values():
+        _mark_as_plain(below)
+
 
 app = typer.Typer(
     name="mechstyle",
+    cls=PlainHelp,
     help="Style a 3D-printable model from a prompt while a drop test watches its strength. Lengths in mm, stresses in MPa.",
+    context_settings={"help_option_names": ["-h", "--help"]},
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode="rich",
 )
-for family in (run, simulate, demo, validate, inspect_run, protect, report, lists, weights):
+for family in (run, simulate, demo, validate, inspect_run, protect, report, lists, doctor, weights):
     app.add_typer(family.app)
+
+
+def _say_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"mechstyle {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def of_all_commands(
+    *,
+    version: Annotated[bool, typer.Option("--version", callback=_say_version, is_eager=True, help="Show the version and exit.")] = False,
+) -> None:
+    """Options that stand before a command."""
 
 
 def main() -> None:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from mechstyle.cli.console import command, err, escape, out, print_json, table, verdict_text
-from mechstyle.cli.run import Device, Iterations, Json, Orientations, Vertices, carry_out
+from mechstyle.cli.options import OPTIONS, Device, Json, Settings, Vertices, help_of, recipe_options
+from mechstyle.cli.run import carry_out
+from mechstyle.records.mesh import STANDARD_VERTICES
 
 if TYPE_CHECKING:
     from mechstyle.study.applications import Pair
@@ -21,22 +23,23 @@ app = typer.Typer()
 def demo_command(
     folder: Annotated[Path, typer.Option("--out", help="Where the runs, pictures and 3MF files go.")] = Path("demo-out"),
     model: Annotated[str, typer.Option(help="What to style.")] = "gallery:pen_holder",
-    prompt: Annotated[str, typer.Option("--prompt", "-p", help="The style, in words.")] = "brick",
+    prompt: Annotated[str, typer.Option(*OPTIONS["prompt"].flags, help=help_of("prompt"))] = "brick",
     device: Device = "auto",
     as_json: Json = False,
 ) -> None:
     """Style the gallery's pen holder as brick, freely and with feedback, and compare the verdicts."""
-    tell(both_ways(model, prompt, 25_000, device, folder, as_json=as_json), folder, as_json=as_json)
+    tell(both_ways(model, {"prompt": prompt}, STANDARD_VERTICES, device, folder, as_json=as_json), folder, as_json=as_json)
 
 
 @app.command("application")
 @command
+@recipe_options("iterations", "orientations")
 def application_command(
     name: Annotated[str, typer.Argument(metavar="[NAME]", help="Which; without it they are listed.")] = "",
+    *,
+    settings: Settings,
     folder: Annotated[Path | None, typer.Option("--out", help="Folder for runs, picture and table; applications/NAME by default.")] = None,
-    vertices: Vertices = 25_000,
-    iterations: Iterations = None,
-    orientations: Orientations = None,
+    vertices: Vertices = STANDARD_VERTICES,
     device: Device = "auto",
     as_json: Json = False,
 ) -> None:
@@ -50,21 +53,21 @@ def application_command(
         print_json({"applications": dict(APPLICATIONS)}) if as_json else out.print(rows)
         return
     chosen, where = application_named(name), folder or Path("applications") / name
-    settings = {"iterations": iterations, "orientations": orientations, "protect": list(chosen.protect) or None}
-    pair = both_ways(f"gallery:{chosen.model}", chosen.prompt, vertices, device, where, as_json=as_json, **settings)
+    settings |= {"prompt": chosen.prompt, "protect": list(chosen.protect)}
+    pair = both_ways(f"gallery:{chosen.model}", settings, vertices, device, where, as_json=as_json)
     tell(pair, where, as_json=as_json)
 
 
-def both_ways(model: str, prompt: str, vertices: int, device: str, folder: Path, *, as_json: bool, **settings: Any) -> Pair:
+def both_ways(model: str, settings: Settings, vertices: int, device: str, folder: Path, *, as_json: bool) -> Pair:
     """Run a part freely and with feedback, with progress."""
     from mechstyle.study.applications import Pair  # noqa: PLC0415 — as above
 
     runs = []
     for label, freestyle in (("Freestyle", True), ("MechStyle", False)):
         if not as_json:
-            err.print(f"[bold]{label}[/]: {escape(model)} as “{escape(prompt)}”")
+            err.print(f"[bold]{label}[/]: {escape(model)} as “{escape(settings['prompt'])}”")
         where = folder / label.lower()
-        runs.append(carry_out(model, prompt, "PLA", vertices, None, device, where, freestyle=freestyle, as_json=as_json, **settings))
+        runs.append(carry_out(model, settings, vertices, None, device, where, freestyle=freestyle, as_json=as_json))
     return Pair(*runs)
 
 

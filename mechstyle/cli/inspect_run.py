@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from mechstyle.cli.console import command, escape, out, print_json, table, verdict_text
-from mechstyle.cli.run import Device, Json
+from mechstyle.cli.options import Device, Json
 from mechstyle.errors import BadInput, unknown
 from mechstyle.loop.store import Store, parse_address
 

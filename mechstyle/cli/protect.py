@@ -8,31 +8,34 @@ from typing import Annotated
 import typer
 
 from mechstyle.cli.console import command, escape, out, print_json, telling
-from mechstyle.cli.run import Json, Model, Regions, Scale, Vertices, read_model
+from mechstyle.cli.options import Json, Model, Scale, Settings, Vertices, recipe_options
+from mechstyle.cli.run import read_model
 from mechstyle.errors import BadInput
+from mechstyle.records.mesh import STANDARD_VERTICES
+from mechstyle.records.regions import KINDS
 
 app = typer.Typer()
 
 
 @app.command("protect")
 @command
+@recipe_options("protect")
 def protect_command(
     model: Model,
-    protect: Regions = None,
-    vertices: Vertices = 25_000,
+    settings: Settings,
+    vertices: Vertices = STANDARD_VERTICES,
     scale: Scale = None,
     picture: Annotated[Path | None, typer.Option("--out", help="PNG to write; by default in the current folder.")] = None,
     as_json: Json = False,
 ) -> None:
     """Picture of what protected regions hold, before anything is styled."""
-    from mechstyle.records.regions import KINDS  # noqa: PLC0415
     from mechstyle.runs.protection import protect as looked_at  # noqa: PLC0415 — loaded when wanted
 
-    if not protect:
+    if not settings:
         raise BadInput(f"say what to protect with --protect, once or more; it can be: {', '.join(KINDS.values())}")
     mesh, name = read_model(model, scale, quiet=as_json)
     with telling(1, quiet=as_json) as teller:
-        found = looked_at(mesh, protect, vertices=vertices, stage=teller.stage)
+        found = looked_at(mesh, settings["protect"], vertices=vertices, stage=teller.stage)
         path = found.show().save(picture or Path(f"{name}-protected.png"))
     if as_json:
         print_json({"share": found.share, "notes": found.protection.notes, "files": {"picture": str(path)}})

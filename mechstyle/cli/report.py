@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from mechstyle.cli.console import command, escape, out, print_json
-from mechstyle.cli.run import Json
+from mechstyle.cli.options import Json
 
 app = typer.Typer()
 

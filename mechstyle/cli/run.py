@@ -8,53 +8,13 @@ from typing import Annotated, Any
 import typer
 
 from mechstyle.cli.console import command, err, escape, factor, out, print_json, table, telling, verdict_text
+from mechstyle.cli.options import DEFAULTS_MAY_CHANGE, OPTIONS, Device, Folder, Json, Model, Scale, Settings, Vertices, recipe_options
 from mechstyle.errors import BadInput
-from mechstyle.records import CONTROLS, CRITERIA, FIELDS, GUIDANCES, NORMALISATIONS, POSES, SCHEDULES
+from mechstyle.records.mesh import STANDARD_VERTICES
 
-Model = Annotated[str, typer.Argument(metavar="MODEL", help="A file (STL, OBJ, PLY, GLB, 3MF) or gallery:NAME.")]
-Prompt = Annotated[str, typer.Option("--prompt", "-p", help="The style, in words.")]
-MaterialName = Annotated[
-    str, typer.Option("--material", "-m", help="A library material (see `mechstyle materials`) or a .toml/.json file.")
-]
-Control = Annotated[str | None, typer.Option(help=f"How stress restrains: {', '.join(CONTROLS)}.")]
-Normalisation = Annotated[str | None, typer.Option(help=f"What stress is compared with: {', '.join(NORMALISATIONS)}.")]
-Threshold = Annotated[float | None, typer.Option(help="Demand at which a vertex may move no further; 1 is the limit, less is stricter.")]
-Schedule = Annotated[str | None, typer.Option(help=f"When to simulate: {', '.join(SCHEDULES)}.")]
-Every = Annotated[int | None, typer.Option(help="Interval of the schedule `every` [iterations].")]
-Iterations = Annotated[int | None, typer.Option(help="Stylization iterations.")]
-Seed = Annotated[int | None, typer.Option(help="Seed of the style.")]
-Amplitude = Annotated[float | None, typer.Option(help="Relief height over local wall thickness.")]
-Orientations = Annotated[int | None, typer.Option(help="Drops in the final test, the first as placed.")]
-Poses = Annotated[str | None, typer.Option(help=f"How the others land (all ways, nearly flat, as it rests): {', '.join(POSES)}.")]
-Criterion = Annotated[str | None, typer.Option(help=f"What viable means: {', '.join(CRITERIA)}.")]
-LoadFile = Annotated[Path | None, typer.Option("--load", help="A .toml file of load cases the part must carry besides the drop.")]
-MinimumWall = Annotated[float | None, typer.Option(help="The thinnest wall the style may leave [mm]; 0 for no rule.")]
-Vertices = Annotated[int, typer.Option(help="Vertices of the standardised surface.")]
-Scale = Annotated[float | None, typer.Option(help="Multiply the file's coordinates to get millimetres.")]
-Device = Annotated[str, typer.Option(help="auto, cpu or cuda.")]
-Folder = Annotated[Path | None, typer.Option("--out", help="Run directory; the same command goes on where it stopped.")]
-Protect = Annotated[
-    bool | None,
-    typer.Option("--protect-resting-face/--no-protect-resting-face", help="Fade the relief out towards the face the part rests on."),
-]
-Regions = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--protect",
-        help="A region the style leaves alone: inside, outside, 'box x y z x y z', 'sphere x y z r', 'plane x y z nx ny nz', 'above z', "
-        "'below z', 'segment x y z'; then, if wanted, 'ramp MM' and 'colour'. May be given several times.",
-    ),
-]
-Stylizer = Annotated[str | None, typer.Option(help="A plugged-in stylizer instead of the built-in styles.")]
-More = Annotated[
-    list[str] | None,
-    typer.Option("--set", metavar="NAME=VALUE", help="Any other setting of the recipe, such as travel=0.2. May be given several times."),
-]
-Guidance = Annotated[
-    str | None, typer.Option(help=f"What the style descends to: {', '.join(GUIDANCES)} (any prompt; see `mechstyle weights list`).")
-]
-StyleField = Annotated[str | None, typer.Option("--field", help=f"What is descended in: {', '.join(FIELDS)} (X-Mesh).")]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout and nothing else.")]
+RESTRAINED = ("control", "normalisation", "threshold", "schedule", "every", "protect_resting_face")
+"""Settings that restrain a style, or say when to simulate to that end: Freestyle has no use for them."""
+FREE = tuple(name for name in OPTIONS if name not in RESTRAINED)
 
 app = typer.Typer()
 
@@ -79,8 +39,7 @@ def read_model(model: str, scale: float | None, *, quiet: bool) -> tuple[Any, st
 
 def carry_out(
     model: str,
-    prompt: str,
-    material: str,
+    settings: Settings,
     vertices: int,
     scale: float | None,
     device: str,
@@ -88,8 +47,6 @@ def carry_out(
     *,
     freestyle: bool,
     as_json: bool,
-    more: list[str] | None = None,
-    **settings: Any,
 ) -> Any:
     """Run a stylization with progress; the finished run, its part exported and pictured."""
     from mechstyle.fea.drop import resolve_device  # noqa: PLC0415 — physics is loaded when something is run
@@ -99,10 +56,10 @@ def carry_out(
     from mechstyle.simulation.part import Origin, fitted  # noqa: PLC0415
     from mechstyle.styling.prompt import read as read_prompt  # noqa: PLC0415
 
-    wanted = draft(prompt, freestyle=freestyle, **merged(more, material=material, **settings))
+    wanted = draft(**settings, freestyle=freestyle)
     device = resolve_device(device)
     if not as_json and not wanted.stylizer and wanted.guidance == "offline":
-        for note in read_prompt(prompt).notes:
+        for note in read_prompt(wanted.prompt).notes:
             err.print(f"[dim]prompt: {escape(note)}[/]")
     mesh, name = read_model(model, scale, quiet=as_json)
     with telling(wanted.iterations, quiet=as_json) as teller:
@@ -110,17 +67,10 @@ def carry_out(
         part = clock_stages(clock, teller.stage, mesh, vertices)
         recipe = fitted(wanted, part)
         origin = Origin(model=model if model.startswith("gallery:") else Path(model).name, vertices=vertices, scale=scale)
-        where = folder if folder is not None else default_folder(prompt, recipe)
+        where = folder if folder is not None else default_folder(wanted.prompt, recipe)
         run = begin(part, recipe, where, name=name, device=device, origin=origin)
         run.clock.add(clock.seconds())
         return finish(run, teller)
-
-
-def merged(more: list[str] | None, **settings: Any) -> dict[str, Any]:
-    """Settings from options of their own, then those given with --set."""
-    from mechstyle.runs.recipes import typed  # noqa: PLC0415 — as above
-
-    return settings | dict(typed(text) for text in more or ())
 
 
 def finish(run: Any, teller: Any) -> Any:
@@ -168,148 +118,47 @@ def report(run: Any, *, as_json: bool) -> None:
         out.print(f"{what}: {escape(path)}")
 
 
-@app.command("run")
+@app.command("run", epilog=DEFAULTS_MAY_CHANGE)
 @command
+@recipe_options(*OPTIONS, others=True)
 def run_command(
     model: Model,
-    prompt: Prompt,
-    material: MaterialName = "PLA",
-    loads: LoadFile = None,
-    minimum_wall: MinimumWall = None,
-    control: Control = None,
-    normalisation: Normalisation = None,
-    threshold: Threshold = None,
-    schedule: Schedule = None,
-    every: Every = None,
-    iterations: Iterations = None,
-    seed: Seed = None,
-    amplitude: Amplitude = None,
-    orientations: Orientations = None,
-    poses: Poses = None,
-    criterion: Criterion = None,
-    protect_resting_face: Protect = None,
-    protect: Regions = None,
-    stylizer: Stylizer = None,
-    guidance: Guidance = None,
-    field: StyleField = None,
-    vertices: Vertices = 25_000,
+    settings: Settings,
+    vertices: Vertices = STANDARD_VERTICES,
     scale: Scale = None,
-    more: More = None,
     device: Device = "auto",
     folder: Folder = None,
     as_json: Json = False,
 ) -> None:
     """Style a part while a drop test watches its strength."""
-    run = carry_out(
-        model,
-        prompt,
-        material,
-        vertices,
-        scale,
-        device,
-        folder,
-        freestyle=False,
-        as_json=as_json,
-        loads=loads,
-        minimum_wall=minimum_wall,
-        more=more,
-        control=control,
-        normalisation=normalisation,
-        threshold=threshold,
-        schedule=schedule,
-        every=every,
-        iterations=iterations,
-        seed=seed,
-        amplitude=amplitude,
-        orientations=orientations, poses=poses,
-        criterion=criterion,
-        protect_resting_face=protect_resting_face,
-        protect=protect or None,
-        stylizer=stylizer,
-        guidance=guidance,
-        field=field,
-    )
+    run = carry_out(model, settings, vertices, scale, device, folder, freestyle=False, as_json=as_json)
     report(run, as_json=as_json)
 
 
-@app.command("freestyle")
+@app.command("freestyle", epilog=DEFAULTS_MAY_CHANGE)
 @command
+@recipe_options(*FREE, others=True)
 def freestyle_command(
     model: Model,
-    prompt: Prompt,
-    material: MaterialName = "PLA",
-    loads: LoadFile = None,
-    minimum_wall: MinimumWall = None,
-    iterations: Iterations = None,
-    seed: Seed = None,
-    amplitude: Amplitude = None,
-    orientations: Orientations = None,
-    poses: Poses = None,
-    criterion: Criterion = None,
-    protect: Regions = None,
-    stylizer: Stylizer = None,
-    guidance: Guidance = None,
-    field: StyleField = None,
-    vertices: Vertices = 25_000,
+    settings: Settings,
+    vertices: Vertices = STANDARD_VERTICES,
     scale: Scale = None,
-    more: More = None,
     device: Device = "auto",
     folder: Folder = None,
     as_json: Json = False,
 ) -> None:
     """Style a part without feedback; one drop test at the end."""
-    run = carry_out(
-        model,
-        prompt,
-        material,
-        vertices,
-        scale,
-        device,
-        folder,
-        freestyle=True,
-        as_json=as_json,
-        loads=loads,
-        minimum_wall=minimum_wall,
-        more=more,
-        iterations=iterations,
-        seed=seed,
-        amplitude=amplitude,
-        orientations=orientations, poses=poses,
-        criterion=criterion,
-        protect=protect or None,
-        stylizer=stylizer,
-        guidance=guidance,
-        field=field,
-    )
+    run = carry_out(model, settings, vertices, scale, device, folder, freestyle=True, as_json=as_json)
     report(run, as_json=as_json)
 
 
 @app.command("branch")
 @command
+@recipe_options(*OPTIONS, begins=False, others=True)
 def branch_command(
     address: Annotated[str, typer.Argument(metavar="DIR@ITERATION", help="Where to branch: DIR@120 or DIR@lane:120.")],
+    settings: Settings,
     lane: Annotated[str, typer.Option(help="Name of the new lane.")] = "",
-    prompt: Annotated[str | None, typer.Option("--prompt", "-p", help="Another style.")] = None,
-    material: Annotated[str | None, typer.Option("--material", "-m", help="Another material.")] = None,
-    loads: LoadFile = None,
-    minimum_wall: MinimumWall = None,
-    control: Control = None,
-    normalisation: Normalisation = None,
-    threshold: Threshold = None,
-    schedule: Schedule = None,
-    every: Every = None,
-    iterations: Iterations = None,
-    seed: Seed = None,
-    amplitude: Amplitude = None,
-    orientations: Orientations = None,
-    poses: Poses = None,
-    criterion: Criterion = None,
-    protect_resting_face: Protect = None,
-    protect: Regions = None,
-    stylizer: Stylizer = None,
-    guidance: Guidance = None,
-    field: StyleField = None,
-    more: More = None,
     device: Device = "auto",
     as_json: Json = False,
 ) -> None:
@@ -318,30 +167,7 @@ def branch_command(
     from mechstyle.runs.run import Run  # noqa: PLC0415 — physics is loaded when something is run
 
     root, origin, iteration = parse_address(address)
-    parent = Run.open(f"{root}@{origin}", device)
-    run = parent.branch(
-        iteration,
-        lane=lane,
-        **merged(
-            more, prompt=prompt, material=material, loads=loads,
-            minimum_wall=minimum_wall,
-            control=control,
-            normalisation=normalisation,
-            threshold=threshold,
-            schedule=schedule,
-            every=every,
-            iterations=iterations,
-            seed=seed,
-            amplitude=amplitude,
-            orientations=orientations, poses=poses,
-            criterion=criterion,
-            protect_resting_face=protect_resting_face,
-            protect=protect or None,
-            stylizer=stylizer,
-            guidance=guidance,
-            field=field,
-        ),
-    )
+    run = Run.open(f"{root}@{origin}", device).branch(iteration, lane=lane, **settings)
     with telling(run.recipe.iterations, quiet=as_json) as teller:
         finish(run, teller)
     report(run, as_json=as_json)

@@ -8,20 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from mechstyle.cli.console import command, err, escape, factor, out, print_json, table, telling, verdict_text
-from mechstyle.cli.run import (
-    Criterion,
-    Device,
-    Json,
-    LoadFile,
-    MaterialName,
-    MinimumWall,
-    Model,
-    Orientations,
-    Poses,
-    Scale,
-    Vertices,
-    read_model,
-)
+from mechstyle.cli.options import Device, Json, Model, Scale, Settings, Vertices, recipe_options
+from mechstyle.cli.run import read_model
+from mechstyle.records.mesh import STANDARD_VERTICES
 
 if TYPE_CHECKING:
     from mechstyle.simulation.part_test import Dropped
@@ -31,15 +20,11 @@ app = typer.Typer()
 
 @app.command("simulate")
 @command
+@recipe_options("material", "orientations", "poses", "criterion", "loads", "minimum_wall")
 def simulate_command(
     model: Model,
-    material: MaterialName = "PLA",
-    orientations: Orientations = None,
-    poses: Poses = "fibonacci",
-    criterion: Criterion = "robust",
-    loads: LoadFile = None,
-    minimum_wall: MinimumWall = None,
-    vertices: Vertices = 25_000,
+    settings: Settings,
+    vertices: Vertices = STANDARD_VERTICES,
     scale: Scale = None,
     device: Device = "auto",
     folder: Annotated[Path | None, typer.Option("--out", help="Folder for pictures and files; the current one by default.")] = None,
@@ -52,19 +37,7 @@ def simulate_command(
 
     mesh, name = read_model(model, scale, quiet=as_json)
     with telling(1, quiet=as_json) as teller:
-        dropped = simulate(
-            mesh,
-            material=material,
-            orientations=orientations,
-            poses=poses or "fibonacci",
-            criterion=criterion or "robust",
-            loads=loads or (),
-            minimum_wall=0.8 if minimum_wall is None else minimum_wall,
-            vertices=vertices,
-            device=device,
-            stage=teller.stage,
-            progress=teller.fraction,
-        )
+        dropped = simulate(mesh, **settings, vertices=vertices, device=device, stage=teller.stage, progress=teller.fraction)
         teller.stage("writing files")
         files = _written(dropped, folder or Path(), name, vtu=vtu or vtu_each, each=vtu_each)
     if as_json:

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from mechstyle.cli.console import command, escape, fail, out, print_json, table
-from mechstyle.cli.run import Json
+from mechstyle.cli.options import Json
 
 app = typer.Typer()
 

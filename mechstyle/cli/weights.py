@@ -8,7 +8,7 @@ import typer
 
 from mechstyle._files import clip_folder
 from mechstyle.cli.console import command, err, escape, out, print_json, table
-from mechstyle.cli.run import Json
+from mechstyle.cli.options import Json
 from mechstyle.styling.learned.weights import DEFAULT, KNOWN, OWN_FOLDER, fetch, located, stored
 
 app = typer.Typer()

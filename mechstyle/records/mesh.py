@@ -15,6 +15,11 @@ from numpy.typing import ArrayLike, NDArray
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int32]
+Field = NDArray[np.float32]
+"""Values at the vertices of a surface, shape [vertex_count] or [vertex_count, 3]."""
+
+STANDARD_VERTICES = 25_000
+"""Vertices of a standardised surface unless told."""
 
 
 def frozen_array(values: ArrayLike, dtype: Any, shape: tuple[int | None, ...], name: str) -> NDArray[Any]:

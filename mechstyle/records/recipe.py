@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import hashlib
-from typing import Literal
+import inspect
+import re
+from collections.abc import Collection, Mapping
+from typing import Any, Literal, get_args
 
 import msgspec
 
@@ -19,33 +22,66 @@ CRITERIA = ("robust", "paper")
 GUIDANCES = ("offline", "clip")
 FIELDS = ("vertex", "network")
 ELEMENTS = ("tet10", "tet4")
+Transfer = Literal["barycentric", "nearest"]
 POSES = {"fibonacci": 5, "tilts": 8, "resting": 8}
 """Ways a part may land, and how many drops each takes unless told: all directions, small tilts, or what it comes to rest on."""
+
+CHOICES: Mapping[str, Collection[str]] = {
+    "control": CONTROLS,
+    "normalisation": NORMALISATIONS,
+    "schedule": SCHEDULES,
+    "criterion": CRITERIA,
+    "guidance": GUIDANCES,
+    "field": FIELDS,
+    "element": ELEMENTS,
+    "poses": POSES,
+    "transfer": get_args(Transfer),
+}
+"""The names a setting may have, by setting."""
+
+LIMITS: Mapping[str, tuple[float, float]] = {
+    "iterations": (1, 100_000),
+    "crops": (1, 16),
+    "every": (1, 100_000),
+    "seed": (0, 2**32 - 1),
+    "amplitude": (0.0, 2.0),
+    "travel": (1e-3, 10.0),
+    "threshold": (0.01, 100.0),
+    "minimum_wall": (0.0, 100.0),
+    "orientations": (1, 512),
+    "drop_height": (1.0, 1e5),
+    "friction": (0.0, 2.0),
+    "window": (0.05, 50.0),
+    "damping": (0.0, 0.1),
+}
+"""The least and the greatest value of a setting, by setting, in its unit."""
 
 
 class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """All that decides a run, and nothing else: no times, hosts or paths.
 
+    The first sentence on an attribute is its help wherever it is set; what follows it is for readers of this.
+
     Attributes:
         surface: Digest of the standardised surface M_0.
         tetrahedra: Digest of its tetrahedra (meshing is not deterministic, so they are part of the recipe).
-        prompt: The style asked for, as typed; "" for none.
-        stylizer: Name of a plugged-in stylizer that draws it, "" for the built-in ones.
+        prompt: The style, in words. Kept as typed; "" for none.
+        stylizer: Name of a plugged-in stylizer to use instead of the built-in styles. "" for those.
         guidance: What the style descends to, one of GUIDANCES: a target drawn offline, or what CLIP takes for the prompt.
         field: What is descended in, one of FIELDS: values per vertex, or the X-Mesh style field.
         clip: CLIP weights, `NAME@DIGEST`; "" offline.
         crops: Close looks at each view per iteration of CLIP guidance and loss, 4 as published.
-        material: The material, in full.
-        iterations: Stylization iterations N.
+        material: The material of the part. Kept in full, so that a library that changes leaves the recipe as it was.
+        iterations: Stylization iterations.
         seed: Seed of everything random in the style.
         amplitude: Relief height over local wall thickness.
-        control: How demand becomes a mask, one of CONTROLS.
-        normalisation: How stress becomes demand, one of NORMALISATIONS.
+        control: How stress restrains the style, one of CONTROLS. It turns demand into a mask.
+        normalisation: What stress is compared with, one of NORMALISATIONS. Demand is stress over that.
         threshold: Demand at which a vertex may move no further; 1 is the normalisation's own limit, less is stricter.
         memory: Whether a vertex once restrained stays so (running minimum of the mask).
         retraction: Whether the relief shrinks by half where stress exceeds 0.9 of the allowable.
         protect_resting_face: Whether the relief fades out towards the face the part rests on.
-        protect: Regions the style must leave alone.
+        protect: Regions the style leaves alone.
         minimum_wall: The thinnest wall the style may leave [mm]; 0 for no rule.
         loads: Load cases the part must carry besides the drop.
         schedule: When to simulate, one of SCHEDULES.
@@ -54,7 +90,8 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         criterion: What viable means, one of CRITERIA.
         guarantee: Whether the finished relief is backed off until it is viable.
         orientations: Drops in the final test, the first as placed; of resting poses at most so many.
-        poses: How the others land, one of POSES: `fibonacci` every way, `tilts` nearly as placed, `resting` as the part comes to rest.
+        poses: How the drops after the first land: `fibonacci` every way, `tilts` nearly as placed, `resting` as the part comes to rest.
+            One of POSES.
         drop_height: Height of fall [mm].
         friction: Coulomb coefficient of the floor.
         window: Simulated time after first touch [ms].
@@ -96,39 +133,14 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     window: float = 1.5
     element: str = "tet10"
     damping: float = 1e-4
-    transfer: Literal["barycentric", "nearest"] = "barycentric"
+    transfer: Transfer = "barycentric"
 
     def __post_init__(self) -> None:
         """Refuse unknown names and values out of range, each in one sentence."""
-        for field, known in (
-            ("control", CONTROLS),
-            ("normalisation", NORMALISATIONS),
-            ("schedule", SCHEDULES),
-            ("criterion", CRITERIA),
-            ("guidance", GUIDANCES),
-            ("field", FIELDS),
-            ("element", ELEMENTS),
-            ("poses", POSES),
-            ("transfer", ("barycentric", "nearest")),
-        ):
+        for field, known in CHOICES.items():
             if getattr(self, field) not in known:
                 raise unknown(field, str(getattr(self, field)), known)
-        limits = {
-            "iterations": (1, 100_000),
-            "crops": (1, 16),
-            "every": (1, 100_000),
-            "seed": (0, 2**32 - 1),
-            "amplitude": (0.0, 2.0),
-            "travel": (1e-3, 10.0),
-            "threshold": (0.01, 100.0),
-            "minimum_wall": (0.0, 100.0),
-            "orientations": (1, 512),
-            "drop_height": (1.0, 1e5),
-            "friction": (0.0, 2.0),
-            "window": (0.05, 50.0),
-            "damping": (0.0, 0.1),
-        }
-        for field, (low, high) in limits.items():
+        for field, (low, high) in LIMITS.items():
             value = getattr(self, field)
             if not low <= value <= high:
                 raise BadInput(f"{field.replace('_', ' ')} is {value:g}, but must lie between {low:g} and {high:g}")
@@ -142,3 +154,16 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     def feedback(self) -> bool:
         """Whether simulation restrains the style (MechStyle) or not (Freestyle)."""
         return self.control != "none"
+
+
+DEFAULTS: Mapping[str, Any] = {
+    field.name: field.default for field in msgspec.structs.fields(Recipe) if field.default is not msgspec.NODEFAULT
+}
+"""What a setting is unless told, by setting; those that every recipe must be given are not in it."""
+
+
+def described(name: str) -> str:
+    """What a setting is, in one sentence with its unit: the first of its description in the docstring of `Recipe`."""
+    text = inspect.cleandoc(Recipe.__doc__ or "").partition("Attributes:\n")[2]
+    found = re.search(rf"^    {name}: (.+(?:\n        .+)*)", text, re.MULTILINE)
+    return "" if found is None else " ".join(found[1].split()).partition(". ")[0].removesuffix(".") + "."

@@ -34,15 +34,15 @@ def typed(steps, monkeypatch):
     """What the command line makes of a command: the settings of its draft, and the rest of what it was given."""
     caught = []
 
-    def catch(*given, freestyle, as_json, more=None, **settings):
-        caught.append((given, freestyle, run.merged(more, material=given[2], **settings)))
+    def catch(*given, freestyle, as_json):
+        caught.append((given, freestyle))
         raise SystemExit(0)
 
     monkeypatch.setattr(run, "carry_out", catch)
     with pytest.raises(SystemExit):
         PARSER(shlex.split(steps)[1:])
-    (given, freestyle, settings) = caught[0]
-    return draft(given[1], freestyle=freestyle, **settings), given
+    given, freestyle = caught[0]
+    return draft(**given[1], freestyle=freestyle), given
 
 
 @pytest.mark.parametrize("freestyle", [False, True], ids=["mechstyle", "freestyle"])
@@ -79,7 +79,7 @@ def test_a_style_that_needs_weights_is_named_without_having_them(lane):
 def test_size_and_scale_are_given_where_they_differ(sheet, monkeypatch):
     run = sheet(iterations=2, origin=Origin(model="my cup.stl", vertices=4000, scale=25.4))
     _, given = typed(command_for(run, run.history), monkeypatch)
-    assert (given[0], given[3], given[4]) == ("my cup.stl", 4000, 25.4)
+    assert (given[0], given[2], given[3]) == ("my cup.stl", 4000, 25.4)
 
 
 def test_every_option_it_writes_exists():

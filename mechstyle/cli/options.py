@@ -1,0 +1,155 @@
+"""The options that commands share; those that set a field of the recipe are made from `Recipe`, so that both say the same."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from inspect import Parameter, Signature
+from pathlib import Path
+from typing import Annotated, Any
+
+import msgspec
+import typer
+
+from mechstyle.records.recipe import CHOICES, DEFAULTS, Recipe, described
+from mechstyle.records.regions import KINDS
+
+STYLE, RESTRAINT, SCHEDULE, DROP_TEST = "Style", "Restraint", "Schedule", "Drop test and material"
+LOADS, MACHINE = "Loads, walls and regions", "Part and machine"
+"""Headings of the help."""
+DEFAULTS_MAY_CHANGE = "Defaults in parentheses are the recipe's; --control, --criterion and --poses may bring others."
+
+Model = Annotated[str, typer.Argument(metavar="MODEL", help="A file (STL, OBJ, PLY, GLB, 3MF) or gallery:NAME.")]
+Vertices = Annotated[int, typer.Option(help="Vertices of the standardised surface.", rich_help_panel=MACHINE)]
+Scale = Annotated[float | None, typer.Option(help="Multiply the file's coordinates to get millimetres.", rich_help_panel=MACHINE)]
+Device = Annotated[str, typer.Option(help="auto, cpu or cuda.", rich_help_panel=MACHINE)]
+Folder = Annotated[
+    Path | None,
+    typer.Option("--out", help="Run directory; the same command goes on where it stopped.", rich_help_panel=MACHINE),
+]
+Others = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="NAME=VALUE", help="Any other setting of the recipe, such as travel=0.2. May be given several times."),
+]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout and nothing else.")]
+
+Settings = dict[str, Any]
+"""Settings of a recipe that were given on the command line, by the names of its fields."""
+
+
+@dataclass(frozen=True)
+class RecipeOption:
+    """How a field of the recipe is given on the command line.
+
+    Attributes:
+        panel: Heading it stands under in the help.
+        flags: What is typed; the field's name unless told.
+        kind: Type of what is typed; the field's own unless told.
+        hint: What is to be known on the command line besides the field's description.
+        default: What it is unless told, for a field without a default.
+    """
+
+    panel: str
+    flags: tuple[str, ...] = ()
+    kind: Any = None
+    hint: str = ""
+    default: Any = None
+
+
+OPTIONS = {
+    "prompt": RecipeOption(STYLE, ("--prompt", "-p")),
+    "iterations": RecipeOption(STYLE),
+    "seed": RecipeOption(STYLE),
+    "amplitude": RecipeOption(STYLE),
+    "stylizer": RecipeOption(STYLE),
+    "guidance": RecipeOption(STYLE, hint="clip takes any prompt; see `mechstyle weights list`."),
+    "field": RecipeOption(STYLE),
+    "control": RecipeOption(RESTRAINT),
+    "normalisation": RecipeOption(RESTRAINT),
+    "threshold": RecipeOption(RESTRAINT),
+    "schedule": RecipeOption(SCHEDULE),
+    "every": RecipeOption(SCHEDULE),
+    "material": RecipeOption(
+        DROP_TEST, ("--material", "-m"), str, "One of the library (see `mechstyle materials`), or a .toml or .json file.", "PLA"
+    ),
+    "orientations": RecipeOption(DROP_TEST),
+    "poses": RecipeOption(DROP_TEST),
+    "criterion": RecipeOption(DROP_TEST),
+    "loads": RecipeOption(LOADS, ("--load",), Path, "A .toml file."),
+    "minimum_wall": RecipeOption(LOADS),
+    "protect_resting_face": RecipeOption(LOADS),
+    "protect": RecipeOption(
+        LOADS,
+        kind=list[str],
+        hint=f"One of: {', '.join(KINDS.values())}; then, if wanted, ramp MM and colour. May be given several times.",
+    ),
+}
+"""The settings with an option of their own, in the order of the help; the others are given with --set."""
+
+TYPES = {field.name: field.type for field in msgspec.structs.fields(Recipe)}
+
+
+def help_of(name: str) -> str:
+    """The help of a recipe's field: its description with the names it may have, then what the command line adds."""
+    names = ", ".join(CHOICES.get(name, ()))
+    sentence = re.sub(r"\bone of [A-Z]+\b", f"one of {names}", described(name))
+    return f"{sentence} {OPTIONS[name].hint}".rstrip()
+
+
+def recipe_options(*names: str, begins: bool = True, others: bool = False) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Give a command an option for each of these fields of the recipe; those that were used reach it as one dict, `settings`.
+
+    Args:
+        names: Fields of `Recipe`.
+        begins: Whether a recipe begins here: what has no default must be given then, and defaults are shown. Else a recipe is changed.
+        others: Whether --set takes the other fields.
+    """
+    options = [_parameter(name, begins=begins) for name in OPTIONS if name in names]
+    options += [Parameter("others", Parameter.KEYWORD_ONLY, annotation=Others, default=None)] if others else []
+
+    def decorate(function: Callable[..., None]) -> Callable[..., None]:
+        @functools.wraps(function)
+        def wrapped(**given: Any) -> None:
+            settings = {option.name: given.pop(option.name) for option in options}
+            function(**given, settings=_used(**settings))
+
+        wrapped.__signature__ = _joined(inspect.signature(function, eval_str=True), options)  # type: ignore[attr-defined]
+        return wrapped
+
+    return decorate
+
+
+def _parameter(name: str, *, begins: bool) -> Parameter:
+    """The parameter from which typer makes the option for a field of the recipe."""
+    known = OPTIONS[name]
+    required = begins and name not in DEFAULTS and known.default is None
+    shown = str(DEFAULTS[name]) if begins and DEFAULTS.get(name) not in (None, "", ()) else True
+    option = typer.Option(
+        ... if required else known.default if begins else None,
+        *known.flags,
+        help=help_of(name),
+        rich_help_panel=known.panel,
+        show_default=shown,
+    )
+    kind = known.kind or TYPES[name]
+    return Parameter(name, Parameter.KEYWORD_ONLY, annotation=kind if required else kind | None, default=option)
+
+
+def _joined(signature: Signature, options: list[Parameter]) -> Signature:
+    """The signature of a command with these options in the place of `settings`."""
+    own = [parameter.replace(kind=Parameter.KEYWORD_ONLY) for parameter in signature.parameters.values()]
+    place = [parameter.name for parameter in own].index("settings")
+    return signature.replace(parameters=[*own[:place], *options, *own[place + 1 :]])
+
+
+def _used(others: list[str] | None = None, **settings: Any) -> Settings:
+    """The settings that were given, those of --set last."""
+    used = {name: value for name, value in settings.items() if value not in (None, [])}
+    if others:
+        from mechstyle.runs.recipes import typed  # noqa: PLC0415 — physics is loaded when something is run
+
+        used |= dict(typed(text) for text in others)
+    return used

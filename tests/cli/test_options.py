@@ -1,0 +1,204 @@
+"""The options of every command: which there are, what their help says, and what becomes of them."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from rich.text import Text
+from typer.main import get_command
+from typer.testing import CliRunner
+
+import mechstyle
+from mechstyle import Recipe
+from mechstyle.__main__ import app
+from mechstyle.cli import run, simulate
+from mechstyle.cli.options import OPTIONS
+from mechstyle.records.recipe import CHOICES, DEFAULTS, described
+from mechstyle.simulation import part_test
+
+STYLED = (
+    "--amplitude --criterion --device --field --guidance --iterations --json --load --material -m --minimum-wall --orientations --poses "
+    "--prompt -p --protect --seed --set --stylizer"
+)
+RESTRAINED = "--control --every --no-protect-resting-face --normalisation --protect-resting-face --schedule --threshold"
+NAMES = {
+    "": "--version",
+    "run": f"model --out --scale --vertices {STYLED} {RESTRAINED}",
+    "freestyle": f"model --out --scale --vertices {STYLED}",
+    "branch": f"address --lane {STYLED} {RESTRAINED}",
+    "simulate": "model --criterion --device --json --load --material -m --minimum-wall --orientations --out --poses --scale --vertices "
+    "--vtu --vtu-each",
+    "demo": "--device --json --model --out --prompt -p",
+    "application": "name --device --iterations --json --orientations --out --vertices",
+    "validate": "--case --json --out --page --quick",
+    "log": "directory --json",
+    "show": "address --json --out",
+    "export": "address --device --fine --format -f --json --out",
+    "protect": "model --json --out --protect --scale --vertices",
+    "report": "address --json --out",
+    "materials": "--json",
+    "styles": "--json --sheet",
+    "gallery": "--json",
+    "doctor": "--json",
+    "weights": "",
+    "weights fetch": "name --json",
+    "weights list": "--json",
+    "weights path": "name --json",
+}
+"""What each command takes."""
+
+
+def tree(command, path=()):
+    yield " ".join(path), command
+    for name, below in getattr(command, "commands", {}).items():
+        yield from tree(below, (*path, name))
+
+
+COMMANDS = dict(tree(get_command(app)))
+GENERATED = [
+    pytest.param(command, name, id=f"{command}-{name}") for command in COMMANDS for name in OPTIONS
+    if name in {parameter.name for parameter in COMMANDS[command].params} and command != "demo"  # whose prompt is of its own
+]  # fmt: skip
+
+
+def named(command, name):
+    return next(parameter for parameter in COMMANDS[command].params if parameter.name == name)
+
+
+def shown(*arguments):
+    """What a command prints, in one line however wide the terminal."""
+    outcome = CliRunner().invoke(app, list(arguments), env={"COLUMNS": "400", "TERM": "dumb"})
+    assert outcome.exit_code == 0, outcome.output
+    return " ".join(outcome.output.split())
+
+
+def test_every_command_takes_what_it_is_said_to_take():
+    found = {name: {flag for one in command.params for flag in (*one.opts, *one.secondary_opts)} for name, command in COMMANDS.items()}
+    assert found == {name: set(flags.split()) for name, flags in NAMES.items()}
+
+
+def test_the_prompt_is_asked_for_where_a_run_begins_and_the_material_is_pla():
+    assert [named(command, "prompt").required for command in ("run", "freestyle", "branch")] == [True, True, False]
+    assert [named(command, "material").default for command in ("run", "freestyle", "simulate", "branch")] == ["PLA"] * 3 + [None]
+
+
+# --- help ---------------------------------------------------------------------------------------------------------
+
+
+def test_there_is_an_option_for_some_settings_of_every_command_that_runs_something():
+    assert set(OPTIONS) < set(Recipe.__struct_fields__)
+    assert {parameter.values[0] for parameter in GENERATED} == {"run", "freestyle", "branch", "simulate", "application", "protect"}
+
+
+@pytest.mark.parametrize(("command", "name"), GENERATED)
+def test_an_option_says_what_the_recipe_says_of_its_field(command, name):
+    said = Text.from_markup(named(command, name).help).plain
+    before, marker, after = re.match(r"(.*?)(one of [A-Z]+|$)(.*)", described(name)).groups()
+    assert before in Recipe.__doc__
+    assert said.startswith(f"{before}one of {', '.join(CHOICES[name])}{after}" if marker else before)
+    assert all(choice in said for choice in CHOICES.get(name, ()))
+
+
+def test_every_field_of_the_recipe_is_described():
+    assert [name for name in Recipe.__struct_fields__ if not described(name)] == []
+    assert described("minimum_wall") == "The thinnest wall the style may leave [mm]; 0 for no rule."
+
+
+def test_units_stand_in_the_help(mechstyle):
+    told = " ".join(mechstyle("run", "--help").stdout.replace("│", " ").split())
+    assert "may leave [mm]; 0" in told
+    assert "schedule [iterations]" in told
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_help_shows_all_that_was_written_in_brackets(command, monkeypatch):
+    """In docstrings as in options: rich takes [mm] for markup and leaves it out."""
+    texts = [COMMANDS[command].help, *(getattr(one, "help", None) or "" for one in COMMANDS[command].params)]
+    plain = [text.replace("\\[", "[") for text in texts]
+    assert [Text.from_markup(text).plain for text in texts] == plain
+    told = shown(*command.split(), "--help")
+    for text in plain:
+        assert all(bracketed in told for bracketed in re.findall(r"\[[^\]]*\]", text))
+
+
+def test_the_default_of_a_setting_is_the_recipes():
+    told = shown("run", "--help")
+    assert f"[default: ({DEFAULTS['minimum_wall']})]" in told
+    assert f"[default: ({DEFAULTS['control']})]" in told
+    assert "[default: (" not in shown("branch", "--help"), "there it is what the parent has"
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_help_has_a_short_name(command):
+    assert shown(*command.split(), "-h") == shown(*command.split(), "--help")
+
+
+def test_the_version_is_told():
+    assert shown("--version") == f"mechstyle {mechstyle.__version__}"
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["run", "--help"], ["--version"]], ids=" ".join)
+def test_help_loads_no_physics(arguments):
+    program = f"""
+import sys
+from mechstyle.__main__ import app
+try:
+    app({arguments})
+except SystemExit:
+    print("\\nloaded", *sys.modules)
+"""
+    told = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout
+    loaded = set(told.rpartition("\nloaded ")[2].split())
+    assert "mechstyle.cli.run" in loaded
+    assert not loaded & {"warp", "scipy", "trimesh", "matplotlib", "torch", "manifold3d"}
+
+
+# --- what becomes of them -----------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def asked(monkeypatch):
+    """The settings that reach a run when `run` or `freestyle` is given these arguments."""
+
+    def ask(*arguments):
+        caught = []
+        monkeypatch.setattr(run, "carry_out", lambda _model, settings, *_rest, **_more: caught.append(settings))
+        monkeypatch.setattr(run, "report", lambda *_, **__: None)
+        outcome = CliRunner().invoke(app, list(arguments))
+        assert outcome.exit_code == 0, outcome.output
+        return caught[0]
+
+    return ask
+
+
+def test_only_what_was_given_reaches_the_recipe(asked):
+    plain = {"prompt": "brick", "material": "PLA"}
+    assert asked("run", "gallery:vase", "-p", "brick") == plain
+    given = asked("run", "gallery:vase", "-p", "brick", "--no-protect-resting-face", "--amplitude", "0", "--protect", "inside",
+                  "--protect", "above 9", "--load", "a.toml", "-m", "PETG")  # fmt: skip
+    assert given == plain | {
+        "material": "PETG", "protect_resting_face": False, "amplitude": 0.0, "protect": ["inside", "above 9"], "loads": Path("a.toml"),
+    }  # fmt: skip
+
+
+def test_what_is_set_by_name_comes_last(asked):
+    later = ("--set", "seed=4", "--set", "travel=0.2", "--set", "prompt=moss")
+    given = asked("freestyle", "gallery:vase", "-p", "brick", "--seed", "3", *later)
+    assert given == {"prompt": "moss", "material": "PLA", "seed": 4, "travel": 0.2}
+
+
+def test_a_drop_without_style_has_the_defaults_of_the_python_function(monkeypatch):
+    caught = []
+
+    def catch(_mesh, **given):
+        caught.append(given)
+        raise mechstyle.BadInput("caught")
+
+    monkeypatch.setattr(part_test, "simulate", catch)
+    monkeypatch.setattr(simulate, "read_model", lambda *_, **__: (None, "vase"))
+    CliRunner().invoke(app, ["simulate", "gallery:vase", "--criterion", "paper"])
+    assert {"material", "criterion"} == set(caught[0]) - {"vertices", "device", "stage", "progress"}
