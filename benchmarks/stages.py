@@ -35,10 +35,10 @@ from mechstyle.geometry.thickness import local_thickness
 from mechstyle.geometry.transfer import Transfer
 from mechstyle.loop.events import Event, Stylized
 from mechstyle.records.material import LIBRARY
-from mechstyle.records.mesh import SurfaceMesh, TetMesh
+from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh, TetMesh
 from mechstyle.runs.recipes import plan
 from mechstyle.runs.run import begin
-from mechstyle.simulation.part import STANDARD_VERTICES, TETS_PER_VERTEX, Workpiece
+from mechstyle.simulation.part import TETS_PER_VERTEX, Workpiece
 from mechstyle.styling.drawn import Target, target
 from mechstyle.styling.prompt import read
 

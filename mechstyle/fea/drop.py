@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -18,7 +18,19 @@ from mechstyle.fea.backends.gpu import DeviceBody
 from mechstyle.fea.discretisation import Discretisation, discretise
 from mechstyle.fea.elasticity import LAWS, element_frequencies, law_named
 from mechstyle.fea.elements import element_named
-from mechstyle.fea.explicit import QUANTITIES, RECORD_EVERY, Batch, Body, Scheme, damped_step, failing, integrate, total_energy
+from mechstyle.fea.explicit import (
+    QUANTITIES,
+    RECORD_EVERY,
+    Batch,
+    Body,
+    Progress,
+    Scheme,
+    damped_step,
+    failing,
+    integrate,
+    no_progress,
+    total_energy,
+)
 from mechstyle.records.material import Material
 from mechstyle.records.mesh import Floats, TetMesh, frozen_array
 
@@ -146,7 +158,7 @@ def drop(
     test: DropTest = DropTest(),
     *,
     device: str = "auto",
-    progress: Callable[[float], None] | None = None,
+    progress: Progress = no_progress,
 ) -> Drop:
     """Drop a body onto a rigid floor in every given orientation and follow it through the window.
 
@@ -172,7 +184,7 @@ def drop(
     samples, failure = _first_touch(discretisation, scheme, len(normals)), _too_long(discretisation, material, scheme)
     if not failure:
         energy = float(samples[0, QUANTITIES.index("kinetic"), 0])
-        samples = np.concatenate([samples, integrate(batches, scheme, energy, progress or (lambda _: None))])
+        samples = np.concatenate([samples, integrate(batches, scheme, energy, progress)])
         failure = _failure(samples, scheme, energy)
     return _drop(tets, discretisation, scheme, batches, samples, failure)
 

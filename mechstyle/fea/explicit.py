@@ -32,6 +32,13 @@ SAMPLES_PER_CHUNK = 2
 ENERGY_GROWTH = 1.05
 """Energy beyond this multiple of what fall and weight gave means an unstable integration, not physics."""
 
+Progress = Callable[[float], None]
+"""Called now and then with the fraction done; may raise to cancel the rest."""
+
+
+def no_progress(fraction: float) -> None:
+    """Report to nobody."""
+
 
 @dataclass(frozen=True)
 class Scheme:
@@ -155,7 +162,7 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def integrate(batches: Sequence[Batch], scheme: Scheme, energy: float, progress: Callable[[float], None]) -> Floats:
+def integrate(batches: Sequence[Batch], scheme: Scheme, energy: float, progress: Progress) -> Floats:
     """Carry all batches through the window, as many at once as there are cores; a batch that breaks down stops there.
 
     Args:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +12,7 @@ from mechstyle.fea.backends.cpu import CoreBody, CoreDrop
 from mechstyle.fea.discretisation import Discretisation, discretise
 from mechstyle.fea.drop import DropTest, scheme_for
 from mechstyle.fea.elements import ElementMesh, element_named
-from mechstyle.fea.explicit import Scheme
+from mechstyle.fea.explicit import Progress, Scheme, no_progress
 from mechstyle.records.material import Material
 from mechstyle.records.mesh import Floats, Indices, TetMesh
 
@@ -60,7 +59,7 @@ def snapshots(
     test: DropTest = DROP,
     *,
     frames: int = 25,
-    progress: Callable[[float], None] = lambda _: None,
+    progress: Progress = no_progress,
 ) -> Snapshots:
     """Drop a body as it stands, on the CPU, and record it `frames` times.
 

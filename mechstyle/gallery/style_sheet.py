@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from mechstyle.gallery import make
 from mechstyle.geometry.thickness import local_thickness
 from mechstyle.pictures.panels import Picture
-from mechstyle.records.mesh import SurfaceMesh
-from mechstyle.simulation.part import INWARD_SHARE, STANDARD_VERTICES, standardised
+from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh
+from mechstyle.simulation.part import INWARD_SHARE, Stage, say_nothing, standardised
 from mechstyle.styling.drawn import target
 from mechstyle.styling.library import names, style_named
 from mechstyle.styling.prompt import Wish
@@ -66,7 +66,7 @@ def contact_sheet(
     parts: Sequence[str] = PARTS,
     vertices: int = STANDARD_VERTICES,
     columns: int = 2,
-    stage: Callable[[str], None] = lambda _: None,
+    stage: Stage = say_nothing,
 ) -> Picture:
     """A row for each style: on every part, coloured and in grey, which shows the relief alone.
 

@@ -16,7 +16,7 @@ from scipy.spatial import cKDTree
 from mechstyle.errors import BadInput
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.geometry.slivers import edge_pairs, mended
-from mechstyle.records.mesh import Floats, SurfaceMesh
+from mechstyle.records.mesh import STANDARD_VERTICES, Floats, SurfaceMesh
 
 FEWEST, MOST = 500, 400_000
 SHARP = math.radians(30.0)  # an edge where the surface turns by more is a crease
@@ -28,7 +28,7 @@ TRIALS = 9
 TRIAL_ITERATIONS, ITERATIONS = 3, 8  # of the remesher: few suffice to see the count
 
 
-def standardise(mesh: SurfaceMesh, vertices: int = 25_000, tolerance: float = 0.05) -> SurfaceMesh:
+def standardise(mesh: SurfaceMesh, vertices: int = STANDARD_VERTICES, tolerance: float = 0.05) -> SurfaceMesh:
     """The surface in nearly equilateral triangles of one size.
 
     Needless vertices go (Manifold), long edges are cut, and isotropic remeshing by splits, collapses, flips and tangential

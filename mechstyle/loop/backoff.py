@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from mechstyle.records import Simulation
+from mechstyle.records.mesh import Field
 
 LOCAL_ROUNDS = 2
 LOCAL_RADIUS = 6.0
@@ -23,8 +24,6 @@ SCALES = (0.7, 0.5, 0.25, 0.0)
 SCALING = LOCAL_ROUNDS + 1
 """The rung at which the whole relief is first scaled."""
 RUNGS = SCALING + len(SCALES)
-
-Field = NDArray[np.float32]
 
 
 def nearness(vertices: NDArray[np.float64], selected: NDArray[np.bool_], radius: float) -> Field:

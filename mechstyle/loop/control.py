@@ -8,13 +8,11 @@ Faruqi et al. 2025, §4.2, with the limits corrected: 1 where demand is 0, exact
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mechstyle.errors import unknown
 from mechstyle.records import CONTROLS, NORMALISATIONS
 from mechstyle.records.material import Material
-
-Field = NDArray[np.float32]
+from mechstyle.records.mesh import Field
 
 HEADROOM_GROWTH = 1.25
 """A vertex may rise to this multiple of its unstylized stress even where that exceeds yield."""

@@ -18,9 +18,7 @@ from mechstyle.loop import backoff, control, minimum_wall, schedule
 from mechstyle.loop.events import BackedOff, Checkpointed, Event, Finished, Simulated, SimulationStarted, Stylized
 from mechstyle.loop.store import Lane, Store
 from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict
-from mechstyle.records.mesh import SurfaceMesh
-
-Field = NDArray[np.float32]
+from mechstyle.records.mesh import Field, SurfaceMesh
 
 STEP_LIMIT = 0.01
 """A vertex moves at most this share of the part's size per iteration (Faruqi et al. 2025)."""

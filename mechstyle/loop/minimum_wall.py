@@ -9,14 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.records.mesh import Field, SurfaceMesh
 
 RAMP = 0.5
 """Cutting is slowed from this share of the minimum above it …"""
 SEEN = 0.02
 """… and a wall is called too thin from this far below it [mm]; less is rounding."""
-
-Field = NDArray[np.float32]
 
 
 def freedom(thickness: Field, displacement: Field, minimum: float) -> Field:

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from mechstyle.geometry.region_selection import Protection, protection
 from mechstyle.geometry.thickness import local_thickness
 from mechstyle.pictures.panels import Picture, picture, with_protected
-from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh
 from mechstyle.records.regions import Region, regions
-from mechstyle.simulation.part import STANDARD_VERTICES, Stage, say_nothing, standardised
+from mechstyle.simulation.part import Stage, say_nothing, standardised
 
 
 @dataclass(frozen=True, eq=False)

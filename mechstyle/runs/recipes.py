@@ -13,6 +13,7 @@ from mechstyle.errors import BadInput, unknown
 from mechstyle.records import POSES, Recipe
 from mechstyle.records.load_cases import load_cases
 from mechstyle.records.material import Material, material_named
+from mechstyle.records.recipe import DEFAULTS
 from mechstyle.records.regions import regions
 from mechstyle.runs.plugins import name_of
 from mechstyle.runs.stylizers import settled
@@ -39,15 +40,7 @@ PAPER: dict[str, Any] = {
 }
 """The published method taken literally (Faruqi et al. 2025)."""
 
-ROBUST: dict[str, Any] = {
-    "memory": True,
-    "retraction": True,
-    "protect_resting_face": True,
-    "guarantee": True,
-    "transfer": "barycentric",
-    "element": "tet10",
-    "minimum_wall": 0.8,
-}
+ROBUST: dict[str, Any] = {name: DEFAULTS[name] for name in PAPER}
 """What this project adds to it by default."""
 
 DECIDED_BY_THE_PART = ("surface", "tetrahedra")

@@ -21,7 +21,7 @@ from mechstyle.geometry.subdivision import quartered
 from mechstyle.loop.engine import STEP_LIMIT, STYLE_FIELDS, Bounds, Stylizer, advanced
 from mechstyle.loop.store import Entry, Store
 from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict
-from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.records.mesh import Field, SurfaceMesh
 from mechstyle.runs.plugins import made
 from mechstyle.simulation.part import Workpiece, bounds_for
 from mechstyle.simulation.simulator import DropSimulator
@@ -29,8 +29,6 @@ from mechstyle.styling.drawing.canvas import Canvas
 from mechstyle.styling.drawing.fine_canvas import FineCanvas
 from mechstyle.styling.drawn import ProceduralStylizer, target
 from mechstyle.styling.prompt import Wish, read
-
-Field = NDArray[np.float32]
 
 INTERPOLATED = "what the style learnt at the vertices is interpolated between them: the file has more faces, but no finer detail"
 """Said of a learnt style in four times as many faces."""

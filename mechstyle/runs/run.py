@@ -16,6 +16,7 @@ import msgspec
 from mechstyle._files import cache_folder, write_whole
 from mechstyle.errors import BadInput
 from mechstyle.fea.drop import resolve_device
+from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.loop import minimum_wall
 from mechstyle.loop.engine import Engine
 from mechstyle.loop.events import Event, Finished
@@ -25,16 +26,15 @@ from mechstyle.loop.store import Entry, Lane, Store, parse_address
 from mechstyle.pictures.panels import Picture, checkpoint_panels, picture, with_protected
 from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict
 from mechstyle.records.material import Material
-from mechstyle.records.mesh import SurfaceMesh, TetMesh
+from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh, TetMesh
 from mechstyle.runs.export import Exported, exported
 from mechstyle.runs.recipes import changed, draft
 from mechstyle.runs.session import Session
 from mechstyle.runs.stylizers import stylizer_for
 from mechstyle.runs.summary import Clock, Summary, summarise
-from mechstyle.simulation.part import STANDARD_VERTICES, Origin, Stage, Workpiece, bounds_for, cached_memo, fitted, prepare, say_nothing
-from mechstyle.simulation.simulator import DropSimulator, no_progress
+from mechstyle.simulation.part import Origin, Stage, Workpiece, bounds_for, cached_memo, fitted, prepare, say_nothing
+from mechstyle.simulation.simulator import DropSimulator
 
-Progress = Callable[[float], None]
 OnEvent = Callable[[Event], None]
 
 logger = logging.getLogger(__name__)

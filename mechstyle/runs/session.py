@@ -8,6 +8,7 @@ from collections.abc import Callable, Generator
 from contextlib import closing
 from typing import Literal
 
+from mechstyle.fea.explicit import Progress
 from mechstyle.loop.events import Event, Simulated
 
 State = Literal["ready", "running", "paused", "stopped", "finished", "failed"]
@@ -30,7 +31,7 @@ class Session:
     last checkpoint, from which a new session goes on.
     """
 
-    def __init__(self, events: Callable[[Callable[[float], None]], Generator[Event, None, None]]) -> None:
+    def __init__(self, events: Callable[[Progress], Generator[Event, None, None]]) -> None:
         """Prepare to pump `events(progress)`; `progress` must be passed on to the simulator, so that stopping can reach it."""
         self._events = events
         self._listeners: list[Listener] = []

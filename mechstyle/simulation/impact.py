@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import msgspec
@@ -11,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mechstyle.fea.criterion import BallAverage, robust_field
+from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.fea.snapshots import Snapshots, snapshots
 from mechstyle.geometry.morph import Morph
 from mechstyle.geometry.transfer import Transfer
@@ -18,7 +18,7 @@ from mechstyle.loop.objects import Memo
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import Floats, SurfaceMesh, TetMesh
 from mechstyle.simulation.part import Workpiece
-from mechstyle.simulation.simulator import PHYSICS_VERSION, no_progress, prescribed
+from mechstyle.simulation.simulator import PHYSICS_VERSION, prescribed
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +62,7 @@ def nearest_rigid(points: Floats, moved: Floats) -> Floats:
 
 
 def impact_of(
-    part: Workpiece, recipe: Recipe, displacement: NDArray[np.float32], memo: Memo, progress: Callable[[float], None] = no_progress
+    part: Workpiece, recipe: Recipe, displacement: NDArray[np.float32], memo: Memo, progress: Progress = no_progress
 ) -> Impact:
     """Drop a displaced part as it stands and keep what happens on its surface; remembered by its inputs.
 

@@ -20,7 +20,7 @@ from mechstyle.geometry.thickness import local_thickness
 from mechstyle.loop.engine import Bounds
 from mechstyle.loop.objects import Memo, Objects
 from mechstyle.records import Recipe
-from mechstyle.records.mesh import SurfaceMesh, TetMesh
+from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh, TetMesh
 
 PREPARATION_VERSION = 2
 """Counts changes that alter the prepared part, so that cached parts of older code are not reused."""
@@ -31,7 +31,6 @@ CONTACT_RELIEF = 0.4
 """Relief near the lowest point of a part [mm]."""
 CONTACT_REACH = 5.0
 """… up to this height above the floor [mm]."""
-STANDARD_VERTICES = 25_000
 TETS_PER_VERTEX = 0.4
 """10k quadratic tetrahedra for 25k surface vertices: the envelope of a smooth part within 3 %, and protected relief by a morph."""
 FEWEST_TETS = 3_000

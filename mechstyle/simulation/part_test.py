@@ -15,6 +15,7 @@ from mechstyle._files import write_whole
 from mechstyle.errors import SimulationFailed
 from mechstyle.fea.criterion import input_warning, judge
 from mechstyle.fea.drop import History, resolve_device
+from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.fea.snapshots import snapshot
 from mechstyle.fea.vtu import vtu_path
 from mechstyle.loop.history import Strength
@@ -23,11 +24,12 @@ from mechstyle.pictures.panels import Picture, picture, stress_panel
 from mechstyle.records import POSES, Recipe, Simulation, Verdict
 from mechstyle.records.load_cases import LoadCase, load_cases
 from mechstyle.records.material import Material, material_named
-from mechstyle.records.mesh import SurfaceMesh, TetMesh
+from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh, TetMesh
+from mechstyle.records.recipe import DEFAULTS
 from mechstyle.simulation.drop_history import Course, history_picture, vtu_bytes
 from mechstyle.simulation.impact import Impact, impact_of
-from mechstyle.simulation.part import STANDARD_VERTICES, Stage, Workpiece, cached_memo, fitted, prepare, say_nothing
-from mechstyle.simulation.simulator import Detail, DropSimulator, Progress, no_progress, prescribed
+from mechstyle.simulation.part import Stage, Workpiece, cached_memo, fitted, prepare, say_nothing
+from mechstyle.simulation.simulator import Detail, DropSimulator, prescribed
 
 if TYPE_CHECKING:
     from mechstyle.pictures.figure import Panel
@@ -137,10 +139,10 @@ def simulate(
     *,
     material: str | Material = "PLA",
     orientations: int | None = None,
-    poses: str = "fibonacci",
-    criterion: str = "robust",
+    poses: str = DEFAULTS["poses"],
+    criterion: str = DEFAULTS["criterion"],
     loads: str | Path | LoadCase | Sequence[LoadCase] = (),
-    minimum_wall: float = 0.8,
+    minimum_wall: float = DEFAULTS["minimum_wall"],
     vertices: int = STANDARD_VERTICES,
     device: str = "auto",
     stage: Stage = say_nothing,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 from mechstyle.errors import MechStyleError, SimulationFailed
 from mechstyle.fea.criterion import BallAverage, exceedance, judge, measures, robust_field
 from mechstyle.fea.drop import Drop, DropTest, drop
+from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.fea.orientations import Orientations, orientation_set
 from mechstyle.fea.statics.load_test import StaticTest
 from mechstyle.geometry.morph import Morph, Morphed
@@ -28,18 +28,12 @@ from mechstyle.records.mesh import SurfaceMesh, TetMesh
 PHYSICS_VERSION = 4
 """Counts changes that alter results, so that remembered simulations of older code are not reused."""
 
-Progress = Callable[[float], None]
-
 
 def prescribed(recipe: Recipe) -> DropTest:
     """How a recipe has a part dropped."""
     return DropTest(
         height=recipe.drop_height, friction=recipe.friction, window=recipe.window, damping=recipe.damping, element=recipe.element
     )
-
-
-def no_progress(fraction: float) -> None:
-    """Report to nobody."""
 
 
 @dataclass(frozen=True, eq=False)

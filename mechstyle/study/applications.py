@@ -13,8 +13,8 @@ from mechstyle.errors import unknown
 from mechstyle.gallery import make
 from mechstyle.loop.history import Strength
 from mechstyle.pictures.panels import Picture, comparison
+from mechstyle.records.mesh import STANDARD_VERTICES
 from mechstyle.runs.run import Run, stylize
-from mechstyle.simulation.part import STANDARD_VERTICES
 
 COLUMNS = ("", "verdict", "peak [MPa]", "allowed [MPa]", "safety", "all turns", "simulations", "style kept")
 

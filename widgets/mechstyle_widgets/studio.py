@@ -118,8 +118,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         chosen = {name: value for section in self._sections for name, value in section.settings.items()}
         freestyle, prompt, material = self.control_selector.freestyle, chosen.pop("prompt"), chosen.pop("material")
         if freestyle:
-            for name in ("control", "normalisation", "schedule", "memory", "retraction", "protect_resting_face", "guarantee"):
-                del chosen[name]
+            chosen = {name: value for name, value in chosen.items() if name not in (*FREESTYLE, "normalisation")}
         part, options = self.part_picker, self.drop_options
         at_hand = part.mesh is not None and part.mesh is self._opened_mesh and options.vertices == len(part.mesh.vertices)
         unseen = {name: value for name, value in self._unseen.items() if not (name == "clip" and chosen["guidance"] == "offline")}

@@ -13,9 +13,9 @@ import msgspec
 from mechstyle.loop.store import Entry
 from mechstyle.records import Recipe
 from mechstyle.records.material import LIBRARY
+from mechstyle.records.mesh import STANDARD_VERTICES
 from mechstyle.runs.recipes import DECIDED_BY_THE_PART, changed, draft
 from mechstyle.runs.report.run_protocol import LaneOfRun
-from mechstyle.simulation.part import STANDARD_VERTICES
 
 OF_FREESTYLE = frozenset(
     ("amplitude", "criterion", "field", "guidance", "iterations", "minimum_wall", "orientations", "poses", "seed", "stylizer")

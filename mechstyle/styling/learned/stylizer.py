@@ -9,10 +9,11 @@ from typing import NamedTuple
 
 import numpy as np
 import torch
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from torch import nn
 from torch.utils import deterministic
 
+from mechstyle.records.mesh import Field
 from mechstyle.styling.learned.cuda_graph import Recorded
 from mechstyle.styling.learned.guidance import Draws, Guidance, NoDraws
 from mechstyle.styling.learned.style_field import standardised
@@ -26,7 +27,6 @@ DECAY_EVERY = 100
 
 os.environ.setdefault("CUBLAS_WORKSPACE_CONFIG", ":4096:8")  # without it no product of matrices is repeatable on a GPU
 
-Field = NDArray[np.float32]
 
 
 class Proposal(NamedTuple):

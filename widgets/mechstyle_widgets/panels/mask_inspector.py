@@ -9,10 +9,10 @@ import ipywidgets
 import msgspec
 import numpy as np
 import traitlets
-from numpy.typing import NDArray
 
 from mechstyle.loop import control
 from mechstyle.records import Checkpoint, Recipe
+from mechstyle.records.mesh import Field
 from mechstyle.runs.run import Run
 from mechstyle.simulation.part import bounds_for
 from mechstyle_widgets.jupyter.svg import Frame, drawing, shares
@@ -20,8 +20,6 @@ from mechstyle_widgets.settings.control import ControlSelector
 from mechstyle_widgets.settings.section import WIDE, Section, Words
 from mechstyle_widgets.state.controller import Conductor
 from mechstyle_widgets.viewer.layers import Layer
-
-Field = NDArray[np.float32]
 
 LAYER = "what_if"
 """Name of the viewer's layer that shows the mask that would be."""

@@ -10,13 +10,14 @@ import msgspec
 import numpy as np
 import traitlets
 
+from mechstyle.fea.drop import DropTest
 from mechstyle.loop import control
 from mechstyle.records import CONTROLS, NORMALISATIONS, Recipe
 from mechstyle.records.material import LIBRARY, Material
+from mechstyle.records.recipe import DEFAULTS
 from mechstyle_widgets.jupyter.svg import Frame, drawing
-from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section
+from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, setting
 
-GRAVITY = 9.81e-3  # [mm/ms²]
 MEANS = {
     "headroom": "the share of each vertex's own reserve that the style has used up",
     "own_max": "stress over the largest stress of the unstylized part",
@@ -45,16 +46,16 @@ class ControlSelector(Section):
     OWN = ("freestyle",)
 
     freestyle = traitlets.Bool(False)
-    control = traitlets.Enum(tuple(name for name in CONTROLS if name != "none"), "exponential")
-    normalisation = traitlets.Enum(NORMALISATIONS, "headroom")
-    threshold = traitlets.Float(1.0, min=0.01, max=100.0)
-    memory = traitlets.Bool(True)
-    retraction = traitlets.Bool(True)
+    control = traitlets.Enum(tuple(name for name in CONTROLS if name != "none"), DEFAULTS["control"])
+    normalisation = setting("normalisation")
+    threshold = setting("threshold")
+    memory = setting("memory")
+    retraction = setting("retraction")
     material = traitlets.Instance(Material)
     typical_stress = traitlets.Float(min=0.0)
     peak_stress = traitlets.Float(min=0.0)
 
-    def __init__(self, material: Material = LIBRARY["PLA"], drop_height: float = 1500.0, **traits: Any) -> None:
+    def __init__(self, material: Material = LIBRARY["PLA"], drop_height: float = DEFAULTS["drop_height"], **traits: Any) -> None:
         """Offer the strategies for a material.
 
         Args:
@@ -62,7 +63,7 @@ class ControlSelector(Section):
             drop_height: Height of fall [mm]; gives the stress of a flat landing, ρ c v, for which the curve is drawn at first.
             traits: Any of the attributes.
         """
-        wave = material.density * material.bar_wave_speed * math.sqrt(2.0 * GRAVITY * drop_height)
+        wave = material.density * material.bar_wave_speed * DropTest(height=drop_height).speed
         traits = {"material": material, "typical_stress": wave, "peak_stress": material.yield_strength, **traits}
         self._plot = ipywidgets.HTML(layout=WIDE)
         self._make_controls()

@@ -10,8 +10,8 @@ import traitlets
 from mechstyle.errors import BadInput
 from mechstyle.records import CRITERIA, POSES
 from mechstyle.records.load_cases import LoadCase, load_cases
-from mechstyle.simulation.part import STANDARD_VERTICES
-from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section
+from mechstyle.records.mesh import STANDARD_VERTICES
+from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, range_of, setting
 
 DEVICES = ("auto", "cpu", "cuda")
 ONCE = "once"
@@ -44,13 +44,13 @@ class DropOptions(Section):
     FIELDS = ("drop_height", "orientations", "poses", "loads", "criterion", "guarantee", "minimum_wall")
     OWN = ("vertices", "device", "folder")
 
-    drop_height = traitlets.Float(1500.0, min=1.0, max=1e5)
-    orientations = traitlets.Int(5, min=1, max=512)
-    poses = traitlets.Enum(tuple(POSES), "fibonacci")
+    drop_height = setting("drop_height")
+    orientations = setting("orientations")
+    poses = setting("poses")
     loads = traitlets.Any(())
-    criterion = traitlets.Enum(CRITERIA, "robust")
-    guarantee = traitlets.Bool(True)
-    minimum_wall = traitlets.Float(0.8, min=0.0)
+    criterion = setting("criterion")
+    guarantee = setting("guarantee")
+    minimum_wall = setting("minimum_wall")
     vertices = traitlets.Int(STANDARD_VERTICES, min=1)
     device = traitlets.Enum(DEVICES, "auto")
     folder = traitlets.Unicode("")
@@ -59,14 +59,14 @@ class DropOptions(Section):
         """Offer them; `traits` are any of the attributes."""
         look = {"style": NARROW_LABEL, "layout": WIDE}
         controls = {
-            "drop_height": ipywidgets.BoundedFloatText(description="drop [mm]", min=1.0, max=1e5, step=100.0, **look),
+            "drop_height": ipywidgets.BoundedFloatText(description="drop [mm]", step=100.0, **range_of("drop_height"), **look),
             "orientations": ipywidgets.BoundedIntText(
-                description="drops", min=1, max=512, tooltip="Drops of the final test, the first as the part stands", **look
+                description="drops", tooltip="Drops of the final test, the first as the part stands", **range_of("orientations"), **look
             ),
             "criterion": ipywidgets.Dropdown(options=CRITERIA, description="criterion", **look),
             "guarantee": ipywidgets.Checkbox(description="back off until it is viable", indent=False, layout=WIDE),
             "minimum_wall": ipywidgets.BoundedFloatText(
-                description="thinnest [mm]", min=0.0, max=50.0, step=0.1, tooltip="The thinnest wall the style may leave", **look
+                description="thinnest [mm]", step=0.1, tooltip="The thinnest wall the style may leave", **range_of("minimum_wall"), **look
             ),
             "vertices": ipywidgets.BoundedIntText(description="vertices", min=1, max=400_000, step=1000, **look),
             "device": ipywidgets.Dropdown(options=DEVICES, description="device", **look),

@@ -7,12 +7,11 @@ from typing import Any
 import ipywidgets
 import traitlets
 
-from mechstyle import records
 from mechstyle.errors import BadInput
 from mechstyle.records import Recipe
 from mechstyle.styling.library import library
 from mechstyle.styling.prompt import Wish, read
-from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section
+from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, range_of, setting
 from mechstyle_widgets.settings.thumbnail_buttons import PictureChoice
 
 
@@ -32,10 +31,10 @@ class PromptBox(Section):
 
     prompt = traitlets.Unicode("")
     wish = traitlets.Instance(Wish, None, allow_none=True)
-    amplitude = traitlets.Float(0.15, min=0.0, max=2.0)
-    seed = traitlets.Int(0, min=0, max=2**32 - 1)
-    guidance = traitlets.Enum(records.GUIDANCES, "offline")
-    field = traitlets.Enum(records.FIELDS, "vertex")
+    amplitude = setting("amplitude")
+    seed = setting("seed")
+    guidance = setting("guidance")
+    field = setting("field")
 
     def __init__(self, prompt: str = "brick", **traits: Any) -> None:
         """Offer the styles; `prompt` is asked for at first, `traits` are any other attributes."""
@@ -45,7 +44,7 @@ class PromptBox(Section):
         self._amplitude = ipywidgets.FloatSlider(
             description="relief / wall", min=0.0, max=0.6, step=0.01, tooltip="Height of the relief over local wall thickness", **look
         )
-        self._seed = ipywidgets.BoundedIntText(description="seed", min=0, max=2**32 - 1, **look)
+        self._seed = ipywidgets.BoundedIntText(description="seed", **range_of("seed"), **look)
         guides = [("a drawn target, offline", "offline"), ("CLIP, any prompt", "clip")]
         self._guidance = ipywidgets.Dropdown(options=guides, description="guided by", tooltip="CLIP needs its weights on disk", **look)
         carriers = [("values per vertex", "vertex"), ("X-Mesh style field", "network")]

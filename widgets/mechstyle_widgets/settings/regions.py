@@ -11,7 +11,7 @@ import traitlets
 from mechstyle.errors import BadInput
 from mechstyle.records.regions import KINDS, Point, Region, regions
 from mechstyle_widgets.settings.brush import dabbed
-from mechstyle_widgets.settings.section import WIDE, Section
+from mechstyle_widgets.settings.section import WIDE, Section, setting
 
 
 class RegionsPicker(Section):
@@ -27,7 +27,7 @@ class RegionsPicker(Section):
 
     FIELDS = ("protect_resting_face", "protect")
 
-    protect_resting_face = traitlets.Bool(True)
+    protect_resting_face = setting("protect_resting_face")
     protect = traitlets.Tuple()
     paint = traitlets.Bool(False)
     radius = traitlets.Float(5.0, min=0.1, max=1e3)

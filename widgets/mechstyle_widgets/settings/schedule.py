@@ -9,7 +9,7 @@ import traitlets
 
 from mechstyle.records import SCHEDULES, Recipe
 from mechstyle_widgets.jupyter.svg import Frame, drawing, line
-from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section
+from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, range_of, setting
 from mechstyle_widgets.state.schedule_forecast import Plan, plan
 
 WHAT = {
@@ -36,20 +36,20 @@ class ScheduleSelector(Section):
 
     FIELDS = ("schedule", "every", "travel", "iterations")
 
-    schedule = traitlets.Enum(SCHEDULES, "stress")
-    every = traitlets.Int(20, min=1, max=100_000)
-    travel = traitlets.Float(0.1, min=1e-3, max=10.0)
-    iterations = traitlets.Int(200, min=1, max=100_000)
-    amplitude = traitlets.Float(0.15, min=0.0, max=2.0)
+    schedule = setting("schedule")
+    every = setting("every")
+    travel = setting("travel")
+    iterations = setting("iterations")
+    amplitude = setting("amplitude")
 
     def __init__(self, **traits: Any) -> None:
         """Offer the schedules; `traits` are any of the attributes."""
         look = {"style": NARROW_LABEL, "layout": WIDE}
         options = [(f"{name} – {WHAT[name]}", name) for name in SCHEDULES]
         self._choice = ipywidgets.Dropdown(options=options, description="simulate", **look)
-        self._every = ipywidgets.BoundedIntText(description="k", min=1, max=100_000, **look)
-        self._travel = ipywidgets.BoundedFloatText(description="share of wall", min=0.001, max=10.0, step=0.01, **look)
-        self._iterations = ipywidgets.BoundedIntText(description="iterations", min=1, max=100_000, **look)
+        self._every = ipywidgets.BoundedIntText(description="k", **range_of("every"), **look)
+        self._travel = ipywidgets.BoundedFloatText(description="share of wall", step=0.01, **range_of("travel"), **look)
+        self._iterations = ipywidgets.BoundedIntText(description="iterations", **range_of("iterations"), **look)
         self._plot = ipywidgets.HTML(layout=WIDE)
         super().__init__([self._iterations, self._choice, self._every, self._travel, self._plot])
         for name, value in traits.items():

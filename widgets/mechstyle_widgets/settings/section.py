@@ -7,8 +7,10 @@ from html import escape
 from typing import Any, ClassVar
 
 import ipywidgets
+import traitlets
 
 from mechstyle.records import Recipe
+from mechstyle.records.recipe import CHOICES, DEFAULTS, LIMITS
 
 _SHEET = """<style>
 .mechstyle-section { gap: 4px; padding: 2px 0; overflow: visible; }
@@ -32,6 +34,22 @@ WIDE = {"width": "auto"}
 """Layout of a control as wide as its column."""
 NARROW_LABEL = {"description_width": "96px"}
 """Style of a control whose description stands at its left, all in one line."""
+
+
+def setting(name: str) -> Any:
+    """A trait for a field of the recipe, with its default and the names or numbers it may have."""
+    default = DEFAULTS[name]
+    if name in CHOICES:
+        return traitlets.Enum(tuple(CHOICES[name]), default)
+    if isinstance(default, bool):
+        return traitlets.Bool(default)
+    number: Any = traitlets.Int if isinstance(default, int) else traitlets.Float
+    return number(default, **range_of(name))
+
+
+def range_of(name: str) -> dict[str, float]:
+    """`min` and `max` of a field of the recipe, for a trait or a control."""
+    return dict(zip(("min", "max"), LIMITS[name], strict=True))
 
 
 class Words(ipywidgets.HTML):  # type: ignore[misc]  # ipywidgets has no types

@@ -9,6 +9,7 @@ from typing import Any
 
 from mechstyle.errors import BadInput, MechStyleError
 from mechstyle.fea.drop import resolve_device
+from mechstyle.fea.explicit import Progress
 from mechstyle.loop.events import Checkpointed, Event
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import SurfaceMesh
@@ -18,8 +19,6 @@ from mechstyle.runs.session import Session
 from mechstyle.simulation.part import fitted
 from mechstyle_widgets.jupyter.prepare import prepare_aside
 from mechstyle_widgets.state.studio_state import StudioState
-
-Progress = Callable[[float], None]
 
 
 @dataclass(frozen=True, eq=False)

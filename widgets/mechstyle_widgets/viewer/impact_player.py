@@ -11,6 +11,7 @@ import ipywidgets
 import traitlets
 
 from mechstyle.errors import MechStyleError
+from mechstyle.fea.explicit import Progress
 from mechstyle.simulation.impact import Impact, impact_of
 from mechstyle_widgets.jupyter.closing import close_family
 from mechstyle_widgets.state.studio_state import StudioState
@@ -18,7 +19,6 @@ from mechstyle_widgets.viewer.layers import Layer, Subject
 
 MOMENT = "moment"
 """Name of the layer that shows the stress of the moment."""
-Progress = Callable[[float], None]
 FACTORS = (1, 2, 5, 10, 20, 50, 100, 200)
 
 

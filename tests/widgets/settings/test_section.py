@@ -1,0 +1,30 @@
+"""What every part of the settings column has from the recipe."""
+
+import pytest
+import traitlets
+
+from mechstyle.records.recipe import CHOICES, DEFAULTS, LIMITS
+from mechstyle_widgets.settings.control import ControlSelector
+from mechstyle_widgets.settings.drop import DropOptions
+from mechstyle_widgets.studio import SECTIONS
+
+SETTINGS = [
+    pytest.param(section, name, id=f"{section.__name__}-{name}") for section in SECTIONS for name in section.FIELDS if name in DEFAULTS
+]
+
+
+@pytest.mark.parametrize(("section", "name"), SETTINGS)
+def test_a_setting_begins_as_in_the_recipe_and_has_its_limits(section, name):
+    trait = section.class_traits()[name]
+    assert getattr(section(), name) == DEFAULTS[name]
+    if name in LIMITS:
+        assert (trait.min, trait.max) == LIMITS[name]
+    if name in CHOICES:
+        assert set(trait.values) == set(CHOICES[name]) - ({"none"} if section is ControlSelector else set())
+
+
+def test_a_wall_the_recipe_allows_is_kept_and_another_refused():
+    options = DropOptions(minimum_wall=80.0)
+    assert options.minimum_wall == 80.0
+    with pytest.raises(traitlets.TraitError):
+        options.minimum_wall = 200.0
