@@ -15,9 +15,9 @@ from hypothesis import strategies as st
 
 from mechstyle.errors import BadInput
 from mechstyle.records import CONTROLS, CRITERIA, NORMALISATIONS, SCHEDULES, Checkpoint, Judgement, Measures, Recipe, Simulation, Verdict
-from mechstyle.records.load_cases import Load, LoadCase, Support
+from mechstyle.records.load_cases import Load, LoadCase, Support, read_loads
 from mechstyle.records.material import LIBRARY
-from mechstyle.records.regions import Inside
+from mechstyle.records.regions import Inside, regions
 
 PLA = LIBRARY["PLA"]
 PRESS = LoadCase(name="press", supports=(Support(at="resting face"),), loads=(Load(gravity=2.0),))
@@ -92,6 +92,30 @@ def test_digest_is_the_same_in_another_process(hash_seed):
     environment = os.environ | {"PYTHONHASHSEED": hash_seed}
     printed = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, env=environment).stdout
     assert printed.strip() == recipe().digest
+
+
+EVERY_LOAD = """
+[[case]]
+name = "hand on the rim"
+supports = [{ at = "resting face" }, { at = { facet = [0, 30, 0], angle = 35 }, kind = "roller" }]
+loads = [{ at = { sphere = [40, 0, 100, 8] }, force = [0, 0, -50] }, { gravity = 1 }]
+[[case]]
+name = "in a vice"
+supports = [{ at = { box = [0, 0, 0, 10, 10, 0.5] } }]
+loads = [{ at = { plane = [0, 0, 90, 0, 0, 1] }, pressure = 0.2 }, { at = { near = [5, 5, 50, 3] }, force = [1, 0, 0] }]
+"""
+EVERY_REGION = (
+    "box 0 0 0 10 20 30", "sphere 1 2 3 4.5 ramp 2 colour", "plane 0 0 5 1 0 1", "below 12", "inside", "outside ramp 3",
+    "segment 1 2 3 colour", "vertices 3 1 2",
+)  # fmt: skip
+
+
+def test_places_are_stored_as_in_runs_made_before(tmp_path):
+    """A run is found on disk by the digest of its recipe: every place it can name is written as it always was."""
+    file = tmp_path / "loads.toml"
+    file.write_text(EVERY_LOAD, encoding="utf-8")
+    one = recipe(loads=read_loads(file), protect=regions(EVERY_REGION))
+    assert one.digest == "fe9e43a21760f8e186f7cf0ed5115e1b6d3a3d5ecb3c8d17979fcb57bdddc120"
 
 
 @pytest.mark.parametrize("field", [field.name for field in msgspec.structs.fields(Recipe)])
