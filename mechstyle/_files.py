@@ -12,24 +12,29 @@ from mechstyle.errors import MechStyleError
 
 
 def write_whole(path: Path, data: bytes) -> None:
-    """Write `data` beside `path`, then rename over it; MechStyleError in one sentence if the disk refuses."""
+    """Write a file so that it appears whole or not at all; MechStyleError in one sentence if the disk refuses."""
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=".new-")
-        try:
-            with os.fdopen(handle, "wb") as file:
-                file.write(data)
-            Path(name).chmod(0o644)  # temporary files are private, runs are for sharing
-            Path(name).replace(path)
-        except BaseException:
-            with contextlib.suppress(OSError):
-                Path(name).unlink(missing_ok=True)
-            raise
+        write_aside(path, data)
     except OSError as error:
         full = error.errno in (errno.ENOSPC, errno.EDQUOT)
         why = "the disk is full" if full else (error.strerror or str(error))
         remedy = "free some space" if full else "make the folder writable"
         raise MechStyleError(f"could not write {path}: {why}; everything saved before is intact, {remedy} and run again") from error
+
+
+def write_aside(path: Path, data: bytes) -> None:
+    """As `write_whole`, for callers with a sentence of their own: written beside `path`, then renamed over it; OSError if refused."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=".new-")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(data)
+        Path(name).chmod(0o644)  # temporary files are private, what is written is for sharing
+        Path(name).replace(path)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            Path(name).unlink(missing_ok=True)
+        raise
 
 
 def cache_folder() -> Path:

@@ -6,8 +6,6 @@ STL, OBJ and PLY have no unit and are taken as millimetres; 3MF names its unit; 
 from __future__ import annotations
 
 import io
-import os
-import tempfile
 import warnings
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -16,6 +14,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from mechstyle._files import write_aside
 from mechstyle.errors import BadInput
 from mechstyle.geometry.repair import repaired
 from mechstyle.geometry.threemf import threemf_bytes
@@ -150,25 +149,10 @@ def save(mesh: SurfaceMesh, path: str | Path) -> Path:
         raise BadInput(f"{file.name}: cannot write {_kind(suffix)}; use {', '.join(FORMATS)}")
     content = threemf_bytes(mesh) if suffix == "3mf" else _exported(mesh, suffix)
     try:
-        _write_aside(file, content)
+        write_aside(file, content)
     except OSError as error:
         raise BadInput(f"cannot write {file}: {error.strerror}; choose another place, or make room") from error
     return file
-
-
-def _write_aside(file: Path, content: bytes) -> None:
-    """Write next to the file, then rename, so that it appears whole or not at all."""
-    file.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(dir=file.parent, prefix=".new-")
-    aside = Path(name)
-    try:
-        with os.fdopen(handle, "wb") as stream:
-            stream.write(content)
-        aside.chmod(0o644)  # temporary files are private, parts are for sharing
-        aside.replace(file)
-    except BaseException:
-        aside.unlink(missing_ok=True)
-        raise
 
 
 def _exported(mesh: SurfaceMesh, suffix: str) -> bytes:

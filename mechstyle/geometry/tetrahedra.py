@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import contextlib
+import io
 import math
-import os
-import tempfile
 import zipfile
 from pathlib import Path
 from typing import NamedTuple
@@ -14,7 +13,8 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components, reverse_cuthill_mckee
 
-from mechstyle.errors import BadInput, SimulationFailed
+from mechstyle._files import write_whole
+from mechstyle.errors import BadInput, MechStyleError, SimulationFailed
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.geometry.remesh import even_edge, manifold_of, remeshed
 from mechstyle.geometry.tetwild import Settings, tetwild
@@ -57,7 +57,7 @@ def tetrahedralise(surface: SurfaceMesh, target: int = 16_000, *, timeout: float
         return kept
     tets = _meshed(surface, target, timeout)
     if file is not None:
-        with contextlib.suppress(OSError):  # a full disk costs time later, not this result
+        with contextlib.suppress(MechStyleError):  # a full disk costs time later, not this result
             _write(file, tets)
     return tets
 
@@ -229,13 +229,7 @@ def _read(file: Path) -> TetMesh | None:
 
 
 def _write(file: Path, tets: TetMesh) -> None:
-    """Keep a mesh: written aside, then renamed."""
-    file.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(dir=file.parent, prefix=".new-", suffix=".npz")
-    try:
-        with os.fdopen(handle, "wb") as aside:
-            np.savez_compressed(aside, vertices=tets.vertices, tets=tets.tets, digest=np.array(tets.digest))
-        Path(name).replace(file)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise
+    """Keep a mesh."""
+    content = io.BytesIO()
+    np.savez_compressed(content, vertices=tets.vertices, tets=tets.tets, digest=np.array(tets.digest))
+    write_whole(file, content.getvalue())

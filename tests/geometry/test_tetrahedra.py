@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import stat
 import subprocess
 
 import numpy as np
@@ -42,6 +43,21 @@ def test_a_kept_mesh_is_used_again_to_the_byte(block, tmp_path, monkeypatch):
     first = tetrahedralise(block, 600, cache=tmp_path)
     monkeypatch.setattr(module, "tetwild", None)
     assert tetrahedralise(block, 600, cache=tmp_path).digest == first.digest
+
+
+@pytest.mark.skipif(os.name != "posix", reason="rights are those of POSIX")
+def test_others_may_read_a_kept_mesh_which_is_as_numpy_writes_it(block, tmp_path):
+    """A cache that several people share is of use to them only if it is as readable as everything else that is written."""
+    tets = tetrahedralise(block, 600, cache=tmp_path / "cache")
+    (entry,) = (tmp_path / "cache").iterdir()
+    np.savez_compressed(tmp_path / "expected.npz", vertices=tets.vertices, tets=tets.tets, digest=np.array(tets.digest))
+    assert entry.read_bytes() == (tmp_path / "expected.npz").read_bytes()
+    assert stat.S_IMODE(entry.stat().st_mode) == 0o644
+
+
+def test_a_mesh_that_cannot_be_kept_is_returned_all_the_same(block, tmp_path):
+    (tmp_path / "taken").write_bytes(b"")
+    assert len(tetrahedralise(block, 600, cache=tmp_path / "taken").tets)
 
 
 def test_a_damaged_cache_entry_is_not_used(block, tmp_path, monkeypatch):
