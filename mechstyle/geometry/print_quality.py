@@ -7,7 +7,7 @@ import numpy as np
 
 from mechstyle.geometry.self_intersections import crossings
 from mechstyle.geometry.thickness import wall_thickness
-from mechstyle.records.mesh import Floats, SurfaceMesh
+from mechstyle.records.mesh import SurfaceMesh
 
 
 class Quality(msgspec.Struct, frozen=True, kw_only=True):
@@ -63,7 +63,7 @@ def quality(original: SurfaceMesh, styled: SurfaceMesh, density: float, *, devic
         density: Density of the material [g/mm³].
         device: Warp device of the searches.
     """
-    before, after = (np.sort(_over_areas(mesh, wall_thickness(mesh, device=device))) for mesh in (original, styled))
+    before, after = (np.sort(mesh.dilated(wall_thickness(mesh, device=device))) for mesh in (original, styled))
     one_percent = len(before) // 100
     return Quality(
         folds=folded_faces(original, styled),
@@ -78,14 +78,6 @@ def quality(original: SurfaceMesh, styled: SurfaceMesh, density: float, *, devic
         mass=density * styled.volume,
         mass_change=density * (styled.volume - original.volume),
     )
-
-
-def _over_areas(mesh: SurfaceMesh, thickness: Floats) -> Floats:
-    """The largest thickness at each vertex and its neighbours [mm]: a sharp edge or a single vertex is no thin wall."""
-    widest = thickness.copy()
-    for one, other in (mesh.edges.T, mesh.edges.T[::-1]):
-        np.maximum.at(widest, one, thickness[other])
-    return widest
 
 
 def folded_faces(original: SurfaceMesh, styled: SurfaceMesh) -> int:

@@ -58,18 +58,9 @@ def styled_thickness(surface: SurfaceMesh, thickness: Field, displacement: Field
     return (thickness + cut + cut[other]).astype(np.float32)
 
 
-def without_specks(surface: SurfaceMesh, thickness: Field) -> Field:
-    """The largest thickness at a vertex and its neighbours [mm]: a wall is thin over an area, not along a sharp edge or at one vertex."""
-    widest = thickness.copy()
-    a, b = surface.edges.T
-    np.maximum.at(widest, a, thickness[b])
-    np.maximum.at(widest, b, thickness[a])
-    return widest
-
-
 def warnings(surface: SurfaceMesh, thickness: Field, displacement: Field, minimum: float) -> tuple[str, ...]:
     """One sentence if the part itself has a wall below the minimum, and one if the style leaves such a wall, each with place and value."""
-    thickness = without_specks(surface, thickness)
+    thickness = surface.dilated(thickness)
     thin = thickness < minimum - SEEN
     styled = styled_thickness(surface, thickness, displacement)
     cut = (styled < minimum - SEEN) & (styled < thickness - SEEN)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import hashlib
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,6 +17,7 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.int32]
 Field = NDArray[np.float32]
 """Values at the vertices of a surface, shape [vertex_count] or [vertex_count, 3]."""
+Scalar = TypeVar("Scalar", bound=np.generic)
 
 STANDARD_VERTICES = 25_000
 """Vertices of a standardised surface unless told."""
@@ -148,6 +149,16 @@ class SurfaceMesh:
     def digest(self) -> str:
         """SHA-256 of vertices and faces; colours do not count."""
         return digest_of(self.vertices, self.faces)
+
+    def dilated(self, values: NDArray[Scalar]) -> NDArray[Scalar]:
+        """The largest of the values at each vertex and its neighbours (grey dilation), shape [vertex_count].
+
+        What is small afterwards is small over an area: a wall is thin there, not only along a sharp edge or at one vertex.
+        """
+        largest = values.copy()
+        for one, other in (self.edges.T, self.edges.T[::-1]):
+            np.maximum.at(largest, one, values[other])
+        return largest
 
     def displaced(self, displacement: ArrayLike) -> SurfaceMesh:
         """The surface with every vertex moved by `displacement` [mm], shape [vertex_count], along its normal."""

@@ -198,6 +198,17 @@ def test_sphere_displaced_by_a_constant_is_a_larger_sphere(sphere, distance):
 # --- displaced, moved, coloured -----------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_a_dilated_field_is_the_largest_value_around_each_vertex(sphere, dtype):
+    values = np.random.default_rng(3).uniform(-1.0, 1.0, len(sphere.vertices)).astype(dtype)
+    given = values.copy()
+    expected = [values[[vertex, *sphere.edges[(sphere.edges == vertex).any(axis=1)].ravel()]].max() for vertex in range(len(values))]
+    dilated = sphere.dilated(values)
+    assert np.array_equal(dilated, expected)
+    assert dilated.dtype == dtype
+    assert np.array_equal(values, given)
+
+
 def test_participles_leave_the_original_alone(cube):
     before = cube.digest
     moved = cube.moved(cube.vertices + 1.0)
