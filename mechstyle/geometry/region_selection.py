@@ -15,7 +15,7 @@ from mechstyle.errors import BadInput
 from mechstyle.geometry.inside_outside import is_inside
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.records.mesh import Floats, Indices, SurfaceMesh
-from mechstyle.records.regions import Box, HalfSpace, Inside, Outside, Region, Segment, Sphere
+from mechstyle.records.regions import Inside, Outside, Region, Segment, Shape
 
 TURN = float(np.cos(np.radians(25.0)))
 """Segments end where the surface turns by more than this between two neighbouring vertices …"""
@@ -84,12 +84,8 @@ def selected(region: Region, surface: SurfaceMesh, thickness: ArrayLike) -> NDAr
 
 def _selected(region: Region, surface: SurfaceMesh, thickness: ArrayLike) -> NDArray[np.bool_]:
     points = surface.vertices
-    if isinstance(region, Box):
-        return np.asarray(((points >= region.low) & (points <= region.high)).all(axis=1))
-    if isinstance(region, Sphere):
-        return np.asarray(np.linalg.norm(points - region.centre, axis=1) <= region.radius)
-    if isinstance(region, HalfSpace):
-        return np.asarray((points - region.point) @ np.asarray(region.normal) >= 0.0)
+    if isinstance(region, Shape):
+        return region.contains(points)
     if isinstance(region, Inside | Outside):
         return is_inside(surface) ^ isinstance(region, Outside)
     if isinstance(region, Segment):

@@ -8,11 +8,8 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
 from mechstyle.records.mesh import Floats, Indices, SurfaceMesh
+from mechstyle.records.places import on_floor
 
-FLOOR_TOLERANCE = 0.1
-"""Faces whose corners are this close to the lowest point stand on the floor [mm]."""
-STEEPEST = np.cos(np.radians(5.0))
-"""… if they look down within 5°."""
 SMALLEST_SHARE = 0.02
 """A support polygon below this share of the part's footprint carries nothing: a sphere has no resting face."""
 
@@ -41,8 +38,7 @@ def resting_face(mesh: SurfaceMesh) -> RestingFace | None:
         mesh: A closed surface, z up.
     """
     floor = float(mesh.vertices[:, 2].min())
-    low = (mesh.corners[:, :, 2] < floor + FLOOR_TOLERANCE).all(axis=1)
-    faces = np.flatnonzero(low & (mesh.face_normals[:, 2] < -STEEPEST)).astype(np.int32)
+    faces = np.flatnonzero(on_floor(mesh)).astype(np.int32)
     support = _hull(mesh.corners[faces].reshape(-1, 3)[:, :2])
     footprint = _hull(mesh.vertices[:, :2])
     if support is None or footprint is None or support.volume < SMALLEST_SHARE * footprint.volume:

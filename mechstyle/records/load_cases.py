@@ -7,7 +7,8 @@ A load file is TOML, one `[[case]]` per situation, in mm, N and MPa:
     supports = [{ at = "resting face" }]
     loads = [{ at = { sphere = [40, 0, 100, 8] }, force = [0, 0, -50] }, { gravity = 1 }]
 
-Places are picked on the unstylized part as it stands, so that a style does not move them.
+Places are picked on the unstylized part as it stands, so that a style does not move them. In Python a place may also be the region
+of the same shape: `Support(at=ms.Sphere((40, 0, 100), 8))` is stored as the patch above.
 """
 
 from __future__ import annotations
@@ -21,6 +22,9 @@ from typing import Any, Literal
 import msgspec
 
 from mechstyle.errors import BadInput
+from mechstyle.records.mesh import Bools, Floats
+from mechstyle.records.places import in_ball, in_box, in_half_space
+from mechstyle.records.regions import Box, HalfSpace, Region, Sphere, regions
 
 RESTING_FACE = "resting face"
 SHAPES = ("sphere", "box", "plane", "near", "facet")
@@ -62,6 +66,30 @@ class Patch(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
         if not 0.0 < self.angle <= 90.0:
             raise BadInput(f"angle is {self.angle:g}, but must lie above 0 and up to 90 degrees")
 
+    @classmethod
+    def of(cls, region: Region) -> Patch:
+        """The surface in a box, a sphere or a half-space; BadInput for a region that is no such shape, or fades, or keeps its colour."""
+        (shape,) = regions(region)
+        if shape.ramp or shape.colour:
+            raise BadInput(f"the place of a support or a load has no ramp and no colour: {shape.words!r} must do without")
+        if isinstance(shape, Sphere):
+            return cls(sphere=(*shape.centre, shape.radius))
+        if isinstance(shape, Box):
+            return cls(box=(*shape.low, *shape.high))
+        if isinstance(shape, HalfSpace):
+            return cls(plane=(*shape.point, *shape.normal))
+        remedy = "write ms.Sphere, ms.Box or ms.HalfSpace, or Patch(facet=(x, y, z)) for a smooth face"
+        raise BadInput(f"{shape.words!r} is no place of a support or a load: {remedy}")
+
+    def contains(self, points: Floats, *, margin: float = 0.0) -> Bools:
+        """Whether points [mm], shape [..., 3], lie in a sphere, box or half-space, or no more than a margin [mm] outside."""
+        if self.sphere is not None:
+            return in_ball(points, self.sphere[:3], self.sphere[3], margin=margin)
+        if self.box is not None:
+            return in_box(points, self.box[:3], self.box[3:], margin=margin)
+        assert self.plane is not None, "near and facet are no shapes in space: they are picked on the surface"
+        return in_half_space(points, self.plane[:3], self.plane[3:], margin=margin)
+
     @property
     def words(self) -> str:
         """What it is, as in a load file."""
@@ -76,19 +104,23 @@ class Support(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     """Where a part is held.
 
     Attributes:
-        at: The place.
+        at: The place; a Box, Sphere or HalfSpace becomes the patch of that shape.
         kind: `fixed`, or `roller`: free to slide along the surface, held across it.
     """
 
     at: Place
     kind: Literal["fixed", "roller"] = "fixed"
 
+    def __post_init__(self) -> None:
+        """Take a region for the patch it is."""
+        _take_region(self)
+
 
 class Load(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, omit_defaults=True):
     """What acts on a part: exactly one of force, pressure and gravity.
 
     Attributes:
-        at: The place a force or a pressure acts on.
+        at: The place a force or a pressure acts on; a Box, Sphere or HalfSpace becomes the patch of that shape.
         force: Total force, spread evenly over the place [N].
         pressure: Pressure into the surface [MPa].
         gravity: The part's own weight, as a multiple of standard gravity.
@@ -102,7 +134,8 @@ class Load(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     direction: tuple[float, float, float] = (0.0, 0.0, -1.0)
 
     def __post_init__(self) -> None:
-        """Refuse loads that are none, several, nowhere or zero."""
+        """Refuse loads that are none, several, nowhere or zero; take a region for the patch it is."""
+        _take_region(self)
         given = [effect for effect in EFFECTS if getattr(self, effect) is not None]
         if len(given) != 1:
             raise BadInput(f"a load is one of {', '.join(EFFECTS)}, not {' and '.join(given) or 'nothing'}")
@@ -191,6 +224,13 @@ def _distinct(cases: tuple[LoadCase, ...], source: str) -> tuple[LoadCase, ...]:
     if twice is not None:
         raise BadInput(f"{source}: two cases are called {twice!r}; give each its own name")
     return cases
+
+
+def _take_region(record: Support | Load) -> None:
+    """Store a region given as the place of a record as a patch, so that there is one way a place is written down."""
+    given: Any = record.at  # the annotation is what is stored; msgspec takes no union of tagged and other records
+    if isinstance(given, Region):
+        msgspec.structs.force_setattr(record, "at", Patch.of(given))
 
 
 def _finite(what: str, numbers: Sequence[float]) -> None:

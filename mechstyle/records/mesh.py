@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int32]
+Bools = NDArray[np.bool_]
 Field = NDArray[np.float32]
 """Values at the vertices of a surface, shape [vertex_count] or [vertex_count, 3]."""
 Scalar = TypeVar("Scalar", bound=np.generic)

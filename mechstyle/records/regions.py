@@ -1,6 +1,6 @@
 """Regions of a part that a style must leave alone, as records: a run keeps them, a command line or a notebook writes them.
 
-Which vertices a region holds is worked out in `geometry.regions`.
+Which vertices a region holds is worked out in `geometry.region_selection`.
 """
 
 from __future__ import annotations
@@ -11,6 +11,8 @@ from collections.abc import Callable, Sequence
 import msgspec
 
 from mechstyle.errors import BadInput, unknown
+from mechstyle.records.mesh import Bools, Floats
+from mechstyle.records.places import in_ball, in_box, in_half_space
 
 Point = tuple[float, float, float]
 
@@ -28,7 +30,7 @@ KINDS = {
 """What can be written after `--protect`, by its first word; lengths in mm."""
 
 
-class Kept(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind"):
+class ProtectedRegion(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind"):
     """What all regions have in common.
 
     Attributes:
@@ -48,13 +50,13 @@ class Kept(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     def words(self) -> str:
         """What it is, as it is written after `--protect`."""
         kind = self.__struct_config__.tag
-        own = [getattr(self, name) for name in self.__struct_fields__ if name not in Kept.__struct_fields__]
+        own = [getattr(self, name) for name in self.__struct_fields__ if name not in ProtectedRegion.__struct_fields__]
         numbers = [f"{number:g}" for value in own for number in (value if isinstance(value, tuple) else (value,))]
         ramp, colour = [f"ramp {self.ramp:g}"] if self.ramp else [], ["colour"] if self.colour else []
         return " ".join([str(kind), *numbers, *ramp, *colour])
 
 
-class Vertices(Kept, frozen=True, tag="vertices"):
+class Vertices(ProtectedRegion, frozen=True, tag="vertices"):
     """Vertices of the standardised surface, by number."""
 
     indices: tuple[int, ...]
@@ -66,7 +68,7 @@ class Vertices(Kept, frozen=True, tag="vertices"):
             raise BadInput("a protected list of vertices must hold at least one number, and none below zero")
 
 
-class Box(Kept, frozen=True, tag="box"):
+class Box(ProtectedRegion, frozen=True, tag="box"):
     """All within a box between two corners [mm]."""
 
     low: Point
@@ -79,8 +81,12 @@ class Box(Kept, frozen=True, tag="box"):
         if not all(low < high for low, high in zip(self.low, self.high, strict=True)):
             raise BadInput("a protected box must have a first corner that is lower than the second in x, y and z")
 
+    def contains(self, points: Floats) -> Bools:
+        """Whether points [mm], shape [..., 3], lie in it."""
+        return in_box(points, self.low, self.high)
 
-class Sphere(Kept, frozen=True, tag="sphere"):
+
+class Sphere(ProtectedRegion, frozen=True, tag="sphere"):
     """All within a radius of a centre [mm]."""
 
     centre: Point
@@ -93,8 +99,12 @@ class Sphere(Kept, frozen=True, tag="sphere"):
         if not 0.0 < self.radius < math.inf:
             raise BadInput(f"a protected sphere must have a radius above zero, not {self.radius:g} mm")
 
+    def contains(self, points: Floats) -> Bools:
+        """Whether points [mm], shape [..., 3], lie in it."""
+        return in_ball(points, self.centre, self.radius)
 
-class HalfSpace(Kept, frozen=True, tag="plane"):
+
+class HalfSpace(ProtectedRegion, frozen=True, tag="plane"):
     """All on that side of a plane to which its normal points; the normal need not have length 1."""
 
     point: Point
@@ -107,16 +117,20 @@ class HalfSpace(Kept, frozen=True, tag="plane"):
         if not any(self.normal):
             raise BadInput("a protected half-space needs a normal that is not zero, such as 0 0 1 for all above its point")
 
+    def contains(self, points: Floats) -> Bools:
+        """Whether points [mm], shape [..., 3], lie in it."""
+        return in_half_space(points, self.point, self.normal)
 
-class Inside(Kept, frozen=True, tag="inside"):
+
+class Inside(ProtectedRegion, frozen=True, tag="inside"):
     """The surfaces of hollows that open to the outside: the inside of a cup, the cells of a box."""
 
 
-class Outside(Kept, frozen=True, tag="outside"):
+class Outside(ProtectedRegion, frozen=True, tag="outside"):
     """All that is not inside."""
 
 
-class Segment(Kept, frozen=True, tag="segment"):
+class Segment(ProtectedRegion, frozen=True, tag="segment"):
     """The smooth piece of surface, of one wall thickness, nearest to a point [mm]."""
 
     point: Point
@@ -127,6 +141,8 @@ class Segment(Kept, frozen=True, tag="segment"):
         _check_points(self.point)
 
 
+Shape = Box | Sphere | HalfSpace
+"""Regions that hold points of space, whatever the part."""
 Region = Vertices | Box | Sphere | HalfSpace | Inside | Outside | Segment
 
 
@@ -173,7 +189,7 @@ def _option(words: list[str], name: str, values: int) -> float | None:
 
 def regions(given: str | Region | Sequence[str | Region]) -> tuple[Region, ...]:
     """One region or several, as records or as people write them."""
-    several = [given] if isinstance(given, str | Kept) else list(given)
+    several = [given] if isinstance(given, str | ProtectedRegion) else list(given)
     return tuple(region(one) if isinstance(one, str) else _as_read(one) for one in several)
 
 

@@ -3,10 +3,12 @@
 import re
 
 import msgspec
+import numpy as np
 import pytest
 
 from mechstyle.errors import BadInput
 from mechstyle.records.load_cases import SHAPES, Load, LoadCase, Patch, Support, load_cases, read_loads
+from mechstyle.records.regions import Box, HalfSpace, Inside, Outside, Segment, Sphere, Vertices
 from support import ROOT
 
 HAND = """
@@ -52,6 +54,34 @@ def test_whole_numbers_and_lists_given_in_python_are_the_same_case(file):
         loads=[Load(at=Patch(sphere=[40, 0, 100, 8]), force=[0, 0, -50]), Load(gravity=1)],
     )
     assert msgspec.json.encode(load_cases([loose])) == msgspec.json.encode(read_loads(file(HAND)))
+
+
+@pytest.mark.parametrize(
+    ("region", "written"),
+    [
+        (Sphere((40, 0, 100), 8), "{ sphere = [40, 0, 100, 8] }"),
+        (Sphere(np.array([40.0, 0.0, 100.0]), np.float64(8.0)), "{ sphere = [40, 0, 100, 8] }"),
+        (Box((0, 0, 0), (10, 10, 0.5)), "{ box = [0, 0, 0, 10, 10, 0.5] }"),
+        (HalfSpace((0, 0, 90), (0, 0, 1)), "{ plane = [0, 0, 90, 0, 0, 1] }"),
+    ],
+)
+def test_a_region_is_the_place_of_that_shape_to_the_byte(file, region, written):
+    case = LoadCase(name="hand on the rim", supports=(Support(at=region),), loads=(Load(at=region, pressure=1.0),))
+    text = f"[[case]]\nname = 'hand on the rim'\nsupports = [{{ at = {written} }}]\nloads = [{{ at = {written}, pressure = 1 }}]"
+    assert load_cases(case) == read_loads(file(text))
+    assert msgspec.json.encode(load_cases(case)) == msgspec.json.encode(read_loads(file(text)))
+
+
+@pytest.mark.parametrize("region", [Inside(), Outside(), Segment((1.0, 2.0, 3.0)), Vertices((1, 2))])
+def test_a_region_that_is_no_shape_is_no_place_of_a_load(region):
+    with pytest.raises(BadInput, match=rf"'{region.words}' is no place of a support or a load: write ms\.Sphere"):
+        Support(at=region)
+
+
+@pytest.mark.parametrize("region", [Sphere((0, 0, 0), 1, ramp=2), Sphere((0, 0, 0), 1, colour=True)])
+def test_a_place_of_a_load_does_not_fade_and_has_no_colour(region):
+    with pytest.raises(BadInput, match="no ramp and no colour"):
+        Load(at=region, pressure=1.0)
 
 
 @pytest.mark.parametrize(

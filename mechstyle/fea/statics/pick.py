@@ -4,20 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from mechstyle.errors import BadInput
-from mechstyle.fea.statics.boundary import POINTS, Bools, Boundary
+from mechstyle.fea.statics.boundary import POINTS, Boundary
 from mechstyle.records.load_cases import RESTING_FACE, Patch, Place
-from mechstyle.records.mesh import Floats
+from mechstyle.records.mesh import Bools, Floats, SurfaceMesh
+from mechstyle.records.places import in_ball, on_floor
 
-FLOOR_TOLERANCE = 0.1
-"""Sides whose corners are this close to the lowest point rest on the floor [mm] …"""
-STEEPEST = np.cos(np.radians(5.0))
-"""… if they look down within 5°."""
 TOUCH = 1e-6
 """What lies on the border of a shape belongs to it, within this share of the body's size."""
 
@@ -50,13 +48,14 @@ class Picked:
 def pick(boundary: Boundary, place: Place) -> Picked:
     """The piece of an undeformed boundary at a place; BadInput if there is none."""
     if not isinstance(place, Patch):
-        picked = _of_sides(boundary, _resting(boundary))
+        picked = _of_sides(boundary, on_floor(SurfaceMesh(boundary.mesh.nodes, boundary.sides[:, :3])))
     elif place.facet is not None:
         picked = _of_sides(boundary, _facet(boundary, np.array(place.facet), place.angle))
     elif place.near is not None:
         picked = _near(boundary, np.array(place.near[:3]), place.near[3])
     else:
-        picked = _within(boundary, _shape(place, TOUCH * float(np.ptp(boundary.mesh.nodes, axis=0).max())))
+        touch = TOUCH * float(np.ptp(boundary.mesh.nodes, axis=0).max())
+        picked = _within(boundary, partial(place.contains, margin=touch))
     if not picked.inside.any():
         raise BadInput(_nothing(boundary, place))
     return picked
@@ -73,7 +72,7 @@ def _near(boundary: Boundary, place: Floats, radius: float) -> Picked:
     """What lies around the nearest point, on sides that face the same way as the one there."""
     side, centre = _nearest(boundary, place)
     same = np.asarray(boundary.area_vectors @ boundary.area_vectors[side] > 0.0)
-    whole = _within(boundary, lambda points: np.asarray(np.linalg.norm(points - centre, axis=-1) <= radius))
+    whole = _within(boundary, lambda points: in_ball(points, centre, radius))
     return Picked(whole.inside & same[:, None], whole.nodes & _nodes_of(boundary, same))
 
 
@@ -92,13 +91,6 @@ def _nearest(boundary: Boundary, place: Floats) -> tuple[int, Floats]:
     distance = np.linalg.norm(boundary.points - place, axis=-1)
     side, point = np.unravel_index(int(distance.argmin()), distance.shape)
     return int(side), boundary.points[side, point]
-
-
-def _resting(boundary: Boundary) -> Bools:
-    """Sides that lie flat on the floor."""
-    height = boundary.mesh.nodes[:, 2]
-    low = (height[boundary.sides[:, :3]] < height.min() + FLOOR_TOLERANCE).all(axis=1)
-    return np.asarray(low & (boundary.area_vectors[:, 2] < -STEEPEST * boundary.areas))
 
 
 def _facet(boundary: Boundary, place: Floats, angle: float) -> Bools:
@@ -122,17 +114,3 @@ def _nothing(boundary: Boundary, place: Place) -> str:
     low, high = boundary.mesh.nodes.min(axis=0), boundary.mesh.nodes.max(axis=0)
     span = ", ".join(f"{axis} {a:.1f} to {b:.1f}" for axis, a, b in zip("xyz", low, high, strict=True))
     return f"{place.words} selects no surface: the part spans {span} mm"
-
-
-def _shape(patch: Patch, touch: float) -> Callable[[Floats], Bools]:
-    """Whether points, shape [..., 3], lie in a sphere, a box or on one side of a plane."""
-    if patch.sphere is not None:
-        centre, radius = np.array(patch.sphere[:3]), patch.sphere[3]
-        return lambda points: np.asarray(np.linalg.norm(points - centre, axis=-1) <= radius + touch)
-    if patch.box is not None:
-        low, high = np.array(patch.box[:3]) - touch, np.array(patch.box[3:]) + touch
-        return lambda points: np.asarray(((points >= low) & (points <= high)).all(axis=-1))
-    assert patch.plane is not None, "the other shapes are picked by their sides"
-    origin, towards = np.array(patch.plane[:3]), np.array(patch.plane[3:])
-    towards = towards / np.linalg.norm(towards)
-    return lambda points: np.asarray((points - origin) @ towards >= -touch)

@@ -16,11 +16,11 @@ from scipy.sparse.linalg import splu
 from mechstyle.errors import BadInput, SimulationFailed
 from mechstyle.fea.elasticity import displacement_gradients, stiffness_matrix, trace, von_mises
 from mechstyle.fea.elements import ElementMesh
-from mechstyle.fea.statics.boundary import Bools, Boundary
+from mechstyle.fea.statics.boundary import Boundary
 from mechstyle.fea.statics.pick import Picked
 from mechstyle.records.load_cases import Support
 from mechstyle.records.material import Material
-from mechstyle.records.mesh import Floats
+from mechstyle.records.mesh import Bools, Floats
 
 RIGID = 1e-6
 """A body is held in a rigid motion if it moves the supports by more than this share of the motion."""
