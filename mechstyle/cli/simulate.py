@@ -13,7 +13,7 @@ from mechstyle.cli.run import read_model
 from mechstyle.records.mesh import STANDARD_VERTICES
 
 if TYPE_CHECKING:
-    from mechstyle.simulation.part_test import Dropped
+    from mechstyle.simulation.part_test import PartTest
 
 app = typer.Typer()
 
@@ -46,7 +46,7 @@ def simulate_command(
         _report(dropped, files)
 
 
-def _written(dropped: Dropped, folder: Path, name: str, *, vtu: bool, each: bool) -> dict[str, str]:
+def _written(dropped: PartTest, folder: Path, name: str, *, vtu: bool, each: bool) -> dict[str, str]:
     """Write pictures and, if wanted, the file for ParaView; their paths by what they are. A failed drop has no history."""
     files = {"picture": dropped.show().save(folder / f"{name}-stress.png")}
     if dropped.course is not None:
@@ -56,7 +56,7 @@ def _written(dropped: Dropped, folder: Path, name: str, *, vtu: bool, each: bool
     return {what: str(path) for what, path in files.items()}
 
 
-def _figures(dropped: Dropped, files: dict[str, str]) -> dict[str, Any]:
+def _figures(dropped: PartTest, files: dict[str, str]) -> dict[str, Any]:
     """All that was measured, for programs."""
     from mechstyle.simulation.drop_history import history_figures  # noqa: PLC0415 — as above
 
@@ -81,7 +81,7 @@ def _figures(dropped: Dropped, files: dict[str, str]) -> dict[str, Any]:
     }
 
 
-def _report(dropped: Dropped, files: dict[str, str]) -> None:
+def _report(dropped: PartTest, files: dict[str, str]) -> None:
     """Print what a drop test found, for people."""
     strength, simulation = dropped.strength, dropped.simulation
     rows = table("", "")
@@ -107,7 +107,7 @@ def _report(dropped: Dropped, files: dict[str, str]) -> None:
         err.print(f"[yellow]warning:[/] {escape(dropped.warning)}")
 
 
-def _orientation_rows(dropped: Dropped) -> list[tuple[str, str]]:
+def _orientation_rows(dropped: PartTest) -> list[tuple[str, str]]:
     """What the drops in other orientations found."""
     overall = dropped.simulation.overall
     if overall is None or dropped.failure_probability is None:
@@ -122,7 +122,7 @@ def _orientation_rows(dropped: Dropped) -> list[tuple[str, str]]:
     ]
 
 
-def _course_rows(dropped: Dropped) -> list[tuple[str, str]]:
+def _course_rows(dropped: PartTest) -> list[tuple[str, str]]:
     """When the drop as placed did what."""
     course = dropped.course
     if course is None:

@@ -90,14 +90,14 @@ class Bounds:
         thickness: Local wall thickness [mm], shape [vertex_count].
         inward: Largest displacement into the material [mm], shape [vertex_count].
         outward: Largest displacement out of it [mm], shape [vertex_count].
-        protection: Factor on the relief, 0 on the resting face and in protected regions, 1 away from them, shape [vertex_count].
+        freedom: Factor on the relief, 0 on the resting face and in protected regions, 1 away from them, shape [vertex_count].
         uncoloured: Whether a vertex keeps its colour, shape [vertex_count, 1]; False for none.
     """
 
     thickness: Field
     inward: Field
     outward: Field
-    protection: Field
+    freedom: Field
     uncoloured: NDArray[np.bool_] | bool = False
 
 
@@ -163,7 +163,7 @@ class Engine:
             recipe=self.recipe.digest,
             displacement=nothing,
             colour=start.colour.astype(np.float16),
-            mask=self._mask(demand, self.bounds.protection),
+            mask=self._mask(demand, self.bounds.freedom),
             share=np.ones(count, np.float32),
             anchor=nothing,
             stress=base.stress,
@@ -182,7 +182,7 @@ class Engine:
             return state
         base = self.simulator.baseline.stress
         demand = control.demand(state.stress, base, self.recipe.material, self.recipe.normalisation)
-        return replace(state, demand=demand, mask=self._mask(demand, self.bounds.protection))
+        return replace(state, demand=demand, mask=self._mask(demand, self.bounds.freedom))
 
     def _wind_stylizer(self, state: Checkpoint) -> Proposal:
         """Bring the stylizer to where it was after `state`: from the nearest keyframe, or afresh where another style ended."""
@@ -251,7 +251,7 @@ class Engine:
     def _restrained(self, state: Checkpoint, simulation: Simulation, *, retract: bool) -> Checkpoint:
         base = self.simulator.baseline.stress
         demand = control.demand(simulation.stress, base, self.recipe.material, self.recipe.normalisation)
-        mask = self._mask(demand, state.mask if self.recipe.memory else self.bounds.protection)
+        mask = self._mask(demand, state.mask if self.recipe.memory else self.bounds.freedom)
         state = replace(state, stress=simulation.stress, demand=demand, mask=mask)
         if not retract:
             return state
@@ -260,9 +260,9 @@ class Engine:
         return replace(state, displacement=state.displacement * left, share=state.share * left)
 
     def _mask(self, demand: Field, ceiling: Field) -> Field:
-        """The control's mask under a ceiling: the protection of the resting face, or with memory the mask so far."""
+        """The control's mask under a ceiling: the freedom that protection leaves, or with memory the mask so far."""
         allowed = control.mask(demand, self.recipe.control, self.recipe.threshold)
-        return np.minimum(allowed * self.bounds.protection, ceiling)
+        return np.minimum(allowed * self.bounds.freedom, ceiling)
 
     # the end
 

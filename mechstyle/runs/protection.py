@@ -18,7 +18,7 @@ from mechstyle.simulation.part import Stage, say_nothing, standardised
 
 
 @dataclass(frozen=True, eq=False)
-class Protected:
+class ProtectedPart:
     """A part and what its protected regions leave to the style.
 
     Attributes:
@@ -57,7 +57,7 @@ def protect(
     *,
     vertices: int = STANDARD_VERTICES,
     stage: Stage = say_nothing,
-) -> Protected:
+) -> ProtectedPart:
     """See what regions hold before a run is begun: `ms.protect(part, ["inside", ms.Box((0, 0, 0), (9, 9, 9), ramp=2)]).show()`.
 
     The resting face is protected besides, unless a run is told otherwise; it is not shown here.
@@ -75,4 +75,4 @@ def protect(
     stage("standardising the surface")
     surface = standardised(mesh, vertices)
     stage("finding the regions")
-    return Protected(surface, protection(chosen, surface, local_thickness(surface)))
+    return ProtectedPart(surface, protection(chosen, surface, local_thickness(surface)))

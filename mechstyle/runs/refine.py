@@ -132,7 +132,7 @@ class _Twin:
     def _take_up(self, recipe: Recipe, before: Checkpoint) -> None:
         """Begin with the style of a recipe, from the surface another one has left if there was one."""
         self._bounds, _ = bounds_for(self.part, recipe)
-        spread = [self._spread(getattr(self._bounds, name)) for name in ("thickness", "inward", "outward", "protection")]
+        spread = [self._spread(getattr(self._bounds, name)) for name in ("thickness", "inward", "outward", "freedom")]
         self._fine_bounds = Bounds(spread[0], spread[1], spread[2], spread[3])
         if _learnt(recipe):
             return

@@ -150,7 +150,7 @@ class Run:
         state = self.checkpoint(iteration)
         recipe = self.store.recipe(state.recipe)
         *panels, restraint = checkpoint_panels(self.part.surface, state, recipe, self._measured_at(iteration))
-        protected = bounds_for(self.part, recipe)[0].protection == 0.0
+        protected = bounds_for(self.part, recipe)[0].freedom == 0.0
         return picture([*panels, with_protected(restraint, protected)], title=f"{self.record.name}, iteration {state.iteration}")
 
     def _repr_mimebundle_(self, **_: Any) -> dict[str, str]:

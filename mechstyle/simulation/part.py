@@ -83,8 +83,8 @@ class Workpiece:
         height = self.surface.vertices[:, 2] - self.surface.vertices[:, 2].min()
         return np.where(height < CONTACT_REACH, np.minimum(CONTACT_RELIEF, self.thickness), self.thickness).astype(np.float32)
 
-    def protection(self) -> NDArray[np.float32]:
-        """0 up to 1 mm above the resting face, rising to 1 at a quarter of the height, 2 to 5 mm; 1 everywhere for a part without one."""
+    def freedom(self) -> NDArray[np.float32]:
+        """Factor on relief: 0 up to 1 mm above the resting face, rising to 1 at a quarter of the height, 2 to 5 mm; 1 all over without one."""
         quarter = 0.25 * float(self.surface.extents[2])
         return resting_weight(self.surface, high=min(max(quarter, 2.0), 5.0)).astype(np.float32)
 
@@ -140,7 +140,7 @@ def fitted(recipe: Recipe, part: Workpiece) -> Recipe:
 
 def bounds_for(part: Workpiece, recipe: Recipe) -> tuple[Bounds, tuple[str, ...]]:
     """How far the style of a recipe may go on a part, and what its user should know about what is protected."""
-    resting = part.protection() if recipe.protect_resting_face else np.ones_like(part.thickness)
-    kept = protection(recipe.protect, part.surface, part.thickness)
-    bounds = Bounds(part.thickness, part.inward(), part.outward(), np.minimum(resting, kept.freedom), kept.uncoloured[:, None])
-    return bounds, kept.notes
+    resting = part.freedom() if recipe.protect_resting_face else np.ones_like(part.thickness)
+    protected = protection(recipe.protect, part.surface, part.thickness)
+    bounds = Bounds(part.thickness, part.inward(), part.outward(), np.minimum(resting, protected.freedom), protected.uncoloured[:, None])
+    return bounds, protected.notes

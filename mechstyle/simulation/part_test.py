@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Dropped:
+class PartTest:
     """A part and what its drop test said.
 
     Attributes:
@@ -115,7 +115,7 @@ class Dropped:
         return history_picture(self.history, self.impact, self.course, self.verdict.as_placed.limit)
 
     def save_vtu(self, path: str | Path, *, each_orientation: bool = False) -> Path:
-        """Write displacement, stress and contact in the body for ParaView; `traces.vtu_bytes` lists the fields.
+        """Write displacement, stress and contact in the body for ParaView; `drop_history.vtu_bytes` lists the fields.
 
         Args:
             path: A file that ends in .vtu.
@@ -147,7 +147,7 @@ def simulate(
     device: str = "auto",
     stage: Stage = say_nothing,
     progress: Progress = no_progress,
-) -> Dropped:
+) -> PartTest:
     """Drop a part as it is.
 
     Args:
@@ -182,7 +182,7 @@ def simulate(
     impact = None if detail.drop.failure else impact_of(part, recipe, unstyled, memo, progress)
     thin = wall_warnings(part.surface, part.thickness, unstyled, minimum_wall)
     warning = " ".join(filter(None, (input_warning(simulation, chosen), *(f"{sentence}." for sentence in thin))))
-    return Dropped(part, recipe, simulation, judge_alone(simulation, chosen, criterion), warning, tets, detail, impact)
+    return PartTest(part, recipe, simulation, judge_alone(simulation, chosen, criterion), warning, tets, detail, impact)
 
 
 def judge_alone(simulation: Simulation, material: Material, criterion: str) -> Verdict:

@@ -82,9 +82,9 @@ def test_no_wall_is_cut_below_the_minimum_unless_nothing_restrains(bench, tmp_pa
 
 
 def test_masked_vertices_do_not_move_but_their_colours_do(bench):
-    protection = np.ones(64, np.float32)
-    protection[:20] = 0.0
-    bench.protection = protection
+    freedom = np.ones(64, np.float32)
+    freedom[:20] = 0.0
+    bench.freedom = freedom
     saved = states(bench.engine(bench.recipe()).run())
     assert not any(state.displacement[:20].any() for state in saved)
     assert np.all(saved[40].displacement[20:] > 0)

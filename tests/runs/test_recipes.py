@@ -301,15 +301,15 @@ def test_regions_in_words_and_as_records_are_one_recipe(part):
 def test_protected_vertices_are_free_in_nothing_and_the_user_is_told(ball):
     bounds, notes = bounds_for(ball, plan(ball, "brick", protect="above 5 ramp 4 colour"))
     height = ball.surface.vertices[:, 2]
-    assert np.array_equal(bounds.protection == 0.0, height >= 5)
+    assert np.array_equal(bounds.freedom == 0.0, height >= 5)
     assert np.array_equal(bounds.uncoloured[:, 0], height >= 5)
-    assert np.all(bounds.protection[height < -1] == 1.0)
+    assert np.all(bounds.freedom[height < -1] == 1.0)
     assert notes == ("protected: plane 0 0 5 0 0 1 ramp 4 colour, 25% of the surface",)
 
 
 def test_without_feedback_what_the_user_protects_is_protected_still(ball):
     bounds, _ = bounds_for(ball, plan(ball, "brick", freestyle=True, protect="above 5"))
-    assert np.any(bounds.protection == 0.0)
+    assert np.any(bounds.freedom == 0.0)
 
 
 # --- guidance and field -------------------------------------------------------------------------------------------
@@ -394,13 +394,13 @@ def test_every_pair_of_guidance_and_field_has_a_stylizer_within_the_bounds(ball,
 
 def test_a_network_never_moves_what_is_protected_and_draws_no_ramp_twice(ball, weights):
     recipe = plan(ball, "stone", guidance="clip", field="vertex", protect=["below 0 ramp 4"])
-    protection = bounds_for(ball, recipe)[0].protection
-    assert np.any((protection > 0.0) & (protection < 1.0))
+    freedom = bounds_for(ball, recipe)[0].freedom
+    assert np.any((freedom > 0.0) & (freedom < 1.0))
     stylizer, _ = stylizer_for(ball, recipe)
     for _ in range(2):
         found = stylizer.step()
-    assert np.array_equal(stylizer._shape.mask.numpy(), protection > 0.0)
-    assert not found.displacement[protection == 0.0].any()
+    assert np.array_equal(stylizer._shape.mask.numpy(), freedom > 0.0)
+    assert not found.displacement[freedom == 0.0].any()
 
 
 @pytest.mark.parametrize(("poses", "drops"), POSES.items())

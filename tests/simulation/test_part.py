@@ -58,8 +58,8 @@ def test_the_resting_face_is_protected_and_the_top_is_not(ready):
     part = ready[0]
     height = part.surface.vertices[:, 2]
     assert part.stands
-    assert np.all(part.protection()[height < 0.9] == 0.0)
-    assert np.all(part.protection()[height > 5.1] == 1.0)
+    assert np.all(part.freedom()[height < 0.9] == 0.0)
+    assert np.all(part.freedom()[height > 5.1] == 1.0)
 
 
 def test_a_ball_stands_on_nothing_and_says_so(tmp_path, monkeypatch):
@@ -67,7 +67,7 @@ def test_a_ball_stands_on_nothing_and_says_so(tmp_path, monkeypatch):
     ball = trimesh.creation.icosphere(subdivisions=3, radius=15.0)
     part = prepare(SurfaceMesh(ball.vertices, ball.faces), vertices=1500)
     assert not part.stands
-    assert np.all(part.protection() == 1.0)
+    assert np.all(part.freedom() == 1.0)
     assert "no flat face" in part.notes[0]
 
 

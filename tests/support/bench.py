@@ -115,7 +115,7 @@ class Bench:
     height: float = 1.0
     gain: float = 50.0
     broken_above: float = np.inf
-    protection: np.ndarray | None = None
+    freedom: np.ndarray | None = None
 
     @property
     def surface(self) -> SurfaceMesh:
@@ -133,7 +133,7 @@ class Bench:
         if lane not in store.lanes():
             store.move(lane, Lane(recipe=digest))
         thick = np.full(count, 4.0, np.float32)
-        protection = np.ones(count, np.float32) if self.protection is None else self.protection
-        bounds = Bounds(thickness=thick, inward=np.float32(0.25) * thick, outward=thick, protection=protection)
+        freedom = np.ones(count, np.float32) if self.freedom is None else self.freedom
+        bounds = Bounds(thickness=thick, inward=np.float32(0.25) * thick, outward=thick, freedom=freedom)
         simulator = LeverSimulator(count, recipe, self.gain, self.broken_above)
         return Engine(recipe, surface, bounds, BumpStylizer(count, self.height), simulator, store, lane)

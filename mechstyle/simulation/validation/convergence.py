@@ -80,7 +80,7 @@ def _styled() -> Styled:
     aim = target(
         part.surface, read("brick"), seed=0, amplitude=0.15, thickness=part.thickness, inward=part.inward(), outward=part.outward()
     )  # fmt: skip
-    relief = (aim.displacement * part.protection()).astype(np.float32)
+    relief = (aim.displacement * part.freedom()).astype(np.float32)
     return Styled(part.surface.displaced(relief), Morph(part.surface, part.tets).morphed(relief).tets)
 
 

@@ -28,7 +28,7 @@ def towards_target(surface: SurfaceMesh, bounds: Bounds, recipe: Recipe, target:
     """The field of a recipe, descending to a drawn target."""
     where = torch_device(device)
     reach = np.full(len(surface.vertices), TARGET_ROOM * float(np.abs(target.displacement).max(initial=0.0)))
-    shape = UnitShape.of(surface, reach, reach, bounds.protection > 0.0, where)
+    shape = UnitShape.of(surface, reach, reach, bounds.freedom > 0.0, where)
     return _stylizer(recipe, shape, TargetGuidance(target, surface.vertex_areas, recipe.prompt, device=where))
 
 
@@ -46,7 +46,7 @@ def towards_prompt(surface: SurfaceMesh, bounds: Bounds, recipe: Recipe, weights
     clip = Clip.load(weights, where)
     height = recipe.amplitude * gradual_thickness(Operators(surface), bounds.thickness.astype(np.float64))
     # Frozen vertices alone are in the field's own mask: the engine applies the ramps around them, and once is enough.
-    free = bounds.protection > 0.0
+    free = bounds.freedom > 0.0
     shape = UnitShape.of(surface, np.minimum(height, bounds.inward), np.minimum(height, bounds.outward), free, where)
     render = Renderer(torch.tensor(surface.faces), clip.picture_size, device=where)
     return _stylizer(recipe, shape, ClipGuidance(clip, recipe.prompt, render, crops=recipe.crops, device=where))

@@ -126,7 +126,7 @@ def mask_of(stress: Field, baseline: Field, recipe: Recipe) -> Field:
 
 def _freedom(run: Run, recipe: Recipe) -> Field:
     """Factor on all movement that protected regions leave, shape [vertex_count]."""
-    return bounds_for(run.part, recipe)[0].protection
+    return bounds_for(run.part, recipe)[0].freedom
 
 
 def summary(now: Field, then: Field) -> str:
