@@ -84,7 +84,7 @@ class Workpiece:
         return np.where(height < CONTACT_REACH, np.minimum(CONTACT_RELIEF, self.thickness), self.thickness).astype(np.float32)
 
     def freedom(self) -> NDArray[np.float32]:
-        """Factor on relief: 0 up to 1 mm above the resting face, rising to 1 at a quarter of the height, 2 to 5 mm; 1 all over without one."""
+        """Factor on relief: 0 up to 1 mm above the resting face, rising to 1 at a quarter of the height, 2 to 5 mm; 1 if there is none."""
         quarter = 0.25 * float(self.surface.extents[2])
         return resting_weight(self.surface, high=min(max(quarter, 2.0), 5.0)).astype(np.float32)
 

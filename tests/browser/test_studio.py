@@ -44,7 +44,7 @@ def test_a_click_paints_and_the_same_click_takes_it_away(studio):
     studio.until("len(studio.regions_picker.protect)", 1)
     studio.changed(studio.canvas(), before, 0.005)
     studio.canvas().click()
-    studio.until("(len(studio.regions_picker.protect), bool(studio._viewer.kept.any()))", "(0, False)")
+    studio.until("(len(studio.regions_picker.protect), bool(studio._viewer.protected.any()))", "(0, False)")
     studio.python("studio.regions_picker.paint = False")
 
 

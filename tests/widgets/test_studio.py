@@ -96,23 +96,23 @@ def test_what_is_painted_is_hatched_at_once_and_reaches_the_recipe():
     studio.regions_picker.radius = 4.0
     viewer._clicks(place)
     assert studio.regions_picker.place == place
-    assert not viewer.kept.any()  # the switch is off
+    assert not viewer.protected.any()  # the switch is off
     studio.regions_picker.paint = True
     viewer._clicks(place)
     near = np.linalg.norm(viewer.subject.mesh.vertices - place, axis=1)
-    assert viewer.kept[near < 3.9].all()
-    assert not viewer.kept[near > 4.1].any()
+    assert viewer.protected[near < 3.9].all()
+    assert not viewer.protected[near > 4.1].any()
     assert studio.wanted().recipe.protect[0].radius == 4.0
     viewer._clicks(place)
     assert studio.wanted().recipe.protect == ()
-    assert not viewer.kept.any()
+    assert not viewer.protected.any()
 
 
 def test_a_place_off_the_part_is_said():
     studio = Studio("gallery:wall_hook")
     studio.regions_picker.protect = ["sphere 900 0 0 1"]
     assert "holds nothing of this part" in studio.regions_picker.trouble
-    assert studio._viewer.kept is None
+    assert studio._viewer.protected is None
 
 
 def test_an_empty_prompt_is_said_and_nothing_begins():

@@ -174,7 +174,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
 
     def _row(self) -> ipywidgets.HBox:
         """The columns: three where there is room, else mask and branches share the left one with the settings."""
-        titles = ("Part", "Style", "Material", "Restraint", "Schedule", "Leave alone", "Drop test")
+        titles = ("Part", "Style", "Material", "Restraint", "Schedule", "Protected", "Drop test")
         fill = {"flex": "1 1 auto", "min_height": "0", "overflow": "auto"}
         self._accordion = ipywidgets.Accordion([self.part_picker, *self._sections], titles=titles, selected_index=1, layout=fill)
         inspectors = {"Mask": self.mask_inspector, "Branches": self.branches}
@@ -250,14 +250,14 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         return int(str(self._middle.layout.width).removesuffix("px"))
 
     def _hatch(self, _change: object = None) -> None:
-        """Show on the part what is painted or written as a place to leave alone."""
+        """Show on the part what is painted or written as a protected region."""
         viewer, picker = self._viewer, self.regions_picker
         if viewer is None:
             return
         try:
-            viewer.kept = covered(picker.protect, viewer.at_rest)
+            viewer.protected = covered(picker.protect, viewer.at_rest)
         except BadInput as error:
-            viewer.kept = None
+            viewer.protected = None
             picker.complain(str(error))
 
     @traitlets.observe("theme")

@@ -21,9 +21,9 @@ def empty_cache(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize(("kind", "name"), [("model", "wall_hook"), ("style", "brick")])
 def test_a_picture_shows_something_and_is_kept(empty_cache, kind, name):
-    assert thumbnails.kept(kind, name) is None
+    assert thumbnails.cached(kind, name) is None
     png = thumbnails.draw(kind, name)
-    assert thumbnails.kept(kind, name) == png
+    assert thumbnails.cached(kind, name) == png
     pixels = imread(io.BytesIO(png))[..., :3]
     assert pixels.std() > 0.05
 
@@ -62,7 +62,7 @@ def test_the_chosen_one_is_marked():
 def test_what_is_said_comes_in_order_and_then_it_ends(empty_cache):
     said = list(Aside(thumbnails._draw_all, "style", ["wood", "brick"]).said())
     assert [name for name, _ in said] == ["wood", "brick"]
-    assert said[1][1] == thumbnails.kept("style", "brick")
+    assert said[1][1] == thumbnails.cached("style", "brick")
 
 
 def test_giving_up_ends_the_other_process(sphere):

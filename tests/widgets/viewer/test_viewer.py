@@ -198,16 +198,16 @@ def test_every_click_is_told_with_its_place_be_it_the_same_again(sphere):
     assert np.allclose(told, place, atol=1e-9)
 
 
-def test_what_is_left_alone_is_hatched_and_told(sphere):
+def test_what_is_protected_is_hatched_and_told(sphere):
     viewer = Viewer(sphere)
-    assert "left alone" not in viewer._legend.value
-    viewer.kept = sphere.vertices[:, 2] > 0
-    assert np.array_equal(scene(viewer)._kept.array, viewer.kept)
-    assert "left alone by the style: 4" in viewer._legend.value  # nearly one half: the equator is not
-    viewer.kept = None
-    assert not scene(viewer)._kept.array.any()
+    assert "protected" not in viewer._legend.value
+    viewer.protected = sphere.vertices[:, 2] > 0
+    assert np.array_equal(scene(viewer)._protected.array, viewer.protected)
+    assert "protected: 4" in viewer._legend.value  # nearly one half: the equator is not
+    viewer.protected = None
+    assert not scene(viewer)._protected.array.any()
     with pytest.raises(BadInput, match="has shape"):
-        viewer.kept = np.zeros(3, bool)
+        viewer.protected = np.zeros(3, bool)
 
 
 def test_an_unknown_vertex_is_refused(sphere):

@@ -1,4 +1,4 @@
-"""Painting what the style must leave alone: balls set down on the part by clicks, and shown on it at once."""
+"""Painting what is protected from the style: balls set down on the part by clicks, and shown on it at once."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def dabbed(regions: Sequence[Region], place: Point, radius: float) -> tuple[Regi
     """The regions with one more ball, or without the one that was clicked on once more.
 
     Args:
-        regions: What is left alone already.
+        regions: What is protected already.
         place: Where was clicked [mm].
         radius: Radius of the ball [mm].
     """

@@ -1,4 +1,4 @@
-"""What the style must leave alone: the resting face, the inside, and regions written or clicked."""
+"""What is protected from the style: the resting face, the inside, and regions written or clicked."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class RegionsPicker(Section):
     Attributes:
         protect_resting_face: Whether the relief fades out towards the face the part rests on.
         protect: The regions, as records.
-        paint: Whether a click on the part leaves a ball around it alone, or no longer does where there is one.
+        paint: Whether a click on the part protects a ball around it, or no longer does where there is one.
         radius: Radius of that ball [mm].
         place: A point on the part that was clicked [mm], None for none; it can be protected with the smooth piece around it.
     """
@@ -63,7 +63,7 @@ class RegionsPicker(Section):
         """The switch and the radius, in one line."""
         switch = ipywidgets.ToggleButton(
             description="paint", icon="paint-brush", layout={"width": "80px"},
-            tooltip="Click on the part to leave a ball around the place alone; click in its middle to take it away",
+            tooltip="Click on the part to protect a ball around the place; click in its middle to take it away",
         )  # fmt: skip
         look = {"style": {"description_width": "88px"}, "layout": {"width": "168px"}}
         radius = ipywidgets.BoundedFloatText(description="radius [mm]", min=0.1, max=1e3, step=0.5, **look)
@@ -81,7 +81,7 @@ class RegionsPicker(Section):
         words = [one.words for one in self.protect]
         self._inside.value = "inside" in words
         self._lines.value = "\n".join(line for line in words if line != "inside")
-        self.note(textwrap.shorten("the style leaves alone: " + "; ".join(words), 160, placeholder=" …") if words else "")
+        self.note(textwrap.shorten("protected: " + "; ".join(words), 160, placeholder=" …") if words else "")
         self.complain("")
 
     @traitlets.observe("place")

@@ -34,7 +34,7 @@ class PictureChoice(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no
             names: What can be chosen, with a sentence about each.
             height: Of the whole, which scrolls [pixels].
         """
-        self._kind, self._pictures = kind, {name: thumbnails.kept(kind, name) for name in names}
+        self._kind, self._pictures = kind, {name: thumbnails.cached(kind, name) for name in names}
         self._sheet = ipywidgets.HTML(layout={"display": "none"})
         self._buttons = {name: self._button(name, words) for name, words in names.items()}
         flow = {"display": "flex", "flex_flow": "row wrap", "overflow": "auto", "max_height": f"{height}px", "width": "auto"}

@@ -41,7 +41,7 @@ def style_picture(name: str) -> bytes:
 DRAWN = {"model": model_picture, "style": style_picture}
 
 
-def kept(kind: str, name: str) -> bytes | None:
+def cached(kind: str, name: str) -> bytes | None:
     """The picture if it has been drawn before, else None."""
     path = _place(kind, name)
     return path.read_bytes() if path.is_file() else None
@@ -49,7 +49,7 @@ def kept(kind: str, name: str) -> bytes | None:
 
 def draw(kind: str, name: str) -> bytes:
     """The picture, drawn if need be."""
-    known = kept(kind, name)
+    known = cached(kind, name)
     if known is None:
         known = DRAWN[kind](name)
         write_whole(_place(kind, name), known)
@@ -62,7 +62,7 @@ def draw_aside(kind: str, names: Iterable[str], arrived: Callable[[str, bytes], 
     Returns:
         The work, to be stopped by whoever no longer waits; None if nothing is missing.
     """
-    missing = [name for name in names if kept(kind, name) is None]
+    missing = [name for name in names if cached(kind, name) is None]
     if not missing:
         return None
     work = Aside(_draw_all, kind, missing)

@@ -39,19 +39,19 @@ def scale_bar(pixels_per_mm: float, cell: float) -> str:
     return _block(f'{bar}<div>{length:g} mm</div><div style="color:{FAINT}">floor grid {cell:g} mm</div>')
 
 
-def left_alone(kept: NDArray[np.bool_], mesh: SurfaceMesh) -> str:
+def protected(vertices: NDArray[np.bool_], mesh: SurfaceMesh) -> str:
     """HTML of what the grey hatch means and how much of the surface it covers; "" where it covers nothing.
 
     Args:
-        kept: Whether each vertex is left alone, shape [vertex_count].
+        vertices: Whether each vertex is protected, shape [vertex_count].
         mesh: The surface.
     """
-    if not kept.any():
+    if not vertices.any():
         return ""
-    share = mesh.vertex_areas[kept].sum() / mesh.vertex_areas.sum()
+    share = mesh.vertex_areas[vertices].sum() / mesh.vertex_areas.sum()
     grey = f"repeating-linear-gradient(45deg,{_css(ABSENT)} 0 2px,transparent 2px 5px)"
     box = f"display:inline-block;width:24px;height:10px;margin-right:8px;border:1px solid {_css(ABSENT)};background:{grey}"
-    return _block(f'<span style="{box}"></span>left alone by the style: {share:.1%} of the surface')
+    return _block(f'<span style="{box}"></span>protected: {share:.1%} of the surface')
 
 
 def titles(*names: str) -> str:

@@ -49,7 +49,7 @@ class Scene:
         """Build it whole around a part, with `centre` [mm] at the origin, about which the controls orbit."""
         self._vertices, self._normals = _attribute(mesh.vertices), _attribute(mesh.vertex_normals)
         self._colours, self._places = _attribute(_own_colours(mesh)), _attribute(np.full(len(mesh.vertices), PLAIN))
-        self._kept = _attribute(np.zeros(len(mesh.vertices)))
+        self._protected = _attribute(np.zeros(len(mesh.vertices)))
         self._spots, self._kinds = _attribute(np.zeros((3, 3))), _attribute(np.full(3, HIDDEN))
         self._geometry = pythreejs.BufferGeometry(
             attributes={
@@ -57,7 +57,7 @@ class Scene:
                 "normal": self._normals,
                 "colour": self._colours,
                 "place": self._places,
-                "kept": self._kept,
+                "is_protected": self._protected,
                 "index": pythreejs.BufferAttribute(mesh.faces.ravel().astype(np.uint32), normalized=False),
             }
         )
@@ -77,9 +77,9 @@ class Scene:
         count = len(self._places.array)
         self._places.array = np.full(count, PLAIN, np.float32) if layer is None else paint(layer.values, layer.scale)
 
-    def hatch(self, kept: NDArray[np.bool_] | None) -> None:
-        """Hatch what the style leaves alone, shape [vertex_count]; None for nothing."""
-        self._kept.array = np.zeros(len(self._kept.array), np.float32) if kept is None else _single(kept)
+    def hatch(self, protected: NDArray[np.bool_] | None) -> None:
+        """Hatch what is protected, shape [vertex_count]; None for nothing."""
+        self._protected.array = np.zeros(len(self._protected.array), np.float32) if protected is None else _single(protected)
 
     def mark(self, extremes: tuple[int, int] | None, picked: int | None) -> None:
         """Put the markers on the vertices of the greatest and least value and on the picked one; None takes one away."""

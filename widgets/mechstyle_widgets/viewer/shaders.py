@@ -38,15 +38,15 @@ def _vec(values: tuple[float, ...]) -> str:
 PART_VERTEX = """
 attribute vec3 colour;
 attribute float place;
-attribute float kept;
+attribute float is_protected;
 varying vec3 v_colour;
 varying vec3 v_normal;
 varying float v_place;
-varying float v_kept;
+varying float v_protected;
 void main() {
     v_colour = colour;
     v_place = place;
-    v_kept = kept;
+    v_protected = is_protected;
     v_normal = normalMatrix * normal;
     gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
 }
@@ -57,7 +57,7 @@ uniform sampler2D ramp;
 varying vec3 v_colour;
 varying vec3 v_normal;
 varying float v_place;
-varying float v_kept;
+varying float v_protected;
 
 vec3 to_light(vec3 c) {{ return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c)); }}
 vec3 to_display(vec3 c) {{ return mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c)); }}
@@ -82,9 +82,9 @@ vec3 field() {{
     return texture2D(ramp, vec2((clamp(v_place, 0.0, 1.0) * {STEPS - 1}.0 + 0.5) / {STEPS}.0, 0.5)).rgb;
 }}
 
-bool hatched() {{  // what is left alone: grey stripes that lean the other way than those above a limit, and an outline
-    if (abs(v_kept - 0.5) < 0.8 * fwidth(v_kept)) return true;
-    return v_kept > 0.5 && mod(gl_FragCoord.x - gl_FragCoord.y, 8.0) < 3.0;
+bool hatched() {{  // what is protected: grey stripes that lean the other way than those above a limit, and an outline
+    if (abs(v_protected - 0.5) < 0.8 * fwidth(v_protected)) return true;
+    return v_protected > 0.5 && mod(gl_FragCoord.x - gl_FragCoord.y, 8.0) < 3.0;
 }}
 
 void main() {{

@@ -44,7 +44,7 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         names: What the two are called where they stand side by side.
         markers: Whether the greatest (ring) and the least value (triangle) are marked.
         probed: The vertex asked about, None for none.
-        kept: Whether the style leaves each vertex alone, which is hatched, shape [vertex_count]; None for nothing.
+        protected: Whether the style must leave each vertex as it is, which is hatched, shape [vertex_count]; None for nothing.
         theme: `light` or `dark`.
     """
 
@@ -55,7 +55,7 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     names = traitlets.Tuple(traitlets.Unicode(), traitlets.Unicode(), default_value=("styled", "original"))
     markers = traitlets.Bool(True)
     probed = traitlets.Int(None, allow_none=True)
-    kept = traitlets.Instance(np.ndarray, None, allow_none=True)
+    protected = traitlets.Instance(np.ndarray, None, allow_none=True)
     theme = traitlets.Enum(tuple(BACKGROUNDS), "light")
     _built = False  # a viewer that was refused is closed too, by the garbage collector
 
@@ -105,7 +105,7 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._refresh = Paced(self._draw)
         self.layer = layers[0].name if layers else STYLE
         self._orbit.observe(self._measure)
-        self.observe(lambda _: self._refresh(), ("subject", "original", "layer", "markers", "probed", "beside", "names", "kept"))
+        self.observe(lambda _: self._refresh(), ("subject", "original", "layer", "markers", "probed", "beside", "names", "protected"))
         self._built = True
         self._draw()
 
@@ -136,7 +136,7 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._clicks.register_callback(call)
 
     def picture(self) -> Picture:
-        """What is shown but for what is hatched as left alone, drawn by the computer the kernel runs on: `.save(path)` writes the PNG."""
+        """What is shown but for what is hatched as protected, drawn by the computer the kernel runs on: `.save(path)` writes the PNG."""
         shown = [(self.subject, self.names[0]), (self.original, self.names[1])] if self.beside else [(self.subject, "")]
         panels = [self._panel(subject, title) for subject, title in shown if subject is not None]
         return picture(panels)
@@ -174,11 +174,11 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             raise BadInput(f"there is no vertex {proposal['value']}: the part has {count}, counted from 0")
         return proposal["value"]
 
-    @traitlets.validate("kept")
+    @traitlets.validate("protected")
     def _one_for_each(self, proposal: dict[str, Any]) -> NDArray[np.bool_] | None:
         given, count = proposal["value"], len(self.subject.mesh.vertices)
         if given is not None and given.shape != (count,):
-            raise BadInput(f"what is left alone has shape {given.shape}, but the part has {count} vertices: give one value for each")
+            raise BadInput(f"what is protected has shape {given.shape}, but the part has {count} vertices: give one value for each")
         return None if given is None else given.astype(bool)
 
     @traitlets.observe("subject")
@@ -211,9 +211,9 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             for scene, subject in zip(self._scenes, (self.subject, self.original), strict=False):
                 if subject is not None:
                     _fill(scene, subject, self.layer, self.probed, markers=self.markers)
-            self._scenes[0].hatch(self.kept)
+            self._scenes[0].hatch(self.protected)
         mesh = self.subject.mesh
-        key = "" if self.kept is None else legend.left_alone(self.kept, mesh)
+        key = "" if self.protected is None else legend.protected(self.protected, mesh)
         self._legend.value = (legend.colour_bar(layer, mesh) if layer else "") + key
         self._table.value = "" if self.probed is None else probe.table(self.subject, self.probed)
         self._measure()
