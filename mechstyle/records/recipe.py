@@ -81,7 +81,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         memory: Whether a vertex once restrained stays so (running minimum of the mask).
         retraction: Whether the relief shrinks by half where stress exceeds 0.9 of the allowable.
         protect_resting_face: Whether the relief fades out towards the face the part rests on.
-        protect: Regions the style leaves alone.
+        protect: Regions protected from the style.
         minimum_wall: The thinnest wall the style may leave [mm]; 0 for no rule.
         loads: Load cases the part must carry besides the drop.
         schedule: When to simulate, one of SCHEDULES.

@@ -27,7 +27,7 @@ class Application:
         model: A gallery model.
         prompt: The style, in words.
         about: What the strength is needed for, in one sentence.
-        protect: Regions the style leaves alone, as they are written after `--protect`.
+        protect: Regions protected from the style, as they are written after `--protect`.
     """
 
     model: str
