@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import dataclass
 
-import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,7 +16,7 @@ from mechstyle.loop.objects import Memo
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import Floats, SurfaceMesh, TetMesh
 from mechstyle.simulation.part import Workpiece
-from mechstyle.simulation.simulator import PHYSICS_VERSION, prescribed
+from mechstyle.simulation.simulator import PHYSICS_VERSION, memo_key, physics, prescribed
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,21 +74,20 @@ def impact_of(
     Raises:
         SimulationFailed: If the drop breaks down.
     """
-    physics = (recipe.material, recipe.drop_height, recipe.friction, recipe.window, recipe.damping, recipe.element)
-    inputs = msgspec.json.encode(("impact", PHYSICS_VERSION, recipe.surface, recipe.tetrahedra, physics))
-    key = hashlib.sha256(inputs + np.ascontiguousarray(displacement, np.float32).tobytes()).hexdigest()
+    key = memo_key(("impact", PHYSICS_VERSION, *physics(recipe)), displacement)
     known = memo.recall(key, Impact)
     if known is not None:
         return known
     tets = Morph(part.surface, part.tets).morphed(displacement).tets
-    impact = _on_surface(snapshots(tets, recipe.material, prescribed(recipe), progress=progress), part, tets)
+    impact = _on_surface(snapshots(tets, recipe.material, prescribed(recipe), progress=progress), part, tets, recipe.transfer)
     memo.remember(key, impact)
     return impact
 
 
-def _on_surface(seen: Snapshots, part: Workpiece, tets: TetMesh) -> Impact:
-    """Frames at the vertices of the tetrahedra as frames at those of the surface."""
-    transfer, average = Transfer(part.surface, part.tets), BallAverage(part.tets)
-    moved = [np.stack([transfer.to_surface(frame[:, axis]) for axis in range(3)], axis=1) for frame in seen.displacement]
-    stress = [transfer.to_surface(robust_field(tets, frame, average)) for frame in seen.von_mises]
+def _on_surface(seen: Snapshots, part: Workpiece, tets: TetMesh, transfer: str) -> Impact:
+    """Frames at the vertices of the tetrahedra as frames at those of the surface; stress by the transfer the verdict's field came by."""
+    smooth, average = Transfer(part.surface, part.tets), BallAverage(part.tets)
+    of_stress = smooth if transfer == smooth.method else Transfer(part.surface, part.tets, transfer)
+    moved = [np.stack([smooth.to_surface(frame[:, axis]) for axis in range(3)], axis=1) for frame in seen.displacement]
+    stress = [of_stress.to_surface(robust_field(tets, frame, average)) for frame in seen.von_mises]
     return Impact(seen.time, np.array(moved, np.float32), np.array(stress, np.float32))

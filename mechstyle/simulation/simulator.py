@@ -6,6 +6,7 @@ import hashlib
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -34,6 +35,17 @@ def prescribed(recipe: Recipe) -> DropTest:
     return DropTest(
         height=recipe.drop_height, friction=recipe.friction, window=recipe.window, damping=recipe.damping, element=recipe.element
     )
+
+
+def physics(recipe: Recipe) -> tuple[Any, ...]:
+    """What of a recipe decides how a displaced part is dropped as placed, and which field that leaves on its surface."""
+    part = (recipe.surface, recipe.tetrahedra, recipe.material)
+    return (*part, recipe.drop_height, recipe.friction, recipe.window, recipe.damping, recipe.element, recipe.transfer)
+
+
+def memo_key(inputs: tuple[Any, ...], displacement: NDArray[np.float32]) -> str:
+    """The name under which what follows from inputs and a displacement [mm], shape [vertex_count], is remembered."""
+    return hashlib.sha256(msgspec.json.encode(inputs) + np.ascontiguousarray(displacement, np.float32).tobytes()).hexdigest()
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,23 +137,8 @@ class DropSimulator:
 
     def _key(self, displacement: NDArray[np.float32], *, thorough: bool, fresh: bool) -> str:
         recipe = self.recipe
-        physics = (
-            PHYSICS_VERSION,
-            self.device,
-            recipe.surface,
-            recipe.tetrahedra,
-            recipe.material,
-            recipe.drop_height,
-            recipe.friction,
-            recipe.window,
-            recipe.damping,
-            recipe.element,
-            recipe.transfer,
-            recipe.loads,
-            (recipe.poses, recipe.orientations) if thorough else 1,
-            fresh,
-        )
-        return hashlib.sha256(msgspec.json.encode(physics) + np.ascontiguousarray(displacement, np.float32).tobytes()).hexdigest()
+        drops = (recipe.poses, recipe.orientations) if thorough else 1
+        return memo_key((PHYSICS_VERSION, self.device, *physics(recipe), recipe.loads, drops, fresh), displacement)
 
     @cached_property
     def _morph(self) -> Morph:

@@ -1,12 +1,77 @@
-"""The impact on the surface: rigid motion is told from deformation, and what was worked out is remembered."""
+"""The impact on the surface: its field is the verdict's, rigid motion is told from deformation, what was worked out is remembered."""
 
 from __future__ import annotations
 
+import msgspec
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from mechstyle.simulation.impact import Impact, nearest_rigid
+from mechstyle.fea.criterion import BallAverage, robust_field
+from mechstyle.fea.snapshots import Snapshots
+from mechstyle.geometry.transfer import Transfer
+from mechstyle.loop.objects import Memo, Objects
+from mechstyle.records import Recipe
+from mechstyle.records.material import LIBRARY
+from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.simulation import impact as module
+from mechstyle.simulation.impact import Impact, impact_of, nearest_rigid
+from mechstyle.simulation.part import Workpiece
+from mechstyle.simulation.validation.meshes import box
+
+
+@pytest.fixture(scope="module")
+def part():
+    """A block whose surface is finer than its tetrahedra, so that each way of bringing a field to it gives another one."""
+    size = (12.0, 10.0, 16.0)
+    fine = box((7, 6, 9), size)
+    used, faces = np.unique(fine.boundary_faces, return_inverse=True)
+    surface = SurfaceMesh(fine.vertices[used], faces.reshape(-1, 3))
+    return Workpiece(surface, box((4, 3, 4), size), np.full(len(used), 10.0, np.float32), stands=True)
+
+
+@pytest.fixture
+def seen(part, monkeypatch):
+    """One moment in which stress and displacement vary over the part, in place of a drop; how often it was asked for."""
+    rng = np.random.default_rng(0)
+    stress = rng.uniform(1.0, 50.0, (1, len(part.tets.tets), 1)).astype(np.float32)
+    moved = rng.uniform(-1.0, 1.0, (1, len(part.tets.vertices), 3)).astype(np.float32)
+    asked = []
+
+    def moment(*_args, **_options):
+        asked.append(1)
+        return Snapshots(np.zeros(1), moved, stress)
+
+    monkeypatch.setattr(module, "snapshots", moment)
+    return Snapshots(np.zeros(1), moved, stress), asked
+
+
+@pytest.fixture
+def impact(part, seen, tmp_path):
+    """Makes the impact of the unstylized part under a recipe with given settings."""
+    plain = Recipe(surface=part.surface.digest, tetrahedra=part.tets.digest, prompt="", material=LIBRARY["PLA"])
+    memo, flat = Memo(tmp_path / "memo", Objects(tmp_path / "objects")), np.zeros(len(part.surface.vertices), np.float32)
+    return lambda **settings: impact_of(part, msgspec.structs.replace(plain, **settings), flat, memo)
+
+
+@pytest.mark.parametrize("transfer", ["barycentric", "nearest"])
+def test_stress_comes_to_the_surface_as_that_of_the_verdict_does(part, seen, impact, transfer):
+    moment, _ = seen
+    field = robust_field(part.tets, moment.von_mises[0], BallAverage(part.tets))
+    wanted = Transfer(part.surface, part.tets, transfer).to_surface(field)
+    assert np.allclose(impact(transfer=transfer).stress[0], wanted)
+
+
+def test_the_deformed_surface_is_the_same_whatever_brings_its_stress(impact):
+    assert np.array_equal(impact(transfer="nearest").displacement, impact(transfer="barycentric").displacement)
+
+
+@pytest.mark.parametrize(("setting", "drops"), [({"transfer": "nearest"}, 2), ({"friction": 0.3}, 2), ({"seed": 7}, 1)])
+def test_what_decides_the_physics_is_another_question_and_nothing_else_is(seen, impact, setting, drops):
+    _, asked = seen
+    impact()
+    impact(**setting)
+    assert len(asked) == drops
 
 
 @pytest.fixture

@@ -14,7 +14,7 @@ from mechstyle.geometry.tetrahedra import tetrahedralise
 from mechstyle.loop.objects import Memo, Objects
 from mechstyle.records import Recipe
 from mechstyle.records.load_cases import Load, LoadCase, Patch, Support
-from mechstyle.records.material import LIBRARY
+from mechstyle.records.material import LIBRARY, Material
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.simulation import simulator as module
 from mechstyle.simulation.simulator import DropSimulator
@@ -107,6 +107,26 @@ def test_what_does_not_matter_does_not(block, memo, drops):
     for settings in ({}, {"control": "linear"}, {"schedule": "never"}, {"iterations": 3}, {"seed": 7}):
         simulator(block, memo, **settings).simulate(bumps(block), thorough=False)
     assert drops == [1]
+
+
+KEYS = {
+    (False, False): "17219362142f27573d724131c7124cb3020fc8a300c5664a11fa66363ee346b1",
+    (True, False): "3b1defc7746e6fa58ff3300b305d0c9a7fbed0e423321794f861a4df88ad455e",
+    (True, True): "e60837e205fd3e607aa3c39912ed8a5ac2b827d6fe475221fe23460242b8e698",
+}
+"""Names under which version 4 of the physics remembers the question below, thorough or not, meshed fresh or not."""
+
+
+@pytest.mark.parametrize(("thorough", "fresh"), KEYS)
+def test_what_run_directories_remember_keeps_its_name(memo, thorough, fresh):
+    figures = {"youngs_modulus": 2000.0, "poisson_ratio": 0.3, "density": 1e-3, "yield_strength": 40.0, "safety_coefficient": 0.8}
+    recipe = Recipe(
+        surface="surface", tetrahedra="tetrahedra", prompt="", material=Material(name="test", source="", **figures), drop_height=1000.0,
+        friction=0.3, window=1.2, damping=2e-4, element="tet4", transfer="nearest", loads=(REST,), orientations=3, poses="tilts",
+    )  # fmt: skip
+    asked = DropSimulator(None, None, recipe, memo)
+    assert module.PHYSICS_VERSION == 4, "new physics, new names: work them out anew"
+    assert asked._key(np.array([0.0, 0.25, -0.5], np.float32), thorough=thorough, fresh=fresh) == KEYS[thorough, fresh]
 
 
 def test_the_baseline_is_shared_between_runs(block, memo, tmp_path, drops):
