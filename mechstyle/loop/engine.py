@@ -246,7 +246,7 @@ class Engine:
             simulation=self.store.objects.put_record(simulation),
             style_loss=self.stylizer.loss(state.displacement, state.colour.astype(np.float32)),
         )
-        return state, Simulated(state.iteration, reason, simulation, verdict, float((state.mask < 0.5).mean()))
+        return state, Simulated(state.iteration, reason, simulation, verdict, float(state.restrained.mean()))
 
     def _restrained(self, state: Checkpoint, simulation: Simulation, *, retract: bool) -> Checkpoint:
         base = self.simulator.baseline.stress

@@ -39,7 +39,7 @@ class Simulated:
         reason: Why.
         simulation: What was measured.
         verdict: What it means.
-        restrained: Share of the vertices whose mask is below one half.
+        restrained: Share of the vertices that count as restrained.
     """
 
     iteration: int

@@ -79,7 +79,7 @@ def checkpoint_panels(original: SurfaceMesh, state: Checkpoint, recipe: Recipe, 
             values=1.0 - state.mask,
             label="share of movement held back",
             limits=(0.0, 1.0),
-            note=f"{(state.mask < 0.5).mean():.0%} restrained",
+            note=f"{state.restrained.mean():.0%} restrained",
         ),
     ]
 

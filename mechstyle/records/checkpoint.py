@@ -11,6 +11,18 @@ from numpy.typing import NDArray
 from mechstyle.records.mesh import frozen_array
 from mechstyle.records.verdict import Verdict
 
+RESTRAINED_BELOW = 0.5
+"""A vertex counts as restrained where the mask lets less than half of its movement through."""
+
+
+def restrained(mask: NDArray[np.float32]) -> NDArray[np.bool_]:
+    """Whether each vertex counts as restrained, shape [vertex_count].
+
+    Args:
+        mask: Factor on further movement in [0, 1], shape [vertex_count].
+    """
+    return mask < RESTRAINED_BELOW
+
 
 @dataclass(frozen=True, eq=False)
 class Checkpoint:
@@ -62,3 +74,8 @@ class Checkpoint:
             if isinstance(value, np.ndarray):
                 kind, shape = (np.float16, (count, 3)) if field.name == "colour" else (np.float32, (count,))
                 object.__setattr__(self, field.name, frozen_array(value, kind, shape, field.name))
+
+    @property
+    def restrained(self) -> NDArray[np.bool_]:
+        """Whether each vertex counts as restrained, shape [vertex_count]."""
+        return restrained(self.mask)

@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 
 from mechstyle.errors import BadInput
 from mechstyle.records import CONTROLS, CRITERIA, NORMALISATIONS, SCHEDULES, Checkpoint, Judgement, Measures, Recipe, Simulation, Verdict
+from mechstyle.records.checkpoint import restrained
 from mechstyle.records.load_cases import Load, LoadCase, Support, read_loads
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.regions import Inside, regions
@@ -269,6 +270,11 @@ def test_a_checkpoint_colour_has_three_columns():
 def test_a_simulation_field_of_another_length_is_refused_by_name(field):
     with pytest.raises(ValueError, match=rf"{field} must have shape \(5\), not \(6,\)"):
         simulation(**{field: np.zeros(6)})
+
+
+def test_a_vertex_is_restrained_below_one_half_and_not_at_it():
+    mask = np.array([0.0, np.nextafter(np.float32(0.5), np.float32(0.0)), 0.5, 0.75, 1.0], np.float32)
+    assert checkpoint(mask=mask).restrained.tolist() == restrained(mask).tolist() == [True, True, False, False, False]
 
 
 def test_checkpoint_is_frozen():

@@ -12,6 +12,7 @@ import traitlets
 
 from mechstyle.loop import control
 from mechstyle.records import Checkpoint, Recipe
+from mechstyle.records.checkpoint import restrained
 from mechstyle.records.mesh import Field
 from mechstyle.runs.run import Run
 from mechstyle.simulation.part import bounds_for
@@ -132,8 +133,8 @@ def _freedom(run: Run, recipe: Recipe) -> Field:
 def summary(now: Field, then: Field) -> str:
     """Shares of the vertices that are frozen and restrained, now and then."""
     frozen = [f"{float((mask <= 0.0).mean()):.1%}" for mask in (now, then)]
-    restrained = [f"{float((mask < 0.5).mean()):.1%}" for mask in (now, then)]
-    return f"frozen: {frozen[0]}, would be {frozen[1]}; held back by more than half: {restrained[0]}, would be {restrained[1]}"
+    held = [f"{float(restrained(mask).mean()):.1%}" for mask in (now, then)]
+    return f"frozen: {frozen[0]}, would be {frozen[1]}; held back by more than half: {held[0]}, would be {held[1]}"
 
 
 def plots(checkpoint: Checkpoint, would_be: Field, threshold: float) -> str:
