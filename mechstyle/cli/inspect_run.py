@@ -32,7 +32,7 @@ def log_command(directory: Annotated[Path, typer.Argument(metavar="DIR", help="A
     from mechstyle.loop.history import LaneSummary  # noqa: PLC0415 — loaded when wanted
 
     store = Store.open(directory)
-    lanes = [LaneSummary.of(store, name) for name in store.lanes()]
+    lanes = [LaneSummary.of(store, name, store.history(name)) for name in store.lanes()]
     if as_json:
         print_json({"directory": str(directory), "lanes": lanes})
         return

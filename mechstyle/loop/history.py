@@ -1,13 +1,23 @@
-"""What happened in a run: the figures of a verdict, the simulations of a lane, what each lane has come to."""
+"""What happened in a run: the figures of a verdict, what happened at each iteration of a lane, what each lane has come to."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from types import MappingProxyType
+from typing import Any, TypeVar
 
 import msgspec
+import numpy as np
+from numpy.typing import NDArray
 
 from mechstyle.loop.store import Entry, Store
 from mechstyle.records import Recipe, Verdict
+from mechstyle.records.checkpoint import restrained
+from mechstyle.records.material import Material
+
+E = TypeVar("E", bound=Entry)
+NONE: Mapping[str, Any] = MappingProxyType({})
 
 
 class Strength(msgspec.Struct, frozen=True, kw_only=True):
@@ -46,6 +56,147 @@ class Strength(msgspec.Struct, frozen=True, kw_only=True):
         )
 
 
+class Row(Entry, frozen=True, kw_only=True):
+    """What happened at a checkpoint, in figures; other fields as in `Entry`.
+
+    Attributes:
+        mask: Digest of its mask.
+        restrained: Vertices that count as restrained.
+        vertices: Vertices of the part.
+        travel: Largest displacement since the last simulation over the schedule's threshold, None if it was not asked for.
+        seconds: How long it took [s], None if that is not known.
+    """
+
+    mask: str
+    restrained: int
+    vertices: int
+    travel: float | None = None
+    seconds: float | None = None
+
+    @property
+    def share(self) -> float:
+        """Share of the vertices that count as restrained."""
+        return self.restrained / self.vertices
+
+    @property
+    def outcome(self) -> str:
+        """VIABLE, FAILS, UNKNOWN, or "" if it was not simulated."""
+        return "" if self.verdict is None else self.verdict.outcome
+
+    @property
+    def words(self) -> str:
+        """The verdict in one sentence, "" if it was not simulated."""
+        return "" if self.verdict is None else self.verdict.words
+
+    @property
+    def peak(self) -> float | None:
+        """Stress that decides [MPa], None if it was not simulated or not to an answer."""
+        return self.verdict.deciding.value if self.verdict is not None and self.verdict.outcome != "UNKNOWN" else None
+
+    @property
+    def limit(self) -> float | None:
+        """What it may at most be [MPa], None as for `peak`."""
+        return self.verdict.deciding.limit if self.verdict is not None and self.verdict.outcome != "UNKNOWN" else None
+
+
+class Step(Row, frozen=True, kw_only=True):
+    """What happened at a simulation; other fields as in `Row`.
+
+    Attributes:
+        verdict: What it meant.
+        added: How many of the restrained vertices were not restrained at the simulation before.
+    """
+
+    verdict: Verdict
+    added: int
+
+
+class _Stored(Entry, frozen=True, kw_only=True):
+    """An entry with the digests of the arrays a row is worked out from."""
+
+    mask: str
+    displacement: str
+    anchor: str
+
+
+def rows(
+    store: Store,
+    lane: str = "main",
+    *,
+    known: Mapping[str, Row] = NONE,
+    thickness: NDArray[np.float32] | None = None,
+    seconds: Mapping[str, float] = NONE,
+) -> list[Row]:
+    """A row for each checkpoint of a lane, its inherited past included, oldest first; each mask is read once.
+
+    Args:
+        store: The run directory.
+        lane: Name of the lane.
+        known: Rows read before, by digest; neither they nor their masks are read again.
+        thickness: Local wall thickness [mm], shape [vertex_count], if `travel` is wanted: it takes two more arrays of each checkpoint.
+        seconds: How long the making of checkpoints took [s], by digest, as far as it is known.
+    """
+    counts = {row.mask: (row.restrained, row.vertices) for row in known.values()}
+    past: list[Row] = []
+    digest = store.lane(lane).head
+    while digest:
+        past.append(known.get(digest) or _row(store, digest, counts, thickness, seconds.get(digest)))
+        digest = past[-1].parent
+    return past[::-1]
+
+
+def _row(
+    store: Store, digest: str, counts: dict[str, tuple[int, int]], thickness: NDArray[np.float32] | None, seconds: float | None
+) -> Row:
+    stored = store.objects.get_record(digest, _Stored)
+    if stored.mask not in counts:
+        held = restrained(store.objects.get_array(stored.mask))
+        counts[stored.mask] = (int(held.sum()), len(held))
+    count, vertices = counts[stored.mask]
+    travel = None if thickness is None else _travel(store, stored, thickness)
+    fields = {**{name: getattr(stored, name) for name in Entry.__struct_fields__}, "digest": digest}
+    return Row(**fields, mask=stored.mask, restrained=count, vertices=vertices, travel=travel, seconds=seconds)
+
+
+def _travel(store: Store, stored: _Stored, thickness: NDArray[np.float32]) -> float:
+    moved = store.objects.get_array(stored.displacement) - store.objects.get_array(stored.anchor)
+    return float((np.abs(moved) / thickness).max()) / store.recipe(stored.recipe).travel
+
+
+def per_iteration(history: Iterable[E]) -> list[E]:
+    """The newest checkpoint of each iteration, oldest first: the back-off rounds at the end and the closing copy share one."""
+    return list({entry.iteration: entry for entry in history}.values())
+
+
+def simulated(history: Iterable[E]) -> Iterator[tuple[E, Verdict]]:
+    """The simulated checkpoints with their verdicts, oldest first; the closing copy of the last is left out."""
+    for entry in history:
+        if entry.verdict is not None and not entry.final:
+            yield entry, entry.verdict
+
+
+def steps(store: Store, history: Iterable[Row]) -> list[Step]:
+    """The simulations of a lane, the unstylized part's first.
+
+    Args:
+        store: The run directory.
+        history: The rows of the lane.
+    """
+    before, told = None, []
+    for row, _ in simulated(history):
+        held = restrained(store.objects.get_array(row.mask))
+        added = held if before is None else held & ~before
+        told.append(Step(**msgspec.structs.asdict(row), added=int(added.sum())))
+        before = held
+    return told
+
+
+def largest_mask_change(told: Sequence[Step]) -> Step | None:
+    """The simulation of a styled surface that restrained most vertices anew, None if none did."""
+    later = [step for step in told[1:] if step.added]
+    return max(later, key=lambda step: step.added) if later else None
+
+
 class SimulationLine(msgspec.Struct, frozen=True, kw_only=True):
     """One simulation of a lane; `peak_stress` [MPa]."""
 
@@ -56,10 +207,8 @@ class SimulationLine(msgspec.Struct, frozen=True, kw_only=True):
     words: str
 
     @classmethod
-    def of(cls, entry: Entry) -> SimulationLine:
-        """The line of a simulated checkpoint."""
-        verdict = entry.verdict
-        assert verdict is not None, "only simulated checkpoints have a line"
+    def of(cls, entry: Entry, verdict: Verdict) -> SimulationLine:
+        """The line of a simulated checkpoint and its verdict."""
         return cls(
             iteration=entry.iteration,
             reason=entry.reason,
@@ -69,9 +218,9 @@ class SimulationLine(msgspec.Struct, frozen=True, kw_only=True):
         )
 
 
-def simulations(history: list[Entry]) -> tuple[SimulationLine, ...]:
+def simulations(history: Iterable[Entry]) -> tuple[SimulationLine, ...]:
     """The simulations of a lane, the unstylized part's and the closing copy left out."""
-    return tuple(SimulationLine.of(entry) for entry in history if entry.verdict is not None and entry.iteration > 0 and not entry.final)
+    return tuple(SimulationLine.of(entry, verdict) for entry, verdict in simulated(history) if entry.iteration > 0)
 
 
 class LaneSummary(msgspec.Struct, frozen=True, kw_only=True):
@@ -94,9 +243,15 @@ class LaneSummary(msgspec.Struct, frozen=True, kw_only=True):
     simulations: tuple[SimulationLine, ...]
 
     @classmethod
-    def of(cls, store: Store, name: str) -> LaneSummary:
-        """What a lane has come to so far."""
-        lane, history = store.lane(name), store.history(name)
+    def of(cls, store: Store, name: str, history: Sequence[Entry]) -> LaneSummary:
+        """What a lane has come to so far.
+
+        Args:
+            store: The run directory.
+            name: Name of the lane.
+            history: Its checkpoints or their rows, oldest first.
+        """
+        lane = store.lane(name)
         return cls(
             lane=name,
             recipe=store.recipe(lane.recipe),
@@ -105,3 +260,67 @@ class LaneSummary(msgspec.Struct, frozen=True, kw_only=True):
             forked_at=store.entry(lane.forked_from).iteration if lane.forked_from else None,
             simulations=simulations(history),
         )
+
+
+class Branch(LaneSummary, frozen=True, kw_only=True):
+    """A lane and what sets it apart from the one it was branched from; other fields as in `LaneSummary`.
+
+    Attributes:
+        parent: Lane it was branched from, "" for an original one.
+        outcome: Its newest verdict, "" before the first.
+        changes: What its recipe has different from its parent's: name of the setting, theirs, its own.
+    """
+
+    parent: str
+    outcome: str
+    changes: tuple[tuple[str, Any, Any], ...]
+
+    @property
+    def iterations(self) -> int:
+        """Where it is to end."""
+        return self.recipe.iterations
+
+
+def lanes(store: Store, histories: Mapping[str, Sequence[Entry]]) -> list[Branch]:
+    """The lanes of a run, in the order of `histories`.
+
+    Args:
+        store: The run directory.
+        histories: Every checkpoint of each lane, or their rows, by the name of the lane.
+    """
+    return [_branch(store, lane, histories) for lane in histories]
+
+
+def _branch(store: Store, lane: str, histories: Mapping[str, Sequence[Entry]]) -> Branch:
+    summary, forked_from = LaneSummary.of(store, lane, histories[lane]), store.lane(lane).forked_from
+    return Branch(
+        **msgspec.structs.asdict(summary),
+        parent=_parent(store, forked_from, histories) if forked_from else "",
+        outcome=next((entry.verdict.outcome for entry in reversed(histories[lane]) if entry.verdict is not None), ""),
+        changes=differences(store.recipe(store.entry(forked_from).recipe), summary.recipe) if forked_from else (),
+    )
+
+
+def _parent(store: Store, forked_from: str, histories: Mapping[str, Sequence[Entry]]) -> str:
+    """The lane that made a checkpoint: the one that holds it after the place where it was branched itself."""
+    for lane, history in histories.items():
+        own = [entry.digest for entry in history]
+        start = store.lane(lane).forked_from
+        if forked_from in own and (start not in own or own.index(start) < own.index(forked_from)):
+            return lane
+    return ""
+
+
+def differences(theirs: Recipe, ours: Recipe) -> tuple[tuple[str, Any, Any], ...]:
+    """The settings two recipes do not share: name, theirs, ours; a material is told by its fields."""
+    changed: list[tuple[str, Any, Any]] = []
+    for name in Recipe.__struct_fields__:
+        before, after = getattr(theirs, name), getattr(ours, name)
+        if before == after:
+            continue
+        if isinstance(before, Material):
+            fields = [field for field in Material.__struct_fields__ if field != "source"]
+            changed += [(field, getattr(before, field), getattr(after, field)) for field in fields]
+        else:
+            changed.append((name, before, after))
+    return tuple(one for one in changed if one[1] != one[2])

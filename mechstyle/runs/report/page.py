@@ -13,6 +13,7 @@ import msgspec
 
 from mechstyle._files import write_whole
 from mechstyle.errors import BadInput
+from mechstyle.loop.history import Step, largest_mask_change, steps
 from mechstyle.records import Judgement, Recipe
 from mechstyle.records.material import Material
 from mechstyle.runs.recipes import DECIDED_BY_THE_PART
@@ -23,7 +24,6 @@ from mechstyle.runs.report.replay_data import ReplayData, replay_data
 from mechstyle.runs.report.reproduce import command_for
 from mechstyle.runs.report.run_protocol import LaneOfRun, begun
 from mechstyle.runs.report.static_view import still
-from mechstyle.runs.report.story import Step, largest_mask_change, steps
 from mechstyle.runs.report.timeline import timeline
 
 TOOLS = ("numpy", "scipy", "trimesh", "manifold3d", "gpytoolbox", "pytetwild", "warp-lang")
@@ -50,7 +50,7 @@ def report_page(run: LaneOfRun) -> str:
         BadInput: If the lane has no checkpoint yet.
     """
     history = begun(run)
-    told, played = steps(run, history), replay_data(run)
+    told, played = steps(run.store, history), replay_data(run)
     return fill(
         static("page.html"),
         title=f"{run.record.name}, “{run.recipe.prompt}”",
@@ -176,9 +176,8 @@ def _story(told: Sequence[Step]) -> Markup:
 
 
 def _row(step: Step) -> tuple[object, ...]:
-    decides, outcome = step.verdict.deciding, step.verdict.outcome
-    badge = fill('<span class="{kind}">{outcome}</span>', kind=outcome.lower(), outcome=outcome)
-    peak = "–" if outcome == "UNKNOWN" else f"{decides.value:.1f}"
+    badge = fill('<span class="{kind}">{outcome}</span>', kind=step.outcome.lower(), outcome=step.outcome)
+    peak = "–" if step.peak is None else f"{step.peak:.1f}"
     return step.iteration, step.reason, badge, peak, f"{step.restrained} ({step.share:.1%})", step.added
 
 

@@ -17,6 +17,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from mechstyle.loop.history import Row, per_iteration
 from mechstyle.loop.objects import Objects
 from mechstyle.loop.store import Entry
 from mechstyle.pictures.colormap import ABOVE, LINE, STRIPE, UNKNOWN, Scale, linear_to_srgb
@@ -110,8 +111,8 @@ def replay_data(run: LaneOfRun) -> ReplayData:
         BadInput: If the lane has no checkpoint yet.
     """
     history = begun(run)
-    entries = list({entry.iteration: entry for entry in history}.values())
-    fields = [run.store.objects.get_record(entry.digest, Fields) for entry in entries]
+    shown = per_iteration(history)
+    fields = [run.store.objects.get_record(row.digest, Fields) for row in shown]
     surface = run.part.surface
     read = partial(_channel, run.store.objects, fields)
     stress, demand = read("stress"), read("demand")
@@ -123,7 +124,7 @@ def replay_data(run: LaneOfRun) -> ReplayData:
         "prompt": run.recipe.prompt,
         "vertices": len(surface.vertices),
         "faces": len(surface.faces),
-        "frames": [_frame(entry, restraint, index) for index, entry in enumerate(entries)],
+        "frames": [_frame(row) for row in shown],
         "layers": _layers(stress, demand, displacement, limit),
         "channels": [channel.spec for channel in channels],
         "colours": _palette(),
@@ -178,14 +179,12 @@ def _colour_channel(objects: Objects, fields: Sequence[Fields]) -> Channel:
     return Channel("colour", planes, frames, width=3)
 
 
-def _frame(entry: Entry, restraint: Channel, index: int) -> dict[str, Any]:
-    raw = restraint.planes[restraint.frames[index]]
-    held = float((restraint.low + restraint.step * raw.astype(np.float64) > 0.5).mean())
+def _frame(row: Row) -> dict[str, Any]:
     frame = {
-        "iteration": entry.iteration, "simulatedAt": entry.simulated_at, "reason": entry.reason,
-        "restrained": round(held, 5), "loss": entry.style_loss,
+        "iteration": row.iteration, "simulatedAt": row.simulated_at, "reason": row.reason,
+        "restrained": round(row.share, 5), "loss": row.style_loss,
     }
-    return frame if entry.verdict is None else {**frame, **_verdict_words(entry.verdict)}
+    return frame if row.verdict is None else {**frame, **_verdict_words(row.verdict)}
 
 
 def _verdict_words(verdict: Verdict) -> dict[str, Any]:

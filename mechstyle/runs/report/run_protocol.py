@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
 from typing import Protocol
 
 from mechstyle.errors import BadInput
-from mechstyle.loop.store import Entry, Store
+from mechstyle.loop.history import Row, rows
+from mechstyle.loop.store import Store
 from mechstyle.pictures.panels import Picture
-from mechstyle.records import Recipe, Verdict
+from mechstyle.records import Recipe
 from mechstyle.runs.summary import Summary
 from mechstyle.simulation.part import Origin, Workpiece
 
@@ -49,10 +49,6 @@ class LaneOfRun(Protocol):
         """The prepared part."""
 
     @property
-    def history(self) -> list[Entry]:
-        """Every checkpoint without its arrays, oldest first."""
-
-    @property
     def finished(self) -> bool:
         """Whether the lane is at the end of its recipe."""
 
@@ -64,16 +60,9 @@ class LaneOfRun(Protocol):
         """Styled part, stress and mask at an iteration, None for the last."""
 
 
-def begun(run: LaneOfRun) -> list[Entry]:
-    """The history of a lane, or BadInput if there is none yet."""
-    history = run.history
+def begun(run: LaneOfRun) -> list[Row]:
+    """A row for each checkpoint of a lane, or BadInput if there is none yet."""
+    history = rows(run.store, run.lane)
     if not history:
         raise BadInput(f"lane {run.lane!r} of {run.store.root} has no checkpoint yet, so there is nothing to show: carry the run on first")
     return history
-
-
-def simulated(history: Sequence[Entry]) -> Iterator[tuple[Entry, Verdict]]:
-    """The simulated checkpoints with their verdicts, oldest first; the closing copy of the last is left out."""
-    for entry in history:
-        if entry.verdict is not None and not entry.final:
-            yield entry, entry.verdict

@@ -5,34 +5,34 @@ from __future__ import annotations
 import base64
 from collections.abc import Sequence
 
+from mechstyle.loop.history import Step, rows, steps
 from mechstyle.pictures.panels import Picture, picture
 from mechstyle.runs.report.markup import Markup, fill, joined, table
 from mechstyle.runs.report.run_protocol import LaneOfRun
-from mechstyle.runs.report.story import Step, steps
 
 
 def mimebundle(run: LaneOfRun) -> dict[str, str]:
     """The forms a notebook chooses from; text only before the first checkpoint."""
-    history = run.history
+    history = rows(run.store, run.lane)
     if not history:
         return {"text/plain": repr(run)}
-    told = steps(run, history)
+    told = steps(run.store, history)
     return {"text/plain": as_text(run, told), "text/html": as_html(run, told)}
 
 
 def as_text(run: LaneOfRun, told: Sequence[Step]) -> str:
     """The run and its simulations, a line each."""
-    lines = [f"{step.iteration:>5}  {step.verdict.outcome:<8} {_peak(step):>7} MPa  {step.reason}" for step in told]
+    lines = [f"{step.iteration:>5}  {step.outcome:<8} {_peak(step):>7} MPa  {step.reason}" for step in told]
     return "\n".join([repr(run), told[-1].verdict.words, *lines])
 
 
 def as_html(run: LaneOfRun, told: Sequence[Step]) -> str:
     """The same as a table under a picture; no style sheet and no script, which such places strip."""
-    rows = [(step.iteration, step.reason, step.verdict.outcome, _peak(step), f"{step.share:.0%}") for step in told]
+    lines = [(step.iteration, step.reason, step.outcome, _peak(step), f"{step.share:.0%}") for step in told]
     return fill(
         "<p><strong>{name}</strong> as “{prompt}”</p>{picture}<p>{words}</p>{rows}",
         name=run.record.name, prompt=run.recipe.prompt, picture=still(run), words=told[-1].verdict.words,
-        rows=table(("iteration", "why it was simulated", "verdict", "peak [MPa]", "held back"), rows, "Simulations"),
+        rows=table(("iteration", "why it was simulated", "verdict", "peak [MPa]", "held back"), lines, "Simulations"),
     )  # fmt: skip
 
 
@@ -54,4 +54,4 @@ def _image(shown: Picture, words: str) -> Markup:
 
 
 def _peak(step: Step) -> str:
-    return "–" if step.verdict.outcome == "UNKNOWN" else f"{step.verdict.deciding.value:.1f}"
+    return "–" if step.peak is None else f"{step.peak:.1f}"

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
+from mechstyle.loop.history import Step
 from mechstyle.runs.report.markup import Markup, fill, joined
-from mechstyle.runs.report.story import Step
 
 WIDTH, HEIGHT = 960, 330
 LEFT, RIGHT = 62, 944

@@ -9,10 +9,10 @@ from html.parser import HTMLParser
 import pytest
 
 from mechstyle.errors import BadInput
+from mechstyle.loop.history import largest_mask_change, rows, steps
 from mechstyle.runs.report import texts
 from mechstyle.runs.report.page import report_page, write_report
 from mechstyle.runs.report.replay_data import replay_data
-from mechstyle.runs.report.story import largest_mask_change, steps
 from mechstyle.runs.report.timeline import ticks
 
 
@@ -73,11 +73,11 @@ def test_every_setting_is_explained():
 
 
 def test_every_simulation_has_a_mark_and_a_row_with_its_reason(read, lane):
-    told = steps(lane, lane.history)
+    told = steps(lane.store, rows(lane.store))
     marks = [given for tag, given in read.elements if tag == "g" and "data-iteration" in given]
-    rows = [given for tag, given in read.elements if tag == "tr" and "data-iteration" in given]
+    table = [given for tag, given in read.elements if tag == "tr" and "data-iteration" in given]
     wanted = [str(step.iteration) for step in told]
-    assert [mark["data-iteration"] for mark in marks] == [row["data-iteration"] for row in rows] == wanted
+    assert [mark["data-iteration"] for mark in marks] == [row["data-iteration"] for row in table] == wanted
     for step, mark in zip(told, marks, strict=True):
         assert step.reason in mark["aria-label"]
         assert step.verdict.outcome in mark["aria-label"]
@@ -85,7 +85,7 @@ def test_every_simulation_has_a_mark_and_a_row_with_its_reason(read, lane):
 
 
 def test_the_story_of_the_mask_counts_vertices(lane):
-    told = steps(lane, lane.history)
+    told = steps(lane.store, rows(lane.store))
     for step in told:
         assert step.restrained == int((lane.checkpoint(step.iteration).mask < 0.5).sum()) or step.reason.startswith("back-off")
     jump = largest_mask_change(told)

@@ -1,9 +1,11 @@
 """The replay data hold every iteration to within half a step, and say so in their header."""
 
 import gzip
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from msgspec.structs import replace as replace_fields
 
 from mechstyle.errors import BadInput
 from mechstyle.loop.store import Lane, Store
@@ -65,6 +67,17 @@ def test_frames_say_what_was_simulated_and_why(lane):
     assert "outcome" not in frames[21]
     assert frames[21]["simulatedAt"] == 20
     assert frames[60]["restrained"] == pytest.approx(float((lane.checkpoint(60).mask < 0.5).mean()), abs=1e-4)
+
+
+def test_a_frame_counts_what_the_report_counts_and_not_what_quantising_made_of_it(sheet):
+    """A mask of exactly one half does not restrain, but no step of the scale lies there."""
+    run = sheet(iterations=10)
+    last = run.checkpoint()
+    mask = np.ones_like(last.mask)
+    mask[:8], mask[8:20] = 0.0, 0.5
+    digest = run.store.put_checkpoint(replace(last, mask=mask))
+    run.store.move("main", replace_fields(run.store.lane(), head=digest))
+    assert replay_data(run).header["frames"][-1]["restrained"] == 8 / 64
 
 
 def test_layers_hold_their_values_and_their_threshold(lane):

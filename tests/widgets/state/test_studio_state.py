@@ -10,6 +10,7 @@ import pytest
 
 from mechstyle.errors import BadInput
 from mechstyle.loop.events import Checkpointed
+from mechstyle.loop.objects import Objects
 from mechstyle.runs.session import Session
 from mechstyle_widgets.state.studio_state import StudioState
 
@@ -66,6 +67,25 @@ def test_lanes_know_their_parent_and_what_they_changed(done):
     assert ("control", "exponential", "linear") in soft.changes
     assert ("every", 4, 3) in soft.changes
     assert soft.finished
+
+
+def test_a_lane_begun_before_its_parent_had_ended_knows_it(fake):
+    """Backing off and ending add checkpoints to the last iteration, so the newest of it is no longer the one that was branched at."""
+    events = fake.bench.engine(fake.run.recipe).run()
+    next(event for event in events if isinstance(event, Checkpointed) and event.checkpoint.iteration == 12)
+    fake.run.branch(12, lane="longer", iterations=16)
+    fake.go()
+    longer = StudioState(fake.run).branches[1]
+    assert (longer.lane, longer.parent, longer.forked_at) == ("longer", "main", 12)
+
+
+def test_no_array_is_read_again_when_nothing_is_new(done, monkeypatch):
+    """Not even those of checkpoints that share the last iteration with a later one."""
+    state, read, whole = StudioState(done), [], Objects.get_array
+    monkeypatch.setattr(Objects, "get_array", lambda objects, digest: read.append(digest) or whole(objects, digest))
+    state.tell(stale=True)
+    state.pump()
+    assert read == []
 
 
 def test_another_lane_brings_its_own_history(done):

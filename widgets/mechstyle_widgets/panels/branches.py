@@ -9,12 +9,12 @@ import numpy as np
 import traitlets
 
 from mechstyle.errors import BadInput
+from mechstyle.loop.history import Row, differences
 from mechstyle.records import Checkpoint
 from mechstyle.records.load_cases import LoadCase
 from mechstyle.records.material import Material
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, Words, table
 from mechstyle_widgets.state.controller import Conductor, settings_of
-from mechstyle_widgets.state.history import Row, differences
 
 SIGN = {"VIABLE": "✓", "FAILS": "✗", "UNKNOWN": "?", "": "·"}
 
@@ -143,7 +143,7 @@ def results(row: Row, checkpoint: Checkpoint) -> dict[str, str]:
         "limit": "–" if row.limit is None else f"{row.limit:.1f} MPa",
         "style loss": f"{row.style_loss:.3g}",
         "largest relief": f"{float(np.abs(checkpoint.displacement).max()):.2f} mm",
-        "held back by more than half": f"{float((checkpoint.mask < 0.5).mean()):.1%}",
+        "held back by more than half": f"{row.share:.1%}",
     }
 
 

@@ -16,10 +16,10 @@ import traitlets
 
 from mechstyle.errors import MechStyleError
 from mechstyle.loop.events import BackedOff, Checkpointed, Event, Finished, SimulationStarted, Stylized
+from mechstyle.loop.history import Branch, Row, lanes, per_iteration, rows
 from mechstyle.records import Checkpoint
 from mechstyle.runs.run import Run
 from mechstyle.runs.session import Session
-from mechstyle_widgets.state.history import Branch, Row, branches_of, rows_of
 from mechstyle_widgets.state.time_left import Outlook, Stopwatch
 
 STATUSES = ("idle", "preparing", "running", "paused", "stopped", "finished", "failed")
@@ -38,7 +38,7 @@ class StudioState(traitlets.HasTraits):
         iterations_done: Newest iteration of the lane.
         follow: Whether `iteration` moves on with the run; so it does until an earlier one is chosen.
         checkpoint: The newest checkpoint of `iteration` in `lane`, read from the store; None before there is one.
-        history: One `Row` for each iteration of the lane, oldest first.
+        history: The newest `Row` of each iteration of the lane, oldest first.
         histories: The same for every lane, by its name.
         branches: One `Branch` for each lane.
         status: One of STATUSES.
@@ -81,6 +81,7 @@ class StudioState(traitlets.HasTraits):
         self._watch, self._outlook, self._iterations = Stopwatch(), Outlook(), 1
         self._last = ("", -1)  # digest and iteration of the newest checkpoint of the session
         self._seconds: dict[str, float] = {}
+        self._rows: dict[str, Row] = {}
         self._read = lru_cache(maxsize=KEPT)(_checkpoint)
         if run is not None:
             self.open(run)
@@ -102,8 +103,7 @@ class StudioState(traitlets.HasTraits):
     def row(self, iteration: int | None = None, lane: str = "") -> Row | None:
         """What is known of an iteration of a lane, of the one on show if none is given; None if it is not there."""
         wanted = self.iteration if iteration is None else iteration
-        rows = self.histories.get(lane or self.lane, [])
-        return next((row for row in reversed(rows) if row.iteration == wanted), None)
+        return next((row for row in self.histories.get(lane or self.lane, []) if row.iteration == wanted), None)
 
     def checkpoint_at(self, iteration: int, lane: str = "") -> Checkpoint | None:
         """The newest checkpoint of an iteration, from memory or from the store; None if it is not there."""
@@ -136,14 +136,16 @@ class StudioState(traitlets.HasTraits):
         """Bring rows and lanes up to date with what is on disk; the checkpoint follows."""
         if self.run is None:
             return
-        known = {row.digest: row for rows in self.histories.values() for row in rows}
-        store, follow = self.run.store, self.follow
-        thickness = self.run.part.thickness
-        histories = {name: rows_of(store, name, thickness, known, self._seconds) for name in store.lanes()}
+        store, follow, thickness = self.run.store, self.follow, self.run.part.thickness
+        past: dict[str, list[Row]] = {}
+        for name in store.lanes():
+            past[name] = rows(store, name, known=self._rows, thickness=thickness, seconds=self._seconds)
+            self._rows.update((row.digest, row) for row in past[name])
+        histories = {name: per_iteration(history) for name, history in past.items()}
         self.history = histories.get(self.lane, [])
         self.iterations_done = self.history[-1].iteration if self.history else 0
         self.histories = histories
-        self.branches = branches_of(store, histories)
+        self.branches = lanes(store, past)
         self.iteration = self.iterations_done if follow else min(self.iteration, self.iterations_done)
         self._show()
 

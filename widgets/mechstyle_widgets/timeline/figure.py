@@ -13,7 +13,7 @@ from typing import Any
 
 from plotly.subplots import make_subplots
 
-from mechstyle_widgets.state.history import Branch, Row
+from mechstyle.loop.history import Branch, Row
 from mechstyle_widgets.state.schedule_forecast import Plan
 
 CURVES = {"style_loss": "style loss", "travel": "travel", "seconds": "seconds"}
@@ -168,7 +168,9 @@ def story(lane: str, row: Row) -> str:
     if row.outcome:
         lines.append(f"{row.outcome}, simulated because: {escape(row.reason)}")
         lines += textwrap.wrap(escape(row.words), 70)
-    figures = [f"style loss {row.style_loss:.3g}", f"travel {row.travel:.2f} of the threshold"]
+    figures = [f"style loss {row.style_loss:.3g}"]
+    if row.travel is not None:
+        figures.append(f"travel {row.travel:.2f} of the threshold")
     if row.seconds is not None:
         figures.append(f"{row.seconds:.1f} s")
     return "<br>".join([*lines, " · ".join(figures)])
