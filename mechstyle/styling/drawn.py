@@ -15,6 +15,7 @@ from mechstyle.styling.drawing.folds import unfolded
 from mechstyle.styling.drawing.operators import Operators
 from mechstyle.styling.library import style_named
 from mechstyle.styling.prompt import Wish
+from mechstyle.styling.style import Proposal
 
 NEUTRAL = 0.75  # the light grey of an uncoloured part, display value
 COLOUR_WEIGHT = 4.0
@@ -35,20 +36,6 @@ class Target(NamedTuple):
     displacement: NDArray[np.float32]
     colour: NDArray[np.float32]
     notes: tuple[str, ...]
-
-
-class Proposal(NamedTuple):
-    """What the stylizer would like next, whatever a mask held back.
-
-    Attributes:
-        displacement: Along the original normals [mm], shape [n], float32.
-        colour: Display RGB in [0, 1], shape [n, 3], float32.
-        loss: Loss of this proposal.
-    """
-
-    displacement: NDArray[np.float32]
-    colour: NDArray[np.float32]
-    loss: float
 
 
 def target(
@@ -144,7 +131,7 @@ class ProceduralStylizer:
 
     def proposal(self) -> Proposal:
         """What it proposes now; at first no displacement and a neutral light grey."""
-        return Proposal(self._displacement, self._colour, self.loss(self._displacement, self._colour))
+        return Proposal(self._displacement, self._colour)
 
     def step(self) -> Proposal:
         """One iteration of descent, preconditioned by the areas so that all vertices approach their target alike."""

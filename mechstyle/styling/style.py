@@ -6,6 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from mechstyle.records.mesh import Floats
 from mechstyle.styling.drawing.canvas import Canvas
 
@@ -20,6 +23,18 @@ class Relief(NamedTuple):
 
     height: Floats
     colour: Floats
+
+
+class Proposal(NamedTuple):
+    """What the stylizer would like next, whatever a mask held back.
+
+    Attributes:
+        displacement: Along the original normals [mm], shape [n], float32.
+        colour: Display RGB in [0, 1], shape [n, 3], float32.
+    """
+
+    displacement: NDArray[np.float32]
+    colour: NDArray[np.float32]
 
 
 @dataclass(frozen=True)

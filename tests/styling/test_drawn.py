@@ -136,7 +136,7 @@ def test_a_step_goes_down_the_gradient_of_the_loss(holder, stony, stylizer):
 
 
 def test_the_loss_falls_with_every_step_by_e_in_forty_and_ends_below_a_hundredth(stony, stylizer):
-    losses = [stylizer.proposal().loss, *(stylizer.step().loss for _ in range(200))]
+    losses = [stylizer.loss(*stylizer.proposal()), *(stylizer.loss(*stylizer.step()) for _ in range(200))]
     assert np.all(np.diff(losses) < 0.0)
     assert losses[40] / losses[0] == pytest.approx(np.exp(-2.0), rel=1e-3)  # the loss is a square
     assert losses[200] < 1e-4 * losses[0]
@@ -155,7 +155,6 @@ def test_a_restored_run_goes_on_with_the_same_bytes(holder, stony, stylizer):
     for a, b in zip(first, again, strict=True):
         assert a.displacement.tobytes() == b.displacement.tobytes()
         assert a.colour.tobytes() == b.colour.tobytes()
-        assert a.loss == b.loss
 
 
 def test_a_state_is_not_changed_by_later_steps(stylizer):
@@ -180,13 +179,14 @@ def test_another_style_takes_over_from_what_the_first_left(holder, stony):
     brick.start_from(stony.displacement, stony.colour)
     left = brick.proposal()
     assert np.array_equal(left.displacement, stony.displacement)
-    assert brick.step().loss < left.loss
+    assert brick.loss(*brick.step()) < brick.loss(*left)
 
 
 def test_a_target_without_relief_still_gets_its_colour(holder):
     flat = ProceduralStylizer(holder, drawn(holder, amplitude=0.0))
-    assert np.isfinite(flat.proposal().loss)
-    assert flat.step().loss < flat.proposal().loss + 1e-12
+    before = flat.loss(*flat.proposal())
+    assert np.isfinite(before)
+    assert flat.loss(*flat.step()) < before
     assert not flat.proposal().displacement.any()
 
 

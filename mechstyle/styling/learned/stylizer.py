@@ -18,6 +18,7 @@ from mechstyle.styling.learned.cuda_graph import Recorded
 from mechstyle.styling.learned.guidance import Draws, Guidance, NoDraws
 from mechstyle.styling.learned.style_field import standardised
 from mechstyle.styling.learned.unit_shape import Logits, Look, UnitShape
+from mechstyle.styling.style import Proposal
 
 FIELD_RATE = 5e-4
 VERTEX_RATE = 2e-2
@@ -27,18 +28,6 @@ DECAY_EVERY = 100
 
 os.environ.setdefault("CUBLAS_WORKSPACE_CONFIG", ":4096:8")  # without it no product of matrices is repeatable on a GPU
 
-
-
-class Proposal(NamedTuple):
-    """What the stylizer would like next, whatever the engine's mask held back.
-
-    Attributes:
-        displacement: Along the original normals [mm], shape [n], float32.
-        colour: Display RGB in [0, 1], shape [n, 3], float32.
-    """
-
-    displacement: Field
-    colour: Field
 
 
 class Surface(NamedTuple):

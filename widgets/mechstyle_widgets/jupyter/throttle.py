@@ -10,6 +10,14 @@ SHORTEST_WAIT = 0.1
 """Between two updates of a picture [s]."""
 
 
+def running_loop() -> asyncio.AbstractEventLoop | None:
+    """The event loop a cell runs in, None in plain Python."""
+    try:
+        return asyncio.get_running_loop()
+    except RuntimeError:
+        return None
+
+
 class Paced:
     """A function that may be called at any rate and acts at most ten times a second, after the last call at the latest.
 
@@ -25,12 +33,10 @@ class Paced:
 
     def __call__(self) -> None:
         """Ask for `act`."""
-        try:
-            loop = asyncio.get_running_loop()
-        except RuntimeError:
+        loop = running_loop()
+        if loop is None:
             self._now()
-            return
-        if self._waiting is None:
+        elif self._waiting is None:
             self._waiting = loop.call_later(max(0.0, self._acted + SHORTEST_WAIT - time.monotonic()), self._now)
 
     def cancel(self) -> None:

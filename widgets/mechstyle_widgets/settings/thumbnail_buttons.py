@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import base64
 from collections.abc import Mapping
 from typing import Any
@@ -10,6 +9,7 @@ from typing import Any
 import ipywidgets
 import traitlets
 
+from mechstyle_widgets.jupyter.throttle import running_loop
 from mechstyle_widgets.settings import thumbnails
 
 WIDTH, HEIGHT, LABEL = 72, 68, 16  # of a button, and of the words under its picture [pixels]
@@ -40,7 +40,7 @@ class PictureChoice(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no
         flow = {"display": "flex", "flex_flow": "row wrap", "overflow": "auto", "max_height": f"{height}px", "width": "auto"}
         super().__init__([self._sheet, ipywidgets.Box(list(self._buttons.values()), layout=flow)])
         self._paint()
-        self._loop = _running_loop()
+        self._loop = running_loop()
         self._work = None if self._loop is None else thumbnails.draw_aside(kind, names, self._arrived)
 
     def close(self) -> None:
@@ -93,10 +93,3 @@ class PictureChoice(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no
             f".{self._class(name)}.widget-button {{ background-image: url(data:image/png;base64,{data}); }}" for name, data in known.items()
         ]
         self._sheet.value = f"<style>{base}{''.join(rules)}</style>"
-
-
-def _running_loop() -> asyncio.AbstractEventLoop | None:
-    try:
-        return asyncio.get_running_loop()
-    except RuntimeError:
-        return None

@@ -6,7 +6,6 @@ carried over by `pump`, on the kernel's own event loop, at most ten times a seco
 
 from __future__ import annotations
 
-import asyncio
 import threading
 import time
 from functools import lru_cache
@@ -20,6 +19,8 @@ from mechstyle.loop.history import Branch, Row, lanes, per_iteration, rows
 from mechstyle.records import Checkpoint
 from mechstyle.runs.run import Run
 from mechstyle.runs.session import Session
+from mechstyle_widgets.jupyter.throttle import running_loop
+from mechstyle_widgets.state.history import Branch, Row
 from mechstyle_widgets.state.time_left import Outlook, Stopwatch
 
 STATUSES = ("idle", "preparing", "running", "paused", "stopped", "finished", "failed")
@@ -76,7 +77,7 @@ class StudioState(traitlets.HasTraits):
         self._lock = threading.Lock()
         self._noted: dict[str, Any] = {}
         self._stale, self._due, self._pumped = False, False, 0.0
-        self._loop = _running_loop()
+        self._loop = running_loop()
         self._opened: Run | None = None
         self._watch, self._outlook, self._iterations = Stopwatch(), Outlook(), 1
         self._last = ("", -1)  # digest and iteration of the newest checkpoint of the session
@@ -252,14 +253,6 @@ class StudioState(traitlets.HasTraits):
 
 def _checkpoint(store: Any, digest: str) -> Checkpoint:
     return store.checkpoint(digest)
-
-
-def _running_loop() -> asyncio.AbstractEventLoop | None:
-    """The event loop a cell runs in, None in plain Python."""
-    try:
-        return asyncio.get_running_loop()
-    except RuntimeError:
-        return None
 
 
 def _sentence(error: BaseException | None) -> str:
