@@ -94,7 +94,8 @@ def contact_sheet(
 
 def _pair(styled: SurfaceMesh) -> Pixels:
     """A styled part in its colours and, beside it, in plain grey, shape [CELL, 2 · CELL, 3]."""
-    from mechstyle.pictures.scene import PLAIN, Camera, render  # noqa: PLC0415 — matplotlib is loaded when a picture is wanted
+    from mechstyle.pictures.colormap import PLAIN  # noqa: PLC0415 — matplotlib is loaded when a picture is wanted
+    from mechstyle.pictures.scene import Camera, render  # noqa: PLC0415 — as above
 
     camera = Camera.named("three_quarter", styled.vertices)
     grey = np.broadcast_to(PLAIN, styled.vertices.shape)

@@ -17,6 +17,7 @@ STRIPE = (0.48, 0.0, 0.05)  # sRGB hatch over it, so that it is not told by colo
 LINE = (0.05, 0.05, 0.06)  # sRGB isoline at the threshold
 UNKNOWN = (0.66, 0.66, 0.66)  # sRGB of a value that is not a number
 ABSENT = (0.42, 0.42, 0.42)  # sRGB hatch over it
+PLAIN = (0.80, 0.80, 0.79)  # sRGB of a part without colours: unpainted, neither light nor dark
 STEPS = 256
 
 

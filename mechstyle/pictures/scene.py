@@ -10,16 +10,14 @@ from scipy.ndimage import binary_dilation
 
 from mechstyle.errors import BadInput
 from mechstyle.pictures.camera import VIEWS, Camera
-from mechstyle.pictures.colormap import ABSENT, LINE, STRIPE, Scale, hatch, linear_to_srgb, srgb_to_linear
+from mechstyle.pictures.colormap import ABSENT, LINE, PLAIN, STRIPE, Scale, hatch, linear_to_srgb, srgb_to_linear
 from mechstyle.pictures.raster.visibility import Visibility, visible
-from mechstyle.pictures.shading import corner_normals, floor_shadow, hollows, lit
+from mechstyle.pictures.shading import FLATNESS, corner_normals, floor_shadow, hollows, lit
 from mechstyle.records.mesh import SurfaceMesh
 
 __all__ = ["BACKGROUND", "VIEWS", "Camera", "Field", "render"]
 
 BACKGROUND = (0.965, 0.965, 0.96)  # sRGB
-PLAIN = (0.80, 0.80, 0.79)  # display RGB of a part without colours
-FLATNESS = 0.35  # share of the light on a coloured field that does not depend on the shape, so that colours stay near their legend
 
 
 @dataclass(frozen=True, eq=False)

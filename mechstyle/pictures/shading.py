@@ -18,6 +18,7 @@ Image = NDArray[np.float32]
 KEY, KEY_LIGHT = (-0.55, 0.65, 0.52), 0.72
 FILL, FILL_LIGHT = (0.85, 0.05, 0.52), 0.22
 SKY_LIGHT, GROUND_LIGHT = 0.26, 0.12
+FLATNESS = 0.35  # share of the light on a coloured field that does not depend on the shape, so that colours stay near their legend
 
 
 def corner_normals(mesh: SurfaceMesh, crease: float = 40.0) -> NDArray[np.float64]:

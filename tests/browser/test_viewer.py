@@ -39,10 +39,10 @@ def test_dragging_turns_the_part(shown):
 
 def test_a_layer_chosen_with_the_mouse_paints_the_part(shown):
     before = shown.drawn()
-    shown.page.locator(".mechstyle-viewer select").first.select_option("von Mises stress")
+    shown.page.locator(".mechstyle-viewer select").first.select_option("stress")
     shown.changed(shown.canvas(), before, 0.05)
     shown.until("(viewer.layer, state.layer)", "('stress', 'stress')")
-    assert "von Mises stress [MPa]" in shown.page.locator(".mechstyle-viewer").inner_text()
+    assert "von Mises stress, 2 mm average [MPa]" in shown.page.locator(".mechstyle-viewer").inner_text()
     shown.keep("viewer-stress")
 
 
@@ -59,13 +59,26 @@ def test_the_limit_is_outlined_and_hatched_above(shown):
     assert 0.03 < orange.mean() < 0.4
 
 
+def test_the_end_of_a_scale_without_a_limit_is_neither_outlined_nor_hatched(shown):
+    """As where everything is held back."""
+    before = shown.drawn()
+    shown.python("viewer.put(replace(viewer.subject.layer('restraint'), values=np.ones_like(s.values))); viewer.layer = 'restraint'")
+    after = shown.changed(shown.canvas(), before, 0.05).astype(int)
+    shown.keep("viewer-restraint")
+    shown.python("viewer.layer = 'stress'")
+    shown.changed(shown.canvas(), after, 0.05)
+    blue = after[..., 2] > after[..., 0] + 40
+    assert blue.mean() > 0.1
+    assert (after[..., 0] > after[..., 2] + 60).mean() < 0.005
+
+
 def test_a_click_tells_all_that_is_known_of_the_place(shown):
     box = shown.canvas().bounding_box()
     shown.until("__import__('time').monotonic() - viewer._picker._moved > 0.3", True)
     shown.page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
     shown.until("viewer.probed is not None", True)
     told = shown.page.locator(".mechstyle-viewer table").inner_text()
-    for name in ("place", "von Mises stress", "demand", "mask", "displacement", "wall thickness", "touched the floor"):
+    for name in ("place", "von Mises stress", "demand", "held back", "displacement", "wall thickness", "touched the floor"):
         assert name in told
     seen = "viewer._orbit.seen.project(viewer.subject.mesh.vertices[[viewer.probed]])[0, :2]"
     assert shown.python(f"print(np.abs({seen}).max() < 0.1)") == "True"  # the vertex is where the mouse was

@@ -11,10 +11,11 @@ import pytest
 from ipywidgets.widgets.widget import _instances as alive
 
 from mechstyle.errors import BadInput
+from mechstyle.pictures.colormap import PLAIN
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle_widgets.viewer.layers import Layer, Subject
-from mechstyle_widgets.viewer.scene import BACKGROUNDS, PLASTIC
-from mechstyle_widgets.viewer.shaders import HIDDEN, MAXIMUM, MINIMUM, NOTHING, PICKED, PLAIN
+from mechstyle_widgets.viewer.scene import BACKGROUNDS
+from mechstyle_widgets.viewer.shaders import HIDDEN, MAXIMUM, MINIMUM, NOTHING, OPEN, OWN, PICKED
 from mechstyle_widgets.viewer.viewer import Viewer
 
 
@@ -50,7 +51,7 @@ def test_the_buffers_hold_the_part(sphere):
 def test_the_colours_of_the_part_reach_the_screen_as_they_are(painted, sphere):
     """They are display colours already."""
     assert np.array_equal(scene(Viewer(painted))._colours.array, painted.colours)
-    assert np.allclose(scene(Viewer(sphere))._colours.array, PLASTIC)
+    assert np.allclose(scene(Viewer(sphere))._colours.array, PLAIN)
 
 
 def test_new_fields_and_shapes_reuse_the_buffers_that_are_there(sphere, height):
@@ -62,7 +63,7 @@ def test_new_fields_and_shapes_reuse_the_buffers_that_are_there(sphere, height):
     assert all(scene(viewer)._geometry.attributes[name] is buffer for name, buffer in buffers.items())
     assert np.allclose(buffers["position"].array, stretched.vertices, atol=1e-5)
     assert np.allclose(buffers["normal"].array, stretched.vertex_normals, atol=1e-6)
-    assert np.allclose(buffers["place"].array, height.values[::-1] / 20.0, atol=1e-6)
+    assert np.allclose(buffers["place"].array, OPEN + height.values[::-1] / 20.0, atol=1e-6)
     assert len(alive) == before
 
 
@@ -86,9 +87,9 @@ def test_the_first_field_is_shown_first(sphere, height):
 
 def test_a_field_is_painted_by_its_place_on_the_scale(sphere, height):
     viewer = Viewer(sphere, [height])
-    assert np.allclose(scene(viewer)._places.array, height.values / 20.0, atol=1e-6)
+    assert np.allclose(scene(viewer)._places.array, OPEN + height.values / 20.0, atol=1e-6)
     viewer.layer = "style"
-    assert np.all(scene(viewer)._places.array == PLAIN)
+    assert np.all(scene(viewer)._places.array == OWN)
 
 
 def test_the_ramp_ends_at_the_threshold_and_beyond_it_is_above_one(sphere, height):
@@ -98,8 +99,12 @@ def test_the_ramp_ends_at_the_threshold_and_beyond_it_is_above_one(sphere, heigh
     assert places[np.abs(height.values - 15.0).argmin()] == pytest.approx(1.0, abs=0.05)
 
 
-def test_without_a_threshold_nothing_is_hatched(sphere, height):
-    assert scene(Viewer(sphere, [replace(height, limits=(0.0, 10.0))]))._places.array.max() == 1.0
+def test_without_a_threshold_the_end_of_the_scale_is_not_painted_as_a_threshold_reached(sphere, height):
+    """The shader outlines and hatches from 1 on."""
+    reached = scene(Viewer(sphere, [replace(height, limits=(0.0, 20.0), threshold=10.0)]))._places.array
+    for limits in ((0.0, 10.0), (0.0, 20.0)):
+        places = scene(Viewer(sphere, [replace(height, limits=limits)]))._places.array
+        assert places.max() < 0.0 < reached.min() + 1e-6
 
 
 def test_what_is_not_a_number_is_told_apart_and_does_not_spoil_the_scale(sphere, height):
@@ -107,7 +112,7 @@ def test_what_is_not_a_number_is_told_apart_and_does_not_spoil_the_scale(sphere,
     holes[:100] = np.nan
     places = scene(Viewer(sphere, [replace(height, values=holes)]))._places.array
     assert np.all(places[:100] == NOTHING)
-    assert places.max() == 1.0
+    assert places.max() == OPEN + 1.0
 
 
 @pytest.mark.parametrize("value", [0.0, 3.0, np.nan])
@@ -123,7 +128,7 @@ def test_a_layer_can_be_put_in_the_place_of_another(sphere, height):
     assert [layer.name for layer in viewer.subject.layers] == ["height", "depth"]
     assert [name for _, name in viewer._choice.options] == ["style", "height", "depth"]
     assert viewer.layer == "height"
-    assert scene(viewer)._places.array.max() == pytest.approx(0.5)
+    assert scene(viewer)._places.array.max() == pytest.approx(OPEN + 0.5)
 
 
 def test_the_menu_and_the_trait_are_one(sphere, height):

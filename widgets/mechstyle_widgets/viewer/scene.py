@@ -12,6 +12,7 @@ import numpy as np
 import pythreejs
 from numpy.typing import ArrayLike, NDArray
 
+from mechstyle.pictures.colormap import PLAIN
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle_widgets.viewer.layers import Layer
 from mechstyle_widgets.viewer.shaders import (
@@ -22,15 +23,14 @@ from mechstyle_widgets.viewer.shaders import (
     MARKER_VERTEX,
     MAXIMUM,
     MINIMUM,
+    OWN,
     PART_FRAGMENT,
     PART_VERTEX,
     PICKED,
-    PLAIN,
     paint,
     ramp,
 )
 
-PLASTIC = (0.76, 0.75, 0.73)  # sRGB of a part without colours: unpainted, neither light nor dark
 BACKGROUNDS = {"light": "#f6f6f4", "dark": "#1e1f22"}
 AXES = {"x": "#b4483c", "y": "#3d7d3a", "z": "#3b5fa8"}
 
@@ -48,7 +48,7 @@ class Scene:
     def __init__(self, mesh: SurfaceMesh, centre: ArrayLike, theme: str = "light") -> None:
         """Build it whole around a part, with `centre` [mm] at the origin, about which the controls orbit."""
         self._vertices, self._normals = _attribute(mesh.vertices), _attribute(mesh.vertex_normals)
-        self._colours, self._places = _attribute(_own_colours(mesh)), _attribute(np.full(len(mesh.vertices), PLAIN))
+        self._colours, self._places = _attribute(_own_colours(mesh)), _attribute(np.full(len(mesh.vertices), OWN))
         self._protected = _attribute(np.zeros(len(mesh.vertices)))
         self._spots, self._kinds = _attribute(np.zeros((3, 3))), _attribute(np.full(3, HIDDEN))
         self._geometry = pythreejs.BufferGeometry(
@@ -75,7 +75,7 @@ class Scene:
     def paint(self, layer: Layer | None) -> None:
         """Show a field, or the part's own colours."""
         count = len(self._places.array)
-        self._places.array = np.full(count, PLAIN, np.float32) if layer is None else paint(layer.values, layer.scale)
+        self._places.array = np.full(count, OWN, np.float32) if layer is None else paint(layer.values, layer.scale)
 
     def hatch(self, protected: NDArray[np.bool_] | None) -> None:
         """Hatch what is protected, shape [vertex_count]; None for nothing."""
@@ -160,7 +160,7 @@ def _part_material() -> Any:
 
 def _own_colours(mesh: SurfaceMesh) -> NDArray[np.floating]:
     """Display colours of the part itself, shape [vertex_count, 3]."""
-    return np.broadcast_to(PLASTIC, mesh.vertices.shape) if mesh.colours is None else mesh.colours
+    return np.broadcast_to(PLAIN, mesh.vertices.shape) if mesh.colours is None else mesh.colours
 
 
 def _attribute(values: ArrayLike) -> Any:

@@ -1,8 +1,8 @@
 """What the graphics card does for each vertex and pixel: the light and the colours of `mechstyle.pictures`, live.
 
 One number per vertex says how it is painted, so that one small buffer is all that changes with a layer or a threshold:
-`PLAIN` for the part's own colour, `NOTHING` where a field is not known, else the place on the ramp, 1 at its end; beyond
-1 lies what exceeds the threshold, hatched and outlined.
+`OWN` for the part's own colour, `NOTHING` where a field is not known, else the place on the ramp, 0 to 1. Beyond 1 lies what
+exceeds the threshold, hatched and outlined. A field without one has its places from `OPEN` to `OPEN` + 1, far from any hatch.
 """
 
 from __future__ import annotations
@@ -11,18 +11,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mechstyle.pictures.colormap import ABOVE, ABSENT, LINE, STEPS, STRIPE, UNKNOWN, Scale, linear_to_srgb
-from mechstyle.pictures.scene import FLATNESS
-from mechstyle.pictures.shading import FILL, FILL_LIGHT, GROUND_LIGHT, KEY, KEY_LIGHT, SKY_LIGHT
+from mechstyle.pictures.shading import FILL, FILL_LIGHT, FLATNESS, GROUND_LIGHT, KEY, KEY_LIGHT, SKY_LIGHT
 
-PLAIN, NOTHING = 1000.0, -1000.0
+OWN, NOTHING, OPEN = 1000.0, -1000.0, -3.0
 MAXIMUM, MINIMUM, PICKED, HIDDEN = 0.0, 1.0, 2.0, -1.0  # kinds of markers
 
 
 def paint(values: NDArray[np.float32], scale: Scale) -> NDArray[np.float32]:
     """How each vertex is painted with a field, shape [vertex_count]."""
     place = (np.asarray(values, dtype=np.float64) - scale.low) / (scale.top - scale.low)
-    beyond = 10.0 if scale.top < scale.high else 1.0
-    return np.where(np.isfinite(place), np.clip(place, 0.0, beyond), NOTHING).astype(np.float32)
+    shown = np.clip(place, 0.0, 10.0) if scale.top < scale.high else OPEN + np.clip(place, 0.0, 1.0)
+    return np.where(np.isfinite(place), shown, NOTHING).astype(np.float32)
 
 
 def ramp() -> NDArray[np.uint8]:
@@ -72,14 +71,19 @@ float light() {{
     return around + {KEY_LIGHT:.4f} * key + {FILL_LIGHT:.4f} * fill;
 }}
 
+vec3 mapped(float place) {{
+    return texture2D(ramp, vec2((clamp(place, 0.0, 1.0) * {STEPS - 1}.0 + 0.5) / {STEPS}.0, 0.5)).rgb;
+}}
+
 vec3 field() {{
+    if (v_place < {OPEN - 0.01:.2f}) return {_vec(UNKNOWN)};
+    if (v_place < {OPEN + 1.01:.2f}) return mapped(v_place - {OPEN:.1f});
     float pixels = abs(v_place - 1.0) / max(fwidth(v_place), 1e-9);
-    if (v_place < -0.01) return {_vec(UNKNOWN)};
     if (v_place > 1.0 || pixels < 0.8) {{
         if (pixels < 1.6 && fwidth(v_place) > 1e-7) return {_vec(LINE)};
         return mod(gl_FragCoord.x + gl_FragCoord.y, 9.0) < 3.0 ? {_vec(STRIPE)} : {_vec(ABOVE)};
     }}
-    return texture2D(ramp, vec2((clamp(v_place, 0.0, 1.0) * {STEPS - 1}.0 + 0.5) / {STEPS}.0, 0.5)).rgb;
+    return mapped(v_place);
 }}
 
 bool hatched() {{  // what is protected: grey stripes that lean the other way than those above a limit, and an outline
@@ -88,9 +92,9 @@ bool hatched() {{  // what is protected: grey stripes that lean the other way th
 }}
 
 void main() {{
-    bool plain = v_place > {PLAIN / 2:.1f};
-    float shade = plain ? light() : {FLATNESS:.4f} + {1 - FLATNESS:.4f} * light();
-    vec3 colour = hatched() ? {_vec(ABSENT)} : plain ? v_colour : field();
+    bool own = v_place > {OWN / 2:.1f};
+    float shade = own ? light() : mix(light(), 1.0, {FLATNESS:.4f});
+    vec3 colour = hatched() ? {_vec(ABSENT)} : own ? v_colour : field();
     gl_FragColor = vec4(to_display(min(to_light(colour) * shade, 1.0)), 1.0);
 }}
 """
