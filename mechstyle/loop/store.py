@@ -129,6 +129,14 @@ class Store:
             yield entry
             digest = entry.parent
 
+    def allowable(self, state: Checkpoint | Entry) -> float:
+        """What the stress may at most be [MPa]: the limit of the newest verdict, before the first the material's yield strength."""
+        verdict, parent = state.verdict, state.parent
+        while verdict is None and parent:
+            entry = self.entry(parent)
+            verdict, parent = entry.verdict, entry.parent
+        return self.recipe(state.recipe).material.yield_strength if verdict is None else verdict.deciding.limit
+
     def find(self, iteration: int | None, lane: str = "main") -> Entry:
         """The newest checkpoint of an iteration in a lane (None: its head); BadInput says which iterations there are."""
         history = self.history(lane)

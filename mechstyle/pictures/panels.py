@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mechstyle._files import write_whole
+from mechstyle.pictures import fields
+from mechstyle.pictures.fields import Quantity
 from mechstyle.records import Checkpoint, Recipe, Verdict
 from mechstyle.records.mesh import SurfaceMesh
 
@@ -33,52 +36,47 @@ class Picture:
         return Path(path)
 
 
-def stress_panel(
-    mesh: SurfaceMesh, stress: np.ndarray, verdict: Verdict | None, *, title: str, limit: float, view: str = "three_quarter"
+def field_panel(
+    mesh: SurfaceMesh, quantity: Quantity, values: NDArray[Any], *, title: str = "", note: str = "", view: str = "three_quarter"
 ) -> Panel:
-    """A part coloured by stress [MPa], with the allowable stress marked."""
+    """A part coloured by a field, shape [vertex_count], as the table of quantities has it; its name is the title by default."""
     from mechstyle.pictures.figure import Panel  # noqa: PLC0415 — matplotlib is loaded when a picture is wanted
 
-    top = max(float(stress.max()), 1.05 * limit)
-    note = _note(verdict)
-    return Panel(mesh, title, values=stress, unit="MPa", label="von Mises stress", limits=(0.0, top), threshold=limit, note=note, view=view)
+    limits, threshold = quantity.limits(values), quantity.threshold
+    return Panel(mesh, title or quantity.name, values, quantity.unit, quantity.label, limits, threshold, view, note)
 
 
-def _note(verdict: Verdict | None) -> str:
-    """A verdict in the line under a picture, "" for none."""
-    if verdict is None:
-        return ""
+def verdict_note(verdict: Verdict) -> str:
+    """A verdict in the line under a picture."""
     if verdict.outcome == "UNKNOWN":
         return "UNKNOWN: this drop gave no answer"
     return f"{verdict.outcome}: peak {verdict.deciding.value:.0f} of {verdict.deciding.limit:.0f} MPa"
 
 
-def checkpoint_panels(original: SurfaceMesh, state: Checkpoint, recipe: Recipe, measured_at: int | None) -> list[Panel]:
+def checkpoint_panels(original: SurfaceMesh, state: Checkpoint, recipe: Recipe, limit: float, measured_at: int | None) -> list[Panel]:
     """Styled look, stress of the last drop that gave an answer and mask, side by side.
 
     Args:
         original: The unstylized surface.
         state: What to show.
         recipe: Its recipe.
+        limit: What the stress may at most be there [MPa].
         measured_at: Iteration of that drop, None if none gave an answer; if a later one failed, the picture says so.
     """
     from mechstyle.pictures.figure import Panel  # noqa: PLC0415 — as above
 
     styled = original.displaced(state.displacement).coloured(state.colour)
-    limit = state.verdict.deciding.limit if state.verdict is not None else recipe.material.yield_strength
     when = "" if measured_at in (None, state.iteration) else f" (iteration {measured_at})"
-    stress = stress_panel(styled, state.stress, state.verdict, title=f"stress{when}", limit=limit)
+    note = "" if state.verdict is None else verdict_note(state.verdict)
     if state.verdict is None and measured_at != state.simulated_at:
-        stress = replace(stress, note=f"UNKNOWN: the later drop at iteration {state.simulated_at} gave no answer")
+        note = f"UNKNOWN: the later drop at iteration {state.simulated_at} gave no answer"
     return [
         Panel(styled, f"“{recipe.prompt}”"),
-        stress,
-        Panel(
+        field_panel(styled, fields.stress(limit), state.stress, title=f"stress{when}", note=note),
+        field_panel(
             styled,
-            "restraint",
-            values=1.0 - state.mask,
-            label="share of movement held back",
-            limits=(0.0, 1.0),
+            fields.RESTRAINT,
+            fields.RESTRAINT.of(state),
             note=f"{state.restrained.mean():.0%} restrained",
         ),
     ]
@@ -106,19 +104,14 @@ def comparison(original: SurfaceMesh, start: Checkpoint, finals: Sequence[tuple[
 
     rows: list[list[Panel]] = [[], [], []]
     shown = [("as it came", start, finals[0][2]), *finals]
-    top = max(float(state.stress.max()) for _, state, _ in shown)
+    highest = [float(state.stress.max()) for _, state, _ in shown]
     for name, state, recipe in shown:
         styled = original.displaced(state.displacement).coloured(state.colour)
         limit = state.verdict.deciding.limit if state.verdict is not None else recipe.material.yield_strength
         rows[0].append(Panel(styled, name))
-        for row, view in ((1, "three_quarter"), (2, "below")):
-            panel = stress_panel(
-                styled,
-                state.stress,
-                state.verdict if row == 1 else None,
-                title="stress" if row == 1 else "from below",
-                limit=limit,
-                view=view,
-            )
-            rows[row].append(replace(panel, limits=(0.0, max(top, 1.05 * limit))))
+        stress = fields.stress(limit)
+        for row, view, title in ((1, "three_quarter", "stress"), (2, "below", "from below")):
+            note = verdict_note(state.verdict) if row == 1 and state.verdict is not None else ""
+            panel = field_panel(styled, stress, state.stress, title=title, note=note, view=view)
+            rows[row].append(replace(panel, limits=stress.limits(highest)))
     return picture([panel for row in rows for panel in row], title=f"“{finals[0][2].prompt}”", columns=len(shown))

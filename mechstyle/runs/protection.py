@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from mechstyle.geometry.region_selection import Protection, protection
 from mechstyle.geometry.thickness import local_thickness
-from mechstyle.pictures.panels import Picture, picture, with_protected
+from mechstyle.pictures.fields import RESTRAINT
+from mechstyle.pictures.panels import Picture, field_panel, picture, with_protected
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh
 from mechstyle.records.regions import Region, regions
 from mechstyle.simulation.part import Stage, say_nothing, standardised
@@ -41,12 +42,9 @@ class ProtectedPart:
 
     def show(self) -> Picture:
         """The regions in hatched grey and the ramps around them, from three sides: a notebook displays it, `.save(path)` writes the PNG."""
-        from mechstyle.pictures.figure import Panel  # noqa: PLC0415 — matplotlib is loaded when a picture is wanted
-
-        held = 1.0 - self.protection.freedom
-        label, limits = "share of movement held back", (0.0, 1.0)
+        held = RESTRAINT.made(self.protection.freedom)
         views = (("three_quarter", "what is protected"), ("top", "from above"), ("below", "from below"))
-        panels = [Panel(self.surface, title, values=held, label=label, limits=limits, view=view) for view, title in views]
+        panels = [field_panel(self.surface, RESTRAINT, held, title=title, view=view) for view, title in views]
         title = textwrap.shorten("; ".join(self.protection.notes), 130, placeholder=" …")
         return picture([with_protected(panel, self.frozen) for panel in panels], title=title)
 

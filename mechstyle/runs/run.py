@@ -149,7 +149,7 @@ class Run:
         """Styled part, stress and mask side by side: a notebook displays it, `.save(path)` writes the PNG."""
         state = self.checkpoint(iteration)
         recipe = self.store.recipe(state.recipe)
-        *panels, restraint = checkpoint_panels(self.part.surface, state, recipe, self._measured_at(iteration))
+        *panels, restraint = checkpoint_panels(self.part.surface, state, recipe, self.store.allowable(state), self._measured_at(iteration))
         protected = bounds_for(self.part, recipe)[0].freedom == 0.0
         return picture([*panels, with_protected(restraint, protected)], title=f"{self.record.name}, iteration {state.iteration}")
 

@@ -20,7 +20,8 @@ from mechstyle.fea.snapshots import snapshot
 from mechstyle.fea.vtu import vtu_path
 from mechstyle.loop.history import Strength
 from mechstyle.loop.minimum_wall import warnings as wall_warnings
-from mechstyle.pictures.panels import Picture, picture, stress_panel
+from mechstyle.pictures import fields
+from mechstyle.pictures.panels import Picture, field_panel, picture, verdict_note
 from mechstyle.records import POSES, Recipe, Simulation, Verdict
 from mechstyle.records.load_cases import LoadCase, load_cases
 from mechstyle.records.material import Material, material_named
@@ -85,24 +86,21 @@ class PartTest:
         """Stress as placed from three sides; below it, if several orientations were dropped, the worst of them and the probability."""
         limit, surface, simulation = self.verdict.deciding.limit, self.part.surface, self.simulation
         first = "stress, dropped and loaded" if simulation.loaded else "stress as placed"
-        panels = [stress_panel(surface, simulation.stress, self.verdict, title=first, limit=limit)]
+        stress, note = fields.stress(limit), verdict_note(self.verdict)
+        panels = [field_panel(surface, stress, simulation.stress, title=first, note=note)]
         for view, title in (("front", "from the front"), ("below", "from below")):
-            panels.append(stress_panel(surface, simulation.stress, None, title=title, limit=limit, view=view))
+            panels.append(field_panel(surface, stress, simulation.stress, title=title, view=view))
         if simulation.overall is not None:
             worst = f"worst of {len(self.detail.drop.von_mises)} orientations"
             for view, title in (("three_quarter", worst), ("below", "from below")):
-                panel = stress_panel(surface, simulation.envelope, None, title=title, limit=limit, view=view)
-                panels.append(replace(panel, label="worst von Mises stress"))
+                panels.append(field_panel(surface, fields.envelope(limit), simulation.envelope, title=title, view=view))
             panels.append(self._probability_panel())
         return picture(panels, columns=3)
 
     def _probability_panel(self) -> Panel:
-        from mechstyle.pictures.figure import Panel  # noqa: PLC0415 — matplotlib is loaded when a picture is wanted
-
         whole = f"{self.simulation.failure_probability:.0%} of random drops exceed it somewhere"
-        label = f"probability to exceed {self.recipe.material.yield_strength:.1f} MPa"
-        field = self.simulation.probability
-        return Panel(self.part.surface, "failure probability", values=field, label=label, limits=(0.0, 1.0), note=whole)
+        exceeding = fields.probability(self.recipe.material.yield_strength)
+        return field_panel(self.part.surface, exceeding, self.simulation.probability, title="failure probability", note=whole)
 
     def show_history(self) -> Picture:
         """Peak stress, energies and contact force of the drop as placed over time.

@@ -44,8 +44,8 @@ def test_python_sets_what_the_mouse_sets(shown):
 
 
 def test_a_layer_chosen_in_the_browser_brings_its_threshold(shown):
-    shown.page.get_by_role("radio", name="Restraint").click()
-    shown.until("(replay.layer, replay.threshold)", "('restraint', 0.5)")
+    shown.page.get_by_role("radio", name="Demand").click()
+    shown.until("(replay.layer, replay.threshold)", "('demand', 1.0)")
 
 
 def test_it_scrubs_while_the_kernel_is_busy(shown):

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import msgspec
 import numpy as np
 import pytest
 
+from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import TetMesh
 from mechstyle.runs import run as module
 from mechstyle.runs.run import begin
@@ -14,11 +16,16 @@ TETS = TetMesh(np.eye(4, 3), [[0, 1, 2, 3]])
 
 
 @pytest.fixture
-def run(bench):
+def material():
+    return LIBRARY["PLA"]
+
+
+@pytest.fixture
+def run(bench, material):
     """The drops at 20 and 60 give an answer, the one at 40 does not, as it alone finds a relief above 0.9 mm."""
     bench.gain, bench.broken_above = 1.0, 0.95
     part = Workpiece(bench.surface, TETS, np.full(64, 4.0, np.float32), stands=False)
-    recipe = bench.recipe(schedule="every", every=20, control="none", memory=False, retraction=False)
+    recipe = bench.recipe(schedule="every", every=20, control="none", memory=False, retraction=False, material=material)
     run = begin(part, recipe, bench.root, device="cpu")
     for event in bench.engine(recipe).run():
         if getattr(event, "iteration", 0) == 50:
@@ -51,6 +58,14 @@ def shown(run, monkeypatch):
 def test_the_stress_of_an_older_drop_is_not_shown_as_that_of_a_failed_one(shown, iteration, title, note):
     panel = shown(iteration)
     assert (panel.title, panel.note) == (title, note)
+
+
+@pytest.mark.parametrize("material", [msgspec.structs.replace(LIBRARY["PLA"], yield_strength=15.0)])
+def test_between_drops_the_limit_is_that_of_the_last_verdict(run, shown):
+    """The original itself reaches 20 MPa, so that is what the stress may reach."""
+    limit = run.checkpoint(20).verdict.deciding.limit
+    assert limit == pytest.approx(20.0)
+    assert shown(30).threshold == limit
 
 
 def test_a_picture_can_be_made_of_a_failed_drop(run, tmp_path):

@@ -8,9 +8,8 @@ before, low bytes apart from high bytes, which gzip then packs to a fraction. `s
 from __future__ import annotations
 
 import gzip
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import msgspec
@@ -19,8 +18,9 @@ from numpy.typing import NDArray
 
 from mechstyle.loop.history import Row, per_iteration
 from mechstyle.loop.objects import Objects
-from mechstyle.loop.store import Entry
+from mechstyle.pictures import shading
 from mechstyle.pictures.colormap import ABOVE, LINE, STRIPE, UNKNOWN, Scale, linear_to_srgb
+from mechstyle.pictures.fields import Quantity, quantities
 from mechstyle.records import Verdict
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.report.run_protocol import LaneOfRun, begun
@@ -29,6 +29,9 @@ LEVELS = 4095
 """Steps of a quantised field: a quarter of a micrometre for a millimetre of relief."""
 NO_NUMBER = 65535
 """Stands for a value that is not a number."""
+
+STYLE = {"key": "style", "title": "Style", "label": "", "unit": "", "low": 0.0, "high": 1.0, "threshold": None}
+"""The layer of the part's own colours."""
 
 Plane = NDArray[np.uint8] | NDArray[np.uint16]
 
@@ -55,7 +58,7 @@ class ReplayData:
         return next(layer for layer in self.header["layers"] if layer["key"] == key)
 
 
-class Fields(msgspec.Struct, frozen=True):
+class Digests(msgspec.Struct, frozen=True):
     """The digests of a checkpoint's arrays: equal digests are equal planes, known without reading them."""
 
     displacement: str
@@ -86,6 +89,12 @@ class Channel:
     width: int = 1
 
     @property
+    def extremes(self) -> tuple[float, float]:
+        """Its least and greatest value over all frames."""
+        raw = max(int(plane.max(initial=0, where=plane != NO_NUMBER)) for plane in self.planes)
+        return self.low, self.low + self.step * raw
+
+    @property
     def spec(self) -> dict[str, Any]:
         """What the header says of it."""
         size = self.planes[0].dtype.itemsize
@@ -111,32 +120,25 @@ def replay_data(run: LaneOfRun) -> ReplayData:
         BadInput: If the lane has no checkpoint yet.
     """
     history = begun(run)
-    shown = per_iteration(history)
-    fields = [run.store.objects.get_record(row.digest, Fields) for row in shown]
+    rows = per_iteration(history)
+    digests = [run.store.objects.get_record(row.digest, Digests) for row in rows]
     surface = run.part.surface
-    read = partial(_channel, run.store.objects, fields)
-    stress, demand = read("stress"), read("demand")
-    displacement, restraint = read("displacement"), read("mask", name="restraint", change=lambda mask: 1.0 - mask)
-    channels = [displacement, _colour_channel(run.store.objects, fields), stress, demand, restraint]
-    limit = latest_limit(history, run.recipe.material.yield_strength)
+    shown = quantities(run.recipe, run.store.allowable(history[-1]))
+    fields = {quantity.name: _channel(run.store.objects, digests, quantity) for quantity in shown}
+    channels = [*fields.values(), _colour_channel(run.store.objects, digests)]
     header = {
         "name": run.record.name,
         "prompt": run.recipe.prompt,
         "vertices": len(surface.vertices),
         "faces": len(surface.faces),
-        "frames": [_frame(row) for row in shown],
-        "layers": _layers(stress, demand, displacement, limit),
+        "frames": [_frame(row) for row in rows],
+        "layers": [STYLE, *(_layer(quantity, fields[quantity.name]) for quantity in shown)],
         "channels": [channel.spec for channel in channels],
         "colours": _palette(),
+        "light": _light(),
     }
     packed = b"".join([_surface_bytes(surface), *(channel.packed() for channel in channels)])
     return ReplayData(header, gzip.compress(packed, 6, mtime=0))
-
-
-def latest_limit(history: Sequence[Entry], otherwise: float) -> float:
-    """Allowable stress of the newest verdict [MPa], `otherwise` without one."""
-    verdicts = [entry.verdict for entry in history if entry.verdict is not None]
-    return verdicts[-1].deciding.limit if verdicts else otherwise
 
 
 def _surface_bytes(surface: SurfaceMesh) -> bytes:
@@ -144,24 +146,22 @@ def _surface_bytes(surface: SurfaceMesh) -> bytes:
     return b"".join(array.tobytes() for array in arrays)
 
 
-def _unique(fields: Sequence[Fields], key: str) -> tuple[list[str], list[int]]:
+def _unique(digests: Sequence[Digests], key: str) -> tuple[list[str], list[int]]:
     """Different digests in order of appearance, and which of them each frame has."""
-    digests = [getattr(one, key) for one in fields]
-    order = {digest: place for place, digest in enumerate(dict.fromkeys(digests))}
-    return list(order), [order[digest] for digest in digests]
+    wanted = [getattr(one, key) for one in digests]
+    order = {digest: place for place, digest in enumerate(dict.fromkeys(wanted))}
+    return list(order), [order[digest] for digest in wanted]
 
 
-def _channel(
-    objects: Objects, fields: Sequence[Fields], key: str, name: str = "", change: Callable[[Any], Any] = lambda values: values
-) -> Channel:
+def _channel(objects: Objects, digests: Sequence[Digests], quantity: Quantity) -> Channel:
     """A scalar field quantised to LEVELS steps between its extremes."""
-    digests, frames = _unique(fields, key)
-    arrays = [change(objects.get_array(digest)) for digest in digests]
+    different, frames = _unique(digests, quantity.source)
+    arrays = [quantity.made(objects.get_array(digest)) for digest in different]
     known = [array[np.isfinite(array)] for array in arrays]
     low = min((float(array.min()) for array in known if array.size), default=0.0)
     high = max((float(array.max()) for array in known if array.size), default=0.0)
     step = (high - low) / LEVELS or 1.0
-    return Channel(name or key, [_quantised(array, low, step) for array in arrays], frames, low, step)
+    return Channel(quantity.name, [_quantised(array, low, step) for array in arrays], frames, low, step)
 
 
 def _quantised(values: NDArray[np.float32], low: float, step: float) -> Plane:
@@ -171,10 +171,10 @@ def _quantised(values: NDArray[np.float32], low: float, step: float) -> Plane:
     return raw
 
 
-def _colour_channel(objects: Objects, fields: Sequence[Fields]) -> Channel:
-    digests, frames = _unique(fields, "colour")
+def _colour_channel(objects: Objects, digests: Sequence[Digests]) -> Channel:
+    different, frames = _unique(digests, "colour")
     planes: list[Plane] = [
-        np.rint(255 * np.clip(objects.get_array(digest).astype(np.float32), 0, 1)).astype(np.uint8).ravel() for digest in digests
+        np.rint(255 * np.clip(objects.get_array(digest).astype(np.float32), 0, 1)).astype(np.uint8).ravel() for digest in different
     ]
     return Channel("colour", planes, frames, width=3)
 
@@ -192,33 +192,21 @@ def _verdict_words(verdict: Verdict) -> dict[str, Any]:
     return {"outcome": verdict.outcome, "peak": decides.value, "limit": decides.limit}
 
 
-def _extent(channel: Channel) -> tuple[float, float]:
-    return channel.low, channel.low + LEVELS * channel.step
+def _layer(quantity: Quantity, channel: Channel) -> dict[str, Any]:
+    """A field as the table of quantities has it, with colours that show it in every frame."""
+    low, high = quantity.limits(channel.extremes) or channel.extremes
+    return {
+        "key": quantity.name, "title": quantity.name.capitalize(), "label": quantity.label, "unit": quantity.unit,
+        "low": low, "high": high, "threshold": quantity.threshold,
+    }  # fmt: skip
 
 
-def _layers(stress: Channel, demand: Channel, displacement: Channel, limit: float) -> list[dict[str, Any]]:
-    """What can be looked at: the ends of each colour scale and the threshold above which values are set apart."""
-    relief = _extent(displacement)
-    flat = relief[1] - relief[0] == LEVELS  # nothing has moved: any scale will do
-    return [
-        {"key": "style", "title": "Style", "label": "", "unit": "", "low": 0.0, "high": 1.0, "threshold": None},
-        {
-            "key": "stress", "title": "Stress", "label": "von Mises stress of the last simulation, 2 mm average", "unit": "MPa",
-            "low": 0.0, "high": max(_extent(stress)[1], 1.05 * limit), "threshold": limit,
-        },
-        {
-            "key": "demand", "title": "Demand", "label": "share of the stress reserve used up", "unit": "",
-            "low": 0.0, "high": max(1.25, _extent(demand)[1]), "threshold": 1.0,
-        },
-        {
-            "key": "restraint", "title": "Restraint", "label": "share of movement held back by the mask", "unit": "",
-            "low": 0.0, "high": 1.0, "threshold": 0.5,
-        },
-        {
-            "key": "displacement", "title": "Displacement", "label": "displacement along the normal", "unit": "mm",
-            "low": -0.1 if flat else relief[0], "high": 0.1 if flat else relief[1], "threshold": None,
-        },
-    ]  # fmt: skip
+def _light() -> dict[str, Any]:
+    """The lamps of the figures, by the names the shaders give them."""
+    return {
+        "key": list(shading.KEY), "keyLight": shading.KEY_LIGHT, "fill": list(shading.FILL), "fillLight": shading.FILL_LIGHT,
+        "sky": shading.SKY_LIGHT, "ground": shading.GROUND_LIGHT, "flatness": shading.FLATNESS,
+    }  # fmt: skip
 
 
 def _palette() -> dict[str, Any]:

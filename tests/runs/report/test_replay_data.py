@@ -9,6 +9,7 @@ from msgspec.structs import replace as replace_fields
 
 from mechstyle.errors import BadInput
 from mechstyle.loop.store import Lane, Store
+from mechstyle.pictures import shading
 from mechstyle.runs.report.replay_data import LEVELS, NO_NUMBER, Channel, _quantised, replay_data
 from mechstyle.runs.run import Run
 
@@ -87,6 +88,27 @@ def test_layers_hold_their_values_and_their_threshold(lane):
     assert stress["low"] <= stress["threshold"] < stress["high"]
     assert max(lane.checkpoint(i).stress.max() for i in range(61)) <= stress["high"] * 1.0001
     assert played.layer("style")["threshold"] is None
+
+
+def test_demand_is_read_as_the_recipe_in_force_has_it(sheet, lane):
+    run = sheet(iterations=20, threshold=0.5, control="frozen", normalisation="own_max")
+    demand, usual = replay_data(run).layer("demand"), replay_data(lane).layer("demand")
+    assert demand["threshold"] == 0.5
+    assert usual["threshold"] == lane.recipe.threshold
+    assert "original" in demand["label"]
+    assert "reserve" in usual["label"]
+
+
+def test_a_field_that_is_the_same_everywhere_has_a_scale_of_its_own_size(sheet):
+    stress = replay_data(sheet(iterations=3, gain=0.0)).layer("stress")
+    assert stress["high"] == pytest.approx(1.05 * stress["threshold"])
+
+
+def test_the_light_is_that_of_the_figures(lane):
+    assert replay_data(lane).header["light"] == {
+        "key": list(shading.KEY), "keyLight": shading.KEY_LIGHT, "fill": list(shading.FILL), "fillLight": shading.FILL_LIGHT,
+        "sky": shading.SKY_LIGHT, "ground": shading.GROUND_LIGHT, "flatness": shading.FLATNESS,
+    }  # fmt: skip
 
 
 def test_a_value_that_is_no_number_stays_apart_from_those_that_are():

@@ -41,11 +41,11 @@ def test_a_layer_brings_its_threshold_and_keeps_one_that_is_set(replay, run):
     replay.threshold = 25.0
     replay.iteration = 3
     assert replay.threshold == 25.0
-    replay.layer = "restraint"
-    assert replay.threshold == 0.5
+    replay.layer = "demand"
+    assert replay.threshold == run.recipe.threshold
     replay.threshold = None
     assert replay.threshold is None
-    replay.layer = "displacement"
+    replay.layer = "restraint"
     assert replay.threshold is None
 
 

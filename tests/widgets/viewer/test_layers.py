@@ -5,16 +5,47 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mechstyle_widgets.viewer.layers import stress_limit, subject_of
+from mechstyle.runs import run as module
+from mechstyle.runs.report.replay_data import replay_data
+from mechstyle_widgets.viewer.layers import subject_of
+from support.lanes import lane_on_a_sheet
+
+
+@pytest.fixture
+def growing(tmp_path):
+    """A lane whose last iteration has the largest relief, stress and demand of all."""
+    settings = {"control": "none", "retraction": False, "guarantee": False, "threshold": 0.5, "normalisation": "yield"}
+    return lane_on_a_sheet(tmp_path / "run", iterations=20, **settings)
+
+
+def test_figures_viewer_and_replay_read_a_field_alike(growing, monkeypatch):
+    panels = []
+    monkeypatch.setattr(module, "with_protected", lambda panel, _: panel)
+    monkeypatch.setattr(module, "picture", lambda shown, **_: panels.extend(shown))
+    growing.show()
+    header = {layer["key"]: layer for layer in replay_data(growing).header["layers"]}
+    layers = {layer.name: layer for layer in subject_of(growing, growing.checkpoint()).layers}
+    drawn = {panel.title: panel for panel in panels if panel.values is not None}
+    assert [name for name in header if name != "style"] == list(layers)[:4]
+    assert header["demand"]["threshold"] == 0.5
+    for name in ("stress", "demand", "restraint", "displacement"):
+        played, layer = header[name], layers[name]
+        assert (played["label"], played["unit"], played["threshold"]) == (layer.label, layer.unit, layer.threshold)
+        assert (played["low"], played["high"]) == pytest.approx(layer.limits, rel=1e-5)
+    assert set(drawn) == {"stress", "restraint"}
+    for name, panel in drawn.items():
+        layer = layers[name]
+        assert (panel.label, panel.unit, panel.limits, panel.threshold) == (layer.label, layer.unit, layer.limits, layer.threshold)
+        assert np.array_equal(panel.values, layer.values)
 
 
 def test_a_checkpoint_shows_every_field_that_is_known_there(done):
     state = done.checkpoint(12)
     subject = subject_of(done, state)
-    of_any, of_several = ["stress", "demand", "mask", "displacement", "thickness", "contact"], ["envelope", "probability"]
+    of_any, of_several = ["stress", "demand", "restraint", "displacement", "thickness", "contact"], ["envelope", "probability"]
     assert [layer.name for layer in subject.layers] == of_any + of_several
     assert np.array_equal(subject.layer("stress").values, state.stress)
-    assert np.allclose(subject.layer("mask").values, 1.0 - state.mask)
+    assert np.allclose(subject.layer("restraint").values, 1.0 - state.mask)
     assert np.array_equal(subject.layer("displacement").values, state.displacement)
     assert np.allclose(subject.mesh.vertices, done.part.surface.displaced(state.displacement).vertices)
     assert subject.mesh.colours is not None
@@ -32,7 +63,7 @@ def test_the_limits_are_those_of_the_verdict_and_of_the_recipe(done):
 
 def test_between_simulations_the_last_verdict_holds_and_its_age_is_told(done):
     state = done.checkpoint(6)
-    assert stress_limit(done, state) == done.history[4].verdict.deciding.limit
+    assert subject_of(done, state).layer("stress").threshold == done.history[4].verdict.deciding.limit
     assert subject_of(done, state).layer("stress").note == "simulated at iteration 4"
     assert subject_of(done, done.checkpoint(4)).layer("stress").note == ""
 

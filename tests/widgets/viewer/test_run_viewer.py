@@ -40,9 +40,9 @@ def test_the_original_is_the_unstylized_part(done):
 
 
 def test_lane_and_layer_are_those_of_the_state(done):
-    state = StudioState(done, layer="mask")
+    state = StudioState(done, layer="restraint")
     viewer = RunViewer(state)
-    assert viewer.layer == "mask"
+    assert viewer.layer == "restraint"
     viewer.layer = "demand"
     assert state.layer == "demand"
     viewer.lane = "soft"

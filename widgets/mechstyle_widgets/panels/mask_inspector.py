@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
@@ -11,6 +12,7 @@ import numpy as np
 import traitlets
 
 from mechstyle.loop import control
+from mechstyle.pictures.fields import RESTRAINT
 from mechstyle.records import Checkpoint, Recipe
 from mechstyle.records.checkpoint import restrained
 from mechstyle.records.mesh import Field
@@ -20,7 +22,7 @@ from mechstyle_widgets.jupyter.svg import Frame, drawing, shares
 from mechstyle_widgets.settings.control import ControlSelector
 from mechstyle_widgets.settings.section import WIDE, Section, Words
 from mechstyle_widgets.state.controller import Conductor
-from mechstyle_widgets.viewer.layers import Layer
+from mechstyle_widgets.viewer.layers import Layer, layer_of
 
 LAYER = "what_if"
 """Name of the viewer's layer that shows the mask that would be."""
@@ -69,8 +71,8 @@ class MaskInspector(Section):
 
     def layer(self, run: Run, checkpoint: Checkpoint) -> Layer:
         """The mask that would be, as a layer for a viewer's `derived`."""
-        held = 1.0 - self.mask(run, checkpoint, **self.settings)
-        return Layer(LAYER, held, "held back, what if", "", (0.0, 1.0), None, "1 = might not move any further")
+        would_be = replace(RESTRAINT, name=LAYER, label="movement held back, what if", note="1 = might not move any further")
+        return layer_of(would_be, would_be.made(self.mask(run, checkpoint, **self.settings)))
 
     def mask(self, run: Run, checkpoint: Checkpoint, **settings: Any) -> Field:
         """The mask that settings make of a checkpoint's stress, as a branch from there would begin with, shape [vertex_count]."""
@@ -105,7 +107,7 @@ class MaskInspector(Section):
         self.note(summary(checkpoint.mask, self.would_be))
 
     def _switch(self, change: dict[str, Any]) -> None:
-        self.state.layer = LAYER if change["new"] else "mask"
+        self.state.layer = LAYER if change["new"] else RESTRAINT.name
 
     def _follow_layer(self, change: dict[str, Any]) -> None:
         self._show_layer.unobserve(self._switch, "value")

@@ -101,7 +101,8 @@ class Replay(OncePerCell, anywidget.AnyWidget):
 
     def _threshold(self, layer: str, wanted: float) -> float:
         if self._data.layer(layer)["threshold"] is None:
-            raise BadInput(f"the layer {layer!r} has no threshold: choose stress, demand or restraint first")
+            bounded = [layer["key"] for layer in self._data.header["layers"] if layer["threshold"] is not None]
+            raise BadInput(f"the layer {layer!r} has no threshold: choose {' or '.join(bounded)} first")
         if not math.isfinite(wanted):
             raise BadInput(f"a threshold must be a number, not {wanted}")
         return wanted

@@ -20,7 +20,6 @@ from mechstyle.records import Checkpoint
 from mechstyle.runs.run import Run
 from mechstyle.runs.session import Session
 from mechstyle_widgets.jupyter.throttle import running_loop
-from mechstyle_widgets.state.history import Branch, Row
 from mechstyle_widgets.state.time_left import Outlook, Stopwatch
 
 STATUSES = ("idle", "preparing", "running", "paused", "stopped", "finished", "failed")

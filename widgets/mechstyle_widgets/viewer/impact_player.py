@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import threading
 from collections.abc import Callable
 from typing import Any
@@ -12,13 +11,13 @@ import traitlets
 
 from mechstyle.errors import MechStyleError
 from mechstyle.fea.explicit import Progress
+from mechstyle.pictures.fields import moment
 from mechstyle.simulation.impact import Impact, impact_of
 from mechstyle_widgets.jupyter.closing import close_family
+from mechstyle_widgets.jupyter.throttle import running_loop
 from mechstyle_widgets.state.studio_state import StudioState
-from mechstyle_widgets.viewer.layers import Layer, Subject
+from mechstyle_widgets.viewer.layers import Subject, layer_of
 
-MOMENT = "moment"
-"""Name of the layer that shows the stress of the moment."""
 FACTORS = (1, 2, 5, 10, 20, 50, 100, 200)
 
 
@@ -74,9 +73,8 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         def drop(progress: Progress) -> Impact:
             return impact_of(part, recipe, checkpoint.displacement, memo, progress)
 
-        try:
-            loop = asyncio.get_running_loop()
-        except RuntimeError:
+        loop = running_loop()
+        if loop is None:
             self._work(drop, lambda function, *given: function(*given))
         else:
             threading.Thread(target=self._work, args=(drop, loop.call_soon_threadsafe), daemon=True).start()
@@ -92,9 +90,8 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         if self.impact is None:
             return subject
         stress = self.impact.stress
-        top = max(float(stress.max()), 1.05 * limit)
         note = f"at {1e3 * self.impact.time[self.frame]:.0f} µs, deformed × {self.exaggeration:g}"
-        layer = Layer(MOMENT, stress[self.frame], "stress of the moment", "MPa", (0.0, top), limit, note)
+        layer = layer_of(moment(limit), stress[self.frame], stress, note)
         return Subject(self.impact.shape(subject.mesh, self.frame, self.exaggeration), (*subject.layers, layer))
 
     def close(self) -> None:

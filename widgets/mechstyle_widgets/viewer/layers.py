@@ -6,10 +6,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from mechstyle.errors import BadInput
+from mechstyle.pictures import fields
 from mechstyle.pictures.colormap import Scale
+from mechstyle.pictures.fields import Quantity
 from mechstyle.records import Checkpoint, Simulation
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.run import Run
@@ -23,9 +25,9 @@ class Layer:
     """A field over a surface and how it is to be read.
 
     Attributes:
-        name: What it is called in code and by which it is selected.
+        name: What it is called in code and in the menu, and by which it is selected.
         values: The field [unit], shape [vertex_count]; not a number where it is not known.
-        label: What it is called on screen; the name by default.
+        label: What the legend calls it; the name by default.
         unit: Its unit, "" for none.
         limits: Values at the two ends of the colours; None takes them from the values.
         threshold: Values above it are set apart by colour, hatch and outline; None for none.
@@ -111,50 +113,45 @@ class Subject:
         return next((layer for layer in self.layers if layer.name == name), None)
 
 
+def layer_of(quantity: Quantity, values: NDArray[Any], seen: NDArray[Any] | None = None, note: str = "") -> Layer:
+    """A layer of a quantity.
+
+    Args:
+        quantity: Its row in the table of what can be looked at.
+        values: The field [unit], shape [vertex_count].
+        seen: What the colours have to show, of any shape; the values by default.
+        note: What a reader should know of these values, the quantity's own note by default.
+    """
+    limits = quantity.limits(values if seen is None else seen)
+    return Layer(quantity.name, values, quantity.label, quantity.unit, limits, quantity.threshold, note or quantity.note)
+
+
 def subject_of(run: Run, state: Checkpoint) -> Subject:
     """A checkpoint of a run, styled and coloured, with every field that is known there."""
     mesh = run.part.surface.displaced(state.displacement).coloured(state.colour)
     simulation = run.store.objects.get_record(state.simulation, Simulation) if state.simulation else None
-    simulated = () if simulation is None else simulation_layers(simulation, stress_limit(run, state))
+    simulated = () if simulation is None else simulation_layers(run, state, simulation)
     return Subject(mesh, (*checkpoint_layers(run, state), *simulated))
 
 
-def stress_limit(run: Run, state: Checkpoint) -> float:
-    """What the stress may at most be [MPa]: the verdict's limit, before the first verdict the material's strength."""
-    verdict, parent = state.verdict, state.parent
-    while verdict is None and parent:
-        entry = run.store.entry(parent)
-        verdict, parent = entry.verdict, entry.parent
-    return run.recipe.material.yield_strength if verdict is None else verdict.deciding.limit
-
-
 def checkpoint_layers(run: Run, state: Checkpoint) -> tuple[Layer, ...]:
-    """The fields a checkpoint holds: stress, demand, mask, displacement; and the wall thickness."""
-    limit, newest = stress_limit(run, state), run.store.checkpoint(run.store.lane(run.lane).head)
-    reach = max(float(np.abs(one.displacement).max()) for one in (state, newest)) or 1.0
-    threshold = run.store.recipe(state.recipe).threshold
+    """The fields a checkpoint holds: stress, demand, restraint, displacement; and the wall thickness."""
     when = "" if state.simulated_at == state.iteration else f"simulated at iteration {state.simulated_at}"
+    stress, demand, restraint, displacement = fields.quantities(run.store.recipe(state.recipe), run.store.allowable(state))
+    newest = run.store.checkpoint(run.store.lane(run.lane).head)
     return (
-        Layer("stress", state.stress, "von Mises stress", "MPa", _over(state.stress, limit), limit, when),
-        Layer("demand", state.demand, "demand s_norm", "", _over(state.demand, threshold), threshold, when),
-        Layer("mask", 1.0 - state.mask, "held back by the mask", "", (0.0, 1.0), None, "1 = may not move any further"),
-        Layer("displacement", state.displacement, "displacement", "mm", (-reach, reach), None, "positive is outwards"),
-        Layer("thickness", run.part.thickness, "wall thickness", "mm"),
+        layer_of(stress, state.stress, note=when),
+        layer_of(demand, state.demand, note=when),
+        layer_of(restraint, restraint.of(state)),
+        layer_of(displacement, state.displacement, np.stack([state.displacement, newest.displacement])),
+        layer_of(fields.THICKNESS, run.part.thickness),
     )
 
 
-def simulation_layers(simulation: Simulation, limit: float) -> tuple[Layer, ...]:
+def simulation_layers(run: Run, state: Checkpoint, simulation: Simulation) -> tuple[Layer, ...]:
     """The fields only a simulation holds: contact, and the worst of all orientations if they were run."""
-    contact = Layer("contact", simulation.contact, "touched the floor", "", (0.0, 1.0), None, "1 = touched the floor as placed")
-    if simulation.overall is None:
-        return (contact,)
-    worst = Layer("envelope", simulation.envelope, "worst of all orientations", "MPa", _over(simulation.envelope, limit), limit)
-    chance = Layer(
-        "probability", simulation.probability, "failure probability", "", (0.0, 1.0), None, "of random drops, to exceed the yield strength"
-    )
-    return (contact, worst, chance)
-
-
-def _over(values: ArrayLike, threshold: float) -> tuple[float, float]:
-    """Limits from 0 that show all values and the threshold."""
-    return 0.0, max(float(np.nanmax(values)), 1.05 * threshold)
+    shown = [fields.CONTACT]
+    if simulation.overall is not None:
+        strength = run.store.recipe(state.recipe).material.yield_strength
+        shown += [fields.envelope(run.store.allowable(state)), fields.probability(strength)]
+    return tuple(layer_of(quantity, quantity.of(simulation)) for quantity in shown)

@@ -8,14 +8,15 @@ from typing import Any
 import traitlets
 
 from mechstyle.errors import BadInput
+from mechstyle.pictures.fields import MOMENT
 from mechstyle.records import Checkpoint
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.run import Run
 from mechstyle_widgets.jupyter.throttle import Paced
 from mechstyle_widgets.state.linked import Linked
 from mechstyle_widgets.state.studio_state import StudioState
-from mechstyle_widgets.viewer.impact_player import MOMENT, ImpactPlayer
-from mechstyle_widgets.viewer.layers import STYLE, Layer, stress_limit, subject_of
+from mechstyle_widgets.viewer.impact_player import ImpactPlayer
+from mechstyle_widgets.viewer.layers import STYLE, Layer, subject_of
 from mechstyle_widgets.viewer.viewer import Viewer
 
 Derived = Callable[[Run, Checkpoint], Layer]
@@ -98,7 +99,7 @@ class RunViewer(Linked, Viewer):
         subject = subject_of(run, state)
         for layer in self.derived:
             subject = subject.with_layer(layer(run, state))
-        self.subject = self.player.at_the_moment(subject, stress_limit(run, state))
+        self.subject = self.player.at_the_moment(subject, run.store.allowable(state))
 
     def _show_stress(self, change: Any) -> None:
         """An impact begins with its stress on show, and when it is put away the stress of the whole drop takes its place."""
