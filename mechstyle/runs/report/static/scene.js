@@ -82,6 +82,7 @@ export class Scene {
     this.current = new Body(gl, this.program, replay);
     this.original = null; // made when it is first compared with
     this.rampTexture(replay.colours.ramp);
+    this.lamps(replay.light);
     gl.enable(gl.DEPTH_TEST);
     gl.enable(gl.SCISSOR_TEST);
   }
@@ -92,6 +93,13 @@ export class Scene {
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGB8, 256, 1, 0, gl.RGB, gl.UNSIGNED_BYTE, new Uint8Array(ramp));
     for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, name, gl.LINEAR);
+  }
+
+  lamps(light) {
+    this.gl.useProgram(this.program);
+    for (const [name, value] of Object.entries(light))
+      if (Array.isArray(value)) this.gl.uniform3fv(this.place(name), value);
+      else this.gl.uniform1f(this.place(name), value);
   }
 
   place(name) { return (this.places[name] ??= this.gl.getUniformLocation(this.program, name)); }

@@ -1,4 +1,5 @@
-// Light and colour of a part. Colours are display RGB; they are lit as linear light and turned back, as in the figures.
+// Light and colour of a part. Colours are display RGB; they are lit as linear light and turned back, as in the figures,
+// by their lamps: the header has directions, in axes of the camera (right, up, towards the viewer), and intensities.
 
 export const VERTEX = `#version 300 es
 in vec3 position; in vec3 normal; in vec3 colour; in float raw;
@@ -16,6 +17,8 @@ precision highp float;
 in vec3 place; in vec3 facing; in vec3 paint; in float value; in float unknown;
 uniform sampler2D ramp; uniform bool styled; uniform bool split; uniform vec3 range; // low, top of the ramp, threshold
 uniform vec3 above; uniform vec3 stripe; uniform vec3 line; uniform vec3 missing; uniform vec3 upwards; uniform float pixel;
+uniform vec3 key; uniform vec3 fill; uniform float keyLight; uniform float fillLight; uniform float sky; uniform float ground;
+uniform float flatness; // share of the light on a field that does not depend on the shape
 out vec4 result;
 
 vec3 toLight(vec3 c) { return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c)); }
@@ -31,11 +34,16 @@ vec3 mapped() {
   return value > range.z ? (hatched ? stripe : above) : shade;
 }
 
+float light(vec3 n) {
+  vec3 turned = vec3(1.0, upwards.z < 0.0 ? -1.0 : 1.0, 1.0); // what faces down is lit from below
+  float lamps = keyLight * max(dot(n, normalize(key) * turned), 0.0) + fillLight * max(dot(n, normalize(fill) * turned), 0.0);
+  return lamps + mix(ground, sky, 0.5 + 0.5 * dot(n, upwards));
+}
+
 void main() {
   vec3 facet = normalize(cross(dFdx(place), dFdy(place)));
   vec3 n = normalize(facing);
   n = normalize(mix(facet, n, smoothstep(0.70, 0.85, dot(facet, n)))); // edges stay crisp, rounds smooth
-  float lamps = 0.72 * max(dot(n, normalize(vec3(-0.55, 0.65, 0.52))), 0.0) + 0.22 * max(dot(n, normalize(vec3(0.85, 0.05, 0.52))), 0.0);
-  float sky = mix(0.12, 0.26, 0.5 + 0.5 * dot(n, upwards));
-  result = vec4(toDisplay(toLight(styled ? paint : mapped()) * (lamps + sky)), 1.0);
+  float shade = styled ? light(n) : mix(light(n), 1.0, flatness);
+  result = vec4(toDisplay(toLight(styled ? paint : mapped()) * shade), 1.0);
 }`;
