@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from mechstyle.records import Recipe
 
-HEADROOM = 1.05
-"""Least end of the colours over the threshold, so that there is room for what lies above it."""
+ROOM_ABOVE = 1.05
+"""Least end of the colours over the threshold, so that what lies above it can be seen on the bar."""
 
 MOMENT = "moment"
 """Name of the stress at one moment of an impact."""
@@ -102,7 +102,7 @@ def probability(strength: float) -> Quantity:
 
 
 def _against(threshold: float, name: str, label: str, unit: str = "") -> Quantity:
-    return Quantity(name, label, unit, (0.0, HEADROOM * threshold), threshold)
+    return Quantity(name, label, unit, (0.0, ROOM_ABOVE * threshold), threshold)
 
 
 RESTRAINT = Quantity(
