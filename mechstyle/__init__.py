@@ -19,8 +19,9 @@ from mechstyle.records.mesh import SurfaceMesh, TetMesh
 from mechstyle.records.regions import Box, HalfSpace, Inside, Outside, Segment, Sphere, Vertices
 
 if TYPE_CHECKING:
+    from mechstyle.gallery import load
     from mechstyle.gallery.style_swatches import styles
-    from mechstyle.geometry.files import load, save
+    from mechstyle.geometry.files import save
     from mechstyle.loop.engine import Bounds, Engine, Stylizer
     from mechstyle.loop.store import Store
     from mechstyle.pictures.panels import Picture
@@ -50,7 +51,7 @@ _WHERE = {
     "Workpiece": "simulation.part",
     "begin": "runs.run",
     "changed": "runs.recipes",
-    "load": "geometry.files",
+    "load": "gallery",
     "plan": "runs.recipes",
     "prepare": "simulation.part",
     "protect": "runs.protection",

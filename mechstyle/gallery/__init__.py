@@ -1,18 +1,23 @@
 """Parametric printable models, in millimetres, standing as they are used.
 
-`names()` lists them, `describe(name)` says what one is, `make(name, **parameters)` builds it.
+`names()` lists them, `describe(name)` says what one is, `make(name, **parameters)` builds it; `load` opens one by its address, or a file.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from mechstyle.records.mesh import SurfaceMesh
+    from mechstyle.simulation.part import Model
 
-__all__ = ["describe", "make", "names"]
+__all__ = ["PREFIX", "describe", "load", "make", "names"]
+
+PREFIX = "gallery:"
+"""What the address of a gallery model begins with, where a file could be meant as well."""
 
 # Name: (module that builds it, what it is).
 _MODELS: Mapping[str, tuple[str, str]] = MappingProxyType(
@@ -64,6 +69,35 @@ def make(name: str, **parameters: float) -> SurfaceMesh:
             raise unknown(f"measure of {name}", given, known)
     mesh: SurfaceMesh = build(**parameters)
     return mesh
+
+
+def load(model: str | Path, *, scale: float | None = None) -> Model:
+    """Open a part: a file, repaired where needed, or a model of the gallery.
+
+    Args:
+        model: An STL, OBJ, PLY, GLB or 3MF file, or `gallery:NAME`.
+        scale: Factor from the coordinates of a file to millimetres; None for the format's own unit.
+
+    Returns:
+        A closed surface of one body [mm], z up, with its `name`, its `origin` and the repairs it took as `notes`.
+
+    Raises:
+        BadInput: If the file cannot be used or there is no such model, in one sentence that says why and what to do.
+    """
+    from mechstyle.errors import BadInput  # noqa: PLC0415 — rooms load nothing by themselves
+    from mechstyle.geometry.files import read  # noqa: PLC0415
+    from mechstyle.simulation.part import Model, Origin  # noqa: PLC0415
+
+    address = str(model)
+    if not address.startswith(PREFIX):
+        mesh, notes = read(model, scale=scale)
+        origin = Origin(model=Path(model).name, scale=scale)
+        return Model(mesh.vertices, mesh.faces, mesh.colours, name=Path(model).stem, origin=origin, notes=notes)
+    if scale is not None:
+        raise BadInput(f"{address}: a scale is for files; gallery models are in millimetres")
+    name = address.removeprefix(PREFIX)
+    mesh = make(name)
+    return Model(mesh.vertices, mesh.faces, mesh.colours, name=name, origin=Origin(model=address))
 
 
 def _entry(name: str) -> tuple[str, str]:

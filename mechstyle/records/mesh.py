@@ -164,15 +164,15 @@ class SurfaceMesh:
     def displaced(self, displacement: ArrayLike) -> SurfaceMesh:
         """The surface with every vertex moved by `displacement` [mm], shape [vertex_count], along its normal."""
         distance = frozen_array(displacement, np.float64, (len(self.vertices),), "displacement")
-        return replace(self, vertices=self.vertices + self.vertex_normals * distance[:, None])
+        return self.moved(self.vertices + self.vertex_normals * distance[:, None])
 
     def moved(self, vertices: ArrayLike) -> SurfaceMesh:
         """The same faces and colours on other vertex positions [mm], shape [vertex_count, 3]."""
-        return replace(self, vertices=np.asarray(vertices, np.float64))
+        return SurfaceMesh(np.asarray(vertices, np.float64), self.faces, self.colours)
 
     def coloured(self, colours: ArrayLike | None) -> SurfaceMesh:
         """The same surface with other colours in [0, 1], shape [vertex_count, 3]."""
-        return replace(self, colours=None if colours is None else np.asarray(colours, np.float32))
+        return SurfaceMesh(self.vertices, self.faces, None if colours is None else np.asarray(colours, np.float32))
 
 
 @dataclass(frozen=True, eq=False)

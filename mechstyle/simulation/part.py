@@ -55,6 +55,26 @@ class Origin(msgspec.Struct, frozen=True, kw_only=True):
     vertices: int = STANDARD_VERTICES
     scale: float | None = None
 
+    @classmethod
+    def of(cls, mesh: SurfaceMesh, vertices: int) -> Origin:
+        """The origin of a part that is prepared from a surface; of a surface that was not loaded only the vertices are known."""
+        return msgspec.structs.replace(mesh.origin if isinstance(mesh, Model) else cls(), vertices=vertices)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class Model(SurfaceMesh):
+    """A surface as it was loaded from a file or the gallery; what is made from it is a plain `SurfaceMesh` again.
+
+    Attributes:
+        name: Name of the gallery model, or of the file without folder and suffix.
+        origin: Where it came from.
+        notes: What was repaired or converted, one sentence each.
+    """
+
+    name: str
+    origin: Origin
+    notes: tuple[str, ...] = ()
+
 
 @dataclass(frozen=True, eq=False)
 class Workpiece:

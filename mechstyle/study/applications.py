@@ -10,7 +10,7 @@ from typing import Any
 
 from mechstyle._files import write_whole
 from mechstyle.errors import unknown
-from mechstyle.gallery import make
+from mechstyle.gallery import load
 from mechstyle.loop.history import Strength
 from mechstyle.pictures.panels import Picture, comparison
 from mechstyle.records.mesh import STANDARD_VERTICES
@@ -118,7 +118,7 @@ def apply(name: str, out: str | Path, *, vertices: int = STANDARD_VERTICES, devi
     chosen = application_named(name)
     shared = {"name": name, "vertices": vertices, "device": device, "protect": chosen.protect, **settings}
     free, fed = (
-        stylize(make(chosen.model), chosen.prompt, freestyle=freestyle, out=Path(out) / label, **shared)
+        stylize(load(f"gallery:{chosen.model}"), chosen.prompt, freestyle=freestyle, out=Path(out) / label, **shared)
         for label, freestyle in (("freestyle", True), ("mechstyle", False))
     )
     return Pair(free, fed)

@@ -10,6 +10,7 @@ import ipywidgets
 import traitlets
 
 from mechstyle.errors import BadInput
+from mechstyle.gallery import PREFIX
 from mechstyle.loop.store import parse_address
 from mechstyle.records import POSES, Recipe
 from mechstyle.records.mesh import SurfaceMesh
@@ -275,7 +276,7 @@ def _run_in(part: Any, device: str) -> Run | None:
     """The run that `part` names, None if it names a part."""
     if isinstance(part, Run):
         return part
-    if isinstance(part, SurfaceMesh) or str(part).startswith("gallery:"):
+    if isinstance(part, SurfaceMesh) or str(part).startswith(PREFIX):
         return None
     root, _, _ = parse_address(str(part))
     return Run.open(part, device) if root.is_dir() else None

@@ -123,6 +123,20 @@ def test_a_file_in_its_unit(tmp_path, cube):
     assert "254.0 × 254.0 × 254.0 mm" in picker._note.value
 
 
+@pytest.mark.parametrize(("scale", "unit"), [(2.5, None), (25.4, 25.4)])
+def test_a_scale_given_by_name_is_kept(tmp_path, cube, scale, unit):
+    picker = PartPicker(str(save(cube, tmp_path / "brick.stl")), scale=scale)
+    assert (picker.scale, picker._unit.value) == (scale, unit)
+    assert np.allclose(picker.mesh.extents, 10.0 * scale)
+    picker._path.value = "gallery:wall_hook"
+    assert (picker.scale, picker._unit.value, picker.trouble) == (None, None, "")
+
+
+def test_a_scale_is_for_files():
+    with pytest.raises(BadInput, match="gallery:wall_hook: a scale is for files"):
+        PartPicker("gallery:wall_hook", scale=25.4)
+
+
 def test_a_part_that_cannot_be_used_is_refused_and_the_last_one_stays():
     picker = PartPicker("gallery:pen_holder")
     before = picker.mesh

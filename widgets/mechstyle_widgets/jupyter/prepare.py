@@ -11,7 +11,7 @@ from mechstyle_widgets.jupyter.worker_process import Aside
 
 
 def prepare_aside(mesh: SurfaceMesh, vertices: int, stage: Stage, go_on: Callable[[], None]) -> Workpiece:
-    """As `workpiece.prepare`, in another process.
+    """As `simulation.part.prepare`, in another process.
 
     Args:
         mesh: A closed surface [mm].

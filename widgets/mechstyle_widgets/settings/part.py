@@ -11,7 +11,7 @@ import traitlets
 from mechstyle import gallery
 from mechstyle._files import write_whole
 from mechstyle.errors import BadInput
-from mechstyle.geometry.files import FORMATS, read
+from mechstyle.geometry.files import FORMATS
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section
 from mechstyle_widgets.settings.thumbnail_buttons import PictureChoice
@@ -20,7 +20,6 @@ UNITS = {"as the file says": None, "millimetres": 1.0, "centimetres": 10.0, "inc
 """Units a file may be in, and the factor that brings it to millimetres."""
 UPLOADS = Path("mechstyle-runs") / "uploads"
 """Where uploaded files are put, under the folder the notebook runs in."""
-GALLERY = "gallery:"
 
 
 class PartPicker(Section):
@@ -60,7 +59,7 @@ class PartPicker(Section):
         )
         self._unit = ipywidgets.Dropdown(options=UNITS, tooltip="Unit of the file", layout={"width": "138px"})
         super().__init__([self._gallery, self._path, ipywidgets.HBox([self._upload, self._unit])])
-        self._gallery.observe(lambda _: self._wish(GALLERY + self._gallery.value, None), "pressed")
+        self._gallery.observe(lambda _: self._wish(gallery.PREFIX + self._gallery.value, None), "pressed")
         self._path.observe(self._typed, "value")
         self._upload.observe(self._uploaded, "value")
         self._unit.observe(lambda change: self._wish(self.model, change["new"]), "value")
@@ -79,10 +78,10 @@ class PartPicker(Section):
         Raises:
             BadInput: If it cannot be used; what was chosen before stays.
         """
-        mesh, name, notes = opened(model, scale)
+        mesh = gallery.load(model, scale=scale)
         with self.hold_trait_notifications():
-            self.model, self.scale, self.name, self.mesh = model, scale, name, mesh
-        self._say(notes)
+            self.model, self.scale, self.name, self.mesh = model, scale, mesh.name, mesh
+        self._say(mesh.notes)
 
     def show(self, mesh: SurfaceMesh, name: str) -> None:
         """Show a part that has no address."""
@@ -95,9 +94,11 @@ class PartPicker(Section):
         x, y, z = self.mesh.extents
         self.note("; ".join([f"{self.name.replace('_', ' ')}: {x:.1f} × {y:.1f} × {z:.1f} mm", *notes]))
         self.complain("")
-        from_gallery = self.model.startswith(GALLERY)
-        self._gallery.value = self.model.removeprefix(GALLERY) if from_gallery else ""
+        from_gallery = self.model.startswith(gallery.PREFIX)
+        self._gallery.value = self.model.removeprefix(gallery.PREFIX) if from_gallery else ""
         self._path.value = "" if from_gallery else self.model
+        if self.scale in UNITS.values():
+            self._unit.value = self.scale
         self._unit.disabled = from_gallery or not self.model
 
     def _wish(self, model: str, scale: float | None) -> None:
@@ -110,19 +111,12 @@ class PartPicker(Section):
             self.complain(str(error))
 
     def _typed(self, change: dict[str, Any]) -> None:
-        self._wish(change["new"].strip(), self._unit.value)
+        model = change["new"].strip()
+        if model != self.model:
+            self._wish(model, None if model.startswith(gallery.PREFIX) else self._unit.value)
 
     def _uploaded(self, change: dict[str, Any]) -> None:
         for file in change["new"]:
             place = UPLOADS / Path(file["name"]).name
             write_whole(place, bytes(file["content"]))
             self._wish(str(place), self._unit.value)
-
-
-def opened(model: str, scale: float | None) -> tuple[SurfaceMesh, str, tuple[str, ...]]:
-    """Mesh, name and notes of a model given as `gallery:NAME` or as a path; BadInput if it cannot be used."""
-    if model.startswith(GALLERY):
-        name = model.removeprefix(GALLERY)
-        return gallery.make(name), name, ()
-    mesh, notes = read(model, scale=scale)
-    return mesh, Path(model).stem, notes

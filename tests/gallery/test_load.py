@@ -1,0 +1,55 @@
+"""A part is opened in one way, be it a file or a model of the gallery, and says where it came from."""
+
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import mechstyle as ms
+from mechstyle.errors import BadInput
+from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.simulation.part import Origin
+
+
+def test_a_model_is_loaded_by_its_address(models):
+    vase = ms.load("gallery:vase")
+    assert (vase.digest, vase.name, vase.notes) == (models["vase"].digest, "vase", ())
+    assert vase.origin == Origin(model="gallery:vase")
+
+
+@pytest.mark.parametrize("kind", [str, Path])
+def test_a_file_is_loaded_by_its_path_with_what_was_done_to_it(tmp_path, cube, kind):
+    path = ms.save(cube, tmp_path / "brick.stl")
+    mesh = ms.load(kind(path), scale=2.5)
+    assert np.allclose(mesh.extents, 2.5 * cube.extents)
+    assert (mesh.name, mesh.origin) == ("brick", Origin(model="brick.stl", scale=2.5))
+    assert mesh.notes[0] == "converted to millimetres (times 2.5)"
+
+
+@pytest.mark.parametrize(
+    ("address", "scale", "said"),
+    [
+        ("gallery:vse", None, "unknown gallery model 'vse': did you mean 'vase'"),
+        ("gallery:vase", 25.4, "gallery:vase: a scale is for files; gallery models are in millimetres"),
+        ("vase", None, "vase: cannot read files without a suffix"),
+    ],
+)
+def test_an_address_that_cannot_be_opened_is_refused(address, scale, said):
+    with pytest.raises(BadInput, match=said):
+        ms.load(address, scale=scale)
+
+
+def test_what_is_made_from_a_loaded_surface_does_not_claim_to_be_it():
+    vase = ms.load("gallery:vase")
+    zero, grey = np.zeros(len(vase.vertices)), np.full(vase.vertices.shape, 0.5)
+    for made in (vase.moved(vase.vertices), vase.displaced(zero), vase.coloured(grey)):
+        assert type(made) is SurfaceMesh
+        assert np.array_equal(made.faces, vase.faces)
+    assert repr(vase) == repr(vase.moved(vase.vertices))
+
+
+def test_a_loaded_surface_survives_the_way_to_another_process():
+    vase = ms.load("gallery:vase")
+    again = pickle.loads(pickle.dumps(vase))
+    assert (again.digest, again.origin, again.name) == (vase.digest, vase.origin, vase.name)
