@@ -9,7 +9,6 @@ import typer
 
 from mechstyle.cli.console import command, err, escape, factor, out, print_json, table, telling, verdict_text
 from mechstyle.cli.options import DEFAULTS_MAY_CHANGE, OPTIONS, Device, Folder, Json, Model, Scale, Settings, Vertices, recipe_options
-from mechstyle.errors import BadInput
 from mechstyle.records.mesh import STANDARD_VERTICES
 
 RESTRAINED = ("control", "normalisation", "threshold", "schedule", "every", "protect_resting_face")
@@ -21,20 +20,13 @@ app = typer.Typer()
 
 def read_model(model: str, scale: float | None, *, quiet: bool) -> tuple[Any, str]:
     """The mesh and the name of a model given on the command line; repairs are reported on stderr."""
-    if model.startswith("gallery:"):
-        from mechstyle.gallery import make  # noqa: PLC0415 — CSG is loaded when a gallery model is wanted
+    from mechstyle.gallery import load  # noqa: PLC0415 — geometry is loaded when a model is wanted
 
-        name = model.removeprefix("gallery:")
-        if scale is not None:
-            raise BadInput(f"{model}: --scale is for files; gallery models are in millimetres")
-        return make(name), name
-    from mechstyle.geometry.files import read  # noqa: PLC0415 — as above, for mesh files
-
-    loaded = read(model, scale=scale)
+    mesh = load(model, scale=scale)
     if not quiet:
-        for note in loaded.notes:
-            err.print(f"[dim]{escape(Path(model).name)}: {escape(note)}[/]")
-    return loaded.mesh, Path(model).stem
+        for note in mesh.notes:
+            err.print(f"[dim]{escape(mesh.origin.model)}: {escape(note)}[/]")
+    return mesh, mesh.name
 
 
 def carry_out(
@@ -51,9 +43,7 @@ def carry_out(
     """Run a stylization with progress; the finished run, its part exported and pictured."""
     from mechstyle.fea.drop import resolve_device  # noqa: PLC0415 — physics is loaded when something is run
     from mechstyle.runs.recipes import draft  # noqa: PLC0415
-    from mechstyle.runs.run import begin, clock_stages, default_folder  # noqa: PLC0415
-    from mechstyle.runs.summary import Clock  # noqa: PLC0415
-    from mechstyle.simulation.part import Origin, fitted  # noqa: PLC0415
+    from mechstyle.runs.run import started  # noqa: PLC0415
     from mechstyle.styling.prompt import read as read_prompt  # noqa: PLC0415
 
     wanted = draft(**settings, freestyle=freestyle)
@@ -63,13 +53,7 @@ def carry_out(
             err.print(f"[dim]prompt: {escape(note)}[/]")
     mesh, name = read_model(model, scale, quiet=as_json)
     with telling(wanted.iterations, quiet=as_json) as teller:
-        clock = Clock()
-        part = clock_stages(clock, teller.stage, mesh, vertices)
-        recipe = fitted(wanted, part)
-        origin = Origin(model=model if model.startswith("gallery:") else Path(model).name, vertices=vertices, scale=scale)
-        where = folder if folder is not None else default_folder(wanted.prompt, recipe)
-        run = begin(part, recipe, where, name=name, device=device, origin=origin)
-        run.clock.add(clock.seconds())
+        run = started(wanted, mesh, vertices=vertices, out=folder, name=name, device=device, stage=teller.stage)
         return finish(run, teller)
 
 

@@ -352,38 +352,41 @@ def stylize(
         BadInput: If the part, the prompt or a setting cannot be used, in one sentence.
     """
     wanted = draft(prompt, material, freestyle=freestyle, **settings)
-    device = resolve_device(device)
-    clock = Clock()
-    part = clock_stages(clock, stage, mesh, vertices)
+    return started(wanted, mesh, vertices=vertices, out=out, name=name, device=device, stage=stage).go(on_event)
+
+
+def started(
+    wanted: Recipe,
+    part: SurfaceMesh | Workpiece,
+    *,
+    vertices: int = STANDARD_VERTICES,
+    origin: Origin | None = None,
+    out: str | Path | None = None,
+    name: str = "part",
+    device: str = "auto",
+    stage: Stage = say_nothing,
+    prepare: Callable[..., Workpiece] = prepare,
+) -> Run:
+    """Begin the run a drafted recipe asks for, or find it where it stopped; `.go()` carries it on.
+
+    Args as in `stylize`, and:
+        wanted: As `recipes.draft` makes it, for any part.
+        part: A closed surface [mm], or a part that is prepared already.
+        origin: Where a prepared part came from; a surface knows it itself.
+        prepare: What prepares a surface, `simulation.part.prepare` or a function like it.
+    """
+    device, clock = resolve_device(device), Clock()
+    if isinstance(part, SurfaceMesh):
+        origin = Origin.of(part, vertices)
+        with clock.stages(stage) as begun:
+            part = prepare(part, vertices=vertices, stage=begun)
     recipe = fitted(wanted, part)
-    folder = out if out is not None else default_folder(prompt, recipe)
-    run = begin(part, recipe, folder, name=name, device=device, origin=Origin(vertices=vertices))
+    run = begin(part, recipe, default_folder(recipe) if out is None else out, name=name, device=device, origin=origin)
     run.clock.add(clock.seconds())
-    return run.go(on_event)
+    return run
 
 
-def clock_stages(clock: Clock, stage: Stage, mesh: SurfaceMesh, vertices: int) -> Workpiece:
-    """Prepare a part, counting each announced stage."""
-    current: list[Any] = []
-
-    def announce(what: str) -> None:
-        end()
-        stage(what)
-        block = clock.stage(what)
-        block.__enter__()
-        current.append(block)
-
-    def end() -> None:
-        if current:
-            current.pop().__exit__(None, None, None)
-
-    try:
-        return prepare(mesh, vertices=vertices, stage=announce)
-    finally:
-        end()
-
-
-def default_folder(prompt: str, recipe: Recipe) -> Path:
+def default_folder(recipe: Recipe) -> Path:
     """`mechstyle-runs/PROMPT-RECIPE`: the same request finds its run again, with whatever tetrahedra it was begun."""
-    slug = re.sub(r"[^a-z0-9]+", "-", prompt.lower()).strip("-")[:40] or "run"
+    slug = re.sub(r"[^a-z0-9]+", "-", recipe.prompt.lower()).strip("-")[:40] or "run"
     return Path("mechstyle-runs") / f"{slug}-{msgspec.structs.replace(recipe, tetrahedra='').digest[:8]}"

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import time
 from collections import defaultdict
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 
 import msgspec
 
@@ -117,6 +117,18 @@ class Clock:
             yield
         finally:
             self._seconds[name] += time.perf_counter() - start
+
+    @contextmanager
+    def stages(self, tell: Callable[[str], None]) -> Iterator[Callable[[str], None]]:
+        """A function that tells of a stage and counts the time until the next one, or until the block ends, towards it."""
+        with ExitStack() as current:
+
+            def begin(name: str) -> None:
+                current.close()
+                tell(name)
+                current.enter_context(self.stage(name))
+
+            yield begin
 
     def timed(self, events: Iterator[Event]) -> Iterator[Event]:
         """Pass events on, counting the time each took to come: after SimulationStarted `simulate`, else `stylize`."""

@@ -292,7 +292,7 @@ def test_a_part_meshed_anew_finds_its_run_again(part):
     anew = replace(run.part, tets=TetMesh(run.part.tets.vertices, run.part.tets.tets[::-1]))
     recipe = fitted(run.recipe, anew)
     assert recipe != run.recipe
-    assert default_folder("brick", recipe) == default_folder("brick", run.recipe)
+    assert default_folder(recipe) == default_folder(run.recipe)
     assert begin(anew, recipe, part, device="cpu").recipe == run.recipe
     moved = replace(anew, surface=anew.surface.moved(2 * anew.surface.vertices))
     with pytest.raises(BadInput, match="other settings"):

@@ -14,6 +14,7 @@ from mechstyle._files import write_whole
 from mechstyle.records.mesh import TetMesh
 from mechstyle.runs.run import PartRecord, Run
 from mechstyle.runs.session import Session
+from mechstyle.simulation.part import Origin
 from mechstyle_widgets.state.controller import Conductor, Wanted
 from mechstyle_widgets.state.studio_state import StudioState
 from support.bench import Bench
@@ -37,6 +38,7 @@ class FakeRun:
             thickness=objects.put_array(np.full(len(surface.vertices), 4.0, np.float32)),
             stands=True,
             notes=(),
+            origin=Origin(model="sheet.stl", vertices=500),
         )
         write_whole(folder / "part.json", msgspec.json.encode(record))
         self.run = Run(self.engine.store)

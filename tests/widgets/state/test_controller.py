@@ -1,12 +1,18 @@
 """What the buttons do, on a run without physics."""
 
+import shlex
 from html import escape
+from itertools import pairwise
 
 import msgspec
 import pytest
 
 from mechstyle.errors import BadInput
+from mechstyle.geometry.files import save
+from mechstyle.runs.report.reproduce import command_for
+from mechstyle.simulation.part import Origin
 from mechstyle_widgets.panels.run_controls import RunControls, duration
+from mechstyle_widgets.settings.part import PartPicker
 from mechstyle_widgets.state import controller as module
 from mechstyle_widgets.state.controller import Wanted
 
@@ -89,23 +95,43 @@ def test_a_branch_that_cannot_be_is_said(conducted, settle):
     assert "must go beyond it" in conducted.state.message
 
 
-def test_other_settings_begin_another_run_with_the_part_at_hand(conducted, settle, tmp_path):
+def test_other_settings_begin_another_run_with_the_part_at_hand(conducted, settle, monkeypatch, tmp_path):
     other = msgspec.structs.replace(conducted.state.run.recipe, threshold=0.5)
     conducted.wanted = lambda: Wanted(other, None, 500, "sheet", str(tmp_path / "other"))
     assert conducted.differs() == {"threshold": 0.5}
     part = conducted.state.run.part
-    begun = []
-    before = module.begin
-    module.begin = lambda *given, **named: begun.append(given) or before(*given, **named)
-    try:
-        conducted.step()
-        conducted.state.session.wait(30.0)
-        conducted.state.pump()
-    finally:
-        module.begin = before
-    assert begun[0][0] is part
+    monkeypatch.setattr(module, "prepare_aside", lambda *_, **__: pytest.fail("it is prepared already"))
+    conducted.step()
+    settle(conducted)
+    assert conducted.state.run.part.surface.digest == part.surface.digest
     assert conducted.state.run.store.root == tmp_path / "other"
     assert conducted.state.run.recipe.threshold == 0.5
+    assert conducted.state.run.record.origin == Origin(model="sheet.stl", vertices=500)
+
+
+@pytest.mark.parametrize(("model", "scale"), [("gallery:wall_hook", None), ("cup.stl", 2.5)])
+def test_a_run_begun_here_can_be_made_again_from_its_report(conducted, settle, monkeypatch, tmp_path, cube, model, scale):
+    monkeypatch.chdir(tmp_path)
+    save(cube, "cup.stl")
+    picker, part = PartPicker(model, scale=scale), conducted.state.run.part
+
+    def prepared(_mesh, vertices, stage, go_on):
+        stage(f"standardising to {vertices}")
+        go_on()
+        return part
+
+    monkeypatch.setattr(module, "prepare_aside", prepared)
+    recipe = msgspec.structs.replace(conducted.state.run.recipe, threshold=0.5)
+    conducted.wanted = lambda: Wanted(recipe, picker.mesh, 900, picker.name, "begun")
+    conducted.run()
+    settle(conducted)
+    run = conducted.state.run
+    assert (run.store.root.name, run.record.origin) == ("begun", Origin(model=model, vertices=900, scale=scale))
+    assert list(run.clock.seconds()) == ["standardising to 900"]
+    words = shlex.split(command_for(run, run.history))
+    given = {option: value for option, value in pairwise(words) if option.startswith("--")}
+    again = PartPicker(words[2], scale=float(given["--scale"]) if "--scale" in given else None)
+    assert (again.mesh.digest, given["--vertices"], given["--threshold"]) == (picker.mesh.digest, "900", "0.5")
 
 
 # --- the buttons themselves ---------------------------------------------------------------------------------------

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator
 from dataclasses import dataclass
-from pathlib import Path
+from functools import partial
 from typing import Any
 
 from mechstyle.errors import BadInput, MechStyleError
@@ -14,9 +14,8 @@ from mechstyle.loop.events import Checkpointed, Event
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.recipes import DECIDED_BY_THE_PART
-from mechstyle.runs.run import Run, begin, default_folder
+from mechstyle.runs.run import Run, started
 from mechstyle.runs.session import Session
-from mechstyle.simulation.part import fitted
 from mechstyle_widgets.jupyter.prepare import prepare_aside
 from mechstyle_widgets.state.studio_state import StudioState
 
@@ -118,7 +117,7 @@ class Conductor:
         wanted = self.wanted()
         same_part = wanted.mesh is None or self._part_of(wanted) == self._begun_with
         if state.run is None or not same_part or changes(state.run.recipe, wanted.recipe):
-            return self._begin(wanted, state.run.part if state.run is not None and same_part else None)
+            return self._begin(wanted, state.run if same_part else None)
         if state.run.finished:
             raise BadInput("this lane is finished: change a setting to begin another run, or branch from an earlier iteration")
         return self._carry_on(state.run)
@@ -126,21 +125,20 @@ class Conductor:
     def _part_of(self, wanted: Wanted) -> tuple[Any, ...]:
         return () if wanted.mesh is None else (wanted.mesh.digest, wanted.vertices)
 
-    def _begin(self, wanted: Wanted, part: Any) -> Session:
-        """A session that makes the part ready unless it is there already, begins its run and carries it on."""
-        device = resolve_device(wanted.device)
+    def _begin(self, wanted: Wanted, earlier: Run | None) -> Session:
+        """A session that prepares the part, unless an earlier run has it, begins the run and carries it on."""
+        device = resolve_device(wanted.device)  # refused at once, not in the session
+        part, origin = (wanted.mesh, None) if earlier is None else (earlier.part, earlier.record.origin)
+        assert part is not None, "a part that is not prepared comes with its mesh"
         if wanted.mesh is not None:
             self._begun_with = self._part_of(wanted)
 
         def events(progress: Progress) -> Generator[Event, None, None]:
             self.state.tell(status="preparing", fraction=0.0)
-            ready = part
-            if ready is None:
-                assert wanted.mesh is not None, "a part that is not ready comes with its mesh"
-                ready = prepare_aside(wanted.mesh, wanted.vertices, lambda words: self.state.tell(stage=words), lambda: progress(0.0))
-            recipe = fitted(wanted.recipe, ready)
-            folder = Path(wanted.folder) if wanted.folder else default_folder(recipe.prompt, recipe)
-            run = begin(ready, recipe, folder, name=wanted.name, device=device)
+            run = started(
+                wanted.recipe, part, vertices=wanted.vertices, origin=origin, out=wanted.folder or None, name=wanted.name, device=device,
+                stage=lambda words: self.state.tell(stage=words), prepare=partial(prepare_aside, go_on=lambda: progress(0.0)),
+            )  # fmt: skip
             self.state.tell(opened=run)
             yield from self._told(run, progress)
 

@@ -1,0 +1,46 @@
+"""A run begun: what it was begun with is in its record, whoever began it."""
+
+import pytest
+
+import mechstyle as ms
+from mechstyle.geometry.files import save
+from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.runs.report.reproduce import command_for
+from mechstyle.runs.run import Run, started, stylize
+from mechstyle.simulation.part import Origin
+from support.lanes import lane_on_a_sheet
+
+
+@pytest.fixture
+def asked(tmp_path, monkeypatch):
+    """Vertices asked for by each preparation; nothing is prepared, simulated or styled."""
+    part, asked = lane_on_a_sheet(tmp_path / "prepared", iterations=1).part, []
+    monkeypatch.setattr(Run, "go", lambda run, _on_event=None, _progress=None: run)
+    monkeypatch.chdir(tmp_path)
+
+    def prepared(_mesh, *, vertices, stage):
+        asked.append(vertices)
+        stage("filling it with tetrahedra")
+        return part
+
+    monkeypatch.setitem(started.__kwdefaults__, "prepare", prepared)
+    return asked
+
+
+def test_a_model_of_the_gallery_is_named_in_the_record_and_made_again_by_the_command(asked):
+    run = stylize(ms.load("gallery:vase"), "brick", vertices=900, out="vase")
+    assert run.record.origin == Origin(model="gallery:vase", vertices=900)
+    assert command_for(run, run.history) == "mechstyle run gallery:vase --prompt brick --vertices 900 --out again-part"
+    assert asked == [900]
+
+
+def test_a_file_is_named_with_its_scale(asked, cube, tmp_path):
+    save(cube, tmp_path / "files" / "cup.stl")
+    run = stylize(ms.load(tmp_path / "files" / "cup.stl", scale=2.5), "brick", out="cup")
+    assert run.record.origin == Origin(model="cup.stl", scale=2.5)
+
+
+def test_a_surface_that_was_changed_since_is_not_said_to_be_that_of_the_file(asked):
+    vase = ms.load("gallery:vase")
+    for number, mesh in enumerate((vase.moved(2.0 * vase.vertices), SurfaceMesh(vase.vertices, vase.faces))):
+        assert stylize(mesh, "brick", out=f"changed-{number}").record.origin == Origin()
