@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from mechstyle.loop.store import Entry, Store
 from mechstyle.records import Recipe, Verdict
 from mechstyle.records.checkpoint import restrained
-from mechstyle.records.material import Material
 
 E = TypeVar("E", bound=Entry)
 NONE: Mapping[str, Any] = MappingProxyType({})
@@ -297,7 +296,7 @@ def _branch(store: Store, lane: str, histories: Mapping[str, Sequence[Entry]]) -
         **msgspec.structs.asdict(summary),
         parent=_parent(store, forked_from, histories) if forked_from else "",
         outcome=next((entry.verdict.outcome for entry in reversed(histories[lane]) if entry.verdict is not None), ""),
-        changes=differences(store.recipe(store.entry(forked_from).recipe), summary.recipe) if forked_from else (),
+        changes=store.recipe(store.entry(forked_from).recipe).differences(summary.recipe, by_figure=True) if forked_from else (),
     )
 
 
@@ -309,18 +308,3 @@ def _parent(store: Store, forked_from: str, histories: Mapping[str, Sequence[Ent
         if forked_from in own and (start not in own or own.index(start) < own.index(forked_from)):
             return lane
     return ""
-
-
-def differences(theirs: Recipe, ours: Recipe) -> tuple[tuple[str, Any, Any], ...]:
-    """The settings two recipes do not share: name, theirs, ours; a material is told by its fields."""
-    changed: list[tuple[str, Any, Any]] = []
-    for name in Recipe.__struct_fields__:
-        before, after = getattr(theirs, name), getattr(ours, name)
-        if before == after:
-            continue
-        if isinstance(before, Material):
-            fields = [field for field in Material.__struct_fields__ if field != "source"]
-            changed += [(field, getattr(before, field), getattr(after, field)) for field in fields]
-        else:
-            changed.append((name, before, after))
-    return tuple(one for one in changed if one[1] != one[2])

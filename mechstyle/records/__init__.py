@@ -1,11 +1,11 @@
 """The nouns, frozen: meshes, material, regions, load cases, recipe, simulation, verdict, checkpoint."""
 
 from mechstyle.records.checkpoint import Checkpoint
-from mechstyle.records.recipe import CONTROLS, CRITERIA, ELEMENTS, FIELDS, GUIDANCES, NORMALISATIONS, POSES, SCHEDULES, Recipe
+from mechstyle.records.recipe import CONTROLS, CRITERIA, ELEMENTS, FIELDS, GUIDANCES, NORMALISATIONS, POSES, SCHEDULES, SETTINGS, Recipe
 from mechstyle.records.simulation import Landing, LoadResult, Measures, Simulation
 from mechstyle.records.verdict import Judgement, Outcome, Verdict
 
 __all__ = [
-    "CONTROLS", "CRITERIA", "ELEMENTS", "FIELDS", "GUIDANCES", "NORMALISATIONS", "POSES", "SCHEDULES", "Checkpoint", "Judgement",
-    "Landing", "LoadResult", "Measures", "Outcome", "Recipe", "Simulation", "Verdict",
+    "CONTROLS", "CRITERIA", "ELEMENTS", "FIELDS", "GUIDANCES", "NORMALISATIONS", "POSES", "SCHEDULES", "SETTINGS", "Checkpoint",
+    "Judgement", "Landing", "LoadResult", "Measures", "Outcome", "Recipe", "Simulation", "Verdict",
 ]  # fmt: skip

@@ -56,6 +56,9 @@ LIMITS: Mapping[str, tuple[float, float]] = {
 }
 """The least and the greatest value of a setting, by setting, in its unit."""
 
+DECIDED_BY_THE_PART = ("surface", "tetrahedra")
+"""Fields of a recipe that are no settings."""
+
 
 class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """All that decides a run, and nothing else: no times, hosts or paths.
@@ -155,6 +158,24 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         """Whether simulation restrains the style (MechStyle) or not (Freestyle)."""
         return self.control != "none"
 
+    @property
+    def settings(self) -> dict[str, Any]:
+        """Every setting by name, in the order of the fields."""
+        return {name: getattr(self, name) for name in SETTINGS}
+
+    def differences(self, other: Recipe, *, by_figure: bool = False) -> tuple[tuple[str, Any, Any], ...]:
+        """The settings that another recipe does not share: name, value here, value there.
+
+        Args:
+            other: The recipe to compare with.
+            by_figure: Whether to compare materials figure by figure, for people to read, instead of as a whole.
+        """
+        here, there = (_by_figure(recipe.settings) if by_figure else recipe.settings for recipe in (self, other))
+        return tuple((name, value, there[name]) for name, value in here.items() if value != there[name])
+
+
+SETTINGS = tuple(name for name in Recipe.__struct_fields__ if name not in DECIDED_BY_THE_PART)
+"""Names of the settings of a recipe."""
 
 DEFAULTS: Mapping[str, Any] = {
     field.name: field.default for field in msgspec.structs.fields(Recipe) if field.default is not msgspec.NODEFAULT
@@ -167,3 +188,12 @@ def described(name: str) -> str:
     text = inspect.cleandoc(Recipe.__doc__ or "").partition("Attributes:\n")[2]
     found = re.search(rf"^    {name}: (.+(?:\n        .+)*)", text, re.MULTILINE)
     return "" if found is None else " ".join(found[1].split()).partition(". ")[0].removesuffix(".") + "."
+
+
+def _by_figure(settings: dict[str, Any]) -> dict[str, Any]:
+    """Settings with name and figures of the material in its place, without their source."""
+    figures: dict[str, Any] = {}
+    for name, value in settings.items():
+        figures |= msgspec.structs.asdict(value) if isinstance(value, Material) else {name: value}
+    del figures["source"]
+    return figures

@@ -10,7 +10,7 @@ import msgspec
 import numpy as np
 
 from mechstyle.errors import BadInput, unknown
-from mechstyle.records import POSES, Recipe
+from mechstyle.records import POSES, SETTINGS, Recipe
 from mechstyle.records.load_cases import load_cases
 from mechstyle.records.material import Material, material_named
 from mechstyle.records.recipe import DEFAULTS
@@ -43,7 +43,6 @@ PAPER: dict[str, Any] = {
 ROBUST: dict[str, Any] = {name: DEFAULTS[name] for name in PAPER}
 """What this project adds to it by default."""
 
-DECIDED_BY_THE_PART = ("surface", "tetrahedra")
 PLAIN = {int: "a whole number, such as 40", float: "a number", bool: "True or False"}
 """Types of settings that are checked here, in words; names are checked by the recipe."""
 
@@ -72,7 +71,7 @@ def draft(prompt: str, material: str | Material = "PLA", *, freestyle: bool = Fa
     if "poses" in chosen:
         chosen.setdefault("orientations", POSES.get(chosen["poses"]))
     chosen.setdefault("normalisation", default_normalisation(chosen.get("control", "exponential"), paper=paper))
-    return settled(Recipe(surface="", tetrahedra="", prompt=prompt, **chosen), clip_asked_for="clip" in given)
+    return settled(Recipe(surface="", tetrahedra="", prompt=prompt, **chosen), clip_asked_for=bool(given.get("clip")))
 
 
 def changed(recipe: Recipe, changes: dict[str, Any]) -> Recipe:
@@ -87,15 +86,14 @@ def changed(recipe: Recipe, changes: dict[str, Any]) -> Recipe:
         given = {**presets, "schedule": recipe.schedule, **given}
     if other_criterion or "control" in given:
         given.setdefault("normalisation", default_normalisation(control, paper=paper))
-    return settled(msgspec.structs.replace(recipe, **given), clip_asked_for="clip" in given)
+    return settled(msgspec.structs.replace(recipe, **given), clip_asked_for=bool(given.get("clip")))
 
 
 def check_settings(settings: dict[str, Any]) -> None:
     """Refuse a setting no recipe has, with the nearest names."""
-    known = [name for name in Recipe.__struct_fields__ if name not in DECIDED_BY_THE_PART]
     for name in settings:
-        if name not in known:
-            raise unknown("setting", name, known)
+        if name not in SETTINGS:
+            raise unknown("setting", name, SETTINGS)
 
 
 def typed(text: str) -> tuple[str, Any]:

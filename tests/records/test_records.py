@@ -168,6 +168,37 @@ def test_an_unknown_name_gets_the_nearest_known_one(field):
         recipe(**{field: meant + "x"})
 
 
+def test_settings_are_all_fields_but_the_part():
+    given = msgspec.json.decode(msgspec.json.encode(recipe()))
+    assert list(recipe().settings) == [name for name in given if name not in {"surface", "tetrahedra"}]
+    assert Recipe(surface="5" * 64, tetrahedra="7" * 64, **recipe(seed=7).settings) == recipe(seed=7)
+
+
+@given(recipes, recipes)
+def test_differences_lead_from_one_recipe_to_the_other(one, other):
+    changed = {name: there for name, _, there in one.differences(other)}
+    assert all(here != there for _, here, there in one.differences(other))
+    assert msgspec.structs.replace(one, **changed) == other
+    assert one.differences(one) == ()
+
+
+def test_another_part_is_no_difference():
+    assert recipe().differences(recipe(surface="6" * 64, tetrahedra="8" * 64)) == ()
+
+
+def test_materials_differ_as_a_whole_or_figure_by_figure():
+    other = msgspec.structs.replace(PLA, yield_strength=40.0, source="measured")
+    assert recipe().differences(recipe(material=other, seed=3)) == (("material", PLA, other), ("seed", 0, 3))
+    by_figure = recipe().differences(recipe(material=other, seed=3), by_figure=True)
+    assert by_figure == (("yield_strength", PLA.yield_strength, 40.0), ("seed", 0, 3))
+
+
+def test_another_source_of_a_material_is_a_difference_but_no_figure():
+    other = recipe(material=msgspec.structs.replace(PLA, source="measured"))
+    assert recipe().differences(other)
+    assert recipe().differences(other, by_figure=True) == ()
+
+
 def test_only_the_control_none_is_without_feedback():
     assert [control for control in CONTROLS if not recipe(control=control).feedback] == ["none"]
 

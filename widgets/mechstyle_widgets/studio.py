@@ -12,9 +12,9 @@ import traitlets
 from mechstyle.errors import BadInput
 from mechstyle.gallery import PREFIX
 from mechstyle.loop.store import parse_address
-from mechstyle.records import POSES, Recipe
+from mechstyle.records import POSES, SETTINGS, Recipe
 from mechstyle.records.mesh import SurfaceMesh
-from mechstyle.runs.recipes import DECIDED_BY_THE_PART, FREESTYLE, draft
+from mechstyle.runs.recipes import FREESTYLE, draft
 from mechstyle.runs.run import Run
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
 from mechstyle_widgets.jupyter.closing import close_family
@@ -41,7 +41,7 @@ HEIGHT = 590  # of the columns [pixels]
 VIEW = 430  # height of the view [pixels]
 SECTIONS = (PromptBox, MaterialPicker, ControlSelector, ScheduleSelector, RegionsPicker, DropOptions)
 SHOWN = {field for section in SECTIONS for field in section.FIELDS}
-UNSEEN = tuple(name for name in Recipe.__struct_fields__ if name not in {*SHOWN, *DECIDED_BY_THE_PART})
+UNSEEN = tuple(name for name in SETTINGS if name not in SHOWN)
 """Fields of a recipe without a control: what a run was opened with, or was given by name, stays."""
 
 

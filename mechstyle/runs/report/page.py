@@ -7,7 +7,6 @@ import platform
 from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
 import msgspec
 
@@ -16,7 +15,6 @@ from mechstyle.errors import BadInput
 from mechstyle.loop.history import Step, largest_mask_change, steps
 from mechstyle.records import Judgement, Recipe
 from mechstyle.records.material import Material
-from mechstyle.runs.recipes import DECIDED_BY_THE_PART
 from mechstyle.runs.report import texts
 from mechstyle.runs.report.bundle import bundle, static
 from mechstyle.runs.report.markup import Markup, cells, fill, joined, script_json, table
@@ -190,11 +188,13 @@ def _notes(run: LaneOfRun) -> Markup:
 
 def _settings(recipe: Recipe) -> Markup:
     explained = texts.settings_explained()
-    elsewhere = ("material", *DECIDED_BY_THE_PART)
-    plain: dict[str, Any] = {name: getattr(recipe, name) for name in Recipe.__struct_fields__ if name not in elsewhere}
     return table(
         ("setting", "value", "what it is"),
-        [(name.replace("_", " "), _plain(value), explained.get(name, "")) for name, value in plain.items()],
+        [
+            (name.replace("_", " "), _plain(value), explained.get(name, ""))
+            for name, value in recipe.settings.items()
+            if name != "material"  # in a table of its own
+        ],
         "Settings",
     )
 

@@ -11,10 +11,10 @@ from typing import Any
 import msgspec
 
 from mechstyle.loop.store import Entry
-from mechstyle.records import Recipe
+from mechstyle.records import SETTINGS, Recipe
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import STANDARD_VERTICES
-from mechstyle.runs.recipes import DECIDED_BY_THE_PART, changed, draft
+from mechstyle.runs.recipes import changed, draft
 from mechstyle.runs.report.run_protocol import LaneOfRun
 
 OF_FREESTYLE = frozenset(
@@ -50,7 +50,7 @@ def command_for(run: LaneOfRun, history: Sequence[Entry]) -> str:
 
 def settings_for(recipe: Recipe, start: Callable[..., Recipe]) -> dict[str, Any]:
     """The settings that lead from `start`, a function of settings such as `draft`, to the recipe."""
-    plain = [name for name in Recipe.__struct_fields__ if name not in (*AS_THEY_ARE, *DECIDED_BY_THE_PART)]
+    plain = [name for name in SETTINGS if name not in AS_THEY_ARE]
     given: dict[str, Any] = {}
     for names in (FIRST, plain):
         given |= _differing(names, start(**given), recipe)
@@ -58,7 +58,8 @@ def settings_for(recipe: Recipe, start: Callable[..., Recipe]) -> dict[str, Any]
 
 
 def _differing(names: Sequence[str], old: Recipe, new: Recipe) -> dict[str, Any]:
-    return {name: getattr(new, name) for name in names if getattr(old, name) != getattr(new, name)}
+    values = {name: value for name, _, value in old.differences(new)}
+    return {name: values[name] for name in names if name in values}
 
 
 def options(settings: dict[str, Any], known: Collection[str] = OPTIONS) -> list[str]:

@@ -9,12 +9,13 @@ import numpy as np
 import traitlets
 
 from mechstyle.errors import BadInput
-from mechstyle.loop.history import Row, differences
+from mechstyle.loop.history import Row
 from mechstyle.records import Checkpoint
 from mechstyle.records.load_cases import LoadCase
 from mechstyle.records.material import Material
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, Words, table
-from mechstyle_widgets.state.controller import Conductor, settings_of
+from mechstyle_widgets.state.controller import Conductor
+from mechstyle_widgets.state.history import Row
 
 SIGN = {"VIABLE": "✓", "FAILS": "✗", "UNKNOWN": "?", "": "·"}
 
@@ -66,7 +67,7 @@ class Branches(Section):
             self.complain("change a setting at the left first: this lane would be the same again")
             return
         self.complain("")
-        self.conductor.branch(self.state.iteration, self._name.value.strip(), **settings_of(wanted))
+        self.conductor.branch(self.state.iteration, self._name.value.strip(), **wanted.settings)
         self._name.value = ""
 
     def pin(self) -> None:
@@ -84,7 +85,7 @@ class Branches(Section):
             return []
         store = self.state.run.store
         theirs, ours = (store.recipe(store.lane(name).recipe) for name in (lane, self.state.lane))
-        settings = [(name.replace("_", " "), said(a), said(b)) for name, a, b in differences(theirs, ours)]
+        settings = [(name.replace("_", " "), said(a), said(b)) for name, a, b in theirs.differences(ours, by_figure=True)]
         there, here = (results(row, checkpoint) for row, checkpoint in sides if row is not None and checkpoint is not None)
         return settings + [(name, there[name], here[name]) for name in here]
 

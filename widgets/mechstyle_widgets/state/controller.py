@@ -13,7 +13,6 @@ from mechstyle.fea.explicit import Progress
 from mechstyle.loop.events import Checkpointed, Event
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import SurfaceMesh
-from mechstyle.runs.recipes import DECIDED_BY_THE_PART
 from mechstyle.runs.run import Run, started
 from mechstyle.runs.session import Session
 from mechstyle_widgets.jupyter.prepare import prepare_aside
@@ -96,7 +95,7 @@ class Conductor:
     def differs(self) -> dict[str, Any]:
         """Settings that are not those of the lane on show, by name; BadInput if the settings cannot be used."""
         run = self.state.run
-        return {} if run is None else changes(run.recipe, self.wanted().recipe)
+        return {} if run is None else {name: value for name, _, value in run.recipe.differences(self.wanted().recipe)}
 
     # how it does it
 
@@ -116,7 +115,7 @@ class Conductor:
             return state.session
         wanted = self.wanted()
         same_part = wanted.mesh is None or self._part_of(wanted) == self._begun_with
-        if state.run is None or not same_part or changes(state.run.recipe, wanted.recipe):
+        if state.run is None or not same_part or state.run.recipe.differences(wanted.recipe):
             return self._begin(wanted, state.run if same_part else None)
         if state.run.finished:
             raise BadInput("this lane is finished: change a setting to begin another run, or branch from an earlier iteration")
@@ -163,18 +162,6 @@ class Conductor:
             progress(fraction)
 
         return run.events(told)
-
-
-def settings_of(recipe: Recipe) -> dict[str, Any]:
-    """All settings of a recipe by name; the part is left out, and so are CLIP weights that it does not need."""
-    names = [name for name in Recipe.__struct_fields__ if name not in DECIDED_BY_THE_PART]
-    return {name: getattr(recipe, name) for name in names if name != "clip" or recipe.clip}
-
-
-def changes(theirs: Recipe, ours: Recipe) -> dict[str, Any]:
-    """Settings of `ours` that `theirs` does not share; the part is left out."""
-    names = [name for name in Recipe.__struct_fields__ if name not in DECIDED_BY_THE_PART]
-    return {name: getattr(ours, name) for name in names if getattr(ours, name) != getattr(theirs, name)}
 
 
 def _simulated(event: Event) -> bool:
