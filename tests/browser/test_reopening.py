@@ -10,7 +10,7 @@ RUN = 300_000  # to the first iterations [ms]
 BEGUN = """
 from mechstyle_widgets import Studio
 studio = Studio("gallery:pen_holder", prompt="brick", vertices=2000, iterations=2000, orientations=1, schedule="never", folder="killed")
-studio.conductor.run()
+studio.controller.run()
 studio
 """
 AGAIN = """

@@ -15,7 +15,7 @@ from mechstyle.records.mesh import TetMesh
 from mechstyle.runs.run import PartRecord, Run
 from mechstyle.runs.session import Session
 from mechstyle.simulation.part import Origin
-from mechstyle_widgets.state.controller import Conductor, Wanted
+from mechstyle_widgets.state.controller import Controller, Wanted
 from mechstyle_widgets.state.studio_state import StudioState
 from support.bench import Bench
 
@@ -82,19 +82,19 @@ def close_what_a_test_opened() -> Iterator[None]:
 
 
 @pytest.fixture
-def conducted(fake, monkeypatch) -> Conductor:
-    """A conductor of the run without physics, whose settings are those of its recipe until a test changes `wanted`."""
+def controller(fake, monkeypatch) -> Controller:
+    """A controller of the run without physics, whose settings are those of its recipe until a test changes `wanted`."""
     monkeypatch.setattr(Run, "events", lambda run, _progress: fake.bench.engine(run.recipe, run.lane).run())
     state = StudioState(fake.run)
-    return Conductor(state, lambda: Wanted(fake.run.recipe, None, 500, "sheet"))
+    return Controller(state, lambda: Wanted(fake.run.recipe, None, 500, "sheet"))
 
 
 @pytest.fixture
-def settle() -> Callable[[Conductor], None]:
+def settle() -> Callable[[Controller], None]:
     """Waits until the session pauses or ends, and carries over its news."""
 
-    def wait(conductor: Conductor) -> None:
-        conductor.state.session.wait(PATIENCE)
-        conductor.state.pump()
+    def wait(controller: Controller) -> None:
+        controller.state.session.wait(PATIENCE)
+        controller.state.pump()
 
     return wait

@@ -39,7 +39,7 @@ def test_poses_and_loads_go_into_the_recipe_and_out_of_it_again(tmp_path, fake_r
     made.go()
     studio = Studio(made.run)
     assert (studio.drop_options.way, studio.drop_options.orientations, studio.drop_options.loads) == ("resting", 8, (CASE,))
-    assert studio.conductor.differs() == {}
+    assert studio.controller.differs() == {}
 
 
 @pytest.mark.usefixtures("unprotected")
@@ -48,7 +48,7 @@ def test_settings_without_a_control_may_be_given_and_stay(tmp_path, fake_run):
     made = fake_run(tmp_path / "other", window=2.0, friction=0.3)
     made.go()
     studio = Studio(made.run)
-    assert (studio.wanted().recipe.window, studio.conductor.differs()) == (2.0, {})
+    assert (studio.wanted().recipe.window, studio.controller.differs()) == (2.0, {})
 
 
 def test_freestyle_brings_its_preset():
@@ -142,7 +142,7 @@ def test_a_run_opens_with_its_settings_and_its_newest_iteration(done):
     assert (studio.state.iteration, studio.state.lane) == (12, "main")
     assert studio.prompt_box.prompt == "brick"
     assert studio.schedule_selector.every == 4
-    assert studio.conductor.differs() == {}
+    assert studio.controller.differs() == {}
     assert isinstance(studio._viewer, RunViewer)
     assert studio.part_picker.name == "sheet"
     assert studio.wanted().mesh is None  # the part of the run is at hand
@@ -162,10 +162,10 @@ def test_choosing_a_lane_shows_its_settings_and_starts_nothing(done):
     studio = Studio(done)
     studio.branches._choice.value = "soft"
     assert (studio.control_selector.control, studio.schedule_selector.every) == ("linear", 3)
-    assert (studio.state.settings["control"], studio.conductor.differs()) == ("linear", {})
+    assert (studio.state.settings["control"], studio.controller.differs()) == ("linear", {})
     studio._timeline.lane = "main"
     assert (studio.control_selector.control, studio.schedule_selector.every) == ("exponential", 4)
-    assert (studio.conductor.differs(), studio.state.session) == ({}, None)
+    assert (studio.controller.differs(), studio.state.session) == ({}, None)
 
 
 @pytest.mark.usefixtures("unprotected")
@@ -174,7 +174,7 @@ def test_settings_without_a_control_are_those_of_the_lane_on_show(tmp_path, fake
     made.go().branch(6, lane="long", window=2.0)
     studio = Studio(made.run)
     studio.state.lane = "long"
-    assert (studio.wanted().recipe.window, studio.conductor.differs()) == (2.0, {})
+    assert (studio.wanted().recipe.window, studio.controller.differs()) == (2.0, {})
 
 
 def test_what_freestyle_leaves_out_is_left_out_of_what_is_asked_for():

@@ -29,7 +29,7 @@ from mechstyle_widgets.settings.part import PartPicker
 from mechstyle_widgets.settings.prompt import PromptBox
 from mechstyle_widgets.settings.regions import RegionsPicker
 from mechstyle_widgets.settings.schedule import ScheduleSelector
-from mechstyle_widgets.state.controller import Conductor, Wanted
+from mechstyle_widgets.state.controller import Controller, Wanted
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.timeline.timeline import Timeline
 from mechstyle_widgets.viewer.run_viewer import RunViewer
@@ -49,11 +49,11 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     """A part, a prompt and a run, as the last expression of a cell.
 
     Each part of it is a widget with documented traits; what the mouse sets, Python can set: `studio.prompt_box.prompt`,
-    `studio.control_selector.threshold`, `studio.state.iteration`, `studio.conductor.run()`.
+    `studio.control_selector.threshold`, `studio.state.iteration`, `studio.controller.run()`.
 
     Attributes:
         state: What is shown and what is going on.
-        conductor: What the buttons do.
+        controller: What the buttons do.
         theme: `light` or `dark`, for the viewer and the timeline; all else follows the notebook's theme.
     """
 
@@ -82,7 +82,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         """
         run = _run_in(part, settings.get("device", "auto"))
         self.state = StudioState()
-        self.conductor = Conductor(self.state, self.wanted)
+        self.controller = Controller(self.state, self.wanted)
         self._make_sections("" if run is not None else part, settings)
         self._changed()  # the timeline begins with the plan: what a figure is told before a page shows it may get lost
         self._three_columns = width >= THREE_COLUMNS
@@ -129,7 +129,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     def close(self) -> None:
         """Stop what is going on and close every widget."""
         if self._timeline is not None:  # else it was refused before it was put together
-            self.conductor.stop()
+            self.controller.stop()
             self._timeline.close()
             if self._viewer is not None:
                 self._viewer.close()
@@ -155,9 +155,9 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         traitlets.link((self.material_picker, "material"), (self.control_selector, "material"))
         traitlets.link((self.prompt_box, "amplitude"), (self.schedule_selector, "amplitude"))
         self._give(given)
-        self.run_controls = RunControls(self.conductor)
-        self.mask_inspector = MaskInspector(self.conductor)
-        self.branches = Branches(self.conductor)
+        self.run_controls = RunControls(self.controller)
+        self.mask_inspector = MaskInspector(self.controller)
+        self.branches = Branches(self.controller)
 
     def _give(self, settings: dict[str, Any]) -> None:
         """Set what was given by name; as everywhere, poses bring their usual number of drops."""

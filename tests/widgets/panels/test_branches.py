@@ -6,14 +6,14 @@ import pytest
 from mechstyle.records.load_cases import Load, LoadCase, Support
 from mechstyle.records.regions import Inside
 from mechstyle_widgets.panels.branches import Branches, said
-from mechstyle_widgets.state.controller import Conductor, Wanted
+from mechstyle_widgets.state.controller import Controller, Wanted
 from mechstyle_widgets.state.studio_state import StudioState
 
 
 @pytest.fixture
 def branches(done):
     """The lanes of a finished run with a branch; it is only looked at."""
-    return Branches(Conductor(StudioState(done), lambda: Wanted(done.recipe, None, 500, "sheet")))
+    return Branches(Controller(StudioState(done), lambda: Wanted(done.recipe, None, 500, "sheet")))
 
 
 def test_lanes_are_listed_with_where_they_come_from(branches):
@@ -47,43 +47,43 @@ def test_nothing_is_compared_before_something_is_pinned(branches):
     assert branches._comparison.layout.display == "none"
 
 
-def test_a_branch_from_the_iteration_on_show_takes_what_was_changed_at_the_left(conducted, settle):
-    conducted.run()
-    settle(conducted)
-    branches = Branches(conducted)
-    conducted.state.iteration = 5
+def test_a_branch_from_the_iteration_on_show_takes_what_was_changed_at_the_left(controller, settle):
+    controller.run()
+    settle(controller)
+    branches = Branches(controller)
+    controller.state.iteration = 5
     branches.branch()
     assert "change a setting at the left first" in branches.trouble
-    changed = msgspec.structs.replace(conducted.state.run.recipe, every=2)
-    conducted.wanted = lambda: Wanted(changed, None, 500, "sheet")
+    changed = msgspec.structs.replace(controller.state.run.recipe, every=2)
+    controller.wanted = lambda: Wanted(changed, None, 500, "sheet")
     branches._name.value = "often"
     assert branches._branch.description == "branch from iteration 5"
     branches._branch.click()
-    settle(conducted)
-    assert (conducted.state.lane, conducted.state.run.recipe.every) == ("often", 2)
+    settle(controller)
+    assert (controller.state.lane, controller.state.run.recipe.every) == ("often", 2)
     assert branches.trouble == ""
 
 
-def test_a_branch_has_the_very_settings_of_the_left_column(conducted, settle):
+def test_a_branch_has_the_very_settings_of_the_left_column(controller, settle):
     """Told `frozen` alone, a branch would compare with the part's own maximum, which is not what the column shows."""
-    branches = Branches(conducted)
-    conducted.run()
-    settle(conducted)
-    shown = msgspec.structs.replace(conducted.state.run.recipe, control="frozen", poses="tilts")
-    conducted.wanted = lambda: Wanted(shown, None, 500, "sheet")
-    conducted.state.iteration = 5
+    branches = Branches(controller)
+    controller.run()
+    settle(controller)
+    shown = msgspec.structs.replace(controller.state.run.recipe, control="frozen", poses="tilts")
+    controller.wanted = lambda: Wanted(shown, None, 500, "sheet")
+    controller.state.iteration = 5
     branches._branch.click()
-    settle(conducted)
-    assert conducted.state.lane == "branch-1"
-    assert conducted.state.run.recipe == shown
+    settle(controller)
+    assert controller.state.lane == "branch-1"
+    assert controller.state.run.recipe == shown
 
 
-def test_a_name_that_cannot_be_is_refused_in_one_sentence(conducted, settle):
-    conducted.run()
-    settle(conducted)
-    conducted.state.iteration = 5
-    conducted.branch(5, "12", control="linear")
-    assert "lane name '12' must begin with" in conducted.state.message
+def test_a_name_that_cannot_be_is_refused_in_one_sentence(controller, settle):
+    controller.run()
+    settle(controller)
+    controller.state.iteration = 5
+    controller.branch(5, "12", control="linear")
+    assert "lane name '12' must begin with" in controller.state.message
 
 
 CASE = LoadCase(name="heavy coat", supports=(Support(at="resting face"),), loads=(Load(gravity=1.0),))

@@ -4,17 +4,17 @@ import numpy as np
 import pytest
 
 from mechstyle_widgets.panels.mask_inspector import LAYER, MaskInspector
-from mechstyle_widgets.state.controller import Conductor, Wanted
+from mechstyle_widgets.state.controller import Controller, Wanted
 from mechstyle_widgets.state.studio_state import StudioState
 
 
 @pytest.fixture
-def inspector(conducted, settle, monkeypatch):
+def inspector(controller, settle, monkeypatch):
     """An inspector of a finished run, nothing of whose sheet is protected."""
     monkeypatch.setattr("mechstyle_widgets.panels.mask_inspector._freedom", lambda run, _recipe: np.ones_like(run.part.thickness))
-    conducted.run()
-    settle(conducted)
-    return MaskInspector(conducted)
+    controller.run()
+    settle(controller)
+    return MaskInspector(controller)
 
 
 def test_it_begins_with_the_settings_in_force(inspector):
@@ -55,7 +55,7 @@ def test_use_this_branches_with_the_very_mask_that_was_shown(inspector, settle):
     shown = inspector.would_be.copy()
     state = inspector.state.checkpoint_at(4)
     inspector._use.click()
-    settle(inspector.conductor)
+    settle(inspector.controller)
     run = inspector.state.run
     assert (run.lane, run.recipe.control, run.recipe.threshold) == ("branch-1", "linear", 0.6)
     # The first step of the branch moves by what the mask lets through, so where it let nothing through nothing moved.
@@ -73,6 +73,6 @@ def test_it_is_a_layer_for_the_viewer(inspector):
 
 
 def test_without_a_run_there_is_nothing_to_inspect():
-    inspector = MaskInspector(Conductor(StudioState(), lambda: Wanted(None, None, 500, "part")))
+    inspector = MaskInspector(Controller(StudioState(), lambda: Wanted(None, None, 500, "part")))
     assert inspector._use.disabled
     assert "run something first" in inspector._note.value

@@ -17,103 +17,103 @@ from mechstyle_widgets.state import controller as module
 from mechstyle_widgets.state.controller import Wanted
 
 
-def test_running_goes_to_the_end(conducted, settle):
-    conducted.run()
-    settle(conducted)
-    assert conducted.state.status == "finished"
-    assert conducted.state.iterations_done == 12
-    assert not conducted.busy
+def test_running_goes_to_the_end(controller, settle):
+    controller.run()
+    settle(controller)
+    assert controller.state.status == "finished"
+    assert controller.state.iterations_done == 12
+    assert not controller.busy
 
 
-def test_a_step_is_an_iteration(conducted, settle):
+def test_a_step_is_an_iteration(controller, settle):
     for expected in (0, 1, 2):
-        conducted.step()
-        settle(conducted)
-        assert (conducted.state.status, conducted.state.iterations_done) == ("paused", expected)
+        controller.step()
+        settle(controller)
+        assert (controller.state.status, controller.state.iterations_done) == ("paused", expected)
 
 
-def test_stepping_to_a_simulation_shows_it(conducted, settle):
-    conducted.step_to_simulation()
-    settle(conducted)
-    assert conducted.state.iteration == 4
-    assert conducted.state.row().reason == "every 4 iterations"
+def test_stepping_to_a_simulation_shows_it(controller, settle):
+    controller.step_to_simulation()
+    settle(controller)
+    assert controller.state.iteration == 4
+    assert controller.state.row().reason == "every 4 iterations"
 
 
-def test_stop_keeps_what_was_made_and_run_goes_on_from_there(conducted, settle):
-    conducted.step_to_simulation()
-    settle(conducted)
-    conducted.stop()
-    settle(conducted)
-    assert (conducted.state.status, conducted.state.iterations_done) == ("stopped", 4)
-    conducted.run()
-    settle(conducted)
-    assert (conducted.state.status, conducted.state.iterations_done) == ("finished", 12)
+def test_stop_keeps_what_was_made_and_run_goes_on_from_there(controller, settle):
+    controller.step_to_simulation()
+    settle(controller)
+    controller.stop()
+    settle(controller)
+    assert (controller.state.status, controller.state.iterations_done) == ("stopped", 4)
+    controller.run()
+    settle(controller)
+    assert (controller.state.status, controller.state.iterations_done) == ("finished", 12)
 
 
-def test_a_finished_lane_says_what_to_do_next(conducted, settle):
-    conducted.run()
-    settle(conducted)
-    conducted.run()
-    assert "change a setting to begin another run" in conducted.state.message
+def test_a_finished_lane_says_what_to_do_next(controller, settle):
+    controller.run()
+    settle(controller)
+    controller.run()
+    assert "change a setting to begin another run" in controller.state.message
 
 
-def test_settings_that_cannot_be_used_are_said(conducted):
+def test_settings_that_cannot_be_used_are_said(controller):
     def refuse():
         raise BadInput("the prompt is empty: write something")
 
-    conducted.wanted = refuse
-    conducted.run()
-    assert conducted.state.message == "the prompt is empty: write something"
-    assert conducted.state.session is None
+    controller.wanted = refuse
+    controller.run()
+    assert controller.state.message == "the prompt is empty: write something"
+    assert controller.state.session is None
 
 
-def test_a_branch_has_its_settings_and_is_carried_on(conducted, settle):
-    conducted.run()
-    settle(conducted)
-    conducted.branch(6, "soft", control="linear")
-    settle(conducted)
-    state = conducted.state
+def test_a_branch_has_its_settings_and_is_carried_on(controller, settle):
+    controller.run()
+    settle(controller)
+    controller.branch(6, "soft", control="linear")
+    settle(controller)
+    state = controller.state
     assert (state.lane, state.status, state.iterations_done) == ("soft", "finished", 12)
     assert state.run.recipe.control == "linear"
     assert state.branches[1].forked_at == 6
 
 
-def test_branching_needs_a_run_that_is_at_rest(conducted, settle):
-    conducted.step()
-    settle(conducted)
-    conducted.branch(0, control="linear")
-    assert "stop it before you branch" in conducted.state.message
-    conducted.state.run = None
-    conducted.branch(0, control="linear")
-    assert "no run to branch from" in conducted.state.message
+def test_branching_needs_a_run_that_is_at_rest(controller, settle):
+    controller.step()
+    settle(controller)
+    controller.branch(0, control="linear")
+    assert "stop it before you branch" in controller.state.message
+    controller.state.run = None
+    controller.branch(0, control="linear")
+    assert "no run to branch from" in controller.state.message
 
 
-def test_a_branch_that_cannot_be_is_said(conducted, settle):
-    conducted.run()
-    settle(conducted)
-    conducted.branch(12, control="linear")
-    assert "must go beyond it" in conducted.state.message
+def test_a_branch_that_cannot_be_is_said(controller, settle):
+    controller.run()
+    settle(controller)
+    controller.branch(12, control="linear")
+    assert "must go beyond it" in controller.state.message
 
 
-def test_other_settings_begin_another_run_with_the_part_at_hand(conducted, settle, monkeypatch, tmp_path):
-    other = msgspec.structs.replace(conducted.state.run.recipe, threshold=0.5)
-    conducted.wanted = lambda: Wanted(other, None, 500, "sheet", str(tmp_path / "other"))
-    assert conducted.differs() == {"threshold": 0.5}
-    part = conducted.state.run.part
+def test_other_settings_begin_another_run_with_the_part_at_hand(controller, settle, monkeypatch, tmp_path):
+    other = msgspec.structs.replace(controller.state.run.recipe, threshold=0.5)
+    controller.wanted = lambda: Wanted(other, None, 500, "sheet", str(tmp_path / "other"))
+    assert controller.differs() == {"threshold": 0.5}
+    part = controller.state.run.part
     monkeypatch.setattr(module, "prepare_aside", lambda *_, **__: pytest.fail("it is prepared already"))
-    conducted.step()
-    settle(conducted)
-    assert conducted.state.run.part.surface.digest == part.surface.digest
-    assert conducted.state.run.store.root == tmp_path / "other"
-    assert conducted.state.run.recipe.threshold == 0.5
-    assert conducted.state.run.record.origin == Origin(model="sheet.stl", vertices=500)
+    controller.step()
+    settle(controller)
+    assert controller.state.run.part.surface.digest == part.surface.digest
+    assert controller.state.run.store.root == tmp_path / "other"
+    assert controller.state.run.recipe.threshold == 0.5
+    assert controller.state.run.record.origin == Origin(model="sheet.stl", vertices=500)
 
 
 @pytest.mark.parametrize(("model", "scale"), [("gallery:wall_hook", None), ("cup.stl", 2.5)])
-def test_a_run_begun_here_can_be_made_again_from_its_report(conducted, settle, monkeypatch, tmp_path, cube, model, scale):
+def test_a_run_begun_here_can_be_made_again_from_its_report(controller, settle, monkeypatch, tmp_path, cube, model, scale):
     monkeypatch.chdir(tmp_path)
     save(cube, "cup.stl")
-    picker, part = PartPicker(model, scale=scale), conducted.state.run.part
+    picker, part = PartPicker(model, scale=scale), controller.state.run.part
 
     def prepared(_mesh, vertices, stage, go_on):
         stage(f"standardising to {vertices}")
@@ -121,11 +121,11 @@ def test_a_run_begun_here_can_be_made_again_from_its_report(conducted, settle, m
         return part
 
     monkeypatch.setattr(module, "prepare_aside", prepared)
-    recipe = msgspec.structs.replace(conducted.state.run.recipe, threshold=0.5)
-    conducted.wanted = lambda: Wanted(recipe, picker.mesh, 900, picker.name, "begun")
-    conducted.run()
-    settle(conducted)
-    run = conducted.state.run
+    recipe = msgspec.structs.replace(controller.state.run.recipe, threshold=0.5)
+    controller.wanted = lambda: Wanted(recipe, picker.mesh, 900, picker.name, "begun")
+    controller.run()
+    settle(controller)
+    run = controller.state.run
     assert (run.store.root.name, run.record.origin) == ("begun", Origin(model=model, vertices=900, scale=scale))
     assert list(run.clock.seconds()) == ["standardising to 900"]
     words = shlex.split(command_for(run, run.history))
@@ -137,35 +137,35 @@ def test_a_run_begun_here_can_be_made_again_from_its_report(conducted, settle, m
 # --- the buttons themselves ---------------------------------------------------------------------------------------
 
 
-def test_buttons_can_be_pressed_when_they_do_something(conducted, settle):
-    controls = RunControls(conducted)
+def test_buttons_can_be_pressed_when_they_do_something(controller, settle):
+    controls = RunControls(controller)
 
     def able():
         return {name for name, button in controls._buttons.items() if not button.disabled}
 
     assert able() == {"run", "step", "step_to_simulation"}
     controls._buttons["step"].click()
-    settle(conducted)
+    settle(controller)
     assert able() == {"run", "step", "step_to_simulation", "stop"}
     controls._buttons["run"].click()
-    settle(conducted)
+    settle(controller)
     assert able() == {"run"}
     assert "finished, iteration 12 of 12" in controls.words
     assert controls._bar.value == 1.0
-    assert escape(conducted.state.message) in controls._note.value
+    assert escape(controller.state.message) in controls._note.value
 
 
-def test_what_is_being_done_is_told(conducted):
-    controls = RunControls(conducted)
-    conducted.state.tell(status="running", stage="drop test: every 4 iterations", step=0.42, seconds_left=130.0)
-    conducted.state.pump()
+def test_what_is_being_done_is_told(controller):
+    controls = RunControls(controller)
+    controller.state.tell(status="running", stage="drop test: every 4 iterations", step=0.42, seconds_left=130.0)
+    controller.state.pump()
     assert controls.words.endswith("drop test: every 4 iterations, 42% · about 2 min left")
 
 
-def test_trouble_is_set_apart_from_good_news(conducted):
-    controls = RunControls(conducted)
-    conducted.state.tell(status="failed", message="the disk is full: free some space")
-    conducted.state.pump()
+def test_trouble_is_set_apart_from_good_news(controller):
+    controls = RunControls(controller)
+    controller.state.tell(status="failed", message="the disk is full: free some space")
+    controller.state.pump()
     assert 'role="alert"' in controls.trouble
     assert "the disk is full" in controls.trouble
 

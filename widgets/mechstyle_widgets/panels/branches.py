@@ -14,8 +14,7 @@ from mechstyle.records import Checkpoint
 from mechstyle.records.load_cases import LoadCase
 from mechstyle.records.material import Material
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, Words, table
-from mechstyle_widgets.state.controller import Conductor
-from mechstyle_widgets.state.history import Row
+from mechstyle_widgets.state.controller import Controller
 
 SIGN = {"VIABLE": "✓", "FAILS": "✗", "UNKNOWN": "?", "": "·"}
 
@@ -31,9 +30,9 @@ class Branches(Section):
     lane = traitlets.Unicode("main")
     pinned: Any = traitlets.Tuple(None, allow_none=True)
 
-    def __init__(self, conductor: Conductor) -> None:
-        """Show the lanes of what a conductor's state shows."""
-        self.conductor, self.state = conductor, conductor.state
+    def __init__(self, controller: Controller) -> None:
+        """Show the lanes of what a controller's state shows."""
+        self.controller, self.state = controller, controller.state
         self._choice = ipywidgets.Select(options=[], rows=4, tooltip="Lanes; choose one to show it", layout=WIDE)
         self._changes = Words()
         self._name = ipywidgets.Text(description="new lane", placeholder="named by number", style=NARROW_LABEL, layout=WIDE)
@@ -59,7 +58,7 @@ class Branches(Section):
         All of them are asked for: told the changed ones only, a branch adds what usually goes with them.
         """
         try:
-            changed, wanted = self.conductor.differs(), self.conductor.wanted().recipe
+            changed, wanted = self.controller.differs(), self.controller.wanted().recipe
         except BadInput as error:
             self.state.message = str(error)
             return
@@ -67,7 +66,7 @@ class Branches(Section):
             self.complain("change a setting at the left first: this lane would be the same again")
             return
         self.complain("")
-        self.conductor.branch(self.state.iteration, self._name.value.strip(), **wanted.settings)
+        self.controller.branch(self.state.iteration, self._name.value.strip(), **wanted.settings)
         self._name.value = ""
 
     def pin(self) -> None:

@@ -21,7 +21,7 @@ from mechstyle.simulation.part import bounds_for
 from mechstyle_widgets.jupyter.svg import Frame, drawing, shares
 from mechstyle_widgets.settings.control import ControlSelector
 from mechstyle_widgets.settings.section import WIDE, Section, Words
-from mechstyle_widgets.state.controller import Conductor
+from mechstyle_widgets.state.controller import Controller
 from mechstyle_widgets.viewer.layers import Layer, layer_of
 
 LAYER = "what_if"
@@ -41,9 +41,9 @@ class MaskInspector(Section):
 
     would_be = traitlets.Any(None, allow_none=True)
 
-    def __init__(self, conductor: Conductor) -> None:
-        """Inspect what a conductor's state shows."""
-        self.conductor, self.state = conductor, conductor.state
+    def __init__(self, controller: Controller) -> None:
+        """Inspect what a controller's state shows."""
+        self.controller, self.state = controller, controller.state
         self._freedom = lru_cache(maxsize=4)(_freedom)
         self.selector = ControlSelector()
         self._plots = Words(layout=WIDE)
@@ -83,7 +83,7 @@ class MaskInspector(Section):
 
     def use(self) -> None:
         """Branch from the iteration on show with the settings that are tried."""
-        self.conductor.branch(self.state.iteration, **self.settings)
+        self.controller.branch(self.state.iteration, **self.settings)
 
     def _restore(self, _change: object = None) -> None:
         """Try the settings in force, whenever another run or lane comes into view."""

@@ -9,7 +9,7 @@ import ipywidgets
 import traitlets
 
 from mechstyle_widgets.settings.section import WIDE, Section
-from mechstyle_widgets.state.controller import Conductor
+from mechstyle_widgets.state.controller import Controller
 
 MAY = {
     "run": ("idle", "paused", "stopped", "finished", "failed"),
@@ -23,7 +23,7 @@ LOOKS = {"preparing": "info", "running": "info", "paused": "warning", "stopped":
 
 
 class RunControls(Section):
-    """Buttons for a conductor, a bar and a line that says what is being done and how long it will take.
+    """Buttons for a controller, a bar and a line that says what is being done and how long it will take.
 
     Attributes:
         words: The line under the bar.
@@ -31,9 +31,9 @@ class RunControls(Section):
 
     words = traitlets.Unicode("")
 
-    def __init__(self, conductor: Conductor) -> None:
-        """Control what a conductor conducts."""
-        self.conductor, self.state = conductor, conductor.state
+    def __init__(self, controller: Controller) -> None:
+        """Bind the buttons to a controller."""
+        self.controller, self.state = controller, controller.state
         self._buttons = {
             "run": self._button("play", "Run", "Run to the end, or go on", "success", "72px"),
             "pause": self._button("pause", "", "Pause after the iteration in hand"),
@@ -42,7 +42,7 @@ class RunControls(Section):
             "stop": self._button("stop", "", "Stop; what was made is kept"),
         }
         for name, button in self._buttons.items():
-            button.on_click(lambda _, name=name: getattr(self.conductor, name)())
+            button.on_click(lambda _, name=name: getattr(self.controller, name)())
         self._bar = ipywidgets.FloatProgress(min=0.0, max=1.0, layout=WIDE)
         self._line = ipywidgets.HTML()
         super().__init__([ipywidgets.HBox(list(self._buttons.values())), self._bar, self._line])

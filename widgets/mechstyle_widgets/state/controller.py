@@ -40,11 +40,11 @@ class Wanted:
     device: str = "auto"
 
 
-class Conductor:
+class Controller:
     """Carries out what people ask for, in the background; what cannot be done is said in `state.message`."""
 
     def __init__(self, state: StudioState, wanted: Callable[[], Wanted]) -> None:
-        """Conduct runs.
+        """Begin and carry on runs.
 
         Args:
             state: Where they are shown.
