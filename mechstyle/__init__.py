@@ -26,12 +26,12 @@ if TYPE_CHECKING:
     from mechstyle.loop.store import Store
     from mechstyle.pictures.panels import Picture
     from mechstyle.runs.plugins import register_stylizer
-    from mechstyle.runs.protection import protect
+    from mechstyle.runs.protection import ProtectedPart, protect
     from mechstyle.runs.recipes import changed, plan
     from mechstyle.runs.run import Run, begin, stylize
     from mechstyle.runs.session import Session
-    from mechstyle.simulation.part import Workpiece, prepare
-    from mechstyle.simulation.part_test import simulate
+    from mechstyle.simulation.part import Model, Workpiece, prepare
+    from mechstyle.simulation.part_test import PartTest, simulate
     from mechstyle.simulation.simulator import DropSimulator
     from mechstyle.styling.drawn import ProceduralStylizer, Target
 
@@ -41,8 +41,11 @@ _WHERE = {
     "Bounds": "loop.engine",
     "DropSimulator": "simulation.simulator",
     "Engine": "loop.engine",
+    "Model": "simulation.part",
+    "PartTest": "simulation.part_test",
     "Picture": "pictures.panels",
     "ProceduralStylizer": "styling.drawn",
+    "ProtectedPart": "runs.protection",
     "Run": "runs.run",
     "Session": "runs.session",
     "Store": "loop.store",
@@ -80,10 +83,13 @@ __all__ = [
     "Measures",
     "MechStyleError",
     "MissingPiece",
+    "Model",
     "Outside",
+    "PartTest",
     "Patch",
     "Picture",
     "ProceduralStylizer",
+    "ProtectedPart",
     "Recipe",
     "Run",
     "Segment",
