@@ -38,12 +38,12 @@ def write_aside(path: Path, data: bytes) -> None:
 
 
 def cache_folder() -> Path:
-    """Where prepared parts are kept: $MECHSTYLE_CACHE, else the user's cache folder; safe to delete."""
+    """Folder of prepared parts: $MECHSTYLE_CACHE, else the user's cache folder; safe to delete."""
     given = os.environ.get("MECHSTYLE_CACHE")
     base = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
     return Path(given) if given else Path(base) / "mechstyle"
 
 
 def clip_folder() -> Path:
-    """Where fetched CLIP weights are kept."""
+    """Folder of fetched CLIP weights."""
     return cache_folder() / "clip"

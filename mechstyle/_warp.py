@@ -1,4 +1,4 @@
-"""NVIDIA Warp, started without a word.
+"""NVIDIA Warp, initialised without banner or driver warnings.
 
 Its banner would go to standard output, which belongs to the command line's JSON, and its remark that there is no CUDA driver to
 standard error at every start; whether there is one is what `mechstyle doctor` and `resolve_device` say.

@@ -1,4 +1,4 @@
-"""What all commands share: errors in one sentence, JSON on stdout and nothing else, progress on stderr."""
+"""Shared by all commands: errors in one sentence, JSON on stdout and nothing else, progress on stderr."""
 
 from __future__ import annotations
 

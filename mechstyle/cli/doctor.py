@@ -45,7 +45,7 @@ def doctor_command(as_json: Json = False) -> None:
 
 
 def examined() -> dict[str, Any]:
-    """What `doctor` reports."""
+    """Versions, devices, optional packages and folders, as `doctor` prints them."""
     from mechstyle._files import cache_folder  # noqa: PLC0415
     from mechstyle.fea.drop import available_devices  # noqa: PLC0415 — loads Warp
 

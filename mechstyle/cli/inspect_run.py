@@ -45,7 +45,7 @@ def log_command(directory: Annotated[Path, typer.Argument(metavar="DIR", help="A
 
 
 def lane_title(lane: LaneSummary) -> str:
-    """What a lane is, above its table."""
+    """Title of a lane's table: name, prompt, settings and where it stands."""
     recipe = lane.recipe
     state = "finished" if lane.finished else f"stands at iteration {lane.iteration} of {recipe.iterations}"
     fork = "" if lane.forked_at is None else f", branched at {lane.forked_at}"

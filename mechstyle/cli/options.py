@@ -42,7 +42,7 @@ Settings = dict[str, Any]
 
 @dataclass(frozen=True)
 class RecipeOption:
-    """How a field of the recipe is given on the command line.
+    """The command-line option of a field of the recipe.
 
     Attributes:
         panel: Heading it stands under in the help.

@@ -57,7 +57,7 @@ def _written(dropped: PartTest, folder: Path, name: str, *, vtu: bool, each: boo
 
 
 def _figures(dropped: PartTest, files: dict[str, str]) -> dict[str, Any]:
-    """All that was measured, for programs."""
+    """The measured figures as plain values, for `--json`."""
     from mechstyle.simulation.drop_history import history_figures  # noqa: PLC0415 — as above
 
     simulation = dropped.simulation
@@ -108,7 +108,7 @@ def _report(dropped: PartTest, files: dict[str, str]) -> None:
 
 
 def _orientation_rows(dropped: PartTest) -> list[tuple[str, str]]:
-    """What the drops in other orientations found."""
+    """Table rows of the drops in other orientations."""
     overall = dropped.simulation.overall
     if overall is None or dropped.failure_probability is None:
         return [("p99 over all orientations", "not run" if overall is None else "not known")]

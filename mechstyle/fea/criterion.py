@@ -1,4 +1,4 @@
-"""What counts as viable: stress averaged over a fixed physical radius, its measures, and the verdict with its words.
+"""The criterion: stress averaged over a fixed physical radius, its measures, and the verdict in words.
 
 Point contact is singular: the element maximum grows without bound as the mesh is refined, and even the unstylized part
 exceeds yield there. The volume average over a ball of fixed radius converges (the volume method of the theory of critical
@@ -224,13 +224,13 @@ def _all_orientations(simulation: Simulation, baseline: Simulation, trouble: str
 
 
 def _place(simulation: Simulation) -> str:
-    """Where the peak is, in words."""
+    """The place of the peak, in words."""
     x, y, z = simulation.as_placed.where
     return f"({x:.1f}, {y:.1f}, {z:.1f}) mm"
 
 
 def _situation(simulation: Simulation) -> str:
-    """What the deciding peak comes from, in words."""
+    """The load that causes the deciding peak, in words: the drop as placed or a load case."""
     if simulation.governing:
         return f"under the load {simulation.governing!r}"
     return "dropped as placed, which is worse than any load," if simulation.loaded else "dropped as placed"

@@ -1,4 +1,4 @@
-"""What the time integration needs to know of a body: numbering, gradients, masses, neighbours. Shared by all orientations."""
+"""A body prepared for time integration: numbering, gradients, masses, neighbours. Shared by all orientations."""
 
 from __future__ import annotations
 

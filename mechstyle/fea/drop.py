@@ -50,7 +50,7 @@ Law = Literal["stable_neo_hookean", "st_venant_kirchhoff"]
 
 @dataclass(frozen=True)
 class DropTest:
-    """How a part is dropped.
+    """Height, window and numerical settings of a drop test.
 
     Attributes:
         height: Height of fall [mm].
@@ -124,7 +124,7 @@ class History:
 
 @dataclass(frozen=True, eq=False)
 class Drop:
-    """What a drop test found.
+    """Result of a drop test.
 
     Attributes:
         von_mises: Running maximum of the von Mises stress at the Gauss points [MPa], shape [orientations, tet_count, points];

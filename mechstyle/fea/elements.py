@@ -38,12 +38,12 @@ class Element:
 
     @property
     def points(self) -> int:
-        """Gauss points."""
+        """Number of Gauss points."""
         return len(self.derivatives)
 
     @property
     def nodes(self) -> int:
-        """Nodes."""
+        """Number of nodes."""
         return len(self.mass_shares)
 
 

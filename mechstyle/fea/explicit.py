@@ -42,7 +42,7 @@ def no_progress(fraction: float) -> None:
 
 @dataclass(frozen=True)
 class Scheme:
-    """What one step does to every orientation.
+    """Parameters of the explicit time step, the same for every orientation.
 
     Attributes:
         law: The elastic law.
@@ -71,7 +71,7 @@ class Scheme:
 
     @property
     def law_number(self) -> int:
-        """How the kernels know the law."""
+        """Number of a constitutive law in the kernels."""
         return law_number(self.law)
 
 
@@ -200,7 +200,7 @@ def integrate(batches: Sequence[Batch], scheme: Scheme, energy: float, progress:
 
 
 def _places(workers: int) -> SimpleQueue[int]:
-    """A core for each of our threads if they fill all; schedulers were seen to leave two threads on one of two idle cores."""
+    """One core per worker if the workers fill the machine: Linux was seen to put two threads on one core and leave another idle."""
     places: SimpleQueue[int] = SimpleQueue()
     if hasattr(os, "sched_getaffinity") and workers == len(os.sched_getaffinity(0)) > 1:
         for core in sorted(os.sched_getaffinity(0)):

@@ -1,4 +1,4 @@
-"""How a part may land: sets of floor normals in the frame of the part, each with the probability that a drop lands so.
+"""Landing orientations: sets of floor normals in the frame of the part, each with the probability that a drop lands so.
 
 Number 0 of every set is the part as it stands.
 """
@@ -154,7 +154,7 @@ def stable_poses(points: ArrayLike, centre: ArrayLike) -> tuple[Floats, Floats]:
 
 
 def _distances_inside(corners: Floats, feet: Floats) -> Floats:
-    """How far points in the planes of triangles lie inside of the edges opposite to corners 0, 1 and 2 [mm], shape [n, 3]."""
+    """Distance of points in the planes of triangles from the edges opposite to corners 0, 1 and 2, positive inside [mm], shape [n, 3]."""
     distances = np.empty((len(corners), 3))
     for corner in range(3):
         opposite, start, end = (corners[:, (corner + shift) % 3] for shift in range(3))

@@ -38,7 +38,7 @@ class Snapshots:
 
 @dataclass(frozen=True, eq=False)
 class Snapshot:
-    """Where a body is at one moment of its drop.
+    """Position of a body at one moment of its drop.
 
     Attributes:
         mesh: The elements, without vertices that no tetrahedron uses.

@@ -40,7 +40,7 @@ def names() -> tuple[str, ...]:
 
 
 def describe(name: str) -> str:
-    """One line on a model; BadInput for a name that is not in the gallery."""
+    """Description of a model in one line; BadInput for a name that is not in the gallery."""
     return _entry(name)[1]
 
 

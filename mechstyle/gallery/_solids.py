@@ -127,7 +127,7 @@ def bar(section: CrossSection, width: float, edge: float) -> Manifold:
 
 
 def pocket(section: CrossSection, depth: float, *, floor: float, flare: float) -> Manifold:
-    """What to cut for a pocket of this mouth down from z = 0: a rounded floor edge, and a mouth that opens in a round lip."""
+    """The body to subtract for a pocket of this mouth down from z = 0, with a rounded floor edge and a mouth that opens in a round lip."""
     low = [(-depth + floor - z, inset) for z, inset in reversed(round_edge(floor, 10))]
     lip = [(-flare + flare * math.sin(t), -flare * (1 - math.cos(t))) for t in np.linspace(0, math.pi / 2, 7)]
     return lofted(section, [*low, *lip, (1.0, -flare)])

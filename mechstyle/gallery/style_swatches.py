@@ -43,7 +43,7 @@ class Styles:
         return iter(self.known)
 
     def __len__(self) -> int:
-        """How many there are."""
+        """Number of styles."""
         return len(self.known)
 
     def __repr__(self) -> str:

@@ -39,12 +39,12 @@ class ReadPart(NamedTuple):
 
 
 def load(path: str | Path, *, scale: float | None = None) -> SurfaceMesh:
-    """One closed body from a file, repaired where needed; as `read`, without the notes."""
+    """Read one closed body from a file, repaired where needed; as `read`, without the notes."""
     return read(path, scale=scale).mesh
 
 
 def read(path: str | Path, *, scale: float | None = None) -> ReadPart:
-    """One closed body from an STL, OBJ, PLY, GLB or 3MF file, and the repairs it took.
+    """Read one closed body from an STL, OBJ, PLY, GLB or 3MF file; also returns the repairs it took.
 
     Args:
         path: The file.
@@ -102,7 +102,7 @@ def _content(file: Path) -> bytes:
 
 
 def _parsed(name: str, content: bytes, suffix: str) -> tuple[Floats, NDArray[np.int64], float]:
-    """What trimesh reads, with everything it may raise turned into one sentence."""
+    """The file as trimesh reads it; whatever trimesh raises becomes one sentence."""
     try:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")  # a reader's remarks; what matters is checked afterwards

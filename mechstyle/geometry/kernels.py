@@ -76,7 +76,7 @@ def count_escapes(
     reach: float,
     escaped: wp.array(dtype=wp.int32),
 ) -> None:
-    """How many of `rays`, given about the z axis and turned to each normal (Duff et al. 2017), leave without meeting the surface again."""
+    """Number of `rays`, given about z and turned to each normal (Duff et al. 2017), that leave without meeting the surface again."""
     i = wp.tid()
     normal = normals[i]
     side = wp.where(normal[2] >= 0.0, 1.0, -1.0)

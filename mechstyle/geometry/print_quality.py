@@ -1,4 +1,4 @@
-"""What a relief did to a surface as something to print: folds, walls that pass through each other, how thin it got, what it weighs."""
+"""Printability of a styled surface: folded faces, self-intersections, thinnest wall, change of mass."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Quality(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What a user should know before printing, one sentence each; none if all is well."""
+        """Warnings for the user before printing, one sentence each; empty if all is well."""
         words = []
         if self.folds:
             remedy = "look at the part in the slicer, or style it with less amplitude"
@@ -81,5 +81,5 @@ def quality(original: SurfaceMesh, styled: SurfaceMesh, density: float, *, devic
 
 
 def folded_faces(original: SurfaceMesh, styled: SurfaceMesh) -> int:
-    """How many faces look the other way than before."""
+    """Number of faces whose normal turned over."""
     return int((np.einsum("ij,ij->i", original.face_vectors, styled.face_vectors) < 0.0).sum())

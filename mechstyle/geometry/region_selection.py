@@ -1,4 +1,4 @@
-"""Which vertices a protected region holds, and how much of a relief is allowed around it."""
+"""Vertices of protected regions, and the share of relief allowed around them."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ LEAST_SEGMENT = 0.005
 
 
 class Protection(NamedTuple):
-    """What protected regions leave to the style.
+    """Freedom of the style around protected regions.
 
     Attributes:
         freedom: Factor on the relief, 0 in the regions, growing to 1 over their ramps, shape [vertex_count], float32.
@@ -41,7 +41,7 @@ class Protection(NamedTuple):
 
 
 def protection(regions: Sequence[Region], surface: SurfaceMesh, thickness: ArrayLike) -> Protection:
-    """What all regions together leave to the style; where several meet, the strictest counts.
+    """Freedom left by all regions together; where several meet, the strictest counts.
 
     Args:
         regions: What is to be protected.
@@ -149,7 +149,7 @@ def _steps(points: Floats, wall: Floats, edges: Indices, lengths: Floats) -> NDA
 
 
 def _graph(surface: SurfaceMesh, values: Floats) -> sp.csr_array:
-    """One value per edge as an upper triangular matrix; an edge of value zero is none."""
+    """Sparse upper triangular matrix with one value per edge; zero means no edge."""
     count = len(surface.vertices)
     kept = values > 0.0
     return sp.csr_array((values[kept], tuple(surface.edges[kept].T)), shape=(count, count))

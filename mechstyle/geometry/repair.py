@@ -35,7 +35,7 @@ REMESH_TIMEOUT = 120.0
 
 
 def repaired(vertices: Floats, faces: NDArray[np.int64], name: str) -> tuple[SurfaceMesh, tuple[str, ...]]:
-    """One closed body from a triangle soup, and what had to be done to it, one sentence each.
+    """Make one closed body of a triangle soup; also returns the repairs, one sentence each.
 
     A single body whose surface cuts through itself is closed and therefore left as it is, and said.
 
@@ -244,7 +244,7 @@ def _plugged(surface: SurfaceMesh, name: str, notes: list[str]) -> SurfaceMesh:
 
 
 def _from_inside(surface: SurfaceMesh, name: str, notes: list[str]) -> Any:
-    """What fTetWild takes for its inside: the last resort for surfaces that do not quite meet, or meet three at an edge."""
+    """The boundary of what fTetWild takes for the inside: the last resort for surfaces that do not quite meet, or meet three at an edge."""
     advice = "repair it in the program it was made with"
     try:
         vertices, tets = tetwild(surface.vertices, surface.faces, Settings(0.03 * surface.size, 5e-4), timeout=REMESH_TIMEOUT)

@@ -1,4 +1,4 @@
-"""Where a surface passes through itself: faces that cross, and places where more than a printer resolves is inside twice."""
+"""Self-intersections of a surface: faces that cross, and places where more than a printer resolves is inside twice."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ MOST_ASKED = 2000
 
 
 class Crossings(NamedTuple):
-    """Which faces of a surface cross.
+    """Faces of a surface that cross.
 
     Attributes:
         pairs: How many pairs do.
@@ -74,7 +74,7 @@ def overlaps(mesh: SurfaceMesh) -> Floats:
 
 
 def _depth(mesh: SurfaceMesh, one: NDArray[np.int64], other: Indices) -> Floats:
-    """From a line in which two faces cross to where it is `DEEP` before both [mm], shape [k, 3]; NaN for faces that only graze."""
+    """Offset from an intersection line to the point `DEEP` below both faces [mm], shape [k, 3]; NaN where they only graze."""
     normals = mesh.face_vectors / np.maximum(np.linalg.norm(mesh.face_vectors, axis=1, keepdims=True), 1e-30)
     both = normals[one] + normals[other]
     along = 0.5 * np.square(both).sum(axis=1, keepdims=True)  # n · (n + m) = |n + m|² / 2

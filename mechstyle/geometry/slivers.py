@@ -32,7 +32,7 @@ class EdgePairs(NamedTuple):
     across: Indices
 
     def some(self, which: NDArray[np.bool_]) -> EdgePairs:
-        """Those of the edges for which `which`, shape [k], is set."""
+        """Subset of the edges selected by `which`, shape [k]."""
         return EdgePairs(self.edges[which], self.faces[which], self.across[which])
 
 
@@ -45,7 +45,7 @@ def edge_pairs(faces: Indices) -> EdgePairs:
 
 
 class _Fit(NamedTuple):
-    """How well triangles lie on the part: cosine between their normals, and their quality, shape [face_count] each."""
+    """Fit of triangles to the part: cosine between their normals, and their quality, shape [face_count] each."""
 
     cosine: Floats
     quality: Floats
@@ -56,7 +56,7 @@ class _Fit(NamedTuple):
 
     @property
     def worth(self) -> Floats:
-        """What turning an edge should raise: first the normal, then the shape."""
+        """Objective of an edge flip: first the normals, then the shape."""
         return np.minimum(self.cosine, STRAIGHT) + 0.5 * self.quality
 
     def updated(self, changed: NDArray[np.int64], fit: _Fit) -> _Fit:
@@ -100,7 +100,7 @@ def _normals(corners: Floats) -> tuple[Floats, Floats]:
 
 
 def _pruned(mesh: SurfaceMesh, part: TriangleTree, creases: int) -> SurfaceMesh:
-    """The mesh without its vertices of three triangles, one of them bad, no two of them in one triangle."""
+    """Remove vertices of valence 3 that touch a bad triangle, at most one per triangle."""
     faces, count = mesh.faces, np.bincount(mesh.faces.ravel(), minlength=len(mesh.vertices))
     suspects = np.unique(faces[_fit(mesh.vertices, faces, part).bad])
     dropped, caps, touched = np.zeros(len(faces), bool), list[tuple[int, int, int]](), set[int]()

@@ -77,7 +77,7 @@ def _check(surface: SurfaceMesh, target: int) -> None:
 
 
 class Attempt(NamedTuple):
-    """One run's result, what is wrong with it, "" if nothing is, and whether the detail of the surface asks for all it has and more."""
+    """One fTetWild run: its mesh, its fault ("" for none), and whether surface detail needs more tetrahedra than wished."""
 
     tets: TetMesh
     fault: str
@@ -166,7 +166,7 @@ def _tidied(vertices: Floats, tets: Indices) -> TetMesh:
 
 
 def _adjacency(tets: Indices) -> sp.csr_array:
-    """Which tetrahedra share a face, shape [tet_count, tet_count], symmetric."""
+    """Adjacency of tetrahedra by shared faces, shape [tet_count, tet_count], symmetric."""
     faces = np.sort(tets[:, [1, 2, 3, 0, 2, 3, 0, 1, 3, 0, 1, 2]].reshape(-1, 3), axis=1)
     order = np.lexsort(faces.T)
     same = np.flatnonzero((faces[order[1:]] == faces[order[:-1]]).all(axis=1))
@@ -194,7 +194,7 @@ def _set_down(surface: SurfaceMesh, tets: TetMesh, reach: float) -> TetMesh:
 
 
 def _fault(surface: SurfaceMesh, tets: TetMesh, deviation: float) -> str:
-    """What is wrong with a mesh, "" if nothing is."""
+    """The fault of a mesh in words, "" for none."""
     if tets.volumes.min() <= 0:
         return "some tetrahedra are turned inside out"
     if (pinched := _pinched(tets.boundary_faces)) > PINCHED:

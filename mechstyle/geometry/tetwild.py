@@ -20,7 +20,7 @@ GRACE = 10.0  # seconds after the limit at which an orphaned worker ends itself
 
 
 class Settings(NamedTuple):
-    """What decides a run of fTetWild.
+    """Settings of an fTetWild run.
 
     Attributes:
         edge_length: Edge length it aims at [mm].

@@ -53,7 +53,7 @@ class Transfer:
 
 
 def _nearest_in_unit_box(surface: SurfaceMesh, tets: TetMesh) -> sp.csr_array:
-    """One entry of 1 per surface vertex, at the boundary vertex nearest to it once both fill the unit box."""
+    """Sparse matrix with one entry of 1 per surface vertex, at the boundary vertex nearest to it once both fill the unit box."""
     outer = np.unique(tets.boundary_faces)
     _, nearest = cKDTree(_in_unit_box(tets.vertices[outer])).query(_in_unit_box(surface.vertices))
     count = len(surface.vertices)

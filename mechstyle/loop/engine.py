@@ -35,7 +35,7 @@ STYLE_FIELDS = ("prompt", "seed", "amplitude", "stylizer", "guidance", "field", 
 
 
 class Proposal(Protocol):
-    """What a stylizer proposes: displacement along the original normals [mm], shape [vertex_count], and RGB colours."""
+    """Proposal of a stylizer: displacement along the original normals [mm], shape [vertex_count], and RGB colours."""
 
     @property
     def displacement(self) -> Field:
@@ -50,16 +50,16 @@ class Stylizer(Protocol):
     """Anything that proposes a relief and colours, iteration by iteration, without being fed what the mask held back."""
 
     def proposal(self) -> Proposal:
-        """What it proposes now."""
+        """The current proposal."""
 
     def step(self) -> Proposal:
-        """One iteration on; the new proposal."""
+        """Take one iteration; return the new proposal."""
 
     def loss(self, displacement: Field, colour: Field) -> float:
-        """How far a surface is from what the style wants."""
+        """Distance of a surface from the style's target."""
 
     def state(self) -> dict[str, Field]:
-        """All that is needed to continue from here with the same bytes."""
+        """State from which `restore` continues with the same bytes."""
 
     def restore(self, state: dict[str, Field]) -> None:
         """Continue from a state."""
@@ -79,12 +79,12 @@ class Simulator(Protocol):
         """Drop the displaced part: as placed, or in all orientations if `thorough`."""
 
     def judge(self, simulation: Simulation) -> Verdict:
-        """What a simulation means under the recipe's criterion."""
+        """Verdict on a simulation under the recipe's criterion."""
 
 
 @dataclass(frozen=True, eq=False)
 class Bounds:
-    """How far the style may go, per vertex.
+    """Bounds of the style at each vertex.
 
     Attributes:
         thickness: Local wall thickness [mm], shape [vertex_count].

@@ -1,4 +1,4 @@
-"""What happens in a run, as frozen values: the command line prints them, widgets show them, tests list them."""
+"""Events of a run as frozen values: the command line prints them, widgets show them, tests list them."""
 
 from __future__ import annotations
 

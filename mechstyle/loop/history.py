@@ -1,4 +1,4 @@
-"""What happened in a run: the figures of a verdict, what happened at each iteration of a lane, what each lane has come to."""
+"""The history of a run: figures of a verdict, a row for each iteration of a lane, the state of each lane."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ NONE: Mapping[str, Any] = MappingProxyType({})
 
 
 class Strength(msgspec.Struct, frozen=True, kw_only=True):
-    """What a verdict says in figures.
+    """The figures of a verdict.
 
     Attributes:
         verdict: VIABLE, FAILS or UNKNOWN.
@@ -56,7 +56,7 @@ class Strength(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Row(Entry, frozen=True, kw_only=True):
-    """What happened at a checkpoint, in figures; other fields as in `Entry`.
+    """A checkpoint in figures; other fields as in `Entry`.
 
     Attributes:
         mask: Digest of its mask.
@@ -94,12 +94,12 @@ class Row(Entry, frozen=True, kw_only=True):
 
     @property
     def limit(self) -> float | None:
-        """What it may at most be [MPa], None as for `peak`."""
+        """Allowable stress [MPa], None as for `peak`."""
         return self.verdict.deciding.limit if self.verdict is not None and self.verdict.outcome != "UNKNOWN" else None
 
 
 class Step(Row, frozen=True, kw_only=True):
-    """What happened at a simulation; other fields as in `Row`.
+    """A simulated checkpoint in figures; other fields as in `Row`.
 
     Attributes:
         verdict: What it meant.
@@ -243,7 +243,7 @@ class LaneSummary(msgspec.Struct, frozen=True, kw_only=True):
 
     @classmethod
     def of(cls, store: Store, name: str, history: Sequence[Entry]) -> LaneSummary:
-        """What a lane has come to so far.
+        """Summary of a lane as it stands.
 
         Args:
             store: The run directory.
@@ -276,7 +276,7 @@ class Branch(LaneSummary, frozen=True, kw_only=True):
 
     @property
     def iterations(self) -> int:
-        """Where it is to end."""
+        """Iterations of its recipe."""
         return self.recipe.iterations
 
 

@@ -1,4 +1,4 @@
-"""One process at a time: a lock file that says who holds it and that dies with its process."""
+"""A lock file that admits one process at a time, names its holder and ends with its process."""
 
 from __future__ import annotations
 

@@ -37,7 +37,7 @@ def to_json(record: object, enc_hook: Callable[[Any], Any] | None = None) -> byt
 
 
 def from_json(data: bytes, kind: type[T], dec_hook: Callable[[type, Any], Any] | None = None) -> T:
-    """What `to_json` wrote; msgspec.DecodeError if it is no such record."""
+    """Read a record that `to_json` wrote; msgspec.DecodeError if it is no such record."""
     return msgspec.json.decode(data, type=kind, dec_hook=dec_hook, strict=False)
 
 
@@ -57,7 +57,7 @@ class Objects:
         self.root = root
 
     def path(self, digest: str) -> Path:
-        """Where an object lies or would lie."""
+        """Path of an object, whether it exists or not."""
         return self.root / digest[:2] / digest[2:]
 
     def put(self, content: bytes) -> str:

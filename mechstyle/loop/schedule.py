@@ -27,7 +27,7 @@ SOFTEST = 0.1
 
 @dataclass(frozen=True)
 class Progress:
-    """Where a run stands when a schedule is asked.
+    """State of a run on which a schedule decides.
 
     Attributes:
         iteration: Current iteration, from 1.

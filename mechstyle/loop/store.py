@@ -25,7 +25,7 @@ from mechstyle.records import Checkpoint, Recipe, Verdict
 
 
 class Lane(msgspec.Struct, frozen=True, kw_only=True):
-    """Where one line of iterations stands.
+    """A lane: the recipe in force, its newest checkpoint and its fork.
 
     Attributes:
         recipe: Digest of the recipe its new iterations follow.
@@ -75,7 +75,7 @@ class Store:
         return tuple(sorted(names, key=lambda name: name != "main"))
 
     def lane(self, name: str = "main") -> Lane:
-        """Where a lane stands; BadInput for a lane that is not there."""
+        """A lane by name; BadInput for a lane that is not there."""
         path = self.root / "lanes" / f"{name}.json"
         if not path.is_file():
             raise unknown(f"lane in {self.root}", name, self.lanes())
@@ -130,7 +130,7 @@ class Store:
             digest = entry.parent
 
     def allowable(self, state: Checkpoint | Entry) -> float:
-        """What the stress may at most be [MPa]: the limit of the newest verdict, before the first the material's yield strength."""
+        """Allowable stress [MPa]: the limit of the newest verdict, before the first the material's yield strength."""
         verdict, parent = state.verdict, state.parent
         while verdict is None and parent:
             entry = self.entry(parent)

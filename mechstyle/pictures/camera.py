@@ -1,4 +1,4 @@
-"""Where a picture is taken from."""
+"""Cameras of pictures: named views that fit a part."""
 
 from __future__ import annotations
 

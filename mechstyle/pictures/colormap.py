@@ -35,7 +35,7 @@ def linear_to_srgb(intensities: ArrayLike) -> Colours:
 
 @dataclass(frozen=True)
 class Scale:
-    """How values become colours.
+    """A colour scale: from values to colours.
 
     Attributes:
         low: Value at the pale end [unit of the field].

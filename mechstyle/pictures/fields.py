@@ -30,7 +30,7 @@ DEMAND_LABELS = {
 
 @dataclass(frozen=True)
 class Quantity:
-    """What a field over a surface means and how it is shown, without its values.
+    """A field over a surface without its values: name, label, unit, limits and threshold.
 
     Attributes:
         name: What it is called in code and by which it is selected.
@@ -114,7 +114,7 @@ CONTACT = Quantity("contact", "touched the floor", least=(0.0, 1.0), note="1 = t
 
 
 def quantities(recipe: Recipe, limit: float) -> tuple[Quantity, ...]:
-    """What every checkpoint holds.
+    """The fields every checkpoint holds.
 
     Args:
         recipe: The recipe in force there.

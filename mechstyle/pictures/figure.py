@@ -60,7 +60,7 @@ class Panel:
 
     @property
     def field(self) -> tuple[str, str, tuple[float, float] | None, float | None] | None:
-        """What panels that share a colour bar have in common, None without values."""
+        """Label, unit and limits that panels of one colour bar share; None without values."""
         return None if self.values is None else (self.label, self.unit, self.limits, self.threshold)
 
 
@@ -145,7 +145,7 @@ def save_figure(
 
 @dataclass(frozen=True)
 class _Page:
-    """Where things are on the sheet [pixels, from the top left]."""
+    """Layout of the sheet [pixels, from the top left]."""
 
     width: int
     height: int

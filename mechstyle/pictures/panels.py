@@ -1,4 +1,4 @@
-"""What a checkpoint looks like: styled, stressed, masked."""
+"""Panels of a checkpoint: styled surface, stress, restraint."""
 
 from __future__ import annotations
 

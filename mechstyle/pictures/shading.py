@@ -81,7 +81,7 @@ def hollows(depth: Image, size: float) -> Image:
 
 
 def floor_shadow(mesh: SurfaceMesh, camera: Camera, width: int, height: int) -> Image:
-    """How much the part darkens the floor it stands on, in [0, 1], shape [height, width]; zero for a camera that is not above it."""
+    """Darkness of the part's shadow on the floor it stands on, in [0, 1], shape [height, width]; zero for a camera that is not above it."""
     floor = float(mesh.vertices[:, 2].min())
     drop = camera.eye[2] - floor
     rays = camera.directions(width, height)

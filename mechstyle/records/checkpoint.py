@@ -1,4 +1,4 @@
-"""One checkpoint per iteration: all that is needed to show it, resume from it and branch at it."""
+"""The checkpoint of an iteration: the state needed to show it, resume from it and branch at it."""
 
 from __future__ import annotations
 

@@ -92,7 +92,7 @@ class Patch(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
 
     @property
     def words(self) -> str:
-        """What it is, as in a load file."""
+        """Its notation in a load file."""
         shape = next(shape for shape in SHAPES if getattr(self, shape) is not None)
         return f"{shape} {_plain(getattr(self, shape))}"
 
@@ -101,7 +101,7 @@ Place = Patch | Literal["resting face"]
 
 
 class Support(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, omit_defaults=True):
-    """Where a part is held.
+    """A support: a place of the part that is held.
 
     Attributes:
         at: The place; a Box, Sphere or HalfSpace becomes the patch of that shape.
@@ -117,7 +117,7 @@ class Support(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
 
 
 class Load(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, omit_defaults=True):
-    """What acts on a part: exactly one of force, pressure and gravity.
+    """A load on a part: exactly one of force, pressure and gravity.
 
     Attributes:
         at: The place a force or a pressure acts on; a Box, Sphere or HalfSpace becomes the patch of that shape.
@@ -152,7 +152,7 @@ class Load(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
 
 
 class LoadCase(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """One situation a part must carry.
+    """A load case: supports and the loads that act together.
 
     Attributes:
         name: What people call it, "hand on the rim".

@@ -184,7 +184,7 @@ DEFAULTS: Mapping[str, Any] = {
 
 
 def described(name: str) -> str:
-    """What a setting is, in one sentence with its unit: the first of its description in the docstring of `Recipe`."""
+    """Description of a setting in one sentence with its unit: the first sentence on it in the docstring of `Recipe`."""
     text = inspect.cleandoc(Recipe.__doc__ or "").partition("Attributes:\n")[2]
     found = re.search(rf"^    {name}: (.+(?:\n        .+)*)", text, re.MULTILINE)
     return "" if found is None else " ".join(found[1].split()).partition(". ")[0].removesuffix(".") + "."

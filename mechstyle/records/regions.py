@@ -31,7 +31,7 @@ KINDS = {
 
 
 class ProtectedRegion(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind"):
-    """What all regions have in common.
+    """Base of all protected regions: the ramp around them, and whether they keep their colour.
 
     Attributes:
         ramp: Way along the surface, from the border of the region on, over which the relief grows back to its full height [mm].
@@ -48,7 +48,7 @@ class ProtectedRegion(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
 
     @property
     def words(self) -> str:
-        """What it is, as it is written after `--protect`."""
+        """Its notation, as after `--protect`."""
         kind = self.__struct_config__.tag
         own = [getattr(self, name) for name in self.__struct_fields__ if name not in ProtectedRegion.__struct_fields__]
         numbers = [f"{number:g}" for value in own for number in (value if isinstance(value, tuple) else (value,))]
@@ -127,7 +127,7 @@ class Inside(ProtectedRegion, frozen=True, tag="inside"):
 
 
 class Outside(ProtectedRegion, frozen=True, tag="outside"):
-    """All that is not inside."""
+    """The outside of a hollow part: everything that is not inside."""
 
 
 class Segment(ProtectedRegion, frozen=True, tag="segment"):
@@ -188,7 +188,7 @@ def _option(words: list[str], name: str, values: int) -> float | None:
 
 
 def regions(given: str | Region | Sequence[str | Region]) -> tuple[Region, ...]:
-    """One region or several, as records or as people write them."""
+    """Regions from records or from their notation, one or several."""
     several = [given] if isinstance(given, str | ProtectedRegion) else list(given)
     return tuple(region(one) if isinstance(one, str) else _as_read(one) for one in several)
 

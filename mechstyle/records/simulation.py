@@ -1,4 +1,4 @@
-"""What a test measured: scalars of one drop, of each way to land and of each load case, and the fields over the surface."""
+"""Results of a test: scalars of one drop, of each landing and of each load case, and fields over the surface."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class Landing(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class LoadResult(msgspec.Struct, frozen=True, kw_only=True):
-    """What one load case did to the part.
+    """Result of one load case.
 
     Attributes:
         name: The case.

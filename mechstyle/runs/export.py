@@ -83,7 +83,7 @@ def exported(store: Store, lane: str, part: Workpiece, entry: Entry, path: Path,
 
 
 def sidecar(path: Path) -> Path:
-    """Where what is known of an exported file is kept."""
+    """Path of the sidecar that describes an exported file."""
     return path.with_name(f"{path.name}.json")
 
 

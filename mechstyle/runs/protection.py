@@ -1,4 +1,4 @@
-"""What protected regions would leave to a style, looked at before a run."""
+"""Preview of protected regions before a run."""
 
 from __future__ import annotations
 

@@ -153,7 +153,7 @@ class _Twin:
         )
 
     def _increment(self, stylizer: Stylizer) -> Field:
-        """What a stylizer wants more after one iteration [mm], at most what the engine lets a vertex move."""
+        """Increment of a stylizer's proposal in one iteration [mm], limited to the engine's step."""
         limit, proposed = np.float32(STEP_LIMIT * self.part.surface.size), stylizer.proposal().displacement
         return np.clip(stylizer.step().displacement - proposed, -limit, limit)
 

@@ -79,7 +79,7 @@ class Run:
         return cls(store, lane, resolve_device(device))
 
     def __repr__(self) -> str:
-        """Where it is and how far it came."""
+        """Folder, lane, prompt and progress."""
         history = self.history
         where = f"iteration {history[-1].iteration} of {self.recipe.iterations}" if history else "not started"
         return f"Run({str(self.store.root)!r}, lane {self.lane!r}, {self.recipe.prompt!r}, {where})"
@@ -123,7 +123,7 @@ class Run:
 
     @property
     def summary(self) -> Summary:
-        """What the lane came to; BadInput if it is not finished."""
+        """Summary of the lane; BadInput if it is not finished."""
         path = self._summary_path
         if not (self.finished and path.is_file()):
             how = "run the command that started it again, it goes on where it stopped"

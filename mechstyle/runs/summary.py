@@ -1,4 +1,4 @@
-"""What a run came to, in figures: the object behind `--json`, the log and the reports."""
+"""The result of a run in figures: the object behind `--json`, the log and the reports."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from mechstyle.records import LoadResult
 
 
 class Summary(msgspec.Struct, frozen=True, kw_only=True):
-    """What a lane came to.
+    """Result of a lane.
 
     Attributes:
         verdict: VIABLE, FAILS or UNKNOWN.

@@ -1,4 +1,4 @@
-"""What a drop test leaves besides the stress on the surface: curves over time, figures of them, and fields in the body for ParaView."""
+"""Results of a drop test beyond the stress on the surface: curves over time, their figures, and fields in the body for ParaView."""
 
 from __future__ import annotations
 
@@ -81,14 +81,14 @@ class Course(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def words(self) -> str:
-        """Where the energy went and how well that adds up, in one sentence."""
+        """Energy balance of the drop, in one sentence."""
         where = f"Of {self.energy:.0f} mJ the floor took {self.contact_loss:.0%} and damping {self.damping_loss:.0%}"
         left = f"{self.kinetic:.0%} are motion and {self.strain:.0%} strain when the window ends"
         return f"{where}; {left}; {self.balance_words}."
 
     @property
     def balance_words(self) -> str:
-        """How well energy adds up, in words."""
+        """Error of the energy balance, in words."""
         if self.balance_error is None:
             return "the balance could not be checked, as the drop without damping failed"
         kept = "within" if self.balance_error <= 0.01 else "NOT within"

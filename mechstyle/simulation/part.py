@@ -43,7 +43,7 @@ def say_nothing(stage: str) -> None:
 
 
 class Origin(msgspec.Struct, frozen=True, kw_only=True):
-    """Where a part came from, as far as it was said: what is needed to prepare it again.
+    """Origin of a part, as far as it is known: what is needed to prepare it again.
 
     Attributes:
         model: `gallery:NAME`, or the name of a file without its folder; "" for a mesh from memory.
@@ -159,7 +159,7 @@ def fitted(recipe: Recipe, part: Workpiece) -> Recipe:
 
 
 def bounds_for(part: Workpiece, recipe: Recipe) -> tuple[Bounds, tuple[str, ...]]:
-    """How far the style of a recipe may go on a part, and what its user should know about what is protected."""
+    """Bounds of a recipe's style on a part, and notes for the user on what is protected."""
     resting = part.freedom() if recipe.protect_resting_face else np.ones_like(part.thickness)
     protected = protection(recipe.protect, part.surface, part.thickness)
     bounds = Bounds(part.thickness, part.inward(), part.outward(), np.minimum(resting, protected.freedom), protected.uncoloured[:, None])

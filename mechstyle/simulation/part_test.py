@@ -1,4 +1,4 @@
-"""One drop test of a part as it is, without any style."""
+"""Drop test and load cases of a part without style."""
 
 from __future__ import annotations
 

@@ -31,14 +31,14 @@ PHYSICS_VERSION = 4
 
 
 def prescribed(recipe: Recipe) -> DropTest:
-    """How a recipe has a part dropped."""
+    """The drop test a recipe prescribes."""
     return DropTest(
         height=recipe.drop_height, friction=recipe.friction, window=recipe.window, damping=recipe.damping, element=recipe.element
     )
 
 
 def physics(recipe: Recipe) -> tuple[Any, ...]:
-    """What of a recipe decides how a displaced part is dropped as placed, and which field that leaves on its surface."""
+    """The settings that decide the drop of a displaced part as placed and the stress it leaves on the surface."""
     part = (recipe.surface, recipe.tetrahedra, recipe.material)
     return (*part, recipe.drop_height, recipe.friction, recipe.window, recipe.damping, recipe.element, recipe.transfer)
 
@@ -94,7 +94,7 @@ class DropSimulator:
         return self.simulate(np.zeros(len(self.surface.vertices), np.float32), thorough=True)
 
     def judge(self, simulation: Simulation) -> Verdict:
-        """What a simulation means under the recipe's criterion."""
+        """Verdict on a simulation under the recipe's criterion."""
         return judge(simulation, self.baseline, self.recipe.material, self.recipe.criterion)
 
     def simulate(self, displacement: NDArray[np.float32], *, thorough: bool) -> Simulation:
@@ -154,7 +154,7 @@ class DropSimulator:
 
     @cached_property
     def _orientations(self) -> Orientations:
-        """Those of the unstylized part, so that what is compared with it lands as it did."""
+        """Orientations of the unstylized part, so that both are compared in the same landings."""
         return orientation_set(self.recipe.poses, self.recipe.orientations, self.surface.vertices, centre_of_mass(self.surface))
 
     def _on_morphed_mesh(self, displacement: NDArray[np.float32], *, thorough: bool) -> Simulation:
@@ -163,11 +163,11 @@ class DropSimulator:
         return self._told(morphed, self._drop(morphed.tets, thorough=thorough))
 
     def _told(self, morphed: Morphed, result: Drop) -> Simulation:
-        """What a drop on morphed tetrahedra and the loads on them come to."""
+        """Result of the drop and the load cases on morphed tetrahedra."""
         return self._under_loads(self._measured(morphed, result, self._average, self._transfer), morphed.tets)
 
     def _on_fresh_mesh(self, displacement: NDArray[np.float32]) -> Simulation:
-        """As above on new tetrahedra; if fTetWild cannot mesh the styled surface, on morphed ones, and the record says so."""
+        """The same on a new mesh of the styled surface; on the morphed one, which the record then says, if fTetWild cannot mesh it."""
         styled = self.surface.displaced(displacement)
         try:
             tets = tetrahedralise(styled, len(self.tets.tets), cache=self.cache)
@@ -258,7 +258,7 @@ class DropSimulator:
         )
 
     def _landings(self, tets: TetMesh, result: Drop, average: BallAverage) -> tuple[Landing, ...]:
-        """What each drop did."""
+        """Measures of each landing."""
         ways = zip(self._orientations.normals, self._orientations.weights, result.von_mises, strict=False)  # as placed may be all
         return tuple(
             Landing(normal=(float(x), float(y), float(z)), weight=float(weight), measures=measures(tets, stress, average))

@@ -51,7 +51,7 @@ APPLICATIONS: Mapping[str, Application] = MappingProxyType(
 
 
 def application_named(name: str) -> Application:
-    """One of `APPLICATIONS`; BadInput names the known ones, nearest first."""
+    """Application by name; BadInput names the known ones, nearest first."""
     if name not in APPLICATIONS:
         raise unknown("application", name, APPLICATIONS)
     return APPLICATIONS[name]

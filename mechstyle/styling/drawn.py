@@ -130,7 +130,7 @@ class ProceduralStylizer:
         self.start_from(np.zeros(len(mesh.vertices)), np.full((len(mesh.vertices), 3), NEUTRAL))
 
     def proposal(self) -> Proposal:
-        """What it proposes now; at first no displacement and a neutral light grey."""
+        """The current proposal; at first no displacement and a neutral light grey."""
         return Proposal(self._displacement, self._colour)
 
     def step(self) -> Proposal:
@@ -154,7 +154,7 @@ class ProceduralStylizer:
         return float(self._share @ (relief**2 + COLOUR_WEIGHT * (tint**2).sum(axis=1)))
 
     def state(self) -> dict[str, NDArray[np.float32]]:
-        """All that `restore` needs to go on with the same bytes."""
+        """State from which `restore` continues with the same bytes."""
         return {"displacement": self._displacement, "colour": self._colour}
 
     def restore(self, state: dict[str, NDArray[np.float32]]) -> None:

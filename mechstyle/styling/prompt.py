@@ -56,7 +56,7 @@ _AMOUNT_RANGE, _SIZE_RANGE = (0.2, 3.0), (0.4, 3.0)
 
 
 class Wish(msgspec.Struct, frozen=True):
-    """What a prompt asks for.
+    """A prompt as it was read.
 
     Attributes:
         style: Name of a style of the library.
@@ -76,7 +76,7 @@ class Wish(msgspec.Struct, frozen=True):
 
 
 def read(prompt: str) -> Wish:
-    """What a prompt asks for, by keywords; anything guessed or left out is said in the notes.
+    """Read a prompt by its keywords; notes name whatever was guessed or left out.
 
     Raises:
         BadInput: If no style is named; it lists the nearest and all known ones.

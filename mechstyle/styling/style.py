@@ -1,4 +1,4 @@
-"""What a style is: a name, the words that ask for it, and a program that draws it."""
+"""A style: its name, the words that ask for it, and the program that draws it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from mechstyle.styling.drawing.canvas import Canvas
 
 
 class Relief(NamedTuple):
-    """What a style program draws.
+    """Relief and colours drawn by a style program.
 
     Attributes:
         height: Relief in about [-1, 1.2], inwards to outwards, shape [n].
@@ -26,7 +26,7 @@ class Relief(NamedTuple):
 
 
 class Proposal(NamedTuple):
-    """What the stylizer would like next, whatever a mask held back.
+    """Proposal of a stylizer, independent of what a mask held back.
 
     Attributes:
         displacement: Along the original normals [mm], shape [n], float32.

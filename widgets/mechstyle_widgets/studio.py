@@ -106,7 +106,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._other_part()
 
     def __repr__(self) -> str:
-        """What is open."""
+        """The run and the iteration shown."""
         return f"Studio({self.state.run!r})" if self.state.run is not None else f"Studio({self.part_picker.name!r})"
 
     @property
@@ -128,7 +128,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
 
     def close(self) -> None:
         """Stop what is going on and close every widget."""
-        if self._timeline is not None:  # else it was refused before it was put together
+        if self._timeline is not None:  # None if `__init__` raised
             self.controller.stop()
             self._timeline.close()
             if self._viewer is not None:
@@ -236,7 +236,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     def _derive(self, _change: object = None) -> None:
         """Let the viewer work out anew the mask that would be."""
         if isinstance(self._viewer, RunViewer):
-            self._viewer.derived = (partial(self.mask_inspector.layer),)  # another object each time, or nobody is told
+            self._viewer.derived = (partial(self.mask_inspector.layer),)  # a new object each time: traitlets notifies on change only
 
     def _show(self, viewer: Viewer) -> None:
         old, self._viewer = self._viewer, viewer

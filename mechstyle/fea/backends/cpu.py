@@ -53,7 +53,7 @@ class CoreBody:
         return _cpu(np.pad(each, (0, -self.tet_count % simd_by_element.LANES)))
 
     def batches(self, scheme: Scheme, normals: Floats, heights: Floats) -> list[CoreDrop | CoreDrops]:
-        """Drops at first touch, eight in a job; a rest too small for that, one in a job."""
+        """Jobs at first contact: eight orientations each; a small remainder runs one per job."""
         rest = len(normals) % (simd_by_drop.LANES * cores())
         together = len(normals) - (rest if rest <= ONE_BY_ONE * cores() else 0)
         parts = [slice(first, min(first + simd_by_drop.LANES, together)) for first in range(0, together, simd_by_drop.LANES)]
@@ -99,7 +99,7 @@ class CoreDrop:
         self.state.peak_squared.zero_()
 
     def displacement(self) -> NDArray[np.float32]:
-        """How far each node has moved since first touch [mm], shape [node_count, 3]."""
+        """Displacement of each node since first touch [mm], shape [node_count, 3]."""
         return np.asarray(self.state.u.numpy().reshape(-1, 4)[:, :3])
 
     def touched(self) -> NDArray[np.bool_]:
@@ -108,7 +108,7 @@ class CoreDrop:
 
 
 class CoreDrops:
-    """Up to eight orientations side by side, a `Batch`; lanes to spare repeat the last.
+    """Up to eight orientations side by side, a `Batch`; unused SIMD lanes repeat the last orientation.
 
     Args:
         body: The body.

@@ -48,7 +48,7 @@ class DeviceBody:
         wp.launch(kernel, dim=dim, inputs=arguments, device=self.device, block_dim=BLOCK)
 
     def forces_and_peak(self, orientations: int) -> tuple[Any, Any]:
-        """Where the element kernels write: forces in slots and the running maximum at the Gauss points."""
+        """Arrays the element kernels write: nodal forces by slot, running maximum of the stress at the Gauss points."""
         forces = self.zeros(self.tet_count * self.element.nodes, orientations, dtype=wp.vec3f)
         return forces, self.zeros(self.tet_count, self.element.points, orientations)
 

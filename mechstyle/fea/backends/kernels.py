@@ -130,7 +130,7 @@ def values_ahead(u: wp.array2d(dtype=wp.vec3f), v: wp.array2d(dtype=wp.vec3f), b
 
 @wp.func
 def common_gradient(x: Nodes10, G: wp.mat33f):
-    """What the gradients at the four Gauss points of a quadratic element have in common."""
+    """The part of the displacement gradient that is the same at the four Gauss points of a quadratic element."""
     base = Nodes4()
     for i in range(4):
         edges = wp.vec3f()

@@ -1,4 +1,4 @@
-"""What the vectorised CPU kernels are given; how the numbers lie in the arrays is said by the layout that uses them."""
+"""Inputs of the SIMD kernels; each layout documents its own array order."""
 
 # mypy: disable-error-code="valid-type"
 # Warp reads these annotations itself: they are calls.
@@ -35,7 +35,7 @@ class LaneState:
 
 @wp.struct
 class LaneScheme:
-    """What one step does; see `integration.Scheme`."""
+    """Parameters of one time step; see `explicit.Scheme`."""
 
     law: wp.int32
     mu: wp.float32

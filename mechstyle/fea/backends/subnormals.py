@@ -41,4 +41,4 @@ def flush_subnormals() -> wp.uint32:
 #endif
 """)
 def restore_mode(mode: wp.uint32) -> None:
-    """Compute in this thread as `flush_subnormals` found it."""
+    """Restore the floating-point mode saved by `flush_subnormals`."""

@@ -97,7 +97,7 @@ class SmoothPeak(BallAverage):
 
 
 class ShortDrop:
-    """One drop whose smooth peak can be differentiated by the positions of the vertices.
+    """A drop whose smoothed peak stress can be differentiated with respect to the vertex positions.
 
     Args:
         tets: The body [mm]; step, mass scaling and neighbours are its, also for vertices given later.
@@ -205,7 +205,7 @@ class ShortDrop:
 
 
 class _Tables:
-    """What does not change when vertices move: who is whose node, the table of the shape functions, densities after mass scaling."""
+    """Quantities that do not depend on the vertex positions: connectivity, shape function table, densities after mass scaling."""
 
     def __init__(self, body: Discretisation, densities: Floats, device: str) -> None:
         mesh, element = body.mesh, body.mesh.element

@@ -90,7 +90,7 @@ class StaticTest:
         return total
 
     def _nodal_load(self, load: Load, boundary: Boundary, material: Material) -> Floats:
-        """One load in consistent nodal forces [N], shape [node_count, 3]."""
+        """Consistent nodal forces of one load [N], shape [node_count, 3]."""
         if load.gravity is not None:
             down = np.array(load.direction) / np.linalg.norm(load.direction)
             return weight(boundary.mesh, material.density, load.gravity * GRAVITY * down)

@@ -62,14 +62,14 @@ def pick(boundary: Boundary, place: Place) -> Picked:
 
 
 def _within(boundary: Boundary, shape: Callable[[Floats], Bools]) -> Picked:
-    """What lies in a shape; of a piece too small for three nodes, the nodes of the sides it touches."""
+    """Boundary nodes in a shape; if fewer than three, the nodes of the faces it touches."""
     inside = shape(boundary.points)
     nodes = _nodes_of(boundary, np.ones(len(boundary.sides), dtype=bool)) & shape(boundary.mesh.nodes)
     return Picked(inside, nodes if nodes.sum() >= 3 else _nodes_of(boundary, np.asarray(inside.any(axis=1))))
 
 
 def _near(boundary: Boundary, place: Floats, radius: float) -> Picked:
-    """What lies around the nearest point, on sides that face the same way as the one there."""
+    """Boundary nodes around the nearest surface point, on faces that face the same way as the one there."""
     side, centre = _nearest(boundary, place)
     same = np.asarray(boundary.area_vectors @ boundary.area_vectors[side] > 0.0)
     whole = _within(boundary, lambda points: in_ball(points, centre, radius))

@@ -31,7 +31,7 @@ SAME_DIRECTION = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class Response:
-    """What a body does under a static load.
+    """Displacement and stress of a body under a static load.
 
     Attributes:
         displacement: u [mm], shape [node_count, 3].
@@ -60,7 +60,7 @@ def stresses(mesh: ElementMesh, material: Material, displacement: Floats) -> Flo
 
 @dataclass(frozen=True, eq=False)
 class Restraint:
-    """How the nodes of a body may move, u = Z q.
+    """Admissible nodal displacements, u = Z q.
 
     Attributes:
         basis: Z, orthonormal columns, shape [3 node_count, free_count].

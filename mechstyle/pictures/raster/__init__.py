@@ -1,1 +1,1 @@
-"""What each pixel of a picture sees of a surface, decided once for pictures and for the differentiable renderer."""
+"""Visibility of a surface in each pixel, for pictures and for the differentiable renderer."""

@@ -215,7 +215,7 @@ def part(
     nearest: wp.array(dtype=wp.int64),
     parting: wp.array2d(dtype=wp.int64),
 ) -> None:
-    """One thread per view and edge: where an outline passes between the centres of two neighbouring pixels, remember the edge there.
+    """One thread per view and edge: record the edge where an outline passes between the centres of two neighbouring pixels.
 
     An edge is of the outline where both its faces lie on one side of it in the picture. What lies outside it must be farther than the
     edge, or the edge is hidden. Of several edges the one that reaches farthest out is kept, in `parting[0]` for neighbours on a row, in

@@ -1,4 +1,4 @@
-"""Which face each pixel sees: a z-buffer in Warp, the same code on a CPU and on a CUDA device.
+"""The face visible in each pixel: a z-buffer in Warp, the same code on a CPU and on a CUDA device.
 
 Vertices are snapped to a sub-pixel grid and edges are decided in whole numbers with the top-left rule (Pineda 1988), so that faces
 sharing an edge neither leave a gap nor cover a pixel twice, and every device gives the same picture.
@@ -23,7 +23,7 @@ GUARD = 1 << 16  # pixels beyond which a face is dropped: products of two coordi
 
 @dataclass(frozen=True, eq=False)
 class Visibility:
-    """What each pixel sees, row 0 at the top.
+    """The visible face of each pixel, row 0 at the top.
 
     Attributes:
         face: Index of the nearest face, -1 for none, shape [..., height, width], int32.

@@ -113,7 +113,7 @@ def _figures(run: LaneOfRun, told: Sequence[Step]) -> Markup:
 
 
 def _rules(told: Sequence[Step]) -> Markup:
-    """What each rule says of the part as it is and as it came."""
+    """Each rule applied to the styled part and to the original."""
     now, first = told[-1].verdict, told[0].verdict
     rows: list[tuple[str, Judgement, Judgement | None]] = [("as placed", now.as_placed, first.as_placed)]
     if now.all_orientations is not None:
@@ -146,12 +146,12 @@ def _value(judged: Judgement) -> str:
 
 
 def _figure(value: float, unit: str) -> str:
-    """As many digits as mean something."""
+    """A number with as many digits as are significant."""
     return f"{value:.1f} MPa" if unit == "MPa" else f"{value:.2f} {unit}"
 
 
 def _story(told: Sequence[Step]) -> Markup:
-    """How the mask came about: a sentence, then every simulation."""
+    """The history of the mask: a sentence, then every simulation."""
     last, jump = told[-1], largest_mask_change(told)
     sentence = f"{last.restrained} of {last.vertices} vertices ({last.share:.0%}) ended up held back by more than half. "
     sentence += f"{told[0].restrained} were so from the start: by the stress of the part as it came, or because they are protected. "
@@ -223,7 +223,7 @@ def _material(material: Material) -> Markup:
 
 
 def _missing(run: LaneOfRun) -> str:
-    """What the command cannot know by itself, in words."""
+    """Preconditions of the command, in words: files or plug-ins it needs."""
     model = run.record.origin.model
     if not model:
         return f"The run was begun from a mesh in memory: save it as {run.record.name}.stl first. "

@@ -96,7 +96,7 @@ class Channel:
 
     @property
     def spec(self) -> dict[str, Any]:
-        """What the header says of it."""
+        """Its entry in the header."""
         size = self.planes[0].dtype.itemsize
         return {
             "name": self.name, "planes": len(self.planes), "frames": self.frames,

@@ -33,7 +33,7 @@ AS_THEY_ARE = ("prompt", "stylizer", "guidance", "field", "clip", "crops")
 
 
 def command_for(run: LaneOfRun, history: Sequence[Entry]) -> str:
-    """What to type to make a lane again: `mechstyle run`, then one `mechstyle branch` for each recipe it went on with."""
+    """The command line that makes a lane again: `mechstyle run`, then one `mechstyle branch` for each recipe it went on with."""
     recipes = [run.store.recipe(digest) for digest in dict.fromkeys(entry.recipe for entry in history)]
     if run.recipe.digest not in {recipe.digest for recipe in recipes}:
         recipes.append(run.recipe)  # branched, but not carried on yet

@@ -1,4 +1,4 @@
-"""What a report needs of a run, declared here so that runs can write reports without reports knowing runs."""
+"""The run as a report sees it: a protocol, so that runs can write reports without reports importing runs."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ class Part(Protocol):
 
     @property
     def name(self) -> str:
-        """What it is called."""
+        """Its name."""
 
     @property
     def origin(self) -> Origin:
-        """Where it came from."""
+        """The model or file it was prepared from."""
 
 
 class LaneOfRun(Protocol):
@@ -54,7 +54,7 @@ class LaneOfRun(Protocol):
 
     @property
     def summary(self) -> Summary:
-        """What a finished lane came to."""
+        """Summary of a finished lane."""
 
     def show(self, iteration: int | None = None) -> Picture:
         """Styled part, stress and mask at an iteration, None for the last."""

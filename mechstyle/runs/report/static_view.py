@@ -1,4 +1,4 @@
-"""What a run looks like where nothing can move: a picture and a table, for a notebook on GitHub or nbviewer."""
+"""Static view of a run, a picture and a table, for notebooks on GitHub or nbviewer."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a reader must know to take a report for what it is."""
+"""Fixed texts of a report: method, limits, meaning of the outcomes."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ METHOD = "Faruqi et al., MechStyle (SCF 2025), doi 10.1145/3745778.3766655"
 
 
 def settings_explained() -> dict[str, str]:
-    """What each setting of a recipe is, from its own documentation; empty where Python runs without docstrings."""
+    """Explanation of each setting of a recipe, from its docstring; empty where Python runs without docstrings."""
     text = inspect.getdoc(Recipe) or ""
     lines = re.findall(r"^    (\w+): (.+)$", text, re.MULTILINE)
     return {name: re.sub(r", one of [A-Z]+\b|`", "", words) for name, words in lines}

@@ -1,1 +1,1 @@
-"""What the simulation is held against: textbook solutions, conservation laws, CalculiX, finer meshes, other hardware."""
+"""Validation of the simulation against textbook solutions, conservation laws, CalculiX, finer meshes, other hardware."""

@@ -27,7 +27,7 @@ SECONDS = 900
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """What CalculiX printed at the end of its step.
+    """Results CalculiX printed at the end of its step.
 
     Attributes:
         displacement: Of the nodes [mm], shape [node_count, 3].

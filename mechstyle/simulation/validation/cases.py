@@ -1,4 +1,4 @@
-"""One comparison: what was measured, what it should be, how far apart they may lie."""
+"""A comparison: measured value, reference value and tolerance."""
 
 from __future__ import annotations
 

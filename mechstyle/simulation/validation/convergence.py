@@ -1,4 +1,4 @@
-"""What a finer mesh or another mesh of the same part changes in the measures that decide."""
+"""Mesh convergence: change of the deciding measures with a finer mesh or another mesh of the same part."""
 
 from __future__ import annotations
 

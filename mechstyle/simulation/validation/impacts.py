@@ -98,7 +98,7 @@ def devices() -> Iterator[Result]:
 
 
 def energy() -> Iterator[Result]:
-    """What fall and weight put in is what motion, strain, floor and damping hold, at every moment of an undamped drop."""
+    """Energy balance at every sample of an undamped drop: work of gravity against kinetic, strain, contact and damping energy."""
     tets = box((4, 3, 4), (12.0, 10.0, 16.0))
     for name in ELEMENTS:
         result: Drop = drop(tets, PLA, directions(5), DropTest(window=0.5, damping=0.0, element=name), device="cpu")

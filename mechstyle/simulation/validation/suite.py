@@ -55,7 +55,7 @@ def write_page(path: Path, found: Iterable[tuple[Case, list[Result]]]) -> Path:
 
 
 def machine() -> str:
-    """Where the figures were measured, in words, without the name of the machine."""
+    """The machine the figures were measured on, in words, without its name."""
     return f"{platform.system()} {platform.machine()}, {cores()} cores, Python {platform.python_version()}"
 
 

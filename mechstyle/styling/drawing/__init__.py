@@ -1,1 +1,1 @@
-"""What styles are drawn with: surface charts, noise, scattered pieces, stripes, colours."""
+"""Tools that styles draw with: surface charts, noise, scattered pieces, stripes, colours."""

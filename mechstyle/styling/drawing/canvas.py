@@ -66,7 +66,7 @@ class Canvas:
 
     @cached_property
     def chart(self) -> Chart:
-        """Where rows and columns lie."""
+        """Chart of rows and columns on the surface."""
         return chart_of(self.operators)
 
     def unit(self, what: str, finest: float, edges: float = 2.0) -> float:

@@ -1,4 +1,4 @@
-"""Where rows and columns lie on a part: level on the faces of a box-like part, along smooth lines on any other.
+"""Charts of rows and columns on a part: level on the faces of a box-like part, along smooth lines on any other.
 
 Both charts answer the same two questions in *cells*: the phase along the horizontal and the phase upwards, integers at the cells' centres.
 Only what is the same for a phase and its negative is meaningful (see `fields`): distance from the centre, and parity counted from a centre.

@@ -33,7 +33,7 @@ class FineCanvas(Canvas):
 
     @cached_property
     def chart(self) -> Chart:
-        """Where rows and columns lie: as on the coarse surface."""
+        """Chart of rows and columns: that of the coarse surface."""
         chart = self._coarse.chart
         return BoxChart(self.mesh) if isinstance(chart, BoxChart) else FineChart(self.mesh, self._parents, chart)
 

@@ -26,7 +26,7 @@ def mixed(values: NDArray[np.uint64]) -> NDArray[np.uint64]:
 
 
 def random_of(identities: NDArray[np.integer], seed: int, salt: int = 0) -> Floats:
-    """One uniform random number in [0, 1) per identity, the same for equal identities, any shape."""
+    """Uniform random numbers in [0, 1), one per identity, equal for equal identities, any shape."""
     key = mixed(np.array([seed * 1_000_003 + salt], dtype=np.uint64))
     bits = mixed(identities.astype(np.uint64) ^ key)
     return (bits >> np.uint64(11)).astype(np.float64) / 2.0**53

@@ -21,7 +21,7 @@ def factorised(matrix: sp.sparray) -> SuperLU:
 
 
 class Operators:
-    """What the fields on one surface are computed with; everything in mm.
+    """Discrete operators on one surface; lengths in mm.
 
     Attributes:
         mesh: The surface.
@@ -107,7 +107,7 @@ class Operators:
         return sp.csr_array(sp.diags_array(1.0 / np.maximum(graph.sum(axis=1), 1.0)) @ graph)
 
     def slope(self, values: Floats) -> Floats:
-        """How fast values [n] change along the surface, averaged over the edges around each vertex [1/mm], shape [n]."""
+        """Gradient magnitude of values [n] along the surface, averaged over the edges around each vertex [1/mm], shape [n]."""
         steps = np.abs(values[self.head] - values[self.tail])
         lengths = np.linalg.norm(self.edge_vectors, axis=1)
         count = len(values)

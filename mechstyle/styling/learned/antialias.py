@@ -94,7 +94,7 @@ def _spread(picture: torch.Tensor, outline: torch.Tensor, second_inside: torch.T
 
 
 def _crossing(ends: torch.Tensor, pixel: torch.Tensor, width: int, below: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
-    """Where edges cross the line from the centre of a pixel to that of its neighbour, both shape [pairs].
+    """Crossings of edges with the line from the centre of a pixel to that of its neighbour, both shape [pairs].
 
     Args:
         ends: Columns and rows of their ends, shape [2, pairs, 2].

@@ -1,4 +1,4 @@
-"""Where the views that guide a style are taken from, in the axes of Kaolin: the part at the origin, y up."""
+"""Cameras of the views that guide a style, in the axes of Kaolin: the part at the origin, y up."""
 
 from __future__ import annotations
 

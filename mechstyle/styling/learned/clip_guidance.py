@@ -28,7 +28,7 @@ Render = Callable[[torch.Tensor, torch.Tensor, Cameras], Any]
 
 
 class Draws(NamedTuple):
-    """What is random in one iteration of CLIP guidance.
+    """Random draws of one iteration of CLIP guidance.
 
     Attributes:
         cameras: Views of the coloured part.

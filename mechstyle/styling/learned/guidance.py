@@ -1,4 +1,4 @@
-"""What a styled part should come to look like, as a loss to descend; here a drawn target, in `clip_guidance` what CLIP makes of a prompt.
+"""Guidance of a learned style, as a loss to descend: here a drawn target, in `clip_guidance` CLIP's view of a prompt.
 
 A guidance first draws all that is random in one iteration, then gives a loss: so that an iteration is one function of tensors.
 """
@@ -16,7 +16,7 @@ from mechstyle.styling.learned.unit_shape import Look
 
 
 class Draws(Protocol):
-    """All that is random in one iteration."""
+    """Random draws of one iteration."""
 
     @property
     def tensors(self) -> tuple[torch.Tensor, ...]:
@@ -37,13 +37,13 @@ class Guidance(Protocol):
         """Embedding of the prompt, shape [text_size]."""
 
     def draw(self, generator: torch.Generator) -> Draws:
-        """All that is random in one iteration."""
+        """Random draws of one iteration."""
 
     def loss(self, look: Look, draws: Any) -> torch.Tensor:
         """Loss of a styled part, a scalar to be descended."""
 
     def distance(self, look: Look) -> torch.Tensor:
-        """How far a styled part is from what is wanted, a scalar that is the same whenever it is asked."""
+        """Distance of a styled part from the target, a deterministic scalar."""
 
 
 class TargetGuidance:

@@ -130,7 +130,7 @@ class Renderer:
         count = self._size**2
         pixel = torch.arange(len(face), device=face.device) if self._static else (face >= 0).nonzero()[:, 0]
         seen = face[pixel] >= 0
-        shown = torch.where(seen, face[pixel], pixel % len(self._faces))  # any face will do; one for all would be a queue of additions
+        shown = torch.where(seen, face[pixel], pixel % len(self._faces))  # a dummy face, spread: a single one would serialise the adds
         view = pixel // count
         corners = taken(surface.flatten(0, 1), self._corners.index_select(1, shown) + view * surface.shape[1])
         place, beside = corners.split([2, corners.shape[-1] - 2], dim=-1)

@@ -144,7 +144,7 @@ class StyleField(nn.Module):
 
 
 def _through(blocks: Iterable[Block], values: torch.Tensor) -> tuple[torch.Tensor, nn.LayerNorm]:
-    """What blocks make of values, and the normalisation that has still to scale and shift it."""
+    """Values after the blocks, and the normalisation still to be applied to them."""
     norm = None
     for block in blocks:
         values, norm = block(values, norm), block.norm
@@ -152,7 +152,7 @@ def _through(blocks: Iterable[Block], values: torch.Tensor) -> tuple[torch.Tenso
 
 
 def _headed(head: nn.Sequential, values: torch.Tensor) -> torch.Tensor:
-    """What a `_head` makes of values."""
+    """Output of a `_head`."""
     return scaled(head[-1], *_through(head[:-1], values))
 
 

@@ -31,7 +31,7 @@ os.environ.setdefault("CUBLAS_WORKSPACE_CONFIG", ":4096:8")  # without it no pro
 
 
 class Surface(NamedTuple):
-    """What the loss is asked of: a displacement [mm], shape [n], and colours, shape [n, 3]."""
+    """Argument of the loss: a displacement [mm], shape [n], and colours, shape [n, 3]."""
 
     displacement: torch.Tensor
     colour: torch.Tensor
@@ -84,7 +84,7 @@ class NeuralStylizer:
         self.start_from(np.zeros(count), np.full((count, 3), 0.5))
 
     def proposal(self) -> Proposal:
-        """What it proposes now; at first no displacement and mid-grey."""
+        """The current proposal; at first no displacement and mid-grey."""
         return Proposal(_array(self._seen.displacement), _array(self._seen.colour))
 
     def step(self) -> Proposal:
@@ -170,7 +170,7 @@ def _array(tensor: torch.Tensor) -> Field:
 
 @contextmanager
 def _repeatable() -> Iterator[None]:
-    """The same bytes for the same inputs, and on a GPU the products of its tensor cores, whose factors have 10 bits after the point."""
+    """Deterministic algorithms on; on a GPU matrix products in TF32 (10-bit mantissa)."""
     before, filled = torch.are_deterministic_algorithms_enabled(), deterministic.fill_uninitialized_memory
     products = torch.backends.cuda.matmul.fp32_precision
     torch.backends.cuda.matmul.fp32_precision = "tf32"

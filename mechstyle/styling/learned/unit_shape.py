@@ -84,7 +84,7 @@ class UnitShape:
         return centred / centred.norm(dim=1).max()
 
     def logits(self, displacement: torch.Tensor, colour: torch.Tensor) -> Logits:
-        """What gives a displacement [mm], shape [n], and colour, shape [n, 3], as nearly as the bounds allow; 0 where the mask is."""
+        """Logits of a displacement [mm], shape [n], and colour, shape [n, 3], as nearly as the bounds allow; 0 where the mask is."""
         bound = self.mask * torch.where(displacement > 0.0, self.outward, self.inward)
         share = torch.where(bound > 0.0, displacement / bound.clamp(min=1e-9), 0.0)
         return Logits(_inverse_tanh(2.0 * colour - 1.0), _inverse_tanh(share))

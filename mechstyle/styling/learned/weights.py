@@ -1,4 +1,4 @@
-"""Where CLIP's weights come from: fetched once when asked to, kept with their checksums, verified whenever they are used.
+"""CLIP weights: fetched once on request, kept with their checksums, verified whenever they are used.
 
 Only safetensors files are read, never pickled ones. A folder of one's own, as transformers saves it, is named by $MECHSTYLE_CLIP.
 """

@@ -1,1 +1,1 @@
-"""What Jupyter asks for: cell output, throttled updates, work in another process, inline SVG."""
+"""Adapters to Jupyter: cell output, throttled updates, work in another process, inline SVG."""

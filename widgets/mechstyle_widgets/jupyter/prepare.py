@@ -30,5 +30,5 @@ def prepare_aside(mesh: SurfaceMesh, vertices: int, stage: Stage, go_on: Callabl
 
 
 def _prepare(say: Callable[[object], None], mesh: SurfaceMesh, vertices: int) -> None:
-    """What the other process does: say the stages, then the part."""
+    """Work of the other process: report the stages, then return the part."""
     say(prepare(mesh, vertices=vertices, stage=say))

@@ -19,7 +19,7 @@ OTHER = "#d55e00"  # vermilion of Okabe and Ito, told from the accent by the col
 
 @dataclass(frozen=True)
 class Frame:
-    """Where data lies in a drawing.
+    """Frame of a drawing: from data to pixels.
 
     Attributes:
         low: Data at the left edge.
@@ -43,7 +43,7 @@ class Frame:
 
     @property
     def floor(self) -> float:
-        """Where 0 lies, from above [pixels]."""
+        """Position of 0, from above [pixels]."""
         return self.height - self.below
 
     def x(self, value: float) -> float:

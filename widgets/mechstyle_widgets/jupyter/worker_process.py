@@ -34,7 +34,7 @@ class Aside:
         self._thread.start()
 
     def said(self, go_on: Callable[[], None] = lambda: None) -> Iterator[Any]:
-        """What it says, as it comes, until it ends or is stopped.
+        """Yield its messages as they come, until it ends or is stopped.
 
         Args:
             go_on: Called ten times a second while waiting; what it raises stops the work.
@@ -77,7 +77,7 @@ class Aside:
 
 
 def _work() -> None:
-    """What the other process does."""
+    """Main function of the worker process."""
     own = os.dup(sys.stdout.fileno())
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # what libraries print must not be taken for an answer
     function, arguments = pickle.load(sys.stdin.buffer)  # noqa: S301 — from the process that started this one

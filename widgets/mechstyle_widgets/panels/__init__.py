@@ -1,1 +1,1 @@
-"""What stands around the view: run controls, the mask inspector, branches."""
+"""Panels around the view: run controls, the mask inspector, branches."""

@@ -75,7 +75,7 @@ class Branches(Section):
         self.pinned = None if self.pinned == here else here
 
     def comparison(self) -> list[tuple[str, str, str]]:
-        """What differs between the pinned iteration and the one on show: name, there, here; settings first."""
+        """Differences between the pinned and the current iteration: name, there, here; settings first."""
         if self.pinned is None or self.state.run is None:
             return []
         lane, iteration = self.pinned
@@ -101,7 +101,7 @@ class Branches(Section):
         self._redraw()
 
     def _forget(self, change: dict[str, Any]) -> None:
-        """What was pinned belongs to the run it was pinned in."""
+        """Unpin: a pinned iteration belongs to the run it was pinned in."""
         if change["old"] is not None and change["new"] is not None and change["old"].store.root != change["new"].store.root:
             self.pinned = None
 
@@ -134,7 +134,7 @@ def _line(branch: Any) -> str:
 
 
 def results(row: Row, checkpoint: Checkpoint) -> dict[str, str]:
-    """What came out at an iteration, in words a table shows."""
+    """Results of an iteration, as table cells."""
     return {
         "iteration": str(row.iteration),
         "simulated because": row.reason or "not simulated",

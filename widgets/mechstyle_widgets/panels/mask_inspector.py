@@ -1,4 +1,4 @@
-"""What the mask does at an iteration, and what it would do under another strategy or threshold, without running anything."""
+"""The mask of an iteration, and the mask another strategy or threshold would give, without running anything."""
 
 from __future__ import annotations
 

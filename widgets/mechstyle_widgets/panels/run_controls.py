@@ -65,7 +65,7 @@ class RunControls(Section):
 
 
 def line_of(state: Any) -> str:
-    """Where a run stands, in one line."""
+    """Status of a run, in one line."""
     parts = [state.status]
     if state.run is not None and state.status != "preparing":
         parts = [f"{state.status}, iteration {state.iterations_done} of {state.run.recipe.iterations}"]

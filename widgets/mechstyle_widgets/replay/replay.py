@@ -63,7 +63,7 @@ class Replay(OncePerCell, anywidget.AnyWidget):
         self.threshold = chosen
 
     def __repr__(self) -> str:
-        """What is shown; never the data."""
+        """Lane, iteration and layer; never the data."""
         return f"Replay({self._run!r}, iteration={self.iteration}, layer={self.layer!r})"
 
     def refresh(self) -> None:

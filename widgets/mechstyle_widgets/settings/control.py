@@ -1,4 +1,4 @@
-"""How stress restrains the style: strategy, normalisation and threshold, with the mask they make drawn as they change."""
+"""Restraint settings: strategy, normalisation and threshold, with the resulting mask drawn as they change."""
 
 from __future__ import annotations
 

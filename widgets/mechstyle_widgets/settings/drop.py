@@ -1,4 +1,4 @@
-"""How the part is tested and the run is made: drop, loads, criterion, resolution, device, folder."""
+"""Drop test settings: drop, loads, criterion, resolution, device, folder."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ WAYS = {
 
 
 class DropOptions(Section):
-    """Settings most people leave as they are.
+    """Drop test, loads, criterion, resolution, device and folder.
 
     Attributes:
         drop_height: Height of fall [mm].
@@ -99,7 +99,7 @@ class DropOptions(Section):
 
     @property
     def way(self) -> str:
-        """How the part lands, a key of WAYS."""
+        """Landing orientations, a key of WAYS."""
         return ONCE if self.orientations == 1 else self.poses
 
     @traitlets.validate("loads")

@@ -1,4 +1,4 @@
-"""Which material: one of the library, or its figures changed by hand."""
+"""Material settings: one of the library, or its figures changed by hand."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which part: a model of the gallery, a file by its path or uploaded, in which unit; its size is shown in millimetres."""
+"""Part settings: a gallery model, a file by its path or uploaded, and its unit; the size is shown in millimetres."""
 
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ class PartPicker(Section):
         self._unit.disabled = from_gallery or not self.model
 
     def _wish(self, model: str, scale: float | None) -> None:
-        """What mouse and keyboard ask for: as `choose`, what is wrong is said here."""
+        """Handle mouse and keyboard: as `choose`, with errors shown here."""
         if not model or (model, scale) == (self.model, self.scale):
             return
         try:

@@ -88,7 +88,7 @@ class PromptBox(Section):
 
 
 def words_of(wish: Wish) -> str:
-    """How a prompt was read, in one line."""
+    """Summary of how a prompt was read, in one line."""
     parts = [wish.style.replace("_", " ")]
     if wish.size != 1.0:
         parts.append(f"features × {wish.size:.2g}")

@@ -1,4 +1,4 @@
-"""What is protected from the style: the resting face, the inside, and regions written or clicked."""
+"""Protected regions: the resting face, the inside, and regions written or clicked."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class RegionsPicker(Section):
         self._clicked.on_click(lambda _: self._protect_clicked())
 
     def click(self, place: Point) -> None:
-        """What a click on the part does at a place [mm]."""
+        """Handle a click on the part at a position [mm]."""
         self.place = place
         if self.paint:
             self.protect = dabbed(self.protect, place, self.radius)

@@ -67,7 +67,7 @@ class ScheduleSelector(Section):
 
     @property
     def plan(self) -> Plan:
-        """Where it would simulate."""
+        """Iterations it would simulate."""
         return plan(self.schedule, self.every, self.travel, self.iterations, self.amplitude)
 
     def _redraw(self, _change: object = None) -> None:

@@ -1,4 +1,4 @@
-"""What the parts of the settings column share: a calm look in either theme, a place for one sentence, settings in and out."""
+"""Base of the boxes of the settings column: style for either theme, a line for one sentence, settings in and out."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ class Section(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
 
     @property
     def settings(self) -> dict[str, Any]:
-        """What is chosen, by the names of the recipe's fields."""
+        """The chosen settings, by the names of the recipe's fields."""
         return {name: getattr(self, name) for name in self.FIELDS}
 
     def take(self, recipe: Recipe) -> None:
@@ -98,7 +98,7 @@ class Section(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
 
     @property
     def trouble(self) -> str:
-        """What is wrong, "" if nothing is."""
+        """The error in one sentence, "" for none."""
         return self._trouble.value
 
 

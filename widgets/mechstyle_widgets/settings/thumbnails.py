@@ -76,7 +76,7 @@ def draw_aside(kind: str, names: Iterable[str], arrived: Callable[[str, bytes], 
 
 
 def _draw_all(say: Callable[[tuple[str, bytes]], None], kind: str, names: list[str]) -> None:
-    """What the other process does, out of the way of everything else."""
+    """Work of the other process: draw all thumbnails."""
     os.nice(10)
     for name in names:
         say((name, draw(kind, name)))

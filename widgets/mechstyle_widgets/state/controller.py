@@ -1,4 +1,4 @@
-"""What the buttons do: begin a run, carry it on, pause, step, stop, branch. It changes the state and nothing on screen."""
+"""Controller of runs: begin, carry on, pause, step, stop, branch. It changes the state and nothing on screen."""
 
 from __future__ import annotations
 

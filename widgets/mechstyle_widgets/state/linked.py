@@ -1,4 +1,4 @@
-"""What every widget that follows a run has in common: it shows a lane and an iteration, and so does the state, both ways."""
+"""Mixin of widgets that follow a run: lane and iteration are linked with the state, both ways."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ class Linked(traitlets.HasTraits):
     _links: tuple[Any, ...] = ()
 
     def link(self, state: StudioState, *names: str) -> None:
-        """Be one with a state in lane, iteration and further traits of the same name, until `unlink`."""
+        """Link lane, iteration and the given traits to a state, both ways, until `unlink`."""
         self._state = state
         self._links = tuple(traitlets.link((state, name), (self, name)) for name in ("lane", "iteration", *names))
 
     def unlink(self) -> None:
-        """Be one no longer."""
+        """Undo `link`."""
         for link in self._links:
             link.unlink()
         self._links = ()

@@ -1,4 +1,4 @@
-"""Which iterations a run will simulate, as far as its schedule can say before it begins."""
+"""Forecast of a schedule: iterations that will be simulated, as far as is known before the run."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ DECIDES = ("schedule", "every", "travel", "iterations", "amplitude")
 
 @dataclass(frozen=True)
 class Plan:
-    """What a schedule intends.
+    """Forecast of a schedule.
 
     Attributes:
         places: Iterations to be simulated, the last of them the last of the run; the unstylized part is simulated besides.
@@ -37,7 +37,7 @@ class Plan:
 
     @property
     def count(self) -> str:
-        """How many drop tests, in words."""
+        """Number of drop tests, in words."""
         number = len(self.places)
         return f"{'' if self.certain else 'about '}{number} simulation{'s' if number > 1 else ''}"
 
@@ -51,7 +51,7 @@ def plan_of(settings: Mapping[str, Any]) -> Plan | None:
 
 @lru_cache(maxsize=8)
 def plan(schedule: str, every: int, travel: float, iterations: int, amplitude: float) -> Plan:
-    """Where a schedule simulates a vertex that nothing holds back; arguments as in `Recipe`.
+    """Iterations a schedule simulates if nothing is restrained; arguments as in `Recipe`.
 
     The rules are the engine's own, asked about one vertex whose relief approaches its full height exponentially.
     """

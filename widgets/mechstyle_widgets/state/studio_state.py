@@ -1,4 +1,4 @@
-"""The one truth that every widget of the Studio looks at: which run, which lane, which iteration, and how far the work has come.
+"""The state shared by the Studio's widgets: run, lane, iteration, progress.
 
 Pure traitlets, no widget. The worker thread of a session never touches a trait: what it has to say is noted down and
 carried over by `pump`, on the kernel's own event loop, at most ten times a second, the latest word on each trait winning.
@@ -28,7 +28,7 @@ KEPT = 12  # checkpoints in memory; one of 25k vertices is about 1 MB
 
 
 class StudioState(traitlets.HasTraits):
-    """What is shown and what is going on.
+    """The shown run, lane and iteration, and the progress of the session that carries it on.
 
     Attributes:
         run: The run on show, opened at `lane`; None before there is one.
@@ -101,7 +101,7 @@ class StudioState(traitlets.HasTraits):
         self._rest()
 
     def row(self, iteration: int | None = None, lane: str = "") -> Row | None:
-        """What is known of an iteration of a lane, of the one on show if none is given; None if it is not there."""
+        """Row of an iteration of a lane, by default the current ones; None if it is not there."""
         wanted = self.iteration if iteration is None else iteration
         return next((row for row in self.histories.get(lane or self.lane, []) if row.iteration == wanted), None)
 
@@ -225,7 +225,7 @@ class StudioState(traitlets.HasTraits):
             self.tell(fraction=1.0, seconds_left=None, message=event.verdict.words)
 
     def _count(self, event: Checkpointed) -> None:
-        """How long a checkpoint took; those that share an iteration, as back-off rounds do, add up."""
+        """Record the time a checkpoint took; those that share an iteration, as back-off rounds do, add up."""
         made, seconds = event.checkpoint, self._watch.lap()
         if (made.parent, made.iteration) == self._last:
             self._seconds[event.digest] = seconds + self._seconds[made.parent]
@@ -255,7 +255,7 @@ def _checkpoint(store: Any, digest: str) -> Checkpoint:
 
 
 def _sentence(error: BaseException | None) -> str:
-    """What went wrong, in one sentence."""
+    """An error in one sentence."""
     if isinstance(error, MechStyleError):
         return str(error)
     return f"the run ended by an unexpected {type(error).__name__}: {error}; what was checkpointed is kept"

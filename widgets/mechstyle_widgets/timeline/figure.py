@@ -55,7 +55,7 @@ def empty() -> Any:
 def contents(
     histories: Mapping[str, Rows], branches: Sequence[Branch], lane: str, curve: str, theme: str
 ) -> tuple[list[dict[str, Any]], dict[str, Any]]:
-    """What each trace of `empty` is to hold, and the layout that goes with it.
+    """Contents of the traces of `empty`, and the layout that goes with them.
 
     Args:
         histories: The rows of every lane, by its name, oldest first.
@@ -101,7 +101,7 @@ def before(plan: Plan | None, lane: str, curve: str, theme: str) -> tuple[list[d
 
 
 def _prospect(plan: Plan | None) -> list[str]:
-    """What is to be seen once the run has begun, in lines."""
+    """Text shown before a run, in lines."""
     later = "Verdicts, peak stress against its limit and the style loss will appear here."
     if plan is None:
         return ["Nothing has run yet.", later]
@@ -163,7 +163,7 @@ def _curve(lane: str, rows: Rows, curve: str) -> dict[str, Any]:
 
 
 def story(lane: str, row: Row) -> str:
-    """What hovering over an iteration tells."""
+    """Hover text of an iteration."""
     lines = [f"<b>{escape(lane)} · iteration {row.iteration}</b>"]
     if row.outcome:
         lines.append(f"{row.outcome}, simulated because: {escape(row.reason)}")

@@ -62,7 +62,7 @@ class Timeline(Linked, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # i
         self._set_slider()
 
     def __repr__(self) -> str:
-        """What is shown."""
+        """Lane and iteration."""
         return f"Timeline(lane={self.lane!r}, iteration={self.iteration})"
 
     def close(self) -> None:
@@ -76,7 +76,7 @@ class Timeline(Linked, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # i
             figure_pool.put_away(self._figure)
         close_family(self, keep=self._figure)
         super().close()
-        self.children = ()  # whoever closes a family this belongs to must not find the figure
+        self.children = ()  # detach the pooled figure so that closing a parent does not close it
 
     def _bar(self, choice: ipywidgets.ToggleButtons, width: int) -> ipywidgets.HBox:
         self._slider.layout.width = f"{max(width - 430, 240)}px"

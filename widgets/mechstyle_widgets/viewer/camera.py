@@ -1,4 +1,4 @@
-"""Where one looks from: a camera that orbits a part, fits it into view and says how long a millimetre is on screen."""
+"""A camera that orbits a part, fits it into view and gives the length of a millimetre on screen."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What can be painted on a part: its style, or a field over its surface with a scale, a unit and perhaps a limit."""
+"""Layers of a part: its style, or a field over its surface with a scale, a unit and perhaps a limit."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ class Layer:
 
 @dataclass(frozen=True, eq=False)
 class Subject:
-    """What is in view.
+    """Subject of the view.
 
     Attributes:
         mesh: The part [mm].

@@ -1,4 +1,4 @@
-"""How a picture of a part is to be read: colour bar with units, limit and extremes, and the length of a millimetre."""
+"""Legend of a view: colour bar with units, limit and extremes, and a scale bar in millimetres."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def _block(inside: str) -> str:
 
 
 def _extremes(layer: Layer) -> str:
-    """Where the markers are: a ring at the greatest value, a triangle at the least."""
+    """Markers of the extremes: a ring at the greatest value, a triangle at the least."""
     found = layer.extremes()
     return "" if found is None else escape(f"○ max {layer.at(found[0])}   ▽ min {layer.at(found[1])}").replace("   ", " &emsp; ")
 

@@ -1,4 +1,4 @@
-"""What is known of one vertex: found by a click on the part, told as a table."""
+"""Probe of one vertex: found by a click on the part, shown as a table."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One part on its floor as the browser draws it: buffers made once, of which only the contents change.
+"""The scene of a part on its floor: buffers are made once, later only their contents change.
 
 Replacing a buffer, or adding to a scene on show, leaks memory in the browser.
 """

@@ -1,4 +1,4 @@
-"""What the graphics card does for each vertex and pixel: the light and the colours of `mechstyle.pictures`, live.
+"""Vertex and fragment shaders of the viewer, with the light and the colours of `mechstyle.pictures`.
 
 One number per vertex says how it is painted, so that one small buffer is all that changes with a layer or a threshold:
 `OWN` for the part's own colour, `NOTHING` where a field is not known, else the place on the ramp, 0 to 1. Beyond 1 lies what
@@ -18,7 +18,7 @@ MAXIMUM, MINIMUM, PICKED, HIDDEN = 0.0, 1.0, 2.0, -1.0  # kinds of markers
 
 
 def paint(values: NDArray[np.float32], scale: Scale) -> NDArray[np.float32]:
-    """How each vertex is painted with a field, shape [vertex_count]."""
+    """Paint code of each vertex under a field, shape [vertex_count]."""
     place = (np.asarray(values, dtype=np.float64) - scale.low) / (scale.top - scale.low)
     shown = np.clip(place, 0.0, 10.0) if scale.top < scale.high else OPEN + np.clip(place, 0.0, 1.0)
     return np.where(np.isfinite(place), shown, NOTHING).astype(np.float32)

@@ -57,7 +57,7 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     probed = traitlets.Int(None, allow_none=True)
     protected = traitlets.Instance(np.ndarray, None, allow_none=True)
     theme = traitlets.Enum(tuple(BACKGROUNDS), "light")
-    _built = False  # a viewer that was refused is closed too, by the garbage collector
+    _built = False  # `close()` also runs, from `__del__`, on a viewer whose `__init__` raised
 
     def __init__(
         self,
@@ -110,7 +110,7 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._draw()
 
     def __repr__(self) -> str:
-        """What is shown; never the arrays."""
+        """Layer and subject; never the arrays."""
         return f"Viewer({self.subject.mesh!r}, layer={self.layer!r})"
 
     # what can be done with it
@@ -132,11 +132,11 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         return self.subject.mesh
 
     def on_click(self, call: Callable[[Point], None]) -> None:
-        """Call with the place [mm] of every click on the part, be it the same as before."""
+        """Call back with the position [mm] of every click, repeated clicks included."""
         self._clicks.register_callback(call)
 
     def picture(self) -> Picture:
-        """What is shown but for what is hatched as protected, drawn by the computer the kernel runs on: `.save(path)` writes the PNG."""
+        """The view without the hatching of protected regions, rendered in the kernel: `.save(path)` writes the PNG."""
         shown = [(self.subject, self.names[0]), (self.original, self.names[1])] if self.beside else [(self.subject, "")]
         panels = [self._panel(subject, title) for subject, title in shown if subject is not None]
         return picture(panels)
@@ -219,7 +219,7 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._measure()
 
     def _arrange(self) -> None:
-        """One view, or two of half the width that share the camera."""
+        """Lay out one view, or two of half the width that share the camera."""
         wanted = self.beside and self.original is not None
         self._titles.value, self._both.description = legend.titles(*self.names), self.names[1].split(",")[0]
         if self.original is not None and wanted and len(self._views) == 1:
