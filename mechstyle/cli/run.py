@@ -75,8 +75,8 @@ def report(run: Any, *, as_json: bool) -> None:
     if as_json:
         print_json(summary)
         return
-    rows = table("stresses in MPa", "verdict", "peak", "allowed", "safety", "literal max", "all turns")
-    for name, strength in (("as it came", summary.baseline), ("styled", summary.result)):
+    rows = table("stresses in MPa", "verdict", "peak", "allowed", "safety", "literal max", "all orientations")
+    for name, strength in (("original", summary.baseline), ("styled", summary.result)):
         overall = "–" if strength.all_orientations is None else f"{strength.all_orientations:.2f} x"
         rows.add_row(
             name,

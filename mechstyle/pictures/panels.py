@@ -83,7 +83,7 @@ def checkpoint_panels(original: SurfaceMesh, state: Checkpoint, recipe: Recipe, 
 
 
 def with_protected(panel: Panel, protected: np.ndarray) -> Panel:
-    """A field with the vertices the style must leave alone in hatched grey, shape [vertex_count], and their share in the note."""
+    """A field with the protected vertices in hatched grey, shape [vertex_count], and their share in the note."""
     if not protected.any():
         return panel
     share = panel.mesh.vertex_areas @ protected / panel.mesh.vertex_areas.sum()
@@ -99,11 +99,11 @@ def picture(panels: Sequence[Panel], *, title: str = "", columns: int | None = N
 
 
 def comparison(original: SurfaceMesh, start: Checkpoint, finals: Sequence[tuple[str, Checkpoint, Recipe]]) -> Picture:
-    """The part as it came beside several results of one prompt: look above, stress below and from underneath."""
+    """The original beside several results of one prompt: look above, stress below and from underneath."""
     from mechstyle.pictures.figure import Panel  # noqa: PLC0415 — as above
 
     rows: list[list[Panel]] = [[], [], []]
-    shown = [("as it came", start, finals[0][2]), *finals]
+    shown = [("original", start, finals[0][2]), *finals]
     highest = [float(state.stress.max()) for _, state, _ in shown]
     for name, state, recipe in shown:
         styled = original.displaced(state.displacement).coloured(state.colour)

@@ -1,4 +1,4 @@
-"""Regions of a part that a style must leave alone, as records: a run keeps them, a command line or a notebook writes them.
+"""Regions of a part protected from a style, as records: a run keeps them, a command line or a notebook writes them.
 
 Which vertices a region holds is worked out in `geometry.region_selection`.
 """

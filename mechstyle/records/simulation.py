@@ -69,7 +69,7 @@ class LoadResult(msgspec.Struct, frozen=True, kw_only=True):
     def words(self) -> str:
         """Its figures, as they are printed."""
         x, y, z = self.where
-        return f"{self.peak:.1f} MPa at ({x:.1f}, {y:.1f}, {z:.1f}) mm, gives way {self.deflection:.2f} mm"
+        return f"{self.peak:.1f} MPa at ({x:.1f}, {y:.1f}, {z:.1f}) mm, deflection {self.deflection:.2f} mm"
 
 
 @dataclass(frozen=True, eq=False)

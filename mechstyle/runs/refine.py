@@ -67,7 +67,7 @@ def refined(store: Store, part: Workpiece, digest: str, *, device: str = "cpu") 
     """
     past = _past(store, digest)
     if len(past) < 2:
-        raise BadInput("iteration 0 is the part as it came, which has no style to draw finer: export it without --fine")
+        raise BadInput("iteration 0 is the original part, which has no style to draw finer: export it without --fine")
     twin = _Twin(part)
     recipes = {name: store.recipe(name) for name in {entry.recipe for entry in past}}
     for before, after in pairwise(store.checkpoint(entry.digest) for entry in past):

@@ -16,7 +16,7 @@ from mechstyle.pictures.panels import Picture, comparison
 from mechstyle.records.mesh import STANDARD_VERTICES
 from mechstyle.runs.run import Run, stylize
 
-COLUMNS = ("", "verdict", "peak [MPa]", "allowed [MPa]", "safety", "all turns", "simulations", "style kept")
+COLUMNS = ("", "verdict", "peak [MPa]", "allowed [MPa]", "safety", "all orientations", "simulations", "style kept")
 
 
 @dataclass(frozen=True)
@@ -70,13 +70,13 @@ class Pair:
     fed: Run
 
     def show(self) -> Picture:
-        """The part as it came and both results: look above, stress below and from underneath."""
+        """The original and both results: look above, stress below and from underneath."""
         finals = [(label, run.checkpoint(), run.recipe) for label, run in (("Freestyle", self.free), ("MechStyle", self.fed))]
         return comparison(self.free.part.surface, self.free.checkpoint(0), finals)
 
     def rows(self) -> list[tuple[str, ...]]:
-        """The figures of the part as it came, of Freestyle and of MechStyle under `COLUMNS`."""
-        rows = [("as it came", *_figures(self.fed.summary.baseline), "1", "–")]
+        """The figures of the original part, of Freestyle and of MechStyle under `COLUMNS`."""
+        rows = [("original", *_figures(self.fed.summary.baseline), "1", "–")]
         for label, run in (("Freestyle", self.free), ("MechStyle", self.fed)):
             summary = run.summary
             rows.append((label, *_figures(summary.result), str(len(summary.simulations)), f"{summary.kept:.0%}"))
@@ -96,7 +96,7 @@ class Pair:
 
 
 def _figures(strength: Strength) -> tuple[str, ...]:
-    """Verdict, peak, limit, safety factor and p99 over all orientations against the part as it came."""
+    """Verdict, peak, limit, safety factor and p99 over all orientations relative to the original part."""
     safety = "–" if strength.safety_factor is None else f"{strength.safety_factor:.2f}"
     turns = "–" if strength.all_orientations is None else f"{strength.all_orientations:.2f} x"
     return strength.verdict, f"{strength.peak_stress:.1f}", f"{strength.allowable:.1f}", safety, turns

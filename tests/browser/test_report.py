@@ -142,7 +142,7 @@ def test_dragging_turns_the_part_and_keys_do_it_as_well(opened):
 def test_the_original_stands_beside_it_with_the_same_camera(opened):
     page = opened()
     page.get_by_role("button", name="Beside the original").click()
-    page.get_by_text("as it came", exact=True).first.wait_for()
+    page.get_by_text("original", exact=True).first.wait_for()
     both = pixels(page)
     left, right = both[:, : both.shape[1] // 2], both[:, both.shape[1] // 2 :]
     drawn = [np.abs(side - side[2, 2]).max(axis=-1) > 12 for side in (left, right)]

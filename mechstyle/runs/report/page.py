@@ -121,7 +121,7 @@ def _rules(told: Sequence[Step]) -> Markup:
     rows.append(("published rule", now.literal, first.literal))
     counts = {"published rule"} if now.criterion == "paper" else {"as placed", "all orientations"}
     return table(
-        ("test", "rule", "counts", "outcome", "now", "as it came", "limit"),
+        ("test", "rule", "counts", "outcome", "now", "original", "limit"),
         [
             (
                 name, judged.rule, "yes" if name in counts else "shown only", _outcome(judged), _value(judged),
@@ -154,7 +154,7 @@ def _story(told: Sequence[Step]) -> Markup:
     """The history of the mask: a sentence, then every simulation."""
     last, jump = told[-1], largest_mask_change(told)
     sentence = f"{last.restrained} of {last.vertices} vertices ({last.share:.0%}) ended up held back by more than half. "
-    sentence += f"{told[0].restrained} were so from the start: by the stress of the part as it came, or because they are protected. "
+    sentence += f"{told[0].restrained} were so from the start: by the stress of the original part, or because they are protected. "
     sentence += (
         f"The largest step was at iteration {jump.iteration}, which restrained {jump.added} more."
         if jump

@@ -37,12 +37,12 @@ def as_html(run: LaneOfRun, told: Sequence[Step]) -> str:
 
 
 def still(run: LaneOfRun) -> Markup:
-    """The part as it came, then styled, stressed and restrained, as images that carry their own bytes."""
+    """The original part, then styled, stressed and restrained, as images that carry their own bytes."""
     from mechstyle.pictures.figure import Panel  # noqa: PLC0415 — matplotlib is loaded when a picture is wanted
 
     return joined(
         [
-            _image(picture([Panel(run.part.surface, "as it came")]), "The part as it came"),
+            _image(picture([Panel(run.part.surface, "original")]), "The original part"),
             _image(run.show(), f"The part as {run.recipe.prompt}, its stress and its restraint"),
         ]
     )

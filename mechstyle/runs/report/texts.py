@@ -16,7 +16,7 @@ OUTCOMES = {
 MARGINAL = "Marginal: within the uncertainty of the method, so take it as undecided."
 
 LIMITS = (
-    "The verdict compares the part with itself as it came. It is no certificate: do not rely on it where somebody can get hurt.",
+    "The verdict compares the styled part with the original. It is no certificate: do not rely on it where somebody can get hurt.",
     "The material is isotropic and elastic up to yield: no layers, no infill, no fatigue, no creep, no fracture.",
     "Where the floor meets the part at a point, the literal peak stress depends on the mesh.",
     "The default rule therefore uses a 2 mm volume average; the published rule is shown beside it.",

@@ -212,7 +212,7 @@ export class Player {
     this.play.setAttribute("aria-label", this.playing ? "Pause" : "Play");
     this.beside.setAttribute("aria-pressed", String(this.compare));
     this.buttons.forEach((button, place) => button.setAttribute("aria-checked", String(this.replay.layers[place] === this.layer)));
-    this.names.replaceChildren(...(this.compare ? ["as it came", `iteration ${frame.iteration}`] : []).map((name) => element("span", {}, name)));
+    this.names.replaceChildren(...(this.compare ? ["original", `iteration ${frame.iteration}`] : []).map((name) => element("span", {}, name)));
     this.caption.textContent = this.sentence(frame);
     this.describeScale();
   }
