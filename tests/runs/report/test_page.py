@@ -69,7 +69,7 @@ def test_it_says_what_a_reader_must_know(read, lane):
 def test_every_setting_is_explained():
     explained = texts.settings_explained()
     assert explained["drop_height"] == "Height of fall [mm]."
-    assert explained["control"] == "How demand becomes a mask."
+    assert explained["control"] == "How stress restrains the style."
 
 
 def test_every_simulation_has_a_mark_and_a_row_with_its_reason(read, lane):
