@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import inspect
-import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from inspect import Parameter, Signature
@@ -14,7 +13,7 @@ from typing import Annotated, Any
 import msgspec
 import typer
 
-from mechstyle.records.recipe import CHOICES, DEFAULTS, Recipe, described
+from mechstyle.records.recipe import DEFAULTS, Recipe, described
 from mechstyle.records.regions import KINDS
 
 STYLE, RESTRAINT, SCHEDULE, DROP_TEST = "Style", "Restraint", "Schedule", "Drop test and material"
@@ -93,10 +92,8 @@ TYPES = {field.name: field.type for field in msgspec.structs.fields(Recipe)}
 
 
 def help_of(name: str) -> str:
-    """The help of a recipe's field: its description with the names it may have, then what the command line adds."""
-    names = ", ".join(CHOICES.get(name, ()))
-    sentence = re.sub(r"\bone of [A-Z]+\b", f"one of {names}", described(name))
-    return f"{sentence} {OPTIONS[name].hint}".rstrip()
+    """The help of a recipe's field: its description, then what the command line adds."""
+    return f"{described(name)} {OPTIONS[name].hint}".rstrip()
 
 
 def recipe_options(*names: str, begins: bool = True, others: bool = False) -> Callable[[Callable[..., None]], Callable[..., None]]:

@@ -38,11 +38,6 @@ class ReadPart(NamedTuple):
     notes: tuple[str, ...]
 
 
-def load(path: str | Path, *, scale: float | None = None) -> SurfaceMesh:
-    """Read one closed body from a file, repaired where needed; as `read`, without the notes."""
-    return read(path, scale=scale).mesh
-
-
 def read(path: str | Path, *, scale: float | None = None) -> ReadPart:
     """Read one closed body from an STL, OBJ, PLY, GLB or 3MF file; also returns the repairs it took.
 

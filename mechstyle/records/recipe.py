@@ -184,10 +184,16 @@ DEFAULTS: Mapping[str, Any] = {
 
 
 def described(name: str) -> str:
-    """Description of a setting in one sentence with its unit: the first sentence on it in the docstring of `Recipe`."""
+    """Description of a setting in one sentence with its unit and the names it may have: the first sentence on it in `Recipe`'s docstring.
+
+    Empty where Python runs without docstrings.
+    """
     text = inspect.cleandoc(Recipe.__doc__ or "").partition("Attributes:\n")[2]
     found = re.search(rf"^    {name}: (.+(?:\n        .+)*)", text, re.MULTILINE)
-    return "" if found is None else " ".join(found[1].split()).partition(". ")[0].removesuffix(".") + "."
+    if found is None:
+        return ""
+    sentence = " ".join(found[1].split()).partition(". ")[0].removesuffix(".") + "."
+    return re.sub(r"\bone of [A-Z]+\b", f"one of {', '.join(CHOICES.get(name, ()))}", sentence)
 
 
 def _by_figure(settings: dict[str, Any]) -> dict[str, Any]:

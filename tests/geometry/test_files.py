@@ -15,7 +15,7 @@ import trimesh
 
 from mechstyle.errors import BadInput
 from mechstyle.geometry import files
-from mechstyle.geometry.files import FORMATS, load, read, save
+from mechstyle.geometry.files import FORMATS, read, save
 from mechstyle.records.mesh import SurfaceMesh
 
 CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
@@ -150,7 +150,7 @@ def refusal(path, **options):
 
 @pytest.mark.parametrize("name", GOOD)
 def test_every_format_gives_the_same_body_without_a_word(tmp_path, capfd, name):
-    assert_is_part(load(put(tmp_path, name, GOOD[name]())))
+    assert_is_part(read(put(tmp_path, name, GOOD[name]())).mesh)
     assert capfd.readouterr() == ("", "")
 
 
@@ -181,7 +181,7 @@ def test_what_was_done_is_said(tmp_path):
 
 def test_load_is_read_without_the_notes(tmp_path):
     path = put(tmp_path, "part.stl", exported("stl"))
-    assert load(path, scale=2.0).digest == read(str(path), scale=2.0).mesh.digest
+    assert read(path, scale=2.0).mesh.digest == read(str(path), scale=2.0).mesh.digest
 
 
 # --- units and sizes ----------------------------------------------------------------------------------------------
@@ -189,13 +189,13 @@ def test_load_is_read_without_the_notes(tmp_path):
 
 @pytest.mark.parametrize("kind", ["stl", "obj", "ply"])
 def test_scale_takes_the_coordinates_to_millimetres(tmp_path, kind):
-    assert_is_part(load(put(tmp_path, f"inches.{kind}", exported(kind, PART.vertices / 25.4)), scale=25.4))
+    assert_is_part(read(put(tmp_path, f"inches.{kind}", exported(kind, PART.vertices / 25.4)), scale=25.4).mesh)
 
 
 def test_scale_replaces_the_unit_of_the_format(tmp_path):
     y_up = PART.vertices[:, [0, 2, 1]] * (1, 1, -1)
-    assert_is_part(load(put(tmp_path, "millimetres.glb", exported("glb", y_up)), scale=1.0))
-    assert_is_part(load(put(tmp_path, "inches.3mf", threemf_in("inch", 1.0)), scale=1.0))
+    assert_is_part(read(put(tmp_path, "millimetres.glb", exported("glb", y_up)), scale=1.0).mesh)
+    assert_is_part(read(put(tmp_path, "inches.3mf", threemf_in("inch", 1.0)), scale=1.0).mesh)
 
 
 @pytest.mark.parametrize("scale", [0.0, -1.0, float("nan"), float("inf")])
@@ -226,16 +226,16 @@ def test_the_guess_can_be_taken_at_its_word(tmp_path):
     message = refusal(path)
     assert "is 30000 mm long" in message
     assert "millimetres (--scale 1)" in message
-    assert_is_part(load(path, scale=1.0))
+    assert_is_part(read(path, scale=1.0).mesh)
 
 
 @pytest.mark.parametrize("longest", [5.0, 1000.0])
 def test_the_smallest_and_the_largest_part_pass_whatever_the_rounding(tmp_path, longest):
-    assert load(put(tmp_path, "part.ply", ascii_ply()), scale=longest / 30).extents.max() == pytest.approx(longest)
+    assert read(put(tmp_path, "part.ply", ascii_ply()), scale=longest / 30).mesh.extents.max() == pytest.approx(longest)
 
 
 def test_vertices_without_faces_have_no_say_in_the_size(tmp_path):
-    assert_is_part(load(put(tmp_path, "part.obj", exported("obj") + b"\nv 5000 0 0\n")))
+    assert_is_part(read(put(tmp_path, "part.obj", exported("obj") + b"\nv 5000 0 0\n")).mesh)
 
 
 def test_coinciding_vertices_have_no_size(tmp_path):
@@ -333,7 +333,7 @@ def test_remarks_of_the_reader_go_no_further(tmp_path, monkeypatch):
         return reader(*args, **options)
 
     monkeypatch.setattr(trimesh, "load_scene", remarks)
-    assert_is_part(load(path))
+    assert_is_part(read(path).mesh)
 
 
 def test_words_for_coordinates_are_refused(tmp_path):
@@ -343,7 +343,7 @@ def test_words_for_coordinates_are_refused(tmp_path):
 def test_a_million_faces_are_the_limit(tmp_path, monkeypatch):
     path = put(tmp_path, "part.ply", exported("ply"))
     monkeypatch.setattr(files, "MOST_FACES", len(PART.faces))
-    assert_is_part(load(path))
+    assert_is_part(read(path).mesh)
     monkeypatch.setattr(files, "MOST_FACES", len(PART.faces) - 1)
     assert f"has {len(PART.faces)} faces, more than {len(PART.faces) - 1}: simplify it" in refusal(path)
 
@@ -388,7 +388,7 @@ def test_what_is_written_is_read_back(tmp_path, capfd, suffix, coloured):
     mesh = PART.coloured(colours()) if coloured else PART
     path = tmp_path / f"part.{suffix}"
     assert save(mesh, str(path)) == path
-    assert_is_part(load(path))
+    assert_is_part(read(path).mesh)
     assert capfd.readouterr() == ("", "")
 
 

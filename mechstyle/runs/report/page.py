@@ -15,6 +15,7 @@ from mechstyle.errors import BadInput
 from mechstyle.loop.history import Step, largest_mask_change, steps
 from mechstyle.records import Judgement, Recipe
 from mechstyle.records.material import Material
+from mechstyle.records.recipe import described
 from mechstyle.runs.report import texts
 from mechstyle.runs.report.bundle import bundle, static
 from mechstyle.runs.report.markup import Markup, cells, fill, joined, script_json, table
@@ -187,11 +188,10 @@ def _notes(run: LaneOfRun) -> Markup:
 
 
 def _settings(recipe: Recipe) -> Markup:
-    explained = texts.settings_explained()
     return table(
         ("setting", "value", "what it is"),
         [
-            (name.replace("_", " "), _plain(value), explained.get(name, ""))
+            (name.replace("_", " "), _plain(value), described(name))
             for name, value in recipe.settings.items()
             if name != "material"  # in a table of its own
         ],

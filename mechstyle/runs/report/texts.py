@@ -2,11 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
-import re
-
-from mechstyle.records import Recipe
-
 OUTCOMES = {
     "VIABLE": "In the simulated drop the part stayed within every limit that counts under the criterion.",
     "FAILS": "In the simulated drop the part exceeded a limit. Do not use it as it is: restrain the style more, or thicken the part.",
@@ -27,10 +22,3 @@ LIMITS = (
 )
 
 METHOD = "Faruqi et al., MechStyle (SCF 2025), doi 10.1145/3745778.3766655"
-
-
-def settings_explained() -> dict[str, str]:
-    """Explanation of each setting of a recipe, from its docstring; empty where Python runs without docstrings."""
-    text = inspect.getdoc(Recipe) or ""
-    lines = re.findall(r"^    (\w+): (.+)$", text, re.MULTILINE)
-    return {name: re.sub(r", one of [A-Z]+\b|`", "", words) for name, words in lines}
