@@ -59,19 +59,6 @@ def test_the_limit_is_outlined_and_hatched_above(shown):
     assert 0.03 < orange.mean() < 0.4
 
 
-def test_the_end_of_a_scale_without_a_limit_is_neither_outlined_nor_hatched(shown):
-    """As where everything is held back."""
-    before = shown.drawn()
-    shown.python("viewer.put(replace(viewer.subject.layer('restraint'), values=np.ones_like(s.values))); viewer.layer = 'restraint'")
-    after = shown.changed(shown.canvas(), before, 0.05).astype(int)
-    shown.keep("viewer-restraint")
-    shown.python("viewer.layer = 'stress'")
-    shown.changed(shown.canvas(), after, 0.05)
-    blue = after[..., 2] > after[..., 0] + 40
-    assert blue.mean() > 0.1
-    assert (after[..., 0] > after[..., 2] + 60).mean() < 0.005
-
-
 def test_a_click_tells_all_that_is_known_of_the_place(shown):
     box = shown.canvas().bounding_box()
     shown.until("__import__('time').monotonic() - viewer._picker._moved > 0.3", True)
