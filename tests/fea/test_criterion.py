@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mechstyle.errors import BadInput
-from mechstyle.fea.criterion import BallAverage, input_warning, judge, measures, percentile, robust_field
+from mechstyle.fea.criterion import BallAverage, exceedance, input_warning, judge, measures, percentile, robust_field
 from mechstyle.fea.elements import GAUSS_A, GAUSS_B
 from mechstyle.records import LoadResult, Measures, Simulation, Verdict
 from mechstyle.records.material import LIBRARY
@@ -67,6 +67,15 @@ def test_a_fine_mesh_is_averaged_tetrahedron_by_tetrahedron(box):
     assert average(fine, values)[100, 0] == pytest.approx(values[near].mean(), rel=1e-5)
 
 
+@pytest.mark.parametrize(("count", "points"), [(7.9, 8), (8.1, 1)])
+@pytest.mark.parametrize("size", [1.0, 6.0])
+def test_a_tetrahedron_is_taken_as_one_point_where_the_ball_holds_eight_of_them(box, size, count, points):
+    """A ball of so many times the mean volume of a tetrahedron."""
+    mesh = box((4, 4, 4), (size, size, 2.0 * size))
+    radius = (count * mesh.volumes.mean() / (4.0 / 3.0 * np.pi)) ** (1.0 / 3.0)
+    assert BallAverage(mesh, radius).points(mesh).shape == (len(mesh.tets), points, 3)
+
+
 def test_the_average_keeps_its_neighbours_on_a_morph_but_weighs_with_its_volumes(block, average):
     values = np.random.default_rng(0).uniform(0.0, 50.0, (len(block.tets), 4))
     stretched = block.moved(block.vertices * [3.0, 1.0, 1.0])
@@ -81,6 +90,15 @@ def test_the_robust_field_is_the_largest_average_around_a_vertex_and_its_maximum
     for vertex in (0, 40, 99):
         assert field[vertex] == averaged[(block.tets == vertex).any(axis=1)].max()
     assert field.max() == measures(block, values, average).peak
+
+
+def test_a_part_without_stress_has_a_robust_field_of_nothing(block, average):
+    assert not robust_field(block, np.zeros((len(block.tets), 4)), average).any()
+
+
+def test_exceedance_is_the_probability_of_the_orientations_in_which_more_than_the_allowable_is_reached():
+    fields = [[10.0, 50.0, 45.6], [46.0, 50.0, 45.6], [0.0, 60.0, 45.7]]
+    assert exceedance(fields, [0.5, 0.3, 0.2], 45.6) == pytest.approx([0.3, 1.0, 0.2])
 
 
 def test_percentiles_of_known_arrays():
@@ -110,6 +128,18 @@ def test_measures_find_peak_place_and_volume(block, average):
     assert found.p99 <= found.p999 <= found.maximum
 
 
+def test_measures_weigh_percentiles_by_volume(box):
+    """Where the stress is the share of the volume that has less, each percentile is its own share."""
+    fine = box((8, 8, 8), (6.0, 6.0, 6.0), shake=0.3)
+    order = np.random.default_rng(0).permutation(len(fine.tets))
+    share = np.empty(len(order))
+    share[order] = np.cumsum(fine.volumes[order]) / fine.volumes.sum()
+    found = measures(fine, np.repeat(share[:, None], 4, axis=1), BallAverage(fine))
+    assert found.p99 == pytest.approx(0.99, abs=5e-4)
+    assert found.p999 == pytest.approx(0.999, abs=5e-4)
+    assert found.maximum == pytest.approx(1.0)
+
+
 @pytest.mark.parametrize(
     ("peak", "own", "outcome", "marginal"),
     [
@@ -130,6 +160,7 @@ def test_as_placed_compares_the_peak_with_yield_or_the_originals_own(peak, own, 
     assert (verdict.as_placed.outcome, verdict.as_placed.marginal) == (outcome, marginal)
     assert verdict.outcome == outcome
     assert verdict.as_placed.limit == max(Y, own)
+    assert verdict.as_placed.rule.endswith("≤ yield strength" if own < Y else "≤ the original's own peak")
     assert verdict.all_orientations is None
     assert ("MARGINAL" in verdict.words) == marginal
 
@@ -138,7 +169,8 @@ def test_as_placed_is_marginal_where_percentile_and_peak_disagree():
     base = simulation(peak=10.0)
     assert judge(simulation(peak=30.0, p999=50.0), base, PLA, "robust").as_placed.marginal
     assert judge(simulation(peak=60.0, p999=40.0), base, PLA, "robust").as_placed.marginal
-    assert not judge(simulation(peak=30.0, p999=44.0), base, PLA, "robust").as_placed.marginal
+    for agreeing in (44.0, Y):
+        assert not judge(simulation(peak=30.0, p999=agreeing), base, PLA, "robust").as_placed.marginal
 
 
 @pytest.mark.parametrize(
@@ -190,6 +222,9 @@ def test_what_is_not_a_finite_number_is_unknown_never_viable(field, bad, criteri
         verdict = judge(styled, base, PLA, criterion)
         assert verdict.outcome == verdict.as_placed.outcome == verdict.literal.outcome == "UNKNOWN"
         assert "not a finite number" in verdict.words
+        for judgement in (verdict.as_placed, verdict.all_orientations, verdict.literal):
+            assert (judgement.value, judgement.marginal) == (0.0, False)  # 0 stands for what is not known
+        assert verdict.as_placed.limit == verdict.literal.limit == Y
         # Records travel as JSON, which knows no NaN.
         assert msgspec.json.decode(msgspec.json.encode(verdict), type=Verdict) == verdict
 
@@ -234,6 +269,7 @@ def test_words_name_the_load_that_governs():
 
 def test_the_input_is_warned_of_only_when_it_exceeds_yield_itself():
     assert input_warning(simulation(peak=45.0), PLA) == ""
+    assert input_warning(simulation(peak=Y), PLA) == ""
     warning = input_warning(simulation(peak=52.0), PLA)
     assert "52.0 MPa at (1.0, 2.0, 3.0) mm" in warning
     assert "45.6 MPa" in warning

@@ -7,6 +7,7 @@ import pytest
 
 from mechstyle.errors import BadInput
 from mechstyle.geometry.transfer import Transfer
+from mechstyle.records.mesh import SurfaceMesh
 
 
 def test_a_constant_stays_constant(cup, cup_tets):
@@ -35,6 +36,14 @@ def test_barycentric_is_several_times_better_than_the_published_variant(cup, cup
     }
     assert errors["barycentric"] < errors["nearest"] / 3
     assert errors["nearest"] < 0.3
+
+
+def test_the_published_variant_sees_neither_place_nor_size_nor_proportions(cup_tets):
+    """Both fill the unit box, so that a shell moved and stretched along the axes takes its values vertex by vertex."""
+    outer, faces = np.unique(cup_tets.boundary_faces, return_inverse=True)
+    values = np.random.default_rng(0).random(len(cup_tets.vertices))
+    shell = SurfaceMesh(cup_tets.vertices[outer] * [3.0, 0.5, 40.0] + [100.0, -70.0, 30.0], faces.reshape(-1, 3))
+    assert np.array_equal(Transfer(shell, cup_tets, "nearest").to_surface(values), values[outer])
 
 
 def test_a_wrong_number_of_values_is_refused(cup, cup_tets):

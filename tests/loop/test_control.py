@@ -65,6 +65,10 @@ def test_linear_mask_is_what_is_left_of_the_reserve():
     assert linear(field(0.25, 0.75)).tolist() == [0.75, 0.25]
 
 
+def test_linear_mask_is_clamped_on_both_sides():
+    assert linear(field(-0.25, 1.25)).tolist() == [1.0, 0.0]
+
+
 @given(s_norm=demands)
 def test_exponential_mask_follows_its_formula_below_one(s_norm):
     inside = s_norm[s_norm < 1.0].astype(np.float64)

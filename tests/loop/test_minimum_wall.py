@@ -6,7 +6,7 @@ import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mechstyle.loop.minimum_wall import freedom, spared, styled_thickness, warnings
+from mechstyle.loop.minimum_wall import SEEN, freedom, spared, styled_thickness, warnings
 from mechstyle.records.mesh import SurfaceMesh
 
 FEW = {"min_size": 1, "max_size": 8}
@@ -14,13 +14,18 @@ thicknesses = st.lists(st.floats(0.0, 10.0, width=32), **FEW).map(lambda values:
 minima = st.floats(0.05, 3.0)
 
 
-@pytest.fixture(scope="module")
-def plate():
-    """30 x 20 mm, 1.2 mm thick, with vertices every 2 mm or closer."""
-    box = trimesh.creation.box((30.0, 20.0, 1.2))
+def slab(height):
+    """30 x 20 mm, with vertices every 2 mm or closer, about the origin."""
+    box = trimesh.creation.box((30.0, 20.0, height))
     vertices, faces = trimesh.remesh.subdivide_to_size(box.vertices, box.faces, 2.0)
     merged = trimesh.Trimesh(vertices, faces, process=True)
     return SurfaceMesh(merged.vertices, merged.faces)
+
+
+@pytest.fixture(scope="module")
+def plate():
+    """1.2 mm thick."""
+    return slab(1.2)
 
 
 def top(plate):
@@ -61,6 +66,21 @@ def test_outward_movement_is_free_and_a_wall_too_thin_from_the_start_is_not_cut(
     assert spared(np.float32([0.4, -0.4, -0.4]), thickness, D, 0.0) == pytest.approx([0.4, -0.4, -0.4])
 
 
+@given(thicknesses, minima, st.floats(0.0, 2.0), st.floats(-3.0, 3.0))
+def test_a_bump_counts_for_nothing(thickness, minimum, bump, step):
+    """The wall left is reckoned without what the style has put on: over a bump a step is held back as on the bare wall."""
+    wanted, bare = np.full_like(thickness, step), np.zeros_like(thickness)
+    assert np.array_equal(freedom(thickness, bare + np.float32(bump), minimum), freedom(thickness, bare, minimum))
+    assert np.array_equal(spared(wanted, thickness, bare + np.float32(bump), minimum), spared(wanted, thickness, bare, minimum))
+
+
+@given(st.floats(2.0, 10.0), st.floats(0.05, 1.0))
+def test_one_long_step_may_use_all_that_is_above_the_minimum(thickness, minimum):
+    """Twice as thick as the minimum or more is free, so a step of any length is cut short where both sides leave just the minimum."""
+    depth = spared(np.float32([-20.0]), np.float32([thickness]), np.float32([0.0]), minimum)
+    assert thickness + 2.0 * depth == pytest.approx([minimum], abs=1e-5)
+
+
 def test_a_deeper_cut_from_another_run_is_neither_deepened_nor_filled():
     assert spared(np.float32([-0.2]), np.float32([2.0]), np.float32([-0.9]), 0.8) == pytest.approx([0.0])
 
@@ -72,6 +92,54 @@ def test_a_wall_is_what_both_sides_leave_of_it(plate):
     styled = styled_thickness(plate, thick(plate), -0.3 * outer - 0.2 * lower)
     assert styled[(outer > 0) & inner] == pytest.approx(0.7, abs=1e-5)
     assert styled_thickness(plate, thick(plate), 0.5 * outer) == pytest.approx(1.2)
+
+
+@pytest.mark.parametrize("height", [0.5, 1.0, 6.0])
+def test_the_other_side_of_a_wall_is_found_however_thick_it_is(height):
+    plate = slab(height)
+    cut = np.where(plate.vertex_normals[:, 2] < -0.99, -0.1, 0.0).astype(np.float32)
+    seen = (plate.vertex_normals[:, 2] > 0.99) & (np.abs(plate.vertices[:, :2]) < [8.0, 3.0]).all(axis=1)
+    assert seen.any()
+    styled = styled_thickness(plate, np.full(len(cut), height, np.float32), cut)
+    assert styled[seen] == pytest.approx(height - 0.1, abs=1e-5)
+
+
+@pytest.mark.parametrize("vertex", [0, 1, 50, -2, -1])
+def test_one_thin_vertex_is_no_thin_wall_wherever_it_is(plate, vertex):
+    speck = thick(plate)
+    speck[vertex] = 0.1
+    assert warnings(plate, speck, np.zeros_like(speck), 0.8) == ()
+
+
+def test_a_wall_less_than_two_hundredths_below_the_minimum_is_rounding(plate):
+    """… and one exactly there still is; the part's own walls and what the style leaves are judged alike."""
+    for below, told in ((-0.01, 0), (0.0, 0), (0.018, 0), (SEEN, 0), (0.022, 1), (0.1, 1)):
+        wall, bare = np.full(len(plate.vertices), 0.5, np.float32), np.zeros(len(plate.vertices), np.float32)
+        assert 0.5 + SEEN - SEEN == 0.5
+        minimum = 0.5 + SEEN if below == SEEN else 0.5 + below
+        assert len(warnings(plate, wall, bare, minimum)) == told
+        assert len(warnings(plate, 2.0 * wall, bare - np.float32(0.25), minimum)) == told
+
+
+def test_a_style_that_cuts_no_deeper_than_rounding_is_not_blamed_for_a_thin_wall(plate):
+    wall = np.full(len(plate.vertices), 0.5, np.float32)
+    for cut, told in ((0.0, 1), (0.004, 1), (0.03, 2)):
+        assert len(warnings(plate, wall, np.full_like(wall, -cut), 0.8)) == told
+
+
+def test_a_part_of_which_only_one_end_is_thin_is_told_so_at_its_thinnest(plate):
+    x = plate.vertices[:, 0]
+    wall = np.where(x < -5.0, 0.6, 1.2).astype(np.float32)
+    wall[x < -10.0] = 0.4
+    (sentence,) = warnings(plate, wall, np.zeros_like(wall), 0.8)
+    value, place = sentence.removeprefix("the part itself has a wall of ").split(" mm at (")
+    assert value == "0.40"
+    assert float(place.split(",")[0]) < -10.0
+
+
+def test_a_wall_cut_through_is_no_wall_and_none_of_negative_thickness(plate):
+    (sentence,) = warnings(plate, thick(plate), -2.0 * top(plate), 0.8)
+    assert sentence.startswith("the style leaves a wall of 0.00 mm at (")
 
 
 def test_one_vertex_or_a_sharp_edge_is_no_thin_wall(plate):

@@ -53,6 +53,14 @@ def test_schedules_by_iteration_are_due_exactly_then(schedule, settings, expecte
     assert iterations_due(recipe(schedule, **settings)) == expected
 
 
+@pytest.mark.parametrize("schedule", SCHEDULES)
+def test_no_reason_is_no_words(schedule):
+    """What is due is told to the user and kept in the run; every schedule but one rests at iteration 3."""
+    reason = due(recipe(schedule), progress(iteration=3, simulated_at=2))
+    assert isinstance(reason, str)
+    assert bool(reason) == (schedule == "always")
+
+
 @pytest.mark.parametrize("schedule", ["every", "quadratic", "exponential", "never", "always"])
 def test_schedules_by_iteration_do_not_look_at_the_surface(schedule):
     wild = progress(travelled=(9.0, 9.0, 9.0), demand=(5.0, 5.0, 5.0))
@@ -139,6 +147,13 @@ def test_the_threshold_falls_to_a_tenth_and_no_further(demand):
     below, above = (progress(travelled=(0.0, way, 0.0), demand=(0.0, demand, 0.0)) for way in (0.036, 0.044))  # 0.9 % and 1.1 %
     assert due(recipe("stress"), below) == ""
     assert due(recipe("stress"), above).endswith(f"its limit at demand {demand:.2f} is 1.0%")
+
+
+@given(demand=st.floats(0, 3, width=32))
+def test_the_threshold_is_never_above_that_of_geometry(demand):
+    """Not even where the stress has fallen below that of the unstylized part, whatever demand a caller makes of that."""
+    moved = progress(travelled=(0.0, 0.44, 0.0), demand=(0.0, -demand, 0.0))  # 11 % of 4 mm
+    assert due(recipe("stress"), moved).endswith("is 10.0%")
 
 
 ways = arrays(np.float32, 5, elements=st.floats(-1, 1, width=32))

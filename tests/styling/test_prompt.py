@@ -1,8 +1,11 @@
+import itertools
+import re
+
 import pytest
 
 from mechstyle.errors import BadInput
 from mechstyle.styling.library import library, names
-from mechstyle.styling.prompt import AMOUNTS, COLOURS, FILLERS, SIZES, Wish, read
+from mechstyle.styling.prompt import AMOUNTS, COLOURS, DEGREES, FILLERS, SIZES, Wish, read
 
 
 @pytest.mark.parametrize(
@@ -68,6 +71,74 @@ def test_size_and_amount_words_are_factors_and_a_degree_is_an_exponent():
     assert read("extremely extreme dramatic bricks").amount == 3.0
 
 
+def rising(groups, value):
+    """Whether synonyms, separated by spaces, are worth the same and each group is worth more than the one before."""
+    worth = [{value(word) for word in group.split()} for group in groups]
+    return all(len(values) == 1 for values in worth) and all(max(a) < min(b) for a, b in itertools.pairwise(worth))
+
+
+def test_size_words_rise_from_tiny_to_huge_with_the_nominal_size_between():
+    groups = ["tiny minute miniature micro", "small little fine dense", "tight narrow", "medium", "wide",
+              "large big coarse chunky bulky", "huge giant massive"]  # fmt: skip
+    assert sorted(" ".join(groups).split()) == sorted(SIZES)
+    assert rising(groups, lambda word: read(f"{word} bricks").size)
+    assert read("medium bricks").size == 1.0
+
+
+def test_amount_words_rise_from_flat_to_extreme_with_the_nominal_amount_between():
+    groups = ["flat faint", "subtle smooth", "gentle delicate shallow soft mild", "moderate", "pronounced rough", "rugged strong bold",
+              "deep heavy", "dramatic", "extreme"]  # fmt: skip
+    assert sorted(" ".join(groups).split()) == sorted(AMOUNTS)
+    assert rising(groups, lambda word: read(f"{word} bricks").amount)
+    assert read("moderate bricks").amount == 1.0
+
+
+@pytest.mark.parametrize("prompt", ["tiny huge bricks", "tight wide bricks", "subtle extreme bricks"])
+def test_opposite_words_undo_each_other(prompt):
+    wish = read(prompt)
+    assert (wish.size, wish.amount) == pytest.approx((1.0, 1.0))
+
+
+def test_degrees_rise_from_the_root_by_the_word_alone_to_the_square():
+    power = {word: read(f"{word} large bricks").size for word in DEGREES}
+    large = read("large bricks").size
+    assert rising(["slightly", "somewhat"], power.get)
+    assert power["somewhat"] < large < power["quite"]
+    assert rising(["quite", "very really", "super", "extremely"], power.get)
+    assert power["slightly"] == pytest.approx(large**0.5)
+    assert power["extremely"] == pytest.approx(large**2)
+    assert power["somewhat"] / power["slightly"] < large / power["somewhat"]  # nearer to "slightly" than to the word alone
+    assert power["quite"] / large < power["very"] / power["quite"]  # nearer to the word alone than to "very"
+
+
+def test_shades_rise_from_dark_to_pale_and_no_two_look_alike():
+    own = {word: read(f"{word} brick").shade for word in ("dark", "bright", "light", "pale")}
+    assert rising(own, own.get)
+    assert own["dark"] < 1.0 < own["bright"]
+    assert own["pale"] / own["light"] < own["light"] / own["bright"]  # pale is a little more than light
+    blue = {word: sum(read(f"{word} blue brick").colour) for word in ("dark", "deep", "bright", "light", "pale")}
+    blue[""] = sum(read("blue brick").colour)
+    assert rising(["dark", "deep"], blue.get)
+    assert blue["deep"] < blue[""] < blue["bright"]
+    assert rising(["bright", "light", "pale"], blue.get)
+    assert blue["deep"] > 1.1 * blue["dark"]
+    assert blue["deep"] - blue["dark"] < blue[""] - blue["deep"]  # deep is a kind of dark
+
+
+@pytest.mark.parametrize(
+    ("prompt", "size", "amount"),
+    [("extremely huge giant bricks", 3.0, 1.0), ("extremely tiny micro bricks", 0.4, 1.0),
+     ("extremely extreme heavy bricks", 1.0, 3.0), ("extremely flat faint bricks", 1.0, 0.2)],
+)  # fmt: skip
+def test_however_words_add_up_size_and_amount_stay_within_what_can_be_drawn(prompt, size, amount):
+    assert (read(prompt).size, read(prompt).amount) == (size, amount)
+
+
+def test_a_wish_is_not_changed_by_those_who_read_it():
+    with pytest.raises(AttributeError):
+        read("brick").style = "stone"
+
+
 def test_colour_words_colour_and_shade_words_belong_to_the_colour_after_them():
     blue = read("blue bricks").colour
     assert blue == pytest.approx((0x2F / 255, 0x5F / 255, 0xA8 / 255))
@@ -75,12 +146,20 @@ def test_colour_words_colour_and_shade_words_belong_to_the_colour_after_them():
     assert deep.amount == 1.0
     assert sum(deep.colour) < sum(blue) < sum(read("light blue bricks").colour)
     assert read("bricks").colour is None
+    assert read("bricks in deep blue") == deep
+    assert read("blue bricks, dark").colour == blue  # "dark" is not before the blue
+
+
+def test_a_plural_of_three_letters_is_read_and_what_two_would_be_left_of_is_not():
+    assert read("bricks in reds") == read("bricks in red")
+    assert read("bricks with toes").notes == ("not understood and left out: 'toes'",)  # not "to"
 
 
 def test_a_shade_without_a_colour_is_one_of_the_style_s_own_colours():
     assert read("rough dark brick") == Wish("brick", amount=AMOUNTS["rough"], shade=0.55)
     assert read("light knitted wool").shade > 1.0
     assert read("deep brick") == Wish("brick", amount=AMOUNTS["deep"])
+    assert read("brick, dark") == Wish("brick", shade=0.55)
     assert read("dark blue brick").shade == 1.0  # the blue is dark already
 
 
@@ -108,6 +187,8 @@ def test_a_style_that_only_describes_gives_way_to_any_other():
     assert wish.style == "brick"
     assert wish.notes == ("one style at a time: took 'brick', left out 'realistic', 'weathered'",)
     assert read("old green").style == "realistic"
+    assert read("weathered old").style == "weathered"  # of two that describe, the first
+    assert read("weathered").style == "weathered"
 
 
 def test_only_the_first_style_and_colour_count_and_notes_say_so():
@@ -121,6 +202,7 @@ def test_words_of_a_phrase_count_together_and_what_is_left_of_another_phrase_alo
     wish = read("fish and dragon scales")
     assert wish.style == "fish_scales"
     assert wish.notes == ("one style at a time: took 'fish_scales', left out 'dragon_scales'",)
+    assert read("scales of brick and dragon").style == "dragon_scales"  # a phrase stands where it begins
     assert read("mahogany wood").style == "wood"
     assert read("mahogany wood").colour == read("mahogany brick").colour is not None
 
@@ -143,10 +225,14 @@ def test_words_not_understood_are_reported_together():
 
 
 def test_a_word_near_a_style_does_not_compete_with_a_style_spelt_out():
-    assert read("brick store").style == "brick"
+    assert read("brick store") == Wish("brick", notes=("not understood and left out: 'store'",))
 
 
-@pytest.mark.parametrize("prompt", ["mahogany zebra", "zebra", "", "   ", "blue", "very small", "3d"])
+def test_a_word_only_somewhat_like_a_size_is_none():
+    assert read("stall bricks") == Wish("brick", notes=("not understood and left out: 'stall'",))
+
+
+@pytest.mark.parametrize("prompt", ["mahogany zebra", "zebra", "", "   ", "blue", "very small", "3d", "castle", "tower", "forest", "iv"])
 def test_a_prompt_without_a_style_is_refused_and_never_replaced(prompt):
     with pytest.raises(BadInput, match="names no style") as refusal:
         read(prompt)
@@ -161,6 +247,19 @@ def test_a_prompt_without_a_style_is_refused_and_never_replaced(prompt):
 def test_the_refusal_names_the_nearest_styles_first():
     with pytest.raises(BadInput, match="the nearest are 'cactus'"):
         read("octopus cat us cacao")
+
+
+@pytest.mark.parametrize(
+    ("prompt", "nearest"),
+    [("castle", 3), ("castle tower forest", 3), ("tower", 2), ("forest", 1), ("zebra", 0), ("unicorn skull", 0)],
+)
+def test_the_refusal_names_three_styles_at_most_and_none_that_is_far(prompt, nearest):
+    with pytest.raises(BadInput) as refusal:
+        read(prompt)
+    found = re.search(r"offline: (?:the nearest are (.*?); )?known are", str(refusal.value))
+    named = found[1].split(", ") if found[1] else []
+    assert len(named) == len(set(named)) == nearest
+    assert {name.strip("'") for name in named} <= set(names())
 
 
 def test_no_word_means_two_things():

@@ -1,0 +1,163 @@
+"""The mutation run itself: what it changes, that it sees what tests see, and that its explanations are not out of date."""
+
+import importlib.util
+import json
+import sys
+
+import pytest
+
+from support import ROOT
+
+_SPEC = importlib.util.spec_from_file_location("mutants", ROOT / "benchmarks/mutants.py")
+mutants = importlib.util.module_from_spec(_SPEC)
+sys.modules["mutants"] = mutants  # its dataclasses look themselves up
+_SPEC.loader.exec_module(mutants)
+
+THING = '''"""A thing."""
+
+LIMIT: int = 3
+
+
+def clamped(value: int | str) -> int:
+    """Not 4."""
+    return min(value, LIMIT) if value > -1.5 and not value is None else 0
+
+
+def doubled(values):
+    """Nobody tests it."""
+    values[0] += 1
+    values *= 2
+'''
+TESTS = """
+from house.thing import clamped
+
+
+def test_what_is_too_large_is_clamped():
+    assert [clamped(value) for value in (2, 3, 4)] == [2, 3, 3]
+"""
+
+
+@pytest.fixture
+def house(tmp_path):
+    """A package of one module, of which one function is tested."""
+    for path, text in {"house/__init__.py": "", "house/thing.py": THING, "tests/test_thing.py": TESTS}.items():
+        (tmp_path / path).parent.mkdir(exist_ok=True)
+        (tmp_path / path).write_text(text)
+    return tmp_path
+
+
+def changed(house, line, text):
+    """The mutant that turns one line of the thing into another."""
+    (one,) = [mutant for mutant in mutants.mutants(house, "house/thing.py") if mutant.key(house)[1:] == (line, text)]
+    return one
+
+
+def test_every_kind_of_change_is_made_and_texts_and_annotations_are_left_alone(house):
+    clamp = "return min(value, LIMIT) if value > -1.5 and not value is None else 0"
+    found = [mutant.key(house) for mutant in mutants.mutants(house, "house/thing.py")]
+    assert {module for module, _, _ in found} == {"house/thing.py"}
+    expected = {
+        ("LIMIT: int = 3", "LIMIT: int = 4"),
+        ("LIMIT: int = 3", "LIMIT: int = (2)"),
+        ("values[0] += 1", "pass"),
+        ("values[0] += 1", "values[1] += 1"),
+        ("values[0] += 1", "values[(-1)] += 1"),
+        ("values[0] += 1", "values[0] += 2"),
+        ("values[0] += 1", "values[0] += (0)"),
+        ("values *= 2", "pass"),
+        ("values *= 2", "values *= 3"),
+        ("values *= 2", "values *= (1)"),
+        (clamp, "return None"),
+        (clamp, clamp.replace("min", "max")),
+        (clamp, clamp.replace("value > -1.5 and not value is None", "(not (value > -1.5 and not value is None))")),
+        (clamp, clamp.replace(" > ", " >= ")),
+        (clamp, clamp.replace(" > ", " <= ")),
+        (clamp, clamp.replace("-1.5", "1.5")),
+        (clamp, clamp.replace("1.5", "1.875")),
+        (clamp, clamp.replace("1.5", "1.2")),
+        (clamp, clamp.replace(" and ", " or ")),
+        (clamp, clamp.replace("not value", "value")),
+        (clamp, clamp.replace(" is None", " is not None")),
+        (clamp, clamp.replace("else 0", "else 1")),
+        (clamp, clamp.replace("else 0", "else (-1)")),
+    }
+    assert len(found) == len(expected)
+    assert {(before, after) for _, before, after in found} == expected
+
+
+def test_a_change_that_tests_notice_is_killed_and_one_they_do_not_survives_and_no_file_is_touched(house):
+    files = {path: path.read_bytes() for path in house.rglob("*") if path.is_file()}
+    seen = changed(house, "LIMIT: int = 3", "LIMIT: int = 4")
+    unseen = changed(house, "values *= 2", "pass")
+    assert mutants.passes(house, None, "tests/test_thing.py", 60.0)
+    assert not mutants.passes(house, seen, "tests/test_thing.py", 60.0)
+    assert mutants.passes(house, unseen, "tests/test_thing.py", 60.0)
+    assert {path: path.read_bytes() for path in house.rglob("*") if path.is_file()} == files
+
+
+def test_a_change_after_which_tests_never_end_is_killed(house):
+    (house / "tests/test_thing.py").write_text("import house.thing\n\ndef test_for_ever():\n    while True:\n        pass\n")
+    assert not mutants.passes(house, None, "tests/test_thing.py", 1.0)
+
+
+@pytest.fixture
+def unseen(house, monkeypatch):
+    """A run over the house in which no test notices anything; calling it with explanations and the allowed share gives its status."""
+    monkeypatch.setattr(mutants, "ROOT", house)
+    monkeypatch.setattr(mutants, "MODULES", ("house/thing.py",))
+    monkeypatch.setattr(mutants, "passes", lambda *_: True)
+    monkeypatch.setattr(sys, "argv", ["mutants.py", "--per-module", "3"])
+
+    def run(explained, most):
+        monkeypatch.setattr(mutants, "EXPLAINED", explained)
+        monkeypatch.setattr(mutants, "MOST_SURVIVORS", most)
+        return mutants.main()
+
+    return run
+
+
+def explained(house, chosen):
+    entries = [dict(zip(("module", "line", "mutant"), mutant.key(house), strict=True)) for mutant in chosen]
+    lines = ["survivor = []"] * (not entries)
+    for entry in entries:
+        lines += ["[[survivor]]", *(f"{name} = {json.dumps(text)}" for name, text in entry.items()), 'why = "Nobody looks."']
+    (house / "explained.toml").write_text("\n".join(lines))
+    return house / "explained.toml"
+
+
+def test_each_survivor_must_be_explained(house, unseen, capsys):
+    chosen = mutants.sample(house, "house/thing.py", 3, 0)
+    assert unseen(explained(house, chosen[:2]), most=1.0) == 1
+    told = capsys.readouterr().out
+    assert "3 of 3 survive (100.0%), 1 not explained" in told
+    assert "NOT EXPLAINED" in told
+    assert f"{chosen[2].line(house)}: " in told
+    assert unseen(explained(house, chosen), most=1.0) == 0
+    assert "NOT EXPLAINED" not in capsys.readouterr().out
+
+
+def test_too_many_survivors_fail_the_run_even_if_each_is_explained(house, unseen):
+    assert unseen(explained(house, mutants.sample(house, "house/thing.py", 3, 0)), most=0.9) == 1
+
+
+def test_the_sample_is_the_seeds(house):
+    first, again, other = (mutants.sample(house, "house/thing.py", 8, seed) for seed in (0, 0, 1))
+    assert first == again != other
+    assert len(set(first)) == 8
+    assert len(mutants.sample(house, "house/thing.py", 99, 0)) == len(mutants.mutants(house, "house/thing.py"))
+
+
+@pytest.mark.parametrize("module", mutants.MODULES)
+def test_every_mutant_of_a_listed_module_is_python_and_the_module_has_tests(module):
+    assert (ROOT / mutants.tests_of(module)).is_file()
+    found = mutants.mutants(ROOT, module)
+    assert len(found) > 20
+    for mutant in found:
+        compile(mutant.source(ROOT), module, "exec")
+
+
+def test_every_explanation_speaks_of_a_mutant_that_there_is():
+    known = {mutant.key(ROOT) for module in mutants.MODULES for mutant in mutants.mutants(ROOT, module)}
+    for key, why in mutants.explanations().items():
+        assert key in known, key
+        assert why.endswith("."), key
