@@ -8,7 +8,7 @@ PINS := pyproject.toml constraints.txt
 export OMP_NUM_THREADS ?= 1
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
-.PHONY: help demo test lab lint bench bench-widgets clean
+.PHONY: help demo test lab lint mutants bench bench-widgets clean
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
 
@@ -28,6 +28,9 @@ lint: .venv/dev.stamp ## style, import directions and types only
 	$(BIN)/ruff check .
 	$(BIN)/lint-imports --no-cache
 	$(BIN)/mypy
+
+mutants: .venv/dev.stamp ## seeded mutation run over the pure modules
+	$(BIN)/python benchmarks/mutants.py
 
 bench: .venv/dev.stamp ## speed and memory of stages, drops, gradient and renderer beside their budgets
 	$(BIN)/python benchmarks/stages.py

@@ -27,6 +27,8 @@ def doubled(values):
     """Nobody tests it."""
     values[0] += 1
     values *= 2
+    return None if values else 1e-9
+    return None
 '''
 TESTS = """
 from house.thing import clamped
@@ -67,6 +69,9 @@ def test_every_kind_of_change_is_made_and_texts_and_annotations_are_left_alone(h
         ("values *= 2", "pass"),
         ("values *= 2", "values *= 3"),
         ("values *= 2", "values *= (1)"),
+        ("return None if values else 1e-9", "return None"),
+        ("return None if values else 1e-9", "return None if (not (values)) else 1e-9"),
+        ("return None if values else 1e-9", "return None if values else 0.0"),
         (clamp, "return None"),
         (clamp, clamp.replace("min", "max")),
         (clamp, clamp.replace("value > -1.5 and not value is None", "(not (value > -1.5 and not value is None))")),

@@ -165,6 +165,13 @@ def test_as_placed_compares_the_peak_with_yield_or_the_originals_own(peak, own, 
     assert ("MARGINAL" in verdict.words) == marginal
 
 
+def test_the_edge_of_the_band_belongs_to_it():
+    """15 % of a limit whose share is exact."""
+    material = msgspec.structs.replace(PLA, yield_strength=100.0)
+    for peak, marginal in ((84.9, False), (85.0, True), (115.0, True), (115.1, False)):
+        assert judge(simulation(peak=peak, overall=None), simulation(), material, "robust").as_placed.marginal == marginal
+
+
 def test_as_placed_is_marginal_where_percentile_and_peak_disagree():
     base = simulation(peak=10.0)
     assert judge(simulation(peak=30.0, p999=50.0), base, PLA, "robust").as_placed.marginal

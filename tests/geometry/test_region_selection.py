@@ -90,7 +90,7 @@ def test_a_vertex_that_is_not_there_is_refused(cup, thickness):
 
 
 def test_where_the_part_is_is_told_to_a_tenth_of_a_millimetre(cube):
-    with pytest.raises(BadInput, match="which reaches from 0.4 0.4 0.4 to 12.8 12.8 12.8 mm"):
+    with pytest.raises(BadInput, match=r"which reaches from 0\.4 0\.4 0\.4 to 12\.8 12\.8 12\.8 mm"):
         selected(Sphere((500, 0, 0), 3), cube.moved(1.234 * cube.vertices + 0.42), np.ones(8))
 
 

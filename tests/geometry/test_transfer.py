@@ -46,6 +46,11 @@ def test_the_published_variant_sees_neither_place_nor_size_nor_proportions(cup_t
     assert np.array_equal(Transfer(shell, cup_tets, "nearest").to_surface(values), values[outer])
 
 
+def test_a_surface_without_height_takes_values_too(cup_tets):
+    floor = SurfaceMesh([[0.0, 0.0, 2.0], [30.0, 0.0, 2.0], [0.0, 30.0, 2.0], [30.0, 30.0, 2.0]], [[0, 1, 3], [0, 3, 2]])
+    assert Transfer(floor, cup_tets, "nearest").to_surface(np.full(len(cup_tets.vertices), 7.0)).tolist() == [7.0] * 4
+
+
 def test_a_wrong_number_of_values_is_refused(cup, cup_tets):
     with pytest.raises(BadInput, match="one for each"):
         Transfer(cup, cup_tets).to_surface(np.zeros(3))

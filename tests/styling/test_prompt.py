@@ -4,6 +4,7 @@ import re
 import pytest
 
 from mechstyle.errors import BadInput
+from mechstyle.styling import prompt as reading
 from mechstyle.styling.library import library, names
 from mechstyle.styling.prompt import AMOUNTS, COLOURS, DEGREES, FILLERS, SIZES, Wish, read
 
@@ -205,6 +206,11 @@ def test_words_of_a_phrase_count_together_and_what_is_left_of_another_phrase_alo
     assert read("scales of brick and dragon").style == "dragon_scales"  # a phrase stands where it begins
     assert read("mahogany wood").style == "wood"
     assert read("mahogany wood").colour == read("mahogany brick").colour is not None
+
+
+def test_the_phrase_of_most_words_is_read_first_however_long_they_are():
+    styles = {"bee_on_ivy": "honeycomb", "chrysanthemum_ivy": "floral", "bee": "honeycomb", "ivy": "green", "chrysanthemum": "floral"}
+    assert reading._phrased(["chrysanthemum", "bee", "on", "ivy"], styles) == ["chrysanthemum", "bee_on_ivy", "the", "the"]
 
 
 def test_every_word_of_a_phrase_means_something_alone():
