@@ -161,6 +161,7 @@ def test_a_shade_without_a_colour_is_one_of_the_style_s_own_colours():
     assert read("light knitted wool").shade > 1.0
     assert read("deep brick") == Wish("brick", amount=AMOUNTS["deep"])
     assert read("brick, dark") == Wish("brick", shade=0.55)
+    assert read("brick, deep") == read("deep brick")
     assert read("dark blue brick").shade == 1.0  # the blue is dark already
 
 
