@@ -93,6 +93,18 @@ def test_a_run_is_followed_however_late_the_curves_are_drawn(fake):
     assert (state.iteration, state.follow) == (5, False)
 
 
+def test_the_browser_is_told_the_end_of_the_slider_before_a_value_beyond_it(fake, monkeypatch):
+    """Told both at once, its slider may set the value first, cut it off and send it back as if the user had chosen it."""
+    state = StudioState(fake.run)
+    timeline, told = Timeline(state), []
+    monkeypatch.setattr(timeline._slider, "send_state", lambda key=None: told.append(key))
+    fake.go()
+    state.tell(stale=True)
+    state.pump()
+    assert told.count("max") == told.count("value") == 1, "each in a message of its own"
+    assert told.index("max") < told.index("value")
+
+
 def test_a_click_shows_lane_and_iteration(timeline, state):
     place = next(number for number, lane in enumerate(trace(timeline, STEPS).y) if lane == "soft") + 1
     timeline._clicked(trace(timeline, STEPS), SimpleNamespace(point_inds=[place]), None)

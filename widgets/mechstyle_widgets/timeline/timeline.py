@@ -118,11 +118,10 @@ class Timeline(Linked, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # i
             self._figure.layout.shapes[0].update(x0=self.iteration, x1=self.iteration)
 
     def _set_slider(self) -> None:
-        """Show the iteration on the slider; its end moves first, since a value beyond it comes back cut off, as if the user chose it."""
+        """Show the iteration on the slider; its end goes first, in a message of its own: browsers send a value beyond it back cut off."""
         self._slider.unobserve(self._slid, "value")  # a shorter lane cuts the value off as well
-        with self._slider.hold_sync():
-            self._slider.max = max(self._state.iterations_done, self.iteration, 1)
-            self._slider.value = self.iteration
+        self._slider.max = max(self._state.iterations_done, self.iteration, 1)
+        self._slider.value = self.iteration
         self._slider.observe(self._slid, "value")
 
     # what the user does
