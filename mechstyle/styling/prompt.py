@@ -136,7 +136,7 @@ def _spelled(words: list[str]) -> tuple[list[str], list[str]]:
     likeness = _TYPO if any(word in styles for word in known) else _STYLE_TYPO
     notes = []
     for place, word in enumerate(words):
-        if not known[place] and len(word) >= 3:
+        if not known[place]:
             known[place] = _closest(word, styles, likeness) or _closest(word, others, _TYPO)
             if known[place]:
                 notes.append(f"read {word!r} as {known[place]!r}")
