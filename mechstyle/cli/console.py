@@ -82,11 +82,18 @@ def factor(value: float | None) -> str:
     return "–" if value is None else f"{value:.2f}"
 
 
-def table(*columns: str, title: str = "") -> Table:
-    """A table in the house style."""
+def table(*columns: str, title: str = "", width: int | None = None) -> Table:
+    """A table in the house style; on a narrow terminal headings take a line for each word, so that no word is broken.
+
+    Args:
+        columns: Headings.
+        title: What stands above it.
+        width: Width of the terminal [characters], by default that of standard output.
+    """
     made = Table(title=title or None, title_justify="left", header_style="bold", box=None, pad_edge=False, padding=(0, 2, 0, 0))
+    narrow = (out.width if width is None else width) < 100
     for column in columns:
-        made.add_column(column, overflow="fold")
+        made.add_column("\n".join(column.split()) if narrow else column, overflow="fold")
     return made
 
 
