@@ -57,6 +57,8 @@ def tetrahedralise(surface: SurfaceMesh, target: int = 16_000, *, timeout: float
         return kept
     tets = _meshed(surface, target, timeout)
     if file is not None:
+        if (meanwhile := _read(file)) is not None:  # somebody else was faster, and runs may rest on that mesh already
+            return meanwhile
         with contextlib.suppress(MechStyleError):  # a full disk costs time later, not this result
             _write(file, tets)
     return tets

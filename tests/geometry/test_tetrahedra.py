@@ -60,6 +60,20 @@ def test_a_mesh_that_cannot_be_kept_is_returned_all_the_same(block, tmp_path):
     assert len(tetrahedralise(block, 600, cache=tmp_path / "taken").tets)
 
 
+def test_of_two_that_mesh_the_same_part_at_once_both_get_the_mesh_of_the_first(block, tmp_path, monkeypatch):
+    """Else the second would begin its run on another mesh than everybody finds in the cache afterwards."""
+    theirs, meshed = [], module._meshed
+
+    def overtaken(*arguments):
+        monkeypatch.setattr(module, "_meshed", meshed)
+        theirs.append(tetrahedralise(block, 600, cache=tmp_path))
+        return meshed(*arguments)
+
+    monkeypatch.setattr(module, "_meshed", overtaken)
+    assert tetrahedralise(block, 600, cache=tmp_path).digest == theirs[0].digest
+    assert tetrahedralise(block, 600, cache=tmp_path).digest == theirs[0].digest
+
+
 def test_a_damaged_cache_entry_is_not_used(block, tmp_path, monkeypatch):
     tetrahedralise(block, 600, cache=tmp_path)
     (entry,) = tmp_path.glob("*.npz")
