@@ -102,6 +102,13 @@ def test_the_documentation_imports_public_names_only():
         assert module in {"mechstyle", "mechstyle_widgets"}, f"{page.name} imports {module}"
 
 
+def test_the_documentation_names_modules_that_exist():
+    named_in = [(page, name) for page in sorted((ROOT / "docs").glob("*.md")) for name in re.findall(r"`([\w/]+\.py)`", page.read_text())]
+    assert len(named_in) >= 5
+    for page, name in named_in:
+        assert (ROOT / "mechstyle" / name).is_file(), f"{page.name} names {name}"
+
+
 def test_importing_mechstyle_loads_nothing_heavy():
     loaded = loaded_by("import mechstyle; dir(mechstyle); mechstyle.__all__")
     assert "numpy" in loaded

@@ -1,7 +1,7 @@
 """The explicit integration seen from above: the scheme, its stable step, and the loop that carries all drops through the window.
 
-How a step is computed is the business of the two implementations of `Body`: `on_cores` (vectorised, one drop per CPU
-core) and `on_device` (plain kernels and CUDA graphs, all drops at once).
+How a step is computed is the business of the two implementations of `Body`: `backends.cpu` (vectorised, one drop per CPU
+core) and `backends.gpu` (plain kernels and CUDA graphs, all drops at once).
 """
 
 from __future__ import annotations

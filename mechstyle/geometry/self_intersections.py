@@ -40,7 +40,7 @@ class Crossings(NamedTuple):
 def crossings(mesh: SurfaceMesh, *, device: str = "cpu") -> Crossings:
     """The faces that cross another without sharing a corner with it (Möller 1997, through a bounding volume hierarchy).
 
-    Faces that share a corner touch by nature; where they fold onto each other, `quality.folded_faces` tells.
+    Faces that share a corner touch by nature; where they fold onto each other, `print_quality.folded_faces` tells.
     """
     tree, count = TriangleTree(mesh.vertices, mesh.faces, device), len(mesh.faces)
     centre = 0.5 * (mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0))

@@ -1,4 +1,4 @@
-"""The drop test on CPU cores: a job is one drop (`tet_lanes`) or eight drops side by side (`drop_lanes`), and a core does one job."""
+"""The drop test on CPU cores: a job is one drop (`simd_by_element`) or eight side by side (`simd_by_drop`), and a core does one job."""
 
 from __future__ import annotations
 

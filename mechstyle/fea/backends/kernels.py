@@ -19,7 +19,7 @@ PARTS = wp.constant(1024)
 """Partial sums per history quantity: parallel enough for a GPU, a fixed order of summation everywhere."""
 
 KINETIC, STRAIN, IMPULSE, CONTACT_LOSS, HEIGHT, MOMENTUM, PEAK = range(7)
-"""Places of `integration.QUANTITIES`."""
+"""Places of `explicit.QUANTITIES`."""
 
 
 @wp.func
@@ -93,7 +93,7 @@ Nodes10 = wp.types.matrix(shape=(10, 3), dtype=float)
 Between = wp.types.matrix(shape=(4, 4), dtype=int)
 
 BETWEEN = wp.constant(Between(0, 4, 5, 6, 4, 1, 7, 8, 5, 7, 2, 9, 6, 8, 9, 3))
-"""Node between two corners of a quadratic element, the corner itself on the diagonal; see `interpolation.EDGES`."""
+"""Node between two corners of a quadratic element, the corner itself on the diagonal; see `elements.EDGES`."""
 
 
 @wp.func

@@ -3,8 +3,8 @@
 Warp compiles kernels for the CPU without vectorising them. These are the same steps as in `kernels`, written with the vector
 extensions of clang, the compiler inside Warp: `Lanes` adds and multiplies like a float, and the compiler maps it to whatever the
 processor has (AVX, SSE or NEON registers, one or several). What lies in the lanes is for the layouts to say: sixteen tetrahedra of one
-drop (`tet_lanes`) or one tetrahedron of eight drops (`drop_lanes`). A layout provides `load`, `load_ahead` (u + β v), `geometry` and
-`add`; all here is written in terms of these; `Linear` and `Quadratic` are the elements of `interpolation`.
+drop (`simd_by_element`) or one tetrahedron of eight drops (`simd_by_drop`). A layout provides `load`, `load_ahead` (u + β v), `geometry`
+and `add`; all here is written in terms of these; `Linear` and `Quadratic` are the elements of `elements`.
 """
 
 from __future__ import annotations

@@ -21,7 +21,7 @@ class LaneBody:
 
 @wp.struct
 class LaneState:
-    """Drops in progress; see `integration.Batch` for the quantities."""
+    """Drops in progress; see `explicit.Batch` for the quantities."""
 
     heights: wp.array(dtype=wp.float32)
     u: wp.array(dtype=wp.float32)

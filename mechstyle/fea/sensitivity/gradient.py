@@ -105,7 +105,7 @@ class ShortDrop:
         direction: Floor normal in the frame of the body, out of the floor, shape [3].
         test: The drop; each of its steps is kept for the way back.
         exponent: Order p of the means, 8 to 64.
-        device: As for `drop_test.drop`.
+        device: As for `drop.drop`.
 
     Raises:
         BadInput: Unusable tetrahedra, direction or device name, an order out of range, or a window of too many steps.

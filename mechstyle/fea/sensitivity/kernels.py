@@ -1,4 +1,4 @@
-"""A drop as kernels that Warp can differentiate, for `experimental`: every step writes arrays of its own; the law is that of `kernels`.
+"""A drop as kernels that Warp can differentiate, for `gradient`: every step writes arrays of its own; the law is that of `kernels`.
 
 One kernel serves both elements, straight from the table of their shape functions. Shape is taken in float64, so that the finite
 differences it is checked against are not rounding; motion is float32 as in the drop test.

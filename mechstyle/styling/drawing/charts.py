@@ -1,7 +1,7 @@
 """Charts of rows and columns on a part: level on the faces of a box-like part, along smooth lines on any other.
 
 Both charts answer the same two questions in *cells*: the phase along the horizontal and the phase upwards, integers at the cells' centres.
-Only what is the same for a phase and its negative is meaningful (see `fields`): distance from the centre, and parity counted from a centre.
+Only what is the same for a phase and its negative is meaningful (see `stripes`): distance from the centre and parity counted from it.
 """
 
 from __future__ import annotations

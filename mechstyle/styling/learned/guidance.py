@@ -47,7 +47,7 @@ class Guidance(Protocol):
 
 
 class TargetGuidance:
-    """The drawn target of an offline style: Σ A_i [((s_i − s*_i)/s_ref)² + 4 ‖c_i − c*_i‖²] / Σ A_i, as in `procedural`.
+    """The drawn target of an offline style: Σ A_i [((s_i − s*_i)/s_ref)² + 4 ‖c_i − c*_i‖²] / Σ A_i, as in `drawn`.
 
     The field is told the prompt by a random embedding that only the prompt decides.
     """

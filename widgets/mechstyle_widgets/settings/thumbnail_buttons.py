@@ -30,7 +30,7 @@ class PictureChoice(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no
         """Offer names.
 
         Args:
-            kind: What the pictures are of, a key of `pictures.DRAWN`.
+            kind: What the pictures are of, a key of `thumbnails.DRAWN`.
             names: What can be chosen, with a sentence about each.
             height: Of the whole, which scrolls [pixels].
         """
