@@ -15,7 +15,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn
 from rich.table import Table
 
 from mechstyle.errors import MechStyleError
-from mechstyle.loop.events import BackedOff, Event, Finished, Simulated, SimulationStarted, Stylized
+from mechstyle.loop.events import Corrected, Event, Finished, Simulated, SimulationStarted, Stylized
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -133,8 +133,8 @@ class Teller:
                 f"  {event.iteration:>4}  {verdict_text(event.verdict.outcome)}  peak {decides.value:.1f} of {decides.limit:.1f} MPa"
                 f"  [dim]{escape(event.reason)}[/]"
             )
-        elif isinstance(event, BackedOff):
-            self._progress.console.print(f"        [dim]back-off: {escape(event.step)}, {event.kept:.0%} of the relief left[/]")
+        elif isinstance(event, Corrected):
+            self._progress.console.print(f"        [dim]correction: {escape(event.step)}, {event.kept:.0%} of the relief left[/]")
         elif isinstance(event, Finished):
             self.stage("done")
 

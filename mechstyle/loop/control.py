@@ -10,42 +10,60 @@ from __future__ import annotations
 import numpy as np
 
 from mechstyle.errors import unknown
-from mechstyle.records import CONTROLS, NORMALISATIONS
+from mechstyle.records import CONTROLS, NORMALISATIONS, Simulation
+from mechstyle.records.limits import Limits
 from mechstyle.records.material import Material
 from mechstyle.records.mesh import Field
 
-HEADROOM_GROWTH = 1.25
-"""A vertex may rise to this multiple of its unstylized stress even where that exceeds yield."""
+RESERVE = 0.01
+"""Share of a limit that counts as reserve where the original itself stands at the limit, so that no division is by zero."""
 
 
-def allowable(baseline: Field, material: Material) -> Field:
-    """Stress each vertex may carry, A(v) = max(S_yield, 1.25 s0(v)) [MPa], shape [vertex_count].
-
-    Args:
-        baseline: Field s0 of the unstylized part [MPa], shape [vertex_count].
-        material: The material.
-    """
-    return np.maximum(np.float32(material.yield_strength), np.float32(HEADROOM_GROWTH) * baseline)
-
-
-def demand(stress: Field, baseline: Field, material: Material, normalisation: str) -> Field:
+def demand(simulation: Simulation, original: Simulation, material: Material, normalisation: str) -> Field:
     """Normalised stress s_norm(v) ≥ 0, at or above 1 where a vertex has no reserve left, shape [vertex_count].
 
-    `headroom`: (s − s0) / (A − s0), the share of the reserve the style has used up, A from `allowable`;
-    `own_max`: s over the unstylized part's own maximum (the published frozen rule);
-    `sigma_c`: s over σ_c = safety_coefficient · S_yield (Stava et al. 2012, the published rule);
-    `yield`: s over S_yield.
+    `headroom` is the largest over all rules that count: of the part as placed and under its loads, of the tilted landings and, where it
+    was dropped so, of the envelope over all orientations, each against its own limit (`records.limits`). The others know the field as
+    placed alone, as published.
 
     Args:
-        stress: Field of the last simulation [MPa], shape [vertex_count].
-        baseline: Field of the unstylized part [MPa], shape [vertex_count].
+        simulation: The last simulation.
+        original: The unstylized part.
+        material: The material.
+        normalisation: One of NORMALISATIONS.
+    """
+    limits = Limits.of(original, material)
+    largest = float(original.stress.max())
+    used = normalised(simulation.stress, original.stress, limits.of_stress(original.stress), largest, material, normalisation)
+    if normalisation != "headroom":
+        return used
+    if simulation.tilted is not None and original.tilted is not None:
+        used = np.maximum(used, headroom(simulation.tilted_stress, original.tilted_stress, np.float32(limits.tilted)))
+    if simulation.overall is not None and original.overall is not None:
+        used = np.maximum(used, headroom(simulation.envelope, original.envelope, limits.of_envelope(original.envelope)))
+    return used
+
+
+def normalised(
+    stress: Field, original: Field, limit: Field | np.float32, largest: float, material: Material, normalisation: str
+) -> Field:
+    """Demand of one field, shape [vertex_count].
+
+    `headroom`: see there; `own_max`: s over the unstylized part's own maximum (the published frozen rule);
+    `sigma_c`: s over σ_c = safety_coefficient · S_yield (Stava et al. 2012, the published rule); `yield`: s over S_yield.
+
+    Args:
+        stress: Field of the styled part [MPa], shape [vertex_count].
+        original: Field of the unstylized part [MPa], shape [vertex_count].
+        limit: What `headroom` lets the stress reach [MPa], shape [vertex_count] or one for all.
+        largest: The unstylized part's own maximum [MPa].
         material: The material.
         normalisation: One of NORMALISATIONS.
     """
     if normalisation == "headroom":
-        used = (stress - baseline) / (allowable(baseline, material) - baseline)
-    elif normalisation == "own_max":
-        used = stress / max(float(baseline.max()), 1e-6)
+        return headroom(stress, original, limit)
+    if normalisation == "own_max":
+        used = stress / max(largest, 1e-6)
     elif normalisation == "sigma_c":
         used = stress / material.critical_stress
     elif normalisation == "yield":
@@ -53,6 +71,21 @@ def demand(stress: Field, baseline: Field, material: Material, normalisation: st
     else:
         raise unknown("normalisation", normalisation, NORMALISATIONS)
     return np.maximum(used, 0.0).astype(np.float32)
+
+
+def headroom(stress: Field, original: Field, limit: Field | np.float32) -> Field:
+    """(s − s0) / (A − s0), the share of the reserve the style has used up, at least 1 where the stress s exceeds A; shape [vertex_count].
+
+    Where the original is above A itself, A is what it reaches: nothing is demanded of a part as it came.
+
+    Args:
+        stress: Field s of the styled part [MPa], shape [vertex_count].
+        original: Field s0 of the unstylized part [MPa], shape [vertex_count].
+        limit: A [MPa], shape [vertex_count] or one for all.
+    """
+    limit = np.maximum(limit, original)
+    used = (stress - original) / np.maximum(limit - original, np.float32(RESERVE) * limit)
+    return np.where(stress > limit, np.maximum(used, stress / limit), np.maximum(used, 0.0)).astype(np.float32)
 
 
 def linear(s_norm: Field) -> Field:

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mechstyle.errors import BadInput
-from mechstyle.loop import backoff, control, minimum_wall, schedule
-from mechstyle.loop.events import BackedOff, Checkpointed, Event, Finished, Simulated, SimulationStarted, Stylized
+from mechstyle.loop import control, correction, minimum_wall, schedule
+from mechstyle.loop.events import Checkpointed, Corrected, Event, Finished, Simulated, SimulationStarted, Stylized
 from mechstyle.loop.store import Lane, Store
 from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict
 from mechstyle.records.mesh import Field, SurfaceMesh
@@ -23,7 +23,7 @@ from mechstyle.records.mesh import Field, SurfaceMesh
 STEP_LIMIT = 0.01
 """A vertex moves at most this share of the part's size per iteration (Faruqi et al. 2025)."""
 RETRACT_ABOVE = 0.9
-"""Retraction starts at this share of the allowable stress …"""
+"""Retraction starts at this demand …"""
 RETRACT_RADIUS = 4.0
 """… reaches this far [mm] …"""
 RETRACT_BY = 0.5
@@ -139,7 +139,7 @@ class Engine:
     # where the lane stands
 
     def _stand(self) -> tuple[str, Checkpoint]:
-        """The checkpoint to go on from; back-off rounds are replayed from the last iteration (their simulations are remembered)."""
+        """The checkpoint to go on from; corrections are replayed from the last iteration (their simulations are remembered)."""
         digest = self.store.lane(self.lane).head
         if not digest:
             return "", self._original()
@@ -156,7 +156,7 @@ class Engine:
         nothing = np.zeros(count, np.float32)
         start = self.stylizer.proposal()
         base = self.simulator.baseline
-        demand = control.demand(base.stress, base.stress, self.recipe.material, self.recipe.normalisation)
+        demand = self._demand(base)
         return Checkpoint(
             iteration=0,
             parent="",
@@ -180,8 +180,7 @@ class Engine:
         """A checkpoint of another recipe as this one judges it: its stress stays, its restraint is worked out anew."""
         if state.recipe == self.recipe.digest:
             return state
-        base = self.simulator.baseline.stress
-        demand = control.demand(state.stress, base, self.recipe.material, self.recipe.normalisation)
+        demand = self._demand(self.store.objects.get_record(state.simulation, Simulation))
         return replace(state, demand=demand, mask=self._mask(demand, self.bounds.freedom))
 
     def _wind_stylizer(self, state: Checkpoint) -> Proposal:
@@ -195,7 +194,7 @@ class Engine:
                 self.stylizer.restore(state.keyframe)
                 break
             state = self.store.checkpoint(state.parent)
-        for _ in range(last - state.iteration):  # back-off rounds are checkpoints too, but no iterations
+        for _ in range(last - state.iteration):  # corrections are checkpoints too, but no iterations
             self.stylizer.step()
         return self.stylizer.proposal()
 
@@ -249,15 +248,16 @@ class Engine:
         return state, Simulated(state.iteration, reason, simulation, verdict, float(state.restrained.mean()))
 
     def _restrained(self, state: Checkpoint, simulation: Simulation, *, retract: bool) -> Checkpoint:
-        base = self.simulator.baseline.stress
-        demand = control.demand(simulation.stress, base, self.recipe.material, self.recipe.normalisation)
+        demand = self._demand(simulation)
         mask = self._mask(demand, state.mask if self.recipe.memory else self.bounds.freedom)
         state = replace(state, stress=simulation.stress, demand=demand, mask=mask)
         if not retract:
             return state
-        hot = simulation.stress > RETRACT_ABOVE * control.allowable(base, self.recipe.material)
-        left = 1.0 - np.float32(RETRACT_BY) * backoff.nearness(self.surface.vertices, hot, RETRACT_RADIUS)
+        left = 1.0 - np.float32(RETRACT_BY) * correction.nearness(self.surface.vertices, demand > RETRACT_ABOVE, RETRACT_RADIUS)
         return replace(state, displacement=state.displacement * left, share=state.share * left)
+
+    def _demand(self, simulation: Simulation) -> Field:
+        return control.demand(simulation, self.simulator.baseline, self.recipe.material, self.recipe.normalisation)
 
     def _mask(self, demand: Field, ceiling: Field) -> Field:
         """The control's mask under a ceiling: the freedom that protection leaves, or with memory the mask so far."""
@@ -267,37 +267,34 @@ class Engine:
     # the end
 
     def _finish(self, state: Checkpoint, digest: str) -> Iterator[Event]:
-        """Back off until the relief is viable (if the recipe asks for it), then mark the last simulated surface as final."""
-        first = before_scaling = state.displacement
-        verdict = state.verdict
-        assert verdict is not None, "the last iteration is always simulated"
-        rung = 0 if self.recipe.guarantee else backoff.RUNGS
-        while rung < backoff.RUNGS and not verdict.viable:
-            simulation = self.simulator.simulate(state.displacement, thorough=True)
-            if simulation.failure:  # there is no field to say where, so only scaling is left
-                rung = max(rung, backoff.SCALING)
-            if rung <= backoff.SCALING:
-                before_scaling = state.displacement
-            smaller, words = self._backed_off(rung, simulation, state.displacement, before_scaling)
-            rung += 1
-            state = replace(state, displacement=smaller, parent=digest, keyframe=None)
-            yield BackedOff(words, self._kept(smaller, first))
-            yield SimulationStarted(state.iteration, f"back-off: {words}")
-            state, simulated = self._simulated(state, f"back-off: {words}")
+        """Correct the finished relief until it is viable (if the recipe asks for it), then mark the best as final."""
+        assert state.verdict is not None, "the last iteration is always simulated"
+        finished, best = state.displacement, state
+        search = correction.Correction(self.surface.vertices, lambda share: self._kept(share * finished, finished))
+        tried = self._tested(search, np.ones_like(finished), state) if self.recipe.guarantee else None
+        while tried is not None:
+            share, words = tried
+            yield Corrected(words, search.kept(share))
+            yield SimulationStarted(state.iteration, f"correction: {words}")
+            lowered = replace(state, displacement=share * finished, share=state.share * share, parent=digest, keyframe=None)
+            corrected, simulated = self._simulated(lowered, f"correction: {words}")
             yield simulated
-            verdict = simulated.verdict
-            digest, event = self._save(state)
+            digest, event = self._save(corrected)
             yield event
-        if not state.final:
-            digest, event = self._save(replace(state, parent=digest, keyframe=None, final=True))
+            tried = self._tested(search, share, corrected)
+            if simulated.verdict.viable or not best.viable:
+                best = corrected
+        if not best.final:
+            digest, event = self._save(replace(best, parent=digest, keyframe=None, final=True))
             yield event
-        yield Finished(verdict, digest)
+        assert best.verdict is not None, "every correction is simulated"
+        yield Finished(best.verdict, digest)
 
-    def _backed_off(self, rung: int, simulation: Simulation, displacement: Field, before_scaling: Field) -> tuple[Field, str]:
-        base = self.simulator.baseline
-        limit = np.full_like(base.stress, max(self.recipe.material.yield_strength, float(base.stress.max())))
-        envelope_limit = np.float32(control.HEADROOM_GROWTH) * base.envelope
-        return backoff.step(rung, displacement, before_scaling, simulation, self.surface.vertices, limit, envelope_limit)
+    def _tested(self, search: correction.Correction, share: Field, state: Checkpoint) -> tuple[Field, str] | None:
+        """What a correction is to try after `share` of the finished relief was found to be what `state` says."""
+        assert state.verdict is not None, "what is corrected was simulated"
+        known = state.verdict.outcome != "UNKNOWN"
+        return search.tested(share, viable=state.viable, demand=state.demand if known else None)
 
     def _kept(self, displacement: Field, reference: Field) -> float:
         return kept(displacement, reference, self.surface.vertex_areas)

@@ -50,12 +50,12 @@ class Simulated:
 
 
 @dataclass(frozen=True)
-class BackedOff:
-    """The finished relief was not viable and has been reduced; a simulation of the result follows.
+class Corrected:
+    """The finished relief was not viable and has been corrected; a simulation of the result follows.
 
     Attributes:
-        step: What was reduced, in words.
-        kept: Share of the relief before back-off that is left.
+        step: What was changed, in words.
+        kept: Share of the finished relief that is left.
     """
 
     step: str
@@ -83,4 +83,4 @@ class Finished:
     digest: str
 
 
-Event = Stylized | SimulationStarted | Simulated | BackedOff | Checkpointed | Finished
+Event = Stylized | SimulationStarted | Simulated | Corrected | Checkpointed | Finished

@@ -163,7 +163,7 @@ def _travel(store: Store, stored: _Stored, thickness: NDArray[np.float32]) -> fl
 
 
 def per_iteration(history: Iterable[E]) -> list[E]:
-    """The newest checkpoint of each iteration, oldest first: the back-off rounds at the end and the closing copy share one."""
+    """The newest checkpoint of each iteration, oldest first: the corrections at the end and the closing copy share one."""
     return list({entry.iteration: entry for entry in history}.values())
 
 

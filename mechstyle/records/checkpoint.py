@@ -29,7 +29,7 @@ class Checkpoint:
     """The state after one iteration: all that is needed to show it, resume from it and branch at it.
 
     Attributes:
-        iteration: 0 for the unstylized part, then 1 to N; back-off rounds repeat N.
+        iteration: 0 for the unstylized part, then 1 to N; corrections repeat N.
         parent: Digest of the checkpoint before it, "" for the first.
         recipe: Digest of the recipe in force.
         displacement: D_i along the original normals [mm], shape [vertex_count].
@@ -74,6 +74,11 @@ class Checkpoint:
             if isinstance(value, np.ndarray):
                 kind, shape = (np.float16, (count, 3)) if field.name == "colour" else (np.float32, (count,))
                 object.__setattr__(self, field.name, frozen_array(value, kind, shape, field.name))
+
+    @property
+    def viable(self) -> bool:
+        """Whether it was simulated and found viable."""
+        return self.verdict is not None and self.verdict.viable
 
     @property
     def restrained(self) -> NDArray[np.bool_]:

@@ -91,7 +91,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         every: Interval of the `every` schedule [iterations].
         travel: Displacement since the last simulation over local thickness that triggers `geometry` and `stress`.
         criterion: What viable means, one of CRITERIA.
-        guarantee: Whether the finished relief is backed off until it is viable.
+        guarantee: Whether the finished relief is corrected until it is viable: lowered where it is overloaded, and no further than needed.
         orientations: Drops in the final test, the first as placed; of resting poses at most so many.
         poses: How the drops after the first land: `fibonacci` every way, `tilts` nearly as placed, `resting` as the part comes to rest.
             One of POSES.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import msgspec
 import numpy as np
@@ -15,12 +15,14 @@ class Measures(msgspec.Struct, frozen=True, kw_only=True):
     """Scalar results of one drop test (or of the envelope of several): running-maximum von Mises stress [MPa].
 
     Attributes:
-        peak: Largest 2 mm volume average.
+        peak: The larger of `surface` and `contact`.
         p999: Volume-weighted 99.9th percentile.
         p99: Volume-weighted 99th percentile.
         maximum: Literal maximum over the elements; depends on the mesh where contact is a point.
         where: Place of `peak` in the undeformed part [mm].
         volume: Volume of the tetrahedra [mm³].
+        surface: Largest surface stress averaged over 2 mm, outside the contact.
+        contact: Largest 2 mm volume average around the contact, supports and loads.
     """
 
     peak: float
@@ -29,10 +31,12 @@ class Measures(msgspec.Struct, frozen=True, kw_only=True):
     maximum: float
     where: tuple[float, float, float]
     volume: float
+    surface: float = 0.0
+    contact: float = 0.0
 
     def or_worse(self, other: Measures) -> Measures:
         """The larger of each stress of two tests of one part, and where the larger peak is."""
-        larger = {name: max(getattr(self, name), getattr(other, name)) for name in ("peak", "p999", "p99", "maximum")}
+        larger = {name: max(getattr(self, name), getattr(other, name)) for name in ("peak", "surface", "contact", "p999", "p99", "maximum")}
         return msgspec.structs.replace(self, where=self.where if self.peak >= other.peak else other.where, **larger)
 
 
@@ -95,6 +99,8 @@ class Simulation:
         loaded: What each load case did.
         meshing: How the tetrahedra followed the surface: `morphed`, `fresh`, or why a fresh mesh could not be had.
         failure: Why there is no usable answer, "" if there is.
+        tilted: Measures of the drops nearly as placed, the largest of each; None if there was none.
+        tilted_stress: Surface stress outside the contact in those drops, the largest [MPa], shape [vertex_count]; zero if there was none.
     """
 
     displacement: NDArray[np.float32]
@@ -114,11 +120,15 @@ class Simulation:
     loaded: tuple[LoadResult, ...] = ()
     meshing: str = "morphed"
     failure: str = ""
+    tilted: Measures | None = None
+    tilted_stress: NDArray[np.float32] = field(default_factory=lambda: np.zeros(0, np.float32))
 
     def __post_init__(self) -> None:
         """Freeze the fields over the surface."""
         count = len(self.displacement)
-        for name in ("displacement", "stress", "envelope", "probability", "contact"):
+        if not len(self.tilted_stress):
+            object.__setattr__(self, "tilted_stress", np.zeros(count, np.float32))
+        for name in ("displacement", "stress", "tilted_stress", "envelope", "probability", "contact"):
             kind = np.bool_ if name == "contact" else np.float32
             object.__setattr__(self, name, frozen_array(getattr(self, name), kind, (count,), name))
 

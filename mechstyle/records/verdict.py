@@ -18,7 +18,7 @@ class Judgement(msgspec.Struct, frozen=True, kw_only=True):
         value: The measure [unit].
         limit: What it may at most be [unit].
         unit: "MPa" or "x the original".
-        marginal: Whether value and limit differ by less than 15 %.
+        marginal: Whether value and limit are closer than what another mesh of the same part changes.
     """
 
     rule: str
@@ -44,6 +44,7 @@ class Verdict(msgspec.Struct, frozen=True, kw_only=True):
         all_orientations: (B) envelope over all orientations relative to the unstylized part, None if not run.
         literal: The published rule, max σ_vM ≤ S_yield, always shown, mesh-dependent.
         words: One sentence a person can act on.
+        tilted: Surface stress of the drops nearly as placed, None if there was none.
     """
 
     outcome: Outcome
@@ -52,6 +53,23 @@ class Verdict(msgspec.Struct, frozen=True, kw_only=True):
     all_orientations: Judgement | None
     literal: Judgement
     words: str
+    tilted: Judgement | None = None
+
+    @property
+    def counting(self) -> tuple[Judgement, ...]:
+        """The judgements that count under the criterion in force."""
+        rules = (self.literal,) if self.criterion == "paper" else (self.as_placed, self.tilted, self.all_orientations)
+        return tuple(rule for rule in rules if rule is not None)
+
+    @property
+    def safety_factor(self) -> float:
+        """The least of the safety factors of the judgements that count."""
+        return min(rule.safety_factor for rule in self.counting)
+
+    @property
+    def marginal(self) -> bool:
+        """Whether a judgement that counts is too close to its limit to be sure."""
+        return any(rule.marginal for rule in self.counting)
 
     @property
     def deciding(self) -> Judgement:

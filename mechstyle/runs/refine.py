@@ -102,6 +102,7 @@ class _Twin:
         self.surface = self._cut.mesh
         self.displacement = np.zeros(len(self.surface.vertices), np.float32)
         self._style: tuple[object, ...] = ()
+        self._grown = np.zeros(len(self.part.surface.vertices), np.float32), self.displacement
 
     def follow(self, before: Checkpoint, after: Checkpoint, recipe: Recipe) -> None:
         """Do on the twin what led from one checkpoint to the next."""
@@ -113,14 +114,14 @@ class _Twin:
             grown = self.displacement + self._spread(after.displacement - before.displacement)
             self.displacement = np.clip(grown, -self._fine_bounds.inward, self._fine_bounds.outward)
             return
-        reached = before.displacement
         if after.iteration > before.iteration:
             mask = before.mask if after.reason else after.mask  # a branch is restrained anew, and a drop changes the mask afterwards
             through = mask * before.share
             reached = advanced(reached, through, self._increment(self._coarse), self._bounds, recipe)
             finer = self._increment(self._fine)
-            self.displacement = advanced(self.displacement, self._spread(through), finer, self._fine_bounds, recipe)
-        self.displacement = self.displacement * self._spread(_left(reached, after.displacement))
+            self._grown = reached, advanced(self.displacement, self._spread(through), finer, self._fine_bounds, recipe)
+        reached, finer = self._grown  # what a correction leaves is a share of the finished relief, not of the correction before
+        self.displacement = finer * self._spread(_left(reached, after.displacement))
 
     def coloured(self, last: Checkpoint, recipe: Recipe) -> Field:
         """Display RGB of the twin, shape [fine_count, 3]: drawn anew, but interpolated where it was learnt or the part keeps its own."""
@@ -183,6 +184,6 @@ def _drawn(recipe: Recipe, wish: Wish, canvas: Canvas, bounds: Bounds) -> Styliz
 
 
 def _left(before: Field, after: Field) -> Field:
-    """Share of the relief that retraction, the tetrahedra or the back-off left at each vertex, in [0, 1]."""
+    """Share of the relief that retraction, the tetrahedra or a correction left at each vertex, in [0, 1]."""
     safe = np.where(before == 0.0, 1.0, before)
     return np.asarray(np.where(before == 0.0, 1.0, np.clip(after / safe, 0.0, 1.0)), np.float32)

@@ -13,10 +13,10 @@ import numpy as np
 
 from mechstyle._files import write_whole
 from mechstyle.errors import SimulationFailed
-from mechstyle.fea.criterion import input_warning, judge
 from mechstyle.fea.drop import History, resolve_device
 from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.fea.snapshots import snapshot
+from mechstyle.fea.verdict import input_warning, judge
 from mechstyle.fea.vtu import vtu_path
 from mechstyle.loop.history import Strength
 from mechstyle.loop.minimum_wall import warnings as wall_warnings

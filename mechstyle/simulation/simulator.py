@@ -13,11 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mechstyle.errors import MechStyleError, SimulationFailed
-from mechstyle.fea.criterion import BallAverage, exceedance, judge, measures, robust_field
+from mechstyle.fea.criterion import BallAverage, exceedance, measures, robust_field
 from mechstyle.fea.drop import Drop, DropTest, drop
 from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.fea.orientations import Orientations, orientation_set
 from mechstyle.fea.statics.load_test import StaticTest
+from mechstyle.fea.verdict import judge
 from mechstyle.geometry.morph import Morph, Morphed
 from mechstyle.geometry.resting_face import centre_of_mass
 from mechstyle.geometry.tetrahedra import tetrahedralise

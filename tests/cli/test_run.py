@@ -221,7 +221,7 @@ def test_every_control_with_every_schedule_ends_viable(finished, tmp_path, contr
     branch = Run.open(copy, "cpu").branch(0, control=control, schedule=schedule, every=4, iterations=8, orientations=1)
     assert branch.go().verdict.outcome == "VIABLE"
     reasons = [line.reason for line in branch.summary.simulations]
-    assert reasons[-1] == "last iteration" or reasons[-1].startswith("back-off")
+    assert reasons[-1] == "last iteration" or reasons[-1].startswith("correction")
 
 
 def test_a_branch_that_goes_nowhere_is_refused_and_leaves_no_lane(finished):

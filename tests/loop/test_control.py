@@ -8,8 +8,10 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from mechstyle.errors import BadInput
-from mechstyle.loop.control import MASKS, allowable, demand, exponential, frozen, linear, mask, unrestrained
-from mechstyle.records import CONTROLS, NORMALISATIONS
+from mechstyle.fea.verdict import judge
+from mechstyle.loop.control import MASKS, demand, exponential, frozen, headroom, linear, mask, normalised, unrestrained
+from mechstyle.records import CONTROLS, NORMALISATIONS, Measures, Simulation
+from mechstyle.records.limits import UNHARMED, Limits
 from mechstyle.records.material import LIBRARY
 
 PLA = LIBRARY["PLA"]  # yield strength 45.6 MPa, critical stress 0.2 · 45.6 = 9.12 MPa
@@ -108,71 +110,130 @@ def test_an_unknown_control_is_refused_with_the_nearest():
         mask(CRITICAL, "exponentail")
 
 
-# --- allowable stress and demand ----------------------------------------------------------------------------------
+# --- demand ---------------------------------------------------------------------------------------------------------
+
+Y = PLA.yield_strength
 
 
-def test_allowable_is_yield_or_a_quarter_above_the_unstylized_stress():
-    assert allowable(field(0.0, 20.0, 40.0, 100.0), PLA) == pytest.approx([45.6, 45.6, 50.0, 125.0])
+def measured(surface, contact=0.0, p99=0.0):
+    peak = max(surface, contact)
+    return Measures(peak=peak, surface=surface, contact=contact, p999=peak, p99=p99, maximum=2 * peak, where=(0.0, 0.0, 0.0), volume=1.0)
+
+
+def simulated(stress, *, tilted=None, envelope=None, p99=15.0, contact=0.0):
+    """A simulation with these fields; its measures are their maxima."""
+    nothing = np.zeros(len(stress))
+    return Simulation(
+        displacement=nothing, stress=stress, envelope=nothing if envelope is None else envelope, probability=nothing, contact=nothing > 0,
+        as_placed=measured(float(stress.max()), contact),
+        overall=None if envelope is None else measured(float(envelope.max()), p99=p99),
+        tilted=None if tilted is None else measured(float(tilted.max())), tilted_stress=nothing if tilted is None else tilted,
+        backed_off=0.0, deviation=0.0, time_step=1e-4, steps=10, added_mass=0.0,
+    )  # fmt: skip
+
+
+def demanded(stress, original, normalisation):
+    """Demand of the part as placed alone."""
+    return demand(simulated(stress), simulated(original), PLA, normalisation)
 
 
 def test_headroom_is_the_share_of_the_reserve_used_up():
-    baseline = field(20.0, 20.0, 40.0, 100.0, 100.0)
+    original, limit = field(20.0, 20.0, 40.0, 100.0, 100.0), field(45.6, 45.6, 50.0, 125.0, 125.0)
     stress = field(32.8, 45.6, 45.0, 106.25, 150.0)  # reserves of 25.6, 25.6, 10, 25 and 25 MPa
-    assert demand(stress, baseline, PLA, "headroom") == pytest.approx([0.5, 1.0, 0.5, 0.25, 2.0], rel=1e-6)
+    assert headroom(stress, original, limit) == pytest.approx([0.5, 1.0, 0.5, 0.25, 2.0], rel=1e-6)
 
 
 @given(baseline=arrays(np.float32, 20, elements=stresses))
 def test_headroom_demands_nothing_of_the_unstylized_part(baseline):
     """Not even of a vertex that is above yield as it came: or the style could never start there."""
-    assert not demand(baseline, baseline, PLA, "headroom").any()
+    original = simulated(baseline, tilted=2 * baseline, envelope=3 * baseline)
+    assert not demand(original, original, PLA, "headroom").any()
 
 
-@given(baseline=stresses, over=st.floats(1.0, 3.0))
-def test_headroom_is_used_up_at_the_allowable_stress(baseline, over):
-    limit = allowable(field(baseline), PLA)
-    assert demand(limit * np.float32(over), field(baseline), PLA, "headroom")[0] >= 1.0
+@given(own=st.floats(0.5, 200.0, width=32), now=st.floats(0.5, 200.0, width=32))
+def test_headroom_and_verdict_agree_whatever_the_original_bears(own, now):
+    """A growth of a quarter was allowed to the mask where the verdict forbade it: from 36.5 MPa on."""
+    original, styled = simulated(field(own)), simulated(field(now))
+    fails = judge(styled, original, PLA, "robust").outcome == "FAILS"
+    exhausted = demand(styled, original, PLA, "headroom")[0] > 1.0
+    assert exhausted == fails
+
+
+@given(surface=st.floats(1.0, 100.0), contact=st.floats(1.0, 100.0), now=stresses)
+def test_where_the_verdict_fails_the_mask_closes(surface, contact, now):
+    """A stress that is allowed at the contact, where the original bears as much, is not allowed where it is calm."""
+    original = simulated(field(surface), contact=contact)
+    styled = simulated(field(now))
+    if judge(styled, original, PLA, "robust").outcome == "FAILS":
+        assert demand(styled, original, PLA, "headroom")[0] >= 1.0
+
+
+def test_the_rule_that_is_nearest_to_its_limit_demands():
+    original = simulated(field(10.0, 10.0, 10.0), tilted=field(60.0, 10.0, 10.0), envelope=field(20.0, 20.0, 20.0), p99=20.0)
+    styled = simulated(field(10.0, 27.8, 10.0), tilted=field(60.0, 10.0, 38.0), envelope=field(21.0, 20.0, 20.0), p99=20.0)
+    nearly = UNHARMED * 60.0 - 10.0
+    assert demand(styled, original, PLA, "headroom") == pytest.approx([0.5, 0.5, 28.0 / nearly], rel=1e-4)
+
+
+def test_an_envelope_of_fewer_orientations_demands_nothing():
+    """A part dropped as placed only is not compared with an original dropped in all orientations."""
+    original = simulated(field(10.0), envelope=field(20.0))
+    assert not demand(simulated(field(10.0)), original, PLA, "headroom").any()
+
+
+def test_limits_are_the_yield_strength_or_what_the_original_reaches():
+    calm, over = Limits.of(simulated(field(10.0)), PLA), Limits.of(simulated(field(60.0), tilted=field(80.0), contact=30.0), PLA)
+    assert (calm.surface, calm.contact, calm.tilted, calm.envelope) == (Y, Y, np.inf, 0.0)
+    assert (over.surface, over.contact, over.tilted) == pytest.approx((60.0, Y, UNHARMED * 80.0))
 
 
 def test_own_max_compares_with_the_largest_unstylized_stress_anywhere():
-    assert demand(field(20.0, 50.0), field(10.0, 40.0), PLA, "own_max").tolist() == [0.5, 1.25]
-    assert demand(field(0.25), field(0.5), PLA, "own_max").tolist() == [0.5]
+    assert demanded(field(20.0, 50.0), field(10.0, 40.0), "own_max").tolist() == [0.5, 1.25]
+    assert demanded(field(0.25), field(0.5), "own_max").tolist() == [0.5]
 
 
 @given(stress=arrays(np.float32, 20, elements=stresses), baseline=arrays(np.float32, 20, elements=stresses.filter(lambda s: s > 1e-3)))
 def test_frozen_with_own_max_is_the_published_rule(stress, baseline):
     """Selectively frozen: 0 where s_v ≥ max(s of M_0), else 1 (Faruqi et al. 2025, §4.2)."""
     published = np.where(stress >= baseline.max(), 0.0, 1.0)
-    assert np.array_equal(mask(demand(stress, baseline, PLA, "own_max"), "frozen"), published)
+    assert np.array_equal(mask(demanded(stress, baseline, "own_max"), "frozen"), published)
 
 
 def test_own_max_of_an_unloaded_part_is_a_number():
-    assert np.isfinite(demand(field(1.0), field(0.0), PLA, "own_max")).all()
+    assert np.isfinite(demanded(field(1.0), field(0.0), "own_max")).all()
 
 
 def test_sigma_c_compares_with_a_fifth_of_yield():
-    assert demand(field(4.56, 9.12, 45.6), field(1.0, 1.0, 1.0), PLA, "sigma_c") == pytest.approx([0.5, 1.0, 5.0])
+    assert demanded(field(4.56, 9.12, 45.6), field(1.0, 1.0, 1.0), "sigma_c") == pytest.approx([0.5, 1.0, 5.0])
 
 
 def test_sigma_c_takes_the_safety_coefficient_of_the_material():
     stricter = msgspec.structs.replace(PLA, safety_coefficient=0.5)
-    assert demand(field(22.8), field(1.0), stricter, "sigma_c") == pytest.approx([1.0])
+    assert demand(simulated(field(22.8)), simulated(field(1.0)), stricter, "sigma_c") == pytest.approx([1.0])
 
 
 def test_yield_compares_with_the_yield_strength():
-    assert demand(field(11.4, 45.6, 91.2), field(1.0, 1.0, 1.0), PLA, "yield") == pytest.approx([0.25, 1.0, 2.0])
+    assert demanded(field(11.4, 45.6, 91.2), field(1.0, 1.0, 1.0), "yield") == pytest.approx([0.25, 1.0, 2.0])
+
+
+@pytest.mark.parametrize("normalisation", ["own_max", "sigma_c", "yield"])
+def test_published_normalisations_know_the_part_as_placed_alone(normalisation):
+    original = simulated(field(10.0), tilted=field(10.0), envelope=field(10.0))
+    styled = simulated(field(10.0), tilted=field(500.0), envelope=field(500.0))
+    assert np.array_equal(demand(styled, original, PLA, normalisation), demanded(field(10.0), field(10.0), normalisation))
 
 
 @pytest.mark.parametrize("normalisation", NORMALISATIONS)
 @given(stress=arrays(np.float32, 20, elements=stresses), baseline=arrays(np.float32, 20, elements=stresses))
 def test_demand_is_finite_and_never_negative(normalisation, stress, baseline):
-    found = demand(stress, baseline, PLA, normalisation)
+    found = demanded(stress, baseline, normalisation)
     assert found.dtype == np.float32
     assert np.all(np.isfinite(found) & (found >= 0.0))
 
 
 def test_an_unknown_normalisation_is_refused_with_the_nearest():
     with pytest.raises(BadInput, match="unknown normalisation 'headrom': did you mean 'headroom'"):
-        demand(field(1.0), field(1.0), PLA, "headrom")
+        normalised(field(1.0), field(1.0), field(1.0), 1.0, PLA, "headrom")
 
 
 @pytest.mark.parametrize("control", ["linear", "exponential", "frozen"])

@@ -11,7 +11,7 @@ import pytest
 
 from mechstyle.errors import BadInput
 from mechstyle.loop.engine import STEP_LIMIT, Engine, kept
-from mechstyle.loop.events import BackedOff, Checkpointed, Finished, Simulated, SimulationStarted, Stylized
+from mechstyle.loop.events import Checkpointed, Corrected, Finished, Simulated, SimulationStarted, Stylized
 from mechstyle.loop.store import Lane
 from mechstyle.records import Simulation
 
@@ -20,8 +20,8 @@ def states(events):
     return [event.checkpoint for event in events if isinstance(event, Checkpointed)]
 
 
-def test_the_last_checkpoint_is_the_surface_that_was_simulated_last(bench):
-    engine = bench.engine(bench.recipe())
+def test_the_last_checkpoint_of_a_viable_relief_is_the_surface_that_was_simulated_last(bench):
+    engine = bench.engine(bench.recipe(schedule="every", every=5))
     events = list(engine.run())
     last = states(events)[-1]
     simulated = [event.simulation for event in events if isinstance(event, Simulated)]
@@ -138,29 +138,57 @@ def test_no_vertex_passes_its_bounds(bench):
     assert states(engine.run())[-1].displacement.max() <= engine.bounds.outward.max()
 
 
-def test_back_off_goes_on_until_the_part_is_viable(bench):
-    bench.gain = 200.0
+def test_a_finished_relief_is_corrected_until_it_is_viable_and_some_is_given_back(bench):
+    bench.gain = 60.0
     events = list(bench.engine(bench.recipe(schedule="never")).run())
-    shrinking = [event.kept for event in events if isinstance(event, BackedOff)]
+    left = [event.kept for event in events if isinstance(event, Corrected)]
+    viable = [event.verdict.viable for event in events if isinstance(event, Simulated)][1:]
+    lowered = viable.index(True) + 1
+    assert left[:lowered] == sorted(left[:lowered], reverse=True)
+    assert len(left) > lowered, "half of the last lowering is tried again"
     assert events[-1].verdict.viable
-    assert shrinking
-    assert shrinking == sorted(shrinking, reverse=True)
+    best = max(share for share, holds in zip(left, viable, strict=True) if holds)
+    assert best > left[lowered - 1]
+
+
+def test_the_run_ends_with_the_largest_relief_that_was_found_viable_not_with_the_last_one_tried(bench):
+    bench.gain = 80.0
+    events = list(bench.engine(bench.recipe(schedule="never")).run())
+    tried = [event for event in events if isinstance(event, Simulated)]
+    assert not tried[-1].verdict.viable, "what was given back last was too much"
+    held = [event.simulation.displacement for event in tried if event.verdict.viable]
+    last = states(events)[-1]
+    assert last.final
+    assert last.viable
+    assert np.array_equal(last.displacement, max(held, key=lambda displacement: float(np.abs(displacement).sum())))
+
+
+def test_a_correction_is_a_checkpoint_with_its_reason_and_the_share_that_is_left(bench):
+    bench.gain = 200.0
+    saved = states(bench.engine(bench.recipe(schedule="never")).run())
+    grown = next(state for state in saved if state.iteration == 60)
+    corrected = [state for state in saved if state.reason.startswith("correction: relief lowered around")]
+    assert corrected
+    for state in corrected:
+        assert state.iteration == 60
+        assert np.allclose(state.displacement, state.share * grown.displacement, atol=1e-6)
+        assert state.verdict is not None
 
 
 def test_without_the_guarantee_a_failing_part_is_said_to_fail(bench):
     bench.gain = 200.0
     events = list(bench.engine(bench.recipe(schedule="never", guarantee=False)).run())
     assert events[-1].verdict.outcome == "FAILS"
-    assert not any(isinstance(event, BackedOff) for event in events)
+    assert not any(isinstance(event, Corrected) for event in events)
 
 
-def test_a_failed_simulation_is_unknown_and_is_backed_off_not_trusted(bench):
+def test_a_failed_simulation_is_unknown_and_is_corrected_not_trusted(bench):
     bench.broken_above = 0.5
     bench.gain = 1.0
     events = list(bench.engine(bench.recipe(schedule="never")).run())
     outcomes = [event.verdict.outcome for event in events if isinstance(event, Simulated)]
     assert outcomes[0] == "UNKNOWN"
-    assert outcomes[-1] == "VIABLE"
+    assert events[-1].verdict.viable
     assert np.abs(states(events)[-1].displacement).max() <= 0.5
 
 
@@ -203,22 +231,20 @@ def test_a_branch_with_another_style_starts_from_the_surface_it_branched_at(benc
     assert saved[0].displacement[-1] > 0.8 * store.checkpoint(fork).displacement[-1]
 
 
-def test_a_failure_in_the_middle_of_the_back_off_never_raises_the_relief_again(bench, monkeypatch):
+def test_a_failure_in_the_middle_of_the_corrections_lowers_the_whole_relief(bench, monkeypatch):
     bench.gain = 200.0
     engine = bench.engine(bench.recipe(schedule="never"))
     real, asked = engine.simulator.simulate, []
 
     def failing_once(displacement, *, thorough):
+        asked.append(displacement)
         result = real(displacement, thorough=thorough)
-        asked.append(np.abs(displacement).max())
-        locally_reduced = asked[0] * 0.2 < asked[-1] < asked[0] * 0.99
-        return replace(result, failure="the integration blew up") if locally_reduced and len(set(asked)) == 2 else result
+        return replace(result, failure="the integration blew up") if len(asked) == 2 else result
 
     monkeypatch.setattr(engine.simulator, "simulate", failing_once)
     events = list(engine.run())
-    shrinking = [event.kept for event in events if isinstance(event, BackedOff)]
     assert [event.verdict.outcome for event in events if isinstance(event, Simulated)][1] == "UNKNOWN"
-    assert shrinking == sorted(shrinking, reverse=True)
+    assert [event.step for event in events if isinstance(event, Corrected)][1] == "the whole relief halved"
     assert events[-1].verdict.viable
 
 

@@ -61,13 +61,13 @@ def test_each_iteration_leaves_its_newest_checkpoint(store):
     newest = per_iteration(rows(store))
     assert [row.iteration for row in newest] == list(range(13))
     assert newest[-1].final
-    assert len(rows(store)) > 14  # backing off and ending make checkpoints of their own
+    assert len(rows(store)) > 14  # correcting and ending make checkpoints of their own
 
 
 def test_steps_are_all_simulations_with_what_each_restrained(store):
     told = steps(store, rows(store))
     assert [step.iteration for step in told[:4]] == [0, 4, 8, 12]
-    assert all(step.reason.startswith("back-off") and step.iteration == 12 for step in told[4:])
+    assert all(step.reason.startswith("correction") and step.iteration == 12 for step in told[4:])
     assert len(told) > 4
     assert not any(step.final for step in told)
     before = np.zeros(64, bool)

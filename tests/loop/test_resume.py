@@ -25,7 +25,7 @@ def objects_of(root) -> dict[str, bytes]:
 
 @pytest.fixture
 def whole(bench, tmp_path):
-    bench.gain = 200.0  # so that there is restraint, retraction and back-off to resume into
+    bench.gain = 200.0  # so that there is restraint, retraction and corrections to resume into
     straight = replace(bench, root=tmp_path / "straight")
     list(straight.engine(straight.recipe(**SETTINGS)).run())
     return straight.root

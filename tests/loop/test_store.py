@@ -33,7 +33,7 @@ def chain(store, iterations, parent=""):
 
 @pytest.fixture
 def forked(store):
-    """`main` holds 0 to 5 and 5 again (a back-off round); `other` leaves it at 3 and holds 4' and 5'."""
+    """`main` holds 0 to 5 and 5 again (a correction); `other` leaves it at 3 and holds 4' and 5'."""
     main = chain(store, [0, 1, 2, 3, 4, 5, 5])
     store.move("main", Lane(recipe=KEY, head=main[-1]))
     other = chain(store, [4, 5], parent=main[3])

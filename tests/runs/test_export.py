@@ -120,7 +120,7 @@ def test_a_twin_on_the_same_surface_repeats_the_run(run, monkeypatch):
 
 
 def test_what_was_taken_back_is_taken_back_from_the_twin(run):
-    """A back-off round repeats its iteration with less relief: here with half of it in front, and none behind."""
+    """A correction repeats its iteration with less relief: here with half of it in front, and none behind."""
     twin = module._Twin(run.part)
     start, first = run.checkpoint(0), run.checkpoint(1)
     twin.follow(start, first, run.recipe)

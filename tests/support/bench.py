@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mechstyle.fea.criterion import judge
+from mechstyle.fea.verdict import judge
 from mechstyle.loop.engine import Bounds, Engine
 from mechstyle.loop.store import Lane, Store
 from mechstyle.records import Measures, Recipe, Simulation
@@ -86,7 +86,8 @@ class LeverSimulator:
         stress = (20.0 + self.gain * np.abs(displacement)).astype(np.float32)
         worst = int(stress.argmax())
         top = float(stress[worst])
-        measured = Measures(peak=top, p999=top, p99=top, maximum=2 * top, where=(float(worst), 0.0, 0.0), volume=1000.0)
+        place = (float(worst), 0.0, 0.0)
+        measured = Measures(peak=top, surface=top, p999=top, p99=top, maximum=2 * top, where=place, volume=1000.0)
         failure = "the integration blew up" if float(np.abs(displacement).max()) > self.broken_above else ""
         mean = float(stress.mean())
         overall = Measures(peak=top, p999=top, p99=0.5 * (mean + 20.0), maximum=2 * top, where=(0.0, 0.0, 0.0), volume=1000.0)

@@ -114,7 +114,7 @@ class Channel:
 
 
 def replay_data(run: LaneOfRun) -> ReplayData:
-    """The replay of a lane, finished or not; one frame per iteration, the newest where back-off repeated one.
+    """The replay of a lane, finished or not; one frame per iteration, the newest where corrections repeated one.
 
     Raises:
         BadInput: If the lane has no checkpoint yet.

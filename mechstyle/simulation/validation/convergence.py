@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mechstyle.fea.criterion import STRESS_BAND, BallAverage, measures
+from mechstyle.fea.criterion import BallAverage, measures
+from mechstyle.fea.verdict import CONTACT_BAND
 from mechstyle.fea.drop import DropTest, drop
 from mechstyle.fea.orientations import directions
 from mechstyle.geometry.morph import Morph
@@ -117,5 +118,5 @@ def _again(name: str, meshes: list[TetMesh]) -> Iterator[Result]:
         listed = ", ".join(f"{value:.1f}" for value in values)
         yield bounded(f"{name}, {label}", spread, limit, f"half the range over the mean of {listed} MPa")
     sides = {one.peak <= PLA.yield_strength for one in found}
-    near = any(abs(one.peak / PLA.yield_strength - 1.0) <= STRESS_BAND for one in found)
+    near = any(abs(one.peak / PLA.yield_strength - 1.0) <= CONTACT_BAND for one in found)
     yield bounded(f"{name}, verdicts that differ", float(len(sides) - 1), 0.0, "MARGINAL on some" if near else "none is MARGINAL")

@@ -88,7 +88,7 @@ def test_every_simulation_has_a_mark_and_a_row_with_its_reason(read, lane):
 def test_the_story_of_the_mask_counts_vertices(lane):
     told = steps(lane.store, rows(lane.store))
     for step in told:
-        assert step.restrained == int((lane.checkpoint(step.iteration).mask < 0.5).sum()) or step.reason.startswith("back-off")
+        assert step.restrained == int((lane.checkpoint(step.iteration).mask < 0.5).sum()) or step.reason.startswith("correction")
     jump = largest_mask_change(told)
     assert jump is not None
     assert jump.added == max(step.added for step in told[1:])

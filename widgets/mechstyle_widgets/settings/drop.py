@@ -34,7 +34,7 @@ class DropOptions(Section):
         poses: How the others land, one of `POSES`; of no account with one drop.
         loads: Load cases the part must carry besides the drop, as records; a load file or a list of records may be set.
         criterion: What viable means, `robust` or `paper`.
-        guarantee: Whether the finished relief is backed off until it is viable.
+        guarantee: Whether the finished relief is corrected until it is viable.
         minimum_wall: The thinnest wall the style may leave [mm], 0 for no rule.
         vertices: Of the standardised surface.
         device: `auto`, `cpu` or `cuda`.

@@ -14,7 +14,7 @@ from typing import Any
 import traitlets
 
 from mechstyle.errors import MechStyleError
-from mechstyle.loop.events import BackedOff, Checkpointed, Event, Finished, SimulationStarted, Stylized
+from mechstyle.loop.events import Checkpointed, Corrected, Event, Finished, SimulationStarted, Stylized
 from mechstyle.loop.history import Branch, Row, lanes, per_iteration, rows
 from mechstyle.records import Checkpoint
 from mechstyle.runs.run import Run
@@ -216,8 +216,8 @@ class StudioState(traitlets.HasTraits):
             self.tell(status="running", stage="stylizing", **self._left(event.iteration))
         elif isinstance(event, SimulationStarted):
             self.tell(status="running", stage=f"drop test: {event.reason}", step=0.0, **self._left(event.iteration))
-        elif isinstance(event, BackedOff):
-            self.tell(stage=f"backing off: {event.step}")
+        elif isinstance(event, Corrected):
+            self.tell(stage=f"correcting: {event.step}")
         elif isinstance(event, Checkpointed):
             self._count(event)
             self.tell(stale=True, fraction=event.checkpoint.iteration / self._iterations)
@@ -225,7 +225,7 @@ class StudioState(traitlets.HasTraits):
             self.tell(fraction=1.0, seconds_left=None, message=event.verdict.words)
 
     def _count(self, event: Checkpointed) -> None:
-        """Record the time a checkpoint took; those that share an iteration, as back-off rounds do, add up."""
+        """Record the time a checkpoint took; those that share an iteration, as corrections do, add up."""
         made, seconds = event.checkpoint, self._watch.lap()
         if (made.parent, made.iteration) == self._last:
             self._seconds[event.digest] = seconds + self._seconds[made.parent]

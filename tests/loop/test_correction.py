@@ -1,0 +1,134 @@
+"""What lowers a finished relief that is not viable: where, by how much, what is given back, and that it always ends."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mechstyle.loop.correction import GIVE_BACK, LOCAL_ROUNDS, MOST, REACH, WHOLE, Correction, lowering, nearness, neighbours
+
+COUNT = 60
+LINE = np.zeros((COUNT, 3))
+LINE[:, 0] = np.arange(COUNT)  # [mm]: one vertex every millimetre, so that distances can be read off
+NEAR = neighbours(LINE, REACH + 1e-9)
+WHOLE_RELIEF = np.ones(COUNT, np.float32)
+
+
+def peak(*places, height=1.2, elsewhere=0.2):
+    """Demand that is high at some places and low elsewhere."""
+    demand = np.full(COUNT, elsewhere, np.float32)
+    demand[list(places)] = height
+    return demand
+
+
+def correction():
+    return Correction(LINE, lambda share: float(share.mean()))
+
+
+def search(viable, demand, limit=40):
+    """The shares that were tested, the correction at its end; `viable` and `demand` are functions of the shares."""
+    found, share, tested = correction(), WHOLE_RELIEF, []
+    while True:
+        tested.append(share)
+        assert len(tested) < limit
+        tried = found.tested(share, viable=viable(share), demand=demand(share))
+        if tried is None:
+            return tested, found
+        share = tried[0]
+
+
+# --- lowering -------------------------------------------------------------------------------------------------------
+
+
+def test_relief_is_lowered_around_what_is_overloaded_and_nowhere_else():
+    taken = lowering(peak(30), NEAR)
+    assert taken[30] == taken.max() > 0.3
+    assert np.all(taken[27:34] > 0.0)
+    assert not taken[:24].any()  # 3 mm of reach, and 3 of smoothing
+    assert not taken[37:].any()
+
+
+def test_the_more_overloaded_the_more_is_taken_but_never_all():
+    slightly, plainly, wildly = (lowering(peak(30, height=height), NEAR)[30] for height in (0.9, 1.0, 50.0))
+    assert 0.0 < slightly < plainly < wildly <= MOST
+
+
+def test_where_no_vertex_is_overloaded_though_a_rule_is_broken_the_highest_are_lowered():
+    taken = lowering(peak(30, height=0.5), NEAR)
+    assert taken[30] > 0.0
+    assert not taken[:24].any()
+
+
+@pytest.mark.parametrize("share", [0.0, 1e-3, 0.4])
+def test_a_part_without_any_demand_loses_little(share):
+    assert lowering(np.full(COUNT, share, np.float32), NEAR).max() <= 0.11 * share * 2.5 + 1e-6
+
+
+# --- the search -----------------------------------------------------------------------------------------------------
+
+
+def test_a_viable_relief_is_left_as_it_is():
+    tested, found = search(lambda _: True, lambda _: peak(30))
+    assert len(tested) == 1
+    assert found.viable is WHOLE_RELIEF
+
+
+def test_one_correction_is_lowered_and_then_given_back_while_that_is_worth_a_drop():
+    tested, found = search(lambda share: share[30] < 0.8, lambda _: peak(*range(20, 40)))
+    assert found.viable is not None
+    assert found.viable[30] < 0.8
+    assert 1.0 > found.viable.mean() > tested[1].mean(), "some of the first lowering was given back"
+    assert len(tested) == 2 + GIVE_BACK
+
+
+def test_what_is_given_back_never_fails_in_the_end():
+    tested, found = search(lambda share: share[30] < 0.45, lambda _: peak(*range(20, 40)))
+    assert found.viable is not None
+    assert found.viable[30] < 0.45
+    assert any(np.array_equal(found.viable, share) for share in tested)
+
+
+def test_a_little_is_not_given_back():
+    tested, _ = search(lambda share: share[30] < 0.99, lambda _: peak(30, height=0.4))
+    assert len(tested) == 2, "less than a hundredth of the relief was lowered"
+
+
+def test_where_lowering_here_and_there_is_not_enough_the_whole_relief_is():
+    tested, found = search(lambda share: not share.any(), lambda _: peak(30))
+    assert len(tested) == 1 + LOCAL_ROUNDS + len(WHOLE) + GIVE_BACK
+    assert found.viable is not None
+    assert not found.viable.any()
+    assert np.array_equal(np.signbit(found.viable), np.zeros(COUNT, bool)), "no minus zero: the bytes of the unstylized part"
+
+
+def test_a_test_without_a_field_leads_straight_to_the_whole_relief():
+    tested, _ = search(lambda share: share[0] <= 0.5, lambda _: None)
+    assert np.all(tested[1] == 0.5)
+
+
+def test_a_part_that_fails_without_any_relief_ends_too():
+    tested, found = search(lambda _: False, lambda _: peak(30))
+    assert found.viable is None
+    assert len(tested) == 1 + LOCAL_ROUNDS + len(WHOLE)
+
+
+@settings(max_examples=30, deadline=None)
+@given(seed=st.integers(0, 2**16), bound=st.floats(0.0, 1.0))
+def test_whatever_the_demand_the_search_ends_with_shares_between_none_and_all(seed, bound):
+    draw = np.random.default_rng(seed)
+    tested, found = search(lambda share: float(share.mean()) <= bound, lambda _: draw.uniform(0.0, 3.0, COUNT).astype(np.float32))
+    assert all(share.min() >= 0.0 and share.max() <= 1.0 for share in tested)
+    assert found.viable is not None
+    assert found.viable.mean() <= bound
+
+
+# --- nearness -------------------------------------------------------------------------------------------------------
+
+
+def test_nearness_is_one_on_what_is_selected_and_falls_as_a_gaussian():
+    chosen = np.zeros(COUNT, bool)
+    chosen[30] = True
+    found = nearness(LINE, chosen, 6.0)
+    assert found[30] == 1.0
+    assert found[[24, 36]] == pytest.approx(np.exp([-1.0, -1.0]), rel=1e-6)
+    assert not nearness(LINE, np.zeros(COUNT, bool), 6.0).any()
