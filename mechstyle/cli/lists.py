@@ -17,17 +17,25 @@ app = typer.Typer()
 @app.command("materials")
 @command
 def materials_command(as_json: Json = False) -> None:
-    """List the material library with its sources."""
-    from mechstyle.records.material import LIBRARY  # noqa: PLC0415 — loaded when wanted
+    """List the material library with its sources, and how far the figures of brands lie apart."""
+    from mechstyle.records.material import LIBRARY, SPREAD  # noqa: PLC0415 — loaded when wanted
 
     if as_json:
-        print_json({"materials": list(LIBRARY.values())})
+        print_json({"materials": list(LIBRARY.values()), "spread": SPREAD})
         return
-    rows = table("material", "E [MPa]", "ν", "ρ [g/mm³]", "yield [MPa]", "source")
+    rows = table("material", "E [MPa]", "ν", "ρ [g/mm³]", "yield [MPa]", "across layers", "source")
     for m in LIBRARY.values():
-        rows.add_row(m.name, f"{m.youngs_modulus:g}", f"{m.poisson_ratio:g}", f"{m.density:g}", f"{m.yield_strength:g}", escape(m.source))
+        layers = "not known" if m.layer_ratio is None else f"x {m.layer_ratio:g}"
+        figures = (f"{m.youngs_modulus:g}", f"{m.poisson_ratio:g}", f"{m.density:g}", f"{m.yield_strength:g}", layers)
+        rows.add_row(m.name, *figures, escape(m.source))
     out.print(rows)
-    out.print("\nYour own: a .toml or .json file with name, youngs_modulus, poisson_ratio, density, yield_strength.")
+    out.print("\nThese are generic: a verdict is no better than they are. What is sold under the name lies apart:")
+    for name, spread in SPREAD.items():
+        out.print(f"  {name}: {spread}")
+    out.print("Strength across printed layers is listed for information; verdicts take the material as alike in all directions.")
+    out.print(
+        "\nYour own: a .toml or .json file with name, youngs_modulus, poisson_ratio, density, yield_strength, as its data sheet states."
+    )
 
 
 @app.command("styles")

@@ -3,11 +3,96 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Mapping
 from pathlib import Path
 
 import msgspec
 
 from mechstyle.errors import BadInput, unknown
+
+LIMITS: Mapping[str, tuple[float, float, str]] = {
+    "youngs_modulus": (0.1, 1e6, "MPa"),
+    "poisson_ratio": (0.0, 0.495, ""),
+    "density": (1e-5, 3e-2, "g/mm³ (water is 1e-3)"),
+    "yield_strength": (1e-3, 1e4, "MPa"),
+    "safety_coefficient": (1e-3, 1.0, ""),
+    "layer_ratio": (0.05, 1.0, ""),
+}
+"""Least and greatest value of a figure of any solid, and its unit."""
+
+USUAL: Mapping[str, tuple[float, float]] = {
+    "youngs_modulus": (10.0, 5e5),
+    "poisson_ratio": (0.05, 0.495),
+    "density": (2e-4, 2.3e-2),
+    "yield_strength": (1.0, 3e3),
+    "safety_coefficient": (1e-2, 1.0),
+    "layer_ratio": (0.05, 1.0),
+}
+"""Where the figures of solids usually lie; a figure that a change of unit brings there is taken for one in that unit."""
+
+PER_CENT = ((1e-2, "per cent"),)
+OTHER_UNITS: Mapping[str, tuple[tuple[float, str], ...]] = {
+    "youngs_modulus": ((1e3, "GPa"), (1e-6, "Pa"), (1e-3, "kPa")),
+    "poisson_ratio": PER_CENT,
+    "density": ((1e-3, "g/cm³"), (1e-6, "kg/m³"), (1e3, "kg/mm³"), (1e6, "t/mm³")),
+    "yield_strength": ((1e-6, "Pa"), (1e-3, "kPa"), (1e3, "GPa")),
+    "safety_coefficient": PER_CENT,
+    "layer_ratio": PER_CENT,
+}
+"""Units in which data sheets state a figure, each with its factor to ours."""
+
+RUBBERY = 0.45
+"""Poisson's ratio from which a material is an elastomer."""
+
+SOFTEST = 10.0
+"""Least Young's modulus of a solid that is no elastomer [MPa]; low-density polyethylene has 100."""
+
+YIELD_STRAIN = {False: (1e-4, 0.1), True: (1e-4, 1.0)}
+"""Least and greatest yield strength over E of a solid, and of an elastomer: soft metals are near 3e-4, plastics at 0.01 to 0.04."""
+
+USUAL_STRAIN = {False: (4e-3, 0.06), True: (0.05, 0.6)}
+"""The same where printed plastics lie."""
+
+
+def _likely(field: str, value: float) -> str:
+    """What a figure out of range was probably meant to be, as the end of a sentence; "" if nothing explains it."""
+    low, high = USUAL[field]
+    if field == "poisson_ratio" and high < value <= 0.5:
+        return "; no solid is quite incompressible: write 0.49 for a rubber"
+    for factor, unit in OTHER_UNITS[field]:
+        if low <= value * factor <= high:
+            return f"; it looks like {unit}: write {_four_digits(value * factor)}"
+    return ""
+
+
+def _four_digits(value: float) -> str:
+    """A figure as people write it: what a change of unit adds behind the fourth digit is left out."""
+    return f"{float(f'{value:.4g}'):g}"
+
+
+def _mismatch(material: Material) -> str:
+    """What is wrong with E, ν and yield strength taken together, in words; "" if nothing is."""
+    young, strength, elastomer = material.youngs_modulus, material.yield_strength, material.poisson_ratio >= RUBBERY
+    if young < SOFTEST and not elastomer:
+        meant = _likely("youngs_modulus", young)
+        return f"youngs_modulus is {young:g} MPa, softer than any solid with a Poisson's ratio of {material.poisson_ratio:g}{meant}"
+    low, high = YIELD_STRAIN[elastomer]
+    if low <= strength / young <= high:
+        return ""
+    share = f"yield_strength is {strength:g} MPa and youngs_modulus {young:g} MPa, so it would yield at a strain of {strength / young:.2g}"
+    usual_low, usual_high = USUAL_STRAIN[elastomer]
+    stiffest = USUAL["youngs_modulus"][1] if not elastomer else 2e3
+    for field, factor, unit in (
+        ("youngs_modulus", 1e3, "GPa"),
+        ("yield_strength", 6.894757e-3, "psi"),
+        ("yield_strength", 1e-3, "kPa"),
+        ("yield_strength", 1e3, "GPa"),
+    ):
+        changed = {"youngs_modulus": young, "yield_strength": strength} | {field: getattr(material, field) * factor}
+        strain = changed["yield_strength"] / changed["youngs_modulus"]
+        if usual_low <= strain <= usual_high and changed["youngs_modulus"] <= stiffest:
+            return f"{share}; {field} looks like {unit}: write {_four_digits(changed[field])}"
+    return f"{share}, which must lie in {low:g} to {high:g}: one of them is in another unit"
 
 
 class Material(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -21,6 +106,9 @@ class Material(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         yield_strength: S_yield, uniaxial [MPa].
         safety_coefficient: λ_s in σ_c = λ_s S_yield (Stava et al. 2012); used by the `paper` criterion.
         source: Where the figures come from.
+        ductile: Whether a wall in bending yields through its whole thickness before it breaks. False where that is not known.
+        layer_ratio: Strength across printed layers over strength along them; None where no source states both.
+        layer_source: Where that ratio comes from.
     """
 
     name: str
@@ -30,20 +118,28 @@ class Material(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     yield_strength: float
     safety_coefficient: float = 0.2
     source: str = "given by the user"
+    ductile: bool = False
+    layer_ratio: float | None = None
+    layer_source: str = ""
 
     def __post_init__(self) -> None:
-        """Refuse values no solid has, naming the field, the value and the range."""
-        limits = {
-            "youngs_modulus": (0.1, 1e6, "MPa"),
-            "poisson_ratio": (0.0, 0.495, ""),
-            "density": (1e-5, 3e-2, "g/mm³ (water is 1e-3)"),
-            "yield_strength": (1e-3, 1e4, "MPa"),
-            "safety_coefficient": (1e-3, 1.0, ""),
-        }
-        for field, (low, high, unit) in limits.items():
+        """Refuse figures no solid has, naming the field, the value, the range and the unit it was probably meant in."""
+        for field, (low, high, unit) in LIMITS.items():
             value = getattr(self, field)
-            if not low <= value <= high:
-                raise BadInput(f"material {self.name!r}: {field} is {value:g}, but must lie in {low:g} to {high:g} {unit}".rstrip())
+            if value is not None and not low <= value <= high:
+                range_ = f"must lie in {low:g} to {high:g} {unit}".rstrip()
+                raise BadInput(f"material {self.name!r}: {field} is {value:g}, but {range_}{_likely(field, value)}")
+        doubt = _mismatch(self)
+        if doubt:
+            raise BadInput(f"material {self.name!r}: {doubt}")
+
+    @property
+    def label(self) -> str:
+        """Name for verdicts: `generic PLA` for the figures of the library, which no brand vouches for, else the name alone."""
+        known = LIBRARY.get(self.name)
+        figures = ("youngs_modulus", "poisson_ratio", "density", "yield_strength")
+        generic = known is not None and all(getattr(self, figure) == getattr(known, figure) for figure in figures)
+        return f"generic {self.name}" if generic else self.name
 
     @property
     def lame_lambda(self) -> float:
@@ -76,6 +172,8 @@ LIBRARY: dict[str, Material] = {
             density=1.24e-3,
             yield_strength=45.6,
             source="Faruqi et al. 2025 (MechStyle), doi 10.1145/3745778.3766655",
+            layer_ratio=0.55,
+            layer_source="0.50 and 0.53 in two Polymaker data sheets (TDS V5.3 and V5.4), 0.5 to 0.7 in printing guides",
         ),
         Material(
             name="PETG",
@@ -84,6 +182,9 @@ LIBRARY: dict[str, Material] = {
             density=1.27e-3,
             yield_strength=50.0,
             source="typical value, E 2.2 GPa as MakeItFrom tabulates PETG, strength midway in 44 to 56 MPa reported for flat prints",
+            ductile=True,
+            layer_ratio=0.6,
+            layer_source="25 to 38 MPa across, 44 to 56 MPa along layers, additive.tools",
         ),
         Material(
             name="ABS",
@@ -100,6 +201,9 @@ LIBRARY: dict[str, Material] = {
             density=0.93e-3,
             yield_strength=48.0,
             source="sintered EOS PA 2200: density (safety data sheet), tensile strength for yield (data sheet); E and ν typical value",
+            ductile=True,
+            layer_ratio=1.0,
+            layer_source="48 MPa in both directions, HP PA 12 data sheet (Multi Jet Fusion)",
         ),
         Material(
             name="TPU",
@@ -108,6 +212,9 @@ LIBRARY: dict[str, Material] = {
             density=1.22e-3,
             yield_strength=8.6,
             source="typical value, thermoplastic polyurethane of 95 Shore A; it has no sharp yield",
+            ductile=True,
+            layer_ratio=0.6,
+            layer_source="12 to 24 MPa across, 22 to 36 MPa along layers, 95 Shore A, additive.tools",
         ),
         Material(
             name="Vero",
@@ -117,6 +224,8 @@ LIBRARY: dict[str, Material] = {
             yield_strength=47.5,
             source="Stratasys Vero (PolyJet), middle of E 2000 to 2500 MPa and tensile strength 40 to 55 MPa tabulated in PMC10406103; "
             "density and ν typical value",
+            layer_ratio=1.0,
+            layer_source="assumed: layers cure into each other",
         ),
         Material(
             name="Resin",
@@ -125,9 +234,22 @@ LIBRARY: dict[str, Material] = {
             density=1.18e-3,
             yield_strength=50.0,
             source="typical value, standard stereolithography resin, post-cured: tensile strength 38 to 65 MPa, hardly any yield",
+            layer_ratio=1.0,
+            layer_source="assumed: layers cure into each other",
         ),
     )
 }
+
+SPREAD: Mapping[str, str] = {
+    "PLA": "strength 23 to 65 MPa, E 2.0 to 3.5 GPa by brand",
+    "PETG": "strength 38 to 56 MPa, E 2.0 to 2.2 GPa by brand",
+    "ABS": "strength 33 to 40 MPa, E 1.8 to 3.2 GPa by brand",
+    "PA12": "strength 43 to 52 MPa, E 1.5 to 1.8 GPa by process",
+    "TPU": "E 24 to 247 MPa by grade and rate of loading",
+    "Vero": "strength 40 to 65 MPa, E 2.0 to 3.0 GPa by source",
+    "Resin": "strength 38 to 65 MPa by brand",
+}
+"""What is sold under a name of the library: how far figures published for it lie apart."""
 
 
 def read_material(path: str | Path) -> Material:

@@ -197,9 +197,9 @@ def described(name: str) -> str:
 
 
 def _by_figure(settings: dict[str, Any]) -> dict[str, Any]:
-    """Settings with name and figures of the material in its place, without their source."""
+    """Settings with name and figures of the material in its place, without their sources."""
     figures: dict[str, Any] = {}
     for name, value in settings.items():
         figures |= msgspec.structs.asdict(value) if isinstance(value, Material) else {name: value}
-    del figures["source"]
+    del figures["source"], figures["layer_source"]
     return figures

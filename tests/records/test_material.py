@@ -1,12 +1,24 @@
 """Materials: what a solid can be, where the figures come from, and files of one's own."""
 
+import re
+
 import msgspec
 import pytest
 
 from mechstyle.errors import BadInput
-from mechstyle.records.material import LIBRARY, Material, material_named, read_material
+from mechstyle.records.material import LIBRARY, SPREAD, Material, material_named, read_material
 
 STEEL = Material(name="steel", youngs_modulus=210e3, poisson_ratio=0.3, density=7.85e-3, yield_strength=235.0)
+BRAND = """
+name = "PolyTerra PLA"
+youngs_modulus = 1997          # MPa, ISO 527, along the layers
+poisson_ratio = 0.36           # not on the sheet: as the library's PLA
+density = 1.31e-3              # g/mm³
+yield_strength = 23.2          # MPa
+layer_ratio = 0.526            # 12.2 MPa across the layers
+layer_source = "Polymaker TDS V5.3"
+source = "Polymaker TDS V5.3"
+"""
 
 
 def toml(**changes):
@@ -95,6 +107,74 @@ def test_an_unknown_name_is_answered_with_the_nearest(typed, meant):
 def test_what_no_solid_has_is_refused_with_field_and_range(field, value):
     with pytest.raises(BadInput, match=f"material 'steel': {field} is .*, but must lie in"):
         msgspec.structs.replace(STEEL, **{field: value})
+
+
+@pytest.mark.parametrize(
+    ("changes", "unit", "meant"),
+    [
+        ({"youngs_modulus": 3.5}, "GPa", "3500"),
+        ({"youngs_modulus": 0.026, "poisson_ratio": 0.48, "yield_strength": 8.6}, "GPa", "26"),  # a rubber
+        ({"youngs_modulus": 3.5, "yield_strength": 0.0456}, "GPa", "3500"),  # both: their ratio is that of a plastic
+        ({"youngs_modulus": 14.0, "yield_strength": 150.0}, "GPa", "14000"),  # filled with carbon fibre
+        ({"youngs_modulus": 3.5e9}, "Pa", "3500"),
+        ({"youngs_modulus": 3.5e6}, "kPa", "3500"),
+        ({"density": 1.24}, "g/cm³", "0.00124"),
+        ({"density": 1240.0}, "kg/m³", "0.00124"),
+        ({"density": 1.24e-6}, "kg/mm³", "0.00124"),
+        ({"density": 1.24e-9}, "t/mm³", "0.00124"),
+        ({"yield_strength": 45.6e6}, "Pa", "45.6"),
+        ({"yield_strength": 45.6e3}, "kPa", "45.6"),
+        ({"yield_strength": 0.0456}, "GPa", "45.6"),
+        ({"yield_strength": 6613.7}, "psi", "45.6"),
+        ({"youngs_modulus": 26.0, "poisson_ratio": 0.48, "yield_strength": 8600.0}, "kPa", "8.6"),
+        ({"poisson_ratio": 36.0}, "per cent", "0.36"),
+        ({"layer_ratio": 55.0}, "per cent", "0.55"),
+        ({"safety_coefficient": 20.0}, "per cent", "0.2"),
+    ],
+)
+def test_a_figure_in_another_unit_is_refused_with_the_likely_meaning(changes, unit, meant):
+    with pytest.raises(BadInput, match=r"^material 'PLA': ") as refusal:
+        msgspec.structs.replace(LIBRARY["PLA"], **changes)
+    assert re.search(rf" looks like {re.escape(unit)}: write {re.escape(meant)}$", str(refusal.value))
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"poisson_ratio": 0.5}, "write 0.49 for a rubber"),
+        ({"youngs_modulus": 300.0}, "yield at a strain of 0.15, which must lie in 0.0001 to 0.1: one of them is in another unit"),
+        ({"yield_strength": 0.2}, "yield at a strain of 5.7e-05"),
+        ({"layer_ratio": 0.0}, "layer_ratio is 0, but must lie in 0.05 to 1$"),
+    ],
+)
+def test_what_no_unit_explains_is_refused_all_the_same(changes, words):
+    with pytest.raises(BadInput, match=words):
+        msgspec.structs.replace(LIBRARY["PLA"], **changes)
+
+
+@pytest.mark.parametrize("young", [3.0, 10.0, 1e3])
+def test_soft_elastomers_are_no_mistake(young):
+    soft = msgspec.structs.replace(LIBRARY["TPU"], youngs_modulus=young, yield_strength=0.5 * young)
+    assert soft.youngs_modulus == young
+
+
+def test_the_library_is_generic_and_a_brand_of_the_same_name_is_not(tmp_path):
+    assert {material.label for material in LIBRARY.values()} == {f"generic {name}" for name in LIBRARY}
+    (tmp_path / "brand.toml").write_text(BRAND, encoding="utf-8")
+    brand = material_named(tmp_path / "brand.toml")
+    assert brand.label == "PolyTerra PLA"
+    assert brand.layer_ratio == pytest.approx(0.53, abs=0.005)
+    assert msgspec.structs.replace(brand, name="PLA").label == "PLA"
+    earlier = msgspec.structs.replace(LIBRARY["PLA"], source="an earlier version", layer_ratio=None, layer_source="")
+    assert earlier.label == "generic PLA", "the same figures, told otherwise"
+
+
+def test_how_a_material_fails_is_said_only_where_a_source_says_it():
+    assert {name for name, material in LIBRARY.items() if material.ductile} == {"PETG", "PA12", "TPU"}
+    assert {name for name, material in LIBRARY.items() if material.layer_ratio is None} == {"ABS"}
+    assert all(bool(material.layer_source) == (material.layer_ratio is not None) for material in LIBRARY.values())
+    assert (STEEL.ductile, STEEL.layer_ratio) == (False, None)
+    assert set(SPREAD) == set(LIBRARY)
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""A run directory written by an earlier version opens, tells the same and goes on; the same inputs give the same bytes today.
+"""A run directory written by an earlier version opens, tells the same and goes on; the same inputs give the same arrays today.
 
 `data/earlier_run.zip` is a lane on a sheet with a branch at iteration 6, both finished, written before the modules were moved into rooms.
 """
@@ -24,9 +24,11 @@ def earlier(tmp_path) -> Path:
     return tmp_path / "earlier"
 
 
-def objects_of(root: Path) -> set[str]:
-    """Names of the stored objects, which are the digests of their contents."""
-    return {path.parent.name + path.name for path in (root / "objects").rglob("*") if path.is_file()}
+def arrays_of(run: Run) -> set[str]:
+    """Names of the stored arrays, which are the digests of their contents; records name the settings of their version."""
+    objects = run.store.objects
+    names = {path.parent.name + path.name for path in objects.root.rglob("*") if path.is_file()}
+    return {name for name in names if objects.get(name).startswith(b"\x93NUMPY")}
 
 
 def test_it_opens_with_its_lanes_verdict_and_summary(earlier):
@@ -52,14 +54,13 @@ def test_it_can_be_shown_reported_and_branched(earlier, tmp_path):
     assert Run.open(f"{earlier}@later").history[-1].final
 
 
-def test_the_same_inputs_give_the_same_bytes_today(earlier, tmp_path):
-    root = tmp_path / "today"
+def test_the_same_inputs_give_the_same_arrays_today(earlier, tmp_path):
     origin = Origin(model="gallery:pen_holder", vertices=4000)
-    run = lane_on_a_sheet(root, origin=origin, iterations=12, every=4, gain=200.0, threshold=0.5)
+    run = lane_on_a_sheet(tmp_path / "today", origin=origin, iterations=12, every=4, gain=200.0, threshold=0.5)
     branch = run.branch(6, lane="soft", control="linear")
-    for _ in Bench(root, gain=200.0).engine(branch.recipe, "soft").run():
+    for _ in Bench(run.store.root, gain=200.0).engine(branch.recipe, "soft").run():
         pass
-    assert objects_of(root) == objects_of(earlier)
-    for name in ("part.json", "lanes/main.json", "lanes/soft.json", "summaries/main.json"):
-        ours, theirs = (root / name).read_bytes(), (earlier / name).read_bytes()
-        assert ours == theirs, name
+    arrays = arrays_of(run)
+    assert len(arrays) > 20
+    assert arrays == arrays_of(Run.open(earlier))
+    assert (run.store.root / "part.json").read_bytes() == (earlier / "part.json").read_bytes()

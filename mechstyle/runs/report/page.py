@@ -86,7 +86,7 @@ def _head(run: LaneOfRun, told: Sequence[Step], last: int) -> Markup:
         '<p class="kicker">MechStyle report</p><h1>{name}<span class="prompt"> as “{prompt}”</span></h1>'
         '<p class="facts">{material} · {iterations} iterations · {simulations} simulations · lane {lane}, {stands}</p>'
         '<div class="verdict {kind}"><strong>{outcome}</strong><div><p>{meaning}{marginal}</p><p class="faint">{words}</p></div></div>',
-        name=run.record.name.replace("_", " "), prompt=run.recipe.prompt, material=run.recipe.material.name,
+        name=run.record.name.replace("_", " "), prompt=run.recipe.prompt, material=run.recipe.material.label,
         iterations=last, simulations=len(told) - 1, lane=run.lane, stands=stands, kind=verdict.outcome.lower(),
         outcome=verdict.outcome, meaning=texts.OUTCOMES[verdict.outcome], marginal=f" {texts.MARGINAL}" if marginal else "",
         words=verdict.words,
