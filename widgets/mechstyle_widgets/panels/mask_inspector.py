@@ -13,7 +13,7 @@ import traitlets
 
 from mechstyle.loop import control
 from mechstyle.pictures.fields import RESTRAINT
-from mechstyle.records import Checkpoint, Recipe
+from mechstyle.records import Checkpoint, Recipe, Simulation
 from mechstyle.records.checkpoint import restrained
 from mechstyle.records.mesh import Field
 from mechstyle.runs.run import Run
@@ -78,8 +78,8 @@ class MaskInspector(Section):
         """The mask that settings make of a checkpoint's stress, as a branch from there would begin with, shape [vertex_count]."""
         recipe = msgspec.structs.replace(run.recipe, **settings)
         first = self.state.checkpoint_at(0)
-        baseline = checkpoint.stress if first is None else first.stress
-        return mask_of(checkpoint.stress, baseline, recipe) * self._freedom(run, run.recipe)
+        tested, original = (run.store.objects.get_record(each.simulation, Simulation) for each in (checkpoint, first or checkpoint))
+        return mask_of(tested, original, recipe) * self._freedom(run, run.recipe)
 
     def use(self) -> None:
         """Branch from the iteration on show with the settings that are tried."""
@@ -115,15 +115,15 @@ class MaskInspector(Section):
         self._show_layer.observe(self._switch, "value")
 
 
-def mask_of(stress: Field, baseline: Field, recipe: Recipe) -> Field:
-    """The mask a recipe makes of a stress field, protection left out, shape [vertex_count].
+def mask_of(simulation: Simulation, original: Simulation, recipe: Recipe) -> Field:
+    """The mask a recipe makes of a simulation, protection left out, shape [vertex_count].
 
     Args:
-        stress: Field of a simulation [MPa], shape [vertex_count].
-        baseline: Field of the unstylized part [MPa], shape [vertex_count].
+        simulation: What was tested.
+        original: The unstylized part.
         recipe: Gives strategy, normalisation, threshold and material.
     """
-    demand = control.demand(stress, baseline, recipe.material, recipe.normalisation)
+    demand = control.demand(simulation, original, recipe.material, recipe.normalisation)
     return control.mask(demand, recipe.control, recipe.threshold)
 
 

@@ -122,8 +122,8 @@ class ControlSelector(Section):
         top = 1.35 * max(self.material.yield_strength, self.peak_stress, 1.25 * self.typical_stress)
         stress = np.linspace(0.0, top, count, dtype=np.float32)
         baseline = np.full(count, self.typical_stress, np.float32)
-        # `own_max` looks for the largest stress anywhere in the unstylized part: one more vertex carries it.
-        demand = control.demand(np.append(stress, 0.0), np.append(baseline, self.peak_stress), self.material, self.normalisation)[:-1]
+        limit = np.float32(max(self.material.yield_strength, self.peak_stress))
+        demand = control.normalised(stress, baseline, limit, self.peak_stress, self.material, self.normalisation)
         return stress, demand, control.mask(demand, self.control, self.threshold)
 
     def _redraw(self, _change: object = None) -> None:
