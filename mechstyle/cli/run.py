@@ -13,6 +13,8 @@ from mechstyle.records.mesh import STANDARD_VERTICES
 
 RESTRAINED = ("control", "normalisation", "threshold", "schedule", "every", "protect_resting_face")
 """Settings that restrain a style, or say when to simulate to that end: Freestyle has no use for them."""
+FINISH_FIRST = {"schedule": "never"}
+"""Nothing is simulated before the last iteration, so that no mask ever closes."""
 FREE = tuple(name for name in OPTIONS if name not in RESTRAINED)
 
 app = typer.Typer()
@@ -108,6 +110,9 @@ def report(run: Any, *, as_json: bool) -> None:
 def run_command(
     model: Model,
     settings: Settings,
+    finish_first: Annotated[
+        bool, typer.Option("--finish-first", help="Drop the finished relief first and correct it where it fails; no masks while it grows.")
+    ] = False,
     vertices: Vertices = STANDARD_VERTICES,
     scale: Scale = None,
     device: Device = "auto",
@@ -115,6 +120,7 @@ def run_command(
     as_json: Json = False,
 ) -> None:
     """Style a part while a drop test watches its strength."""
+    settings |= FINISH_FIRST if finish_first else {}
     run = carry_out(model, settings, vertices, scale, device, folder, freestyle=False, as_json=as_json)
     report(run, as_json=as_json)
 

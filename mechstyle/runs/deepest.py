@@ -1,0 +1,92 @@
+"""As deep as it can be: the deepest of several reliefs that holds as it is, without masks and corrections, and what limits it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import msgspec
+
+from mechstyle.records import Recipe, Verdict
+from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh
+from mechstyle.runs.run import Run, started
+from mechstyle.simulation.part import Stage, Workpiece, say_nothing
+
+DEPTHS = (0.15, 0.25, 0.4, 0.6, 0.8)
+"""Relief heights over local wall thickness that are tried."""
+
+ALONE = {"schedule": "never", "guarantee": False}
+"""A relief as it is drawn, dropped once."""
+
+
+@dataclass(frozen=True)
+class Depth:
+    """The deepest relief that holds.
+
+    Attributes:
+        amplitude: Its height over local wall thickness.
+        words: What limits it, in one sentence.
+    """
+
+    amplitude: float
+    words: str
+
+
+def deepest(
+    wanted: Recipe,
+    part: SurfaceMesh | Workpiece,
+    folder: Path,
+    *,
+    vertices: int = STANDARD_VERTICES,
+    device: str = "auto",
+    depths: Sequence[float] = DEPTHS,
+    stage: Stage = say_nothing,
+) -> Depth:
+    """Find the deepest of several reliefs that holds as it is drawn; the trials stay in a run directory of their own, a lane each.
+
+    Args:
+        wanted: The recipe, for any part; its amplitude is not looked at.
+        part: A closed surface [mm], or a prepared part.
+        folder: Run directory of the trials; what was tried there before is read.
+        vertices: Vertices of the standardised surface.
+        device: `auto`, `cpu` or `cuda`.
+        depths: Amplitudes, ascending.
+        stage: Told what is being done, in words.
+    """
+    most = msgspec.structs.replace(wanted, amplitude=depths[-1], **ALONE)
+    run = started(most, part, vertices=vertices, out=folder, device=device, stage=stage)
+
+    def verdict(depth: float) -> Verdict:
+        stage(f"trying a relief of {depth:g} of the wall")
+        return _trial(run, depth).go().verdict
+
+    return deepest_of(depths, verdict)
+
+
+def _trial(run: Run, depth: float) -> Run:
+    """The lane of a depth: the whole depth is the run itself, which the others branch off from before its first iteration."""
+    return run if depth == run.recipe.amplitude else run.branch(0, lane=f"depth-{depth:g}", amplitude=depth)
+
+
+def deepest_of(depths: Sequence[float], verdict: Callable[[float], Verdict]) -> Depth:
+    """The deepest depth that holds, by bisection from the deepest on, which takes for granted that a shallower relief holds where one does.
+
+    Args:
+        depths: Ascending.
+        verdict: The verdict on the relief of a depth.
+    """
+    found = verdict(depths[-1])
+    if found.viable:
+        return Depth(depths[-1], f"{depths[-1]:g} of the wall is the deepest relief that was tried, and it holds")
+    holds, fails, why = -1, len(depths) - 1, found.words
+    while fails - holds > 1:
+        middle = (holds + fails) // 2
+        found = verdict(depths[middle])
+        if found.viable:
+            holds = middle
+        else:
+            fails, why = middle, found.words
+    if holds < 0:
+        return Depth(depths[0], f"even {depths[0]:g} of the wall does not hold without correction ({why})")
+    return Depth(depths[holds], f"{depths[holds]:g} of the wall is the deepest relief that holds as it is; at {depths[fails]:g}: {why}")

@@ -1,0 +1,42 @@
+"""The deepest relief that holds: which depths are tried, and what is said to limit it."""
+
+import msgspec
+import pytest
+
+from mechstyle.runs.deepest import DEPTHS, deepest_of
+from support.records import VERDICT, judgement
+
+
+def trial(limit):
+    """A verdict for every depth up to a limit that holds, and what was asked for."""
+    asked = []
+
+    def verdict(depth):
+        asked.append(depth)
+        if depth <= limit:
+            return VERDICT
+        return msgspec.structs.replace(VERDICT, outcome="FAILS", as_placed=judgement(60.0), words=f"FAILS at {depth:g}.")
+
+    return verdict, asked
+
+
+@pytest.mark.parametrize("limit", [0.0, 0.15, 0.2, 0.3, 0.5, 0.7, 0.9])
+def test_the_deepest_relief_that_holds_is_found_and_the_next_one_says_why(limit):
+    verdict, asked = trial(limit)
+    found = deepest_of(DEPTHS, verdict)
+    within = [depth for depth in DEPTHS if depth <= limit]
+    assert found.amplitude == (max(within) if within else DEPTHS[0])
+    assert len(asked) == len(set(asked)) <= 4
+    beyond = [depth for depth in DEPTHS if depth > limit]
+    assert (f"FAILS at {beyond[0]:g}" in found.words) if beyond else ("it holds" in found.words)
+
+
+def test_the_deepest_is_tried_first_because_often_it_holds():
+    verdict, asked = trial(1.0)
+    assert deepest_of(DEPTHS, verdict).amplitude == DEPTHS[-1]
+    assert asked == [DEPTHS[-1]]
+
+
+def test_a_part_that_bears_no_relief_at_all_gets_the_least_and_the_reason():
+    verdict, _ = trial(0.0)
+    assert deepest_of(DEPTHS, verdict).words == "even 0.15 of the wall does not hold without correction (FAILS at 0.15.)"
