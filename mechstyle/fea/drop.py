@@ -129,6 +129,7 @@ class Drop:
     Attributes:
         von_mises: Running maximum of the von Mises stress at the Gauss points [MPa], shape [orientations, tet_count, points];
             infinite if it failed.
+        corners: The same at the corners of the tetrahedra [MPa], shape [orientations, tet_count, 4].
         contact: Whether a vertex met the floor, shape [orientations, vertex_count].
         time_step: Δt [ms].
         steps: Steps per orientation.
@@ -138,6 +139,7 @@ class Drop:
     """
 
     von_mises: NDArray[np.float32]
+    corners: NDArray[np.float32]
     contact: NDArray[np.bool_]
     time_step: float
     steps: int
@@ -147,7 +149,8 @@ class Drop:
 
     def __post_init__(self) -> None:
         """Freeze the fields over the mesh."""
-        object.__setattr__(self, "von_mises", frozen_array(self.von_mises, np.float32, (None, None, None), "von_mises"))
+        for name, places in (("von_mises", None), ("corners", 4)):
+            object.__setattr__(self, name, frozen_array(getattr(self, name), np.float32, (None, None, places), name))
         object.__setattr__(self, "contact", frozen_array(self.contact, np.bool_, (len(self.von_mises), None), "contact"))
 
 
@@ -263,16 +266,24 @@ def _drop(
     tets: TetMesh, discretisation: Discretisation, scheme: Scheme, batches: Sequence[Batch], samples: Floats, failure: str
 ) -> Drop:
     """Bring the results back to the caller's numbering; a failed drop has no stress but infinity."""
-    peak = np.concatenate([batch.peak() for batch in batches])
-    von_mises = np.full_like(peak, np.inf)
-    if not failure:
-        von_mises[:, discretisation.tet_order] = peak
-    contact = np.zeros((len(peak), len(tets.vertices)), dtype=bool)
+    von_mises, corners = (
+        _in_callers_order(np.concatenate(recorded), discretisation, failure)
+        for recorded in ([batch.peak() for batch in batches], [batch.corners() for batch in batches])
+    )
+    contact = np.zeros((len(von_mises), len(tets.vertices)), dtype=bool)
     touched = np.concatenate([batch.touched() for batch in batches])
     contact[:, discretisation.vertices] = touched[:, discretisation.place[: len(discretisation.vertices)]]
     finite = np.logical_and.accumulate(np.isfinite(samples).all(axis=(1, 2)))
     history = _history(samples[finite], scheme)
-    return Drop(von_mises, contact, scheme.time_step, scheme.steps, discretisation.added_mass, history, failure)
+    return Drop(von_mises, corners, contact, scheme.time_step, scheme.steps, discretisation.added_mass, history, failure)
+
+
+def _in_callers_order(stress: NDArray[np.float32], discretisation: Discretisation, failure: str) -> NDArray[np.float32]:
+    """Stress in the order of computation, shape [orientations, tet_count, n], in the caller's; infinite if the drop failed."""
+    ordered = np.full_like(stress, np.inf)
+    if not failure:
+        ordered[:, discretisation.tet_order] = stress
+    return ordered
 
 
 def _history(samples: Floats, scheme: Scheme) -> History:

@@ -29,11 +29,13 @@ class Element:
     Attributes:
         name: "tet4" or "tet10".
         derivatives: ∂N_a/∂L_i at the Gauss points, all of equal weight, shape [points, nodes, 4].
+        corner_derivatives: ∂N_a/∂L_i at the corners, shape [4, nodes, 4].
         mass_shares: Share of the element's mass that is lumped at each node, shape [nodes].
     """
 
     name: str
     derivatives: Floats
+    corner_derivatives: Floats
     mass_shares: Floats
 
     @property
@@ -52,16 +54,22 @@ def _quadratic() -> Element:
 
     The row sums of the consistent mass matrix would give the corners a negative mass.
     """
-    points = np.full((4, 4), GAUSS_B) + (GAUSS_A - GAUSS_B) * np.eye(4)
-    derivatives = np.zeros((4, 10, 4))
+    gauss = np.full((4, 4), GAUSS_B) + (GAUSS_A - GAUSS_B) * np.eye(4)
+    masses = np.array([1.0 / 36.0] * 4 + [4.0 / 27.0] * 6)
+    return Element("tet10", _quadratic_derivatives(gauss), _quadratic_derivatives(np.eye(4)), masses)
+
+
+def _quadratic_derivatives(L: Floats) -> Floats:
+    """∂N_a/∂L_i of the quadratic element at points of given barycentric coordinates, [n, 4], shape [n, 10, 4]."""
+    derivatives = np.zeros((len(L), 10, 4))
     for i in range(4):
-        derivatives[:, i, i] = 4.0 * points[:, i] - 1.0
+        derivatives[:, i, i] = 4.0 * L[:, i] - 1.0
     for node, (i, j) in enumerate(EDGES, start=4):
-        derivatives[:, node, i], derivatives[:, node, j] = 4.0 * points[:, j], 4.0 * points[:, i]
-    return Element("tet10", derivatives, np.array([1.0 / 36.0] * 4 + [4.0 / 27.0] * 6))
+        derivatives[:, node, i], derivatives[:, node, j] = 4.0 * L[:, j], 4.0 * L[:, i]
+    return derivatives
 
 
-LINEAR = Element("tet4", np.eye(4)[None], np.full(4, 0.25))
+LINEAR = Element("tet4", np.eye(4)[None], np.tile(np.eye(4), (4, 1, 1)), np.full(4, 0.25))
 QUADRATIC = _quadratic()
 ELEMENTS = {element.name: element for element in (LINEAR, QUADRATIC)}
 

@@ -92,6 +92,9 @@ class Batch(Protocol):
     def peak(self) -> NDArray[np.float32]:
         """Running maximum of the von Mises stress at the Gauss points [MPa], shape [orientations, tet_count, points]."""
 
+    def corners(self) -> NDArray[np.float32]:
+        """The same at the corners of the tetrahedra [MPa], shape [orientations, tet_count, 4]."""
+
     def touched(self) -> NDArray[np.bool_]:
         """Whether each node has met the floor, shape [orientations, node_count]."""
 

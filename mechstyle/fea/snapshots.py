@@ -29,11 +29,13 @@ class Snapshots:
         displacement: How far each vertex has moved since first touch, fall and all [mm], shape [frames, vertex_count, 3]; zero for
             vertices that no tetrahedron uses.
         von_mises: Largest von Mises stress since the frame before at the Gauss points [MPa], shape [frames, tet_count, points].
+        corners: The same at the corners of the tetrahedra [MPa], shape [frames, tet_count, 4].
     """
 
     time: Floats
     displacement: NDArray[np.float32]
     von_mises: NDArray[np.float32]
+    corners: NDArray[np.float32]
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,18 +79,19 @@ def snapshots(
     discretisation, scheme, drop = _at_first_touch(tets, material, test)
     samples = np.unique(np.linspace(0, scheme.samples, frames).round().astype(int))
     displacement = np.zeros((len(samples), len(tets.vertices), 3), np.float32)
-    von_mises = np.zeros((len(samples), drop.body.tet_count, drop.body.points), np.float32)
+    von_mises, corners = (np.zeros((len(samples), drop.body.tet_count, places), np.float32) for places in (drop.body.points, 4))
     places = discretisation.place[: len(discretisation.vertices)]
     for frame, sample in enumerate(samples[1:], start=1):
         drop.forget_peak()
         drop.advance(int(sample) - drop.done)
         displacement[frame][discretisation.vertices] = drop.displacement()[places]
         von_mises[frame][discretisation.tet_order] = drop.peak()[0]
+        corners[frame][discretisation.tet_order] = drop.corners()[0]
         if not np.isfinite(displacement[frame]).all():
             broken = sample * scheme.stride * scheme.time_step
             raise SimulationFailed(f"the drop test broke down before {broken:.3f} ms: mesh the part again")
         progress(frame / (len(samples) - 1))
-    return Snapshots(samples * scheme.stride * scheme.time_step, displacement, von_mises)
+    return Snapshots(samples * scheme.stride * scheme.time_step, displacement, von_mises, corners)
 
 
 def snapshot(tets: TetMesh, material: Material, test: DropTest, time: float) -> Snapshot:

@@ -25,6 +25,7 @@ class CoreBody:
     def __init__(self, body: Discretisation) -> None:
         self.tet_count, self.node_count = len(body.volumes), len(body.masses)
         self.points = body.mesh.element.points
+        self.corners = 4 if self.points > 1 else 0
         geometry = np.concatenate([body.gradients.reshape(-1, 9), body.volumes[:, None]], axis=1).astype(np.float32)
         padding = ((0, -self.tet_count % simd_by_element.LANES), (0, 0))
         masses = _cpu(body.masses.astype(np.float32))
@@ -75,7 +76,9 @@ class CoreDrop:
         self.body, self.scheme, self.done = body, scheme, 0
         count = body.node_count
         self.state = _state(heights.astype(np.float32), _rows(np.broadcast_to(-scheme.speed * normal, (count, 3))))
-        self.state.peak_squared = _zeros(body.points * simd_by_element.LANES * body.by_tet.blocks)
+        self.state.peak_squared, self.state.corners_squared = (
+            _zeros(places * simd_by_element.LANES * body.by_tet.blocks) for places in (body.points, body.corners)
+        )
         self.state.samples = _zeros(scheme.samples * len(QUANTITIES))
         self.step = _step(scheme, normal, body.damping_by_tet(scheme.damping))
 
@@ -91,12 +94,16 @@ class CoreDrop:
 
     def peak(self) -> NDArray[np.float32]:
         """Running maximum of the von Mises stress at the Gauss points [MPa], shape [1, tet_count, points]."""
-        blocks = self.state.peak_squared.numpy().reshape(-1, self.body.points, simd_by_element.LANES)
-        return np.sqrt(blocks.transpose(0, 2, 1).reshape(1, -1, self.body.points)[:, : self.body.tet_count])
+        return self._root(self.state.peak_squared, self.body.points)
+
+    def corners(self) -> NDArray[np.float32]:
+        """The same at the corners [MPa], shape [1, tet_count, 4]."""
+        return self._root(self.state.corners_squared, 4) if self.body.corners else _constant(self.peak())
 
     def forget_peak(self) -> None:
-        """Begin the running maximum of the stress anew."""
+        """Begin the running maxima of the stress anew."""
         self.state.peak_squared.zero_()
+        self.state.corners_squared.zero_()
 
     def displacement(self) -> NDArray[np.float32]:
         """Displacement of each node since first touch [mm], shape [node_count, 3]."""
@@ -105,6 +112,11 @@ class CoreDrop:
     def touched(self) -> NDArray[np.bool_]:
         """Whether each node has met the floor, shape [1, node_count]."""
         return np.asarray(self.state.impulse.numpy()[None] > 0.0)
+
+    def _root(self, squares: Any, places: int) -> NDArray[np.float32]:
+        """Square roots of what lies in blocks of tetrahedra, shape [1, tet_count, places]."""
+        blocks = squares.numpy().reshape(-1, places, simd_by_element.LANES)
+        return np.sqrt(blocks.transpose(0, 2, 1).reshape(1, -1, places)[:, : self.body.tet_count])
 
 
 class CoreDrops:
@@ -122,7 +134,9 @@ class CoreDrops:
         lanes = np.minimum(np.arange(simd_by_drop.LANES), self.count - 1)
         velocity = np.broadcast_to(-scheme.speed * normals[lanes].T, (body.node_count, 3, simd_by_drop.LANES))
         self.state = _state(heights[:, lanes].astype(np.float32).ravel(), velocity.astype(np.float32).ravel())
-        self.state.peak_squared = _zeros(body.tet_count * body.points * simd_by_drop.LANES)
+        self.state.peak_squared, self.state.corners_squared = (
+            _zeros(body.tet_count * places * simd_by_drop.LANES) for places in (body.points, body.corners)
+        )
         self.state.samples = _zeros(scheme.samples * len(QUANTITIES) * simd_by_drop.LANES)
         self.step = _step(scheme, normals[lanes].T, _cpu(scheme.damping.astype(np.float32)))
 
@@ -140,6 +154,12 @@ class CoreDrops:
         """Running maximum of the von Mises stress at the Gauss points [MPa], shape [orientations, tet_count, points]."""
         return np.sqrt(np.moveaxis(self._lanes(self.state.peak_squared, self.body.points), -1, 0))
 
+    def corners(self) -> NDArray[np.float32]:
+        """The same at the corners [MPa], shape [orientations, tet_count, 4]."""
+        if not self.body.corners:
+            return _constant(self.peak())
+        return np.sqrt(np.moveaxis(self._lanes(self.state.corners_squared, 4), -1, 0))
+
     def touched(self) -> NDArray[np.bool_]:
         """Whether each node has met the floor, shape [orientations, node_count]."""
         return np.asarray(self._lanes(self.state.impulse, 1)[:, 0].T > 0.0)
@@ -147,6 +167,11 @@ class CoreDrops:
     def _lanes(self, values: Any, width: int) -> NDArray[np.float32]:
         """An array as [item, quantity, orientation], without the lanes to spare."""
         return np.asarray(values.numpy().reshape(-1, width, simd_by_drop.LANES)[..., : self.count])
+
+
+def _constant(peak: NDArray[np.float32]) -> NDArray[np.float32]:
+    """The one stress of linear tetrahedra at their four corners, shape [orientations, tet_count, 4]."""
+    return np.repeat(peak, 4, axis=2)
 
 
 def _lane_body(nodes_of: NDArray[Any], geometry: NDArray[Any], masses: Any, blocks: int) -> Any:

@@ -47,6 +47,11 @@ class DeviceBody:
         """Queue a kernel."""
         wp.launch(kernel, dim=dim, inputs=arguments, device=self.device, block_dim=BLOCK)
 
+    @property
+    def corners(self) -> int:
+        """Corners of a tetrahedron with a stress of their own: none where it is constant."""
+        return 4 if self.element.nodes > 4 else 0
+
     def forces_and_peak(self, orientations: int) -> tuple[Any, Any]:
         """Arrays the element kernels write: nodal forces by slot, running maximum of the stress at the Gauss points."""
         forces = self.zeros(self.tet_count * self.element.nodes, orientations, dtype=wp.vec3f)
@@ -91,6 +96,7 @@ class DeviceBatch:
         self.v = body.array(np.broadcast_to(-scheme.speed * normals, (*each_node, 3)), wp.vec3f)
         self.u, self.damping = body.zeros(*each_node, dtype=wp.vec3f), body.damping(scheme.damping)
         self.forces, self.peak_squared = body.forces_and_peak(self.count)
+        self.corners_squared = body.zeros(body.tet_count, body.corners, self.count)
         self.impulse, self.contact_loss = body.zeros(*each_node), body.zeros(*each_node)
         self.parts = body.zeros(len(QUANTITIES), int(kernels.PARTS), self.count)
         self.samples = body.zeros(scheme.samples, len(QUANTITIES), self.count)
@@ -117,6 +123,12 @@ class DeviceBatch:
         """Running maximum of the von Mises stress at the Gauss points [MPa], shape [orientations, tet_count, points]."""
         return np.ascontiguousarray(np.moveaxis(np.sqrt(self.peak_squared.numpy()), -1, 0))
 
+    def corners(self) -> NDArray[np.float32]:
+        """The same at the corners [MPa], shape [orientations, tet_count, 4]."""
+        if not self.body.corners:
+            return np.repeat(self.peak(), 4, axis=2)
+        return np.ascontiguousarray(np.moveaxis(np.sqrt(self.corners_squared.numpy()), -1, 0))
+
     def touched(self) -> NDArray[np.bool_]:
         """Whether each node has met the floor, shape [orientations, node_count]."""
         return np.ascontiguousarray(self.impulse.numpy().T > 0.0)
@@ -138,6 +150,9 @@ class DeviceBatch:
         constants = (scheme.law_number, scheme.law.mu, scheme.law.la)
         outcome = (record, self.forces, self.peak_squared)
         body.launch(body.element_forces, (body.tet_count, self.count), *body.elements, body.slots, *ahead, *constants, *outcome)
+        if record and body.corners:
+            nodes, gradients, _ = body.elements
+            body.launch(kernels.corner_stresses, (body.tet_count, self.count), nodes, gradients, *ahead, *constants, self.corners_squared)
         given = (self.forces, body.first_slot, body.masses, self.heights, self.normals)
         numbers = (scheme.time_step, scheme.gravity, scheme.friction)
         state = (self.u, self.v, self.impulse, self.contact_loss)

@@ -123,7 +123,7 @@ _HEAD = CONTRACT + f"    constexpr int LANES = {LANES};" + TYPES + ALGEBRA + STR
 
 @wp.func_native(_HEAD + FORCES)
 def element_forces(body: LaneBody, state: LaneState, scheme: LaneScheme, record: int) -> None:
-    """Internal forces of all tetrahedra, added to state.forces [N]; if `record`, the running maximum of σ_vM² [MPa²]."""
+    """Internal forces of all tetrahedra, added to state.forces [N]; if `record`, the running maxima of σ_vM² [MPa²]."""
 
 
 @wp.func_native(_ADVANCE)

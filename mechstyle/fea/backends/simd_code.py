@@ -131,6 +131,13 @@ ELEMENTS = (
         if constexpr (decltype(element)::points == 1) return plus_linear(Matrix{}, x[0], x[1], x[2], x[3], B);
         else return plus_linear(common, x[between[0][q]], x[between[1][q]], x[between[2][q]], x[between[3][q]], extra);
     };
+    // The gradient at corner q of a quadratic element, sum_i (4 x_between(i, q) - x_i) (x) grad L_i.
+    auto corner_gradient = [&](const Lanes *const *x, const Number *G, int q) INLINE {
+        Lanes y[4][3];
+        for (int i = 0; i < 4; i++)
+            for (int k = 0; k < 3; k++) y[i][k] = 4.0f * x[between[i][q]][k] - x[i][k];
+        return plus_linear(Matrix{}, y[0], y[1], y[2], y[3], G);
+    };
     // Nodal forces -sum_q V/points P_q grad N_a of an element, P_q = stress(q, H_q), handed to emit(node, component, force).
     auto nodal_forces = [&](auto element, const Lanes *const *x, const Number *G, auto stress, auto emit) INLINE {
         constexpr int points = decltype(element)::points;
@@ -167,22 +174,27 @@ ELEMENTS = (
 )
 
 FORCES = """
-    // Adds the internal forces of every block to the nodes in ascending order; if `record`, keeps the running maximum of sigma_vM^2.
+    // Adds the internal forces of every block to the nodes in ascending order; if `record`, keeps the running maximum of sigma_vM^2
+    // at the Gauss points and, where it is another one, at the corners.
     auto all_forces = [&](auto element) INLINE {
         constexpr int nodes = decltype(element)::nodes, points = decltype(element)::points;
-        Lanes *peak = (Lanes *)state.peak_squared.data;
+        Lanes *peak = (Lanes *)state.peak_squared.data, *corners = (Lanes *)state.corners_squared.data;
+        auto raise = [](Lanes &highest, const Lanes now) INLINE { highest = now > highest ? now : highest; };
         for (int block = 0; block < body.blocks; block++) {
             Lanes buffer[nodes][3];
             const Lanes *x[nodes];
             load_ahead(element, block, buffer, x);
             auto stress = [&](int q, const Matrix &H) INLINE {
                 const Matrix P = first_piola(H);
-                if (record) {
-                    const Lanes now = von_mises_squared(H, P), before = peak[points * block + q];
-                    peak[points * block + q] = now > before ? now : before;
-                }
+                if (record) raise(peak[points * block + q], von_mises_squared(H, P));
                 return P;
             };
+            if constexpr (points > 1) {
+                for (int q = 0; q < (record ? 4 : 0); q++) {
+                    const Matrix H = corner_gradient(x, geometry(block), q);
+                    raise(corners[4 * block + q], von_mises_squared(H, first_piola(H)));
+                }
+            }
             add(element, block, [&](auto emit) INLINE { nodal_forces(element, x, geometry(block), stress, emit); });
         }
     };

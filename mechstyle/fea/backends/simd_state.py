@@ -30,6 +30,7 @@ class LaneState:
     impulse: wp.array(dtype=wp.float32)
     contact_loss: wp.array(dtype=wp.float32)
     peak_squared: wp.array(dtype=wp.float32)
+    corners_squared: wp.array(dtype=wp.float32)
     samples: wp.array(dtype=wp.float32)
 
 

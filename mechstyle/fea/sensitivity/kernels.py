@@ -1,4 +1,4 @@
-"""A drop as kernels that Warp can differentiate, for `gradient`: every step writes arrays of its own; the law is that of `kernels`.
+"""A drop as kernels that Warp can differentiate, for `gradient`: every step writes arrays of its own; the law is that of the drop test.
 
 One kernel serves both elements, straight from the table of their shape functions. Shape is taken in float64, so that the finite
 differences it is checked against are not rounding; motion is float32 as in the drop test.
@@ -9,7 +9,8 @@ differences it is checked against are not rounding; motion is float32 as in the 
 # The body of a kernel is Warp's language, which Warp's own compiler checks.
 
 from mechstyle._warp import wp
-from mechstyle.fea.backends.kernels import after_contact, first_piola, von_mises_squared
+from mechstyle.fea.backends.kernels import after_contact
+from mechstyle.fea.backends.laws import first_piola, von_mises_squared
 
 wp.set_module_options({"enable_backward": True})
 

@@ -14,7 +14,7 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from mechstyle.errors import BadInput, SimulationFailed
-from mechstyle.fea.elasticity import displacement_gradients, stiffness_matrix, trace, von_mises
+from mechstyle.fea.elasticity import corner_gradients, displacement_gradients, stiffness_matrix, trace, von_mises
 from mechstyle.fea.elements import ElementMesh
 from mechstyle.fea.statics.boundary import Boundary
 from mechstyle.fea.statics.pick import Picked
@@ -36,12 +36,14 @@ class Response:
     Attributes:
         displacement: u [mm], shape [node_count, 3].
         von_mises: Von Mises stress at the Gauss points [MPa], shape [tet_count, points].
+        corners: The same at the corners of the tetrahedra [MPa], shape [tet_count, 4].
         loads: Nodal loads f [N], shape [node_count, 3].
         reactions: Forces of the supports r = K u − f [N], shape [node_count, 3]; zero where nothing is held.
     """
 
     displacement: Floats
     von_mises: Floats
+    corners: Floats
     loads: Floats
     reactions: Floats
 
@@ -51,10 +53,9 @@ class Response:
         return float(np.linalg.norm(self.displacement, axis=1).max())
 
 
-def stresses(mesh: ElementMesh, material: Material, displacement: Floats) -> Floats:
-    """Von Mises stress of σ = λ tr(ε) I + 2μ ε at the Gauss points [MPa], shape [tet_count, points]."""
-    H = displacement_gradients(mesh, displacement)
-    strain = 0.5 * (H + np.swapaxes(H, -1, -2))
+def stresses(material: Material, gradients: Floats) -> Floats:
+    """Von Mises stress of σ = λ tr(ε) I + 2μ ε [MPa], shape [...], of displacement gradients, shape [..., 3, 3]."""
+    strain = 0.5 * (gradients + np.swapaxes(gradients, -1, -2))
     return von_mises(material.lame_lambda * trace(strain)[..., None, None] * np.eye(3) + 2.0 * material.shear_modulus * strain)
 
 
@@ -101,7 +102,8 @@ def solve(mesh: ElementMesh, material: Material, restraint: Restraint, loads: li
             raise SimulationFailed("the load cases could not be solved: the displacement is not a finite number")
         displacement = u.reshape(-1, 3)
         reactions = np.where(restraint.held[:, None], (K @ u).reshape(-1, 3) - load, 0.0)
-        responses.append(Response(displacement, stresses(mesh, material, displacement), load, reactions))
+        points, corners = (stresses(material, at(mesh, displacement)) for at in (displacement_gradients, corner_gradients))
+        responses.append(Response(displacement, points, corners, load, reactions))
     return responses
 
 
