@@ -30,12 +30,14 @@ class Snapshots:
             vertices that no tetrahedron uses.
         von_mises: Largest von Mises stress since the frame before at the Gauss points [MPa], shape [frames, tet_count, points].
         corners: The same at the corners of the tetrahedra [MPa], shape [frames, tet_count, 4].
+        contact: Whether a vertex met the floor in the whole drop, shape [vertex_count].
     """
 
     time: Floats
     displacement: NDArray[np.float32]
     von_mises: NDArray[np.float32]
     corners: NDArray[np.float32]
+    contact: NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +93,9 @@ def snapshots(
             broken = sample * scheme.stride * scheme.time_step
             raise SimulationFailed(f"the drop test broke down before {broken:.3f} ms: mesh the part again")
         progress(frame / (len(samples) - 1))
-    return Snapshots(samples * scheme.stride * scheme.time_step, displacement, von_mises, corners)
+    contact = np.zeros(len(tets.vertices), dtype=bool)
+    contact[discretisation.vertices] = drop.touched()[0][places]
+    return Snapshots(samples * scheme.stride * scheme.time_step, displacement, von_mises, corners, contact)
 
 
 def snapshot(tets: TetMesh, material: Material, test: DropTest, time: float) -> Snapshot:

@@ -15,14 +15,15 @@ class Measures(msgspec.Struct, frozen=True, kw_only=True):
     """Scalar results of one drop test (or of the envelope of several): running-maximum von Mises stress [MPa].
 
     Attributes:
-        peak: The larger of `surface` and `contact`.
+        peak: The larger of `surface` and `contact`, which decides.
+        surface: Largest mean over 2 mm along the surface outside contact zones; under a load also the largest stress at a vertex of the
+            surface that the mesh resolves.
+        contact: Largest 2 mm volume average inside contact zones; under a load around the borders of supports and loads.
         p999: Volume-weighted 99.9th percentile.
         p99: Volume-weighted 99th percentile.
         maximum: Literal maximum over the elements; depends on the mesh where contact is a point.
         where: Place of `peak` in the undeformed part [mm].
         volume: Volume of the tetrahedra [mm³].
-        surface: Largest surface stress averaged over 2 mm, outside the contact.
-        contact: Largest 2 mm volume average around the contact, supports and loads.
     """
 
     peak: float
@@ -59,21 +60,28 @@ class LoadResult(msgspec.Struct, frozen=True, kw_only=True):
 
     Attributes:
         name: The case.
-        peak: Largest 2 mm volume average of the von Mises stress [MPa].
+        peak: The larger of `surface` and `averaged` [MPa], which decides.
         where: Place of `peak` in the undeformed part [mm].
         deflection: Largest displacement [mm].
+        surface: Largest von Mises stress at a vertex of the surface, of those where the mesh resolves it [MPa]; 0 if it does nowhere.
+        averaged: Largest mean over 2 mm along the surface, or, around the borders of supports and loads, 2 mm volume average [MPa].
     """
 
     name: str
     peak: float
     where: tuple[float, float, float]
     deflection: float
+    surface: float = 0.0
+    averaged: float = 0.0
 
     @property
     def words(self) -> str:
         """Its figures, as they are printed."""
         x, y, z = self.where
-        return f"{self.peak:.1f} MPa at ({x:.1f}, {y:.1f}, {z:.1f}) mm, deflection {self.deflection:.2f} mm"
+        stress = f"{self.peak:.1f} MPa over 2 mm"
+        if self.surface >= self.averaged:
+            stress = f"{self.surface:.1f} MPa at the surface ({self.averaged:.1f} over 2 mm)"
+        return f"{stress} at ({x:.1f}, {y:.1f}, {z:.1f}) mm, deflection {self.deflection:.2f} mm"
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +90,7 @@ class Simulation:
 
     Attributes:
         displacement: What was simulated [mm], shape [vertex_count]: the request, less what the tets could not follow.
-        stress: Robust stress field that drives the mask and decides: of drop as placed and load cases [MPa], shape [vertex_count].
+        stress: Stress that drives the mask and decides, its largest the peak: of drop as placed and load cases [MPa], shape [vertex_count].
         envelope: The same over all orientations [MPa], shape [vertex_count]; equals `stress` for one orientation.
         probability: Probability that a random drop takes `stress` there beyond the yield strength, shape [vertex_count]; zero for one
             orientation. Of the drop alone.

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 import numpy as np
 
-from mechstyle.fea.criterion import BallAverage, exceedance, robust_field
+from mechstyle.fea.criterion import exceedance
 from mechstyle.fea.drop import Drop, History
 from mechstyle.fea.snapshots import Snapshot
+from mechstyle.fea.surface_stress import SurfaceStress
 from mechstyle.fea.vtu import on_nodes, vtu
 from mechstyle.pictures.panels import Picture
 from mechstyle.records import Landing
@@ -25,7 +26,7 @@ class Course(msgspec.Struct, frozen=True, kw_only=True):
     """The drop as placed over time, in figures.
 
     Attributes:
-        peak_time: When the 2 mm average was highest anywhere, to a frame of the impact [ms since first touch].
+        peak_time: When the stress that decides was highest anywhere, to a frame of the impact [ms since first touch].
         peak_where: Vertex of the surface where it was, in the undeformed part [mm].
         peak_stress: What it was there [MPa].
         peak_force: Largest mean normal force of the floor over a sample [N].
@@ -102,7 +103,7 @@ def history_picture(history: History, impact: Impact, course: Course, limit: flo
         history: The first orientation is shown.
         impact: The same drop on the surface.
         course: Its figures.
-        limit: What the 2 mm average may at most be [MPa].
+        limit: What the stress that decides may at most be [MPa].
     """
     from mechstyle.pictures.plots import plots_png  # noqa: PLC0415 — matplotlib is loaded when a picture is wanted
 
@@ -122,8 +123,9 @@ def vtu_bytes(
     """A drop test as a VTU file.
 
     At the nodes: `displacement` at the moment of the peak [mm], fall and all, and `deformation`, the same less rigid motion;
-    `robust_stress`, the 2 mm average [MPa], and `contact` as placed; over several orientations `robust_stress_envelope` [MPa] and
-    `failure_probability`. In the cells: `von_mises`, the running maximum at the Gauss points [MPa], and `von_mises_envelope`.
+    `robust_stress`, on the surface what decides and inside the 2 mm volume average [MPa], and `contact` as placed; over several
+    orientations `robust_stress_envelope` [MPa] and `failure_probability`. In the cells: `von_mises`, the running maximum at the Gauss
+    points [MPa], and `von_mises_envelope`.
 
     Args:
         tets: The body that was dropped.
@@ -133,8 +135,9 @@ def vtu_bytes(
         allowable: Stress beyond which a drop counts as failed [MPa].
         each: Whether stress and contact of every orientation are added, with its number.
     """
-    mesh, average = at.mesh, BallAverage(tets)
-    fields = np.stack([robust_field(tets, stress, average) for stress in drop.von_mises])
+    mesh, reading = at.mesh, SurfaceStress(tets)
+    recorded = zip(drop.von_mises, drop.corners, drop.contact, strict=True)
+    fields = np.stack([reading.of_landing(tets, *landing).field for landing in recorded])
     cells = drop.von_mises.max(axis=2)
 
     def spread(values: Any) -> Floats:
@@ -151,8 +154,7 @@ def vtu_bytes(
     }
     inside: dict[str, Any] = {"von_mises": cells[0]}
     if len(cells) > 1:
-        worst = robust_field(tets, drop.von_mises.max(axis=0), average)
-        nodes["robust_stress_envelope"] = spread(np.maximum(worst, fields.max(axis=0)))
+        nodes["robust_stress_envelope"] = spread(fields.max(axis=0))
         nodes["failure_probability"] = spread(exceedance(fields, [landing.weight for landing in landings], allowable))
         inside["von_mises_envelope"] = cells.max(axis=0)
     for number in range(len(cells) if each else 0):

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mechstyle.fea.criterion import BallAverage, robust_field
 from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.fea.snapshots import Snapshots, snapshots
+from mechstyle.fea.surface_stress import SurfaceStress
 from mechstyle.geometry.morph import Morph
 from mechstyle.geometry.transfer import Transfer
 from mechstyle.loop.objects import Memo
@@ -26,7 +26,7 @@ class Impact:
     Attributes:
         time: Time since first touch [ms], shape [frames].
         displacement: How far the surface has moved since first touch, fall and all [mm], shape [frames, vertex_count, 3].
-        stress: Largest 2 mm average of the von Mises stress since the frame before [MPa], shape [frames, vertex_count].
+        stress: Largest stress since the frame before [MPa], shape [frames, vertex_count]: what decides, `surface_stress.Deciding.field`.
     """
 
     time: NDArray[np.float64]
@@ -86,8 +86,9 @@ def impact_of(
 
 def _on_surface(seen: Snapshots, part: Workpiece, tets: TetMesh, transfer: str) -> Impact:
     """Frames at the vertices of the tetrahedra as frames at those of the surface; stress by the transfer the verdict's field came by."""
-    smooth, average = Transfer(part.surface, part.tets), BallAverage(part.tets)
+    smooth, reading = Transfer(part.surface, part.tets), SurfaceStress(part.tets)
     of_stress = smooth if transfer == smooth.method else Transfer(part.surface, part.tets, transfer)
     moved = [np.stack([smooth.to_surface(frame[:, axis]) for axis in range(3)], axis=1) for frame in seen.displacement]
-    stress = [of_stress.to_surface(robust_field(tets, frame, average)) for frame in seen.von_mises]
+    recorded = zip(seen.von_mises, seen.corners, strict=True)
+    stress = [of_stress.to_surface(reading.of_landing(tets, *frame, seen.contact).field) for frame in recorded]
     return Impact(seen.time, np.array(moved, np.float32), np.array(stress, np.float32))

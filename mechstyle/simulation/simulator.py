@@ -13,11 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mechstyle.errors import MechStyleError, SimulationFailed
-from mechstyle.fea.criterion import BallAverage, exceedance, measures, robust_field
+from mechstyle.fea.criterion import exceedance, measures
 from mechstyle.fea.drop import Drop, DropTest, drop
 from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.fea.orientations import Orientations, orientation_set
 from mechstyle.fea.statics.load_test import StaticTest
+from mechstyle.fea.surface_stress import Deciding, SurfaceStress, worst
 from mechstyle.fea.verdict import judge
 from mechstyle.geometry.morph import Morph, Morphed
 from mechstyle.geometry.resting_face import centre_of_mass
@@ -27,7 +28,7 @@ from mechstyle.loop.objects import Memo
 from mechstyle.records import Landing, LoadResult, Measures, Recipe, Simulation, Verdict
 from mechstyle.records.mesh import SurfaceMesh, TetMesh
 
-PHYSICS_VERSION = 4
+PHYSICS_VERSION = 5
 """Counts changes that alter results, so that remembered simulations of older code are not reused."""
 
 
@@ -150,8 +151,8 @@ class DropSimulator:
         return Transfer(self.surface, self.tets, self.recipe.transfer)
 
     @cached_property
-    def _average(self) -> BallAverage:
-        return BallAverage(self.tets)
+    def _reading(self) -> SurfaceStress:
+        return SurfaceStress(self.tets)
 
     @cached_property
     def _orientations(self) -> Orientations:
@@ -165,7 +166,7 @@ class DropSimulator:
 
     def _told(self, morphed: Morphed, result: Drop) -> Simulation:
         """Result of the drop and the load cases on morphed tetrahedra."""
-        return self._under_loads(self._measured(morphed, result, self._average, self._transfer), morphed.tets)
+        return self._under_loads(self._measured(morphed, result, self._reading, self._transfer), morphed.tets)
 
     def _on_fresh_mesh(self, displacement: NDArray[np.float32]) -> Simulation:
         """The same on a new mesh of the styled surface; on the morphed one, which the record then says, if fTetWild cannot mesh it."""
@@ -177,7 +178,7 @@ class DropSimulator:
             return replace(fallback, meshing=f"morphed, as a fresh mesh of the styled surface could not be had: {error}")
         whole = Morphed(tets=tets, displacement=np.asarray(displacement, np.float32), backed_off=0.0, deviation=0.0, remesh=False)
         transfer = Transfer(styled, tets, self.recipe.transfer)
-        dropped = self._measured(whole, self._drop(tets, thorough=True), BallAverage(tets), transfer)
+        dropped = self._measured(whole, self._drop(tets, thorough=True), SurfaceStress(tets), transfer)
         if not self.recipe.loads:
             return replace(dropped, meshing="fresh")
         loaded = self._under_loads(dropped, self._morph.morphed(displacement).tets)
@@ -197,14 +198,19 @@ class DropSimulator:
             return replace(dropped, failure=str(error))
         result = dropped
         for name, response in responses.items():
-            case = measures(tets, response.von_mises, self._average)
-            field = self._transfer.to_surface(robust_field(tets, response.von_mises, self._average)).astype(np.float32)
+            deciding = self._reading.of_load(tets, response.von_mises, response.corners, self._static.borders[name])
+            case = measures(tets, response.von_mises, deciding)
+            field = self._transfer.to_surface(deciding.field).astype(np.float32)
+            told = LoadResult(
+                name=name, peak=case.peak, where=case.where, deflection=response.deflection,
+                surface=deciding.resolved, averaged=deciding.averaged,
+            )  # fmt: skip
             result = replace(
                 result,
                 stress=np.maximum(result.stress, field),
                 envelope=np.maximum(result.envelope, field),
                 as_placed=result.as_placed.or_worse(case),
-                loaded=(*result.loaded, LoadResult(name=name, peak=case.peak, where=case.where, deflection=response.deflection)),
+                loaded=(*result.loaded, told),
             )
         return result
 
@@ -212,8 +218,8 @@ class DropSimulator:
         floor_normals = self._orientations.normals[: None if thorough else 1]
         return drop(tets, self.recipe.material, floor_normals, prescribed(self.recipe), device=self.device, progress=self.progress)
 
-    def _measured(self, morphed: Morphed, result: Drop, average: BallAverage, transfer: Transfer) -> Simulation:
-        """Averages, percentiles and surface fields of a drop; all zero, with the reason, for one that failed."""
+    def _measured(self, morphed: Morphed, result: Drop, reading: SurfaceStress, transfer: Transfer) -> Simulation:
+        """Measures and surface fields of a drop; all zero, with the reason, for one that failed."""
         tets, zeros = morphed.tets, np.zeros(len(self.surface.vertices), np.float32)
         nothing = Measures(peak=0.0, p999=0.0, p99=0.0, maximum=0.0, where=(0.0, 0.0, 0.0), volume=float(tets.volumes.sum()))
         several = len(result.von_mises) > 1
@@ -234,8 +240,10 @@ class DropSimulator:
         )
         if result.failure:
             return failed
-        landings = self._landings(tets, result, average)
-        fields = np.stack([transfer.to_surface(robust_field(tets, stress, average)) for stress in result.von_mises])
+        stresses = zip(result.von_mises, result.corners, result.contact, strict=True)
+        deciding = [reading.of_landing(tets, points, corners, touched) for points, corners, touched in stresses]
+        landings = self._landings(tets, result, deciding)
+        fields = np.stack([transfer.to_surface(one.field) for one in deciding])
         found = replace(
             failed,
             stress=fields[0],
@@ -246,22 +254,19 @@ class DropSimulator:
         )
         if not several:
             return found
-        worst = result.von_mises.max(axis=0)
-        # The value between Gauss points is not monotone in theirs: without the maximum an envelope could fall below what it envelops.
-        envelope = np.maximum(fields.max(axis=0), transfer.to_surface(robust_field(tets, worst, average)))
         allowable, weights = self.recipe.material.yield_strength, self._orientations.weights
         return replace(
             found,
-            envelope=envelope,
-            overall=measures(tets, worst, average),
+            envelope=fields.max(axis=0),  # what each landing does in its own zones; no average is taken over maxima of several landings
+            overall=measures(tets, result.von_mises.max(axis=0), worst(deciding)),
             probability=exceedance(fields, weights, allowable).astype(np.float32),
             failure_probability=float(exceedance([landing.measures.peak for landing in landings], weights, allowable)),
         )
 
-    def _landings(self, tets: TetMesh, result: Drop, average: BallAverage) -> tuple[Landing, ...]:
+    def _landings(self, tets: TetMesh, result: Drop, deciding: list[Deciding]) -> tuple[Landing, ...]:
         """Measures of each landing."""
-        ways = zip(self._orientations.normals, self._orientations.weights, result.von_mises, strict=False)  # as placed may be all
+        ways = zip(self._orientations.normals, self._orientations.weights, result.von_mises, deciding, strict=False)  # as placed may be all
         return tuple(
-            Landing(normal=(float(x), float(y), float(z)), weight=float(weight), measures=measures(tets, stress, average))
-            for (x, y, z), weight, stress in ways
+            Landing(normal=(float(x), float(y), float(z)), weight=float(weight), measures=measures(tets, stress, one))
+            for (x, y, z), weight, stress, one in ways
         )

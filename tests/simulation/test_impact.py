@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from mechstyle.fea.criterion import BallAverage, robust_field
 from mechstyle.fea.snapshots import Snapshots
+from mechstyle.fea.surface_stress import SurfaceStress
 from mechstyle.geometry.transfer import Transfer
 from mechstyle.loop.objects import Memo, Objects
 from mechstyle.records import Recipe
@@ -34,16 +34,17 @@ def part():
 def seen(part, monkeypatch):
     """One moment in which stress and displacement vary over the part, in place of a drop; how often it was asked for."""
     rng = np.random.default_rng(0)
-    stress = rng.uniform(1.0, 50.0, (1, len(part.tets.tets), 1)).astype(np.float32)
+    stress, corners = (rng.uniform(1.0, 50.0, (1, len(part.tets.tets), places)).astype(np.float32) for places in (1, 4))
+    touched = part.tets.vertices[:, 2] < 1.0
     moved = rng.uniform(-1.0, 1.0, (1, len(part.tets.vertices), 3)).astype(np.float32)
     asked = []
 
     def moment(*_args, **_options):
         asked.append(1)
-        return Snapshots(np.zeros(1), moved, stress)
+        return Snapshots(np.zeros(1), moved, stress, corners, touched)
 
     monkeypatch.setattr(module, "snapshots", moment)
-    return Snapshots(np.zeros(1), moved, stress), asked
+    return Snapshots(np.zeros(1), moved, stress, corners, touched), asked
 
 
 @pytest.fixture
@@ -57,8 +58,8 @@ def impact(part, seen, tmp_path):
 @pytest.mark.parametrize("transfer", ["barycentric", "nearest"])
 def test_stress_comes_to_the_surface_as_that_of_the_verdict_does(part, seen, impact, transfer):
     moment, _ = seen
-    field = robust_field(part.tets, moment.von_mises[0], BallAverage(part.tets))
-    wanted = Transfer(part.surface, part.tets, transfer).to_surface(field)
+    deciding = SurfaceStress(part.tets).of_landing(part.tets, moment.von_mises[0], moment.corners[0], moment.contact)
+    wanted = Transfer(part.surface, part.tets, transfer).to_surface(deciding.field)
     assert np.allclose(impact(transfer=transfer).stress[0], wanted)
 
 

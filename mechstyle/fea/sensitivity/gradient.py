@@ -1,10 +1,10 @@
 """EXPERIMENTAL, and no part of the loop: how the peak stress of a short drop changes when vertices move.
 
 The derivative is that of the discrete drop itself, by Warp's reverse mode through all its steps. What is differentiated stands for
-the peak of `criterion.measures`, a maximum over places and time that has no useful derivative, by means of order p:
+the largest ball average, a maximum over places and time that has no useful derivative, by means of order p:
 
     m = (mean over time of σ_vM^p)^(1/p)     at each Gauss point, over the recorded steps
-    a = 2 mm ball average of m               the very average of the criterion
+    a = 2 mm ball average of m               that of `ball_average`, which decides where parts touch the floor
     smooth peak = (mean over the volume of a^p)^(1/p)
 
 A mean of order p is never above the maximum, so the smooth peak bounds the peak from below, peak ≥ smooth peak, and approaches it
@@ -29,7 +29,7 @@ from numpy.typing import ArrayLike, NDArray
 from mechstyle._warp import wp
 from mechstyle.errors import BadInput, SimulationFailed
 from mechstyle.fea.backends.cpu import CoreBody
-from mechstyle.fea.criterion import BallAverage
+from mechstyle.fea.ball_average import BallAverage
 from mechstyle.fea.discretisation import Discretisation, discretise, sliver_scale
 from mechstyle.fea.drop import DropTest, resolve_device, scheme_for
 from mechstyle.fea.elements import EDGES, ElementMesh, element_named

@@ -17,7 +17,7 @@ from mechstyle.fea.statics.pick import Picked, pick
 from mechstyle.fea.statics.solve import Response, Restraint, solve
 from mechstyle.records.load_cases import Load, LoadCase, Place, Support
 from mechstyle.records.material import Material
-from mechstyle.records.mesh import Floats, TetMesh
+from mechstyle.records.mesh import Bools, Floats, TetMesh
 
 BODY_SHARES = {"tet4": np.full(4, 1.0 / 4.0), "tet10": np.array([-1.0 / 20.0] * 4 + [1.0 / 5.0] * 6)}
 """∫ N_a dV / V by element: the share of a body force that goes to each node (Zienkiewicz and Taylor, vol. 1, §8.8)."""
@@ -71,6 +71,15 @@ class StaticTest:
                     with _naming(case):
                         picked[place] = pick(self._undeformed, place)
         return picked
+
+    @cached_property
+    def borders(self) -> dict[str, Bools]:
+        """Vertices where a support or load of each case ends, by its name, shape [vertex_count]: stress has no limit there."""
+        count, borders = len(self.tets.vertices), dict[str, Bools]()
+        for case in self.cases:
+            places = [support.at for support in case.supports] + [load.at for load in case.loads if load.at is not None]
+            borders[case.name] = np.any([self._picked[place].border(self._undeformed)[:count] for place in places], axis=0)
+        return borders
 
     @cached_property
     def _restraints(self) -> dict[tuple[Support, ...], Restraint]:

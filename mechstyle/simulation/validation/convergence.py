@@ -7,10 +7,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mechstyle.fea.criterion import BallAverage, measures
-from mechstyle.fea.verdict import CONTACT_BAND
+from mechstyle.fea.criterion import measures
 from mechstyle.fea.drop import DropTest, drop
 from mechstyle.fea.orientations import directions
+from mechstyle.fea.surface_stress import SurfaceStress
+from mechstyle.fea.verdict import CONTACT_BAND
 from mechstyle.geometry.morph import Morph
 from mechstyle.geometry.tetrahedra import tetrahedralise
 from mechstyle.geometry.thickness import local_thickness
@@ -60,8 +61,8 @@ def again_styled() -> Iterator[Result]:
 def figures(tets: TetMesh) -> Figures:
     """Drop a body in all orientations."""
     result = drop(tets, PLA, directions(ORIENTATIONS), DropTest(window=1.2))
-    average = BallAverage(tets)
-    return Figures(measures(tets, result.von_mises[0], average).peak, measures(tets, result.von_mises.max(axis=0), average).p99)
+    deciding = SurfaceStress(tets).of_landing(tets, result.von_mises[0], result.corners[0], result.contact[0])
+    return Figures(deciding.peak, measures(tets, result.von_mises.max(axis=0), deciding).p99)
 
 
 class Styled(NamedTuple):

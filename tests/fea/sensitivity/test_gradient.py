@@ -8,7 +8,7 @@ import pytest
 
 import mechstyle
 from mechstyle.errors import BadInput
-from mechstyle.fea.criterion import BallAverage
+from mechstyle.fea.ball_average import BallAverage
 from mechstyle.fea.drop import DropTest, drop
 from mechstyle.fea.sensitivity.gradient import ShortDrop, SmoothPeak
 from mechstyle.records.mesh import TetMesh

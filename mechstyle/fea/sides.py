@@ -1,0 +1,162 @@
+"""The boundary of a body seen as sides of its walls: which spots lie near each other on the same side.
+
+A spot is a vertex together with the direction of the surface there. Where faces meet smoothly a vertex is one spot; on a sharp edge or
+corner it is one for each of its faces, because what is near it on the one side has nothing to do with what is near it on the other.
+Near means within a straight distance, with normals that differ by less than 60°, and connected by such surface: the other side of a thin
+wall is not near, and neither is the same side of the next wall.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from scipy.sparse import coo_array, csr_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from mechstyle.records.mesh import Bools, Floats, Indices, TetMesh
+
+SAME_SIDE = math.cos(math.radians(60.0))
+SMOOTH = math.cos(math.radians(30.0))
+"""Faces within 30° of the mean normal of their vertex meet smoothly there."""
+
+SPACING = 1.0
+"""Distance of the points that stand for the surface, about [mm]."""
+
+
+class Sides:
+    """Spots and points on the boundary of a mesh.
+
+    Attributes:
+        faces: Boundary faces, shape [face_count, 3].
+        vertices: Vertex of each spot, shape [spot_count].
+        spots: Spot at each corner of each face, shape [face_count, 3].
+        points: Interpolation from the vertices to the points, of which those of a face share its area, shape [point_count, vertex_count].
+        face_of: Face of each point, shape [point_count].
+    """
+
+    def __init__(self, tets: TetMesh) -> None:
+        self.faces = tets.boundary_faces
+        self._vertices = tets.vertices
+        vectors = _area_vectors(tets, self.faces)
+        self._normals = _unit(vectors)
+        self.spots, self.vertices, self._directions = _spots(self.faces, vectors, len(tets.vertices))
+        self.points, self.face_of = _points(tets, self.faces)
+        self._beside = _neighbours(self.faces)
+
+    @property
+    def positions(self) -> Floats:
+        """Of the spots on the mesh they were made from [mm], shape [spot_count, 3]."""
+        return self._vertices[self.vertices]
+
+    def weights(self, tets: TetMesh) -> Floats:
+        """Area each point stands for on a morph of the mesh [mm²], shape [point_count]."""
+        areas = np.linalg.norm(_area_vectors(tets, self.faces), axis=1)
+        return np.asarray((areas / np.bincount(self.face_of, minlength=len(areas)))[self.face_of])
+
+    def near(self, reach: float) -> csr_array:
+        """Which points lie within `reach` [mm] of which spots on the same side, ones of shape [spot_count, point_count]."""
+        found = cKDTree(self.positions).sparse_distance_matrix(cKDTree(self.points @ self._vertices), reach, output_type="ndarray")
+        spot, point = found["i"], found["j"]
+        alike = _alike(self._directions[spot], self._normals[self.face_of[point]])
+        spot, point = spot[alike], point[alike]
+        kept = self._connected(spot, self.face_of[point])
+        ones = np.ones(int(kept.sum()), np.float32)
+        return coo_array((ones, (spot[kept], point[kept])), shape=(len(self.vertices), len(self.face_of))).tocsr()
+
+    def around(self, marked: Bools, reach: float) -> Bools:
+        """Spots within `reach` [mm] of marked vertices, [vertex_count], on the same side; shape [spot_count]."""
+        seeds = np.flatnonzero(marked[self.vertices])
+        if not len(seeds):
+            return np.zeros(len(self.vertices), dtype=bool)
+        found = cKDTree(self.positions).sparse_distance_matrix(cKDTree(self.positions[seeds]), reach, output_type="ndarray")
+        alike = _alike(self._directions[found["i"]], self._directions[seeds[found["j"]]])
+        close = np.zeros(len(self.vertices), dtype=bool)
+        close[found["i"][alike]] = True
+        reached = np.asarray(close[self.spots].any(axis=1))
+        one, other = self._beside.nonzero()
+        within = reached[one] & reached[other]
+        links = coo_array((np.ones(within.sum()), (one[within], other[within])), shape=self._beside.shape)
+        _, label = connected_components(links, directed=False)
+        kept = reached & np.isin(label, label[marked[self.faces].any(axis=1)])
+        zone = np.zeros(len(self.vertices), dtype=bool)
+        zone[self.spots[kept]] = True
+        return zone & close
+
+    def _connected(self, spot: Indices, face: Indices) -> Bools:
+        """Which pairs of a spot and a face near it are joined to the spot by such faces; a pair may be named several times."""
+        count = len(self.faces)
+        pairs, number = np.unique(spot.astype(np.int64) * count + face, return_inverse=True)
+        beside = self._beside[pairs % count].tocoo()
+        linked = pairs[beside.row] // count * count + beside.col
+        place = np.minimum(np.searchsorted(pairs, linked), len(pairs) - 1)
+        there = pairs[place] == linked
+        links = coo_array((np.ones(there.sum()), (beside.row[there], place[there])), shape=(len(pairs),) * 2)
+        _, label = connected_components(links, directed=False)
+        own = np.zeros(len(pairs), dtype=bool)
+        ours = self.spots.ravel().astype(np.int64) * count + np.repeat(np.arange(count), 3)
+        own[np.isin(pairs, ours)] = True
+        return np.asarray(np.isin(label, label[own])[number])
+
+
+def _alike(one: Floats, other: Floats) -> Bools:
+    return np.asarray(np.einsum("nx,nx->n", one, other) >= SAME_SIDE)
+
+
+def _area_vectors(tets: TetMesh, faces: Indices) -> Floats:
+    a, b, c = (tets.vertices[faces[:, corner]] for corner in range(3))
+    return 0.5 * np.cross(b - a, c - a)
+
+
+def _unit(vectors: Floats) -> Floats:
+    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return np.divide(vectors, lengths, out=np.zeros_like(vectors), where=lengths > 0.0)
+
+
+def _spots(faces: Indices, vectors: Floats, vertex_count: int) -> tuple[Indices, Indices, Floats]:
+    """Spot at each corner of the faces, and vertex and direction of each spot."""
+    mean = np.zeros((vertex_count, 3))
+    np.add.at(mean, faces, vectors[:, None])
+    mean, normals = _unit(mean), _unit(vectors)
+    corners = faces.ravel()
+    sharp = np.zeros(vertex_count, dtype=bool)
+    sharp[corners[np.einsum("nx,nx->n", mean[corners], np.repeat(normals, 3, axis=0)) < SMOOTH]] = True
+    names = np.where(sharp[corners], vertex_count + np.arange(len(corners)), corners)  # a sharp corner is a spot of its own
+    _, first, spots = np.unique(names, return_index=True, return_inverse=True)
+    vertices = corners[first]
+    directions = np.where(sharp[vertices, None], normals[first // 3], mean[vertices])
+    return spots.reshape(-1, 3).astype(np.int32), vertices, directions
+
+
+def _points(tets: TetMesh, faces: Indices) -> tuple[csr_array, Indices]:
+    """Centroids of n² equal triangles a face is cut into, n from its longest edge: interpolation from the vertices, and faces."""
+    corners = tets.vertices[faces]
+    longest = np.linalg.norm(corners - corners[:, [1, 2, 0]], axis=2).max(axis=1)
+    cuts = np.maximum(1, np.rint(longest / SPACING)).astype(int)
+    owners, shares = [], []
+    for n in np.unique(cuts):
+        cut = np.flatnonzero(cuts == n)
+        inside = _centroids(int(n))
+        owners.append(np.repeat(cut, len(inside)))
+        shares.append(np.tile(inside, (len(cut), 1)))
+    face_of, weights = np.concatenate(owners).astype(np.int32), np.concatenate(shares)
+    rows = np.repeat(np.arange(len(face_of)), 3)
+    return coo_array((weights.ravel(), (rows, faces[face_of].ravel())), shape=(len(face_of), len(tets.vertices))).tocsr(), face_of
+
+
+def _centroids(n: int) -> Floats:
+    """Barycentric coordinates of the centroids of the n² equal triangles of a regular division, shape [n², 3]."""
+    i, j = (index.ravel() for index in np.meshgrid(np.arange(n), np.arange(n), indexing="ij"))
+    up, down = i + j < n, i + j < n - 1
+    plane = np.concatenate([np.stack([i, j], axis=1)[up] + 1 / 3, np.stack([i, j], axis=1)[down] + 2 / 3]) / n
+    return np.concatenate([1.0 - plane.sum(axis=1, keepdims=True), plane], axis=1)
+
+
+def _neighbours(faces: Indices) -> csr_array:
+    """Which faces share an edge, shape [face_count, face_count]."""
+    ends = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    _, edge = np.unique(ends, axis=0, return_inverse=True)
+    owner = np.repeat(np.arange(len(faces)), 3)
+    meets = coo_array((np.ones(len(owner), np.int8), (owner, edge.ravel())), shape=(len(faces), int(edge.max()) + 1)).tocsr()
+    return (meets @ meets.T).tocsr()

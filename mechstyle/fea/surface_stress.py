@@ -1,0 +1,150 @@
+"""Stress where it is: on the surface, beside places where it has no limit, and in a ball there.
+
+Bending, notches and holes have their largest stress on the surface, where a mean over a volume sees half of it in a thin wall and a Gauss
+point lies too deep. So, with σ_s the stress at a vertex of the surface:
+
+* **σ_s** is the volume-weighted mean over the tetrahedra of a vertex of their stress at that corner. The largest of them over the mean,
+  less 1, is its jump: the estimate of its error (Zienkiewicz and Zhu 1992).
+* **σ_2** is the area-weighted mean of σ_s within 2 mm on the same side of the wall. Pure bending is constant along the surface, so nothing
+  is lost; over a sharp inner edge, where σ_s grows with every finer mesh, it has a limit.
+* Near contact, and near the border of a support or load, the surface itself has no finite stress; the mean over a **ball** decides there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from mechstyle.fea.ball_average import RADIUS, BallAverage, largest_around
+from mechstyle.fea.sides import Sides
+from mechstyle.records.mesh import Bools, Floats, TetMesh
+
+CONTACT_REACH = 3.0
+"""How far from a vertex that touched the floor the ball decides [mm]."""
+
+BORDER_REACH = 2.0
+"""How far from the border of a support or load it does [mm]."""
+
+RESOLVED = 0.15
+"""Largest jump with which a mesh is said to resolve the stress at a vertex."""
+
+Place = tuple[float, float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Deciding:
+    """The stress that decides.
+
+    Attributes:
+        field: At the vertices [MPa], shape [vertex_count]: on the surface outside zones σ_2, and with a load the larger of it and σ_s
+            where that is resolved; in zones and inside the body the largest ball average of the tetrahedra there.
+        surface: The largest on the surface outside zones [MPa], 0 if all of it is in zones.
+        contact: The largest on the surface in zones [MPa], 0 if there are none.
+        averaged: The largest without σ_s [MPa].
+        resolved: The largest σ_s that counts [MPa], 0 if none does.
+        where: Place of `peak` [mm].
+    """
+
+    field: Floats
+    surface: float
+    contact: float
+    averaged: float
+    resolved: float
+    where: Place
+
+    @property
+    def peak(self) -> float:
+        """The largest on the surface [MPa]."""
+        return _largest(self.surface, self.contact)
+
+
+class SurfaceStress:
+    """What reads the deciding stress on a mesh and its morphs; neighbours and normals are those of the mesh given here.
+
+    Args:
+        tets: The undeformed mesh.
+    """
+
+    def __init__(self, tets: TetMesh) -> None:
+        self.sides = Sides(tets)
+        self.average = BallAverage(tets)
+        self._near = self.sides.near(RADIUS)
+
+    def contact_zone(self, touched: ArrayLike) -> Bools:
+        """Spots near vertices that touched the floor, [vertex_count]; shape [spot_count]."""
+        return self.sides.around(np.asarray(touched, dtype=bool), CONTACT_REACH)
+
+    def border_zone(self, border: ArrayLike) -> Bools:
+        """Spots near vertices on the border of supports and loads, [vertex_count]; shape [spot_count]."""
+        return self.sides.around(np.asarray(border, dtype=bool), BORDER_REACH)
+
+    def at_vertices(self, tets: TetMesh, corners: ArrayLike) -> tuple[Floats, Floats]:
+        """σ_s [MPa] and its jump from the stress at the corners of the tetrahedra [MPa], [tet_count, 4]; both of shape [vertex_count]."""
+        stress = np.asarray(corners, dtype=np.float64)
+        of, count = tets.tets.ravel(), len(tets.vertices)
+        volume = np.bincount(of, np.repeat(tets.volumes, 4), count)
+        total = np.bincount(of, (tets.volumes[:, None] * stress).ravel(), count)
+        mean = np.divide(total, volume, out=np.zeros(count), where=volume > 0.0)
+        largest = np.zeros(count)
+        np.maximum.at(largest, of, stress.ravel())
+        with np.errstate(invalid="ignore"):  # the stress of a failed drop is infinite
+            return mean, np.divide(largest, mean, out=np.ones(count), where=mean > 0.0) - 1.0
+
+    def along(self, tets: TetMesh, at_vertices: Floats) -> Floats:
+        """σ_2 at the spots from σ_s at the vertices [MPa], shape [spot_count]; σ_s where the surface has no area."""
+        weights = self.sides.weights(tets)
+        area = self._near @ weights
+        total = self._near @ (weights * (self.sides.points @ at_vertices))
+        return np.divide(total, area, out=at_vertices[self.sides.vertices], where=area > 0.0)
+
+    def of_landing(self, tets: TetMesh, von_mises: ArrayLike, corners: ArrayLike, touched: ArrayLike) -> Deciding:
+        """The deciding stress of a drop: σ_2 alone, because styled surfaces have roots as sharp as the mesh, where σ_s measures the mesh.
+
+        Args:
+            tets: The body, a morph of the mesh.
+            von_mises: Stress at the Gauss points [MPa], shape [tet_count, points].
+            corners: Stress at the corners [MPa], shape [tet_count, 4].
+            touched: Which vertices touched the floor, shape [vertex_count].
+        """
+        return self._deciding(tets, von_mises, self.at_vertices(tets, corners)[0], np.zeros(0), self.contact_zone(touched))
+
+    def of_load(self, tets: TetMesh, von_mises: ArrayLike, corners: ArrayLike, border: ArrayLike) -> Deciding:
+        """The deciding stress under a load: σ_2, and σ_s where the mesh resolves it.
+
+        Args:
+            tets: The body, a morph of the mesh.
+            von_mises: Stress at the Gauss points [MPa], shape [tet_count, points].
+            corners: Stress at the corners [MPa], shape [tet_count, 4].
+            border: Which vertices lie on the border of a support or load, shape [vertex_count].
+        """
+        stress, jump = self.at_vertices(tets, corners)
+        return self._deciding(tets, von_mises, stress, np.where(jump <= RESOLVED, stress, 0.0), self.border_zone(border))
+
+    def _deciding(self, tets: TetMesh, von_mises: ArrayLike, at_vertices: Floats, counting: Floats, zone: Bools) -> Deciding:
+        vertices = self.sides.vertices
+        field = largest_around(tets, von_mises, self.average)
+        in_ball = field[vertices[zone]]
+        along = self.along(tets, at_vertices)[~zone]
+        point = counting[vertices[~zone]] if len(counting) else np.zeros_like(along)
+        field[vertices] = 0.0
+        np.maximum.at(field, vertices[zone], in_ball)
+        np.maximum.at(field, vertices[~zone], np.maximum(along, point))
+        contact, averaged, resolved = (float(values.max(initial=0.0)) for values in (in_ball, along, point))
+        x, y, z = tets.vertices[vertices[np.argmax(field[vertices])]]
+        where = (float(x), float(y), float(z))
+        return Deciding(field, _largest(averaged, resolved), contact, _largest(averaged, contact), resolved, where)
+
+
+def worst(found: Sequence[Deciding]) -> Deciding:
+    """The largest of several landings, place by place."""
+    highest = max(found, key=lambda one: one.peak)
+    figures = {name: _largest(*(getattr(one, name) for one in found)) for name in ("surface", "contact", "averaged", "resolved")}
+    return Deciding(field=np.max([one.field for one in found], axis=0), where=highest.where, **figures)
+
+
+def _largest(*values: float) -> float:
+    """The largest, or not a number if one is none."""
+    return float(np.max(values))
