@@ -110,11 +110,11 @@ def test_what_does_not_matter_does_not(block, memo, drops):
 
 
 KEYS = {
-    (False, False): "17219362142f27573d724131c7124cb3020fc8a300c5664a11fa66363ee346b1",
-    (True, False): "3b1defc7746e6fa58ff3300b305d0c9a7fbed0e423321794f861a4df88ad455e",
-    (True, True): "e60837e205fd3e607aa3c39912ed8a5ac2b827d6fe475221fe23460242b8e698",
+    (False, False): "1492125344f250fa3abb90fd2cc7839e04259f6e98154e76d564c3b38e88c5bf",
+    (True, False): "d11dd6b18130c6bef447da5a0ab3cd64efa77dfb3740ea9143db595fb10905c6",
+    (True, True): "75cb6ecf2304d454e30e9a0ee63a29414f9ba82e3370eeb3a37a8f08f0d00d03",
 }
-"""Names under which version 4 of the physics remembers the question below, thorough or not, meshed fresh or not."""
+"""Names under which version 5 of the physics remembers the question below, thorough or not, meshed fresh or not."""
 
 
 @pytest.mark.parametrize(("thorough", "fresh"), KEYS)
@@ -125,7 +125,7 @@ def test_what_run_directories_remember_keeps_its_name(memo, thorough, fresh):
         friction=0.3, window=1.2, damping=2e-4, element="tet4", transfer="nearest", loads=(REST,), orientations=3, poses="tilts",
     )  # fmt: skip
     asked = DropSimulator(None, None, recipe, memo)
-    assert module.PHYSICS_VERSION == 4, "new physics, new names: work them out anew"
+    assert module.PHYSICS_VERSION == 5, "new physics, new names: work them out anew"
     assert asked._key(np.array([0.0, 0.25, -0.5], np.float32), thorough=thorough, fresh=fresh) == KEYS[thorough, fresh]
 
 
@@ -241,7 +241,7 @@ def test_the_worse_of_drop_and_loads_drives_and_decides(block, memo):
     assert loaded.as_placed.peak == push.peak > dropped.as_placed.peak > rest.peak > 0.0
     assert loaded.as_placed.where == push.where
     assert np.all(loaded.stress >= dropped.stress)
-    assert loaded.stress.max() == pytest.approx(push.peak, rel=0.3)  # the field is seen through the surface, the peak in the body
+    assert loaded.stress.max() == pytest.approx(push.peak, rel=0.05)  # the surface's vertices lie between those of the tetrahedra
     assert np.all(loaded.envelope >= dropped.envelope)
     assert loaded.overall == dropped.overall
 
