@@ -19,7 +19,7 @@ from mechstyle.records.regions import KINDS
 STYLE, RESTRAINT, SCHEDULE, DROP_TEST = "Style", "Restraint", "Schedule", "Drop test and material"
 LOADS, MACHINE = "Loads, walls and regions", "Part and machine"
 """Headings of the help."""
-DEFAULTS_MAY_CHANGE = "Defaults in parentheses are the recipe's; --control, --criterion and --poses may bring others."
+DEFAULTS_MAY_CHANGE = "Defaults in parentheses are the recipe's; --control, --criterion, --poses and --standard may bring others."
 
 Model = Annotated[str, typer.Argument(metavar="MODEL", help="A file (STL, OBJ, PLY, GLB, 3MF) or gallery:NAME.")]
 Vertices = Annotated[int, typer.Option(help="Vertices of the standardised surface.", rich_help_panel=MACHINE)]
@@ -76,6 +76,7 @@ OPTIONS = {
     ),
     "orientations": RecipeOption(DROP_TEST),
     "poses": RecipeOption(DROP_TEST),
+    "standard": RecipeOption(DROP_TEST),
     "criterion": RecipeOption(DROP_TEST),
     "loads": RecipeOption(LOADS, ("--load",), Path, "A .toml file."),
     "minimum_wall": RecipeOption(LOADS),

@@ -9,6 +9,7 @@ import typer
 
 from mechstyle.cli.console import command, err, escape, factor, out, print_json, table, telling, verdict_text
 from mechstyle.cli.options import DEFAULTS_MAY_CHANGE, OPTIONS, Device, Folder, Json, Model, Scale, Settings, Vertices, recipe_options
+from mechstyle.records.landings import STANDARDS
 from mechstyle.records.mesh import STANDARD_VERTICES
 
 RESTRAINED = ("control", "normalisation", "threshold", "schedule", "every", "protect_resting_face")
@@ -95,6 +96,8 @@ def report(run: Any, *, as_json: bool) -> None:
     out.print(f"{kept}; {len(summary.simulations)} simulations")
     if summary.failure_probability is not None:
         out.print(f"{summary.failure_probability:.0%} of random drops exceed the yield strength somewhere ({run.recipe.poses})")
+    if run.recipe.after_standard:
+        out.print(f"{escape(run.recipe.after_standard)}. {escape(STANDARDS[run.recipe.standard].departs)}")
     for note in summary.notes:
         out.print(f"[dim]note: {escape(note)}[/]")
     for case in summary.loads:

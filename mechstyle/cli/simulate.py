@@ -10,6 +10,7 @@ import typer
 from mechstyle.cli.console import command, err, escape, factor, out, print_json, table, telling, verdict_text
 from mechstyle.cli.options import Device, Json, Model, Scale, Settings, Vertices, recipe_options
 from mechstyle.cli.run import read_model
+from mechstyle.records.landings import STANDARDS
 from mechstyle.records.mesh import STANDARD_VERTICES
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ app = typer.Typer()
 
 @app.command("simulate")
 @command
-@recipe_options("material", "orientations", "poses", "criterion", "loads", "minimum_wall")
+@recipe_options("material", "orientations", "poses", "standard", "criterion", "loads", "minimum_wall")
 def simulate_command(
     model: Model,
     settings: Settings,
@@ -67,6 +68,7 @@ def _figures(dropped: PartTest, files: dict[str, str]) -> dict[str, Any]:
         "overall": simulation.overall,
         "failure_probability": dropped.failure_probability,
         "landings": simulation.landings,
+        "after_standard": dropped.recipe.after_standard,
         "course": dropped.course,
         "history": history_figures(dropped.history),
         "warning": dropped.warning,
@@ -103,6 +105,8 @@ def _report(dropped: PartTest, files: dict[str, str]) -> None:
         rows.add_row(label, value)
     out.print(rows)
     out.print(f"\n{escape(strength.words)}")
+    if dropped.recipe.standard:
+        out.print(f"[dim]{escape(STANDARDS[dropped.recipe.standard].departs)}[/]")
     if dropped.warning:
         err.print(f"[yellow]warning:[/] {escape(dropped.warning)}")
 
@@ -110,16 +114,20 @@ def _report(dropped: PartTest, files: dict[str, str]) -> None:
 def _orientation_rows(dropped: PartTest) -> list[tuple[str, str]]:
     """Table rows of the drops in other orientations."""
     overall = dropped.simulation.overall
-    if overall is None or dropped.failure_probability is None:
+    if overall is None or not dropped.simulation.landings:
         return [("p99 over all orientations", "not run" if overall is None else "not known")]
     number, worst = max(enumerate(dropped.simulation.landings), key=lambda landing: landing[1].measures.peak)
     x, y, z = worst.normal
-    share = f"{dropped.failure_probability:.0%} of random drops exceed {dropped.recipe.material.yield_strength:.1f} MPa somewhere"
-    return [
+    rows = [
         ("p99 over all orientations", f"{overall.p99:.1f} MPa"),
-        ("worst orientation", f"{worst.measures.peak:.1f} MPa in number {number}, floor normal ({x:.2f}, {y:.2f}, {z:.2f})"),
-        ("failure probability", f"{share} (of {len(dropped.simulation.landings)} {dropped.recipe.poses} drops)"),
+        ("worst orientation", f"{worst.measures.peak:.1f} MPa in number {number}, {worst.name}, floor normal ({x:.2f}, {y:.2f}, {z:.2f})"),
     ]
+    if dropped.recipe.after_standard:
+        rows.append(("orientations", dropped.recipe.after_standard))
+    if dropped.failure_probability is not None:
+        share = f"{dropped.failure_probability:.0%} of random drops exceed {dropped.recipe.material.yield_strength:.1f} MPa somewhere"
+        rows.append(("failure probability", f"{share} (of {len(dropped.simulation.landings)} {dropped.recipe.poses} drops)"))
+    return rows
 
 
 def _course_rows(dropped: PartTest) -> list[tuple[str, str]]:

@@ -1,4 +1,4 @@
-"""Landing orientations: sets of floor normals in the frame of the part, each with the probability that a drop lands so.
+"""Landing orientations: sets of floor normals in the frame of the part, each with its name and its share of all landings.
 
 Number 0 of every set is the part as it stands.
 """
@@ -6,6 +6,7 @@ Number 0 of every set is the part as it stands.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,10 +14,14 @@ from numpy.typing import ArrayLike
 from scipy.spatial import ConvexHull
 
 from mechstyle.errors import BadInput, unknown
+from mechstyle.fea.bounding_box import box_around, named, places
 from mechstyle.records import POSES
 from mechstyle.records.mesh import Floats, frozen_array
 
 UP = (0.0, 0.0, 1.0)
+
+AS_PLACED = "as placed"
+"""Name of number 0."""
 
 UPRIGHT_CAP = 20.0
 """Directions this close to upright are left to the upright one [degrees]: nearly the same test."""
@@ -30,6 +35,9 @@ NEARLY_EQUAL = 5.0
 COVERED = 0.95
 """Share of all landings that the resting poses dropped must stand for."""
 
+SAME_LANDING = math.cos(1e-4)
+"""Cosine of the angle up to which two landings are one: 10 µm across a part of 100 mm."""
+
 
 @dataclass(frozen=True, eq=False)
 class Orientations:
@@ -37,11 +45,14 @@ class Orientations:
 
     Attributes:
         normals: Floor normals in the frame of the part, unit vectors out of the floor, shape [orientations, 3].
-        weights: Probability of each, adding up to 1, shape [orientations].
+        weights: Share of each, adding up to 1, shape [orientations]: its probability in poses that are a sample of random drops
+            (`records.RANDOM_POSES`), else all alike.
+        names: What each is called, no two alike.
     """
 
     normals: Floats
     weights: Floats
+    names: tuple[str, ...]
 
     def __post_init__(self) -> None:
         """Freeze the arrays."""
@@ -54,7 +65,7 @@ def orientation_set(poses: str, count: int, points: ArrayLike, centre: ArrayLike
 
     Args:
         poses: One of `records.POSES`.
-        count: Drops; of resting poses at most so many.
+        count: Drops; of resting poses and poses of a box at most so many.
         points: Points of the part whose convex hull is the part's [mm], shape [n, 3].
         centre: Its centre of mass [mm], shape [3].
 
@@ -65,7 +76,9 @@ def orientation_set(poses: str, count: int, points: ArrayLike, centre: ArrayLike
         raise unknown("poses", poses, POSES)
     if poses == "resting":
         return resting(points, centre, count)
-    return tilted(count) if poses == "tilts" else fibonacci(count)
+    if poses in ("tilts", "fibonacci"):
+        return tilted(count) if poses == "tilts" else fibonacci(count)
+    return boxed(poses, points, centre, count)
 
 
 def directions(count: int) -> Floats:
@@ -86,11 +99,13 @@ def fibonacci(count: int) -> Orientations:
     radius = np.sqrt(1.0 - z**2)
     spread = np.stack([radius * np.cos(turn), radius * np.sin(turn), z], axis=1)
     cap = 0.5 * (1.0 - top)  # share of the sphere
-    return _with_upright(spread, cap, np.full(others, (1.0 - cap) / max(others, 1)))
+    return _with_upright(spread, cap, np.full(others, (1.0 - cap) / max(others, 1)), _numbered("direction", others))
 
 
 def tilted(count: int, angle: float = TILT) -> Orientations:
-    """Upright, then tilted a little to all sides, all equally likely: a part that lands as placed, as flat as things land.
+    """Upright, then tilted a little to all sides, all of one weight: a part that lands as placed, as flat as things land.
+
+    A tilt is named by the side that goes down and touches first; angles are from +x towards +y.
 
     Args:
         count: Drops, the upright one included.
@@ -99,7 +114,8 @@ def tilted(count: int, angle: float = TILT) -> Orientations:
     turn = 2.0 * math.pi * np.arange(_at_least_one(count) - 1) / max(count - 1, 1)
     tilt = math.radians(angle)
     sides = np.stack([math.sin(tilt) * np.cos(turn), math.sin(tilt) * np.sin(turn), np.full(count - 1, math.cos(tilt))], axis=1)
-    return _with_upright(sides, 1.0, np.ones(count - 1))
+    names = [f"tilted {angle:g}° towards {_side(round(math.degrees(side) + 180.0, 1) % 360.0)}" for side in turn]
+    return _with_upright(sides, 1.0, np.ones(count - 1), names)
 
 
 def resting(points: ArrayLike, centre: ArrayLike, count: int) -> Orientations:
@@ -113,7 +129,7 @@ def resting(points: ArrayLike, centre: ArrayLike, count: int) -> Orientations:
         count: Most drops, the upright one included.
     """
     if _at_least_one(count) == 1:
-        return _with_upright(np.empty((0, 3)), 1.0, np.empty(0))
+        return _with_upright(np.empty((0, 3)), 1.0, np.empty(0), ())
     normals, chances = stable_poses(points, centre)
     upright = normals @ UP > math.cos(math.radians(NEARLY_EQUAL))
     others, left = normals[~upright], chances[~upright]
@@ -122,7 +138,28 @@ def resting(points: ArrayLike, centre: ArrayLike, count: int) -> Orientations:
     while weights[: count - 1].sum() < COVERED * left.sum():
         angle *= 1.5
         kept, weights = _merged(others, left, angle)
-    return _with_upright(kept[: count - 1], float(chances[upright].sum()), weights[: count - 1])
+    names = _numbered("resting pose", len(kept[: count - 1]))
+    return _with_upright(kept[: count - 1], float(chances[upright].sum()), weights[: count - 1], names)
+
+
+def boxed(poses: str, points: ArrayLike, centre: ArrayLike, count: int) -> Orientations:
+    """Upright, then on faces, edges and corners of the smallest box around the part, its centre of mass above them, all of one weight.
+
+    A pose of the box that is the upright one is not dropped twice.
+
+    Args:
+        poses: `box26`, `box10` or `faces6`, as `bounding_box.places` explains.
+        points: As for `orientation_set`.
+        centre: As for `orientation_set`.
+        count: Most drops, the upright one included.
+    """
+    _at_least_one(count)
+    box = box_around(points)
+    landings = {named(place): box.landing(place, centre) for place in places(poses, box)}
+    upright = [name for name, normal in landings.items() if normal @ UP >= SAME_LANDING]
+    others = {name: normal for name, normal in landings.items() if name not in upright}
+    names, normals = list(others)[: count - 1], np.array(list(others.values()))[: count - 1]
+    return _with_upright(normals, 1.0, np.ones(len(normals)), names, as_placed=", ".join((AS_PLACED, *upright)))
 
 
 def stable_poses(points: ArrayLike, centre: ArrayLike) -> tuple[Floats, Floats]:
@@ -189,10 +226,20 @@ def _merged(normals: Floats, chances: Floats, angle: float) -> tuple[Floats, Flo
     return np.array(kept).reshape(-1, 3)[order], np.array(weights)[order]
 
 
-def _with_upright(normals: Floats, upright: float, weights: Floats) -> Orientations:
-    """Directions and weights after those of upright, the weights made to add up to 1."""
+def _with_upright(normals: Floats, upright: float, weights: Floats, names: Sequence[str], as_placed: str = AS_PLACED) -> Orientations:
+    """Directions, weights and names after those of upright, the weights made to add up to 1."""
     shares = np.concatenate([[upright], weights])
-    return Orientations(np.concatenate([[UP], normals]), shares / shares.sum())
+    return Orientations(np.concatenate([[UP], normals]), shares / shares.sum(), (as_placed, *names))
+
+
+def _numbered(what: str, others: int) -> list[str]:
+    """Names of all but number 0, by their numbers."""
+    return [f"{what} {number + 1}" for number in range(others)]
+
+
+def _side(degrees: float) -> str:
+    """A horizontal direction by the axis it follows, or by its angle from +x."""
+    return {0.0: "+x", 90.0: "+y", 180.0: "-x", 270.0: "-y"}.get(degrees, f"{degrees:g}° from +x")
 
 
 def _at_least_one(count: int) -> int:

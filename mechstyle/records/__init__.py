@@ -1,7 +1,8 @@
 """The nouns, frozen: meshes, material, regions, load cases, recipe, simulation, verdict, checkpoint."""
 
 from mechstyle.records.checkpoint import Checkpoint
-from mechstyle.records.recipe import CONTROLS, CRITERIA, ELEMENTS, FIELDS, GUIDANCES, NORMALISATIONS, POSES, SCHEDULES, SETTINGS, Recipe
+from mechstyle.records.landings import POSES
+from mechstyle.records.recipe import CONTROLS, CRITERIA, ELEMENTS, FIELDS, GUIDANCES, NORMALISATIONS, SCHEDULES, SETTINGS, Recipe
 from mechstyle.records.simulation import Landing, LoadResult, Measures, Simulation
 from mechstyle.records.verdict import Judgement, Outcome, Verdict
 

@@ -11,6 +11,7 @@ from typing import Any, Literal, get_args
 import msgspec
 
 from mechstyle.errors import BadInput, unknown
+from mechstyle.records.landings import POSES, RANDOM_POSES, STANDARDS, landings_after
 from mechstyle.records.load_cases import LoadCase
 from mechstyle.records.material import Material
 from mechstyle.records.regions import Region
@@ -23,8 +24,6 @@ GUIDANCES = ("offline", "clip")
 FIELDS = ("vertex", "network")
 ELEMENTS = ("tet10", "tet4")
 Transfer = Literal["barycentric", "nearest"]
-POSES = {"fibonacci": 5, "tilts": 8, "resting": 8}
-"""Ways a part may land, and how many drops each takes unless told: all directions, small tilts, or what it comes to rest on."""
 
 CHOICES: Mapping[str, Collection[str]] = {
     "control": CONTROLS,
@@ -35,6 +34,7 @@ CHOICES: Mapping[str, Collection[str]] = {
     "field": FIELDS,
     "element": ELEMENTS,
     "poses": POSES,
+    "standard": ("", *STANDARDS),
     "transfer": get_args(Transfer),
 }
 """The names a setting may have, by setting."""
@@ -92,9 +92,11 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         travel: Displacement since the last simulation over local thickness that triggers `geometry` and `stress`.
         criterion: What viable means, one of CRITERIA.
         guarantee: Whether the finished relief is corrected until it is viable: lowered where it is overloaded, and no further than needed.
-        orientations: Drops in the final test, the first as placed; of resting poses at most so many.
-        poses: How the drops after the first land: `fibonacci` every way, `tilts` nearly as placed, `resting` as the part comes to rest.
-            One of POSES.
+        orientations: Drops in the final test, the first as placed; of resting poses and poses of a box at most so many.
+        poses: How the drops after the first land: `fibonacci` every way, `tilts` nearly as placed, `resting` as the part comes to rest,
+            `box26`, `box10` or `faces6` on faces, edges and corners of the box around it. One of POSES.
+        standard: Drop standard whose orientations and height are simulated, one of STANDARDS. It brings poses, orientations and
+            drop_height unless they are given; "" for none. A verdict is no test to a standard.
         drop_height: Height of fall [mm].
         friction: Coulomb coefficient of the floor.
         window: Simulated time after first touch [ms].
@@ -131,6 +133,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     guarantee: bool = True
     orientations: int = 5
     poses: str = "fibonacci"
+    standard: str = ""
     drop_height: float = 1500.0
     friction: float = 0.0
     window: float = 1.5
@@ -157,6 +160,16 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     def feedback(self) -> bool:
         """Whether simulation restrains the style (MechStyle) or not (Freestyle)."""
         return self.control != "none"
+
+    @property
+    def random_drops(self) -> bool:
+        """Whether the landings of the final test are a sample of random drops, so that shares of them are probabilities."""
+        return self.orientations > 1 and self.poses in RANDOM_POSES
+
+    @property
+    def after_standard(self) -> str:
+        """Whose orientations are simulated, in words; "" without a standard."""
+        return landings_after(self.standard, poses=self.poses, orientations=self.orientations, drop_height=self.drop_height)
 
     @property
     def settings(self) -> dict[str, Any]:
@@ -193,7 +206,7 @@ def described(name: str) -> str:
     if found is None:
         return ""
     sentence = " ".join(found[1].split()).partition(". ")[0].removesuffix(".") + "."
-    return re.sub(r"\bone of [A-Z]+\b", f"one of {', '.join(CHOICES.get(name, ()))}", sentence)
+    return re.sub(r"\bone of [A-Z]+\b", f"one of {', '.join(filter(None, CHOICES.get(name, ())))}", sentence)
 
 
 def _by_figure(settings: dict[str, Any]) -> dict[str, Any]:

@@ -45,11 +45,13 @@ class Landing(msgspec.Struct, frozen=True, kw_only=True):
     """One drop of a test in several orientations.
 
     Attributes:
+        name: What the landing is called; "" in records of earlier versions.
         normal: Floor normal in the frame of the part, out of the floor.
-        weight: Probability that a random drop lands so.
+        weight: Its share of the landings: the probability that a random drop lands so, in poses that are a sample of such.
         measures: What that drop did.
     """
 
+    name: str = ""
     normal: tuple[float, float, float]
     weight: float
     measures: Measures
@@ -93,11 +95,11 @@ class Simulation:
         stress: Stress that drives the mask and decides, its largest the peak: of drop as placed and load cases [MPa], shape [vertex_count].
         envelope: The same over all orientations [MPa], shape [vertex_count]; equals `stress` for one orientation.
         probability: Probability that a random drop takes `stress` there beyond the yield strength, shape [vertex_count]; zero for one
-            orientation. Of the drop alone.
+            orientation and for poses that are no sample of random drops. Of the drop alone.
         contact: Whether the surface there touched the floor in the as-placed drop, shape [vertex_count].
         as_placed: Measures of the as-placed drop and of all load cases, the largest of each.
         overall: Measures of the envelope over all orientations, None if only one was run.
-        failure_probability: Probability that a random drop takes the peak of the part beyond the yield strength; zero for one orientation.
+        failure_probability: Probability that a random drop takes the peak of the part beyond the yield strength; zero as `probability`.
         landings: What each drop did, the first as placed; none if the drop failed.
         backed_off: Share of the surface whose displacement the morph had to reduce.
         deviation: Largest such reduction [mm].

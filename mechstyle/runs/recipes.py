@@ -10,7 +10,8 @@ import msgspec
 import numpy as np
 
 from mechstyle.errors import BadInput, unknown
-from mechstyle.records import POSES, SETTINGS, Recipe
+from mechstyle.records import SETTINGS, Recipe
+from mechstyle.records.landings import with_drops
 from mechstyle.records.load_cases import load_cases
 from mechstyle.records.material import Material, material_named
 from mechstyle.records.recipe import DEFAULTS
@@ -67,18 +68,14 @@ def draft(prompt: str, material: str | Material = "PLA", *, freestyle: bool = Fa
     given = _given({"material": material, **settings})
     paper = given.get("criterion") == "paper"
     presets = {**(PAPER if paper else {}), **(FREESTYLE if freestyle else {})}
-    chosen = {**presets, **given}
-    if "poses" in chosen:
-        chosen.setdefault("orientations", POSES.get(chosen["poses"]))
+    chosen = with_drops({**presets, **given})
     chosen.setdefault("normalisation", default_normalisation(chosen.get("control", "exponential"), paper=paper))
     return settled(Recipe(surface="", tetrahedra="", prompt=prompt, **chosen), clip_asked_for=bool(given.get("clip")))
 
 
 def changed(recipe: Recipe, changes: dict[str, Any]) -> Recipe:
     """A recipe with some settings changed; another criterion brings its presets, another control its normalisation, unless given."""
-    given = _given(changes)
-    if "poses" in given:
-        given.setdefault("orientations", POSES.get(given["poses"]))
+    given = with_drops(_given(changes))
     control, paper = given.get("control", recipe.control), given.get("criterion", recipe.criterion) == "paper"
     other_criterion = given.get("criterion", recipe.criterion) != recipe.criterion
     if other_criterion:

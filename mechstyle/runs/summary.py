@@ -35,7 +35,7 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
         backed_off: Share of the surface the tetrahedra could not follow in the last simulation.
         loads: What each load case did to the delivered part.
         failure_probability: Probability that a random drop takes the delivered part beyond the yield strength, over the orientations of the
-            recipe; None if one orientation was dropped, or none gave an answer.
+            recipe; None if they are no sample of random drops, or none gave an answer.
         seconds: Wall time per stage of the process that finished the run [s].
         notes: What the user should know, one sentence each.
         lane: Name of the lane.
@@ -75,6 +75,7 @@ def summarise(engine: Engine, *, device: str, notes: tuple[str, ...], seconds: d
     assert last.verdict is not None, "a finished lane ends with a simulated checkpoint"
     result = Strength.of(last.verdict)
     simulation = engine.simulator.simulate(last.displacement, thorough=True)
+    sampled = simulation.overall is not None and not simulation.failure and engine.recipe.random_drops
     start = history[0].style_loss
     return Summary(
         verdict=result.verdict,
@@ -92,7 +93,7 @@ def summarise(engine: Engine, *, device: str, notes: tuple[str, ...], seconds: d
         meshing=simulation.meshing,
         backed_off=simulation.backed_off,
         loads=simulation.loaded,
-        failure_probability=None if simulation.overall is None or simulation.failure else simulation.failure_probability,
+        failure_probability=simulation.failure_probability if sampled else None,
         seconds=seconds,
         notes=notes,
         lane=engine.lane,

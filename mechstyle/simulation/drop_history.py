@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import msgspec
@@ -14,7 +14,6 @@ from mechstyle.fea.snapshots import Snapshot
 from mechstyle.fea.surface_stress import SurfaceStress
 from mechstyle.fea.vtu import on_nodes, vtu
 from mechstyle.pictures.panels import Picture
-from mechstyle.records import Landing
 from mechstyle.records.mesh import Floats, TetMesh
 from mechstyle.simulation.impact import Impact, nearest_rigid
 
@@ -118,22 +117,22 @@ def history_figures(history: History) -> dict[str, list[float]]:
 
 
 def vtu_bytes(
-    tets: TetMesh, drop: Drop, at: Snapshot, landings: tuple[Landing, ...], allowable: float, *, each: bool = False
+    tets: TetMesh, drop: Drop, at: Snapshot, probabilities: Sequence[float], allowable: float, *, each: bool = False
 ) -> bytes:
     """A drop test as a VTU file.
 
     At the nodes: `displacement` at the moment of the peak [mm], fall and all, and `deformation`, the same less rigid motion;
     `robust_stress`, on the surface what decides and inside the 2 mm volume average [MPa], and `contact` as placed; over several
-    orientations `robust_stress_envelope` [MPa] and `failure_probability`. In the cells: `von_mises`, the running maximum at the Gauss
-    points [MPa], and `von_mises_envelope`.
+    orientations `robust_stress_envelope` [MPa] and, if they are random drops, `failure_probability`. In the cells: `von_mises`, the
+    running maximum at the Gauss points [MPa], and `von_mises_envelope`.
 
     Args:
         tets: The body that was dropped.
         drop: What was found.
         at: The moment whose displacement is shown.
-        landings: The orientations with their weights.
+        probabilities: Of the orientations; none for orientations that are no sample of random drops.
         allowable: Stress beyond which a drop counts as failed [MPa].
-        each: Whether stress and contact of every orientation are added, with its number.
+        each: Whether stress and contact of every orientation are added, with its number among the landings.
     """
     mesh, reading = at.mesh, SurfaceStress(tets)
     recorded = zip(drop.von_mises, drop.corners, drop.contact, strict=True)
@@ -155,7 +154,8 @@ def vtu_bytes(
     inside: dict[str, Any] = {"von_mises": cells[0]}
     if len(cells) > 1:
         nodes["robust_stress_envelope"] = spread(fields.max(axis=0))
-        nodes["failure_probability"] = spread(exceedance(fields, [landing.weight for landing in landings], allowable))
+        if probabilities:
+            nodes["failure_probability"] = spread(exceedance(fields, probabilities, allowable))
         inside["von_mises_envelope"] = cells.max(axis=0)
     for number in range(len(cells) if each else 0):
         nodes[f"robust_stress_{number:02}"] = spread(fields[number])

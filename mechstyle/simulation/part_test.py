@@ -22,7 +22,8 @@ from mechstyle.loop.history import Strength
 from mechstyle.loop.minimum_wall import warnings as wall_warnings
 from mechstyle.pictures import fields
 from mechstyle.pictures.panels import Picture, field_panel, picture, verdict_note
-from mechstyle.records import POSES, Recipe, Simulation, Verdict
+from mechstyle.records import Recipe, Simulation, Verdict
+from mechstyle.records.landings import with_drops
 from mechstyle.records.load_cases import LoadCase, load_cases
 from mechstyle.records.material import Material, material_named
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh, TetMesh
@@ -72,8 +73,9 @@ class PartTest:
 
     @property
     def failure_probability(self) -> float | None:
-        """Probability that a random drop takes the peak beyond the yield strength; None if one orientation was dropped."""
-        return None if self.simulation.overall is None or self.simulation.failure else self.simulation.failure_probability
+        """Probability that a random drop takes the peak beyond the yield strength; None if no sample of random drops was simulated."""
+        sampled = self.simulation.overall is not None and not self.simulation.failure and self.recipe.random_drops
+        return self.simulation.failure_probability if sampled else None
 
     @cached_property
     def course(self) -> Course | None:
@@ -83,7 +85,7 @@ class PartTest:
         return Course.of(self.history, self.impact, self.part.surface.vertices, self.detail.balance_error)
 
     def show(self) -> Picture:
-        """Stress as placed from three sides; below it, if several orientations were dropped, the worst of them and the probability."""
+        """Stress as placed from three sides; below it the worst of several orientations, and the probability if they are random drops."""
         limit, surface, simulation = self.verdict.deciding.limit, self.part.surface, self.simulation
         first = "stress, dropped and loaded" if simulation.loaded else "stress as placed"
         stress, note = fields.stress(limit), verdict_note(self.verdict)
@@ -94,6 +96,7 @@ class PartTest:
             worst = f"worst of {len(self.detail.drop.von_mises)} orientations"
             for view, title in (("three_quarter", worst), ("below", "from below")):
                 panels.append(field_panel(surface, fields.envelope(limit), simulation.envelope, title=title, view=view))
+        if self.failure_probability is not None:
             panels.append(self._probability_panel())
         return picture(panels, columns=3)
 
@@ -128,7 +131,8 @@ class PartTest:
             raise SimulationFailed(self.simulation.failure)
         at = snapshot(self.tets, self.recipe.material, prescribed(self.recipe), self.course.peak_time)
         allowable = self.recipe.material.yield_strength
-        write_whole(target, vtu_bytes(self.tets, self.detail.drop, at, self.simulation.landings, allowable, each=each_orientation))
+        probabilities = [landing.weight for landing in self.simulation.landings] if self.recipe.random_drops else []
+        write_whole(target, vtu_bytes(self.tets, self.detail.drop, at, probabilities, allowable, each=each_orientation))
         return target
 
 
@@ -137,7 +141,8 @@ def simulate(
     *,
     material: str | Material = "PLA",
     orientations: int | None = None,
-    poses: str = DEFAULTS["poses"],
+    poses: str | None = None,
+    standard: str = DEFAULTS["standard"],
     criterion: str = DEFAULTS["criterion"],
     loads: str | Path | LoadCase | Sequence[LoadCase] = (),
     minimum_wall: float = DEFAULTS["minimum_wall"],
@@ -151,8 +156,9 @@ def simulate(
     Args:
         mesh: A closed surface [mm], z up, as it stands.
         material: A library name, a .toml/.json file, or a Material.
-        orientations: Drops, the first as placed; by default as many as the poses need.
-        poses: How the others land: `fibonacci` every way, `tilts` nearly as placed, `resting` as the part comes to rest.
+        orientations: Drops, the first as placed; by default as many as the poses or the standard need.
+        poses: How the others land, one of `Recipe.poses`: every way by default.
+        standard: Drop standard whose orientations and height are simulated, such as `mil-810h`; the verdict is no test to it.
         criterion: `robust` or `paper`.
         loads: A load file or load cases the part must carry besides.
         minimum_wall: The thinnest wall that is not warned about [mm]; 0 for no warning.
@@ -165,10 +171,10 @@ def simulate(
         BadInput: If the part or a setting cannot be used, in one sentence.
     """
     chosen, where = material_named(material), resolve_device(device)
-    drops = POSES.get(poses, 1) if orientations is None else orientations
+    landings = {name: value for name, value in (("orientations", orientations), ("poses", poses)) if value is not None}
     wanted = Recipe(
-        surface="", tetrahedra="", prompt="", material=chosen, orientations=drops, poses=poses, criterion=criterion,
-        loads=load_cases(loads), minimum_wall=minimum_wall,
+        surface="", tetrahedra="", prompt="", material=chosen, criterion=criterion, loads=load_cases(loads), minimum_wall=minimum_wall,
+        **with_drops({"standard": standard, **landings}),
     )  # fmt: skip
     part = prepare(mesh, vertices=vertices, stage=stage)
     recipe = fitted(wanted, part)

@@ -254,19 +254,22 @@ class DropSimulator:
         )
         if not several:
             return found
+        # What each landing does in its own zones: no average is taken over maxima of several landings.
+        found = replace(found, envelope=fields.max(axis=0), overall=measures(tets, result.von_mises.max(axis=0), worst(deciding)))
+        if not self.recipe.random_drops:
+            return found
         allowable, weights = self.recipe.material.yield_strength, self._orientations.weights
         return replace(
             found,
-            envelope=fields.max(axis=0),  # what each landing does in its own zones; no average is taken over maxima of several landings
-            overall=measures(tets, result.von_mises.max(axis=0), worst(deciding)),
             probability=exceedance(fields, weights, allowable).astype(np.float32),
             failure_probability=float(exceedance([landing.measures.peak for landing in landings], weights, allowable)),
         )
 
     def _landings(self, tets: TetMesh, result: Drop, deciding: list[Deciding]) -> tuple[Landing, ...]:
         """Measures of each landing."""
-        ways = zip(self._orientations.normals, self._orientations.weights, result.von_mises, deciding, strict=False)  # as placed may be all
+        ways = self._orientations
+        drops = zip(ways.names, ways.normals, ways.weights, result.von_mises, deciding, strict=False)  # as placed may be all
         return tuple(
-            Landing(normal=(float(x), float(y), float(z)), weight=float(weight), measures=measures(tets, stress, one))
-            for (x, y, z), weight, stress, one in ways
+            Landing(name=name, normal=(float(x), float(y), float(z)), weight=float(weight), measures=measures(tets, stress, one))
+            for name, (x, y, z), weight, stress, one in drops
         )

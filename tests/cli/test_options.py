@@ -22,7 +22,7 @@ from mechstyle.simulation import part_test
 
 STYLED = (
     "--amplitude --criterion --device --field --guidance --iterations --json --load --material -m --minimum-wall --orientations --poses "
-    "--prompt -p --protect --seed --set --stylizer"
+    "--prompt -p --protect --seed --set --standard --stylizer"
 )
 RESTRAINED = "--control --every --no-protect-resting-face --normalisation --protect-resting-face --schedule --threshold"
 NAMES = {
@@ -30,8 +30,8 @@ NAMES = {
     "run": f"model --out --scale --vertices {STYLED} {RESTRAINED}",
     "freestyle": f"model --out --scale --vertices {STYLED}",
     "branch": f"address --lane {STYLED} {RESTRAINED}",
-    "simulate": "model --criterion --device --json --load --material -m --minimum-wall --orientations --out --poses --scale --vertices "
-    "--vtu --vtu-each",
+    "simulate": "model --criterion --device --json --load --material -m --minimum-wall --orientations --out --poses --scale --standard "
+    "--vertices --vtu --vtu-each",
     "demo": "--device --json --model --out --prompt -p",
     "application": "name --device --iterations --json --orientations --out --vertices",
     "validate": "--case --json --out --page --quick",

@@ -1,4 +1,4 @@
-"""Ways to land: what each set holds, and that its weights are the probabilities of geometry."""
+"""Ways to land: what each set holds, what its landings are called, and that its weights are the probabilities of geometry."""
 
 from __future__ import annotations
 
@@ -40,12 +40,15 @@ def test_every_set_begins_upright_with_unit_normals_and_probabilities(poses, cou
     np.testing.assert_array_equal(found.normals[0], [0.0, 0.0, 1.0])
     np.testing.assert_allclose(np.linalg.norm(found.normals, axis=1), 1.0, rtol=1e-12)
     assert len(found.normals) <= count
-    assert len(found.normals) == count or poses == "resting"
+    assert len(found.normals) == count or poses not in ("fibonacci", "tilts")
+    assert len(found.names) == len(set(found.names)) == len(found.normals)
+    assert found.names[0].startswith("as placed")
     assert found.weights.sum() == pytest.approx(1.0)
     assert (found.weights >= 0.0).all()
     again = orientation_set(poses, count, SLAB, SLAB.mean(axis=0))
     assert found.normals.tobytes() == again.normals.tobytes()
     assert found.weights.tobytes() == again.weights.tobytes()
+    assert found.names == again.names
 
 
 def test_the_upright_drop_of_a_tumbling_part_weighs_what_its_cap_does():
@@ -107,6 +110,39 @@ def test_the_most_likely_pose_is_dropped_first_after_the_one_as_placed():
     assert found.weights[0] == pytest.approx(found.weights[1])  # upright, and upside down
     assert found.weights[0] > 0.3
     assert (np.diff(found.weights[1:]) <= 1e-12).all()
+
+
+def test_a_tilt_is_named_by_the_side_that_touches_first():
+    found = tilted(9)
+    assert found.names[:4] == ("as placed", "tilted 3° towards -x", "tilted 3° towards 225° from +x", "tilted 3° towards -y")
+    for name, normal in zip(found.names[1::2], found.normals[1::2], strict=True):
+        lowest = CUBE[np.isclose(CUBE @ normal, (CUBE @ normal).min())]
+        axis, side = "xy".index(name[-1]), {"+": 1.0, "-": -1.0}[name[-2]]
+        assert np.all(np.sign(lowest[:, axis]) == side)
+
+
+def test_directions_and_resting_poses_are_numbered_as_they_are_dropped():
+    assert fibonacci(3).names == ("as placed", "direction 1", "direction 2")
+    assert resting(SLAB, SLAB.mean(axis=0), 8).names[:3] == ("as placed", "resting pose 1", "resting pose 2")
+
+
+@pytest.mark.parametrize(("poses", "drops"), [("box26", 26), ("box10", 10), ("faces6", 6)])
+def test_a_box_that_stands_is_not_dropped_on_its_bottom_twice(poses, drops):
+    standing = orientation_set(poses, POSES[poses], SLAB, SLAB.mean(axis=0))
+    assert len(standing.normals) == drops
+    assert standing.names[0] == "as placed, face 3 (bottom)"
+    leaning = SLAB @ trimesh.transformations.rotation_matrix(0.2, (1.0, 0.4, 0.0))[:3, :3].T
+    found = orientation_set(poses, POSES[poses], leaning, leaning.mean(axis=0))
+    assert len(found.normals) == drops + 1 == POSES[poses]
+    assert found.names[0] == "as placed"
+    assert sum(name.startswith("face") for name in found.names) == 6
+    assert np.ptp(found.weights) == 0.0
+
+
+def test_half_a_degree_beside_flat_is_another_landing():
+    """The near edge of a slab lands 0.3 mm before the far one."""
+    leaning = SLAB @ trimesh.transformations.rotation_matrix(np.radians(0.5), (0.0, 1.0, 0.0))[:3, :3].T
+    assert len(orientation_set("faces6", 7, leaning, leaning.mean(axis=0)).normals) == 7
 
 
 def test_unknown_poses_and_counts_are_refused():

@@ -410,3 +410,11 @@ def test_poses_bring_their_number_of_drops_unless_told(poses, drops):
     assert changed(draft("brick", orientations=3), {"poses": poses}).orientations == drops
     with pytest.raises(BadInput, match="unknown poses 'tilt': did you mean 'tilts'"):
         draft("brick", poses="tilt")
+
+
+def test_a_standard_brings_its_landings_to_a_draft_and_to_a_branch():
+    recipe = draft("brick", standard="mil-810h")
+    assert (recipe.standard, recipe.poses, recipe.orientations, recipe.drop_height) == ("mil-810h", "box26", 27, 1220.0)
+    other = changed(recipe, {"standard": "astm-f963"})
+    assert (other.poses, other.orientations, other.drop_height) == ("fibonacci", 10, 1372.0)
+    assert "but poses tilts" in changed(recipe, {"poses": "tilts"}).after_standard

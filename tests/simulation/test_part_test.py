@@ -173,6 +173,18 @@ def test_a_drop_that_failed_has_no_course_and_says_why(drop_it, monkeypatch, tmp
             wanted()
 
 
+def test_landings_of_a_standard_are_named_and_no_probabilities(drop_it, tmp_path):
+    dropped = drop_it(orientations=None, standard="ista-1a")
+    landings = dropped.simulation.landings
+    assert [landing.name for landing in landings[:3]] == ["as placed, face 3 (bottom)", "corner 2-3-5", "edge 2-5"]
+    assert len({landing.name for landing in landings}) == len(landings) == 10
+    assert dropped.recipe.drop_height == 760.0
+    assert dropped.simulation.overall is not None
+    assert dropped.failure_probability is None
+    assert not dropped.simulation.probability.any()
+    assert "failure_probability" not in meshio.read(dropped.save_vtu(tmp_path / "block.vtu")).point_data
+
+
 def test_without_orientations_the_poses_bring_theirs(drop_it):
     assert len(drop_it(orientations=None, poses="resting").simulation.landings) == 6
     assert len(drop_it(orientations=None, poses="tilts").simulation.landings) == 8

@@ -12,7 +12,8 @@ import traitlets
 from mechstyle.errors import BadInput
 from mechstyle.gallery import PREFIX
 from mechstyle.loop.store import parse_address
-from mechstyle.records import POSES, SETTINGS, Recipe
+from mechstyle.records import SETTINGS, Recipe
+from mechstyle.records.landings import with_drops
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.recipes import FREESTYLE, draft
 from mechstyle.runs.run import Run
@@ -160,10 +161,8 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self.branches = Branches(self.controller)
 
     def _give(self, settings: dict[str, Any]) -> None:
-        """Set what was given by name; as everywhere, poses bring their usual number of drops."""
-        if settings.get("poses") in POSES:
-            settings = {"orientations": POSES[settings["poses"]], **settings}
-        for name, value in settings.items():
+        """Set what was given by name; as everywhere, a standard and poses bring what they need."""
+        for name, value in with_drops(settings).items():
             owner = next((section for section in self._sections if name in (*section.FIELDS, *section.OWN)), None)
             if owner is None and name in UNSEEN:
                 self._unseen[name] = value

@@ -14,7 +14,8 @@ from mechstyle._files import write_whole
 from mechstyle.errors import BadInput
 from mechstyle.loop.history import Step, largest_mask_change, steps
 from mechstyle.records import Judgement, Recipe
-from mechstyle.records.material import Material
+from mechstyle.records.landings import STANDARDS
+from mechstyle.records.material import SPREAD, Material
 from mechstyle.records.recipe import described
 from mechstyle.runs.report import texts
 from mechstyle.runs.report.bundle import bundle, static
@@ -63,7 +64,7 @@ def report_page(run: LaneOfRun) -> str:
         notes=_notes(run),
         settings=_settings(run.recipe),
         material=_material(run.recipe.material),
-        limits=joined(fill("<li>{text}</li>", text=text) for text in texts.LIMITS),
+        limits=joined(fill("<li>{text}</li>", text=text) for text in _limits(run.recipe)),
         method=texts.METHOD,
         command=command_for(run, history),
         missing=_missing(run),
@@ -210,6 +211,17 @@ def _plain(value: object) -> object:
     return msgspec.json.encode(value).decode() if value else "none"
 
 
+def _limits(recipe: Recipe) -> list[str]:
+    """Limits of the method, and those of the material and the standard of this run."""
+    material, own = recipe.material, []
+    if material.label != material.name:
+        own.append(f"The figures are those of {material.label}; what is sold under the name lies apart ({SPREAD[material.name]}).")
+    if recipe.standard:
+        words = f"{recipe.after_standard[0].upper()}{recipe.after_standard[1:]}"
+        own.append(f"{words}. {STANDARDS[recipe.standard].departs} The verdict is no test to the standard.")
+    return [*texts.LIMITS, *own]
+
+
 def _material(material: Material) -> Markup:
     rows = (
         ("Young's modulus E", f"{material.youngs_modulus:g} MPa"),
@@ -217,9 +229,17 @@ def _material(material: Material) -> Markup:
         ("density ρ", f"{1000 * material.density:g} g/cm³"),
         ("yield strength", f"{material.yield_strength:g} MPa"),
         ("safety coefficient λ_s (published criterion)", f"{material.safety_coefficient:g}"),
+        ("strength across printed layers, not judged", _across_layers(material)),
     )
     source = fill('<p class="faint">Source of the figures of {name}: {source}.</p>', name=material.name, source=material.source.rstrip("."))
     return joined([table(("property", "value"), rows, f"Material {material.name}"), source])
+
+
+def _across_layers(material: Material) -> str:
+    """The ratio of strengths with its source."""
+    if material.layer_ratio is None:
+        return "not known"
+    return f"{material.layer_ratio:g} of that along them" + (f" ({material.layer_source})" if material.layer_source else "")
 
 
 def _missing(run: LaneOfRun) -> str:

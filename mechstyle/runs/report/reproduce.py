@@ -18,12 +18,12 @@ from mechstyle.runs.recipes import changed, draft
 from mechstyle.runs.report.run_protocol import LaneOfRun
 
 OF_FREESTYLE = frozenset(
-    ("amplitude", "criterion", "field", "guidance", "iterations", "minimum_wall", "orientations", "poses", "seed", "stylizer")
+    ("amplitude", "criterion", "field", "guidance", "iterations", "minimum_wall", "orientations", "poses", "seed", "standard", "stylizer")
 )
 OPTIONS = OF_FREESTYLE | {"control", "every", "normalisation", "protect_resting_face", "schedule", "threshold"}
 """Settings with an option of their own; the others are given with --set."""
 
-FIRST = ("criterion", "control", "poses")
+FIRST = ("criterion", "control", "standard", "poses")
 """Settings that bring others with them, so they are compared first."""
 
 ANY_PROMPT = "brick"

@@ -237,6 +237,20 @@ def test_a_way_to_land_brings_its_usual_number_of_drops():
     assert (options.way, options._way.value) == ("fibonacci", "fibonacci")
 
 
+def test_a_standard_brings_its_landings_and_says_where_it_is_departed_from():
+    options = DropOptions()
+    options._standard.value = "mil-810h"
+    assert (options.standard, options.poses, options.orientations, options.drop_height) == ("mil-810h", "box26", 27, 1220.0)
+    assert options._way.value == "box26"
+    assert "Simulated orientations after MIL-STD-810H" in options._note.value
+    assert "but" not in options._note.value
+    options.drop_height = 800.0
+    assert "but 800 mm instead of 1220 mm" in options._note.value
+    options._standard.value = ""
+    assert (options.standard, options.poses, options.drop_height) == ("", "box26", 800.0)
+    assert "after" not in options._note.value
+
+
 LOADS = """
 [[case]]
 name = "heavy coat"

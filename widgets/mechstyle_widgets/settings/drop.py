@@ -9,6 +9,7 @@ import traitlets
 
 from mechstyle.errors import BadInput
 from mechstyle.records import CRITERIA, POSES
+from mechstyle.records.landings import STANDARDS, landings_after, with_drops
 from mechstyle.records.load_cases import LoadCase, load_cases
 from mechstyle.records.mesh import STANDARD_VERTICES
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, range_of, setting
@@ -21,6 +22,12 @@ WAYS = {
     "fibonacci": ("any way up", "{} drops: as the part stands, then turned every way, evenly spread"),
     "tilts": ("nearly as it stands", "{} drops: as the part stands, then tilted a little to every side"),
     "resting": ("as it comes to rest", "up to {} drops: as the part stands, then on what it would come to rest on, the likeliest first"),
+    "box26": ("on faces, edges, corners", "up to {} drops: as the part stands, then on each face, edge and corner of the box around it"),
+    "box10": (
+        "on a corner, its edges, faces",
+        "up to {} drops: as the part stands, then on a corner of the box around it, on its edges, and on the faces",
+    ),
+    "faces6": ("on each face", "up to {} drops: as the part stands, then on each face of the box around it"),
 }
 """Ways to land, a single drop or one of `POSES`: what they are called, and what is dropped so many times."""
 
@@ -32,6 +39,7 @@ class DropOptions(Section):
         drop_height: Height of fall [mm].
         orientations: Drops in the final test, the first as placed.
         poses: How the others land, one of `POSES`; of no account with one drop.
+        standard: Drop standard whose orientations and height are simulated, a key of `STANDARDS`, or "". Choosing one by hand brings them.
         loads: Load cases the part must carry besides the drop, as records; a load file or a list of records may be set.
         criterion: What viable means, `robust` or `paper`.
         guarantee: Whether the finished relief is corrected until it is viable.
@@ -41,12 +49,13 @@ class DropOptions(Section):
         folder: Run directory, "" for one named by prompt and recipe.
     """
 
-    FIELDS = ("drop_height", "orientations", "poses", "loads", "criterion", "guarantee", "minimum_wall")
+    FIELDS = ("standard", "drop_height", "orientations", "poses", "loads", "criterion", "guarantee", "minimum_wall")
     OWN = ("vertices", "device", "folder")
 
     drop_height = setting("drop_height")
     orientations = setting("orientations")
     poses = setting("poses")
+    standard = setting("standard")
     loads = traitlets.Any(())
     criterion = setting("criterion")
     guarantee = setting("guarantee")
@@ -76,14 +85,17 @@ class DropOptions(Section):
         }
         ways = [(name, way) for way, (name, _) in WAYS.items()]
         self._way = ipywidgets.Dropdown(options=ways, description="it lands", tooltip="How the part meets the floor", **look)
+        known = [("none", ""), *((standard.title, name) for name, standard in STANDARDS.items())]
+        self._standard = ipywidgets.Dropdown(options=known, description="after", tooltip="A drop standard: its landings and height", **look)
         self._drops = controls["orientations"]
         drop_height, *others = controls.values()
-        super().__init__([drop_height, self._way, *others[:1], self._loads_row(), *others[1:]])
+        super().__init__([drop_height, self._way, *others[:1], self._standard, self._loads_row(), *others[1:]])
         for name, value in traits.items():
             setattr(self, name, value)
         for name, widget in controls.items():
             traitlets.link((self, name), (widget, "value"))
         self._way.observe(self._choose_way, "value")
+        self._standard.observe(self._choose_standard, "value")
         self._file.observe(self._read, "value")
         self._tell()
 
@@ -106,14 +118,16 @@ class DropOptions(Section):
     def _as_records(self, proposal: dict[str, Any]) -> tuple[LoadCase, ...]:
         return load_cases(proposal["value"])
 
-    @traitlets.observe("orientations", "poses", "loads")
+    @traitlets.observe("orientations", "poses", "standard", "drop_height", "loads")
     def _tell(self, _change: object = None) -> None:
         """Bring the way up to date, and say what will be tested."""
-        self._way.value = self.way
+        self._way.value, self._standard.value = self.way, self.standard
         self._drops.layout.display = "none" if self.way == ONCE else ""
         self._unload.layout.display = "" if self.loads else "none"
         drops, carried = WAYS[self.way][1].format(self.orientations), "; ".join(case.name for case in self.loads)
-        self.note(f"{drops}. Besides, it must carry: {carried}" if carried else drops)
+        after = landings_after(self.standard, poses=self.poses, orientations=self.orientations, drop_height=self.drop_height)
+        said = (drops, f"{after[:1].upper()}{after[1:]}", f"Besides, it must carry: {carried}" if carried else "")
+        self.note(". ".join(filter(None, said)))
 
     @traitlets.observe("loads")
     def _forget_file(self, _change: object) -> None:
@@ -128,6 +142,13 @@ class DropOptions(Section):
         elif way != self.way:
             with self.hold_trait_notifications():
                 self.poses, self.orientations = way, POSES[way]
+
+    def _choose_standard(self, change: dict[str, Any]) -> None:
+        """A standard brings its landings and height; none leaves them as they are."""
+        if change["new"] != self.standard:
+            with self.hold_trait_notifications():
+                for name, value in with_drops({"standard": change["new"]}).items():
+                    setattr(self, name, value)
 
     def _carry(self, file: str) -> None:
         """Take the load cases of a file, or none; what cannot be used is said and leaves the others."""

@@ -152,6 +152,8 @@ def simulation_layers(run: Run, state: Checkpoint, simulation: Simulation) -> tu
     """The fields only a simulation holds: contact, and the worst of all orientations if they were run."""
     shown = [fields.CONTACT]
     if simulation.overall is not None:
-        strength = run.store.recipe(state.recipe).material.yield_strength
-        shown += [fields.envelope(run.store.allowable(state)), fields.probability(strength)]
+        recipe = run.store.recipe(state.recipe)
+        shown.append(fields.envelope(run.store.allowable(state)))
+        if recipe.random_drops:
+            shown.append(fields.probability(recipe.material.yield_strength))
     return tuple(layer_of(quantity, quantity.of(simulation)) for quantity in shown)
