@@ -118,6 +118,25 @@ def tilted(count: int, angle: float = TILT) -> Orientations:
     return _with_upright(sides, 1.0, np.ones(count - 1), names)
 
 
+def nearly(ways: Orientations, tilts: int) -> Orientations:
+    """Ways to land with some tilted by TILT after number 0, which shares its weight with them: exactly flat is nothing that happens.
+
+    Args:
+        ways: Number 0 is upright.
+        tilts: How many; 0 leaves the ways as they are.
+    """
+    if tilts == 0:
+        return ways
+    flat = tilted(tilts + 1)
+    others = [number for number, name in enumerate(ways.names) if number and name not in flat.names]
+    weights = np.concatenate([np.full(tilts + 1, ways.weights[0] / (tilts + 1)), ways.weights[others]])
+    return Orientations(
+        np.concatenate([flat.normals, ways.normals[others]]),
+        weights / weights.sum(),
+        (ways.names[0], *flat.names[1:], *(ways.names[number] for number in others)),
+    )
+
+
 def resting(points: ArrayLike, centre: ArrayLike, count: int) -> Orientations:
     """Upright, then the poses the part comes to rest in, the most likely first, each as likely as it is to end there.
 

@@ -41,6 +41,7 @@ class Deciding:
     Attributes:
         field: At the vertices [MPa], shape [vertex_count]: on the surface outside zones σ_2, and with a load the larger of it and σ_s
             where that is resolved; in zones and inside the body the largest ball average of the tetrahedra there.
+        outside: The same on the surface outside zones, 0 elsewhere [MPa], shape [vertex_count].
         surface: The largest on the surface outside zones [MPa], 0 if all of it is in zones.
         contact: The largest on the surface in zones [MPa], 0 if there are none.
         averaged: The largest without σ_s [MPa].
@@ -49,6 +50,7 @@ class Deciding:
     """
 
     field: Floats
+    outside: Floats
     surface: float
     contact: float
     averaged: float
@@ -129,20 +131,22 @@ class SurfaceStress:
         in_ball = field[vertices[zone]]
         along = self.along(tets, at_vertices)[~zone]
         point = counting[vertices[~zone]] if len(counting) else np.zeros_like(along)
-        field[vertices] = 0.0
+        outside = np.zeros(len(field))
+        np.maximum.at(outside, vertices[~zone], np.maximum(along, point))
+        field[vertices] = outside[vertices]
         np.maximum.at(field, vertices[zone], in_ball)
-        np.maximum.at(field, vertices[~zone], np.maximum(along, point))
         contact, averaged, resolved = (float(values.max(initial=0.0)) for values in (in_ball, along, point))
         x, y, z = tets.vertices[vertices[np.argmax(field[vertices])]]
         where = (float(x), float(y), float(z))
-        return Deciding(field, _largest(averaged, resolved), contact, _largest(averaged, contact), resolved, where)
+        return Deciding(field, outside, _largest(averaged, resolved), contact, _largest(averaged, contact), resolved, where)
 
 
 def worst(found: Sequence[Deciding]) -> Deciding:
     """The largest of several landings, place by place."""
     highest = max(found, key=lambda one: one.peak)
     figures = {name: _largest(*(getattr(one, name) for one in found)) for name in ("surface", "contact", "averaged", "resolved")}
-    return Deciding(field=np.max([one.field for one in found], axis=0), where=highest.where, **figures)
+    fields = {name: np.max([getattr(one, name) for one in found], axis=0) for name in ("field", "outside")}
+    return Deciding(where=highest.where, **fields, **figures)
 
 
 def _largest(*values: float) -> float:

@@ -49,6 +49,7 @@ LIMITS: Mapping[str, tuple[float, float]] = {
     "threshold": (0.01, 100.0),
     "minimum_wall": (0.0, 100.0),
     "orientations": (1, 512),
+    "tilts": (0, 16),
     "drop_height": (1.0, 1e5),
     "friction": (0.0, 2.0),
     "window": (0.05, 50.0),
@@ -97,6 +98,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
             `box26`, `box10` or `faces6` on faces, edges and corners of the box around it. One of POSES.
         standard: Drop standard whose orientations and height are simulated, one of STANDARDS. It brings poses, orientations and
             drop_height unless they are given; "" for none. A verdict is no test to a standard.
+        tilts: Drops tilted by 3° to all sides, which are judged together with the drop as placed; 0 takes exactly flat at its word.
         drop_height: Height of fall [mm].
         friction: Coulomb coefficient of the floor.
         window: Simulated time after first touch [ms].
@@ -134,6 +136,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     orientations: int = 5
     poses: str = "fibonacci"
     standard: str = ""
+    tilts: int = 3
     drop_height: float = 1500.0
     friction: float = 0.0
     window: float = 1.5

@@ -93,7 +93,7 @@ class Simulation:
     Attributes:
         displacement: What was simulated [mm], shape [vertex_count]: the request, less what the tets could not follow.
         stress: Stress that drives the mask and decides, its largest the peak: of drop as placed and load cases [MPa], shape [vertex_count].
-        envelope: The same over all orientations [MPa], shape [vertex_count]; equals `stress` for one orientation.
+        envelope: The same over all orientations that were dropped [MPa], shape [vertex_count].
         probability: Probability that a random drop takes `stress` there beyond the yield strength, shape [vertex_count]; zero for one
             orientation and for poses that are no sample of random drops. Of the drop alone.
         contact: Whether the surface there touched the floor in the as-placed drop, shape [vertex_count].

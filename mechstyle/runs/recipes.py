@@ -38,6 +38,7 @@ PAPER: dict[str, Any] = {
     "transfer": "nearest",
     "element": "tet4",
     "minimum_wall": 0.0,
+    "tilts": 0,
 }
 """The published method taken literally (Faruqi et al. 2025)."""
 

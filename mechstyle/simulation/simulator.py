@@ -16,7 +16,7 @@ from mechstyle.errors import MechStyleError, SimulationFailed
 from mechstyle.fea.criterion import exceedance, measures
 from mechstyle.fea.drop import Drop, DropTest, drop
 from mechstyle.fea.explicit import Progress, no_progress
-from mechstyle.fea.orientations import Orientations, orientation_set
+from mechstyle.fea.orientations import Orientations, nearly, orientation_set
 from mechstyle.fea.statics.load_test import StaticTest
 from mechstyle.fea.surface_stress import Deciding, SurfaceStress, worst
 from mechstyle.fea.verdict import judge
@@ -100,7 +100,7 @@ class DropSimulator:
         return judge(simulation, self.baseline, self.recipe.material, self.recipe.criterion)
 
     def simulate(self, displacement: NDArray[np.float32], *, thorough: bool) -> Simulation:
-        """Drop the displaced part, as placed or (`thorough`) in all orientations, and load it; remembered by its inputs.
+        """Drop the displaced part, as placed and tilted or (`thorough`) in all orientations, and load it; remembered by its inputs.
 
         A relief that reaches under a part whose resting face is not protected cannot be carried by morphed tetrahedra, so
         the thorough test of such a part is run on a fresh mesh of the styled surface.
@@ -139,7 +139,7 @@ class DropSimulator:
 
     def _key(self, displacement: NDArray[np.float32], *, thorough: bool, fresh: bool) -> str:
         recipe = self.recipe
-        drops = (recipe.poses, recipe.orientations) if thorough else 1
+        drops = (recipe.tilts, recipe.poses, recipe.orientations) if thorough else (recipe.tilts,)
         return memo_key((PHYSICS_VERSION, self.device, *physics(recipe), recipe.loads, drops, fresh), displacement)
 
     @cached_property
@@ -156,8 +156,9 @@ class DropSimulator:
 
     @cached_property
     def _orientations(self) -> Orientations:
-        """Orientations of the unstylized part, so that both are compared in the same landings."""
-        return orientation_set(self.recipe.poses, self.recipe.orientations, self.surface.vertices, centre_of_mass(self.surface))
+        """Orientations of the unstylized part, so that both are compared in the same landings: as placed, tilted, then the others."""
+        recipe, points = self.recipe, self.surface.vertices
+        return nearly(orientation_set(recipe.poses, recipe.orientations, points, centre_of_mass(self.surface)), recipe.tilts)
 
     def _on_morphed_mesh(self, displacement: NDArray[np.float32], *, thorough: bool) -> Simulation:
         morphed = self._morph.morphed(displacement)
@@ -215,14 +216,14 @@ class DropSimulator:
         return result
 
     def _drop(self, tets: TetMesh, *, thorough: bool) -> Drop:
-        floor_normals = self._orientations.normals[: None if thorough else 1]
+        floor_normals = self._orientations.normals[: None if thorough else 1 + self.recipe.tilts]
         return drop(tets, self.recipe.material, floor_normals, prescribed(self.recipe), device=self.device, progress=self.progress)
 
     def _measured(self, morphed: Morphed, result: Drop, reading: SurfaceStress, transfer: Transfer) -> Simulation:
         """Measures and surface fields of a drop; all zero, with the reason, for one that failed."""
         tets, zeros = morphed.tets, np.zeros(len(self.surface.vertices), np.float32)
         nothing = Measures(peak=0.0, p999=0.0, p99=0.0, maximum=0.0, where=(0.0, 0.0, 0.0), volume=float(tets.volumes.sum()))
-        several = len(result.von_mises) > 1
+        several, tilts = len(result.von_mises) > 1 + self.recipe.tilts, slice(1, 1 + self.recipe.tilts)
         failed = Simulation(
             displacement=morphed.displacement,
             stress=zeros,
@@ -247,15 +248,18 @@ class DropSimulator:
         found = replace(
             failed,
             stress=fields[0],
-            envelope=fields[0],
+            envelope=fields.max(axis=0),  # what each landing does in its own zones: no average is taken over maxima of several landings
             contact=transfer.to_surface(result.contact[0].astype(np.float64)) > 0.5,
             as_placed=landings[0].measures,
             landings=landings,
         )
+        if nearly_as_placed := deciding[tilts]:
+            outside = np.stack([transfer.to_surface(one.outside) for one in nearly_as_placed])
+            of_tilts = measures(tets, result.von_mises[tilts].max(axis=0), worst(nearly_as_placed))
+            found = replace(found, tilted=of_tilts, tilted_stress=outside.max(axis=0).astype(np.float32))
         if not several:
             return found
-        # What each landing does in its own zones: no average is taken over maxima of several landings.
-        found = replace(found, envelope=fields.max(axis=0), overall=measures(tets, result.von_mises.max(axis=0), worst(deciding)))
+        found = replace(found, overall=measures(tets, result.von_mises.max(axis=0), worst(deciding)))
         if not self.recipe.random_drops:
             return found
         allowable, weights = self.recipe.material.yield_strength, self._orientations.weights
