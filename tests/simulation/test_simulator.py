@@ -51,7 +51,7 @@ def drops(monkeypatch):
 
 def simulator(block, memo, **settings) -> DropSimulator:
     surface, tets = block
-    chosen = {"material": LIBRARY["PLA"], "orientations": 2, "window": 0.1, **settings}
+    chosen = {"material": LIBRARY["PLA"], "orientations": 2, "tilts": 0, "window": 0.1, **settings}
     recipe = Recipe(surface=surface.digest, tetrahedra=tets.digest, prompt="", **chosen)
     return DropSimulator(surface, tets, recipe, memo)
 
@@ -158,6 +158,31 @@ def test_a_block_is_dropped_on_what_it_rests_on(block, memo, drops):
     np.testing.assert_allclose(np.abs(normals).max(axis=1), 1.0, atol=1e-6)
     assert base.landings[0].measures == base.as_placed
     assert base.landings[0].weight > 0.25  # the largest side of 30 × 20 × 10 mm
+
+
+def test_tilted_landings_are_dropped_beside_the_one_as_placed_in_the_loop_as_well(block, memo, drops):
+    sim = simulator(block, memo, tilts=3)
+    placed = simulator(block, memo).simulate(bumps(block), thorough=False)
+    within, last = (sim.simulate(bumps(block), thorough=thorough) for thorough in (False, True))
+    assert drops == [1, 4, 5]
+    assert [landing.name[:6] for landing in last.landings] == ["as pla", "tilted", "tilted", "tilted", "direct"]
+    for found in (within, last):
+        assert found.as_placed == placed.as_placed, "what tilted landings do is judged apart"
+        assert np.array_equal(found.stress, placed.stress)
+        assert found.tilted.surface == max(landing.measures.surface for landing in found.landings[1:4])
+        assert found.tilted_stress.max() == pytest.approx(found.tilted.surface, rel=0.1)
+        assert np.all(found.envelope >= found.tilted_stress - 1e-4)
+    assert within.overall is None
+    assert last.overall.p99 >= within.tilted.p99
+    assert sum(landing.weight for landing in last.landings) == pytest.approx(1.0)
+    assert len({landing.weight for landing in last.landings[:4]}) == 1
+
+
+def test_where_a_tilted_landing_touches_is_left_to_the_rule_over_all_orientations(block, memo):
+    """An edge that is hit has no finite stress, styled or not; what tilts are judged by is the surface away from it."""
+    found = simulator(block, memo, tilts=3).simulate(bumps(block), thorough=False)
+    corner = found.tilted_stress[block[0].vertices[:, 2] < 0.5]
+    assert found.envelope[block[0].vertices[:, 2] < 0.5].max() > 1.2 * corner.max()
 
 
 def test_probability_is_the_weight_of_the_drops_that_exceed_the_yield_strength(block, memo):
