@@ -87,7 +87,7 @@ def _report(dropped: PartTest, files: dict[str, str]) -> None:
     """Print what a drop test found, for people."""
     strength, simulation = dropped.strength, dropped.simulation
     rows = table("", "")
-    peak = "largest element stress" if dropped.verdict.criterion == "paper" else "peak stress (2 mm average)"
+    peak = "largest element stress" if dropped.verdict.criterion == "paper" else "peak stress at the surface"
     for label, value in (
         ("verdict", verdict_text(strength.verdict)),
         (

@@ -78,7 +78,7 @@ class Quantity:
 
 def stress(limit: float) -> Quantity:
     """Stress against what it may at most be [MPa]."""
-    return _against(limit, "stress", "von Mises stress, 2 mm average", "MPa")
+    return _against(limit, "stress", "von Mises stress at the surface", "MPa")
 
 
 def envelope(limit: float) -> Quantity:

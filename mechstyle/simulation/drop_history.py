@@ -173,7 +173,7 @@ def _stress_plot(history: History, impact: Impact, course: Course, limit: float)
     from mechstyle.pictures.plots import Curve, Plot  # noqa: PLC0415 — as above
 
     curves = (
-        Curve("2 mm average on the surface", impact.time, impact.stress.max(axis=1), stepped=True),
+        Curve("what decides, at the surface", impact.time, impact.stress.max(axis=1), stepped=True),
         Curve("largest in an element", history.time, history.peak_stress[:, 0]),
     )
     x, y, z = course.peak_where

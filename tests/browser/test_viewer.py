@@ -42,7 +42,7 @@ def test_a_layer_chosen_with_the_mouse_paints_the_part(shown):
     shown.page.locator(".mechstyle-viewer select").first.select_option("stress")
     shown.changed(shown.canvas(), before, 0.05)
     shown.until("(viewer.layer, state.layer)", "('stress', 'stress')")
-    assert "von Mises stress, 2 mm average [MPa]" in shown.page.locator(".mechstyle-viewer").inner_text()
+    assert "von Mises stress at the surface [MPa]" in shown.page.locator(".mechstyle-viewer").inner_text()
     shown.keep("viewer-stress")
 
 

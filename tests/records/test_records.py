@@ -15,7 +15,19 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mechstyle.errors import BadInput
-from mechstyle.records import CONTROLS, CRITERIA, NORMALISATIONS, SCHEDULES, Checkpoint, Judgement, Measures, Recipe, Simulation, Verdict
+from mechstyle.records import (
+    CONTROLS,
+    CRITERIA,
+    NORMALISATIONS,
+    SCHEDULES,
+    Checkpoint,
+    Judgement,
+    LoadResult,
+    Measures,
+    Recipe,
+    Simulation,
+    Verdict,
+)
 from mechstyle.records.checkpoint import restrained
 from mechstyle.records.load_cases import Load, LoadCase, Support, read_loads
 from mechstyle.records.material import LIBRARY
@@ -250,6 +262,24 @@ def test_an_outcome_that_does_not_exist_is_refused_on_reading():
     text = msgspec.json.encode(verdict()).replace(b'"outcome":"VIABLE"', b'"outcome":"FINE"')
     with pytest.raises(msgspec.ValidationError, match="FINE"):
         msgspec.json.decode(text, type=Verdict)
+
+
+# --- figures of a test --------------------------------------------------------------------------------------------
+
+
+def test_of_two_tests_each_stress_is_the_larger_and_the_place_that_of_the_larger_peak():
+    one = Measures(peak=20.0, surface=20.0, contact=5.0, p999=18.0, p99=12.0, maximum=30.0, where=(0.0, 0.0, 1.0), volume=1000.0)
+    other = Measures(peak=15.0, surface=9.0, contact=15.0, p999=19.0, p99=11.0, maximum=31.0, where=(2.0, 2.0, 2.0), volume=1000.0)
+    for found in (one.or_worse(other), other.or_worse(one)):
+        assert (found.peak, found.surface, found.contact) == (20.0, 20.0, 15.0)
+        assert (found.p999, found.p99, found.maximum, found.where) == (19.0, 12.0, 31.0, (0.0, 0.0, 1.0))
+
+
+def test_a_load_tells_both_the_stress_at_the_surface_and_over_2_mm():
+    resolved = LoadResult(name="hand", peak=38.2, surface=38.2, averaged=36.0, where=(1.0, 2.0, 3.0), deflection=0.123)
+    assert resolved.words == "38.2 MPa at the surface (36.0 over 2 mm) at (1.0, 2.0, 3.0) mm, deflection 0.12 mm"
+    unresolved = msgspec.structs.replace(resolved, peak=36.0, surface=12.0)
+    assert unresolved.words == "36.0 MPa over 2 mm at (1.0, 2.0, 3.0) mm, deflection 0.12 mm"
 
 
 # --- fields over the surface --------------------------------------------------------------------------------------

@@ -30,7 +30,7 @@ P99_FINER, P99_AGAIN, PEAK = 0.06, 0.04, 0.12
 
 
 class Figures(NamedTuple):
-    """The measures that decide [MPa]: the 2 mm peak as placed and the 99th percentile over all orientations."""
+    """The measures that decide [MPa]: the peak as placed and the 99th percentile over all orientations."""
 
     peak: float
     p99: float

@@ -1,0 +1,85 @@
+"""What is near on the same side of a wall, and what only looks near."""
+
+import numpy as np
+import pytest
+
+from mechstyle.fea.sides import Sides
+from mechstyle.records.mesh import TetMesh
+
+UP, DOWN = np.array([0.0, 0.0, 1.0]), np.array([0.0, 0.0, -1.0])
+
+
+def beside(*parts):
+    """Bodies that do not touch, as one mesh."""
+    starts = np.cumsum([0, *(len(part.vertices) for part in parts[:-1])])
+    return TetMesh(np.concatenate([part.vertices for part in parts]), np.concatenate([p.tets + s for p, s in zip(parts, starts, strict=True)]))
+
+
+def facing(sides, direction):
+    return sides._directions @ direction > 0.9
+
+
+def test_points_share_the_area_and_follow_a_morph(box):
+    mesh = box((5, 3, 2), (15.0, 8.0, 4.0))
+    sides = Sides(mesh)
+    assert sides.weights(mesh).sum() == pytest.approx(2 * (15 * 8 + 15 * 4 + 8 * 4))
+    stretched = mesh.moved(mesh.vertices * [2.0, 1.0, 1.0])
+    assert sides.weights(stretched).sum() == pytest.approx(2 * (30 * 8 + 30 * 4 + 8 * 4))
+    heights = sides.points @ mesh.vertices[:, 2]
+    assert sides.weights(mesh) @ heights == pytest.approx(2.0 * sides.weights(mesh).sum())  # the middle of the body
+    assert np.diff(sides.points.indptr).max() == 3
+
+
+def test_a_vertex_on_an_edge_is_a_spot_of_each_side_and_on_a_plane_of_one(box):
+    sides = Sides(box((3, 3, 3), (9.0, 9.0, 9.0)))
+    number = np.bincount(sides.vertices)
+    on = np.isclose(sides._vertices % 9.0, 0.0).sum(axis=1)  # 1 in a face, 2 on an edge, 3 at a corner
+    assert (number[on == 1] == 1).all()
+    assert (number[on == 2] >= 2).all()
+    assert (number[on == 3] >= 3).all()
+
+
+@pytest.mark.parametrize("edge", [0.7, 1.0, 2.0, 4.0])
+def test_the_points_within_reach_of_a_spot_are_those_of_a_disc_on_its_own_side(box, edge):
+    """In a wall of 1 mm the other side is nearer than 2 mm, and so is the rim."""
+    count = round(16.0 / edge)
+    mesh = box((count, count, 1), (16.0, 16.0, 1.0))
+    sides = Sides(mesh)
+    area = sides.near(2.0) @ sides.weights(mesh)
+    inner = facing(sides, UP) & (np.abs(sides.positions[:, :2] - 8.0).max(axis=1) < 5.0)
+    assert area[inner] == pytest.approx(np.full(inner.sum(), 4.0 * np.pi), rel=0.2)
+    points = sides.points @ mesh.vertices
+    near = sides.near(2.0).tocsr()[np.flatnonzero(inner)]
+    assert points[near.indices, 2] == pytest.approx(1.0)
+
+
+def test_the_same_side_of_the_next_wall_is_not_near(box):
+    """Two plates 0.5 mm apart: both look up, and lie within 2 mm of each other."""
+    plate = box((10, 10, 1), (10.0, 10.0, 1.0))
+    pair = beside(plate, plate.moved(plate.vertices + [0.0, 0.0, 1.5]))
+    sides = Sides(pair)
+    heights = (sides.points @ pair.vertices)[:, 2]
+    lower = facing(sides, UP) & np.isclose(sides.positions[:, 2], 1.0)
+    assert heights[sides.near(2.0)[np.flatnonzero(lower)].indices] == pytest.approx(1.0)
+    zone = sides.around(np.isclose(pair.vertices[:, 2], 0.0), 3.0)
+    assert zone[facing(sides, DOWN) & np.isclose(sides.positions[:, 2], 0.0)].all()
+    assert not zone[np.isclose(sides.positions[:, 2], 1.5) | np.isclose(sides.positions[:, 2], 2.5)].any()
+
+
+def test_the_upper_side_of_a_floor_is_not_beside_what_its_underside_stands_on(box):
+    mesh = box((10, 10, 2), (20.0, 20.0, 3.0))
+    sides = Sides(mesh)
+    zone = sides.around(np.isclose(mesh.vertices[:, 2], 0.0), 3.0)
+    assert zone[facing(sides, DOWN)].all()
+    assert not zone[facing(sides, UP)].any()
+
+
+def test_a_zone_reaches_so_far_round_an_edge_and_no_farther(box):
+    """A plate stands on its narrow side: both large sides belong to the zone up to 3 mm."""
+    mesh = box((1, 20, 20), (2.0, 20.0, 20.0))
+    sides = Sides(mesh)
+    zone = sides.around(np.isclose(mesh.vertices[:, 2], 0.0), 3.0)
+    for outwards in ([1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]):
+        large = facing(sides, np.array(outwards))
+        assert np.array_equal(zone[large], sides.positions[large, 2] < 3.5)
+    assert not sides.around(np.zeros(len(mesh.vertices), bool), 3.0).any()
