@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import signal
 import threading
@@ -185,6 +186,29 @@ def test_simulate_reports_the_part_as_it_is(mechstyle):
     assert len(outcome["landings"]) == 1
     assert outcome["course"]["balance_error"] < 0.01
     assert len(outcome["history"]["time"]) == len(outcome["history"]["contact_force"]) > 100
+
+
+def test_simulate_after_a_standard_names_landings_and_claims_nothing(mechstyle):
+    small = ("simulate", "gallery:pen_holder", "--vertices", "2000", "--standard", "ista-1a", "--orientations", "2")
+    said = " ".join(mechstyle(*small).stdout.split())
+    assert "simulated orientations after ISTA 1A, drop test below 10 kg, but 2 orientations instead of 11" in said
+    assert re.search(r"worst orientation [\d.]+ MPa in number \d, (as placed, face 3 \(bottom\)|corner 2-3-5), floor normal", said)
+    assert "without a package" in said
+    assert "pass" not in said.lower()
+    assert "random" not in said
+    outcome = mechstyle(*small, "--json").json
+    assert [landing["name"] for landing in outcome["landings"]] == ["as placed, face 3 (bottom)", "corner 2-3-5"]
+    assert outcome["after_standard"].startswith("simulated orientations after ISTA 1A")
+    assert outcome["failure_probability"] is None
+
+
+def test_materials_are_listed_with_their_spread_and_their_layers(mechstyle):
+    said = " ".join(mechstyle("materials").stdout.split())
+    assert "23 to 65 MPa" in said
+    assert "generic" in said
+    known = mechstyle("materials", "--json").json
+    assert {material["name"]: material["layer_ratio"] for material in known["materials"]}["ABS"] is None
+    assert set(known["spread"]) == {material["name"] for material in known["materials"]}
 
 
 def test_simulate_carries_the_loads_of_a_file_and_warns_of_thin_walls(mechstyle):

@@ -7,18 +7,11 @@ import pytest
 
 from mechstyle.errors import BadInput
 from mechstyle.records.material import LIBRARY, SPREAD, Material, material_named, read_material
+from support import ROOT
 
 STEEL = Material(name="steel", youngs_modulus=210e3, poisson_ratio=0.3, density=7.85e-3, yield_strength=235.0)
-BRAND = """
-name = "PolyTerra PLA"
-youngs_modulus = 1997          # MPa, ISO 527, along the layers
-poisson_ratio = 0.36           # not on the sheet: as the library's PLA
-density = 1.31e-3              # g/mm³
-yield_strength = 23.2          # MPa
-layer_ratio = 0.526            # 12.2 MPa across the layers
-layer_source = "Polymaker TDS V5.3"
-source = "Polymaker TDS V5.3"
-"""
+DOCUMENTED = (ROOT / "docs" / "simulation.md").read_text(encoding="utf-8")
+BRAND = re.search(r"```toml\n(.*?)```", DOCUMENTED, re.DOTALL)[1]
 
 
 def toml(**changes):

@@ -10,6 +10,7 @@ import pytest
 
 from mechstyle.errors import BadInput
 from mechstyle.loop.history import largest_mask_change, rows, steps
+from mechstyle.records.landings import STANDARDS
 from mechstyle.records.recipe import described
 from mechstyle.runs.report import texts
 from mechstyle.runs.report.page import report_page, write_report
@@ -65,6 +66,15 @@ def test_it_says_what_a_reader_must_know(read, lane):
         assert words_ in read.text
     for name in type(recipe).__struct_fields__:
         assert name == "material" or name.replace("_", " ") in read.text
+
+
+def test_it_says_what_the_material_and_the_standard_leave_open(sheet):
+    text = Reader(report_page(sheet(iterations=3, standard="mil-810h"))).text
+    assert "generic PLA; what is sold under the name lies apart (strength 23 to 65 MPa" in text
+    assert "Simulated orientations after MIL-STD-810H, method 516.8, procedure IV (transit drop), but" in text
+    assert STANDARDS["mil-810h"].departs in text
+    assert "0.55 of that along them" in text
+    assert "pass" not in text.lower()
 
 
 def test_every_setting_is_explained(read, lane):
