@@ -1,14 +1,38 @@
-"""Files that appear whole or not at all, and the folder of what may be deleted: prepared parts, fetched weights."""
+"""Files that appear whole or not at all, names they may have, and the folder of what may be deleted: prepared parts, fetched weights."""
 
 from __future__ import annotations
 
 import contextlib
 import errno
 import os
+import re
 import tempfile
+import unicodedata
 from pathlib import Path
 
 from mechstyle.errors import MechStyleError
+
+NO_FILE_NAME = re.compile(r'[<>:"/\\|?*]')
+"""What Windows or any other system gives a meaning of its own in a path."""
+DEVICES = re.compile(r"(con|prn|aux|nul|com[0-9]|lpt[0-9])\s*(\.|$)", re.IGNORECASE)
+"""Names that Windows keeps for devices, with any suffix."""
+LONGEST_STEM = 120
+"""Of the 255 bytes that most file systems give a name; the rest is for lane, iteration and suffix."""
+
+
+def file_stem(name: str) -> str:
+    """A name as the first part of the name of a file, on any system: no folder, no drive, no device, not empty, not too long.
+
+    Names of parts come from people and from run folders that others made, so no name is used in a path without this.
+
+    Args:
+        name: Any text.
+    """
+    letters = (letter if unicodedata.category(letter)[0] != "C" else " " for letter in NO_FILE_NAME.sub("_", name))
+    stem = "".join(letters).strip(" .")
+    stem = f"_{stem}" if DEVICES.match(stem) else stem
+    stem = stem.encode()[:LONGEST_STEM].decode(errors="ignore").strip(" .")
+    return stem if stem.strip("_ .") else "part"
 
 
 def write_whole(path: Path, data: bytes) -> None:

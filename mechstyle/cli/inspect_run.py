@@ -66,7 +66,7 @@ def show_command(
     root, lane, iteration = parse_address(address)
     run = Run.open(f"{root}@{lane}", "cpu")
     state = run.checkpoint(iteration)
-    path = run.show(iteration).save(picture or root / f"{run.record.name}-{lane}-{state.iteration}.png")
+    path = run.show(iteration).save(picture or root / f"{run.record.stem}-{lane}-{state.iteration}.png")
     if as_json:
         fields = {
             "iteration": state.iteration,
@@ -112,7 +112,7 @@ def export_command(
     root, lane, iteration = parse_address(address)
     run = Run.open(f"{root}@{lane}", device if fine else "cpu")
     number = run.store.find(iteration, lane).iteration
-    place = path or root / f"{run.record.name}-{lane}-{number}{'-fine' if fine else ''}.{chosen}"
+    place = path or root / f"{run.record.stem}-{lane}-{number}{'-fine' if fine else ''}.{chosen}"
     written = run.exported(place, iteration, fine=fine)
     if as_json:
         print_json({"export": written, "files": {"model": str(place), "quality": str(sidecar(place))}})

@@ -24,7 +24,7 @@ def report_command(
     from mechstyle.runs.run import Run  # noqa: PLC0415 — loaded when wanted
 
     run = Run.open(address, "cpu")
-    written = run.report(path or run.store.root / f"{run.record.name}-{run.lane}.html")
+    written = run.report(path or run.store.root / f"{run.record.stem}-{run.lane}.html")
     if as_json:
         print_json({"lane": run.lane, "files": {"report": str(written)}})
         return

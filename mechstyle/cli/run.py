@@ -65,7 +65,7 @@ def finish(run: Any, teller: Any) -> Any:
     teller.stage("simulating the unstylized part")
     run.go(teller.event, teller.fraction)
     teller.stage("writing files")
-    stem = f"{run.record.name}-{run.lane}"
+    stem = f"{run.record.stem}-{run.lane}"
     model = run.store.root / f"{stem}.3mf"
     quality = run.exported(model).quality
     run.add_files({"model": model, "picture": run.show().save(run.store.root / f"{stem}.png")}, quality.warnings)

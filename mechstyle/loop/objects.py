@@ -9,8 +9,9 @@ import contextlib
 import hashlib
 import io
 import math
+import re
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -39,6 +40,30 @@ def to_json(record: object, enc_hook: Callable[[Any], Any] | None = None) -> byt
 def from_json(data: bytes, kind: type[T], dec_hook: Callable[[type, Any], Any] | None = None) -> T:
     """Read a record that `to_json` wrote; msgspec.DecodeError if it is no such record."""
     return msgspec.json.decode(data, type=kind, dec_hook=dec_hook, strict=False)
+
+
+UNREADABLE = (msgspec.DecodeError, ValueError, KeyError, EOFError, OverflowError, MemoryError, RecursionError)
+"""What reading JSON, an array or a mesh raises if the bytes are no such thing, or are one that somebody forged."""
+
+
+@contextlib.contextmanager
+def _read_as(what: str, path: Path) -> Iterator[None]:
+    """Turn what reading raises into DamagedStore, which names the file."""
+    try:
+        yield
+    except UNREADABLE as error:
+        why = str(error) or type(error).__name__
+        raise DamagedStore(f"{path} is not {what}: {why}; restore it from a copy, or start the run again") from error
+
+
+def read_record(path: Path, kind: type[T]) -> T:
+    """A record in a file of its own; DamagedStore if the file is missing or is no such record."""
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise DamagedStore(f"{path} is missing or unreadable: restore it from a copy, or start the run again") from error
+    with _read_as(f"a {kind.__name__}", path):
+        return from_json(data, kind)
 
 
 def _spelled(value: Any) -> Any:
@@ -71,6 +96,8 @@ class Objects:
 
     def get(self, digest: str) -> bytes:
         """The bytes of an object, verified; DamagedStore if it is missing or does not match its name."""
+        if not re.fullmatch("[0-9a-f]{64}", digest):  # or it could be a path
+            raise DamagedStore(f"{self.root.parent} names an object {digest[:80]!r}, which is no SHA-256: start the run again")
         try:
             content = zlib.decompress(self.path(digest).read_bytes())
         except (OSError, zlib.error) as error:
@@ -89,8 +116,10 @@ class Objects:
 
     def get_array(self, digest: str) -> NDArray[Any]:
         """An array as it was stored."""
-        array: NDArray[Any] = np.load(io.BytesIO(self.get(digest)), allow_pickle=False)
-        return array
+        content = self.get(digest)
+        with _read_as("an array", self.path(digest)):
+            array: NDArray[Any] = np.load(io.BytesIO(content), allow_pickle=False)
+            return array
 
     def put_record(self, record: object) -> str:
         """Store a record; arrays inside become objects of their own, so equal arrays are kept once."""
@@ -98,10 +127,9 @@ class Objects:
 
     def get_record(self, digest: str, kind: type[T]) -> T:
         """A record of the given type; DamagedStore if it is not one."""
-        try:
-            return from_json(self.get(digest), kind, lambda _, name: self.get_array(name))
-        except msgspec.DecodeError as error:
-            raise DamagedStore(f"{self.path(digest)} is not a {kind.__name__}: {error}") from error
+        content = self.get(digest)
+        with _read_as(f"a {kind.__name__}", self.path(digest)):
+            return from_json(content, kind, lambda _, name: self.get_array(name))
 
     def _array_to_digest(self, value: object) -> str:
         if isinstance(value, np.ndarray):
@@ -116,7 +144,8 @@ class Objects:
     def get_mesh(self, digest: str, kind: type[M]) -> M:
         """A mesh as it was stored."""
         table = self.get_record(digest, dict[str, str])
-        return kind(self.get_array(table["vertices"]), self.get_array(table["cells"]))
+        with _read_as(f"a {kind.__name__}", self.path(digest)):
+            return kind(self.get_array(table["vertices"]), self.get_array(table["cells"]))
 
 
 class Memo:

@@ -19,8 +19,8 @@ from pathlib import Path
 import msgspec
 
 from mechstyle._files import write_whole
-from mechstyle.errors import BadInput, DamagedStore, unknown
-from mechstyle.loop.objects import Memo, Objects
+from mechstyle.errors import BadInput, unknown
+from mechstyle.loop.objects import Memo, Objects, read_record
 from mechstyle.records import Checkpoint, Recipe, Verdict
 
 
@@ -71,22 +71,19 @@ class Store:
 
     def lanes(self) -> tuple[str, ...]:
         """Names of the lanes, `main` first, then in order of name."""
-        names = sorted(path.stem for path in (self.root / "lanes").glob("*.json"))
+        names = sorted(path.stem for path in (self.root / "lanes").glob("*.json") if _may_be_a_lane(path.stem))
         return tuple(sorted(names, key=lambda name: name != "main"))
 
     def lane(self, name: str = "main") -> Lane:
         """A lane by name; BadInput for a lane that is not there."""
         path = self.root / "lanes" / f"{name}.json"
-        if not path.is_file():
+        if not (_may_be_a_lane(name) and path.is_file()):
             raise unknown(f"lane in {self.root}", name, self.lanes())
-        try:
-            return msgspec.json.decode(path.read_bytes(), type=Lane)
-        except msgspec.DecodeError as error:
-            raise DamagedStore(f"{path} cannot be read: {error}") from error
+        return read_record(path, Lane)
 
     def move(self, name: str, lane: Lane) -> None:
         """Point a lane somewhere; names are letters, digits, dots, dashes and underscores, but no number: `DIR@120` is an iteration."""
-        if name.isdigit() or not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9._-]*", name):
+        if not _may_be_a_lane(name):
             rest = "hold only letters, digits, '.', '-' and '_', and not be a number"
             raise BadInput(f"lane name {name!r} must begin with a letter or digit, {rest}")
         write_whole(self.root / "lanes" / f"{name}.json", msgspec.json.encode(lane))
@@ -150,6 +147,10 @@ class Store:
         raise BadInput(
             f"iteration {iteration} is not in lane {lane!r} of {self.root}: it holds {history[0].iteration} to {history[-1].iteration}"
         )
+
+
+def _may_be_a_lane(name: str) -> bool:
+    return not name.isdigit() and re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9._-]*", name) is not None
 
 
 def parse_address(address: str) -> tuple[Path, str, int | None]:

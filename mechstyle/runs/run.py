@@ -12,16 +12,17 @@ from pathlib import Path
 from typing import Any
 
 import msgspec
+import numpy as np
 
-from mechstyle._files import cache_folder, write_whole
-from mechstyle.errors import BadInput
+from mechstyle._files import cache_folder, file_stem, write_whole
+from mechstyle.errors import BadInput, DamagedStore
 from mechstyle.fea.drop import resolve_device
 from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.loop import minimum_wall
 from mechstyle.loop.engine import Engine
 from mechstyle.loop.events import Event, Finished
 from mechstyle.loop.lock import exclusive
-from mechstyle.loop.objects import from_json, to_json
+from mechstyle.loop.objects import read_record, to_json
 from mechstyle.loop.store import Entry, Lane, Store, parse_address
 from mechstyle.pictures.panels import Picture, checkpoint_panels, picture, with_protected
 from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict
@@ -50,6 +51,11 @@ class PartRecord(msgspec.Struct, frozen=True, kw_only=True):
     stands: bool
     notes: tuple[str, ...]
     origin: Origin = Origin()
+
+    @property
+    def stem(self) -> str:
+        """The name as the first part of the name of a file."""
+        return file_stem(self.name)
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,14 +100,17 @@ class Run:
     @property
     def record(self) -> PartRecord:
         """The part as stored."""
-        return msgspec.json.decode((self.store.root / "part.json").read_bytes(), type=PartRecord)
+        return read_record(self.store.root / "part.json", PartRecord)
 
     @cached_property
     def part(self) -> Workpiece:
         """The prepared part."""
         record, objects = self.record, self.store.objects
         surface, tets = objects.get_mesh(record.surface, SurfaceMesh), objects.get_mesh(record.tets, TetMesh)
-        return Workpiece(surface, tets, objects.get_array(record.thickness), record.stands, record.notes)
+        thickness = objects.get_array(record.thickness)
+        if thickness.shape != (len(surface.vertices),) or not np.issubdtype(thickness.dtype, np.floating):
+            raise DamagedStore(f"{self.store.root / 'part.json'} has walls of another part: restore it from a copy, or start the run again")
+        return Workpiece(surface, tets, thickness, record.stands, record.notes)
 
     @property
     def history(self) -> list[Entry]:
@@ -128,7 +137,7 @@ class Run:
         if not (self.finished and path.is_file()):
             how = "run the command that started it again, it goes on where it stopped"
             raise BadInput(f"lane {self.lane!r} of {self.store.root} is not finished: {how}")
-        return from_json(path.read_bytes(), Summary)
+        return read_record(path, Summary)
 
     def checkpoint(self, iteration: int | None = None) -> Checkpoint:
         """The newest checkpoint of an iteration, None for the last."""

@@ -246,7 +246,7 @@ def _missing(run: LaneOfRun) -> str:
     """Preconditions of the command, in words: files or plug-ins it needs."""
     model = run.record.origin.model
     if not model:
-        return f"The run was begun from a mesh in memory: save it as {run.record.name}.stl first. "
+        return f"The run was begun from a mesh in memory: save it as {run.record.stem}.stl first. "
     return "" if model.startswith("gallery:") else f"It needs the file {model} in the folder where it is typed. "
 
 

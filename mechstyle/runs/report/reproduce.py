@@ -37,7 +37,7 @@ def command_for(run: LaneOfRun, history: Sequence[Entry]) -> str:
     recipes = [run.store.recipe(digest) for digest in dict.fromkeys(entry.recipe for entry in history)]
     if run.recipe.digest not in {recipe.digest for recipe in recipes}:
         recipes.append(run.recipe)  # branched, but not carried on yet
-    folder = f"again-{run.record.name}"
+    folder = f"again-{run.record.stem}"
     steps = [_run(run, recipes[0], folder)]
     parent = "main"
     for number, (old, new) in enumerate(pairwise(recipes), 1):
@@ -85,7 +85,7 @@ def _run(run: LaneOfRun, recipe: Recipe, folder: str) -> str:
     plain, free = (settings_for(recipe, partial(draft, ANY_PROMPT, freestyle=freestyle)) for freestyle in (False, True))
     verb, settings, known = ("freestyle", free, OF_FREESTYLE) if len(free) < len(plain) else ("run", plain, OPTIONS)
     origin = run.record.origin
-    model = origin.model or f"{run.record.name}.stl"
+    model = origin.model or f"{run.record.stem}.stl"
     made = ["--vertices", str(origin.vertices)] if origin.vertices != STANDARD_VERTICES else []
     made += ["--scale", str(origin.scale)] if origin.scale is not None else []
     model = f"./{model}" if model.startswith("-") else model

@@ -21,6 +21,10 @@ class Part(Protocol):
         """Its name."""
 
     @property
+    def stem(self) -> str:
+        """Its name as the first part of the name of a file."""
+
+    @property
     def origin(self) -> Origin:
         """The model or file it was prepared from."""
 

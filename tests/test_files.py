@@ -1,0 +1,49 @@
+"""Names as they may stand in paths: whatever somebody called a part, a file named after it lies in the folder it was meant for."""
+
+import ntpath
+import posixpath
+import unicodedata
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mechstyle._files import file_stem
+
+RESERVED = ("CON", "PRN", "AUX", "NUL", "COM1", "com9", "LPT1", "nul.txt", "aux.tar.gz", "con ")
+
+
+@pytest.mark.parametrize("name", ["cup", "pen_holder", "hook-2", "Tasse größe (3)", "a.b", "花瓶", "it's"])
+def test_an_ordinary_name_stays_as_it_is(name):
+    assert file_stem(name) == name
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["../../x", "/etc/x", "..\\..\\x", "C:\\x", "C:x", "\\\\host\\share\\x", "a\0b", "a\nb", "a\x1b[31mb", "a\u202egnp.exe", "a:stream", "..", "."],
+)  # fmt: skip
+def test_a_name_that_would_lead_elsewhere_does_not(name, tmp_path):
+    stem = file_stem(name)
+    assert posixpath.basename(stem) == ntpath.basename(stem) == stem
+    assert not ntpath.splitdrive(stem)[0]
+    assert (tmp_path / f"{stem}-main.png").resolve().parent == tmp_path.resolve()
+
+
+@pytest.mark.parametrize("name", ["", " ", "...", "/", "\0", "\n\t"])
+def test_what_is_no_name_becomes_part(name):
+    assert file_stem(name) == "part"
+
+
+@pytest.mark.parametrize("name", RESERVED)
+def test_names_that_windows_keeps_for_devices_are_changed(name):
+    assert file_stem(name).split(".")[0].strip().upper() not in {other.split(".")[0].strip().upper() for other in RESERVED}
+
+
+@given(st.text(max_size=400))
+def test_any_text_becomes_one_short_name(name):
+    stem = file_stem(name)
+    assert 0 < len(stem.encode()) <= 120
+    assert not set('<>:"/\\|?*') & set(stem)
+    assert not any(unicodedata.category(letter)[0] == "C" for letter in stem)
+    assert stem == stem.strip(" .")
+    assert file_stem(stem) == stem
