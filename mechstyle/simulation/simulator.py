@@ -75,7 +75,7 @@ class DropSimulator:
         tets: Its tetrahedra.
         recipe: What decides the physics: material, drop, orientations, transfer.
         memo: Where results are remembered by the digest of their inputs.
-        shared: Where the unstylized part's result is remembered for other runs too, None for nowhere.
+        shared: Where the unstylized part's result is remembered for other runs too, once computed here; None for nowhere.
         device: `cpu` or `cuda`.
         cache: Folder for fresh tetrahedra, None to mesh anew each time.
         progress: Called with the fraction done of the drop in hand; may raise to cancel it.
@@ -107,9 +107,11 @@ class DropSimulator:
         """
         fresh = thorough and not self.recipe.protect_resting_face and bool(np.any(displacement))
         key = self._key(displacement, thorough=thorough, fresh=fresh)
-        memos = [self.memo] if np.any(displacement) or self.shared is None else [self.memo, self.shared]
+        memos = [self.memo] if np.any(displacement) or self._trusted is None else [self._trusted, self.memo]
         simulation = next((found for memo in memos if (found := memo.recall(key, Simulation)) is not None), None)
-        if simulation is None:
+        if simulation is not None:
+            memos = [self.memo]  # others may have written what a run folder holds: only what was computed here is for all
+        else:
             simulation = self._on_fresh_mesh(displacement) if fresh else self._on_morphed_mesh(displacement, thorough=thorough)
         for memo in memos:
             memo.remember(key, simulation)
@@ -130,6 +132,12 @@ class DropSimulator:
             self.memo.remember(f"{key}-detail", detail)
             self.memo.remember(key, detail.simulation)
         return morphed.tets, detail
+
+    @cached_property
+    def _trusted(self) -> Memo | None:
+        """`shared`, if this is the very part the recipe names: a run folder could hold another one, under the names of a known one."""
+        named = (self.recipe.surface, self.recipe.tetrahedra)
+        return self.shared if self.shared is None or (self.surface.digest, self.tets.digest) == named else None
 
     def _balance_error(self, tets: TetMesh) -> float | None:
         """Of `Detail`. What damping took is what is missing in the balance, so the balance can be checked only without it."""

@@ -142,6 +142,41 @@ def test_the_baseline_is_shared_between_runs(block, memo, tmp_path, drops):
     assert drops == [2]
 
 
+def forged(sim):
+    """The baseline made ten times as strong as it is, as a stranger could have written it into a run folder."""
+    honest = sim.simulate(np.zeros(len(sim.surface.vertices), np.float32), thorough=True)
+    return replace(honest, as_placed=msgspec.structs.replace(honest.as_placed, peak=0.1 * honest.as_placed.peak))
+
+
+def test_a_forged_baseline_of_a_run_folder_stays_in_that_folder(block, memo, tmp_path, drops):
+    stranger, users = (Memo(tmp_path / name, Objects(tmp_path / f"{name}-objects")) for name in ("stranger", "users"))
+    sim = replace(simulator(block, stranger), shared=users)
+    lie = forged(simulator(block, memo))
+    stranger.remember(sim._key(np.zeros(len(block[0].vertices), np.float32), thorough=True, fresh=False), lie)
+    assert sim.baseline.as_placed == lie.as_placed  # the folder is believed about itself
+    assert not users.folder.exists()
+    assert replace(simulator(block, Memo(tmp_path / "own", memo.objects)), shared=users).baseline.as_placed != lie.as_placed
+    assert drops == [2, 2]
+
+
+def test_what_the_user_computed_before_is_believed_rather_than_a_run_folder(block, memo, tmp_path):
+    stranger, users = (Memo(tmp_path / name, Objects(tmp_path / f"{name}-objects")) for name in ("stranger", "users"))
+    honest = replace(simulator(block, memo), shared=users).baseline
+    sim = replace(simulator(block, stranger), shared=users)
+    stranger.remember(sim._key(honest.displacement, thorough=True, fresh=False), forged(simulator(block, memo)))
+    assert sim.baseline.as_placed == honest.as_placed
+
+
+@pytest.mark.parametrize("other", ["surface", "tetrahedra"])
+def test_the_baseline_of_a_part_that_is_not_the_one_its_recipe_names_is_for_itself(block, memo, tmp_path, other):
+    """A run folder could hold a sturdy part under the recipe of another one."""
+    users = Memo(tmp_path / "users", Objects(tmp_path / "users-objects"))
+    sim = simulator(block, memo)
+    claimed = replace(sim, shared=users, recipe=msgspec.structs.replace(sim.recipe, **{other: "5" * 64}))
+    assert claimed.baseline.stress.any()
+    assert not users.folder.exists()
+
+
 def test_only_the_thorough_test_turns_the_part(block, memo, drops):
     sim = simulator(block, memo)
     assert sim.simulate(bumps(block), thorough=False).overall is None
