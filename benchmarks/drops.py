@@ -105,7 +105,7 @@ def case(tets: TetMesh, element: str, device: str) -> Case:
     """A part in drops long enough to be timed."""
     body = discretise(tets, PLA, DropTest().added_mass, ELEMENTS[element])
     where = CoreBody(body) if device == "cpu" else DeviceBody(body, device)
-    scheme = scheme_for(where, body, PLA, DropTest(element=element))
+    scheme = scheme_for(body, PLA, DropTest(element=element))
     return Case(where, body, replace(scheme, stride=STRIDE, samples=CPU_SAMPLES if device == "cpu" else DEVICE_SAMPLES))
 
 

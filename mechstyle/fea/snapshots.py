@@ -121,6 +121,6 @@ def _at_first_touch(tets: TetMesh, material: Material, test: DropTest) -> tuple[
     """The body on the CPU, as it stands, touching the floor at its lowest node."""
     discretisation = discretise(tets, material, test.added_mass, element_named(test.element))
     body = CoreBody(discretisation)
-    scheme = scheme_for(body, discretisation, material, test)
+    scheme = scheme_for(discretisation, material, test)
     heights = discretisation.positions @ UPRIGHT
     return discretisation, scheme, CoreDrop(body, scheme, UPRIGHT, heights - heights.min())

@@ -53,7 +53,7 @@ LIMITS: Mapping[str, tuple[float, float]] = {
     "drop_height": (1.0, 1e5),
     "friction": (0.0, 2.0),
     "window": (0.05, 50.0),
-    "damping": (0.0, 0.1),
+    "damping": (0.0, 1.0),
 }
 """The least and the greatest value of a setting, by setting, in its unit."""
 
@@ -103,7 +103,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         friction: Coulomb coefficient of the floor.
         window: Simulated time after first touch [ms].
         element: `tet10`, or `tet4` as in the published study, which is several times too stiff in thin walls.
-        damping: Kelvin-Voigt time β [ms].
+        damping: Share of critical damping of each tetrahedron.
         transfer: How stress gets from tets to surface, `barycentric` or `nearest` (the paper's unit-box nearest neighbour).
     """
 
@@ -141,7 +141,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     friction: float = 0.0
     window: float = 1.5
     element: str = "tet10"
-    damping: float = 1e-4
+    damping: float = 0.1
     transfer: Transfer = "barycentric"
 
     def __post_init__(self) -> None:

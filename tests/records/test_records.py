@@ -46,7 +46,7 @@ LIMITS = {
     "drop_height": (1.0, 1e5),
     "friction": (0.0, 2.0),
     "window": (0.05, 50.0),
-    "damping": (0.0, 0.1),
+    "damping": (0.0, 1.0),
 }
 NAMES = {
     "control": CONTROLS,

@@ -96,7 +96,7 @@ def test_the_same_question_is_simulated_once(block, memo, drops):
     [
         {"window": 0.12},
         {"drop_height": 1000.0},
-        {"damping": 2e-4},
+        {"damping": 0.2},
         {"friction": 0.3},
         {"material": msgspec.structs.replace(LIBRARY["PLA"], youngs_modulus=2000.0)},
     ],

@@ -206,7 +206,7 @@ def gather_forces(
     first_slot: wp.array(dtype=int),
     total: wp.array2d(dtype=wp.vec3f),
 ):
-    """The assembled internal forces alone [N], for the power iteration."""
+    """The assembled internal forces alone [N]."""
     i, b = wp.tid()
     total[i, b] = gathered(forces, first_slot, i, b)
 

@@ -138,7 +138,7 @@ def sample(body: LaneBody, state: LaneState, scheme: LaneScheme, row: int) -> No
 
 @wp.kernel
 def forces_only(body: LaneBody, state: LaneState, scheme: LaneScheme) -> None:
-    """The internal forces of u + β v [N], for the power iteration."""
+    """The internal forces of u + β v [N], without a step."""
     element_forces(body, state, scheme, 0)
 
 

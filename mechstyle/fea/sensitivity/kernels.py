@@ -57,16 +57,19 @@ def heights_above_floor(
 def displacement_gradient(
     connectivity: wp.array2d(dtype=int),
     derivatives: wp.array2d(dtype=wp.vec3f),
-    w: wp.array(dtype=wp.vec3f),
+    u: wp.array(dtype=wp.vec3f),
+    v: wp.array(dtype=wp.vec3f),
+    beta: float,
     G: wp.mat33f,
     e: int,
     q: int,
 ):
-    """H = Σ_a w_a ∇N_aᵀ. A function of its own: on the way back Warp replays functions, but not loops of unknown length."""
-    first = w[connectivity[e, 0]]  # no gradient sees it; without it H would be a difference of large numbers
+    """H = Σ_a (u_a + β v_a) ∇N_aᵀ. A function of its own: on the way back Warp replays functions, but not loops of unknown length."""
+    first = u[connectivity[e, 0]] + beta * v[connectivity[e, 0]]  # no gradient sees it; without it H would be a difference of large numbers
     H = wp.mat33f()
     for a in range(connectivity.shape[1]):
-        H += wp.outer(w[connectivity[e, a]] - first, wp.transpose(G) * derivatives[q, a])
+        node = connectivity[e, a]
+        H += wp.outer(u[node] + beta * v[node] - first, wp.transpose(G) * derivatives[q, a])
     return H
 
 
@@ -76,7 +79,9 @@ def element_forces(
     derivatives: wp.array2d(dtype=wp.vec3f),
     gradients: wp.array(dtype=wp.mat33f),
     volumes: wp.array(dtype=wp.float64),
-    w: wp.array(dtype=wp.vec3f),
+    damping: wp.array(dtype=float),
+    u: wp.array(dtype=wp.vec3f),
+    v: wp.array(dtype=wp.vec3f),
     law: int,
     mu: float,
     la: float,
@@ -92,7 +97,7 @@ def element_forces(
     """
     e, q = wp.tid()
     G = gradients[e]
-    H = displacement_gradient(connectivity, derivatives, w, G, e, q)
+    H = displacement_gradient(connectivity, derivatives, u, v, damping[e], G, e, q)
     P = first_piola(H, mu, la, law)
     share = float(volumes[e]) / float(derivatives.shape[0])
     for a in range(connectivity.shape[1]):
@@ -109,14 +114,12 @@ def advance(
     heights: wp.array(dtype=float),
     normal: wp.vec3f,
     dt: float,
-    damping: float,
     gravity: float,
     friction: float,
     u: wp.array(dtype=wp.vec3f),
     v: wp.array(dtype=wp.vec3f),
     next_u: wp.array(dtype=wp.vec3f),
     next_v: wp.array(dtype=wp.vec3f),
-    next_w: wp.array(dtype=wp.vec3f),
 ):
     """`kernels.advance` for one node, without the sums of the history."""
     i = wp.tid()
@@ -125,7 +128,5 @@ def advance(
     velocity = free
     if gap < 0.0:
         velocity = after_contact(free, gap, normal, dt, friction)
-    displacement = u[i] + dt * velocity
-    next_u[i] = displacement
+    next_u[i] = u[i] + dt * velocity
     next_v[i] = velocity
-    next_w[i] = displacement + damping * velocity

@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike
 
 from mechstyle.errors import MissingPiece
 from mechstyle.fea import elasticity
-from mechstyle.fea.backends.cpu import CoreBody
 from mechstyle.fea.discretisation import discretise
 from mechstyle.fea.drop import Drop, DropTest, available_devices, drop, scheme_for
 from mechstyle.fea.elasticity import law_named
@@ -109,7 +108,7 @@ def energy() -> Iterator[Result]:
 def _in_double_precision(tets: TetMesh, test: DropTest, element: str, normal: Floats) -> Floats:
     """The drop by the numpy reference: running maximum of von Mises [MPa], shape [tet_count, points]."""
     body = discretise(tets, PLA, test.added_mass, LINEAR if element == "tet4" else QUADRATIC)
-    scheme = scheme_for(CoreBody(body), body, PLA, test)
+    scheme = scheme_for(body, PLA, test)
     masses, damping = body.masses[body.place][:, None], np.empty_like(scheme.damping)
     damping[body.tet_order] = scheme.damping
     heights = body.mesh.nodes @ normal - (body.mesh.nodes @ normal).min()

@@ -15,8 +15,9 @@ from mechstyle.fea.backends.gpu import DeviceBody
 from mechstyle.fea.discretisation import discretise
 from mechstyle.fea.elasticity import LAWS, law_named
 from mechstyle.fea.elements import ELEMENTS, LINEAR
-from mechstyle.fea.explicit import QUANTITIES, RECORD_EVERY, Scheme, damped_step, largest_frequency, stable_step
+from mechstyle.fea.explicit import QUANTITIES, RECORD_EVERY, Scheme
 from mechstyle.fea.orientations import directions
+from mechstyle.fea.stable_step import damped_step
 
 each_law = pytest.mark.parametrize("name", LAWS)
 NORMALS = np.array([[0.0, 0.0, 1.0], [0.6, 0.0, 0.8], [-0.48, 0.64, 0.6]])
@@ -67,8 +68,8 @@ def stiffness(body, material):
 
 def scheme_of(discretisation, pla, name="stable_neo_hookean", samples=8, **changes):
     law = law_named(name, pla)
-    step = 0.8 * stable_step(largest_frequency(CoreBody(discretisation), discretisation, law), 1e-4)
-    damping = 1e-4 * np.random.default_rng(3).uniform(0.2, 1.0, len(discretisation.volumes))
+    step = 0.85 * damped_step(discretisation, pla, 0.1)[0]
+    damping = 2e-5 * np.random.default_rng(3).uniform(0.2, 1.0, len(discretisation.volumes))
     scheme = Scheme(law, step, damping=damping, gravity=9.81e-3, friction=0.3, speed=5.4, stride=RECORD_EVERY, samples=samples)
     return replace(scheme, **changes)
 
@@ -209,50 +210,6 @@ def test_results_do_not_depend_on_what_runs_beside(body_type, discretisation, pl
     together = peaks([0, 1, 2])
     assert peaks([2]).tobytes() == together[2:].tobytes()
     assert peaks([1, 0]).tobytes() == together[[1, 0]].tobytes()
-
-
-def test_the_power_iteration_finds_the_largest_frequency(discretisation, pla):
-    root = diags_array(np.repeat(discretisation.masses, 3) ** -0.5)
-    scaled = root @ stiffness(discretisation, pla) @ root
-    exact = np.sqrt(eigsh(scaled, k=1, return_eigenvectors=False)[0])
-    for body in (CoreBody(discretisation), on_device(discretisation)):
-        found = largest_frequency(body, discretisation, law_named("stable_neo_hookean", pla))
-        assert 0.97 * exact < found < 1.001 * exact
-
-
-@pytest.fixture(scope="module")
-def uneven(box, pla):
-    """A bar of cells that grow from 0.5 to 4 mm: the smallest would set the step."""
-    bar = box((1, 1, 10), (4.0, 4.0, 1.0))
-    z = np.cumsum(np.concatenate([[0.0], np.geomspace(0.5, 4.0, 10)]))
-    vertices = bar.vertices.copy()
-    vertices[:, 2] = np.interp(vertices[:, 2], np.linspace(0.0, 1.0, 11), z)
-    return discretise(bar.moved(vertices), pla, 0.0, ELEMENTS["tet10"])
-
-
-@each_body
-def test_with_no_volume_less_damped_the_step_is_that_of_the_stiffest_mode(body_type, uneven, pla):
-    body, law = body_type(uneven), law_named("stable_neo_hookean", pla)
-    step, damping = damped_step(body, uneven, law, 1e-4, 0.0)
-    assert step == pytest.approx(stable_step(largest_frequency(body, uneven, law), 1e-4), rel=1e-6)
-    np.testing.assert_array_equal(damping, 1e-4)
-
-
-@each_body
-@pytest.mark.parametrize("share", [0.05, 0.15])
-def test_less_damping_in_the_stiffest_tetrahedra_lengthens_the_step_which_stays_stable(body_type, share, uneven, pla):
-    body, law = body_type(uneven), law_named("stable_neo_hookean", pla)
-    step, damping = damped_step(body, uneven, law, 1e-4, share)
-    assert step > 1.15 * damped_step(body, uneven, law, 1e-4, 0.0)[0]
-    lowered = damping < 0.999e-4
-    assert 0.0 < uneven.volumes[lowered].sum() <= share * uneven.volumes.sum()
-    assert damping.min() >= 0.09 * 2.0 / largest_frequency(body, uneven, law)
-    assert uneven.frequencies[lowered].min() >= uneven.frequencies[~lowered].max()
-    # Δt² K + 2 Δt C ≤ 4 M on the assembled body, by the reference in double precision; the power iteration comes from below.
-    root = np.repeat(uneven.masses, 3) ** 0.5
-    modes = 1e-6 * (np.eye(len(root)) / root).reshape(len(root), -1, 3)
-    rows = [reference_forces(uneven, law, step**2 * mode, 2.0 * step * mode, damping).ravel() for mode in modes]
-    assert 3.6 < np.linalg.eigvalsh(-np.stack(rows) / root / 1e-6)[-1] < 4.0 * 1.02
 
 
 def test_damping_lets_a_mode_decay_as_the_textbook_says(box, pla):
