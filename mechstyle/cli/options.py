@@ -80,7 +80,7 @@ OPTIONS = {
     "criterion": RecipeOption(DROP_TEST),
     "loads": RecipeOption(LOADS, ("--load",), Path, "A .toml file."),
     "minimum_wall": RecipeOption(LOADS),
-    "protect_resting_face": RecipeOption(LOADS),
+    "base": RecipeOption(LOADS),
     "protect": RecipeOption(
         LOADS,
         kind=list[str],

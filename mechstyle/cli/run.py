@@ -12,7 +12,7 @@ from mechstyle.cli.options import DEFAULTS_MAY_CHANGE, OPTIONS, Device, Folder, 
 from mechstyle.records.landings import STANDARDS
 from mechstyle.records.mesh import STANDARD_VERTICES
 
-RESTRAINED = ("control", "normalisation", "threshold", "schedule", "every", "protect_resting_face")
+RESTRAINED = ("control", "normalisation", "threshold", "schedule", "every", "base")
 """Settings that restrain a style, or say when to simulate to that end: Freestyle has no use for them."""
 FINISH_FIRST = {"schedule": "never"}
 """Nothing is simulated before the last iteration, so that no mask ever closes."""
@@ -94,6 +94,8 @@ def report(run: Any, *, as_json: bool) -> None:
     out.print(f"\n{escape(summary.words)}")
     kept = f"kept {summary.kept:.0%} of the freestyle relief; style loss {summary.style_loss_ratio:.1%} of its start"
     out.print(f"{kept}; {len(summary.simulations)} simulations")
+    if summary.level_share is not None:
+        out.print(f"it stands on {summary.level_share:.0%} of its base")
     if summary.failure_probability is not None:
         out.print(f"{summary.failure_probability:.0%} of random drops exceed the yield strength somewhere ({run.recipe.poses})")
     if run.recipe.after_standard:

@@ -82,6 +82,16 @@ class Simulator(Protocol):
         """Verdict on a simulation under the recipe's criterion."""
 
 
+class Base(Protocol):
+    """How a part stands: a relief is levelled there, and never goes below the floor."""
+
+    def levelled(self, displacement: Field) -> Field:
+        """A relief [mm], shape [vertex_count], shifted so that the part stands level."""
+
+    def clipped(self, displacement: Field) -> Field:
+        """A relief [mm], shape [vertex_count], less what would go below the floor."""
+
+
 @dataclass(frozen=True, eq=False)
 class Bounds:
     """Bounds of the style at each vertex.
@@ -92,6 +102,7 @@ class Bounds:
         outward: Largest displacement out of it [mm], shape [vertex_count].
         freedom: Factor on the relief, 0 on the resting face and in protected regions, 1 away from them, shape [vertex_count].
         uncoloured: Whether a vertex keeps its colour, shape [vertex_count, 1]; False for none.
+        base: What levels the relief under the part, None for nothing.
     """
 
     thickness: Field
@@ -99,6 +110,16 @@ class Bounds:
     outward: Field
     freedom: Field
     uncoloured: NDArray[np.bool_] | bool = False
+    base: Base | None = None
+
+    def levelled(self, displacement: Field) -> Field:
+        """A proposal [mm], shape [vertex_count], as the base lets it be."""
+        return displacement if self.base is None else self.base.levelled(displacement)
+
+    def clipped(self, displacement: Field) -> Field:
+        """A relief [mm], shape [vertex_count], within the bounds and above the floor."""
+        within = np.clip(displacement, -self.inward, self.outward)
+        return within if self.base is None else self.base.clipped(within)
 
 
 @dataclass(frozen=True)
@@ -120,12 +141,13 @@ class Engine:
             digest, event = self._save(self._original())
             yield event
             state = event.checkpoint
-        proposed = self._wind_stylizer(state).displacement
+        proposed = self.bounds.levelled(self._wind_stylizer(state).displacement)
         state = self._under_this_recipe(state)
         while state.iteration < self.recipe.iterations:
             proposal, before = self.stylizer.step(), state.displacement
-            state = self._moved(state, proposal, proposal.displacement - proposed, parent=digest)
-            proposed = proposal.displacement
+            wanted = self.bounds.levelled(proposal.displacement)
+            state = self._moved(state, proposal, wanted - proposed, parent=digest)
+            proposed = wanted
             yield Stylized(state.iteration, state.style_loss, float(np.abs(state.displacement - before).max()))
             reason = self._reason(state)
             if reason:
@@ -320,7 +342,7 @@ def advanced(displacement: Field, let_through: Field, increment: Field, bounds: 
     step = let_through * increment
     if recipe.feedback:
         step = minimum_wall.spared(step, bounds.thickness, displacement, recipe.minimum_wall)
-    return np.clip(displacement + step, -bounds.inward, bounds.outward)
+    return bounds.clipped(displacement + step)
 
 
 def kept(displacement: Field, reference: Field, areas: NDArray[np.float64]) -> float:

@@ -15,6 +15,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import msgspec
 
@@ -22,6 +23,7 @@ from mechstyle._files import write_whole
 from mechstyle.errors import BadInput, unknown
 from mechstyle.loop.objects import Memo, Objects, read_record
 from mechstyle.records import Checkpoint, Recipe, Verdict
+from mechstyle.records.earlier import translated
 
 
 class Lane(msgspec.Struct, frozen=True, kw_only=True):
@@ -93,8 +95,12 @@ class Store:
         return self.objects.put(msgspec.json.encode(recipe, order="deterministic"))
 
     def recipe(self, digest: str) -> Recipe:
-        """A stored recipe."""
-        return self.objects.get_record(digest, Recipe)
+        """A stored recipe, one of an earlier version in today's words."""
+        fields = self.objects.get_record(digest, dict[str, Any])
+        try:
+            return msgspec.convert(translated(fields), Recipe, strict=False)
+        except msgspec.ValidationError as error:
+            raise DamagedStore(f"{self.objects.path(digest)} is not a Recipe: {error}") from error
 
     def put_checkpoint(self, checkpoint: Checkpoint) -> str:
         """Store a checkpoint; return its digest, which is the same for the same state and past."""

@@ -23,6 +23,7 @@ CRITERIA = ("robust", "paper")
 GUIDANCES = ("offline", "clip")
 FIELDS = ("vertex", "network")
 ELEMENTS = ("tet10", "tet4")
+BASES = ("level", "protected", "free")
 Transfer = Literal["barycentric", "nearest"]
 
 CHOICES: Mapping[str, Collection[str]] = {
@@ -33,6 +34,7 @@ CHOICES: Mapping[str, Collection[str]] = {
     "guidance": GUIDANCES,
     "field": FIELDS,
     "element": ELEMENTS,
+    "base": BASES,
     "poses": POSES,
     "standard": ("", *STANDARDS),
     "transfer": get_args(Transfer),
@@ -84,7 +86,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         threshold: Demand at which a vertex may move no further; 1 is the normalisation's own limit, less is stricter.
         memory: Whether a vertex once restrained stays so (running minimum of the mask).
         retraction: Whether the relief shrinks by half where stress exceeds 0.9 of the allowable.
-        protect_resting_face: Whether the relief fades out towards the face the part rests on.
+        base: Relief under the part, one of BASES: drawn inwards so that the part stands level, faded out, or as it comes.
         protect: Regions protected from the style.
         minimum_wall: The thinnest wall the style may leave [mm]; 0 for no rule.
         loads: Load cases the part must carry besides the drop.
@@ -124,7 +126,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     threshold: float = 1.0
     memory: bool = True
     retraction: bool = True
-    protect_resting_face: bool = True
+    base: str = "level"
     protect: tuple[Region, ...] = ()
     minimum_wall: float = 0.8
     loads: tuple[LoadCase, ...] = ()

@@ -107,6 +107,7 @@ class Simulation:
         steps: Steps per drop.
         added_mass: Mass added by scaling slivers, over the mass of the part.
         loaded: What each load case did.
+        level_share: Share of the flat faces it stands on that the relief leaves on the floor, None for a part that stands on none.
         meshing: How the tetrahedra followed the surface: `morphed`, `fresh`, or why a fresh mesh could not be had.
         failure: Why there is no usable answer, "" if there is.
         tilted: Measures of the drops nearly as placed, the largest of each; None if there was none.
@@ -128,6 +129,7 @@ class Simulation:
     failure_probability: float = 0.0
     landings: tuple[Landing, ...] = ()
     loaded: tuple[LoadResult, ...] = ()
+    level_share: float | None = None
     meshing: str = "morphed"
     failure: str = ""
     tilted: Measures | None = None

@@ -25,7 +25,7 @@ FREESTYLE: dict[str, Any] = {
     "schedule": "never",
     "memory": False,
     "retraction": False,
-    "protect_resting_face": False,
+    "base": "free",
     "guarantee": False,
 }
 """Stylization without feedback: one simulation, at the end."""
@@ -33,7 +33,7 @@ FREESTYLE: dict[str, Any] = {
 PAPER: dict[str, Any] = {
     "memory": False,
     "retraction": False,
-    "protect_resting_face": False,
+    "base": "free",
     "guarantee": False,
     "transfer": "nearest",
     "element": "tet4",

@@ -9,6 +9,7 @@ unrelated values there. Either result is simulated as a surface of its own, beca
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import pairwise
 
 import msgspec
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 
 from mechstyle._files import cache_folder
 from mechstyle.errors import BadInput
+from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.subdivision import quartered
 from mechstyle.loop.engine import STEP_LIMIT, STYLE_FIELDS, Bounds, Stylizer, advanced
 from mechstyle.loop.store import Entry, Store
@@ -104,6 +106,10 @@ class _Twin:
         self._style: tuple[object, ...] = ()
         self._grown = np.zeros(len(self.part.surface.vertices), np.float32), self.displacement
 
+    @cached_property
+    def _base(self) -> LevelBase:
+        return LevelBase(self.surface)
+
     def follow(self, before: Checkpoint, after: Checkpoint, recipe: Recipe) -> None:
         """Do on the twin what led from one checkpoint to the next."""
         style = tuple(getattr(recipe, name) for name in STYLE_FIELDS)
@@ -112,13 +118,13 @@ class _Twin:
             self._style = style
         if _learnt(recipe):
             grown = self.displacement + self._spread(after.displacement - before.displacement)
-            self.displacement = np.clip(grown, -self._fine_bounds.inward, self._fine_bounds.outward)
+            self.displacement = self._fine_bounds.clipped(grown)
             return
         if after.iteration > before.iteration:
             mask = before.mask if after.reason else after.mask  # a branch is restrained anew, and a drop changes the mask afterwards
             through = mask * before.share
-            reached = advanced(reached, through, self._increment(self._coarse), self._bounds, recipe)
-            finer = self._increment(self._fine)
+            reached = advanced(before.displacement, through, self._increment(self._coarse, self._bounds), self._bounds, recipe)
+            finer = self._increment(self._fine, self._fine_bounds)
             self._grown = reached, advanced(self.displacement, self._spread(through), finer, self._fine_bounds, recipe)
         reached, finer = self._grown  # what a correction leaves is a share of the finished relief, not of the correction before
         self.displacement = finer * self._spread(_left(reached, after.displacement))
@@ -134,7 +140,8 @@ class _Twin:
         """Begin with the style of a recipe, from the surface another one has left if there was one."""
         self._bounds, _ = bounds_for(self.part, recipe)
         spread = [self._spread(getattr(self._bounds, name)) for name in ("thickness", "inward", "outward", "freedom")]
-        self._fine_bounds = Bounds(spread[0], spread[1], spread[2], spread[3])
+        base = None if self._bounds.base is None else self._base
+        self._fine_bounds = Bounds(spread[0], spread[1], spread[2], spread[3], base=base)
         if _learnt(recipe):
             return
         self._coarse, self._fine = self._stylizers(recipe)
@@ -153,10 +160,10 @@ class _Twin:
             _drawn(recipe, wish, FineCanvas(self.surface, self._cut.parents, canvas), self._fine_bounds),
         )
 
-    def _increment(self, stylizer: Stylizer) -> Field:
-        """Increment of a stylizer's proposal in one iteration [mm], limited to the engine's step."""
-        limit, proposed = np.float32(STEP_LIMIT * self.part.surface.size), stylizer.proposal().displacement
-        return np.clip(stylizer.step().displacement - proposed, -limit, limit)
+    def _increment(self, stylizer: Stylizer, bounds: Bounds) -> Field:
+        """Increment of a stylizer's levelled proposal in one iteration [mm], limited to the engine's step."""
+        limit, proposed = np.float32(STEP_LIMIT * self.part.surface.size), bounds.levelled(stylizer.proposal().displacement)
+        return np.clip(bounds.levelled(stylizer.step().displacement) - proposed, -limit, limit)
 
     def _spread(self, values: NDArray[np.floating]) -> Field:
         """Values of the part at the twin's vertices."""

@@ -228,6 +228,7 @@ class Run:
             yield from self._carried_on(progress)
 
     def _carried_on(self, progress: Progress) -> Generator[Event, None, None]:
+        self.store.move(self.lane, msgspec.structs.replace(self.store.lane(self.lane), recipe=self.store.put_recipe(self.recipe)))
         with self.clock.stage("style target"):
             engine, notes = self._engine(progress)
         with self.clock.stage("simulation of the unstylized part"):

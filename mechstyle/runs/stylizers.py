@@ -10,7 +10,7 @@ import msgspec
 
 from mechstyle._files import clip_folder
 from mechstyle.errors import BadInput
-from mechstyle.loop.engine import Stylizer
+from mechstyle.loop.engine import Bounds, Stylizer
 from mechstyle.records import Recipe
 from mechstyle.runs.plugins import made
 from mechstyle.simulation.part import Workpiece, bounds_for
@@ -45,10 +45,11 @@ def settled(recipe: Recipe, *, clip_asked_for: bool) -> Recipe:
 
 def stylizer_for(part: Workpiece, recipe: Recipe, device: str = "cpu") -> tuple[Stylizer, tuple[str, ...]]:
     """The stylizer of a recipe, and what its user should know about how the prompt was read and what the mesh can carry."""
+    bounds = bounds_for(part, recipe)[0]
     if recipe.stylizer:
-        return made(part.surface, bounds_for(part, recipe)[0], recipe), ()
+        return made(part.surface, bounds, recipe), ()
     if recipe.guidance == "clip":
-        return _towards_prompt(part, recipe, device), ()
+        return _towards_prompt(part, bounds, recipe, device), ()
     wish = read(recipe.prompt)
     aim = target(
         part.surface,
@@ -56,8 +57,8 @@ def stylizer_for(part: Workpiece, recipe: Recipe, device: str = "cpu") -> tuple[
         seed=recipe.seed,
         amplitude=recipe.amplitude,
         thickness=part.thickness,
-        inward=part.inward(),
-        outward=part.outward(),
+        inward=bounds.inward,
+        outward=bounds.outward,
     )
     notes = (*wish.notes, *aim.notes)
     if recipe.field != "network":
@@ -65,12 +66,12 @@ def stylizer_for(part: Workpiece, recipe: Recipe, device: str = "cpu") -> tuple[
     need_clip_extra()
     from mechstyle.styling.learned.build import towards_target  # noqa: PLC0415 — torch is loaded when it is wanted
 
-    return towards_target(part.surface, bounds_for(part, recipe)[0], recipe, aim, device), notes
+    return towards_target(part.surface, bounds, recipe, aim, device), notes
 
 
-def _towards_prompt(part: Workpiece, recipe: Recipe, device: str) -> Stylizer:
+def _towards_prompt(part: Workpiece, bounds: Bounds, recipe: Recipe, device: str) -> Stylizer:
     need_clip_extra()
     from mechstyle.styling.learned.build import towards_prompt  # noqa: PLC0415 — as above
 
     weights = located(recipe.clip, clip_folder()).folder
-    return towards_prompt(part.surface, bounds_for(part, recipe)[0], recipe, weights, device)
+    return towards_prompt(part.surface, bounds, recipe, weights, device)

@@ -9,6 +9,7 @@ from contextlib import ExitStack, contextmanager
 
 import msgspec
 
+from mechstyle.geometry.level_base import LevelBase
 from mechstyle.loop.engine import Engine, kept
 from mechstyle.loop.events import Event, SimulationStarted
 from mechstyle.loop.history import SimulationLine, Strength, simulations
@@ -29,9 +30,10 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
         simulations: Every simulation of the lane with its reason.
         style_loss: Loss of the delivered surface.
         style_loss_ratio: style_loss over the loss of the unstylized part.
-        kept: Share of the freestyle displacement that was kept.
+        kept: Share of the freestyle displacement that was kept; on the faces it stands on without its mean, as a shift loses no contrast.
         iterations: Stylization iterations.
         meshing: How the tetrahedra of the last simulation followed the surface.
+        level_share: Share of the flat faces the part stands on that the relief leaves on the floor, None if it stands on none.
         backed_off: Share of the surface the tetrahedra could not follow in the last simulation.
         loads: What each load case did to the delivered part.
         failure_probability: Probability that a random drop takes the delivered part beyond the yield strength, over the orientations of the
@@ -58,6 +60,7 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
     iterations: int
     meshing: str
     backed_off: float
+    level_share: float | None = None
     loads: tuple[LoadResult, ...] = ()
     failure_probability: float | None = None
     seconds: dict[str, float]
@@ -76,7 +79,7 @@ def summarise(engine: Engine, *, device: str, notes: tuple[str, ...], seconds: d
     result = Strength.of(last.verdict)
     simulation = engine.simulator.simulate(last.displacement, thorough=True)
     sampled = simulation.overall is not None and not simulation.failure and engine.recipe.random_drops
-    start = history[0].style_loss
+    start, base = history[0].style_loss, LevelBase(engine.surface)
     return Summary(
         verdict=result.verdict,
         peak_stress=result.peak_stress,
@@ -88,9 +91,10 @@ def summarise(engine: Engine, *, device: str, notes: tuple[str, ...], seconds: d
         simulations=simulations(history),
         style_loss=last.style_loss,
         style_loss_ratio=last.style_loss / start if start else 0.0,
-        kept=kept(last.displacement, engine.stylizer.proposal().displacement, engine.surface.vertex_areas),
+        kept=kept(base.contrast(last.displacement), base.contrast(engine.stylizer.proposal().displacement), engine.surface.vertex_areas),
         iterations=last.iteration,
         meshing=simulation.meshing,
+        level_share=simulation.level_share,
         backed_off=simulation.backed_off,
         loads=simulation.loaded,
         failure_probability=simulation.failure_probability if sampled else None,

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import msgspec
 import numpy as np
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 
 from mechstyle._files import cache_folder
 from mechstyle.errors import BadInput
+from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.region_selection import protection
 from mechstyle.geometry.remesh import standardise
 from mechstyle.geometry.resting_face import resting_face, resting_weight
@@ -26,9 +28,11 @@ PREPARATION_VERSION = 2
 """Counts changes that alter the prepared part, so that cached parts of older code are not reused."""
 
 INWARD_SHARE = 0.25
-"""Relief may cut at most this share of the local wall."""
+"""Relief may cut at most this share of the local wall …"""
+BASE_SHARE = 0.5
+"""… and under a levelled part this share of what the wall has above the minimum."""
 CONTACT_RELIEF = 0.4
-"""Relief near the lowest point of a part [mm]."""
+"""Relief near the lowest point of a part whose base is protected [mm]."""
 CONTACT_REACH = 5.0
 """… up to this height above the floor [mm]."""
 TETS_PER_VERTEX = 0.4
@@ -94,16 +98,32 @@ class Workpiece:
     stands: bool
     notes: tuple[str, ...] = ()
 
-    def inward(self) -> NDArray[np.float32]:
-        """Largest displacement into the material [mm], shape [vertex_count]."""
-        return np.float32(INWARD_SHARE) * self.thickness
+    @cached_property
+    def level_base(self) -> LevelBase:
+        """The flat faces it stands on."""
+        return LevelBase(self.surface)
 
-    def outward(self) -> NDArray[np.float32]:
-        """Largest displacement out of the material [mm], shape [vertex_count]: the wall's own thickness, little near the floor."""
+    def bounds(self, base: str, minimum_wall: float) -> Bounds:
+        """Bounds of a style that may go everywhere, by what becomes of the base, one of BASES.
+
+        Into the material a quarter of the wall, out of it the wall's own thickness. A level base may go in by half of what the wall has
+        above the minimum [mm], so that a relief that is shifted keeps its depth; a protected one fades out, and is low where it begins.
+        """
+        quarter, whole = np.float32(INWARD_SHARE) * self.thickness, np.ones_like(self.thickness)
+        if base == "protected":
+            return Bounds(self.thickness, quarter, self._low_near_the_floor(), self._faded())
+        if base == "free":
+            return Bounds(self.thickness, quarter, self.thickness, whole)
+        resting = self.level_base.resting
+        spared = BASE_SHARE * np.maximum(self.thickness - minimum_wall, 0.0)
+        inward = (resting * spared + (1.0 - resting) * quarter).astype(np.float32)
+        return Bounds(self.thickness, inward, self.thickness, whole, base=self.level_base)
+
+    def _low_near_the_floor(self) -> NDArray[np.float32]:
         height = self.surface.vertices[:, 2] - self.surface.vertices[:, 2].min()
         return np.where(height < CONTACT_REACH, np.minimum(CONTACT_RELIEF, self.thickness), self.thickness).astype(np.float32)
 
-    def freedom(self) -> NDArray[np.float32]:
+    def _faded(self) -> NDArray[np.float32]:
         """Factor on relief: 0 up to 1 mm above the resting face, rising to 1 at a quarter of the height, 2 to 5 mm; 1 if there is none."""
         quarter = 0.25 * float(self.surface.extents[2])
         return resting_weight(self.surface, high=min(max(quarter, 2.0), 5.0)).astype(np.float32)
@@ -137,7 +157,7 @@ def prepare(mesh: SurfaceMesh, *, vertices: int = STANDARD_VERTICES, stage: Stag
     stage("measuring its walls")
     thickness = local_thickness(surface).astype(np.float32)
     stands = resting_face(surface) is not None
-    notes = () if stands else ("it has no flat face to stand on, so no resting face is protected",)
+    notes = () if stands else ("it has no flat face to stand on, so its base is neither levelled nor protected",)
     return Workpiece(surface, solid, thickness, stands, notes)
 
 
@@ -160,7 +180,6 @@ def fitted(recipe: Recipe, part: Workpiece) -> Recipe:
 
 def bounds_for(part: Workpiece, recipe: Recipe) -> tuple[Bounds, tuple[str, ...]]:
     """Bounds of a recipe's style on a part, and notes for the user on what is protected."""
-    resting = part.freedom() if recipe.protect_resting_face else np.ones_like(part.thickness)
-    protected = protection(recipe.protect, part.surface, part.thickness)
-    bounds = Bounds(part.thickness, part.inward(), part.outward(), np.minimum(resting, protected.freedom), protected.uncoloured[:, None])
-    return bounds, protected.notes
+    bounds, protected = part.bounds(recipe.base, recipe.minimum_wall), protection(recipe.protect, part.surface, part.thickness)
+    free = np.minimum(bounds.freedom, protected.freedom)
+    return replace(bounds, freedom=free, uncoloured=protected.uncoloured[:, None]), protected.notes

@@ -20,6 +20,7 @@ from mechstyle.fea.orientations import Orientations, nearly, orientation_set
 from mechstyle.fea.statics.load_test import StaticTest
 from mechstyle.fea.surface_stress import Deciding, SurfaceStress, worst
 from mechstyle.fea.verdict import judge
+from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.morph import Morph, Morphed
 from mechstyle.geometry.resting_face import centre_of_mass
 from mechstyle.geometry.tetrahedra import tetrahedralise
@@ -102,10 +103,10 @@ class DropSimulator:
     def simulate(self, displacement: NDArray[np.float32], *, thorough: bool) -> Simulation:
         """Drop the displaced part, as placed and tilted or (`thorough`) in all orientations, and load it; remembered by its inputs.
 
-        A relief that reaches under a part whose resting face is not protected cannot be carried by morphed tetrahedra, so
+        A relief that reaches under a part cannot be carried by morphed tetrahedra, so
         the thorough test of such a part is run on a fresh mesh of the styled surface.
         """
-        fresh = thorough and not self.recipe.protect_resting_face and bool(np.any(displacement))
+        fresh = thorough and self.recipe.base != "protected" and bool(np.any(displacement))
         key = self._key(displacement, thorough=thorough, fresh=fresh)
         memos = [self.memo] if np.any(displacement) or self._trusted is None else [self._trusted, self.memo]
         simulation = next((found for memo in memos if (found := memo.recall(key, Simulation)) is not None), None)
@@ -153,6 +154,10 @@ class DropSimulator:
     @cached_property
     def _morph(self) -> Morph:
         return Morph(self.surface, self.tets)
+
+    @cached_property
+    def _base(self) -> LevelBase:
+        return LevelBase(self.surface)
 
     @cached_property
     def _transfer(self) -> Transfer:
@@ -242,6 +247,7 @@ class DropSimulator:
             overall=nothing if several else None,
             backed_off=morphed.backed_off,
             deviation=morphed.deviation,
+            level_share=self._base.share(morphed.displacement),
             time_step=result.time_step,
             steps=result.steps,
             added_mass=result.added_mass,

@@ -24,7 +24,7 @@ STYLED = (
     "--amplitude --criterion --device --field --guidance --iterations --json --load --material -m --minimum-wall --orientations --poses "
     "--prompt -p --protect --seed --set --standard --stylizer"
 )
-RESTRAINED = "--control --every --no-protect-resting-face --normalisation --protect-resting-face --schedule --threshold"
+RESTRAINED = "--base --control --every --normalisation --schedule --threshold"
 NAMES = {
     "": "--version",
     "run": f"model --out --scale --vertices {STYLED} {RESTRAINED}",
@@ -177,10 +177,10 @@ def asked(monkeypatch):
 def test_only_what_was_given_reaches_the_recipe(asked):
     plain = {"prompt": "brick", "material": "PLA"}
     assert asked("run", "gallery:vase", "-p", "brick") == plain
-    given = asked("run", "gallery:vase", "-p", "brick", "--no-protect-resting-face", "--amplitude", "0", "--protect", "inside",
+    given = asked("run", "gallery:vase", "-p", "brick", "--base", "free", "--amplitude", "0", "--protect", "inside",
                   "--protect", "above 9", "--load", "a.toml", "-m", "PETG")  # fmt: skip
     assert given == plain | {
-        "material": "PETG", "protect_resting_face": False, "amplitude": 0.0, "protect": ["inside", "above 9"], "loads": Path("a.toml"),
+        "material": "PETG", "base": "free", "amplitude": 0.0, "protect": ["inside", "above 9"], "loads": Path("a.toml"),
     }  # fmt: skip
 
 

@@ -16,7 +16,7 @@ from mechstyle.runs.stylizers import stylizer_for
 from mechstyle.simulation.part import Workpiece, bounds_for
 from mechstyle.styling.learned.weights import verified
 
-WITHOUT_OUR_ADDITIONS = {"memory": False, "retraction": False, "protect_resting_face": False, "guarantee": False}
+WITHOUT_OUR_ADDITIONS = {"memory": False, "retraction": False, "base": "free", "guarantee": False}
 
 
 @pytest.fixture
@@ -80,7 +80,7 @@ def test_freestyle_under_the_paper_criterion_is_both(part):
         ({"criterion": "paper"}, {"memory": True}),
         ({"criterion": "paper"}, {"transfer": "barycentric"}),
         ({"criterion": "paper"}, {"normalisation": "yield"}),
-        ({"criterion": "paper", "freestyle": True}, {"protect_resting_face": True}),
+        ({"criterion": "paper", "freestyle": True}, {"base": "protected"}),
     ],
 )
 def test_what_is_asked_for_overrides_the_preset_and_nothing_else(part, preset, setting):
@@ -268,9 +268,10 @@ def test_the_stylizer_follows_prompt_seed_and_amplitude(ball):
 
 
 def test_the_stylizer_keeps_within_what_the_part_can_bear(ball):
-    found = relief(ball, plan(ball, "stone", amplitude=2.0))
-    assert np.all(found >= -ball.inward())
-    assert np.all(found <= ball.outward())
+    recipe = plan(ball, "stone", amplitude=2.0)
+    found, bounds = relief(ball, recipe), bounds_for(ball, recipe)[0]
+    assert np.all(found >= -bounds.inward)
+    assert np.all(found <= bounds.outward)
 
 
 def test_what_was_not_understood_of_the_prompt_is_said(ball):
@@ -388,7 +389,8 @@ def test_every_pair_of_guidance_and_field_has_a_stylizer_within_the_bounds(ball,
     for _ in range(2):
         found = stylizer.step()
     assert found.displacement.any()
-    assert np.all((found.displacement >= -ball.inward()) & (found.displacement <= ball.outward()))
+    bounds = bounds_for(ball, recipe)[0]
+    assert np.all((found.displacement >= -bounds.inward) & (found.displacement <= bounds.outward))
     assert np.ptp(found.colour) > 0.0
 
 

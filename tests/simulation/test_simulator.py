@@ -263,7 +263,7 @@ def test_relief_under_an_unprotected_part_is_meshed_fresh(block, memo, monkeypat
         return tetrahedralise(surface, target, **options)
 
     monkeypatch.setattr(module, "tetrahedralise", meshed)
-    sim = simulator(block, memo, protect_resting_face=False, orientations=1)
+    sim = simulator(block, memo, orientations=1)
     assert sim.simulate(bumps(block), thorough=False).meshing == "morphed"
     assert sim.simulate(bumps(block), thorough=True).meshing == "fresh"
     assert asked == [block[0].displaced(bumps(block)).digest]
@@ -274,7 +274,7 @@ def test_a_surface_that_cannot_be_meshed_fresh_falls_back_and_says_so(block, mem
         raise SimulationFailed("fTetWild gave up")
 
     monkeypatch.setattr(module, "tetrahedralise", refuse)
-    result = simulator(block, memo, protect_resting_face=False, orientations=1).simulate(bumps(block), thorough=True)
+    result = simulator(block, memo, orientations=1).simulate(bumps(block), thorough=True)
     assert result.meshing.startswith("morphed, as")
     assert "fTetWild gave up" in result.meshing
 
@@ -363,7 +363,7 @@ def test_a_place_that_is_not_there_is_refused_before_the_long_drop(block, memo, 
 
 
 def test_loads_keep_their_places_where_the_drop_is_meshed_fresh(block, memo):
-    sim = simulator(block, memo, protect_resting_face=False, orientations=1, loads=(PUSH,))
+    sim = simulator(block, memo, orientations=1, loads=(PUSH,))
     result = sim.simulate(bumps(block), thorough=True)
     assert result.meshing == "fresh for the drop, morphed for the loads"
     assert result.governing == "push"

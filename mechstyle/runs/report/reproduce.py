@@ -20,7 +20,7 @@ from mechstyle.runs.report.run_protocol import LaneOfRun
 OF_FREESTYLE = frozenset(
     ("amplitude", "criterion", "field", "guidance", "iterations", "minimum_wall", "orientations", "poses", "seed", "standard", "stylizer")
 )
-OPTIONS = OF_FREESTYLE | {"control", "every", "normalisation", "protect_resting_face", "schedule", "threshold"}
+OPTIONS = OF_FREESTYLE | {"base", "control", "every", "normalisation", "schedule", "threshold"}
 """Settings with an option of their own; the others are given with --set."""
 
 FIRST = ("criterion", "control", "standard", "poses")

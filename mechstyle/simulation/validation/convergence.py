@@ -79,10 +79,11 @@ class Styled(NamedTuple):
 
 def _styled() -> Styled:
     part = _unstyled()
+    bounds = part.bounds("protected", 0.0)
     aim = target(
-        part.surface, read("brick"), seed=0, amplitude=0.15, thickness=part.thickness, inward=part.inward(), outward=part.outward()
+        part.surface, read("brick"), seed=0, amplitude=0.15, thickness=part.thickness, inward=bounds.inward, outward=bounds.outward
     )  # fmt: skip
-    relief = (aim.displacement * part.freedom()).astype(np.float32)
+    relief = (aim.displacement * bounds.freedom).astype(np.float32)
     return Styled(part.surface.displaced(relief), Morph(part.surface, part.tets).morphed(relief).tets)
 
 

@@ -28,7 +28,7 @@ CASES = [
     {"protect": (Box(low=(0.0, 0.0, 0.0), high=(1.0, 2.0, 3.0)),), "minimum_wall": 1.2},
     {"standard": "ista-1a"},
     {"standard": "astm-f963", "poses": "tilts", "drop_height": 500.0},
-    {"protect_resting_face": False, "drop_height": 800.0, "window": 2.5, "guarantee": False},
+    {"base": "free", "drop_height": 800.0, "window": 2.5, "guarantee": False},
 ]
 
 

@@ -1,4 +1,4 @@
-"""Protected regions: the resting face, the inside, and regions written or clicked."""
+"""Protected regions: the base, the inside, and regions written or clicked."""
 
 from __future__ import annotations
 
@@ -9,33 +9,40 @@ import ipywidgets
 import traitlets
 
 from mechstyle.errors import BadInput
+from mechstyle.records.recipe import DEFAULTS
 from mechstyle.records.regions import KINDS, Point, Region, regions
 from mechstyle_widgets.settings.brush import dabbed
-from mechstyle_widgets.settings.section import WIDE, Section, setting
+from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, setting
+
+UNDERSIDES = {"level": "relief, standing level", "protected": "smooth", "free": "relief as it comes"}
+"""What becomes of the base, one of `BASES`, in words."""
 
 
 class RegionsPicker(Section):
     """Protected regions.
 
     Attributes:
-        protect_resting_face: Whether the relief fades out towards the face the part rests on.
+        base: Relief under the part, one of `BASES`.
         protect: The regions, as records.
         paint: Whether a click on the part protects a ball around it, or no longer does where there is one.
         radius: Radius of that ball [mm].
         place: A point on the part that was clicked [mm], None for none; it can be protected with the smooth piece around it.
     """
 
-    FIELDS = ("protect_resting_face", "protect")
+    FIELDS = ("base", "protect")
 
-    protect_resting_face = setting("protect_resting_face")
+    base = setting("base")
     protect = traitlets.Tuple()
     paint = traitlets.Bool(False)
     radius = traitlets.Float(5.0, min=0.1, max=1e3)
     place = traitlets.Tuple(None, allow_none=True)
 
-    def __init__(self, protect: str | Region | list[str | Region] = (), *, resting_face: bool = True) -> None:  # type: ignore[assignment]
-        """Protect regions, given as records or as people write them, and the resting face."""
-        self._resting = ipywidgets.Checkbox(description="the face it rests on", indent=False, layout=WIDE)
+    def __init__(self, protect: str | Region | list[str | Region] = (), *, base: str = DEFAULTS["base"]) -> None:  # type: ignore[assignment]
+        """Protect regions, given as records or as people write them, and say what becomes of the base."""
+        self._base = ipywidgets.Dropdown(
+            options=[(words, name) for name, words in UNDERSIDES.items()], description="underside", style=NARROW_LABEL, layout=WIDE,
+            tooltip="Relief under the part",
+        )  # fmt: skip
         self._inside = ipywidgets.Checkbox(description="the inside of hollows", indent=False, layout=WIDE)
         self._clicked = ipywidgets.Button(
             description="protect the piece clicked on", icon="mouse-pointer", disabled=True, layout=WIDE,
@@ -45,9 +52,9 @@ class RegionsPicker(Section):
             placeholder="one region a line, for example\nbox 0 0 0 10 10 10 ramp 2\nbelow 5", rows=3, continuous_update=False, layout=WIDE,
             tooltip="\n".join(KINDS.values()),
         )  # fmt: skip
-        super().__init__([self._resting, self._inside, self._brush(), self._clicked, self._lines])
-        traitlets.link((self, "protect_resting_face"), (self._resting, "value"))
-        self.protect_resting_face, self.protect = resting_face, regions(protect)
+        super().__init__([self._base, self._inside, self._brush(), self._clicked, self._lines])
+        traitlets.link((self, "base"), (self._base, "value"))
+        self.base, self.protect = base, regions(protect)
         self._show()
         self._inside.observe(self._write, "value")
         self._lines.observe(self._write, "value")

@@ -1,0 +1,22 @@
+"""Recipes of earlier versions in today's words: the one place that knows what a setting was called, or meant, before."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+Fields = dict[str, Any]
+
+GONE: Mapping[str, Callable[[Any], Fields]] = {
+    "protect_resting_face": lambda held: {"base": "protected" if held else "free"},
+}
+"""What stands today for a field that recipes no longer have, given its value."""
+
+
+def translated(fields: Fields) -> Fields:
+    """The fields of a recipe, as decoded, without those that are gone; what a field that came later was then is its default."""
+    kept = {name: value for name, value in fields.items() if name not in GONE}
+    for name, words in GONE.items():
+        if name in fields:
+            kept |= words(fields[name])
+    return kept
