@@ -3,7 +3,8 @@
 A spot is a vertex together with the direction of the surface there. Where faces meet smoothly a vertex is one spot; on a sharp edge or
 corner it is one for each of its faces, because what is near it on the one side has nothing to do with what is near it on the other.
 Near means within a straight distance, with normals that differ by less than 60°, and connected by such surface: the other side of a thin
-wall is not near, and neither is the same side of the next wall.
+wall is not near, and neither is the same side of the next wall. Around marked vertices the surface may also turn by an edge, be it sharp,
+chamfered or rounded, but not by as much as from one side of a wall to the other.
 """
 
 from __future__ import annotations
@@ -18,6 +19,9 @@ from scipy.spatial import cKDTree
 from mechstyle.records.mesh import Bools, Floats, Indices, TetMesh
 
 SAME_SIDE = math.cos(math.radians(60.0))
+ROUND_AN_EDGE = math.cos(math.radians(110.0))
+"""More than the 90° from a flat face to the next past a chamfer, less than the 125° from the corner of a floor to its upper side."""
+
 SMOOTH = math.cos(math.radians(30.0))
 """Faces within 30° of the mean normal of their vertex meet smoothly there."""
 
@@ -41,7 +45,8 @@ class Sides:
         self._vertices = tets.vertices
         vectors = _area_vectors(tets, self.faces)
         self._normals = _unit(vectors)
-        self.spots, self.vertices, self._directions = _spots(self.faces, vectors, len(tets.vertices))
+        self._means = _means(self.faces, vectors, len(tets.vertices))
+        self.spots, self.vertices, self._directions = _spots(self.faces, self._normals, self._means)
         self.points, self.face_of = _points(tets, self.faces)
         self._beside = _neighbours(self.faces)
 
@@ -59,21 +64,21 @@ class Sides:
         """Which points lie within `reach` [mm] of which spots on the same side, ones of shape [spot_count, point_count]."""
         found = cKDTree(self.positions).sparse_distance_matrix(cKDTree(self.points @ self._vertices), reach, output_type="ndarray")
         spot, point = found["i"], found["j"]
-        alike = _alike(self._directions[spot], self._normals[self.face_of[point]])
+        alike = _cosines(self._directions[spot], self._normals[self.face_of[point]]) >= SAME_SIDE
         spot, point = spot[alike], point[alike]
         kept = self._connected(spot, self.face_of[point])
         ones = np.ones(int(kept.sum()), np.float32)
         return coo_array((ones, (spot[kept], point[kept])), shape=(len(self.vertices), len(self.face_of))).tocsr()
 
     def around(self, marked: Bools, reach: float) -> Bools:
-        """Spots within `reach` [mm] of marked vertices, [vertex_count], on the same side; shape [spot_count]."""
-        seeds = np.flatnonzero(marked[self.vertices])
+        """Spots within `reach` [mm] of marked vertices, [vertex_count], not through the wall; shape [spot_count]."""
+        seeds = np.unique(self.vertices[marked[self.vertices]])
         if not len(seeds):
             return np.zeros(len(self.vertices), dtype=bool)
-        found = cKDTree(self.positions).sparse_distance_matrix(cKDTree(self.positions[seeds]), reach, output_type="ndarray")
-        alike = _alike(self._directions[found["i"]], self._directions[seeds[found["j"]]])
+        found = cKDTree(self.positions).sparse_distance_matrix(cKDTree(self._vertices[seeds]), reach, output_type="ndarray")
+        beside = _cosines(self._directions[found["i"]], self._means[seeds[found["j"]]]) >= ROUND_AN_EDGE
         close = np.zeros(len(self.vertices), dtype=bool)
-        close[found["i"][alike]] = True
+        close[found["i"][beside]] = True
         reached = np.asarray(close[self.spots].any(axis=1))
         one, other = self._beside.nonzero()
         within = reached[one] & reached[other]
@@ -100,8 +105,8 @@ class Sides:
         return np.asarray(np.isin(label, label[own])[number])
 
 
-def _alike(one: Floats, other: Floats) -> Bools:
-    return np.asarray(np.einsum("nx,nx->n", one, other) >= SAME_SIDE)
+def _cosines(one: Floats, other: Floats) -> Floats:
+    return np.asarray(np.einsum("nx,nx->n", one, other))
 
 
 def _area_vectors(tets: TetMesh, faces: Indices) -> Floats:
@@ -114,18 +119,22 @@ def _unit(vectors: Floats) -> Floats:
     return np.divide(vectors, lengths, out=np.zeros_like(vectors), where=lengths > 0.0)
 
 
-def _spots(faces: Indices, vectors: Floats, vertex_count: int) -> tuple[Indices, Indices, Floats]:
+def _means(faces: Indices, vectors: Floats, vertex_count: int) -> Floats:
+    """Mean normals at the vertices, shape [vertex_count, 3], zero inside."""
+    total = np.zeros((vertex_count, 3))
+    np.add.at(total, faces, vectors[:, None])
+    return _unit(total)
+
+
+def _spots(faces: Indices, normals: Floats, means: Floats) -> tuple[Indices, Indices, Floats]:
     """Spot at each corner of the faces, and vertex and direction of each spot."""
-    mean = np.zeros((vertex_count, 3))
-    np.add.at(mean, faces, vectors[:, None])
-    mean, normals = _unit(mean), _unit(vectors)
     corners = faces.ravel()
-    sharp = np.zeros(vertex_count, dtype=bool)
-    sharp[corners[np.einsum("nx,nx->n", mean[corners], np.repeat(normals, 3, axis=0)) < SMOOTH]] = True
-    names = np.where(sharp[corners], vertex_count + np.arange(len(corners)), corners)  # a sharp corner is a spot of its own
+    sharp = np.zeros(len(means), dtype=bool)
+    sharp[corners[_cosines(means[corners], np.repeat(normals, 3, axis=0)) < SMOOTH]] = True
+    names = np.where(sharp[corners], len(means) + np.arange(len(corners)), corners)  # a sharp corner is a spot of its own
     _, first, spots = np.unique(names, return_index=True, return_inverse=True)
     vertices = corners[first]
-    directions = np.where(sharp[vertices, None], normals[first // 3], mean[vertices])
+    directions = np.where(sharp[vertices, None], normals[first // 3], means[vertices])
     return spots.reshape(-1, 3).astype(np.int32), vertices, directions
 
 

@@ -8,6 +8,7 @@ point lies too deep. So, with σ_s the stress at a vertex of the surface:
 * **σ_2** is the area-weighted mean of σ_s within 2 mm on the same side of the wall. Pure bending is constant along the surface, so nothing
   is lost; over a sharp inner edge, where σ_s grows with every finer mesh, it has a limit.
 * Near contact, and near the border of a support or load, the surface itself has no finite stress; the mean over a **ball** decides there.
+  Near is measured along the wall, past edges but not through it: the upper side of a floor bends freely while its underside rests.
 """
 
 from __future__ import annotations

@@ -12,7 +12,8 @@ UP, DOWN = np.array([0.0, 0.0, 1.0]), np.array([0.0, 0.0, -1.0])
 def beside(*parts):
     """Bodies that do not touch, as one mesh."""
     starts = np.cumsum([0, *(len(part.vertices) for part in parts[:-1])])
-    return TetMesh(np.concatenate([part.vertices for part in parts]), np.concatenate([p.tets + s for p, s in zip(parts, starts, strict=True)]))
+    tets = [part.tets + start for part, start in zip(parts, starts, strict=True)]
+    return TetMesh(np.concatenate([part.vertices for part in parts]), np.concatenate(tets))
 
 
 def facing(sides, direction):
@@ -56,7 +57,7 @@ def test_the_points_within_reach_of_a_spot_are_those_of_a_disc_on_its_own_side(b
 def test_the_same_side_of_the_next_wall_is_not_near(box):
     """Two plates 0.5 mm apart: both look up, and lie within 2 mm of each other."""
     plate = box((10, 10, 1), (10.0, 10.0, 1.0))
-    pair = beside(plate, plate.moved(plate.vertices + [0.0, 0.0, 1.5]))
+    pair = beside(plate, plate.moved(plate.vertices + 1.5 * UP))
     sides = Sides(pair)
     heights = (sides.points @ pair.vertices)[:, 2]
     lower = facing(sides, UP) & np.isclose(sides.positions[:, 2], 1.0)
@@ -66,12 +67,26 @@ def test_the_same_side_of_the_next_wall_is_not_near(box):
     assert not zone[np.isclose(sides.positions[:, 2], 1.5) | np.isclose(sides.positions[:, 2], 2.5)].any()
 
 
-def test_the_upper_side_of_a_floor_is_not_beside_what_its_underside_stands_on(box):
-    mesh = box((10, 10, 2), (20.0, 20.0, 3.0))
+@pytest.mark.parametrize("thickness", [1.0, 2.0, 3.0])
+def test_the_upper_side_of_a_floor_is_not_beside_what_its_underside_stands_on(box, thickness):
+    mesh = box((10, 10, 2), (20.0, 20.0, thickness))
     sides = Sides(mesh)
     zone = sides.around(np.isclose(mesh.vertices[:, 2], 0.0), 3.0)
     assert zone[facing(sides, DOWN)].all()
     assert not zone[facing(sides, UP)].any()
+
+
+def test_a_chamfer_does_not_end_a_zone(box):
+    """The wall begins 1.4 mm from where the floor ends, and looks 90° away from it."""
+    straight = box((8, 8, 8), (8.0, 8.0, 8.0))
+    vertices = straight.vertices.copy()
+    vertices[np.isclose(vertices[:, 1:], 0.0).all(axis=1), 1:] = 0.5
+    mesh = straight.moved(vertices)
+    sides = Sides(mesh)
+    zone = sides.around(np.isclose(vertices[:, 2], 0.0) & np.isclose(vertices[:, 0], 4.0), 3.0)
+    wall = facing(sides, np.array([0.0, -1.0, 0.0])) & np.isclose(sides.positions[:, 0], 4.0)
+    assert wall.sum() >= 7
+    assert np.array_equal(zone[wall], sides.positions[wall, 2] < 2.9)  # the floor ends at y = 1
 
 
 def test_a_zone_reaches_so_far_round_an_edge_and_no_farther(box):

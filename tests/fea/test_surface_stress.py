@@ -113,7 +113,7 @@ def test_the_field_on_the_surface_is_what_decides(block):
     found = reading.of_landing(block, points, corners, block.vertices[:, 2] < 1.0)
     on = np.unique(block.boundary_faces)
     assert found.field[on].max() == found.peak == max(found.surface, found.contact)
-    assert 0.0 < min(found.surface, found.contact)
+    assert min(found.surface, found.contact) > 0.0
     assert found.where == tuple(block.vertices[on[found.field[on].argmax()]])
     inside = np.setdiff1d(np.arange(len(block.vertices)), on)
     ball = largest_around(block, points, reading.average)

@@ -319,7 +319,7 @@ def test_a_drop_that_is_worse_than_its_loads_stays_as_it_is(block, memo):
 
 
 def test_a_plate_whose_clamp_sees_80_mpa_fails(memo):
-    """3 mm thick, 80 MPa at the clamp by beam theory, 45.6 MPa of yield strength: a mean over a ball reads half of it and calls it viable."""
+    """3 mm thick, 80 MPa by beam theory, 45.6 MPa of yield strength: a mean over a ball reads half of it and calls it viable."""
     tets, (length, width, thickness) = box((20, 4, 1), (60.0, 12.0, 3.0)), (60.0, 12.0, 3.0)
     used, faces = np.unique(tets.boundary_faces, return_inverse=True)
     force = 80.0 * width * thickness**2 / 6.0 / length
