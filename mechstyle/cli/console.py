@@ -72,9 +72,9 @@ def escape(text: str) -> str:
     return text.replace("[", r"\[")
 
 
-def verdict_text(outcome: str) -> str:
-    """The outcome in its colour."""
-    return f"[bold {COLOURS[outcome]}]{outcome}[/]"
+def verdict_text(outcome: str, *, marginal: bool = False) -> str:
+    """The outcome in its colour; amber where it is too close to a limit to be sure."""
+    return f"[bold yellow]{outcome}, MARGINAL[/]" if marginal else f"[bold {COLOURS[outcome]}]{outcome}[/]"
 
 
 def factor(value: float | None) -> str:
@@ -130,7 +130,7 @@ class Teller:
         elif isinstance(event, Simulated):
             decides = event.verdict.deciding
             self._progress.console.print(
-                f"  {event.iteration:>4}  {verdict_text(event.verdict.outcome)}  peak {decides.value:.1f} of {decides.limit:.1f} MPa"
+                f"  {event.iteration:>4}  {verdict_text(event.verdict.outcome, marginal=event.verdict.marginal)}  peak {decides.value:.1f} of {decides.limit:.1f} MPa"
                 f"  [dim]{escape(event.reason)}[/]"
             )
         elif isinstance(event, Corrected):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -11,6 +11,9 @@ from mechstyle.cli.console import command, err, escape, factor, out, print_json,
 from mechstyle.cli.options import DEFAULTS_MAY_CHANGE, OPTIONS, Device, Folder, Json, Model, Scale, Settings, Vertices, recipe_options
 from mechstyle.records.landings import STANDARDS
 from mechstyle.records.mesh import STANDARD_VERTICES
+
+if TYPE_CHECKING:
+    from mechstyle.loop.history import Strength
 
 RESTRAINED = ("control", "normalisation", "threshold", "schedule", "every", "base")
 """Settings that restrain a style, or say when to simulate to that end: Freestyle has no use for them."""
@@ -78,26 +81,19 @@ def report(run: Any, *, as_json: bool) -> None:
     if as_json:
         print_json(summary)
         return
-    rows = table("stresses in MPa", "verdict", "peak", "allowed", "safety", "literal max", "all orientations")
+    rows = table("stresses in MPa", "verdict", "as placed", "of", "tilted", "of", "all orientations", "safety", "worst landing", "yield in")
     for name, strength in (("original", summary.baseline), ("styled", summary.result)):
-        overall = "–" if strength.all_orientations is None else f"{strength.all_orientations:.2f} x"
-        rows.add_row(
-            name,
-            verdict_text(strength.verdict),
-            f"{strength.peak_stress:.1f}",
-            f"{strength.allowable:.1f}",
-            factor(strength.safety_factor),
-            f"{strength.maximum:.1f}",
-            overall,
-        )
+        rows.add_row(name, verdict_text(strength.verdict, marginal=strength.marginal), *_figures(strength))
     out.print(rows)
     out.print(f"\n{escape(summary.words)}")
     kept = f"kept {summary.kept:.0%} of the freestyle relief; style loss {summary.style_loss_ratio:.1%} of its start"
     out.print(f"{kept}; {len(summary.simulations)} simulations")
     if summary.level_share is not None:
         out.print(f"it stands on {summary.level_share:.0%} of its base")
-    if summary.failure_probability is not None:
-        out.print(f"{summary.failure_probability:.0%} of random drops exceed the yield strength somewhere ({run.recipe.poses})")
+    before, after = summary.baseline.failure_probability, summary.result.failure_probability
+    if before is not None and after is not None:
+        out.print(f"{after:.0%} of random drops begin to yield it somewhere, {before:.0%} do the original ({run.recipe.poses})")
+    out.print(f"published rule, shown only: literal maximum {summary.result.maximum:.1f} MPa (depends on the mesh)")
     if run.recipe.after_standard:
         out.print(f"{escape(run.recipe.after_standard)}. {escape(STANDARDS[run.recipe.standard].departs)}")
     for note in summary.notes:
@@ -107,6 +103,20 @@ def report(run: Any, *, as_json: bool) -> None:
     out.print("seconds: " + ", ".join(f"{stage} {value:.1f}" for stage, value in summary.seconds.items()))
     for what, path in summary.files.items():
         out.print(f"{what}: {escape(path)}")
+
+
+def _figures(strength: Strength) -> tuple[str, ...]:
+    """As placed, tilted, over all orientations, the least safety factor, the worst landing, and how many random drops begin to yield it."""
+    return (
+        f"{strength.peak_stress:.1f}",
+        f"{strength.allowable:.1f}",
+        "–" if strength.tilted is None else f"{strength.tilted:.1f}",
+        "–" if strength.tilted_limit is None else f"{strength.tilted_limit:.1f}",
+        "–" if strength.all_orientations is None else f"{strength.all_orientations:.2f} x",
+        factor(strength.safety_factor),
+        "–" if strength.worst is None else f"{strength.worst:.1f}",
+        "–" if strength.failure_probability is None else f"{strength.failure_probability:.0%}",
+    )
 
 
 @app.command("run", epilog=DEFAULTS_MAY_CHANGE)

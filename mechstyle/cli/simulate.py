@@ -66,7 +66,6 @@ def _figures(dropped: PartTest, files: dict[str, str]) -> dict[str, Any]:
         **to_dict(dropped.strength),
         "as_placed": simulation.as_placed,
         "overall": simulation.overall,
-        "failure_probability": dropped.failure_probability,
         "landings": simulation.landings,
         "after_standard": dropped.recipe.after_standard,
         "course": dropped.course,
@@ -87,13 +86,14 @@ def _report(dropped: PartTest, files: dict[str, str]) -> None:
     """Print what a drop test found, for people."""
     strength, simulation = dropped.strength, dropped.simulation
     rows = table("", "")
-    peak = "largest element stress" if dropped.verdict.criterion == "paper" else "peak stress at the surface"
+    peak = "largest element stress" if dropped.verdict.criterion == "paper" else "peak stress as placed"
     for label, value in (
-        ("verdict", verdict_text(strength.verdict)),
+        ("verdict", verdict_text(strength.verdict, marginal=strength.marginal)),
         (
             peak,
             f"{strength.peak_stress:.1f} MPa of {strength.allowable:.1f} MPa, safety factor {factor(strength.safety_factor)}",
         ),
+        *((("tilted by 3°", f"{simulation.tilted.surface:.1f} MPa at the surface"),) if simulation.tilted is not None else ()),
         ("p99.9 as placed", f"{simulation.as_placed.p999:.1f} MPa"),
         *_orientation_rows(dropped),
         *((escape(f"load {case.name!r}"), case.words) for case in simulation.loaded),
@@ -116,16 +116,18 @@ def _orientation_rows(dropped: PartTest) -> list[tuple[str, str]]:
     overall = dropped.simulation.overall
     if overall is None or not dropped.simulation.landings:
         return [("p99 over all orientations", "not run" if overall is None else "not known")]
-    number, worst = max(enumerate(dropped.simulation.landings), key=lambda landing: landing[1].measures.peak)
+    worst = dropped.simulation.worst
+    assert worst is not None, "there are landings"
     x, y, z = worst.normal
     rows = [
         ("p99 over all orientations", f"{overall.p99:.1f} MPa"),
-        ("worst orientation", f"{worst.measures.peak:.1f} MPa in number {number}, {worst.name}, floor normal ({x:.2f}, {y:.2f}, {z:.2f})"),
+        ("worst orientation", f"{worst.measures.peak:.1f} MPa, {worst.name}, floor normal ({x:.2f}, {y:.2f}, {z:.2f})"),
     ]
     if dropped.recipe.after_standard:
         rows.append(("orientations", dropped.recipe.after_standard))
-    if dropped.failure_probability is not None:
-        share = f"{dropped.failure_probability:.0%} of random drops exceed {dropped.recipe.material.yield_strength:.1f} MPa somewhere"
+    chance = dropped.simulation.failure_probability
+    if chance is not None:
+        share = f"{chance:.0%} of random drops begin to yield it somewhere, beyond {dropped.recipe.material.yield_strength:.1f} MPa"
         rows.append(("failure probability", f"{share} (of {len(dropped.simulation.landings)} {dropped.recipe.poses} drops)"))
     return rows
 

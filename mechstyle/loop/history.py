@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mechstyle.loop.store import Entry, Store
-from mechstyle.records import Recipe, Verdict
+from mechstyle.records import Recipe, Simulation, Verdict
 from mechstyle.records.checkpoint import restrained
 
 E = TypeVar("E", bound=Entry)
@@ -26,10 +26,16 @@ class Strength(msgspec.Struct, frozen=True, kw_only=True):
         verdict: VIABLE, FAILS or UNKNOWN.
         peak_stress: Stress that decides as placed [MPa].
         allowable: What it may at most be [MPa].
-        safety_factor: allowable / peak_stress, None if the peak is not known.
+        safety_factor: The least of all rules that count, None if that is not known.
         maximum: Literal maximum over the elements [MPa].
         all_orientations: p99 over all orientations relative to the unstylized part, None if not run.
         words: The verdict in one sentence.
+        marginal: Whether a rule that counts is too close to its limit to be sure.
+        tilted: Surface stress of the drops nearly as placed [MPa], None if there was none to compare.
+        tilted_limit: What it may at most be [MPa].
+        worst: Largest stress of any landing [MPa], None if that is not known.
+        worst_landing: Name of that landing.
+        failure_probability: Probability that a random drop begins to yield the part, None if that was not worked out.
     """
 
     verdict: str
@@ -39,19 +45,32 @@ class Strength(msgspec.Struct, frozen=True, kw_only=True):
     maximum: float
     all_orientations: float | None
     words: str
+    marginal: bool = False
+    tilted: float | None = None
+    tilted_limit: float | None = None
+    worst: float | None = None
+    worst_landing: str = ""
+    failure_probability: float | None = None
 
     @classmethod
-    def of(cls, verdict: Verdict) -> Strength:
-        """The figures of a verdict."""
-        decides = verdict.deciding
+    def of(cls, verdict: Verdict, simulation: Simulation | None = None) -> Strength:
+        """The figures of a verdict, and of the simulation it was given on as far as they decide nothing."""
+        decides, tilted = verdict.deciding, verdict.tilted
+        worst = simulation.worst if simulation is not None else None
         return cls(
             verdict=verdict.outcome,
             peak_stress=decides.value,
             allowable=decides.limit,
-            safety_factor=decides.safety_factor if math.isfinite(decides.safety_factor) else None,
+            safety_factor=verdict.safety_factor if math.isfinite(verdict.safety_factor) and verdict.outcome != "UNKNOWN" else None,
             maximum=verdict.literal.value,
             all_orientations=None if verdict.all_orientations is None else verdict.all_orientations.value,
             words=verdict.words,
+            marginal=verdict.marginal,
+            tilted=tilted and tilted.value,
+            tilted_limit=tilted and tilted.limit,
+            worst=worst and worst.measures.peak,
+            worst_landing=worst.name if worst is not None else "",
+            failure_probability=simulation.failure_probability if simulation is not None else None,
         )
 
 

@@ -50,7 +50,9 @@ def verdict_note(verdict: Verdict) -> str:
     """A verdict in the line under a picture."""
     if verdict.outcome == "UNKNOWN":
         return "UNKNOWN: this drop gave no answer"
-    return f"{verdict.outcome}: peak {verdict.deciding.value:.0f} of {verdict.deciding.limit:.0f} MPa"
+    nearest = min(verdict.counting, key=lambda rule: rule.safety_factor)
+    doubt = ", MARGINAL" if verdict.marginal else ""
+    return f"{verdict.outcome}{doubt}: {nearest.short}"
 
 
 def checkpoint_panels(original: SurfaceMesh, state: Checkpoint, recipe: Recipe, limit: float, measured_at: int | None) -> list[Panel]:

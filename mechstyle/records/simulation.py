@@ -99,7 +99,8 @@ class Simulation:
         contact: Whether the surface there touched the floor in the as-placed drop, shape [vertex_count].
         as_placed: Measures of the as-placed drop and of all load cases, the largest of each.
         overall: Measures of the envelope over all orientations, None if only one was run.
-        failure_probability: Probability that a random drop takes the peak of the part beyond the yield strength; zero as `probability`.
+        failure_probability: Probability that a random drop takes the peak of the part beyond the yield strength; None where `probability`
+            is no such thing.
         landings: What each drop did, the first as placed; none if the drop failed.
         backed_off: Share of the surface whose displacement the morph had to reduce.
         deviation: Largest such reduction [mm].
@@ -126,7 +127,7 @@ class Simulation:
     time_step: float
     steps: int
     added_mass: float
-    failure_probability: float = 0.0
+    failure_probability: float | None = None
     landings: tuple[Landing, ...] = ()
     loaded: tuple[LoadResult, ...] = ()
     level_share: float | None = None
@@ -143,6 +144,11 @@ class Simulation:
         for name in ("displacement", "stress", "tilted_stress", "envelope", "probability", "contact"):
             kind = np.bool_ if name == "contact" else np.float32
             object.__setattr__(self, name, frozen_array(getattr(self, name), kind, (count,), name))
+
+    @property
+    def worst(self) -> Landing | None:
+        """The landing with the largest peak, None if there is none."""
+        return max(self.landings, key=lambda landing: landing.measures.peak, default=None)
 
     @property
     def governing(self) -> str:

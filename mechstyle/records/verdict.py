@@ -29,6 +29,11 @@ class Judgement(msgspec.Struct, frozen=True, kw_only=True):
     marginal: bool
 
     @property
+    def short(self) -> str:
+        """Value and limit, as they stand under a picture."""
+        return f"{self.value:.0f} of {self.limit:.0f} MPa" if self.unit == "MPa" else f"{self.value:.2f} of {self.limit:.2f} times"
+
+    @property
     def safety_factor(self) -> float:
         """Limit over value; infinite for a value of zero, NaN for NaN."""
         return float("inf") if self.value == 0 else self.limit / self.value

@@ -23,7 +23,7 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
         verdict: VIABLE, FAILS or UNKNOWN.
         peak_stress: Stress that decides as placed [MPa].
         allowable: What it may at most be [MPa].
-        safety_factor: allowable / peak_stress, None if the peak is not known.
+        safety_factor: The least of all rules that count, None if that is not known.
         words: The verdict in one sentence.
         result: The figures of the delivered part in full.
         baseline: The same of the unstylized part.
@@ -36,8 +36,6 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
         level_share: Share of the flat faces the part stands on that the relief leaves on the floor, None if it stands on none.
         backed_off: Share of the surface the tetrahedra could not follow in the last simulation.
         loads: What each load case did to the delivered part.
-        failure_probability: Probability that a random drop takes the delivered part beyond the yield strength, over the orientations of the
-            recipe; None if they are no sample of random drops, or none gave an answer.
         seconds: Wall time per stage of the process that finished the run [s].
         notes: What the user should know, one sentence each.
         lane: Name of the lane.
@@ -62,7 +60,6 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
     backed_off: float
     level_share: float | None = None
     loads: tuple[LoadResult, ...] = ()
-    failure_probability: float | None = None
     seconds: dict[str, float]
     notes: tuple[str, ...]
     lane: str
@@ -76,9 +73,8 @@ def summarise(engine: Engine, *, device: str, notes: tuple[str, ...], seconds: d
     history = engine.store.history(engine.lane)
     last = engine.store.checkpoint(history[-1].digest)
     assert last.verdict is not None, "a finished lane ends with a simulated checkpoint"
-    result = Strength.of(last.verdict)
-    simulation = engine.simulator.simulate(last.displacement, thorough=True)
-    sampled = simulation.overall is not None and not simulation.failure and engine.recipe.random_drops
+    simulation, original = engine.simulator.simulate(last.displacement, thorough=True), engine.simulator.baseline
+    result = Strength.of(last.verdict, simulation)
     start, base = history[0].style_loss, LevelBase(engine.surface)
     return Summary(
         verdict=result.verdict,
@@ -87,7 +83,7 @@ def summarise(engine: Engine, *, device: str, notes: tuple[str, ...], seconds: d
         safety_factor=result.safety_factor,
         words=result.words,
         result=result,
-        baseline=Strength.of(engine.simulator.judge(engine.simulator.baseline)),
+        baseline=Strength.of(engine.simulator.judge(original), original),
         simulations=simulations(history),
         style_loss=last.style_loss,
         style_loss_ratio=last.style_loss / start if start else 0.0,
@@ -97,7 +93,6 @@ def summarise(engine: Engine, *, device: str, notes: tuple[str, ...], seconds: d
         level_share=simulation.level_share,
         backed_off=simulation.backed_off,
         loads=simulation.loaded,
-        failure_probability=simulation.failure_probability if sampled else None,
         seconds=seconds,
         notes=notes,
         lane=engine.lane,

@@ -64,18 +64,12 @@ class PartTest:
     @property
     def strength(self) -> Strength:
         """The verdict in figures."""
-        return Strength.of(self.verdict)
+        return Strength.of(self.verdict, self.simulation)
 
     @property
     def history(self) -> History:
         """Energies, contact force and largest stress over time, of every orientation."""
         return self.detail.drop.history
-
-    @property
-    def failure_probability(self) -> float | None:
-        """Probability that a random drop takes the peak beyond the yield strength; None if no sample of random drops was simulated."""
-        sampled = self.simulation.overall is not None and not self.simulation.failure and self.recipe.random_drops
-        return self.simulation.failure_probability if sampled else None
 
     @cached_property
     def course(self) -> Course | None:
@@ -96,12 +90,12 @@ class PartTest:
             worst = f"worst of {len(self.detail.drop.von_mises)} orientations"
             for view, title in (("three_quarter", worst), ("below", "from below")):
                 panels.append(field_panel(surface, fields.envelope(limit), simulation.envelope, title=title, view=view))
-        if self.failure_probability is not None:
+        if self.simulation.failure_probability is not None:
             panels.append(self._probability_panel())
         return picture(panels, columns=3)
 
     def _probability_panel(self) -> Panel:
-        whole = f"{self.simulation.failure_probability:.0%} of random drops exceed it somewhere"
+        whole = f"{self.simulation.failure_probability:.0%} of random drops begin to yield it somewhere"
         exceeding = fields.probability(self.recipe.material.yield_strength)
         return field_panel(self.part.surface, exceeding, self.simulation.probability, title="failure probability", note=whole)
 

@@ -12,7 +12,7 @@ import msgspec
 
 from mechstyle._files import write_whole
 from mechstyle.errors import BadInput
-from mechstyle.loop.history import Step, largest_mask_change, steps
+from mechstyle.loop.history import Step, Strength, largest_mask_change, steps
 from mechstyle.records import Judgement, Recipe
 from mechstyle.records.landings import STANDARDS
 from mechstyle.records.material import SPREAD, Material
@@ -82,14 +82,13 @@ def _payload(played: ReplayData) -> Markup:
 def _head(run: LaneOfRun, told: Sequence[Step], last: int) -> Markup:
     verdict = told[-1].verdict
     stands = "finished" if run.finished else f"stands at iteration {last} of {run.recipe.iterations}"
-    marginal = verdict.deciding.marginal or (verdict.all_orientations is not None and verdict.all_orientations.marginal)
     return fill(
         '<p class="kicker">MechStyle report</p><h1>{name}<span class="prompt"> as “{prompt}”</span></h1>'
         '<p class="facts">{material} · {iterations} iterations · {simulations} simulations · lane {lane}, {stands}</p>'
         '<div class="verdict {kind}"><strong>{outcome}</strong><div><p>{meaning}{marginal}</p><p class="faint">{words}</p></div></div>',
         name=run.record.name.replace("_", " "), prompt=run.recipe.prompt, material=run.recipe.material.label,
-        iterations=last, simulations=len(told) - 1, lane=run.lane, stands=stands, kind=verdict.outcome.lower(),
-        outcome=verdict.outcome, meaning=texts.OUTCOMES[verdict.outcome], marginal=f" {texts.MARGINAL}" if marginal else "",
+        iterations=last, simulations=len(told) - 1, lane=run.lane, stands=stands, kind="marginal" if verdict.marginal else verdict.outcome.lower(),
+        outcome=verdict.outcome, meaning=texts.OUTCOMES[verdict.outcome], marginal=f" {texts.MARGINAL}" if verdict.marginal else "",
         words=verdict.words,
     )  # fmt: skip
 
@@ -100,11 +99,13 @@ def _figures(run: LaneOfRun, told: Sequence[Step]) -> Markup:
     decides, unknown = verdict.deciding, verdict.outcome == "UNKNOWN"
     shown = [
         ("peak stress", "–" if unknown else f"{decides.value:.1f} MPa", f"limit {decides.limit:.1f}, before {first.deciding.value:.1f}"),
-        ("safety factor", "–" if unknown else f"{decides.safety_factor:.2f}", "limit over peak, dropped as placed"),
+        ("safety factor", "–" if unknown else f"{verdict.safety_factor:.2f}", "the least of the rules that count"),
     ]
     spread = verdict.all_orientations
     if spread is not None and not unknown:
         shown.append(("all orientations", f"{spread.value:.2f} ×", f"the original's stress, limit {spread.limit:.2f}"))
+    if run.finished:
+        shown += _informing(run.summary.baseline, run.summary.result)
     shown.append(("held back", f"{told[-1].share:.0%}", f"{told[-1].restrained} of {told[-1].vertices} vertices"))
     if run.finished:
         shown.append(("relief kept", f"{run.summary.kept:.0%}", "of what the style alone would have made"))
@@ -114,19 +115,30 @@ def _figures(run: LaneOfRun, told: Sequence[Step]) -> Markup:
     )
 
 
+def _informing(before: Strength, now: Strength) -> list[tuple[str, str, str]]:
+    """What decides nothing but tells what a fall may do: the worst landing, and how many random drops begin to yield the part."""
+    shown = []
+    if now.worst is not None and before.worst is not None:
+        shown.append(("worst landing", f"{now.worst:.0f} MPa", f"{now.worst_landing}; the original {before.worst:.0f}"))
+    if now.failure_probability is not None and before.failure_probability is not None:
+        shown.append(("begins to yield", f"{now.failure_probability:.0%}", f"of random drops; the original in {before.failure_probability:.0%}"))
+    return shown
+
+
 def _rules(told: Sequence[Step]) -> Markup:
     """Each rule applied to the styled part and to the original."""
     now, first = told[-1].verdict, told[0].verdict
     rows: list[tuple[str, Judgement, Judgement | None]] = [("as placed", now.as_placed, first.as_placed)]
+    if now.tilted is not None:
+        rows.append(("tilted by 3°", now.tilted, first.tilted))
     if now.all_orientations is not None:
         rows.append(("all orientations", now.all_orientations, first.all_orientations))
     rows.append(("published rule", now.literal, first.literal))
-    counts = {"published rule"} if now.criterion == "paper" else {"as placed", "all orientations"}
     return table(
         ("test", "rule", "counts", "outcome", "now", "original", "limit"),
         [
             (
-                name, judged.rule, "yes" if name in counts else "shown only", _outcome(judged), _value(judged),
+                name, judged.rule, "yes" if judged in now.counting else "shown only", _outcome(judged), _value(judged),
                 "–" if before is None else _value(before), _figure(judged.limit, judged.unit),
             )
             for name, judged, before in rows
@@ -138,7 +150,7 @@ def _rules(told: Sequence[Step]) -> Markup:
 
 def _outcome(judged: Judgement) -> Markup:
     return fill(
-        '<span class="{kind}">{outcome}</span>{marginal}', kind=judged.outcome.lower(), outcome=judged.outcome,
+        '<span class="{kind}">{outcome}</span>{marginal}', kind="marginal" if judged.marginal else judged.outcome.lower(), outcome=judged.outcome,
         marginal=", marginal" if judged.marginal else "",
     )  # fmt: skip
 

@@ -15,8 +15,8 @@ LIMITS = (
     "The material is isotropic and elastic up to yield: no layers, no infill, no fatigue, no creep, no fracture.",
     "Where the floor meets the part at a point, the literal peak stress depends on the mesh.",
     "The default rule therefore uses a mean over 2 mm, along the surface or beside contact in a ball; the published one is shown too.",
-    "Tilted drops are judged by how much they differ from the unstylized part, not against yield.",
-    "Figures within 15 % of a stress limit, or 5 % of that over all orientations, are marginal: meshing anew moves them that far.",
+    "Landings on edges and corners are judged by how much they differ from the original, not against yield: any plastic part yields there.",
+    "Figures within 5 % of a limit, or 15 % where the stress around a contact decides, are marginal: meshing anew moves them that far.",
     "A drop hardly notices walls that are merely too thin to print or to handle. Look at the wall thickness too.",
     "Between simulations the stress and the mask shown are those of the last one.",
 )

@@ -73,7 +73,7 @@ class DropOptions(Section):
                 description="drops", tooltip="Drops of the final test, the first as the part stands", **range_of("orientations"), **look
             ),
             "criterion": ipywidgets.Dropdown(options=CRITERIA, description="criterion", **look),
-            "guarantee": ipywidgets.Checkbox(description="back off until it is viable", indent=False, layout=WIDE),
+            "guarantee": ipywidgets.Checkbox(description="correct until it is viable", indent=False, layout=WIDE),
             "minimum_wall": ipywidgets.BoundedFloatText(
                 description="thinnest [mm]", step=0.1, tooltip="The thinnest wall the style may leave", **range_of("minimum_wall"), **look
             ),
