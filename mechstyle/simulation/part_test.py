@@ -184,11 +184,16 @@ def simulate(
 
 
 def judge_alone(simulation: Simulation, material: Material, criterion: str) -> Verdict:
-    """Whether a part that has no original to be compared with survives: its peak as placed against the yield strength.
+    """Whether a part that has no original to be compared with survives: its stress as placed and under loads against the yield strength.
 
-    The rule over all orientations compares with the original and therefore does not apply. An original without stress leaves
-    nothing but the yield strength of `fea.criterion.judge`.
+    The rules on other landings compare with the original and therefore do not apply; what tilted landings do is told with the words.
+    An original without stress leaves nothing but the yield strength of `fea.verdict.judge`.
     """
     as_placed = replace(simulation, overall=None)
-    original = replace(as_placed, as_placed=msgspec.structs.replace(simulation.as_placed, peak=0.0))
-    return judge(as_placed, original, material, criterion)
+    nothing = msgspec.structs.replace(simulation.as_placed, peak=0.0, surface=0.0, contact=0.0)
+    verdict = judge(as_placed, replace(as_placed, as_placed=nothing, tilted=None), material, criterion)
+    if simulation.tilted is None or simulation.failure:
+        return verdict
+    reached = simulation.tilted.surface
+    beyond = " and begins to yield" if reached > material.yield_strength else ""
+    return msgspec.structs.replace(verdict, words=f"{verdict.words} Tilted by a few degrees its surface reaches {reached:.1f} MPa{beyond}.")

@@ -49,7 +49,7 @@ def shown(run, monkeypatch):
 @pytest.mark.parametrize(
     ("iteration", "title", "note"),
     [
-        (20, "stress", "VIABLE: peak 21 of 46 MPa"),
+        (20, "stress", "VIABLE: 21 of 46 MPa"),
         (30, "stress (iteration 20)", ""),
         (40, "stress (iteration 20)", "UNKNOWN: this drop gave no answer"),
         (45, "stress (iteration 20)", "UNKNOWN: the later drop at iteration 40 gave no answer"),
