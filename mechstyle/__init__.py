@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from mechstyle.loop.engine import Bounds, Engine, Stylizer
     from mechstyle.loop.store import Store
     from mechstyle.pictures.panels import Picture
+    from mechstyle.runs.deepest import Depth, deepest
     from mechstyle.runs.plugins import register_stylizer
     from mechstyle.runs.protection import ProtectedPart, protect
     from mechstyle.runs.recipes import changed, plan
@@ -39,6 +40,7 @@ __version__ = "0.1.0"
 
 _WHERE = {
     "Bounds": "loop.engine",
+    "Depth": "runs.deepest",
     "DropSimulator": "simulation.simulator",
     "Engine": "loop.engine",
     "Model": "simulation.part",
@@ -54,6 +56,7 @@ _WHERE = {
     "Workpiece": "simulation.part",
     "begin": "runs.run",
     "changed": "runs.recipes",
+    "deepest": "runs.deepest",
     "load": "gallery",
     "plan": "runs.recipes",
     "prepare": "simulation.part",
@@ -72,6 +75,7 @@ __all__ = [
     "Box",
     "Checkpoint",
     "DamagedStore",
+    "Depth",
     "DropSimulator",
     "Engine",
     "HalfSpace",
@@ -108,6 +112,7 @@ __all__ = [
     "Workpiece",
     "begin",
     "changed",
+    "deepest",
     "load",
     "material_named",
     "plan",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import inspect
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from inspect import Parameter, Signature
 from pathlib import Path
@@ -62,7 +63,7 @@ OPTIONS = {
     "prompt": RecipeOption(STYLE, ("--prompt", "-p")),
     "iterations": RecipeOption(STYLE),
     "seed": RecipeOption(STYLE),
-    "amplitude": RecipeOption(STYLE),
+    "amplitude": RecipeOption(STYLE, kind=str, hint="With `run`, auto finds the deepest that holds."),
     "stylizer": RecipeOption(STYLE),
     "guidance": RecipeOption(STYLE, hint="clip takes any prompt; see `mechstyle weights list`."),
     "field": RecipeOption(STYLE),
@@ -146,6 +147,8 @@ def _joined(signature: Signature, options: list[Parameter]) -> Signature:
 def _used(others: list[str] | None = None, **settings: Any) -> Settings:
     """The settings that were given, those of --set last."""
     used = {name: value for name, value in settings.items() if value not in (None, [])}
+    with suppress(KeyError, ValueError):  # what is neither a number nor auto is refused where settings are
+        used["amplitude"] = float(used["amplitude"])
     if others:
         from mechstyle.runs.recipes import typed  # noqa: PLC0415 — physics is loaded when something is run
 

@@ -5,18 +5,22 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+import msgspec
 import typer
 
 from mechstyle.cli.console import command, err, escape, factor, out, print_json, table, telling, verdict_text
 from mechstyle.cli.options import DEFAULTS_MAY_CHANGE, OPTIONS, Device, Folder, Json, Model, Scale, Settings, Vertices, recipe_options
 from mechstyle.records.landings import STANDARDS
 from mechstyle.records.mesh import STANDARD_VERTICES
+from mechstyle.records.recipe import DEFAULTS, Recipe
 
 if TYPE_CHECKING:
     from mechstyle.loop.history import Strength
 
 RESTRAINED = ("control", "normalisation", "threshold", "schedule", "every", "base")
 """Settings that restrain a style, or say when to simulate to that end: Freestyle has no use for them."""
+AUTO = "auto"
+"""In place of an amplitude: the deepest that holds."""
 FINISH_FIRST = {"schedule": "never"}
 """Nothing is simulated before the last iteration, so that no mask ever closes."""
 FREE = tuple(name for name in OPTIONS if name not in RESTRAINED)
@@ -52,15 +56,31 @@ def carry_out(
     from mechstyle.runs.run import started  # noqa: PLC0415
     from mechstyle.styling.prompt import read as read_prompt  # noqa: PLC0415
 
-    wanted = draft(**settings, freestyle=freestyle)
+    deep = settings.get("amplitude") == AUTO
+    wanted = draft(**{**settings, "amplitude": DEFAULTS["amplitude"]} if deep else settings, freestyle=freestyle)
     device = resolve_device(device)
     if not as_json and not wanted.stylizer and wanted.guidance == "offline":
         for note in read_prompt(wanted.prompt).notes:
             err.print(f"[dim]prompt: {escape(note)}[/]")
     mesh, name = read_model(model, scale, quiet=as_json)
     with telling(wanted.iterations, quiet=as_json) as teller:
+        if deep:
+            wanted = at_its_deepest(wanted, mesh, settings, vertices, device, folder, teller)
         run = started(wanted, mesh, vertices=vertices, out=folder, name=name, device=device, stage=teller.stage)
         return finish(run, teller)
+
+
+def at_its_deepest(
+    wanted: Recipe, mesh: Any, settings: Settings, vertices: int, device: str, folder: Path | None, teller: Any
+) -> Recipe:
+    """A recipe with the deepest relief that holds, which is found by trials in a folder beside the run's."""
+    from mechstyle.runs.deepest import deepest  # noqa: PLC0415 — physics is loaded when something is run
+    from mechstyle.runs.run import default_folder  # noqa: PLC0415
+
+    beside = folder or default_folder(wanted)
+    found = deepest(mesh, **settings, vertices=vertices, device=device, stage=teller.stage, out=beside.with_name(f"{beside.name}-depths"))
+    err.print(f"[dim]amplitude: {escape(found.words)}[/]")
+    return msgspec.structs.replace(wanted, amplitude=found.amplitude)
 
 
 def finish(run: Any, teller: Any) -> Any:

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-import msgspec
-
-from mechstyle.records import Recipe, Verdict
+from mechstyle.records import Verdict
+from mechstyle.records.material import Material
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh
+from mechstyle.runs.recipes import draft
 from mechstyle.runs.run import Run, started
-from mechstyle.simulation.part import Stage, Workpiece, say_nothing
+from mechstyle.simulation.part import Stage, say_nothing
 
 DEPTHS = (0.15, 0.25, 0.4, 0.6, 0.8)
 """Relief heights over local wall thickness that are tried."""
@@ -34,28 +35,35 @@ class Depth:
 
 
 def deepest(
-    wanted: Recipe,
-    part: SurfaceMesh | Workpiece,
-    folder: Path,
+    mesh: SurfaceMesh,
+    prompt: str,
     *,
+    material: str | Material = "PLA",
     vertices: int = STANDARD_VERTICES,
+    out: str | Path,
     device: str = "auto",
     depths: Sequence[float] = DEPTHS,
     stage: Stage = say_nothing,
+    **settings: Any,
 ) -> Depth:
     """Find the deepest of several reliefs that holds as it is drawn; the trials stay in a run directory of their own, a lane each.
 
     Args:
-        wanted: The recipe, for any part; its amplitude is not looked at.
-        part: A closed surface [mm], or a prepared part.
-        folder: Run directory of the trials; what was tried there before is read.
+        mesh: A closed surface [mm], z up, as it stands.
+        prompt: The style, in words.
+        material: A library name, a .toml/.json file, or a Material.
         vertices: Vertices of the standardised surface.
+        out: Run directory of the trials; what was tried there before is read.
         device: `auto`, `cpu` or `cuda`.
         depths: Amplitudes, ascending.
         stage: Told what is being done, in words.
+        settings: Other fields of `Recipe`.
+
+    Raises:
+        BadInput: If the part, the prompt or a setting cannot be used.
     """
-    most = msgspec.structs.replace(wanted, amplitude=depths[-1], **ALONE)
-    run = started(most, part, vertices=vertices, out=folder, device=device, stage=stage)
+    wanted = draft(prompt, material, **{**settings, **ALONE, "amplitude": depths[-1]})
+    run = started(wanted, mesh, vertices=vertices, out=out, device=device, stage=stage)
 
     def verdict(depth: float) -> Verdict:
         stage(f"trying a relief of {depth:g} of the wall")
