@@ -14,6 +14,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from mechstyle.errors import BadInput
+from mechstyle.geometry.degenerate import heights, without_degenerate
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.geometry.slivers import edge_pairs, mended
 from mechstyle.records.mesh import STANDARD_VERTICES, Floats, SurfaceMesh
@@ -23,6 +24,8 @@ SHARP = math.radians(30.0)  # an edge where the surface turns by more is a creas
 FLAT = math.radians(2.0)  # one where it turns by less says nothing of a round
 FINEST_STEP, WIDEST_STEP = 0.45, 0.8  # of the edge length: steps between the vertices that are fixed on narrow rounds
 ON_THE_PART = 1e-4  # mm; what is nearer stays exactly where it is, as on a plane or a crease
+LOWEST = 1e-3  # of the edge length: height below which a triangle is taken out
+NO_AREA = 1e-5  # the same, below which none is left
 CLEARANCE = 0.7  # of such a step, to the nearest crease
 TRIALS = 9
 TRIAL_ITERATIONS, ITERATIONS = 3, 8  # of the remesher: few suffice to see the count
@@ -42,8 +45,8 @@ def standardise(mesh: SurfaceMesh, vertices: int = STANDARD_VERTICES, tolerance:
         tolerance: Accepted deviation from that count, over the count.
 
     Returns:
-        A closed surface with the same number of handles and shells, its vertices on the part; the same input gives the same bytes.
-        Colours are dropped.
+        A closed surface with the same number of handles and shells, its vertices on the part and none of its
+        triangles without area; the same input gives the same bytes. Colours are dropped.
 
     Raises:
         BadInput: If the count is out of range or cannot be reached, or the surface is not closed.
@@ -57,11 +60,18 @@ def standardise(mesh: SurfaceMesh, vertices: int = STANDARD_VERTICES, tolerance:
     short, long = 0.0, math.inf
     for trial in range(TRIALS):
         found = remeshed(body, edge, tolerance=0.01 * edge, iterations=TRIAL_ITERATIONS if trial == 0 else ITERATIONS)
-        if trial > 0 and abs(len(found.vertices) / vertices - 1.0) <= tolerance and _shape(found) == _shape(mesh):
+        enough = trial > 0 and abs(len(found.vertices) / vertices - 1.0) <= tolerance
+        if enough and _shape(found) == _shape(mesh) and _has_area(found, edge):
             return found
         edge, short, long = _corrected(edge, len(found.vertices) / vertices, short, long)
-    raise BadInput(f"this part could not be brought to {vertices} even vertices (the nearest was {len(found.vertices)}); "
+    left = "" if _has_area(found, edge) else ", with triangles without area"
+    raise BadInput(f"this part could not be brought to {vertices} even vertices (the nearest was {len(found.vertices)}{left}); "
                    f"ask for {'more' if len(found.vertices) > vertices else 'another number'}")
+
+
+def _has_area(mesh: SurfaceMesh, edge: float) -> bool:
+    """Whether every triangle of a mesh of this edge length [mm] has an area."""
+    return bool(heights(mesh.corners).min() >= NO_AREA * edge)
 
 
 def _corrected(edge: float, excess: float, short: float, long: float) -> tuple[float, float, float]:
@@ -108,7 +118,7 @@ def remeshed(body: Any, edge: float, *, tolerance: float, iterations: int = ITER
     part = TriangleTree(original.vertices, original.faces)
     there = part.nearest(vertices)
     vertices = np.where(there.distance[:, None] > ON_THE_PART, there.point, vertices)
-    return mended(SurfaceMesh(vertices, faces), part, len(creases))
+    return without_degenerate(mended(SurfaceMesh(vertices, faces), part, len(creases)), LOWEST * edge)
 
 
 def _fixed(mesh: SurfaceMesh, edge: float) -> tuple[NDArray[np.int32], NDArray[np.int32]]:

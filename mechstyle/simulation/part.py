@@ -24,7 +24,7 @@ from mechstyle.loop.objects import Memo, Objects
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh, TetMesh
 
-PREPARATION_VERSION = 2
+PREPARATION_VERSION = 3
 """Counts changes that alter the prepared part, so that cached parts of older code are not reused."""
 
 INWARD_SHARE = 0.25

@@ -21,6 +21,7 @@ NEUTRAL = 0.75  # the light grey of an uncoloured part, display value
 COLOUR_WEIGHT = 4.0
 _RATE = 1.0 - float(np.exp(-1.0 / 40.0))  # 40 iterations bring the distance to the target down by e
 _NOTICEABLE, _WORTH_A_NOTE = 0.1, 0.02  # share of the relief lost at a vertex, and of the surface where it is
+_LEAST_AREA = 1e-9  # of the mean of all vertices: what has none follows its target like the others
 _THICKNESS_SLOPE = 0.3  # how fast the relief may grow along the surface where the wall gets thicker [mm/mm]
 
 
@@ -123,7 +124,8 @@ class ProceduralStylizer:
     """
 
     def __init__(self, mesh: SurfaceMesh, target: Target) -> None:
-        self._share = mesh.vertex_areas / mesh.vertex_areas.sum()
+        areas = np.maximum(mesh.vertex_areas, _LEAST_AREA * mesh.vertex_areas.mean())
+        self._share = areas / areas.sum()
         self._target = target.displacement.astype(np.float64), target.colour.astype(np.float64)
         mean_square = float(self._share @ self._target[0] ** 2)
         self._reference = mean_square**0.5 if mean_square > 0 else 1.0

@@ -3,7 +3,9 @@ import pytest
 
 from mechstyle.styling.drawing.operators import Operators
 from mechstyle.styling.drawn import NEUTRAL, ProceduralStylizer, Target, balanced, gradual_thickness, target
+from mechstyle.styling.library import names
 from mechstyle.styling.prompt import Wish, read
+from support.degenerate import seamed, twinned
 
 WALL = 3.0
 
@@ -195,3 +197,19 @@ def test_a_target_does_not_fold_and_says_where_it_would_have(stand):
     turned = np.einsum("ij,ij->i", stand.displaced(deep.displacement).face_normals, stand.face_normals)
     assert turned.min() > 0.16
     assert any("folded over itself" in note for note in deep.notes)
+
+
+@pytest.mark.parametrize("make", [seamed, lambda mesh: twinned(mesh, range(0, 400, 20))], ids=["seams", "twins"])
+def test_every_style_can_be_drawn_and_approached_where_there_is_no_area(holder, make):
+    """A plug-in or a run of an earlier version may bring such a surface."""
+    part = make(holder)
+    assert part.face_areas.min() == 0.0
+    thick = np.full(len(part.vertices), 3.0)
+    for style in names():
+        aim = target(part, Wish(style), seed=0, amplitude=0.15, thickness=thick, inward=0.25 * thick, outward=thick)
+        stylizer = ProceduralStylizer(part, aim)
+        for _ in range(200):
+            proposal = stylizer.step()
+        assert np.isfinite(proposal.displacement).all()
+        assert np.isfinite(proposal.colour).all()
+        assert np.abs(proposal.displacement - aim.displacement).max() < 0.02 * np.abs(aim.displacement).max() + 1e-6

@@ -73,7 +73,7 @@ def stripes(
     agreement = np.einsum("ij,ij->i", operators.carried(direction[tail]), direction[head])
     sign = np.where(agreement < 0.0, -1.0, 1.0)
     along = np.einsum("ij,ij->i", operators.edge_vectors, 0.5 * (direction[tail] + sign[:, None] * direction[head]))
-    across = along**2 / (operators.edge_vectors**2).sum(axis=1)
+    across = along**2 / np.maximum((operators.edge_vectors**2).sum(axis=1), 1e-24)  # an edge may have no length
     weights = operators.weights * np.maximum(agreement**2, 0.01) ** 4 * (grip + (1.0 - grip) * across)
     energy = _stripe_energy(count, operators, 2.0 * np.pi / period * along, sign, weights)
 

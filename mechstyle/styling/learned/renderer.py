@@ -29,6 +29,10 @@ AMBIENT = 0.28209479177387814  # Y_00 = 1 / (2 √π)
 DIRECTED = 0.4886025119029199  # Y_1m = √(3 / 4π) times x, y or z
 BACKGROUND = 1.0
 KAOLIN_EPS = 1e-8
+LEAST_AREA = 1e-4
+"""Of the mean around a vertex, below which the direction of its normal is noise, whose gradient would drown all others."""
+LEAST_BLEND = 1e-3
+"""Length of the sum of unit normals below which they cancel each other."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,6 +127,7 @@ class Renderer:
         across = torch.linalg.cross(b - a, c - a)
         if not self._flat:
             across = added(across.repeat(3, 1), self._corners.reshape(-1), len(positions))
+            return _steady_unit(across, LEAST_AREA * across.detach().norm(dim=1).mean())
         return functional.normalize(across, dim=1)
 
     def _shaded(self, surface: torch.Tensor, normals: torch.Tensor, light: torch.Tensor, face: torch.Tensor) -> torch.Tensor:
@@ -164,7 +169,13 @@ def _smooth_look(light: torch.Tensor, corners: torch.Tensor, weights: torch.Tens
     """
     inverse_depth, look = corners.split([1, 6], dim=2)
     colour, normal = (_perspective_weights(weights[..., None], inverse_depth) * look).sum(dim=0).split(3, dim=1)
-    return _lit(colour, functional.normalize(normal, dim=1), light.index_select(0, view))
+    return _lit(colour, _steady_unit(normal, LEAST_BLEND), light.index_select(0, view))
+
+
+def _steady_unit(vectors: torch.Tensor, least: float | torch.Tensor) -> torch.Tensor:
+    """Vectors scaled to length 1, shape [k, 3]; what is shorter than `least` gets no gradient, since that goes with 1 / length."""
+    steady = vectors.detach().norm(dim=1, keepdim=True) >= least
+    return functional.normalize(torch.where(steady, vectors, vectors.detach()), dim=1)
 
 
 def _lit(colours: torch.Tensor, normals: torch.Tensor, light: torch.Tensor) -> torch.Tensor:

@@ -11,7 +11,9 @@ from torch.nn.functional import max_pool2d
 
 from mechstyle.errors import BadInput
 from mechstyle.pictures.camera import Camera
+from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.styling.learned.renderer import Cameras, Renderer, random_views
+from support.degenerate import seamed
 
 VIEWS = Cameras(torch.tensor([0.3, -0.5, 1.2], dtype=torch.float64), torch.tensor([0.5, 2.2, -1.0], dtype=torch.float64))
 SIZE = 64
@@ -72,6 +74,22 @@ def test_a_vertex_feels_its_own_normal_and_place(egg, faces, paint):
         direction[nearest, axis] = 1.0
         measured, found = slope(lambda points: (renderer(points, paint, front).image * weights).sum(), egg, direction, 1e-6)
         assert found == pytest.approx(measured, rel=1e-3)
+
+
+@pytest.mark.parametrize("compat", [False, True])
+@pytest.mark.parametrize("apart", [0.0, 1e-9, 1e-6])
+def test_triangles_without_area_get_no_gradient_that_drowns_the_others(egg, faces, apart, compat):
+    views = Cameras(VIEWS.elevation.float(), VIEWS.azimuth.float())
+
+    def gradient(points, faces):
+        leaf, paint = points.float().requires_grad_(), (0.4 + 0.2 * torch.sin(5.0 * points)).float()
+        (Renderer(faces, 224, kaolin_compat=compat)(leaf, paint, views).image * waves(size=224)).sum().backward()
+        return leaf.grad
+
+    broken = seamed(SurfaceMesh(egg.numpy(), faces.numpy()), apart)
+    sound, found = gradient(egg, faces), gradient(torch.tensor(broken.vertices), torch.tensor(broken.faces))
+    assert found.isfinite().all()
+    assert compat or found.abs().max() < 100.0 * sound.abs().max()  # Kaolin takes the normal of any face the picture shows
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2, None])

@@ -1,0 +1,77 @@
+"""Triangles without area go, and the surface stays the same closed surface."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from manifold3d import Manifold
+
+from mechstyle.errors import BadInput
+from mechstyle.geometry.degenerate import heights, without_degenerate
+from mechstyle.geometry.remesh import NO_AREA, _shape, even_edge, standardise, surface_of
+from mechstyle.records.mesh import SurfaceMesh
+from support.degenerate import seamed, twinned
+
+LEAST = 1e-3
+
+
+def test_heights_of_known_triangles():
+    corners = np.array([[(0, 0, 0), (4, 0, 0), (1, 3, 0)], [(0, 0, 0), (1, 0, 0), (2, 0, 0)], [(1, 1, 1)] * 3], float)
+    assert heights(corners) == pytest.approx([12 / np.sqrt(18), 0.0, 0.0])  # over its longest side, √18 mm
+
+
+def test_a_sound_surface_stays_the_same_object(sphere):
+    assert without_degenerate(sphere, LEAST) is sphere
+
+
+@pytest.mark.parametrize("apart", [0.0, 1e-9, 1e-5])
+def test_seams_without_area_are_closed(sphere, apart):
+    broken = seamed(sphere, apart)
+    mended = without_degenerate(broken, LEAST)
+    assert heights(broken.corners).min() < LEAST
+    assert heights(mended.corners).min() >= LEAST
+    assert _shape(mended) == _shape(sphere)
+    assert mended.volume == pytest.approx(sphere.volume, rel=1e-4)
+    assert (mended.face_normals * mended.corners.mean(axis=1)).sum(axis=1).min() > 0  # none was turned over
+
+
+@pytest.mark.parametrize("apart", [0.0, 1e-10, 1e-5])
+def test_vertices_in_one_place_become_one_and_the_first_of_them_stays(sphere, apart):
+    broken = twinned(sphere, range(0, 4000, 100), apart)
+    mended = without_degenerate(broken, LEAST)
+    assert heights(mended.corners).min() >= LEAST
+    assert _shape(mended) == _shape(sphere)
+    assert np.array_equal(mended.vertices, sphere.vertices)
+
+
+def test_a_handle_as_thin_as_a_hair_is_not_pinched_off():
+    """It cannot go without the part becoming another one; the caller looks at what is left."""
+    block = surface_of(Manifold.cube((20, 20, 10), True) - Manifold.cylinder(20, 1e-7, 1e-7, 3, True))
+    mended = without_degenerate(block, LEAST)
+    assert _shape(mended) == _shape(block)
+
+
+def cone():
+    return surface_of(Manifold.cylinder(10.0, 15.0, 8.0, 32))
+
+
+@pytest.mark.parametrize("apart", [1e-10, 1e-7, 5e-5])
+@pytest.mark.parametrize("solid", [cone, lambda: surface_of(Manifold.sphere(12.0, 32))], ids=["cone", "sphere"])
+def test_a_part_with_vertices_in_one_place_is_standardised_to_triangles_with_area(solid, apart):
+    part = twinned(solid(), range(0, 60, 7), apart)
+    even = standardise(part, 2000)
+    assert heights(even.corners).min() >= NO_AREA * even_edge(part, 4000)
+    assert even.vertex_areas.min() > 0
+    assert _shape(even) == _shape(part)
+    assert even.volume == pytest.approx(solid().volume, rel=0.01)
+
+
+def test_what_cannot_be_had_without_them_is_refused(monkeypatch):
+    monkeypatch.setattr("mechstyle.geometry.remesh.without_degenerate", lambda mesh, _least: mesh)
+    with pytest.raises(BadInput, match="without area"):
+        standardise(twinned(cone(), range(0, 60, 7), 1e-10), 2000)
+
+
+def test_nothing_is_taken_out_of_a_tetrahedron():
+    flat = SurfaceMesh(np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (1e-6, 0, 0.5)]), [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+    assert _shape(without_degenerate(flat.moved(flat.vertices * [1, 1, 1e-6]), LEAST)) == _shape(flat)
