@@ -32,7 +32,7 @@ def materials_command(as_json: Json = False) -> None:
     out.print("\nThese are generic: a verdict is no better than they are. What is sold under the name lies apart:")
     for name, spread in SPREAD.items():
         out.print(f"  {name}: {spread}")
-    out.print("Strength across printed layers is listed for information; verdicts take the material as alike in all directions.")
+    out.print("Strength across printed layers is judged with --build-direction; without it a material is alike in all directions.")
     out.print(
         "\nYour own: a .toml or .json file with name, youngs_modulus, poisson_ratio, density, yield_strength, as its data sheet states."
     )

@@ -78,6 +78,7 @@ OPTIONS = {
     "orientations": RecipeOption(DROP_TEST),
     "poses": RecipeOption(DROP_TEST),
     "standard": RecipeOption(DROP_TEST),
+    "build_direction": RecipeOption(DROP_TEST, kind=str),
     "criterion": RecipeOption(DROP_TEST),
     "loads": RecipeOption(LOADS, ("--load",), Path, "A .toml file."),
     "minimum_wall": RecipeOption(LOADS),

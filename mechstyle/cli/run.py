@@ -114,6 +114,8 @@ def report(run: Any, *, as_json: bool) -> None:
     if before is not None and after is not None:
         out.print(f"{after:.0%} of random drops begin to yield it somewhere, {before:.0%} do the original ({run.recipe.poses})")
     out.print(f"published rule, shown only: literal maximum {summary.result.maximum:.1f} MPa (depends on the mesh)")
+    if run.recipe.layers_judged:
+        out.print(escape(run.recipe.layers_judged))
     if run.recipe.after_standard:
         out.print(f"{escape(run.recipe.after_standard)}. {escape(STANDARDS[run.recipe.standard].departs)}")
     for note in summary.notes:

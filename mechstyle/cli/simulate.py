@@ -21,7 +21,7 @@ app = typer.Typer()
 
 @app.command("simulate")
 @command
-@recipe_options("material", "orientations", "poses", "standard", "criterion", "loads", "minimum_wall")
+@recipe_options("material", "orientations", "poses", "standard", "build_direction", "criterion", "loads", "minimum_wall")
 def simulate_command(
     model: Model,
     settings: Settings,
@@ -99,6 +99,7 @@ def _report(dropped: PartTest, files: dict[str, str]) -> None:
         *((escape(f"load {case.name!r}"), case.words) for case in simulation.loaded),
         ("literal maximum", f"{strength.maximum:.1f} MPa (depends on the mesh)"),
         *_course_rows(dropped),
+        *([("layers", escape(dropped.recipe.layers_judged))] if dropped.recipe.build_direction else []),
         ("tetrahedra", f"{len(dropped.tets.tets)}; {simulation.steps} steps of {1e3 * simulation.time_step:.3f} µs"),
         *((what, escape(path)) for what, path in files.items()),
     ):

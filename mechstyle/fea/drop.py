@@ -62,6 +62,8 @@ class DropTest:
         element: "tet10", or "tet4" as in the published study: linear tetrahedra lock, in a one-layer wall to a sixth of its deflection.
         added_mass: Most mass that may be added to slivers to lengthen the step, over the mass of the part.
         safety: Time step over a limit that is stable for certain at small strain.
+        across: Normal of printed layers over their share of the strength, n / r; zero for a material without layers. What is recorded as
+            von Mises stress is then `elasticity.equivalent_stress`.
     """
 
     height: float = 1500.0
@@ -72,6 +74,7 @@ class DropTest:
     element: str = "tet10"
     added_mass: float = 0.01
     safety: float = 0.95
+    across: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
         """Refuse values no drop test has, naming the value and the range."""
@@ -225,7 +228,7 @@ def scheme_for(discretisation: Discretisation, material: Material, test: DropTes
     steps = math.ceil(test.window / (test.safety * step))
     stride = RECORD_EVERY * math.ceil(steps / (RECORD_EVERY * SAMPLES))
     samples = math.ceil(steps / stride)
-    return Scheme(law, test.window / (samples * stride), damping, GRAVITY, test.friction, test.speed, stride, samples)
+    return Scheme(law, test.window / (samples * stride), damping, GRAVITY, test.friction, test.speed, stride, samples, test.across)
 
 
 def _first_touch(discretisation: Discretisation, scheme: Scheme, orientations: int) -> Floats:

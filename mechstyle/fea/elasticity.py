@@ -7,10 +7,12 @@ arranged so that no two large terms cancel, which is what lets the float32 kerne
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy import sparse
 
 from mechstyle.errors import unknown
@@ -137,6 +139,29 @@ def von_mises(stress: Floats) -> Floats:
     """Equivalent stress sqrt(3/2 s:s), s the deviator of `stress` [MPa], shape [...]."""
     deviator = stress - trace(stress)[..., None, None] / 3.0 * np.eye(3)
     return np.asarray(np.sqrt(1.5 * np.einsum("...ij,...ij->...", deviator, deviator)))
+
+
+def equivalent_stress(stress: Floats, across: ArrayLike = (0.0, 0.0, 0.0)) -> Floats:
+    """What is compared with the yield strength: von Mises stress, or where it is larger what pulls or shears printed layers apart.
+
+    Layers with normal n have the share r of the strength: with t = σn the demand is the largest of σ_vM / σ_y, max(0, n·t) / (r σ_y) and
+    |t − (n·t) n| / (r σ_y / √3). Pressure on layers does no harm.
+
+    Args:
+        stress: Cauchy stress [MPa], shape [..., 3, 3].
+        across: n / r, shape [3]; zero for a material without layers.
+
+    Returns:
+        Equivalent stress [MPa], shape [...].
+    """
+    of_solid, weak = von_mises(stress), np.asarray(across, dtype=np.float64)
+    steep = float(weak @ weak)
+    if steep == 0.0:
+        return of_solid
+    traction = stress @ weak
+    pull = traction @ weak / math.sqrt(steep)
+    shear = np.sqrt(np.maximum(np.einsum("...i,...i->...", traction, traction) - pull**2, 0.0))
+    return np.asarray(np.maximum(of_solid, np.maximum(pull, math.sqrt(3.0) * shear)))
 
 
 def barycentric_gradients(tets: TetMesh) -> Floats:

@@ -51,6 +51,7 @@ class Scheme:
         speed: Speed at first touch [mm/ms].
         stride: Steps between two samples of the history, a multiple of RECORD_EVERY.
         samples: Samples of the whole drop.
+        across: Normal of printed layers over their share of the strength; zero for a material without layers.
     """
 
     law: ElasticLaw
@@ -61,6 +62,7 @@ class Scheme:
     speed: float
     stride: int
     samples: int
+    across: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     @property
     def steps(self) -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import inspect
+import math
 import re
 from collections.abc import Collection, Mapping
 from typing import Any, Literal, get_args
@@ -98,6 +99,8 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         orientations: Drops in the final test, the first as placed; of resting poses and poses of a box at most so many.
         poses: How the drops after the first land: `fibonacci` every way, `tilts` nearly as placed, `resting` as the part comes to rest,
             `box26`, `box10` or `faces6` on faces, edges and corners of the box around it. One of POSES.
+        build_direction: Direction it is printed in, x, y, z or a vector such as 0,0,1: what pulls or shears layers apart is judged by their
+            own strength. None for no layers; the material must know its `layer_ratio`.
         standard: Drop standard whose orientations and height are simulated, one of STANDARDS. It brings poses, orientations and
             drop_height unless they are given; "" for none. A verdict is no test to a standard.
         tilts: Drops tilted by 3° to all sides, which are judged together with the drop as placed; 0 takes exactly flat at its word.
@@ -137,6 +140,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     guarantee: bool = True
     orientations: int = 5
     poses: str = "fibonacci"
+    build_direction: tuple[float, float, float] | None = None
     standard: str = ""
     tilts: int = 3
     drop_height: float = 1500.0
@@ -155,6 +159,18 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
             value = getattr(self, field)
             if not low <= value <= high:
                 raise BadInput(f"{field.replace('_', ' ')} is {value:g}, but must lie between {low:g} and {high:g}")
+        if self.build_direction is not None:
+            self._check_layers(self.build_direction)
+
+    def _check_layers(self, direction: tuple[float, float, float]) -> None:
+        """Refuse a direction of no length, and a material whose strength across layers nobody stated."""
+        if not (math.isfinite(math.hypot(*direction)) and math.hypot(*direction) > 0.0):
+            raise BadInput(f"build direction is {direction}, but must be x, y, z or a vector of some length")
+        if self.material.layer_ratio is None:
+            raise BadInput(
+                f"the strength of {self.material.label} across its layers is not known: leave the build direction out, or give the"
+                " material in a file with a layer_ratio, strength across over strength along the layers, such as 0.5"
+            )
 
     @property
     def digest(self) -> str:
@@ -170,6 +186,25 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     def random_drops(self) -> bool:
         """Whether the landings of the final test are a sample of random drops, so that shares of them are probabilities."""
         return self.orientations > 1 and self.poses in RANDOM_POSES
+
+    @property
+    def across_layers(self) -> tuple[float, float, float]:
+        """Build direction over the strength ratio of layers, of which `fea.elasticity.equivalent_stress` makes use; zero if not judged."""
+        if self.build_direction is None or self.material.layer_ratio is None:
+            return (0.0, 0.0, 0.0)
+        steep = math.hypot(*self.build_direction) * self.material.layer_ratio
+        x, y, z = (part / steep for part in self.build_direction)
+        return x, y, z
+
+    @property
+    def layers_judged(self) -> str:
+        """What is assumed of layers, in words; "" if they are not judged."""
+        if self.build_direction is None:
+            return ""
+        x, y, z = self.build_direction
+        source = self.material.layer_source or self.material.source
+        ratio = f"{self.material.layer_ratio:g} of the strength across them ({source})"
+        return f"layers printed along ({x:g}, {y:g}, {z:g}) are judged with {ratio}"
 
     @property
     def after_standard(self) -> str:
@@ -199,6 +234,22 @@ DEFAULTS: Mapping[str, Any] = {
     field.name: field.default for field in msgspec.structs.fields(Recipe) if field.default is not msgspec.NODEFAULT
 }
 """What a setting is unless told, by setting; those that every recipe must be given are not in it."""
+
+
+def direction_of(value: object) -> tuple[float, float, float]:
+    """A direction given as x, y, z (of either sign and case), as text such as `0,0,1`, or as three numbers.
+
+    Raises:
+        BadInput: If it is none of these.
+    """
+    axes = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+    named = axes.get(value.strip().lower().lstrip("+-")) if isinstance(value, str) else None
+    parts: Any = value.strip("[]() ").split(",") if isinstance(value, str) else value
+    try:
+        x, y, z = named or map(float, parts)
+    except (TypeError, ValueError) as error:
+        raise BadInput(f"a direction is x, y, z or three numbers such as 0,0,1, not {value!r}") from error
+    return x, y, z
 
 
 def described(name: str) -> str:

@@ -14,7 +14,7 @@ from mechstyle.records import SETTINGS, Recipe
 from mechstyle.records.landings import with_drops
 from mechstyle.records.load_cases import load_cases
 from mechstyle.records.material import Material, material_named
-from mechstyle.records.recipe import DEFAULTS
+from mechstyle.records.recipe import DEFAULTS, direction_of
 from mechstyle.records.regions import regions
 from mechstyle.runs.plugins import name_of
 from mechstyle.runs.stylizers import settled
@@ -125,6 +125,8 @@ def _given(settings: dict[str, Any]) -> dict[str, Any]:
                 raise BadInput(f"{field.name.replace('_', ' ')} is {given[field.name]!r}, but must be {PLAIN[field.type]}") from error
     if "material" in given:
         given["material"] = msgspec.convert(msgspec.to_builtins(material_named(given["material"]), enc_hook=_built_in), Material)
+    if "build_direction" in given:
+        given["build_direction"] = direction_of(given["build_direction"])
     if "loads" in given:
         given["loads"] = load_cases(given["loads"])
     if "protect" in given:

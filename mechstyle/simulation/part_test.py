@@ -27,7 +27,7 @@ from mechstyle.records.landings import with_drops
 from mechstyle.records.load_cases import LoadCase, load_cases
 from mechstyle.records.material import Material, material_named
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh, TetMesh
-from mechstyle.records.recipe import DEFAULTS
+from mechstyle.records.recipe import DEFAULTS, direction_of
 from mechstyle.simulation.drop_history import Course, history_picture, vtu_bytes
 from mechstyle.simulation.impact import Impact, impact_of
 from mechstyle.simulation.part import Stage, Workpiece, cached_memo, fitted, prepare, say_nothing
@@ -140,6 +140,7 @@ def simulate(
     criterion: str = DEFAULTS["criterion"],
     loads: str | Path | LoadCase | Sequence[LoadCase] = (),
     minimum_wall: float = DEFAULTS["minimum_wall"],
+    build_direction: str | Sequence[float] | None = None,
     vertices: int = STANDARD_VERTICES,
     device: str = "auto",
     stage: Stage = say_nothing,
@@ -156,6 +157,8 @@ def simulate(
         criterion: `robust` or `paper`.
         loads: A load file or load cases the part must carry besides.
         minimum_wall: The thinnest wall that is not warned about [mm]; 0 for no warning.
+        build_direction: Direction it is printed in, x, y, z or a vector, so that layers are judged by their own strength; None to leave
+            layers out.
         vertices: Vertices of the standardised surface.
         device: `auto`, `cpu` or `cuda`.
         stage: Told what is being prepared, in words.
@@ -168,6 +171,7 @@ def simulate(
     landings = {name: value for name, value in (("orientations", orientations), ("poses", poses)) if value is not None}
     wanted = Recipe(
         surface="", tetrahedra="", prompt="", material=chosen, criterion=criterion, loads=load_cases(loads), minimum_wall=minimum_wall,
+        build_direction=None if build_direction is None else direction_of(build_direction),
         **with_drops({"standard": standard, **landings}),
     )  # fmt: skip
     part = prepare(mesh, vertices=vertices, stage=stage)

@@ -36,13 +36,15 @@ PHYSICS_VERSION = 5
 def prescribed(recipe: Recipe) -> DropTest:
     """The drop test a recipe prescribes."""
     return DropTest(
-        height=recipe.drop_height, friction=recipe.friction, window=recipe.window, damping=recipe.damping, element=recipe.element
-    )
+        height=recipe.drop_height, friction=recipe.friction, window=recipe.window, damping=recipe.damping, element=recipe.element,
+        across=recipe.across_layers,
+    )  # fmt: skip
 
 
 def physics(recipe: Recipe) -> tuple[Any, ...]:
     """The settings that decide the drop of a displaced part as placed and the stress it leaves on the surface."""
-    part = (recipe.surface, recipe.tetrahedra, recipe.material)
+    layers = () if recipe.build_direction is None else (recipe.build_direction,)
+    part = (recipe.surface, recipe.tetrahedra, recipe.material, *layers)
     return (*part, recipe.drop_height, recipe.friction, recipe.window, recipe.damping, recipe.element, recipe.transfer)
 
 
@@ -207,7 +209,7 @@ class DropSimulator:
         if dropped.failure or not self.recipe.loads:
             return dropped
         try:
-            responses = self._static.run(tets, self.recipe.material)
+            responses = self._static.run(tets, self.recipe.material, self.recipe.across_layers)
         except SimulationFailed as error:
             return replace(dropped, failure=str(error))
         result = dropped

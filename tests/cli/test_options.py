@@ -21,6 +21,7 @@ from mechstyle.records.recipe import CHOICES, DEFAULTS, described
 from mechstyle.simulation import part_test
 
 STYLED = (
+    "--build-direction "
     "--amplitude --criterion --device --field --guidance --iterations --json --load --material -m --minimum-wall --orientations --poses "
     "--prompt -p --protect --seed --set --standard --stylizer"
 )
@@ -30,7 +31,8 @@ NAMES = {
     "run": f"model --out --scale --vertices {STYLED} {RESTRAINED}",
     "freestyle": f"model --out --scale --vertices {STYLED}",
     "branch": f"address --lane {STYLED} {RESTRAINED}",
-    "simulate": "model --criterion --device --json --load --material -m --minimum-wall --orientations --out --poses --scale --standard "
+    "simulate": "model --build-direction "
+    "--criterion --device --json --load --material -m --minimum-wall --orientations --out --poses --scale --standard "
     "--vertices --vtu --vtu-each",
     "demo": "--device --json --model --out --prompt -p",
     "application": "name --device --iterations --json --orientations --out --vertices",

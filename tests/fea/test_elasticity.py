@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from mechstyle.errors import BadInput
 from mechstyle.fea import elasticity
-from mechstyle.fea.elasticity import LAWS, StableNeoHookean, law_named
+from mechstyle.fea.elasticity import LAWS, StableNeoHookean, equivalent_stress, law_named, von_mises
 from mechstyle.fea.elements import ELEMENTS, LINEAR, QUADRATIC, with_nodes
 from mechstyle.records.material import LIBRARY, Material
 from mechstyle.records.mesh import TetMesh
@@ -232,3 +232,47 @@ def test_cauchy_stress_is_symmetric_and_agrees_with_piola_at_small_strain(name):
 def test_an_unknown_law_is_named_with_the_known_ones():
     with pytest.raises(BadInput, match=r"'neo_hookean'.*stable_neo_hookean"):
         law_named("neo_hookean", PLA)
+
+
+# --- printed layers -----------------------------------------------------------------------------------------------
+
+LAYERS = np.array([0.0, 0.0, 1.0]) / 0.5
+
+
+def pulled(direction, size=10.0):
+    """Uniaxial stress [MPa]."""
+    unit = np.asarray(direction, dtype=float) / np.linalg.norm(direction)
+    return size * np.outer(unit, unit)
+
+
+def test_a_pull_across_layers_counts_as_their_share_of_the_strength_asks_for():
+    assert equivalent_stress(pulled([0, 0, 1]), LAYERS) == pytest.approx(20.0)
+    assert equivalent_stress(pulled([1, 2, 0]), LAYERS) == pytest.approx(10.0), "along the layers nothing changes"
+    assert equivalent_stress(pulled([0, 0, 1], -10.0), LAYERS) == pytest.approx(10.0), "pressure keeps layers together"
+    assert equivalent_stress(pulled([0, 0, 1]), -LAYERS) == pytest.approx(20.0), "a direction and its opposite are one"
+
+
+def test_shear_between_layers_counts_by_the_shear_strength_of_von_mises():
+    shear = np.zeros((3, 3))
+    shear[0, 2] = shear[2, 0] = 10.0
+    assert equivalent_stress(shear) == pytest.approx(np.sqrt(3.0) * 10.0)
+    assert equivalent_stress(shear, LAYERS) == pytest.approx(2.0 * np.sqrt(3.0) * 10.0)
+    pull = shear + pulled([0, 0, 1], -1e4)
+    assert equivalent_stress(pull, LAYERS) == pytest.approx(von_mises(pull)), "what is left of shear under pressure is small beside it"
+
+
+def test_a_hydrostatic_pull_that_von_mises_does_not_see_pulls_layers_apart():
+    assert von_mises(10.0 * np.eye(3)) == pytest.approx(0.0)
+    assert equivalent_stress(10.0 * np.eye(3), LAYERS) == pytest.approx(20.0)
+
+
+def test_layers_never_make_a_stress_look_smaller_and_turn_with_the_part():
+    rng = np.random.default_rng(5)
+    stress = rng.normal(size=(50, 3, 3))
+    stress = stress + np.swapaxes(stress, 1, 2)
+    turn, across = Rotation.from_rotvec([0.3, 1.0, -0.4]).as_matrix(), rng.normal(size=3)
+    of_layers = equivalent_stress(stress, across)
+    assert np.all(of_layers >= von_mises(stress))
+    np.testing.assert_allclose(equivalent_stress(turn @ stress @ turn.T, turn @ across), of_layers)
+    assert np.array_equal(equivalent_stress(stress), von_mises(stress))
+    assert np.all(equivalent_stress(stress, 2.0 * across) >= of_layers), "weaker layers"

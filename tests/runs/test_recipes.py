@@ -414,6 +414,35 @@ def test_poses_bring_their_number_of_drops_unless_told(poses, drops):
         draft("brick", poses="tilt")
 
 
+@pytest.mark.parametrize("given", ["z", "+Z", "0,0,1", "[0, 0, 1]", (0, 0, 1), np.array([0.0, 0.0, 1.0])])
+def test_a_build_direction_is_an_axis_or_a_vector(given):
+    recipe = draft("brick", build_direction=given)
+    assert recipe.build_direction == (0.0, 0.0, 1.0)
+    assert recipe.across_layers == pytest.approx((0.0, 0.0, 1.0 / 0.55))
+    assert recipe.digest == draft("brick", build_direction="z").digest
+    assert "(0, 0, 1) are judged with 0.55 of the strength across them (0.50 and 0.53 in two Polymaker" in recipe.layers_judged
+
+
+def test_without_a_build_direction_layers_are_not_judged():
+    assert draft("brick").across_layers == (0.0, 0.0, 0.0)
+    assert draft("brick", "ABS").layers_judged == ""
+
+
+@pytest.mark.parametrize(
+    ("given", "material", "words"),
+    [
+        ("z", "ABS", "strength of generic ABS across its layers is not known: leave the build direction out, or give"),
+        ("up", "PLA", "a direction is x, y, z or three numbers such as 0,0,1, not 'up'"),
+        ("0,1", "PLA", "a direction is x, y, z"),
+        ("0,0,0", "PLA", "must be x, y, z or a vector of some length"),
+        ((0.0, np.inf, 0.0), "PLA", "must be x, y, z or a vector of some length"),
+    ],
+)
+def test_a_build_direction_that_cannot_be_judged_is_refused(given, material, words):
+    with pytest.raises(BadInput, match=words):
+        draft("brick", material, build_direction=given)
+
+
 def test_a_standard_brings_its_landings_to_a_draft_and_to_a_branch():
     recipe = draft("brick", standard="mil-810h")
     assert (recipe.standard, recipe.poses, recipe.orientations, recipe.drop_height) == ("mil-810h", "box26", 27, 1220.0)

@@ -174,6 +174,16 @@ def test_a_drop_that_failed_has_no_course_and_says_why(drop_it, monkeypatch, tmp
             wanted()
 
 
+def test_a_part_printed_the_weak_way_is_nearer_to_its_limit_and_one_that_sinters_is_not(drop_it):
+    alike, layered = drop_it(orientations=1), drop_it(orientations=1, build_direction="x")
+    assert layered.simulation.as_placed.maximum > alike.simulation.as_placed.maximum
+    assert np.all(layered.detail.drop.von_mises >= alike.detail.drop.von_mises * (1.0 - 1e-6))
+    assert np.all(layered.detail.drop.corners >= alike.detail.drop.corners * (1.0 - 1e-6))
+    assert layered.course.peak_stress == pytest.approx(layered.simulation.stress.max(), rel=1e-5), "the history judges layers too"
+    with pytest.raises(BadInput, match="across its layers is not known"):
+        drop_it(material="ABS", build_direction="z")
+
+
 def test_landings_of_a_standard_are_named_and_no_probabilities(drop_it, tmp_path):
     dropped = drop_it(orientations=None, standard="ista-1a")
     landings = dropped.simulation.landings

@@ -196,7 +196,7 @@ def _step(scheme: Scheme, normals: Floats, damping: Any) -> Any:
     step = LaneScheme()
     step.law, step.mu, step.la = scheme.law_number, scheme.law.mu, scheme.law.la
     step.time_step, step.damping, step.gravity, step.friction = scheme.time_step, damping, scheme.gravity, scheme.friction
-    step.normals = _cpu(normals.astype(np.float32).ravel())
+    step.normals, step.across = _cpu(normals.astype(np.float32).ravel()), wp.vec3f(*scheme.across)
     return step
 
 

@@ -65,7 +65,7 @@ class DeviceBody:
         ahead = (self.damping(damping), *(self.array(field[:, None], wp.vec3f) for field in fields))
         total = self.zeros(self.node_count, 1, dtype=wp.vec3f)
         forces, peak = self.forces_and_peak(1)
-        constants = (law_number(law), law.mu, law.la)
+        constants = (law_number(law), law.mu, law.la, wp.vec3f())
         self.launch(self.element_forces, (self.tet_count, 1), *self.elements, self.slots, *ahead, *constants, 0, forces, peak)
         self.launch(kernels.gather_forces, (self.node_count, 1), forces, self.first_slot, total)
         return np.asarray(total.numpy()[:, 0], dtype=np.float64)
@@ -137,7 +137,7 @@ class DeviceBatch:
         body, scheme = self.body, self.scheme
         for step in range(scheme.stride):
             self._step(record=int(step % RECORD_EVERY == 0))
-        constants = (scheme.law_number, scheme.law.mu, scheme.law.la, scheme.time_step)
+        constants = (scheme.law_number, scheme.law.mu, scheme.law.la, wp.vec3f(*scheme.across), scheme.time_step)
         parts = (int(kernels.PARTS), self.count)
         body.launch(kernels.sample_elements, parts, *body.elements, *constants, self.u, self.v, self.parts)
         body.launch(kernels.sample_nodes, parts, body.masses, self.normals, self.u, self.v, self.impulse, self.contact_loss, self.parts)
@@ -147,7 +147,7 @@ class DeviceBatch:
     def _step(self, record: int) -> None:
         body, scheme = self.body, self.scheme
         ahead = (self.damping, self.u, self.v)
-        constants = (scheme.law_number, scheme.law.mu, scheme.law.la)
+        constants = (scheme.law_number, scheme.law.mu, scheme.law.la, wp.vec3f(*scheme.across))
         outcome = (record, self.forces, self.peak_squared)
         body.launch(body.element_forces, (body.tet_count, self.count), *body.elements, body.slots, *ahead, *constants, *outcome)
         if record and body.corners:

@@ -8,7 +8,7 @@ adds up its slots, which follow each other. There are no atomic sums, so the sam
 # ruff: noqa: UP018 - float(0.0) declares a Warp variable that changes in a loop, 0.0 a constant
 
 from mechstyle._warp import wp
-from mechstyle.fea.backends.laws import energy_density, first_piola, von_mises_squared
+from mechstyle.fea.backends.laws import energy_density, equivalent_squared, first_piola
 from mechstyle.fea.elements import GAUSS_A, GAUSS_B
 
 wp.set_module_options({"enable_backward": False})
@@ -116,17 +116,18 @@ def linear_forces(
     law: int,
     mu: float,
     la: float,
+    across: wp.vec3f,
     record: int,
     forces: wp.array2d(dtype=wp.vec3f),
     peak_squared: wp.array3d(dtype=float),
 ):
-    """Nodal forces −V P ∇N of u + β v [N] into forces[slots[e, a], b]; every recorded step also the running maximum of σ_vM² [MPa²]."""
+    """Nodal forces −V P ∇N of u + β v [N] into forces[slots[e, a], b]; recorded steps also raise the stress squared [MPa²]."""
     e, b = wp.tid()
     G = gradients[e]
     H = linear_gradient(u, nodes, G, e, b) + damping[e] * linear_gradient(v, nodes, G, e, b)
     P = first_piola(H, mu, la, law)
     if record == 1:
-        peak_squared[e, 0, b] = wp.max(peak_squared[e, 0, b], von_mises_squared(H, P))
+        peak_squared[e, 0, b] = wp.max(peak_squared[e, 0, b], equivalent_squared(H, P, across))
     g = corner_forces(P, G, volumes[e])
     for a in range(4):
         forces[slots[e, a], b] = g[a]
@@ -144,6 +145,7 @@ def quadratic_forces(
     law: int,
     mu: float,
     la: float,
+    across: wp.vec3f,
     record: int,
     forces: wp.array2d(dtype=wp.vec3f),
     peak_squared: wp.array3d(dtype=float),
@@ -159,7 +161,7 @@ def quadratic_forces(
         H = quadratic_gradient(common, x, G, q)
         P = first_piola(H, mu, la, law)
         if record == 1:
-            peak_squared[e, q, b] = wp.max(peak_squared[e, q, b], von_mises_squared(H, P))
+            peak_squared[e, q, b] = wp.max(peak_squared[e, q, b], equivalent_squared(H, P, across))
         g = corner_forces(P, G, 0.25 * volumes[e])
         total += g
         for i in range(4):
@@ -181,14 +183,15 @@ def corner_stresses(
     law: int,
     mu: float,
     la: float,
+    across: wp.vec3f,
     corners_squared: wp.array3d(dtype=float),
 ):
-    """Running maximum of σ_vM² of u + β v at the corners of quadratic elements [MPa²]; apart from the forces, whose registers are few."""
+    """Running maximum of the stress squared of u + β v at the corners of quadratic elements [MPa²]; the forces leave no registers for it."""
     e, b = wp.tid()
     x = values_ahead(u, v, damping[e], nodes, e, b)
     for q in range(4):
         H = corner_gradient(x, gradients[e], q)
-        corners_squared[e, q, b] = wp.max(corners_squared[e, q, b], von_mises_squared(H, first_piola(H, mu, la, law)))
+        corners_squared[e, q, b] = wp.max(corners_squared[e, q, b], equivalent_squared(H, first_piola(H, mu, la, law), across))
 
 
 @wp.func
@@ -279,6 +282,7 @@ def sample_elements(
     law: int,
     mu: float,
     la: float,
+    across: wp.vec3f,
     dt: float,
     u: wp.array2d(dtype=wp.vec3f),
     v: wp.array2d(dtype=wp.vec3f),
@@ -293,7 +297,7 @@ def sample_elements(
             H = linear_gradient(u, nodes, G, e, b)
             P = first_piola(H, mu, la, law)
             strain += volumes[e] * strain_at(H, linear_gradient(v, nodes, G, e, b), P, dt, mu, la, law)
-            peak = wp.max(peak, von_mises_squared(H, P))
+            peak = wp.max(peak, equivalent_squared(H, P, across))
         else:
             x = nodal_values(u, nodes, e, b)
             y = nodal_values(v, nodes, e, b)
@@ -303,7 +307,7 @@ def sample_elements(
                 H = quadratic_gradient(x_common, x, G, q)
                 P = first_piola(H, mu, la, law)
                 strain += 0.25 * volumes[e] * strain_at(H, quadratic_gradient(y_common, y, G, q), P, dt, mu, la, law)
-                peak = wp.max(peak, von_mises_squared(H, P))
+                peak = wp.max(peak, equivalent_squared(H, P, across))
     parts[STRAIN, part, b] = strain
     parts[PEAK, part, b] = peak
 

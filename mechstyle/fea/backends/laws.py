@@ -71,3 +71,19 @@ def von_mises_squared(H: wp.mat33f, P: wp.mat33f):
     a, b, c = T[0, 0] - T[1, 1], T[1, 1] - T[2, 2], T[2, 2] - T[0, 0]
     shear = T[0, 1] * T[0, 1] + T[1, 2] * T[1, 2] + T[2, 0] * T[2, 0]
     return (0.5 * (a * a + b * b + c * c) + 3.0 * shear) / (J * J)
+
+
+@wp.func
+def equivalent_squared(H: wp.mat33f, P: wp.mat33f, across: wp.vec3f):
+    """Square of `elasticity.equivalent_stress` [MPa²]; `across` is the normal of printed layers over their share of the strength."""
+    squared = von_mises_squared(H, P)
+    steep = wp.dot(across, across)
+    if steep > 0.0:
+        J = 1.0 + wp.trace(H) + wp.trace(cofactor(H)) + wp.determinant(H)
+        t = ((P + P * wp.transpose(H)) * across) / J
+        pull = wp.dot(t, across)
+        normal = pull * pull / steep
+        squared = wp.max(squared, 3.0 * (wp.dot(t, t) - normal))
+        if pull > 0.0:
+            squared = wp.max(squared, normal)
+    return squared

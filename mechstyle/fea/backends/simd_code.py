@@ -80,13 +80,29 @@ STRESS = """
         return P;
     };
     auto first_piola = [&](const Matrix &H) { return scheme.law == 0 ? st_venant_kirchhoff(H) : stable_neo_hookean(H); };
-    auto von_mises_squared = [&](const Matrix &H, const Matrix &P) {
+    auto max = [](const Lanes &a, const Lanes &b) { return a > b ? a : b; };
+    const float across[3] = {scheme.across[0], scheme.across[1], scheme.across[2]};
+    const float steep = across[0] * across[0] + across[1] * across[1] + across[2] * across[2];
+    // What pulls or shears printed layers apart, over their share of the strength, squared.
+    auto across_layers = [&](const Matrix &T) {
+        if (steep == 0.0f) return Lanes{};
+        Lanes pull = {}, square = {};
+        for (int i = 0; i < 3; i++) {
+            const Lanes traction = T[i][0] * across[0] + T[i][1] * across[1] + T[i][2] * across[2];
+            pull += traction * across[i];
+            square += traction * traction;
+        }
+        const Lanes normal = pull * pull / steep;
+        return max(3.0f * (square - normal), pull > 0.0f ? normal : Lanes{});
+    };
+    auto equivalent_squared = [&](const Matrix &H, const Matrix &P) {
         Matrix T;  // Kirchhoff stress J sigma = P F^T
         for (int i = 0; i < 3; i++)
             for (int j = 0; j < 3; j++) T[i][j] = P[i][j] + P[i][0] * H[j][0] + P[i][1] * H[j][1] + P[i][2] * H[j][2];
         const Lanes a = T[0][0] - T[1][1], b = T[1][1] - T[2][2], c = T[2][2] - T[0][0];
         const Lanes shear = T[0][1] * T[0][1] + T[1][2] * T[1][2] + T[2][0] * T[2][0], J = 1.0f + volume_change(H, cofactor(H));
-        return (0.5f * (a * a + b * b + c * c) + 3.0f * shear) / (J * J);
+        const Lanes of_solid = 0.5f * (a * a + b * b + c * c) + 3.0f * shear;
+        return max(of_solid, across_layers(T)) / (J * J);
     };
     auto energy_density = [&](const Matrix &H) {
         if (scheme.law == 0) {
@@ -174,7 +190,7 @@ ELEMENTS = (
 )
 
 FORCES = """
-    // Adds the internal forces of every block to the nodes in ascending order; if `record`, keeps the running maximum of sigma_vM^2
+    // Adds the internal forces of every block to the nodes in ascending order; if `record`, keeps the running maximum of the stress squared
     // at the Gauss points and, where it is another one, at the corners.
     auto all_forces = [&](auto element) INLINE {
         constexpr int nodes = decltype(element)::nodes, points = decltype(element)::points;
@@ -186,13 +202,13 @@ FORCES = """
             load_ahead(element, block, buffer, x);
             auto stress = [&](int q, const Matrix &H) INLINE {
                 const Matrix P = first_piola(H);
-                if (record) raise(peak[points * block + q], von_mises_squared(H, P));
+                if (record) raise(peak[points * block + q], equivalent_squared(H, P));
                 return P;
             };
             if constexpr (points > 1) {
                 for (int q = 0; q < (record ? 4 : 0); q++) {
                     const Matrix H = corner_gradient(x, geometry(block), q);
-                    raise(corners[4 * block + q], von_mises_squared(H, first_piola(H)));
+                    raise(corners[4 * block + q], equivalent_squared(H, first_piola(H)));
                 }
             }
             add(element, block, [&](auto emit) INLINE { nodal_forces(element, x, geometry(block), stress, emit); });
@@ -203,7 +219,7 @@ FORCES = """
 """
 
 STRAIN = """
-    // Strain energy half a step ago and the largest von Mises stress now, lane by lane.
+    // Strain energy half a step ago and the largest stress now, lane by lane.
     DoubleLanes strain = {};
     Lanes peak = {};
     auto all_energy = [&](auto element) INLINE {
@@ -221,7 +237,7 @@ STRAIN = """
             for (int q = 0; q < points; q++) {
                 const Matrix H = gradient(element, x_common, x, G, extra, q), rate = gradient(element, v_common, v, G, extra, q);
                 const Matrix P = first_piola(H);
-                const Lanes now = von_mises_squared(H, P);
+                const Lanes now = equivalent_squared(H, P);
                 const Lanes energy = G[9] * (energy_density(H) - 0.5f * scheme.time_step * contraction(P, rate)) * (1.0f / points);
                 strain += __builtin_convertvector(energy, DoubleLanes);
                 peak = now > peak ? now : peak;

@@ -46,3 +46,4 @@ class LaneScheme:
     friction: wp.float32
     damping: wp.array(dtype=wp.float32)  # β of each tetrahedron, as the blocks lie
     normals: wp.array(dtype=wp.float32)
+    across: wp.vec3f  # normal of printed layers over their share of the strength, zero for none

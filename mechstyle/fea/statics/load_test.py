@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from mechstyle.errors import BadInput
 from mechstyle.fea.drop import GRAVITY
@@ -41,8 +42,13 @@ class StaticTest:
         """Refuse now what needs no solution to be seen: a place that selects nothing, a case that does not hold the part."""
         _ = self._restraints
 
-    def run(self, tets: TetMesh, material: Material) -> dict[str, Response]:
+    def run(self, tets: TetMesh, material: Material, across: ArrayLike = (0.0, 0.0, 0.0)) -> dict[str, Response]:
         """The response of a morph of the part to every case, by the case's name; one factorisation per set of supports.
+
+        Args:
+            tets: A morph of the part.
+            material: Its material.
+            across: Of its printed layers, as for `elasticity.equivalent_stress`.
 
         Raises:
             BadInput: If a place selects nothing, a case does not hold the part, or its loads cancel out at every node.
@@ -53,7 +59,7 @@ class StaticTest:
         responses: dict[str, Response] = {}
         for supports, restraint in self._restraints.items():
             names = [case.name for case in self.cases if case.supports == supports]
-            responses |= zip(names, solve(boundary.mesh, material, restraint, [loads[name] for name in names]), strict=True)
+            responses |= zip(names, solve(boundary.mesh, material, restraint, [loads[name] for name in names], across), strict=True)
         return {case.name: responses[case.name] for case in self.cases}
 
     @cached_property

@@ -10,11 +10,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from mechstyle.errors import BadInput, SimulationFailed
-from mechstyle.fea.elasticity import corner_gradients, displacement_gradients, stiffness_matrix, trace, von_mises
+from mechstyle.fea.elasticity import corner_gradients, displacement_gradients, equivalent_stress, stiffness_matrix, trace
 from mechstyle.fea.elements import ElementMesh
 from mechstyle.fea.statics.boundary import Boundary
 from mechstyle.fea.statics.pick import Picked
@@ -35,7 +36,7 @@ class Response:
 
     Attributes:
         displacement: u [mm], shape [node_count, 3].
-        von_mises: Von Mises stress at the Gauss points [MPa], shape [tet_count, points].
+        von_mises: Equivalent stress at the Gauss points [MPa], von Mises unless layers are judged, shape [tet_count, points].
         corners: The same at the corners of the tetrahedra [MPa], shape [tet_count, 4].
         loads: Nodal loads f [N], shape [node_count, 3].
         reactions: Forces of the supports r = K u − f [N], shape [node_count, 3]; zero where nothing is held.
@@ -53,10 +54,11 @@ class Response:
         return float(np.linalg.norm(self.displacement, axis=1).max())
 
 
-def stresses(material: Material, gradients: Floats) -> Floats:
-    """Von Mises stress of σ = λ tr(ε) I + 2μ ε [MPa], shape [...], of displacement gradients, shape [..., 3, 3]."""
+def stresses(material: Material, gradients: Floats, across: ArrayLike = (0.0, 0.0, 0.0)) -> Floats:
+    """Equivalent stress of σ = λ tr(ε) I + 2μ ε [MPa], shape [...], of displacement gradients, shape [..., 3, 3]."""
     strain = 0.5 * (gradients + np.swapaxes(gradients, -1, -2))
-    return von_mises(material.lame_lambda * trace(strain)[..., None, None] * np.eye(3) + 2.0 * material.shear_modulus * strain)
+    stress = material.lame_lambda * trace(strain)[..., None, None] * np.eye(3) + 2.0 * material.shear_modulus * strain
+    return equivalent_stress(stress, across)
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,8 +89,13 @@ class Restraint:
         return cls(turned[:, np.flatnonzero(~fixed.ravel())], np.asarray(fixed.any(axis=1)))
 
 
-def solve(mesh: ElementMesh, material: Material, restraint: Restraint, loads: list[Floats]) -> list[Response]:
-    """The response to each of several load vectors [N], each of shape [node_count, 3], by one factorisation."""
+def solve(
+    mesh: ElementMesh, material: Material, restraint: Restraint, loads: list[Floats], across: ArrayLike = (0.0, 0.0, 0.0)
+) -> list[Response]:
+    """The response to each of several load vectors [N], each of shape [node_count, 3], by one factorisation.
+
+    `across` is that of `elasticity.equivalent_stress`.
+    """
     K, Z = stiffness_matrix(mesh, material), restraint.basis
     reduced = (Z.T @ K @ Z).tocsc()
     try:
@@ -102,7 +109,7 @@ def solve(mesh: ElementMesh, material: Material, restraint: Restraint, loads: li
             raise SimulationFailed("the load cases could not be solved: the displacement is not a finite number")
         displacement = u.reshape(-1, 3)
         reactions = np.where(restraint.held[:, None], (K @ u).reshape(-1, 3) - load, 0.0)
-        points, corners = (stresses(material, at(mesh, displacement)) for at in (displacement_gradients, corner_gradients))
+        points, corners = (stresses(material, at(mesh, displacement), across) for at in (displacement_gradients, corner_gradients))
         responses.append(Response(displacement, points, corners, load, reactions))
     return responses
 

@@ -228,6 +228,8 @@ def _limits(recipe: Recipe) -> list[str]:
     material, own = recipe.material, []
     if material.label != material.name:
         own.append(f"The figures are those of {material.label}; what is sold under the name lies apart ({SPREAD[material.name]}).")
+    if recipe.layers_judged:
+        own.append(f"{recipe.layers_judged[0].upper()}{recipe.layers_judged[1:]}.")
     if recipe.standard:
         words = f"{recipe.after_standard[0].upper()}{recipe.after_standard[1:]}"
         own.append(f"{words}. {STANDARDS[recipe.standard].departs} The verdict is no test to the standard.")
@@ -241,7 +243,7 @@ def _material(material: Material) -> Markup:
         ("density ρ", f"{1000 * material.density:g} g/cm³"),
         ("yield strength", f"{material.yield_strength:g} MPa"),
         ("safety coefficient λ_s (published criterion)", f"{material.safety_coefficient:g}"),
-        ("strength across printed layers, not judged", _across_layers(material)),
+        ("strength across printed layers", _across_layers(material)),
     )
     source = fill('<p class="faint">Source of the figures of {name}: {source}.</p>', name=material.name, source=material.source.rstrip("."))
     return joined([table(("property", "value"), rows, f"Material {material.name}"), source])

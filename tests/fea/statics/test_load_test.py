@@ -112,6 +112,15 @@ def test_a_pressed_block_on_rollers_is_in_uniform_compression(block, pla):
     assert response.reactions.sum(axis=0) == pytest.approx([0.0, 0.0, 5.0 * 120.0], abs=1e-6)
 
 
+@pytest.mark.parametrize(("pressure", "expected"), [(-5.0, 10.0), (5.0, 5.0)], ids=["pulled", "pressed"])
+def test_layers_of_half_the_strength_bear_half_the_pull_and_all_the_pressure(block, pla, pressure, expected):
+    rollers = tuple(Support(at=Patch(plane=(0, 0, 0, *axis)), kind="roller") for axis in ((-1, 0, 0), (0, -1, 0), (0, 0, -1)))
+    case = LoadCase(name="press", supports=rollers, loads=(Load(at=Patch(plane=(0, 0, 16, 0, 0, 1)), pressure=pressure),))
+    response = StaticTest(block, (case,)).run(block, pla, (0.0, 0.0, 2.0))["press"]
+    for stress in (response.von_mises, response.corners):
+        assert stress == pytest.approx(np.full((len(block.tets), 4), expected), rel=1e-6)
+
+
 def test_a_clamped_plate_sags_under_pressure(box, pla):
     """Its centre sags by 0.00126 p a⁴/D (Timoshenko and Woinowsky-Krieger, table 35), plus a little shear at a/h = 25."""
     side, thick, p = 50.0, 2.0, 0.01

@@ -69,11 +69,12 @@ def test_it_says_what_a_reader_must_know(read, lane):
 
 
 def test_it_says_what_the_material_and_the_standard_leave_open(sheet):
-    text = Reader(report_page(sheet(iterations=3, standard="mil-810h"))).text
+    text = Reader(report_page(sheet(iterations=3, standard="mil-810h", build_direction=(0.0, 0.0, 1.0)))).text
     assert "generic PLA; what is sold under the name lies apart (strength 23 to 65 MPa" in text
     assert "Simulated orientations after MIL-STD-810H, method 516.8, procedure IV (transit drop), but" in text
     assert STANDARDS["mil-810h"].departs in text
     assert "0.55 of that along them" in text
+    assert "Layers printed along (0, 0, 1) are judged with 0.55" in text
     assert "pass" not in text.lower()
 
 

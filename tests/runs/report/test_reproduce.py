@@ -27,6 +27,7 @@ CASES = [
     {"criterion": "paper", "memory": True, "control": "frozen"},
     {"protect": (Box(low=(0.0, 0.0, 0.0), high=(1.0, 2.0, 3.0)),), "minimum_wall": 1.2},
     {"standard": "ista-1a"},
+    {"build_direction": (0.0, 1.0, 0.5)},
     {"standard": "astm-f963", "poses": "tilts", "drop_height": 500.0},
     {"base": "free", "drop_height": 800.0, "window": 2.5, "guarantee": False},
 ]
