@@ -129,10 +129,9 @@ class Teller:
             self._progress.update(self._task, completed=event.iteration)
         elif isinstance(event, Simulated):
             decides = event.verdict.deciding
-            self._progress.console.print(
-                f"  {event.iteration:>4}  {verdict_text(event.verdict.outcome, marginal=event.verdict.marginal)}  peak {decides.value:.1f} of {decides.limit:.1f} MPa"
-                f"  [dim]{escape(event.reason)}[/]"
-            )
+            outcome = verdict_text(event.verdict.outcome, marginal=event.verdict.marginal)
+            figures = f"peak {decides.value:.1f} of {decides.limit:.1f} MPa"
+            self._progress.console.print(f"  {event.iteration:>4}  {outcome}  {figures}  [dim]{escape(event.reason)}[/]")
         elif isinstance(event, Corrected):
             self._progress.console.print(f"        [dim]correction: {escape(event.step)}, {event.kept:.0%} of the relief left[/]")
         elif isinstance(event, Finished):

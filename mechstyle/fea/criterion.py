@@ -5,8 +5,6 @@ The stress that drives the mask is the stress that decides, `surface_stress.Deci
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import ArrayLike
 

@@ -146,8 +146,8 @@ def worst(found: Sequence[Deciding]) -> Deciding:
     """The largest of several landings, place by place."""
     highest = max(found, key=lambda one: one.peak)
     figures = {name: _largest(*(getattr(one, name) for one in found)) for name in ("surface", "contact", "averaged", "resolved")}
-    fields = {name: np.max([getattr(one, name) for one in found], axis=0) for name in ("field", "outside")}
-    return Deciding(where=highest.where, **fields, **figures)
+    field, outside = (np.max([getattr(one, name) for one in found], axis=0) for name in ("field", "outside"))
+    return Deciding(field=field, outside=outside, where=highest.where, **figures)
 
 
 def _largest(*values: float) -> float:

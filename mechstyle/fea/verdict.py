@@ -104,13 +104,12 @@ def _judgement(rule: str, value: float, limit: float, unit: str, band: float, tr
 def _as_placed(simulation: Simulation, baseline: Simulation, limits: Limits, material: Material, trouble: str) -> Told:
     """Rule (A), of surface and contact the one that is nearer to its limit."""
     drop, own = simulation.as_placed, baseline.as_placed
-    judged = [
-        (_judgement(_rule("surface stress", limits.surface, material), drop.surface, limits.surface, "MPa", SURFACE_BAND, trouble), own.surface),
-        (_judgement(_rule("average around the contact", limits.contact, material), drop.contact, limits.contact, "MPa", CONTACT_BAND, trouble), own.contact),
-    ]  # fmt: skip
-    on_surface, at_contact = judged
-    surface = _use(on_surface[0]) >= _use(at_contact[0])
-    judgement, before = on_surface if surface else at_contact
+    rule = _rule("surface stress", limits.surface, material)
+    on_surface = _judgement(rule, drop.surface, limits.surface, "MPa", SURFACE_BAND, trouble)
+    rule = _rule("average around the contact", limits.contact, material)
+    at_contact = _judgement(rule, drop.contact, limits.contact, "MPa", CONTACT_BAND, trouble)
+    surface = _use(on_surface) >= _use(at_contact)
+    judgement, before = (on_surface, own.surface) if surface else (at_contact, own.contact)
     what = "its surface stress" if surface else "the stress around the contact"
     return Told(judgement, f"{_situation(simulation)} {_stress(what, judgement, drop, before, material, bending=surface)}")
 

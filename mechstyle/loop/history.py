@@ -66,9 +66,9 @@ class Strength(msgspec.Struct, frozen=True, kw_only=True):
             all_orientations=None if verdict.all_orientations is None else verdict.all_orientations.value,
             words=verdict.words,
             marginal=verdict.marginal,
-            tilted=tilted and tilted.value,
-            tilted_limit=tilted and tilted.limit,
-            worst=worst and worst.measures.peak,
+            tilted=tilted.value if tilted is not None else None,
+            tilted_limit=tilted.limit if tilted is not None else None,
+            worst=worst.measures.peak if worst is not None else None,
             worst_landing=worst.name if worst is not None else "",
             failure_probability=simulation.failure_probability if simulation is not None else None,
         )

@@ -20,7 +20,7 @@ from typing import Any
 import msgspec
 
 from mechstyle._files import write_whole
-from mechstyle.errors import BadInput, unknown
+from mechstyle.errors import BadInput, DamagedStore, unknown
 from mechstyle.loop.objects import Memo, Objects, read_record
 from mechstyle.records import Checkpoint, Recipe, Verdict
 from mechstyle.records.earlier import translated

@@ -12,7 +12,7 @@ from mechstyle.records.mesh import Field
 from mechstyle.records.simulation import Simulation
 
 UNHARMED = 1.10
-"""Growth over the original that counts as unharmed where the original itself yields; re-meshing alone changes these measures by 1 to 5 %."""
+"""Growth over the original that counts as unharmed where the original itself yields; re-meshing alone changes it by 1 to 5 %."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Limits:
         return cls(_larger(strength, own.surface), _larger(strength, own.contact), nearly, overall)
 
     def of_stress(self, original: Field) -> Field:
-        """Limit of the field as placed [MPa], shape [vertex_count]: the lower of surface and contact, the higher where the original is above.
+        """Limit of the field as placed [MPa], shape [vertex_count]: the lower of both, the higher where the original is above that.
 
         Args:
             original: Field of the original [MPa], shape [vertex_count].

@@ -124,7 +124,8 @@ class Cell(msgspec.Struct, frozen=True, kw_only=True):
         return [self._row(arm) for arm in self.arms]
 
     def _row(self, arm: str) -> Row:
-        part, known = Path(self.model.removeprefix("gallery:")).stem, {"prompt": self.prompt, "amplitude": self.amplitude, "arm": arm}
+        part = Path(self.model.removeprefix("gallery:")).stem
+        known: dict[str, Any] = {"prompt": self.prompt, "amplitude": self.amplitude, "arm": arm}
         folder = Path(self.out) / f"{part}-{'-'.join(self.prompt.split())}-{self.amplitude:g}" / arm
         settings = {**self.settings, "amplitude": self.amplitude, **ARMS[arm].settings}
         try:
@@ -144,7 +145,7 @@ def row_of(run: Run, **known: Any) -> Row:
         verdict=verdict.outcome,
         marginal=verdict.marginal,
         as_placed=_use(verdict.as_placed),
-        tilted=verdict.tilted and _use(verdict.tilted),
+        tilted=None if verdict.tilted is None else _use(verdict.tilted),
         all_orientations=None if verdict.all_orientations is None else verdict.all_orientations.value,
         kept=summary.kept,
         simulations=len(summary.simulations),
@@ -180,7 +181,9 @@ class Ablation:
 
     def table(self) -> str:
         """The summary, then every run, as Markdown."""
-        single = [("part", "style", "depth", "arm", "verdict", "as placed", "tilted", "all orientations", "kept", "simulations")]
+        single: list[tuple[str, ...]] = [
+            ("part", "style", "depth", "arm", "verdict", "as placed", "tilted", "all orientations", "kept", "simulations")
+        ]
         single += [_line(row) for row in self.rows]
         return f"{_markdown(self.summary())}\n{_markdown(single)}"
 
@@ -247,7 +250,8 @@ def ablation(
     ]  # fmt: skip
     rows = []
     for cell, found in _carried_out(cells, jobs):
-        tell(f"{cell.model} as {cell.prompt!r}, {cell.amplitude:g}: {', '.join(f'{row.arm} {row.verdict or row.refused}' for row in found)}")
+        outcomes = ", ".join(f"{row.arm} {row.verdict or row.refused}" for row in found)
+        tell(f"{cell.model} as {cell.prompt!r}, {cell.amplitude:g}: {outcomes}")
         rows += found
     return Ablation(sorted(rows, key=lambda row: (row.amplitude, row.part, row.prompt, list(ARMS).index(row.arm))))
 

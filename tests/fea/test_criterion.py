@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mechstyle.fea.criterion import exceedance, measures, percentile
-from mechstyle.fea.surface_stress import Deciding, SurfaceStress
+from mechstyle.fea.surface_stress import Deciding
 
 
 def deciding(surface=0.0, contact=0.0):

@@ -41,7 +41,7 @@ def test_all_arms_get_the_same_part_style_depth_and_settings(monkeypatch, tmp_pa
     assert [prompt for prompt, _ in asked] == ["fish scales"] * len(ARMS)
     for (_, settings), (name, arm) in zip(asked, ARMS.items(), strict=True):
         assert settings["out"] == tmp_path / "wall_hook-fish-scales-0.5" / name
-        assert {key: settings[key] for key in ("amplitude", "iterations", "name")} == {"amplitude": 0.5, "iterations": 9, "name": "wall_hook"}
+        assert (settings["amplitude"], settings["iterations"], settings["name"]) == (0.5, 9, "wall_hook")
         assert settings.items() >= arm.settings.items()
     assert [(one.part, one.arm) for one in found.rows] == [("wall_hook", name) for name in ARMS]
 
@@ -92,7 +92,7 @@ class _Cores(Cell, frozen=True, kw_only=True):
         return [row(part=self.model, kept=float(len(os.sched_getaffinity(0))), simulations=os.getpid())]
 
 
-@pytest.mark.skipif(not hasattr(os, "sched_getaffinity") or len(os.sched_getaffinity(0)) < 2, reason="one core, or a system that pins nothing")
+@pytest.mark.skipif(not hasattr(os, "sched_getaffinity") or len(os.sched_getaffinity(0)) < 2, reason="needs two cores to share")
 def test_processes_side_by_side_share_the_cores_and_every_part_is_told(monkeypatch, tmp_path):
     told = []
     monkeypatch.setattr(module, "Cell", _Cores)

@@ -81,13 +81,14 @@ def _payload(played: ReplayData) -> Markup:
 
 def _head(run: LaneOfRun, told: Sequence[Step], last: int) -> Markup:
     verdict = told[-1].verdict
+    kind = "marginal" if verdict.marginal else verdict.outcome.lower()
     stands = "finished" if run.finished else f"stands at iteration {last} of {run.recipe.iterations}"
     return fill(
         '<p class="kicker">MechStyle report</p><h1>{name}<span class="prompt"> as “{prompt}”</span></h1>'
         '<p class="facts">{material} · {iterations} iterations · {simulations} simulations · lane {lane}, {stands}</p>'
         '<div class="verdict {kind}"><strong>{outcome}</strong><div><p>{meaning}{marginal}</p><p class="faint">{words}</p></div></div>',
         name=run.record.name.replace("_", " "), prompt=run.recipe.prompt, material=run.recipe.material.label,
-        iterations=last, simulations=len(told) - 1, lane=run.lane, stands=stands, kind="marginal" if verdict.marginal else verdict.outcome.lower(),
+        iterations=last, simulations=len(told) - 1, lane=run.lane, stands=stands, kind=kind,
         outcome=verdict.outcome, meaning=texts.OUTCOMES[verdict.outcome], marginal=f" {texts.MARGINAL}" if verdict.marginal else "",
         words=verdict.words,
     )  # fmt: skip
@@ -121,7 +122,8 @@ def _informing(before: Strength, now: Strength) -> list[tuple[str, str, str]]:
     if now.worst is not None and before.worst is not None:
         shown.append(("worst landing", f"{now.worst:.0f} MPa", f"{now.worst_landing}; the original {before.worst:.0f}"))
     if now.failure_probability is not None and before.failure_probability is not None:
-        shown.append(("begins to yield", f"{now.failure_probability:.0%}", f"of random drops; the original in {before.failure_probability:.0%}"))
+        more = f"of random drops; the original in {before.failure_probability:.0%}"
+        shown.append(("begins to yield", f"{now.failure_probability:.0%}", more))
     return shown
 
 
@@ -149,8 +151,9 @@ def _rules(told: Sequence[Step]) -> Markup:
 
 
 def _outcome(judged: Judgement) -> Markup:
+    kind = "marginal" if judged.marginal else judged.outcome.lower()
     return fill(
-        '<span class="{kind}">{outcome}</span>{marginal}', kind="marginal" if judged.marginal else judged.outcome.lower(), outcome=judged.outcome,
+        '<span class="{kind}">{outcome}</span>{marginal}', kind=kind, outcome=judged.outcome,
         marginal=", marginal" if judged.marginal else "",
     )  # fmt: skip
 
