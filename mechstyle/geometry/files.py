@@ -6,7 +6,10 @@ STL, OBJ and PLY have no unit and are taken as millimetres; 3MF names its unit; 
 from __future__ import annotations
 
 import io
+import struct
 import warnings
+import zipfile
+import zlib
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -27,6 +30,11 @@ SMALLEST, LARGEST = 5.0, 1000.0
 MILLIMETRES = {"micron": 1e-3, "millimeter": 1.0, "centimeter": 10.0, "inch": 25.4, "foot": 304.8, "meter": 1000.0}
 GUESSES = {"millimetres": 1.0, "inches": 25.4, "centimetres": 10.0, "metres": 1000.0, "micrometres": 1e-3}
 """Units that a file may be in without saying so, likeliest first, and their millimetres."""
+DAMAGED = (
+    ArithmeticError, AssertionError, AttributeError, EOFError, LookupError, MemoryError, OSError, RuntimeError, StopIteration, SyntaxError,
+    TypeError, UnboundLocalError, ValueError, struct.error, zipfile.BadZipFile, zlib.error,
+)  # fmt: skip
+"""What parsers raise at damaged files: they notice damage where something is missing, too large, or of another kind."""
 Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 """Rotation that takes a y-up position to a z-up one."""
 
@@ -97,14 +105,16 @@ def _content(file: Path) -> bytes:
 
 
 def _parsed(name: str, content: bytes, suffix: str) -> tuple[Floats, NDArray[np.int64], float]:
-    """The file as trimesh reads it; whatever trimesh raises becomes one sentence."""
+    """The file as trimesh reads it; what its parsers raise becomes one sentence."""
     try:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")  # a reader's remarks; what matters is checked afterwards
             scene: Any = trimesh.load_scene(io.BytesIO(content), file_type=suffix, process=False)
             mesh = scene.to_mesh()
             vertices, faces = np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64)
-    except Exception as error:
+    except DAMAGED as error:
+        if error.__traceback__ is not None and error.__traceback__.tb_next is None:
+            raise  # by this function, not by a parser: it is no fault of the file
         raise BadInput(
             f"{name} cannot be read as {suffix.upper()}: it is damaged, was cut off, or is something else; export it again"
         ) from error

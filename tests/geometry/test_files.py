@@ -1,11 +1,14 @@
 """Files: one body from every format, its unit and orientation; refusals in one sentence; whole files or none."""
 
 import io
+import json
 import os
 import re
 import stat
+import struct
 import warnings
 import zipfile
+import zlib
 from xml.etree import ElementTree as ET
 
 import manifold3d
@@ -334,6 +337,62 @@ def test_remarks_of_the_reader_go_no_further(tmp_path, monkeypatch):
 
     monkeypatch.setattr(trimesh, "load_scene", remarks)
     assert_is_part(read(path).mesh)
+
+
+PARSERS_RAISE = [
+    ValueError("chunk was not expected length!"), KeyError("count"), IndexError("13"), TypeError("data type '' not understood"),
+    AttributeError("'str' object has no attribute 'get'"), UnboundLocalError("access"), AssertionError(), StopIteration(), OverflowError(),
+    NotImplementedError("only glTF 2"), RuntimeError("encrypted"), RecursionError(), MemoryError(), EOFError(), OSError("no picture"),
+    SyntaxError("XML"), struct.error("unpack"), zlib.error("invalid distance"), zipfile.BadZipFile(),
+]  # fmt: skip
+"""One of each kind that trimesh, lxml and zipfile raised at damaged files of every format."""
+
+
+@pytest.mark.parametrize("error", PARSERS_RAISE, ids=lambda error: type(error).__name__)
+def test_whatever_a_parser_raises_is_one_sentence_on_the_file(tmp_path, monkeypatch, error):
+    def parser(*_args, **_options):
+        raise error
+
+    monkeypatch.setattr(trimesh, "load_scene", parser)
+    assert "damaged, was cut off, or is something else" in refusal(put(tmp_path, "part.stl", exported("stl")))
+
+
+def read_by(monkeypatch, tmp_path, reader):
+    monkeypatch.setattr(trimesh, "load_scene", reader)
+    return read(put(tmp_path, "part.stl", exported("stl")))
+
+
+def test_what_we_call_wrongly_is_not_said_of_the_file(tmp_path, monkeypatch):
+    """An older trimesh without a function, or with other arguments or results, would have every file said to be damaged."""
+    with monkeypatch.context() as patched, pytest.raises(TypeError, match="unexpected keyword"):
+        read_by(patched, tmp_path, lambda _file: None)
+    with monkeypatch.context() as patched, pytest.raises(AttributeError, match="to_mesh"):
+        read_by(patched, tmp_path, lambda *_args, **_options: object())
+    with monkeypatch.context() as patched, pytest.raises(AttributeError, match="load_scene"):
+        patched.delattr(trimesh, "load_scene")
+        read(put(tmp_path, "part.stl", exported("stl")))
+
+
+@pytest.mark.parametrize("error", [ModuleNotFoundError("lxml"), NameError("a typing error")])
+def test_what_no_file_can_cause_is_not_said_of_the_file(tmp_path, monkeypatch, error):
+    def broken(*_args, **_options):
+        raise error
+
+    with pytest.raises(type(error)):
+        read_by(monkeypatch, tmp_path, broken)
+
+
+def gltf(document):
+    """A GLB of any JSON."""
+    words = json.dumps(document).encode()
+    words += b" " * (-len(words) % 4)
+    return b"glTF" + struct.pack("<II", 2, 20 + len(words)) + struct.pack("<I", len(words)) + b"JSON" + words
+
+
+@pytest.mark.parametrize("document", [[], {"meshes": "x"}, {"nodes": [1]}, {"accessors": [{"count": 10**20}]}, {"bufferViews": {}}])
+def test_a_sound_container_of_something_else_is_refused(tmp_path, capfd, document):
+    refusal(put(tmp_path, "part.glb", gltf({"asset": {"version": "2.0"}, **document} if isinstance(document, dict) else document)))
+    assert capfd.readouterr() == ("", "")
 
 
 def test_words_for_coordinates_are_refused(tmp_path):
