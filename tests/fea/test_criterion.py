@@ -11,7 +11,7 @@ from mechstyle.fea.surface_stress import Deciding
 
 def deciding(surface=0.0, contact=0.0):
     """A deciding stress of given maxima."""
-    return Deciding(np.zeros(1), surface, contact, max(surface, contact), 0.0, (1.0, 2.0, 3.0))
+    return Deciding(np.zeros(1), np.zeros(1), surface, contact, max(surface, contact), 0.0, (1.0, 2.0, 3.0))
 
 
 
