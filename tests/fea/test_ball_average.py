@@ -69,3 +69,14 @@ def test_what_is_largest_around_a_vertex_is_the_largest_average_of_its_tetrahedr
         assert field[vertex] == averaged[(block.tets == vertex).any(axis=1)].max()
     assert field.max() == averaged.max()
     assert not largest_around(block, np.zeros((len(block.tets), 4)), average).any()
+
+
+@pytest.mark.parametrize("counts", [(5, 5, 2), (6, 6, 2), (7, 7, 3), (8, 8, 3), (10, 10, 4)])
+def test_the_average_of_bending_in_a_plate_of_6_mm_does_not_hang_on_the_edges_of_the_mesh(box, counts):
+    """At its surface the centre of a half ball of 2 mm lies 0.75 mm deep, where three quarters of the bending stress are left."""
+    plate = box(counts, (15.0, 15.0, 6.0))
+    average = BallAverage(plate)
+    gauss = np.full((4, 4), GAUSS_B) + (GAUSS_A - GAUSS_B) * np.eye(4)
+    bending = np.abs(np.einsum("qk,nk->nq", gauss, plate.vertices[plate.tets][..., 2]) - 3.0) / 3.0
+    inner = (np.abs(average.points(plate)[..., :2] - 7.5) < 3.5).all(axis=-1)
+    assert average(plate, bending)[inner].max() == pytest.approx(0.75, rel=0.12)

@@ -186,3 +186,13 @@ def test_pressure_on_a_whole_side_does_not_hide_the_bending_of_that_side(box, pl
     x = reading.sides.positions[middle, 0]
     theory = 0.02 * 10.0 * (40.0 - x) ** 2 / 2.0 / (10.0 * 2.0**2 / 6.0)
     assert found.field[reading.sides.vertices[middle]] == pytest.approx(theory, rel=0.15, abs=1.0)
+
+
+def test_zones_reach_3_mm_from_contact_and_2_mm_from_a_border(box):
+    mesh = box((20, 20, 4), (20.0, 20.0, 8.0))
+    reading = SurfaceStress(mesh)
+    one = np.linalg.norm(mesh.vertices - [10.0, 10.0, 8.0], axis=1) < 0.1
+    distance = np.linalg.norm(reading.sides.positions - [10.0, 10.0, 8.0], axis=1)
+    assert one.sum() == 1
+    assert np.array_equal(reading.contact_zone(one), distance <= 3.0)
+    assert np.array_equal(reading.border_zone(one), distance <= 2.0)
