@@ -192,12 +192,13 @@ def test_simulate_after_a_standard_names_landings_and_claims_nothing(mechstyle):
     small = ("simulate", "gallery:pen_holder", "--vertices", "2000", "--standard", "ista-1a", "--orientations", "2")
     said = " ".join(mechstyle(*small).stdout.split())
     assert "simulated orientations after ISTA 1A, drop test below 10 kg, but 2 orientations instead of 11" in said
-    assert re.search(r"worst orientation [\d.]+ MPa in number \d, (as placed, face 3 \(bottom\)|corner 2-3-5), floor normal", said)
+    assert re.search(r"worst orientation [\d.]+ MPa, (as placed, face 3 \(bottom\)|tilted 3° towards .*|corner 2-3-5), floor normal", said)
     assert "without a package" in said
     assert "pass" not in said.lower()
     assert "random" not in said
     outcome = mechstyle(*small, "--json").json
-    assert [landing["name"] for landing in outcome["landings"]] == ["as placed, face 3 (bottom)", "corner 2-3-5"]
+    names = [landing["name"] for landing in outcome["landings"]]
+    assert [name for name in names if not name.startswith("tilted")] == ["as placed, face 3 (bottom)", "corner 2-3-5"]
     assert outcome["after_standard"].startswith("simulated orientations after ISTA 1A")
     assert outcome["failure_probability"] is None
 

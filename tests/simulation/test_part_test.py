@@ -174,28 +174,31 @@ def test_a_drop_that_failed_has_no_course_and_says_why(drop_it, monkeypatch, tmp
             wanted()
 
 
-def test_a_part_printed_the_weak_way_is_nearer_to_its_limit_and_one_that_sinters_is_not(drop_it):
+def test_a_part_printed_in_layers_is_nowhere_further_from_its_limit(drop_it):
     alike, layered = drop_it(orientations=1), drop_it(orientations=1, build_direction="x")
-    assert layered.simulation.as_placed.maximum > alike.simulation.as_placed.maximum
-    assert np.all(layered.detail.drop.von_mises >= alike.detail.drop.von_mises * (1.0 - 1e-6))
-    assert np.all(layered.detail.drop.corners >= alike.detail.drop.corners * (1.0 - 1e-6))
-    assert layered.course.peak_stress == pytest.approx(layered.simulation.stress.max(), rel=1e-5), "the history judges layers too"
+    for name in ("von_mises", "corners"):
+        solid, weak = (getattr(found.detail.drop, name) for found in (alike, layered))
+        assert np.all(weak >= solid * (1.0 - 1e-6))
+        assert (weak / solid).max() > 1.2
+    assert layered.impact.stress.max() >= alike.impact.stress.max(), "the history judges layers too"
     with pytest.raises(BadInput, match="across its layers is not known"):
         drop_it(material="ABS", build_direction="z")
 
 
 def test_landings_of_a_standard_are_named_and_no_probabilities(drop_it, tmp_path):
     dropped = drop_it(orientations=None, standard="ista-1a")
-    landings = dropped.simulation.landings
-    assert [landing.name for landing in landings[:3]] == ["as placed, face 3 (bottom)", "corner 2-3-5", "edge 2-3"]
-    assert len({landing.name for landing in landings}) == len(landings) == 10
+    names = [landing.name for landing in dropped.simulation.landings]
+    boxed = [name for name in names if not name.startswith("tilted")]
+    assert boxed[:3] == ["as placed, face 3 (bottom)", "corner 2-3-5", "edge 2-3"]
+    assert (len(boxed), len(set(names))) == (10, len(names))
     assert dropped.recipe.drop_height == 760.0
     assert dropped.simulation.overall is not None
-    assert dropped.failure_probability is None
+    assert dropped.simulation.failure_probability is None
     assert not dropped.simulation.probability.any()
     assert "failure_probability" not in meshio.read(dropped.save_vtu(tmp_path / "block.vtu")).point_data
 
 
 def test_without_orientations_the_poses_bring_theirs(drop_it):
-    assert len(drop_it(orientations=None, poses="resting").simulation.landings) == 6
-    assert len(drop_it(orientations=None, poses="tilts").simulation.landings) == 8
+    for poses, drops in (("resting", 6), ("faces6", 6), ("fibonacci", 5)):
+        names = [landing.name for landing in drop_it(orientations=None, poses=poses).simulation.landings]
+        assert len([name for name in names if not name.startswith("tilted")]) == drops

@@ -186,7 +186,7 @@ def corner_stresses(
     across: wp.vec3f,
     corners_squared: wp.array3d(dtype=float),
 ):
-    """Running maximum of the stress squared of u + β v at the corners of quadratic elements [MPa²]; the forces leave no registers for it."""
+    """Running maximum of the stress squared of u + β v at the corners of quadratic elements [MPa²]; the forces leave it no registers."""
     e, b = wp.tid()
     x = values_ahead(u, v, damping[e], nodes, e, b)
     for q in range(4):

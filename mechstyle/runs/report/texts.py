@@ -12,7 +12,7 @@ MARGINAL = "Marginal: within the uncertainty of the method, so take it as undeci
 
 LIMITS = (
     "The verdict compares the styled part with the original. It is no certificate: do not rely on it where somebody can get hurt.",
-    "The material is isotropic and elastic up to yield: no layers unless a build direction is given, no infill, no fatigue, no creep, no fracture.",
+    "The material is isotropic and elastic up to yield: no layers without a build direction, no infill, fatigue, creep or fracture.",
     "Where the floor meets the part at a point, the literal peak stress depends on the mesh.",
     "The default rule therefore uses a mean over 2 mm, along the surface or beside contact in a ball; the published one is shown too.",
     "Landings on edges and corners are judged by how much they differ from the original, not against yield: any plastic part yields there.",
