@@ -80,6 +80,7 @@ OPTIONS = {
     "standard": RecipeOption(DROP_TEST),
     "build_direction": RecipeOption(DROP_TEST, kind=str),
     "criterion": RecipeOption(DROP_TEST),
+    "window": RecipeOption(DROP_TEST),
     "loads": RecipeOption(LOADS, ("--load",), Path, "A .toml file."),
     "minimum_wall": RecipeOption(LOADS),
     "base": RecipeOption(LOADS),

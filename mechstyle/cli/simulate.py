@@ -21,7 +21,7 @@ app = typer.Typer()
 
 @app.command("simulate")
 @command
-@recipe_options("material", "orientations", "poses", "standard", "build_direction", "criterion", "loads", "minimum_wall")
+@recipe_options("material", "orientations", "poses", "standard", "build_direction", "criterion", "loads", "minimum_wall", "window")
 def simulate_command(
     model: Model,
     settings: Settings,
@@ -142,6 +142,7 @@ def _course_rows(dropped: PartTest) -> list[tuple[str, str]]:
     return [
         ("highest on the surface", f"{course.peak_stress:.1f} MPa by {course.peak_time:.2f} ms, at ({x:.1f}, {y:.1f}, {z:.1f}) mm"),
         ("contact force", f"up to {course.peak_force:.0f} N, the last of it at {course.contact_time:.2f} ms"),
+        ("touches", course.touch_words),
         ("energy", course.words),
     ]
 

@@ -59,6 +59,16 @@ class Discretisation:
         positions[self.place] = self.mesh.nodes
         return positions
 
+    @property
+    def centre(self) -> Floats:
+        """Centre of mass [mm], shape [3]."""
+        return np.asarray(self.masses @ self.positions / self.masses.sum())
+
+    @property
+    def arms(self) -> Floats:
+        """Nodes seen from the centre of mass, in the order of computation [mm], shape [node_count, 3]."""
+        return self.positions - self.centre
+
 
 def discretise(tets: TetMesh, material: Material, added_mass: float, element: Element = LINEAR) -> Discretisation:
     """Number a body and lump its masses, those of slivers increased by at most the share `added_mass` of the whole.

@@ -18,18 +18,11 @@ from mechstyle.fea.backends.gpu import DeviceBody
 from mechstyle.fea.discretisation import Discretisation, discretise
 from mechstyle.fea.elasticity import LAWS, element_frequencies, law_named
 from mechstyle.fea.elements import element_named
-from mechstyle.fea.explicit import (
-    QUANTITIES,
-    RECORD_EVERY,
-    Batch,
-    Body,
-    Progress,
-    Scheme,
-    failing,
-    integrate,
-    no_progress,
-    total_energy,
-)
+from mechstyle.fea.explicit import RECORD_EVERY, Body, Progress, Scheme, no_progress
+from mechstyle.fea.flight import RigidBody
+from mechstyle.fea.history import History, Phase, history_of, phases_of
+from mechstyle.fea.period import lowest_period
+from mechstyle.fea.phases import Rule, Track, follow, longest
 from mechstyle.fea.stable_step import damped_step
 from mechstyle.records.material import Material
 from mechstyle.records.mesh import Floats, TetMesh, frozen_array
@@ -40,7 +33,10 @@ GRAVITY = 9.81e-3
 """Standard gravity [mm/ms²]."""
 
 SAMPLES = 120
-"""Samples of the history per drop, about: enough to see a bounce, a few per cent of the work."""
+"""Samples of the history in a window, about: enough to see a bounce, a few per cent of the work."""
+
+SAMPLES_PER_PERIOD, LONGEST_INTERVAL = 250, 0.05
+"""Samples of a drop without a window, about: in a lowest period, and most time between two [ms]."""
 
 MAX_STEPS = 1_000_000
 """Steps beyond which a drop would take hours: a sliver has slipped through, and no answer is better than none tonight."""
@@ -55,7 +51,7 @@ class DropTest:
     Attributes:
         height: Height of fall [mm].
         friction: Coulomb coefficient of the floor.
-        window: Simulated time after first touch [ms].
+        window: Simulated time after first touch [ms]; None, until the impact has ended: see `phases`.
         damping: Share ξ of the critical damping of each tetrahedron: with ω_e its own largest frequency, stress is that of the
             displacement u + β_e v, β_e = 2 ξ/ω_e.
         law: Elastic law, one of `elasticity.LAWS`.
@@ -68,7 +64,7 @@ class DropTest:
 
     height: float = 1500.0
     friction: float = 0.0
-    window: float = 1.5
+    window: float | None = None
     damping: float = 0.1
     law: Law = "stable_neo_hookean"
     element: str = "tet10"
@@ -82,7 +78,7 @@ class DropTest:
                   "safety": (0.05, 2.0)}
         for field, (low, high) in limits.items():
             value = getattr(self, field)
-            if not low <= value <= high:
+            if value is not None and not low <= value <= high:
                 raise BadInput(f"drop test: {field.replace('_', ' ')} is {value:g}, but must lie between {low:g} and {high:g}")
         if self.law not in LAWS:
             raise BadInput(f"drop test: unknown elastic law {self.law!r}, known are {', '.join(LAWS)}")
@@ -95,36 +91,6 @@ class DropTest:
 
 
 @dataclass(frozen=True, eq=False)
-class History:
-    """Energies and forces over a drop; arrays over samples and orientations have shape [samples, orientations].
-
-    Energy is conserved: kinetic + strain + contact_loss + damping_loss − gravity_work is what it was at first touch.
-
-    Attributes:
-        time: Time since first touch [ms], shape [samples].
-        kinetic: Kinetic energy [mJ].
-        strain: Strain energy half a step earlier, where velocity is [mJ].
-        gravity_work: Work done by weight since first touch [mJ].
-        contact_loss: Kinetic energy taken by the floor since first touch: impact of lumped masses and friction [mJ].
-        damping_loss: What is missing then, the energy dissipated in the material and the error of the integration [mJ];
-            without damping the error alone, some 1e-5 of the energy at first touch.
-        peak_stress: Largest von Mises stress in the part at that moment [MPa].
-        contact_force: Mean normal force of the floor since the sample before [N].
-        momentum: Momentum along the floor normal, negative while falling [g mm/ms = mN s].
-    """
-
-    time: Floats
-    kinetic: Floats
-    strain: Floats
-    gravity_work: Floats
-    contact_loss: Floats
-    damping_loss: Floats
-    peak_stress: Floats
-    contact_force: Floats
-    momentum: Floats
-
-
-@dataclass(frozen=True, eq=False)
 class Drop:
     """Result of a drop test.
 
@@ -132,11 +98,13 @@ class Drop:
         von_mises: Running maximum of the von Mises stress at the Gauss points [MPa], shape [orientations, tet_count, points];
             infinite if it failed.
         corners: The same at the corners of the tetrahedra [MPa], shape [orientations, tet_count, 4].
-        contact: Whether a vertex met the floor, shape [orientations, vertex_count].
+        contact: Whether a vertex met the floor in any phase, shape [orientations, vertex_count].
         time_step: Δt [ms].
-        steps: Steps per orientation.
+        steps: Steps of the orientation that took most; of a drop that was not started, the least it would take.
         added_mass: Mass added to slivers, over the mass of the part.
-        history: Energies and forces over time, up to the failure if there was one.
+        history: Energies and forces over time of each orientation, up to the failure if there was one.
+        phases: What was simulated of each orientation.
+        endings: Why each orientation was followed no further, in words.
         failure: Why there is no usable answer, "" if there is.
     """
 
@@ -146,7 +114,9 @@ class Drop:
     time_step: float
     steps: int
     added_mass: float
-    history: History
+    history: tuple[History, ...]
+    phases: tuple[tuple[Phase, ...], ...]
+    endings: tuple[str, ...]
     failure: str = ""
 
     def __post_init__(self) -> None:
@@ -164,8 +134,9 @@ def drop(
     *,
     device: str = "auto",
     progress: Progress = no_progress,
+    period: float | None = None,
 ) -> Drop:
-    """Drop a body onto a rigid floor in every given orientation and follow it through the window.
+    """Drop a body onto a rigid floor in every given orientation and follow it until the impact has ended, or through the window.
 
     Args:
         tets: The body [mm].
@@ -174,24 +145,35 @@ def drop(
         test: Height, window and numerical settings.
         device: "cpu", "cuda", "cuda:1", … or "auto": CUDA if there is a device.
         progress: Called now and then in the calling thread with the fraction done; may raise to cancel.
+        period: Lowest elastic period of the body [ms], by which the end of its impact is told; None to work it out if it is needed.
 
     Raises:
         BadInput: Unusable tetrahedra, directions or device name.
         MissingPiece: CUDA was asked for and is not there.
+        SimulationFailed: If the lowest period cannot be worked out.
     """
     normals = _unit(directions)
     where = resolve_device(device)
     discretisation = discretise(tets, material, test.added_mass, element_named(test.element))
     body = body_on(where, discretisation)
-    scheme = scheme_for(discretisation, material, test)
-    heights = discretisation.positions @ normals.T
-    batches = body.batches(scheme, normals, heights - heights.min(axis=0))
-    samples, failure = _first_touch(discretisation, scheme, len(normals)), _too_long(discretisation, material, scheme)
+    tracks, scheme = tracks_for(discretisation, material, normals, test, period)
+    steps = _least_steps(scheme, tracks[0].rule)
+    failure = _too_long(discretisation, material, scheme, steps)
     if not failure:
-        energy = float(samples[0, QUANTITIES.index("kinetic"), 0])
-        samples = np.concatenate([samples, integrate(batches, scheme, energy, progress)])
-        failure = _failure(samples, scheme, energy)
-    return _drop(tets, discretisation, scheme, batches, samples, failure)
+        follow(body, scheme, tracks, progress)
+        steps, failure = scheme.stride * max(track.taken for track in tracks), _failure(tracks, scheme)
+    return _drop(tets, discretisation, scheme, tracks, steps, failure)
+
+
+def tracks_for(
+    discretisation: Discretisation, material: Material, normals: Floats, test: DropTest, period: float | None = None
+) -> tuple[list[Track], Scheme]:
+    """Drops at first touch with the floor normals `normals`, unit vectors of shape [orientations, 3], and their scheme."""
+    if test.window is None and period is None:
+        period = lowest_period(discretisation, material)
+    scheme = scheme_for(discretisation, material, test, period)
+    rule, body = Rule(test.speed, period or 0.0, test.window), RigidBody.of(discretisation, scheme.gravity)
+    return [Track(normal, body, scheme, rule) for normal in normals], scheme
 
 
 def body_on(where: str, discretisation: Discretisation) -> Body:
@@ -221,34 +203,42 @@ def resolve_device(device: str) -> str:
         raise MissingPiece(f"device {device!r} is not there; use 'cpu' or 'auto', or install an NVIDIA driver") from error
 
 
-def scheme_for(discretisation: Discretisation, material: Material, test: DropTest) -> Scheme:
-    """Step and sampling of a test: whole strides fill the window exactly, so that all meshes see the same time."""
+def scheme_for(discretisation: Discretisation, material: Material, test: DropTest, period: float | None = None) -> Scheme:
+    """Step and sampling of a test: whole strides fill a window exactly, so that all meshes see the same time.
+
+    Without a window the samples are the most that may be needed, and the lowest period [ms] must be given.
+    """
     law = law_named(test.law, material)
-    step, damping = damped_step(discretisation, material, test.damping)
-    steps = math.ceil(test.window / (test.safety * step))
-    stride = RECORD_EVERY * math.ceil(steps / (RECORD_EVERY * SAMPLES))
-    samples = math.ceil(steps / stride)
-    return Scheme(law, test.window / (samples * stride), damping, GRAVITY, test.friction, test.speed, stride, samples, test.across)
+    stable, damping = damped_step(discretisation, material, test.damping)
+    step = test.safety * stable
+    if test.window is not None:
+        steps = math.ceil(test.window / step)
+        stride = RECORD_EVERY * math.ceil(steps / (RECORD_EVERY * SAMPLES))
+        samples = math.ceil(steps / stride)
+        step = test.window / (samples * stride)
+    elif period is not None:
+        interval = min(period / SAMPLES_PER_PERIOD, LONGEST_INTERVAL)
+        stride = max(RECORD_EVERY * round(interval / (RECORD_EVERY * step)), RECORD_EVERY)
+        samples = min(math.ceil(longest(period) / (stride * step)), MAX_STEPS // stride)
+    else:
+        raise BadInput("a drop without a window ends by the lowest period of the part: give one of the two")
+    return Scheme(law, step, damping, GRAVITY, test.friction, test.speed, stride, samples, test.across)
 
 
-def _first_touch(discretisation: Discretisation, scheme: Scheme, orientations: int) -> Floats:
-    """The sample before the first step, shape [1, QUANTITIES, orientations]."""
-    sample = np.zeros((1, len(QUANTITIES), orientations))
-    mass = discretisation.masses.sum()
-    sample[:, QUANTITIES.index("kinetic")] = 0.5 * mass * scheme.speed**2
-    sample[:, QUANTITIES.index("momentum")] = -mass * scheme.speed
-    return sample
+def _least_steps(scheme: Scheme, rule: Rule) -> int:
+    """Steps of a drop through the window, or through one lowest period."""
+    return scheme.steps if rule.window is not None else math.ceil(rule.period / scheme.time_step)
 
 
-def _too_long(discretisation: Discretisation, material: Material, scheme: Scheme) -> str:
-    """Why the drop is not worth starting, "" if it is."""
-    if scheme.steps <= MAX_STEPS:
+def _too_long(discretisation: Discretisation, material: Material, scheme: Scheme, steps: int) -> str:
+    """Why a drop of at least so many steps is not worth starting, "" if it is."""
+    if steps <= MAX_STEPS:
         return ""
     tets = discretisation.mesh.tets
     stiffest = int(np.argmax(element_frequencies(tets, material)))
     x, y, z = tets.vertices[tets.tets[stiffest]].mean(axis=0)
     return (
-        f"the drop test would need {scheme.steps} steps of {1e3 * scheme.time_step:.2g} µs because of a sliver at"
+        f"the drop test would need {steps} steps of {1e3 * scheme.time_step:.2g} µs because of a sliver at"
         f" ({x:.1f}, {y:.1f}, {z:.1f}) mm: mesh the part again"
     )
 
@@ -265,56 +255,48 @@ def _unit(directions: ArrayLike) -> Floats:
 
 
 def _drop(
-    tets: TetMesh, discretisation: Discretisation, scheme: Scheme, batches: Sequence[Batch], samples: Floats, failure: str
+    tets: TetMesh, discretisation: Discretisation, scheme: Scheme, tracks: Sequence[Track], steps: int, failure: str
 ) -> Drop:
     """Bring the results back to the caller's numbering; a failed drop has no stress but infinity."""
+    recorded = ([track.peak for track in tracks], [track.corners for track in tracks])
+    widths = (discretisation.mesh.element.points, 4)
     von_mises, corners = (
-        _in_callers_order(np.concatenate(recorded), discretisation, failure)
-        for recorded in ([batch.peak() for batch in batches], [batch.corners() for batch in batches])
+        _in_callers_order(stress, width, discretisation, failure) for stress, width in zip(recorded, widths, strict=True)
     )
-    contact = np.zeros((len(von_mises), len(tets.vertices)), dtype=bool)
-    touched = np.concatenate([batch.touched() for batch in batches])
-    contact[:, discretisation.vertices] = touched[:, discretisation.place[: len(discretisation.vertices)]]
-    finite = np.logical_and.accumulate(np.isfinite(samples).all(axis=(1, 2)))
-    history = _history(samples[finite], scheme)
-    return Drop(von_mises, corners, contact, scheme.time_step, scheme.steps, discretisation.added_mass, history, failure)
+    contact = np.zeros((len(tracks), len(tets.vertices)), dtype=bool)
+    for index, track in enumerate(tracks):
+        if track.touched is not None:
+            contact[index, discretisation.vertices] = track.touched[discretisation.place[: len(discretisation.vertices)]]
+    return Drop(
+        von_mises,
+        corners,
+        contact,
+        scheme.time_step,
+        steps,
+        discretisation.added_mass,
+        tuple(history_of(track, scheme) for track in tracks),
+        tuple(phases_of(track, scheme) for track in tracks),
+        tuple(track.ended for track in tracks),
+        failure,
+    )
 
 
-def _in_callers_order(stress: NDArray[np.float32], discretisation: Discretisation, failure: str) -> NDArray[np.float32]:
-    """Stress in the order of computation, shape [orientations, tet_count, n], in the caller's; infinite if the drop failed."""
-    ordered = np.full_like(stress, np.inf)
-    if not failure:
-        ordered[:, discretisation.tet_order] = stress
+def _in_callers_order(
+    recorded: Sequence[NDArray[np.float32] | None], width: int, discretisation: Discretisation, failure: str
+) -> NDArray[np.float32]:
+    """Stress of each drop in the order of computation, [tet_count, width], in the caller's; infinite if the drop failed."""
+    ordered = np.full((len(recorded), len(discretisation.volumes), width), np.inf, dtype=np.float32)
+    for index, stress in enumerate(recorded):
+        if stress is not None and not failure:
+            ordered[index, discretisation.tet_order] = stress
     return ordered
 
 
-def _history(samples: Floats, scheme: Scheme) -> History:
-    """Physical quantities from the sums of the kernels."""
-    interval = scheme.stride * scheme.time_step
-    of = {name: samples[:, place] for place, name in enumerate(QUANTITIES)}
-    energy = total_energy(samples, scheme)
-    return History(
-        time=interval * np.arange(len(samples), dtype=np.float64),
-        kinetic=of["kinetic"],
-        strain=of["strain"],
-        gravity_work=-scheme.gravity * of["height"],
-        contact_loss=of["contact_loss"],
-        damping_loss=energy[0] - energy,
-        peak_stress=np.sqrt(of["peak_squared"]),
-        contact_force=np.diff(of["impulse"], axis=0, prepend=0.0) / interval,
-        momentum=of["momentum"],
-    )
-
-
-def _failure(samples: Floats, scheme: Scheme, energy: float) -> str:
-    """Why a drop cannot be trusted: not finite, or more energy than fall and weight put in; "" if it can."""
-    bad = failing(samples, scheme, energy)
-    if not bad.any():
+def _failure(tracks: Sequence[Track], scheme: Scheme) -> str:
+    """Why a drop cannot be trusted, the first to break down of several; "" if it can."""
+    broken = [(track.time, orientation) for orientation, track in enumerate(tracks) if track.failed]
+    if not broken:
         return ""
-    row, orientation = (int(index) for index in np.argwhere(bad)[0])
-    time, step = row * scheme.stride * scheme.time_step, 1e3 * scheme.time_step
+    time, orientation = min(broken)
     place = f"in orientation {orientation} at {time:.3f} ms"
-    if not np.isfinite(samples[row, :, orientation]).all():
-        return f"the drop test broke down {place}: its state is no longer finite (time step {step:.3g} µs)"
-    growth = total_energy(samples, scheme)[row, orientation] / energy
-    return f"the drop test is unstable {place}: its energy grew {growth:.3g} times (time step {step:.3g} µs)"
+    return f"the drop test is unstable {place}: {tracks[orientation].ended} (time step {1e3 * scheme.time_step:.3g} µs)"

@@ -1,4 +1,4 @@
-"""The explicit integration seen from above: the scheme, and the loop that carries all drops through the window.
+"""The explicit integration seen from above: the scheme, where drops start, and the pool that carries them.
 
 How a step is computed is the business of the two implementations of `Body`: `backends.cpu` (vectorised, one drop per CPU
 core) and `backends.gpu` (plain kernels and CUDA graphs, all drops at once).
@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from queue import SimpleQueue
 from typing import Protocol
 
@@ -19,14 +19,20 @@ from numpy.typing import NDArray
 from mechstyle.fea.elasticity import LAWS, ElasticLaw, StableNeoHookean
 from mechstyle.records.mesh import Floats
 
-QUANTITIES = ("kinetic", "strain", "impulse", "contact_loss", "height", "momentum", "peak_squared")
+MOTION = (
+    *(f"{name}_{axis}" for name in ("shift", "momentum", "spin") for axis in "xyz"),
+    *(f"turn_{row}{column}" for row in "xyz" for column in "xyz"),
+)
+"""Sums that tell the motion as a whole, r the node seen from the centre of mass before the drop: Σ m u [g mm], Σ m v [g mm/ms],
+Σ m (r + u) × v [g mm²/ms], Σ m u ⊗ r [g mm²]."""
+
+QUANTITIES = ("kinetic", "strain", "impulse", "contact_loss", "height", "momentum", "peak_squared", *MOTION)
 """Rows of a sample: energies [mJ], floor impulse so far [g mm/ms], energy lost to the floor so far [mJ], Σ m u·n [g mm],
-Σ m v·n [g mm/ms], largest σ_vM² at that moment [MPa²]. The kernels know them by their place."""
+Σ m v·n [g mm/ms], largest σ_vM² at that moment [MPa²], motion. The kernels know them by their place."""
 
 RECORD_EVERY = 4
 """Steps between updates of the running maximum; a stress wave crosses an element in several steps."""
 
-SAMPLES_PER_CHUNK = 2
 ENERGY_GAIN = 0.01
 """Share of the energy at first touch by which energy may exceed what it was before: more means an unstable integration, not physics."""
 
@@ -50,7 +56,7 @@ class Scheme:
         friction: Coulomb coefficient of the floor.
         speed: Speed at first touch [mm/ms].
         stride: Steps between two samples of the history, a multiple of RECORD_EVERY.
-        samples: Samples of the whole drop.
+        samples: Samples of the whole drop, or of the longest there may be.
         across: Normal of printed layers over their share of the strength; zero for a material without layers.
     """
 
@@ -80,20 +86,67 @@ def law_number(law: ElasticLaw) -> int:
     return LAWS.index("stable_neo_hookean" if isinstance(law, StableNeoHookean) else "st_venant_kirchhoff")
 
 
+@dataclass(frozen=True, eq=False)
+class Starts:
+    """Drops at the moment from which they are followed, nodes in the numbering of the discretisation.
+
+    Attributes:
+        normals: Floor normals in the frame of the body, shape [orientations, 3].
+        heights: Heights of the undeformed nodes above the floor [mm], shape [orientations, node_count].
+        displacements: Displacement of each node [mm], shape [orientations, node_count, 3].
+        velocities: Velocity of each node [mm/ms], shape [orientations, node_count, 3].
+    """
+
+    normals: Floats
+    heights: Floats
+    displacements: NDArray[np.floating]
+    velocities: NDArray[np.floating]
+
+    @classmethod
+    def falling(cls, positions: Floats, normals: Floats, speed: float) -> Starts:
+        """An undeformed body at first touch, all of it falling at one speed [mm/ms]; `positions` [mm] is [node_count, 3]."""
+        heights = normals @ positions.T
+        velocities = np.broadcast_to(-speed * normals[:, None], (*heights.shape, 3))
+        return cls(normals, heights - heights.min(axis=1, keepdims=True), np.broadcast_to(0.0, velocities.shape), velocities)
+
+    @classmethod
+    def together(cls, starts: Sequence[Starts]) -> Starts:
+        """Several in a row."""
+        return cls(*(np.concatenate([getattr(start, field.name) for start in starts]) for field in fields(cls)))
+
+    def __len__(self) -> int:
+        """Orientations."""
+        return len(self.normals)
+
+    def of(self, which: slice) -> Starts:
+        """Some of them."""
+        return Starts(*(getattr(self, field.name)[which] for field in fields(self)))
+
+
 class Batch(Protocol):
     """Drops that are advanced together, in the numbering of the discretisation."""
+
+    @property
+    def count(self) -> int:
+        """Orientations."""
 
     def advance(self, samples: int) -> None:
         """Take `samples` times `stride` steps, each stride followed by a sample of the history."""
 
-    def history(self, samples: int) -> Floats:
-        """The first samples, shape [samples, QUANTITIES, orientations]."""
+    def history(self, first: int, last: int) -> Floats:
+        """Samples from one to another, shape [samples, QUANTITIES, orientations]."""
 
     def peak(self) -> NDArray[np.float32]:
         """Running maximum of the von Mises stress at the Gauss points [MPa], shape [orientations, tet_count, points]."""
 
     def corners(self) -> NDArray[np.float32]:
         """The same at the corners of the tetrahedra [MPa], shape [orientations, tet_count, 4]."""
+
+    def forget_peak(self) -> None:
+        """Begin the running maximum of the stress anew."""
+
+    def motion(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Displacement since the start [mm] and velocity [mm/ms] of each node, each of shape [orientations, node_count, 3]."""
 
     def touched(self) -> NDArray[np.bool_]:
         """Whether each node has met the floor, shape [orientations, node_count]."""
@@ -107,8 +160,18 @@ class Body(Protocol):
     ) -> Floats:
         """As `elasticity.internal_forces` of u + β v, in the numbering of the discretisation, float32 inside, shape [node_count, 3]."""
 
-    def batches(self, scheme: Scheme, normals: Floats, heights: Floats) -> Sequence[Batch]:
-        """Drops at first touch; `normals` is [orientations, 3], `heights` above the floor [mm] is [node_count, orientations]."""
+    def batches(self, scheme: Scheme, starts: Starts) -> Sequence[Batch]:
+        """The drops, in their order."""
+
+
+class Job(Protocol):
+    """Drops on their way, as `carry` sees them."""
+
+    def advance(self) -> None:
+        """Go on for a while; called in a thread of a pool."""
+
+    def look(self) -> Sequence[Job]:
+        """The jobs that go on from here; called in the thread of `carry`."""
 
 
 def cores() -> int:
@@ -116,41 +179,26 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def integrate(batches: Sequence[Batch], scheme: Scheme, energy: float, progress: Progress) -> Floats:
-    """Carry all batches through the window, as many at once as there are cores; a batch that breaks down stops there.
+def carry(jobs: Sequence[Job], told: Callable[[], None]) -> None:
+    """Carry all jobs to their ends, as many at once as there are cores.
 
     Args:
-        batches: Drops at first touch.
-        scheme: The step.
-        energy: Kinetic energy of the body at first touch [mJ].
-        progress: Called in this thread with the fraction done; what it raises cancels the rest.
-
-    Returns:
-        The samples that all batches reached, shape [samples, QUANTITIES, orientations].
+        jobs: What there is to do.
+        told: Called in this thread now and then; what it raises cancels the rest.
     """
-    done = [0] * len(batches)
-    running: dict[Future[None], int] = {}
-    workers = min(cores(), len(batches))
+    running: dict[Future[None], Job] = {}
+    workers = min(cores(), len(jobs))
     with ThreadPoolExecutor(workers, initializer=_stay_on_a_core, initargs=(_places(workers),)) as pool:
-
-        def submit(index: int) -> None:
-            chunk = min(SAMPLES_PER_CHUNK, scheme.samples - done[index])
-            done[index] += chunk
-            running[pool.submit(batches[index].advance, chunk)] = index
-
         try:
-            for index in range(len(batches)):
-                submit(index)
+            running.update({pool.submit(job.advance): job for job in jobs})
             while running:
                 for future in wait(running, return_when=FIRST_COMPLETED).done:
-                    index = running.pop(future)
+                    job = running.pop(future)
                     future.result()
-                    if done[index] < scheme.samples and not failing(batches[index].history(done[index]), scheme, energy).any():
-                        submit(index)
-                progress(sum(done) / (scheme.samples * len(batches)))
+                    running.update({pool.submit(after.advance): after for after in job.look()})
+                told()
         finally:
             pool.shutdown(cancel_futures=True)
-    return np.concatenate([batch.history(min(done)) for batch in batches], axis=2)
 
 
 def _places(workers: int) -> SimpleQueue[int]:

@@ -1,31 +1,32 @@
-"""A drop as placed with the displacement of every vertex: at moments through the impact, or stopped at one."""
+"""A drop as placed with the displacement of every vertex: at moments through all its phases, or at one."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mechstyle.errors import SimulationFailed
-from mechstyle.fea.backends.cpu import CoreBody, CoreDrop
+from mechstyle.fea.backends.cpu import CoreBody
 from mechstyle.fea.discretisation import Discretisation, discretise
-from mechstyle.fea.drop import DropTest, scheme_for
+from mechstyle.fea.drop import DropTest, tracks_for
 from mechstyle.fea.elements import ElementMesh, element_named
-from mechstyle.fea.explicit import Progress, Scheme, no_progress
+from mechstyle.fea.explicit import Progress, no_progress
+from mechstyle.fea.phases import Camera, follow
 from mechstyle.records.material import Material
-from mechstyle.records.mesh import Floats, Indices, TetMesh
+from mechstyle.records.mesh import Bools, Floats, Indices, TetMesh
 
-UPRIGHT = np.array([0.0, 0.0, 1.0])
+UPRIGHT = np.array([[0.0, 0.0, 1.0]])
 DROP = DropTest()
 
 
 @dataclass(frozen=True, eq=False)
 class Snapshots:
-    """A drop as placed at moments through the window, the first at first touch.
+    """A drop as placed at moments of its phases, the first at first touch.
 
     Attributes:
-        time: Time since first touch [ms], shape [frames].
+        time: Time since first touch, flights included, of which there are no moments [ms], shape [frames].
         displacement: How far each vertex has moved since first touch, fall and all [mm], shape [frames, vertex_count, 3]; zero for
             vertices that no tetrahedron uses.
         von_mises: Largest von Mises stress since the frame before at the Gauss points [MPa], shape [frames, tet_count, points].
@@ -62,65 +63,131 @@ def snapshots(
     material: Material,
     test: DropTest = DROP,
     *,
-    frames: int = 25,
+    frames: int = 50,
     progress: Progress = no_progress,
+    period: float | None = None,
 ) -> Snapshots:
-    """Drop a body as it stands, on the CPU, and record it `frames` times.
+    """Drop a body as it stands, on the CPU, and keep at most so many moments.
 
     Args:
         tets: The body [mm].
         material: Its material.
         test: Height, window and numerical settings.
-        frames: Number of moments, about; at least 2.
+        frames: Most moments, at least 4; there are more than half as many unless the drop has fewer looks at it.
         progress: Called with the fraction done; may raise to cancel.
+        period: As for `drop.drop`.
 
     Raises:
         BadInput: Unusable tetrahedra.
-        SimulationFailed: If the drop breaks down.
+        SimulationFailed: If the drop breaks down, or its lowest period cannot be worked out.
     """
-    discretisation, scheme, drop = _at_first_touch(tets, material, test)
-    samples = np.unique(np.linspace(0, scheme.samples, frames).round().astype(int))
-    displacement = np.zeros((len(samples), len(tets.vertices), 3), np.float32)
-    von_mises, corners = (np.zeros((len(samples), drop.body.tet_count, places), np.float32) for places in (drop.body.points, 4))
-    places = discretisation.place[: len(discretisation.vertices)]
-    for frame, sample in enumerate(samples[1:], start=1):
-        drop.forget_peak()
-        drop.advance(int(sample) - drop.done)
-        displacement[frame][discretisation.vertices] = drop.displacement()[places]
-        von_mises[frame][discretisation.tet_order] = drop.peak()[0]
-        corners[frame][discretisation.tet_order] = drop.corners()[0]
-        if not np.isfinite(displacement[frame]).all():
-            broken = sample * scheme.stride * scheme.time_step
-            raise SimulationFailed(f"the drop test broke down before {broken:.3f} ms: mesh the part again")
-        progress(frame / (len(samples) - 1))
+    discretisation = discretise(tets, material, test.added_mass, element_named(test.element))
+    film = _Film(frames - 1)
+    touched = _filmed(discretisation, material, test, film, progress, period)
+    places, count, tet_count = discretisation.place[: len(discretisation.vertices)], len(film.times) + 1, len(tets.tets)
+    displacement = np.zeros((count, len(tets.vertices), 3), np.float32)
+    von_mises, corners = (np.zeros((count, tet_count, width), np.float32) for width in (discretisation.mesh.element.points, 4))
+    for frame, (moved, peak, at_corners) in enumerate(zip(film.moved, film.peaks, film.corners, strict=True), start=1):
+        displacement[frame][discretisation.vertices] = moved[places]
+        von_mises[frame][discretisation.tet_order] = peak
+        corners[frame][discretisation.tet_order] = at_corners
     contact = np.zeros(len(tets.vertices), dtype=bool)
-    contact[discretisation.vertices] = drop.touched()[0][places]
-    return Snapshots(samples * scheme.stride * scheme.time_step, displacement, von_mises, corners, contact)
+    contact[discretisation.vertices] = touched[places]
+    return Snapshots(np.array([0.0, *film.times]), displacement, von_mises, corners, contact)
 
 
-def snapshot(tets: TetMesh, material: Material, test: DropTest, time: float) -> Snapshot:
-    """Drop a body as it stands, on the CPU, up to the sample of the history nearest to a time.
+def snapshot(tets: TetMesh, material: Material, test: DropTest, time: float, period: float | None = None) -> Snapshot:
+    """Drop a body as it stands, on the CPU, and tell how it looked nearest to a time.
 
     Args:
         tets: The body [mm].
         material: Its material.
         test: Height, window and numerical settings.
-        time: Time since first touch [ms], within the window.
+        time: Time since first touch [ms].
+        period: As for `drop.drop`.
 
     Raises:
         BadInput: Unusable tetrahedra.
+        SimulationFailed: If the drop breaks down, or its lowest period cannot be worked out.
     """
-    discretisation, scheme, drop = _at_first_touch(tets, material, test)
-    interval = scheme.stride * scheme.time_step
-    samples = min(round(time / interval), scheme.samples)
-    drop.advance(samples)
-    return Snapshot(discretisation.mesh, discretisation.vertices, samples * interval, drop.displacement()[discretisation.place])
-
-
-def _at_first_touch(tets: TetMesh, material: Material, test: DropTest) -> tuple[Discretisation, Scheme, CoreDrop]:
-    """The body on the CPU, as it stands, touching the floor at its lowest node."""
     discretisation = discretise(tets, material, test.added_mass, element_named(test.element))
-    body = CoreBody(discretisation)
-    scheme = scheme_for(discretisation, material, test)
-    heights = discretisation.positions @ UPRIGHT
-    return discretisation, scheme, CoreDrop(body, scheme, UPRIGHT, heights - heights.min())
+    still = _Still(time, np.zeros_like(discretisation.positions, dtype=np.float32))
+    _filmed(discretisation, material, test, still, no_progress, period)
+    return Snapshot(discretisation.mesh, discretisation.vertices, still.time, still.moved[discretisation.place])
+
+
+@dataclass
+class _Film:
+    """Moments of a drop; when there are too many, every second is merged into the one after it.
+
+    Attributes:
+        most: Most moments.
+        times: When they were [ms].
+        moved: Displacements of the nodes [mm].
+        peaks: Largest stress since the moment before at the Gauss points [MPa].
+        corners: The same at the corners.
+    """
+
+    most: int
+    times: list[float] = field(default_factory=list)
+    moved: list[NDArray[np.float32]] = field(default_factory=list)
+    peaks: list[NDArray[np.float32]] = field(default_factory=list)
+    corners: list[NDArray[np.float32]] = field(default_factory=list)
+    _in_each: int = 1
+    _taken: int = 0
+
+    def take(self, time: float, displacement: Floats, peak: NDArray[np.float32], corners: NDArray[np.float32]) -> None:
+        """One more."""
+        if len(self.times) == self.most and self._taken % self._in_each == 0:
+            self._halve()
+        moved = displacement.astype(np.float32)
+        if self._taken % self._in_each:
+            self.times[-1], self.moved[-1] = time, moved
+            self.peaks[-1], self.corners[-1] = np.maximum(self.peaks[-1], peak), np.maximum(self.corners[-1], corners)
+        else:
+            self.times.append(time)
+            self.moved.append(moved)
+            self.peaks.append(peak)
+            self.corners.append(corners)
+        self._taken += 1
+
+    def _halve(self) -> None:
+        last = len(self.times) - 1
+        kept = [min(index + 1, last) for index in range(0, last + 1, 2)]
+        self.times, self.moved = [self.times[later] for later in kept], [self.moved[later] for later in kept]
+        self.peaks, self.corners = (
+            [np.maximum(stress[later - later % 2], stress[later]) for later in kept] for stress in (self.peaks, self.corners)
+        )
+        self._in_each *= 2
+
+
+@dataclass
+class _Still:
+    """The moment nearest to a wanted one.
+
+    Attributes:
+        wanted: When it should be [ms].
+        moved: Displacement of the nodes then [mm].
+        time: When it is [ms].
+    """
+
+    wanted: float
+    moved: NDArray[np.float32]
+    time: float = 0.0
+
+    def take(self, time: float, displacement: Floats, _peak: NDArray[np.float32], _corners: NDArray[np.float32]) -> None:
+        """Keep it if it is nearer."""
+        if abs(time - self.wanted) < abs(self.time - self.wanted):
+            self.time, self.moved = time, displacement.astype(np.float32)
+
+
+def _filmed(
+    discretisation: Discretisation, material: Material, test: DropTest, camera: Camera, progress: Progress, period: float | None
+) -> Bools:
+    """Drop a body as it stands before a camera; whether each node met the floor, shape [node_count]."""
+    tracks, scheme = tracks_for(discretisation, material, UPRIGHT, test, period)
+    follow(CoreBody(discretisation), scheme, tracks, progress, camera)
+    if tracks[0].failed:
+        raise SimulationFailed(f"the drop test broke down at {tracks[0].time:.3f} ms: mesh the part again")
+    touched = tracks[0].touched
+    return np.zeros(len(discretisation.masses), dtype=bool) if touched is None else touched

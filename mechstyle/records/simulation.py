@@ -49,12 +49,16 @@ class Landing(msgspec.Struct, frozen=True, kw_only=True):
         normal: Floor normal in the frame of the part, out of the floor.
         weight: Its share of the landings: the probability that a random drop lands so, in poses that are a sample of such.
         measures: What that drop did.
+        touches: Speed of the touching point at the start of each phase that was simulated [mm/ms = m/s].
+        ended: Why it was followed no further, in words.
     """
 
     name: str = ""
     normal: tuple[float, float, float]
     weight: float
     measures: Measures
+    touches: tuple[float, ...] = ()
+    ended: str = ""
 
 
 class LoadResult(msgspec.Struct, frozen=True, kw_only=True):

@@ -45,7 +45,7 @@ PAPER: dict[str, Any] = {
 ROBUST: dict[str, Any] = {name: DEFAULTS[name] for name in PAPER}
 """What this project adds to it by default."""
 
-PLAIN = {int: "a whole number, such as 40", float: "a number", bool: "True or False"}
+PLAIN = {int: "a whole number, such as 40", float: "a number", float | None: "a number", bool: "True or False"}
 """Types of settings that are checked here, in words; names are checked by the recipe."""
 
 

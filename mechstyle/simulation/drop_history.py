@@ -9,7 +9,8 @@ import msgspec
 import numpy as np
 
 from mechstyle.fea.criterion import exceedance
-from mechstyle.fea.drop import Drop, History
+from mechstyle.fea.drop import Drop
+from mechstyle.fea.history import History
 from mechstyle.fea.snapshots import Snapshot
 from mechstyle.fea.surface_stress import SurfaceStress
 from mechstyle.fea.vtu import on_nodes, vtu
@@ -31,8 +32,10 @@ class Course(msgspec.Struct, frozen=True, kw_only=True):
         peak_force: Largest mean normal force of the floor over a sample [N].
         peak_force_time: When [ms].
         contact_time: Until when the floor pushed last [ms].
+        touches: When each phase of the drop began [ms], with the speed of the touching point [mm/ms = m/s].
+        ended: Why it was followed no further, in words.
         energy: Kinetic energy at first touch [mJ].
-        kinetic: Share of that, and of the work of weight since, that is kinetic energy when the window ends.
+        kinetic: Share of that, and of the work of weight since, that is kinetic energy at the end.
         strain: Share that is strain energy then.
         contact_loss: Share that the floor took.
         damping_loss: Share that damping took.
@@ -45,6 +48,8 @@ class Course(msgspec.Struct, frozen=True, kw_only=True):
     peak_force: float
     peak_force_time: float
     contact_time: float
+    touches: tuple[tuple[float, float], ...]
+    ended: str
     energy: float
     kinetic: float
     strain: float
@@ -53,19 +58,20 @@ class Course(msgspec.Struct, frozen=True, kw_only=True):
     balance_error: float | None
 
     @classmethod
-    def of(cls, history: History, impact: Impact, vertices: Floats, balance_error: float | None) -> Course:
+    def of(cls, dropped: Drop, impact: Impact, vertices: Floats, balance_error: float | None) -> Course:
         """The figures of a drop.
 
         Args:
-            history: The first orientation is looked at.
+            dropped: The first orientation is looked at.
             impact: The same drop on the surface.
             vertices: Of the surface [mm], shape [vertex_count, 3].
             balance_error: Of `simulator.Detail`.
         """
         frame, vertex = np.unravel_index(np.argmax(impact.stress), impact.stress.shape)
-        force = history.contact_force[:, 0]
-        energy = float(history.kinetic[0, 0])
-        given = energy + history.gravity_work[-1, 0]
+        history = dropped.history[0]
+        force = history.contact_force
+        energy = float(history.kinetic[0])
+        given = energy + history.gravity_work[-1]
         x, y, z = vertices[vertex]
         return cls(
             peak_time=float(impact.time[frame]),
@@ -74,8 +80,10 @@ class Course(msgspec.Struct, frozen=True, kw_only=True):
             peak_force=float(force.max()),
             peak_force_time=float(history.time[force.argmax()]),
             contact_time=float(history.time[np.flatnonzero(force > 0.0)].max(initial=0.0)),
+            touches=tuple((phase.start, phase.speed) for phase in dropped.phases[0]),
+            ended=dropped.endings[0],
             energy=energy,
-            **{name: float(getattr(history, name)[-1, 0] / given) for name in ("kinetic", "strain", "contact_loss", "damping_loss")},
+            **{name: float(getattr(history, name)[-1] / given) for name in ("kinetic", "strain", "contact_loss", "damping_loss")},
             balance_error=balance_error,
         )
 
@@ -83,8 +91,14 @@ class Course(msgspec.Struct, frozen=True, kw_only=True):
     def words(self) -> str:
         """Energy balance of the drop, in one sentence."""
         where = f"Of {self.energy:.0f} mJ the floor took {self.contact_loss:.0%} and damping {self.damping_loss:.0%}"
-        left = f"{self.kinetic:.0%} are motion and {self.strain:.0%} strain when the window ends"
+        left = f"{self.kinetic:.0%} are motion and {self.strain:.0%} strain in the end"
         return f"{where}; {left}; {self.balance_words}."
+
+    @property
+    def touch_words(self) -> str:
+        """Its touches after the first, and why it was followed no further, in one sentence."""
+        again = [f"it touches again after {start:.1f} ms at {speed:.1f} m/s" for start, speed in self.touches[1:]]
+        return "; ".join([*again, self.ended]).capitalize() + "."
 
     @property
     def balance_words(self) -> str:
@@ -99,7 +113,7 @@ def history_picture(history: History, impact: Impact, course: Course, limit: flo
     """Peak stress, energies and contact force of the drop as placed over time.
 
     Args:
-        history: The first orientation is shown.
+        history: Of the drop as placed.
         impact: The same drop on the surface.
         course: Its figures.
         limit: What the stress that decides may at most be [MPa].
@@ -107,13 +121,13 @@ def history_picture(history: History, impact: Impact, course: Course, limit: flo
     from mechstyle.pictures.plots import plots_png  # noqa: PLC0415 — matplotlib is loaded when a picture is wanted
 
     plots = [_stress_plot(history, impact, course, limit), _energy_plot(history), _force_plot(history, course)]
-    return Picture(plots_png(plots, x_label="time since first touch [ms]", title="The drop as placed", note=course.words))
+    note = f"{course.words} {course.touch_words}"
+    return Picture(plots_png(plots, x_label="time since first touch [ms]", title="The drop as placed", note=note))
 
 
 def history_figures(history: History) -> dict[str, list[float]]:
     """The curves of the drop as placed, by name; units as in `History`."""
-    columns = {name: np.asarray(getattr(history, name)) for name in History.__dataclass_fields__}
-    return {name: (values if values.ndim == 1 else values[:, 0]).tolist() for name, values in columns.items()}
+    return {name: np.asarray(getattr(history, name)).tolist() for name in History.__dataclass_fields__}
 
 
 def vtu_bytes(
@@ -169,12 +183,18 @@ def _single(fields: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     return {name: values if values.dtype == np.uint8 else values.astype(np.float32) for name, values in fields.items()}
 
 
+def _with_gaps(history: History, values: Floats) -> tuple[Floats, Floats]:
+    """Times and values of a curve that is interrupted where the part flies."""
+    flights = np.flatnonzero(np.diff(history.phase)) + 1
+    return np.insert(history.time, flights, history.time[flights]), np.insert(values, flights, np.nan)
+
+
 def _stress_plot(history: History, impact: Impact, course: Course, limit: float) -> Plot:
     from mechstyle.pictures.plots import Curve, Plot  # noqa: PLC0415 — as above
 
     curves = (
         Curve("what decides, at the surface", impact.time, impact.stress.max(axis=1), stepped=True),
-        Curve("largest in an element", history.time, history.peak_stress[:, 0]),
+        Curve("largest in an element", *_with_gaps(history, history.peak_stress)),
     )
     x, y, z = course.peak_where
     words = f"highest by {course.peak_time:.2f} ms, at ({x:.1f}, {y:.1f}, {z:.1f}) mm"
@@ -186,12 +206,12 @@ def _energy_plot(history: History) -> Plot:
     from mechstyle.pictures.plots import Curve, Plot  # noqa: PLC0415 — as above
 
     named = (("kinetic", "kinetic"), ("strain", "strain"), ("contact_loss", "taken by the floor"), ("damping_loss", "taken by damping"))
-    return Plot("Energy", "mJ", [Curve(label, history.time, getattr(history, name)[:, 0]) for name, label in named])
+    return Plot("Energy", "mJ", [Curve(label, *_with_gaps(history, getattr(history, name))) for name, label in named])
 
 
 def _force_plot(history: History, course: Course) -> Plot:
     from mechstyle.pictures.plots import Curve, Plot  # noqa: PLC0415 — as above
 
-    curve = Curve("floor", history.time, history.contact_force[:, 0], stepped=True)
+    curve = Curve("floor", *_with_gaps(history, history.contact_force), stepped=True)
     words = f"up to {course.peak_force:.0f} N, the last of it at {course.contact_time:.2f} ms"
     return Plot("Contact force", "N", [curve], mark=(course.peak_force_time, course.peak_force), words=words)

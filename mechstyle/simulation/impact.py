@@ -16,15 +16,15 @@ from mechstyle.loop.objects import Memo
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import Floats, SurfaceMesh, TetMesh
 from mechstyle.simulation.part import Workpiece
-from mechstyle.simulation.simulator import PHYSICS_VERSION, memo_key, physics, prescribed
+from mechstyle.simulation.simulator import PHYSICS_VERSION, memo_key, period_of, physics, prescribed
 
 
 @dataclass(frozen=True, eq=False)
 class Impact:
-    """The drop of a part as placed.
+    """The drop of a part as placed, through all its phases.
 
     Attributes:
-        time: Time since first touch [ms], shape [frames].
+        time: Time since first touch, flights included, of which there are no frames [ms], shape [frames].
         displacement: How far the surface has moved since first touch, fall and all [mm], shape [frames, vertex_count, 3].
         stress: Largest stress since the frame before [MPa], shape [frames, vertex_count]: what decides, `surface_stress.Deciding.field`.
     """
@@ -79,7 +79,9 @@ def impact_of(
     if known is not None:
         return known
     tets = Morph(part.surface, part.tets).morphed(displacement).tets
-    impact = _on_surface(snapshots(tets, recipe.material, prescribed(recipe), progress=progress), part, tets, recipe.transfer)
+    period = period_of(part.tets, recipe, memo)
+    seen = snapshots(tets, recipe.material, prescribed(recipe), progress=progress, period=period)
+    impact = _on_surface(seen, part, tets, recipe.transfer)
     memo.remember(key, impact)
     return impact
 

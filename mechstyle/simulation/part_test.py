@@ -13,8 +13,9 @@ import numpy as np
 
 from mechstyle._files import write_whole
 from mechstyle.errors import SimulationFailed
-from mechstyle.fea.drop import History, resolve_device
+from mechstyle.fea.drop import resolve_device
 from mechstyle.fea.explicit import Progress, no_progress
+from mechstyle.fea.history import History
 from mechstyle.fea.snapshots import snapshot
 from mechstyle.fea.verdict import input_warning, judge
 from mechstyle.fea.vtu import vtu_path
@@ -31,7 +32,7 @@ from mechstyle.records.recipe import DEFAULTS, direction_of
 from mechstyle.simulation.drop_history import Course, history_picture, vtu_bytes
 from mechstyle.simulation.impact import Impact, impact_of
 from mechstyle.simulation.part import Stage, Workpiece, cached_memo, fitted, prepare, say_nothing
-from mechstyle.simulation.simulator import Detail, DropSimulator, prescribed
+from mechstyle.simulation.simulator import Detail, DropSimulator, period_of, prescribed
 
 if TYPE_CHECKING:
     from mechstyle.pictures.figure import Panel
@@ -68,15 +69,15 @@ class PartTest:
 
     @property
     def history(self) -> History:
-        """Energies, contact force and largest stress over time, of every orientation."""
-        return self.detail.drop.history
+        """Energies, contact force and largest stress of the drop as placed over time."""
+        return self.detail.drop.history[0]
 
     @cached_property
     def course(self) -> Course | None:
         """The drop as placed over time, in figures; None for one that failed."""
         if self.impact is None:
             return None
-        return Course.of(self.history, self.impact, self.part.surface.vertices, self.detail.balance_error)
+        return Course.of(self.detail.drop, self.impact, self.part.surface.vertices, self.detail.balance_error)
 
     def show(self) -> Picture:
         """Stress as placed from three sides; below it the worst of several orientations, and the probability if they are random drops."""
@@ -123,7 +124,8 @@ class PartTest:
         target = vtu_path(path)
         if self.course is None:
             raise SimulationFailed(self.simulation.failure)
-        at = snapshot(self.tets, self.recipe.material, prescribed(self.recipe), self.course.peak_time)
+        period = period_of(self.part.tets, self.recipe, cached_memo())
+        at = snapshot(self.tets, self.recipe.material, prescribed(self.recipe), self.course.peak_time, period)
         allowable = self.recipe.material.yield_strength
         probabilities = [landing.weight for landing in self.simulation.landings] if self.recipe.random_drops else []
         write_whole(target, vtu_bytes(self.tets, self.detail.drop, at, probabilities, allowable, each=each_orientation))
@@ -141,6 +143,7 @@ def simulate(
     loads: str | Path | LoadCase | Sequence[LoadCase] = (),
     minimum_wall: float = DEFAULTS["minimum_wall"],
     build_direction: str | Sequence[float] | None = None,
+    window: float | None = DEFAULTS["window"],
     vertices: int = STANDARD_VERTICES,
     device: str = "auto",
     stage: Stage = say_nothing,
@@ -159,6 +162,7 @@ def simulate(
         minimum_wall: The thinnest wall that is not warned about [mm]; 0 for no warning.
         build_direction: Direction it is printed in, x, y, z or a vector, so that layers are judged by their own strength; None to leave
             layers out.
+        window: Simulated time after first touch [ms]; unless told, until the impact has ended.
         vertices: Vertices of the standardised surface.
         device: `auto`, `cpu` or `cuda`.
         stage: Told what is being prepared, in words.
@@ -171,6 +175,7 @@ def simulate(
     landings = {name: value for name, value in (("orientations", orientations), ("poses", poses)) if value is not None}
     wanted = Recipe(
         surface="", tetrahedra="", prompt="", material=chosen, criterion=criterion, loads=load_cases(loads), minimum_wall=minimum_wall,
+        window=window,
         build_direction=None if build_direction is None else direction_of(build_direction),
         **with_drops({"standard": standard, **landings}),
     )  # fmt: skip

@@ -14,9 +14,12 @@ from numpy.typing import NDArray
 
 from mechstyle.errors import MechStyleError, SimulationFailed
 from mechstyle.fea.criterion import exceedance, measures
+from mechstyle.fea.discretisation import discretise
 from mechstyle.fea.drop import Drop, DropTest, drop
+from mechstyle.fea.elements import element_named
 from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.fea.orientations import Orientations, nearly, orientation_set
+from mechstyle.fea.period import lowest_period
 from mechstyle.fea.statics.load_test import StaticTest
 from mechstyle.fea.surface_stress import Deciding, SurfaceStress, worst
 from mechstyle.fea.verdict import judge
@@ -51,6 +54,22 @@ def physics(recipe: Recipe) -> tuple[Any, ...]:
 def memo_key(inputs: tuple[Any, ...], displacement: NDArray[np.float32]) -> str:
     """The name under which what follows from inputs and a displacement [mm], shape [vertex_count], is remembered."""
     return hashlib.sha256(msgspec.json.encode(inputs) + np.ascontiguousarray(displacement, np.float32).tobytes()).hexdigest()
+
+
+def period_of(tets: TetMesh, recipe: Recipe, memo: Memo) -> float | None:
+    """Lowest elastic period of the unstylized part [ms], by which the end of an impact is told, also of a styled one; remembered.
+
+    None if the recipe has a window, which needs none.
+    """
+    if recipe.window is not None:
+        return None
+    key = memo_key(("period", PHYSICS_VERSION, recipe.tetrahedra, recipe.material, recipe.element), np.empty(0, np.float32))
+    period = memo.recall(key, float)
+    if period is None:
+        test = prescribed(recipe)
+        period = lowest_period(discretise(tets, recipe.material, test.added_mass, element_named(test.element)), recipe.material)
+        memo.remember(key, period)
+    return period
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,7 +149,7 @@ class DropSimulator:
         if detail is None:
             self._static.check()
             result = self._drop(morphed.tets, thorough=True)
-            balance = None if result.failure else self._balance_error(morphed.tets)
+            balance = None if result.failure else self._balance_error(morphed.tets, result.phases[0][0].end)
             detail = Detail(self._told(morphed, result), result, balance)
             self.memo.remember(f"{key}-detail", detail)
             self.memo.remember(key, detail.simulation)
@@ -142,11 +161,14 @@ class DropSimulator:
         named = (self.recipe.surface, self.recipe.tetrahedra)
         return self.shared if self.shared is None or (self.surface.digest, self.tets.digest) == named else None
 
-    def _balance_error(self, tets: TetMesh) -> float | None:
-        """Of `Detail`. What damping took is what is missing in the balance, so the balance can be checked only without it."""
-        undamped = replace(prescribed(self.recipe), damping=0.0)
+    def _balance_error(self, tets: TetMesh, window: float) -> float | None:
+        """Of `Detail`, over the first phase, which lasted for `window` [ms].
+
+        What damping took is what is missing in the balance, so the balance can be checked only without it.
+        """
+        undamped = replace(prescribed(self.recipe), damping=0.0, window=window)
         found = drop(tets, self.recipe.material, self._orientations.normals[:1], undamped, device=self.device, progress=self.progress)
-        return None if found.failure else float(np.abs(found.history.damping_loss).max() / found.history.kinetic[0, 0])
+        return None if found.failure else float(np.abs(found.history[0].damping_loss).max() / found.history[0].kinetic[0])
 
     def _key(self, displacement: NDArray[np.float32], *, thorough: bool, fresh: bool) -> str:
         recipe = self.recipe
@@ -231,8 +253,13 @@ class DropSimulator:
         return result
 
     def _drop(self, tets: TetMesh, *, thorough: bool) -> Drop:
-        floor_normals = self._orientations.normals[: None if thorough else 1 + self.recipe.tilts]
-        return drop(tets, self.recipe.material, floor_normals, prescribed(self.recipe), device=self.device, progress=self.progress)
+        normals, test = self._orientations.normals[: None if thorough else 1 + self.recipe.tilts], prescribed(self.recipe)
+        return drop(tets, self.recipe.material, normals, test, device=self.device, progress=self.progress, period=self._period)
+
+    @cached_property
+    def _period(self) -> float | None:
+        """Of `period_of`, remembered for other runs too if that can be."""
+        return period_of(self.tets, self.recipe, self.memo if self.shared is None else self.shared)
 
     def _measured(self, morphed: Morphed, result: Drop, reading: SurfaceStress, transfer: Transfer) -> Simulation:
         """Measures and surface fields of a drop; all zero, with the reason, for one that failed."""
@@ -286,10 +313,17 @@ class DropSimulator:
         )
 
     def _landings(self, tets: TetMesh, result: Drop, deciding: list[Deciding]) -> tuple[Landing, ...]:
-        """Measures of each landing."""
-        ways = self._orientations
-        drops = zip(ways.names, ways.normals, ways.weights, result.von_mises, deciding, strict=False)  # as placed may be all
+        """Measures and phases of each landing."""
+        ways, known = self._orientations, (result.von_mises, deciding, result.phases, result.endings)
+        drops = zip(ways.names, ways.normals, ways.weights, *known, strict=False)  # as placed may be all
         return tuple(
-            Landing(name=name, normal=(float(x), float(y), float(z)), weight=float(weight), measures=measures(tets, stress, one))
-            for name, (x, y, z), weight, stress, one in drops
+            Landing(
+                name=name,
+                normal=(float(x), float(y), float(z)),
+                weight=float(weight),
+                measures=measures(tets, stress, one),
+                touches=tuple(phase.speed for phase in phases),
+                ended=ended,
+            )
+            for name, (x, y, z), weight, stress, one, phases, ended in drops
         )

@@ -23,7 +23,7 @@ from mechstyle.simulation import part_test
 STYLED = (
     "--build-direction "
     "--amplitude --criterion --device --field --guidance --iterations --json --load --material -m --minimum-wall --orientations --poses "
-    "--prompt -p --protect --seed --set --standard --stylizer"
+    "--prompt -p --protect --seed --set --standard --stylizer --window"
 )
 RESTRAINED = "--base --control --every --normalisation --schedule --threshold"
 NAMES = {
@@ -33,7 +33,7 @@ NAMES = {
     "branch": f"address --lane {STYLED} {RESTRAINED}",
     "simulate": "model --build-direction "
     "--criterion --device --json --load --material -m --minimum-wall --orientations --out --poses --scale --standard "
-    "--vertices --vtu --vtu-each",
+    "--vertices --vtu --vtu-each --window",
     "demo": "--device --json --model --out --prompt -p",
     "application": "name --device --iterations --json --orientations --out --vertices",
     "validate": "--case --json --out --page --quick",

@@ -37,10 +37,10 @@ def dropped(block, pla, request):
 @each_element
 def test_a_bar_that_lands_on_its_end_carries_rho_c_v(bar, pla, element, law):
     test, c = DropTest(law=law, window=0.06, element=element), pla.bar_wave_speed
-    history = drop(bar, pla, UPRIGHT, test, device="cpu").history
+    (history,) = drop(bar, pla, UPRIGHT, test, device="cpu").history
     # The plateau lasts until the wave returns at 2L/c = 0.071 ms; the first tenth is the rise of the front.
     plateau = history.time > 0.1 * 2 * 60.0 / c
-    stress = history.contact_force[plateau, 0].mean() / 16.0
+    stress = history.contact_force[plateau].mean() / 16.0
     assert stress == pytest.approx(pla.density * c * test.speed, rel=0.02)
 
 
@@ -61,52 +61,58 @@ def test_the_stress_front_runs_up_the_bar_at_the_bar_wave_speed(bar, pla, elemen
 
 
 def test_energy_is_conserved_over_a_whole_drop(dropped):
-    history = dropped.history
     assert dropped.failure == ""
-    assert history.strain.max() > 0.1 * history.kinetic[0, 0], "something must have been squeezed"
-    # Measured: 3e-6. What remains is float32, and central differences conserving a linear body's energy only.
-    assert np.abs(history.damping_loss).max() < 1e-3 * history.kinetic[0, 0]
+    for history in dropped.history:
+        assert history.strain.max() > 0.1 * history.kinetic[0], "something must have been squeezed"
+        # Measured: 3e-6. What remains is float32, and central differences conserving a linear body's energy only.
+        assert np.abs(history.damping_loss).max() < 1e-3 * history.kinetic[0]
 
 
 def test_the_named_energies_add_up_at_every_moment(block, pla):
-    history = drop(block, pla, directions(3), SHORT, device="cpu").history
-    total = history.kinetic + history.strain + history.contact_loss + history.damping_loss - history.gravity_work
-    np.testing.assert_allclose(total, np.broadcast_to(total[0], total.shape), rtol=1e-12)
-    assert history.damping_loss[-1].min() > 0.0
-    assert history.gravity_work[1].min() > 0.0, "weight works while the part still sinks"
+    for history in drop(block, pla, directions(3), SHORT, device="cpu").history:
+        total = history.kinetic + history.strain + history.contact_loss + history.damping_loss - history.gravity_work
+        np.testing.assert_allclose(total, total[0], rtol=1e-12)
+        assert history.damping_loss[-1] > 0.0
+        assert history.gravity_work[1] > 0.0, "weight works while the part still sinks"
 
 
 def test_momentum_changes_by_the_impulse_of_floor_and_weight(dropped, block, pla):
-    history, mass = dropped.history, pla.density * block.volumes.sum() * (1.0 + dropped.added_mass)
-    interval = history.time[1] - history.time[0]
-    impulse = np.cumsum(history.contact_force, axis=0) * interval - mass * GRAVITY * history.time[:, None]
-    np.testing.assert_allclose(history.momentum - history.momentum[0], impulse, atol=1e-4 * np.abs(history.momentum[0, 0]))
+    mass = pla.density * block.volumes.sum() * (1.0 + dropped.added_mass)
+    for history in dropped.history:
+        interval = history.time[1] - history.time[0]
+        impulse = np.cumsum(history.contact_force) * interval - mass * GRAVITY * history.time
+        np.testing.assert_allclose(history.momentum - history.momentum[0], impulse, atol=1e-4 * np.abs(history.momentum[0]))
 
 
 def test_the_history_starts_at_first_touch_and_fills_the_window(dropped, block, pla):
-    history, mass = dropped.history, pla.density * block.volumes.sum() * (1.0 + dropped.added_mass)
+    mass = pla.density * block.volumes.sum() * (1.0 + dropped.added_mass)
     speed = DropTest().speed
     assert speed == pytest.approx(np.sqrt(2 * 9.81e-3 * 1500.0))
-    np.testing.assert_allclose(history.kinetic[0], mass * speed**2 / 2, rtol=1e-9)
-    np.testing.assert_allclose(history.momentum[0], -mass * speed, rtol=1e-9)
-    assert history.time[0] == 0.0
-    assert history.time[-1] == pytest.approx(0.4, rel=1e-12)
+    for history, phases in zip(dropped.history, dropped.phases, strict=True):
+        np.testing.assert_allclose(history.kinetic[0], mass * speed**2 / 2, rtol=1e-9)
+        np.testing.assert_allclose(history.momentum[0], -mass * speed, rtol=1e-9)
+        assert history.time[0] == 0.0
+        assert history.time[-1] == pytest.approx(0.4, rel=1e-12)
+        assert [(phase.start, phase.speed) for phase in phases] == [(0.0, speed)]
+        assert phases[0].end == history.time[-1]
+        assert not history.phase.any()
+    assert dropped.endings == ("the window of 0.4 ms was over",) * 3
     assert dropped.steps * dropped.time_step == pytest.approx(0.4, rel=1e-12)
 
 
 def test_contact_and_friction_only_ever_take_energy(block, pla):
-    history = drop(block, pla, directions(3), DropTest(window=0.3, friction=0.3), device="cpu").history
-    # A vertex leaving the floor in mid-step may give a trace back: 1e-3 of what fell.
-    assert np.diff(history.contact_loss, axis=0).min() > -1e-3 * history.kinetic[0, 0]
-    assert history.contact_loss[-1].min() > 0.0
-    assert np.diff(history.damping_loss, axis=0).min() > -1e-3 * history.kinetic[0, 0]
-    assert history.damping_loss[-1].min() > 0.0
+    for history in drop(block, pla, directions(3), DropTest(window=0.3, friction=0.3), device="cpu").history:
+        # A vertex leaving the floor in mid-step may give a trace back: 1e-3 of what fell.
+        assert np.diff(history.contact_loss).min() > -1e-3 * history.kinetic[0]
+        assert history.contact_loss[-1] > 0.0
+        assert np.diff(history.damping_loss).min() > -1e-3 * history.kinetic[0]
+        assert history.damping_loss[-1] > 0.0
 
 
 def test_friction_takes_energy_from_a_tilted_body(block, pla):
     tilted = directions(3)[1:2]
-    smooth, rough = (drop(block, pla, tilted, DropTest(window=0.3, friction=mu), device="cpu").history for mu in (0.0, 0.5))
-    assert rough.contact_loss[-1, 0] > 2.0 * smooth.contact_loss[-1, 0]
+    smooth, rough = (drop(block, pla, tilted, DropTest(window=0.3, friction=mu), device="cpu").history[0] for mu in (0.0, 0.5))
+    assert rough.contact_loss[-1] > 2.0 * smooth.contact_loss[-1]
 
 
 def test_turning_body_and_floor_together_changes_nothing(block, pla):
@@ -114,7 +120,7 @@ def test_turning_body_and_floor_together_changes_nothing(block, pla):
     normal = np.array([0.2, 0.1, 1.0])
     straight = drop(block, pla, [normal], SHORT, device="cpu")
     turned = drop(block.moved(block.vertices @ Q.T), pla, [Q @ normal], SHORT, device="cpu")
-    # The same in exact arithmetic; float32 and a power iteration from another start remain, amplified by contact.
+    # The same in exact arithmetic; float32 and a bound of the frequency in other axes remain, amplified by contact.
     np.testing.assert_allclose(turned.von_mises, straight.von_mises, atol=0.02 * straight.von_mises.max())
 
 
@@ -123,7 +129,7 @@ def test_same_inputs_give_the_same_bytes_however_many_threads(block, pla, monkey
     for count in (2, 2, 1, 5):
         monkeypatch.setattr(explicit, "cores", lambda count=count: count)
         result = drop(block, pla, directions(4), SHORT, device="cpu")
-        results.append((result.von_mises.tobytes(), result.contact.tobytes(), result.history.kinetic.tobytes()))
+        results.append((result.von_mises.tobytes(), result.contact.tobytes(), *(each.kinetic.tobytes() for each in result.history)))
     assert len(set(results)) == 1
 
 
@@ -160,12 +166,12 @@ def test_mass_scaling_lengthens_the_step_within_its_limit(block, pla):
 
 @pytest.mark.parametrize("safety", [1.3, 2.0])
 def test_a_step_beyond_the_stable_limit_is_named_and_gives_no_stress(block, pla, safety):
-    result = drop(block, pla, directions(2), DropTest(safety=safety, element="tet4"), device="cpu")
+    result = drop(block, pla, directions(2), DropTest(safety=safety, element="tet4", window=1.5), device="cpu")
     assert "orientation 0 at" in result.failure
     assert "unstable" in result.failure or "no longer finite" in result.failure
     assert np.isposinf(result.von_mises).all()
-    assert all(np.isfinite(values).all() for values in vars(result.history).values())
-    assert result.history.time[-1] < 0.5 * DropTest().window, "it stops where it breaks"
+    assert all(np.isfinite(values).all() for history in result.history for values in vars(history).values())
+    assert result.history[0].time[-1] < 0.75, "it stops where it breaks"
 
 
 def test_a_drop_that_would_take_hours_is_not_started_and_names_the_place(block, pla, monkeypatch):
@@ -174,7 +180,7 @@ def test_a_drop_that_would_take_hours_is_not_started_and_names_the_place(block, 
     assert f"would need {result.steps} steps" in result.failure
     assert "mm: mesh the part again" in result.failure
     assert np.isposinf(result.von_mises).all()
-    assert result.history.time.tolist() == [0.0]
+    assert [history.time.tolist() for history in result.history] == [[0.0], [0.0]]
 
 
 def test_the_safe_step_is_stable_for_long(box, pla):

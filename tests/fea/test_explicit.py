@@ -1,4 +1,4 @@
-"""The loop over batches with batches that misbehave."""
+"""The pool with jobs that misbehave, and the energy by which a drop is found out."""
 
 import os
 
@@ -6,23 +6,23 @@ import numpy as np
 import pytest
 
 from mechstyle.fea.elasticity import StVenantKirchhoff
-from mechstyle.fea.explicit import QUANTITIES, Scheme, failing, integrate
+from mechstyle.fea.explicit import QUANTITIES, Scheme, carry, failing
 
 SCHEME = Scheme(StVenantKirchhoff(1.0, 1.0), 1e-3, np.zeros(1), 9.81e-3, 0.0, speed=2.0, stride=4, samples=10)
 ENERGY = 2.0
 
 
-class Recorded:
-    """A batch of one that plays back samples."""
+class Counted:
+    """A job of so many goes."""
 
-    def __init__(self, samples):
-        self.samples, self.taken = samples, 0
+    def __init__(self, goes):
+        self.goes, self.taken = goes, 0
 
-    def advance(self, samples):
-        self.taken += samples
+    def advance(self):
+        self.taken += 1
 
-    def history(self, samples):
-        return self.samples[:samples]
+    def look(self):
+        return [self] if self.taken < self.goes else []
 
 
 def falling(kinetic=ENERGY, count=10):
@@ -31,24 +31,30 @@ def falling(kinetic=ENERGY, count=10):
     return samples
 
 
-def test_all_batches_run_to_the_end():
-    batches, fractions = [Recorded(falling(1.0 + 0.1 * index)) for index in range(5)], []
-    samples = integrate(batches, SCHEME, ENERGY, fractions.append)
-    np.testing.assert_array_equal(samples, np.concatenate([batch.samples for batch in batches], axis=2))
-    assert [batch.taken for batch in batches] == [10] * 5
-    assert fractions[-1] == 1.0
+def test_all_jobs_run_to_their_ends_and_somebody_is_told():
+    jobs, told = [Counted(goes) for goes in (1, 5, 3, 10, 2)], []
+    carry(jobs, lambda: told.append(sum(job.taken for job in jobs)))
+    assert [job.taken for job in jobs] == [1, 5, 3, 10, 2]
+    assert told == sorted(told)
+
+
+def test_a_job_may_go_on_as_several_others():
+    class Parting(Counted):
+        def look(self):
+            return after
+
+    after = [Counted(3), Counted(4)]
+    carry([Parting(1), Counted(2)], lambda: None)
+    assert [job.taken for job in after] == [3, 4]
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, 3.0])
-def test_a_batch_that_breaks_down_stops_and_the_others_go_on(value):
-    broken = falling()
-    broken[3:, QUANTITIES.index("kinetic")] = value
-    batches = [Recorded(falling()), Recorded(broken)]
-    samples = integrate(batches, SCHEME, ENERGY, lambda _: None)
-    assert [batch.taken for batch in batches] == [10, 4]
-    bad = failing(samples, SCHEME, ENERGY)
+def test_what_is_not_finite_or_too_much_is_failing(value):
+    broken = np.concatenate([falling(), falling()], axis=2)
+    broken[3:, QUANTITIES.index("kinetic"), 1] = value
+    bad = failing(broken, SCHEME, ENERGY)
     assert not bad[:, 0].any()
-    np.testing.assert_array_equal(bad[:, 1], [False, False, False, True])
+    np.testing.assert_array_equal(bad[:, 1], [False] * 3 + [True] * 7)
 
 
 def test_energy_that_damping_took_does_not_hide_energy_gained():
@@ -69,23 +75,23 @@ def test_threads_that_fill_the_cores_have_one_each_and_the_caller_keeps_all():
         pytest.skip("ONE CORE, or a system without affinities: pinning was NOT tested")
     seen = []
 
-    class Watching(Recorded):
-        def advance(self, samples):
+    class Watching(Counted):
+        def advance(self):
             seen.append(frozenset(os.sched_getaffinity(0)))
-            super().advance(samples)
+            super().advance()
 
     before = os.sched_getaffinity(0)
-    integrate([Watching(falling()) for _ in range(4 * len(before))], SCHEME, ENERGY, lambda _: None)
+    carry([Watching(10) for _ in range(4 * len(before))], lambda: None)
     assert all(len(cores) == 1 for cores in seen)
-    integrate([Watching(falling())], SCHEME, ENERGY, lambda _: None)
+    carry([Watching(10)], lambda: None)
     assert seen[-1] == before, "one thread may run anywhere"
     assert os.sched_getaffinity(0) == before
 
 
 def test_what_a_batch_raises_reaches_the_caller():
-    class Torn(Recorded):
-        def advance(self, samples):  # noqa: ARG002 - it fails before
+    class Torn(Counted):
+        def advance(self):
             raise RuntimeError("out of memory")
 
     with pytest.raises(RuntimeError, match="out of memory"):
-        integrate([Recorded(falling()), Torn(falling())], SCHEME, ENERGY, lambda _: None)
+        carry([Counted(10), Torn(10)], lambda: None)

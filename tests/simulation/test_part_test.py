@@ -117,10 +117,13 @@ def test_energy_goes_somewhere_and_adds_up(block, found):
 
 def test_the_peak_over_time_is_the_peak_of_the_drop(found):
     course = found.course
-    assert course.peak_stress == pytest.approx(found.simulation.stress.max(), rel=1e-5)
+    # An average of maxima over the whole drop is no less than the largest average of maxima over a moment.
+    assert 0.99 * found.simulation.stress.max() < course.peak_stress <= found.simulation.stress.max() * (1.0 + 1e-5)
     assert course.peak_time in found.impact.time
     assert 0.0 < course.peak_force_time <= course.contact_time < found.history.time[-1]
-    assert found.history.kinetic.shape == (len(found.history.time), 3)
+    assert len(found.history.kinetic) == len(found.history.time) > 20
+    assert course.touches == ((0.0, pytest.approx(np.sqrt(2 * 9.81e-3 * 1500.0))),)
+    assert course.touch_words == "It leaves the floor, no next touch."
 
 
 def test_it_is_remembered_with_its_history(drop_it, found, monkeypatch):

@@ -12,7 +12,7 @@ from mechstyle.fea.backends import simd_by_drop, simd_by_element
 from mechstyle.fea.backends.simd_state import LaneBody, LaneScheme, LaneState
 from mechstyle.fea.discretisation import Discretisation
 from mechstyle.fea.elasticity import ElasticLaw
-from mechstyle.fea.explicit import QUANTITIES, RECORD_EVERY, Scheme, cores, law_number
+from mechstyle.fea.explicit import QUANTITIES, RECORD_EVERY, Scheme, Starts, cores, law_number
 from mechstyle.records.mesh import Floats
 
 ONE_BY_ONE = 4
@@ -28,10 +28,10 @@ class CoreBody:
         self.corners = 4 if self.points > 1 else 0
         geometry = np.concatenate([body.gradients.reshape(-1, 9), body.volumes[:, None]], axis=1).astype(np.float32)
         padding = ((0, -self.tet_count % simd_by_element.LANES), (0, 0))
-        masses = _cpu(body.masses.astype(np.float32))
-        self.by_drop = _lane_body(body.connectivity, geometry, masses, self.tet_count)
+        nodes = (_cpu(body.masses.astype(np.float32)), _cpu(_rows(body.arms)))
+        self.by_drop = _lane_body(body.connectivity, geometry, nodes, self.tet_count)
         nodes_of, geometry = (_transposed(np.pad(table, padding), simd_by_element.LANES) for table in (body.connectivity, geometry))
-        self.by_tet = _lane_body(nodes_of, geometry, masses, -(-self.tet_count // simd_by_element.LANES))
+        self.by_tet = _lane_body(nodes_of, geometry, nodes, -(-self.tet_count // simd_by_element.LANES))
         for module in (simd_by_element, simd_by_drop):
             wp.load_module(module, device="cpu")
 
@@ -53,13 +53,14 @@ class CoreBody:
         each = np.broadcast_to(np.float32(damping), self.tet_count)
         return _cpu(np.pad(each, (0, -self.tet_count % simd_by_element.LANES)))
 
-    def batches(self, scheme: Scheme, normals: Floats, heights: Floats) -> list[CoreDrop | CoreDrops]:
-        """Jobs at first contact: eight orientations each; a small remainder runs one per job."""
-        rest = len(normals) % (simd_by_drop.LANES * cores())
-        together = len(normals) - (rest if rest <= ONE_BY_ONE * cores() else 0)
+    def batches(self, scheme: Scheme, starts: Starts) -> list[CoreDrop | CoreDrops]:
+        """Jobs of eight orientations each; a small remainder runs one per job."""
+        count = len(starts)
+        rest = count % (simd_by_drop.LANES * cores())
+        together = count - (rest if rest <= ONE_BY_ONE * cores() else 0)
         parts = [slice(first, min(first + simd_by_drop.LANES, together)) for first in range(0, together, simd_by_drop.LANES)]
-        jobs: list[CoreDrop | CoreDrops] = [CoreDrops(self, scheme, normals[part], heights[:, part]) for part in parts]
-        return jobs + [CoreDrop(self, scheme, normals[index], heights[:, index]) for index in range(together, len(normals))]
+        jobs: list[CoreDrop | CoreDrops] = [CoreDrops(self, scheme, starts.of(part)) for part in parts]
+        return jobs + [CoreDrop(self, scheme, starts.of(slice(index, index + 1))) for index in range(together, count)]
 
 
 class CoreDrop:
@@ -68,19 +69,19 @@ class CoreDrop:
     Args:
         body: The body.
         scheme: The step.
-        normal: Floor normal in the frame of the body, shape [3].
-        heights: Height of every node above the floor at first touch [mm], shape [node_count].
+        start: Where it starts, a single one.
     """
 
-    def __init__(self, body: CoreBody, scheme: Scheme, normal: Floats, heights: Floats) -> None:
+    count = 1
+
+    def __init__(self, body: CoreBody, scheme: Scheme, start: Starts) -> None:
         self.body, self.scheme, self.done = body, scheme, 0
-        count = body.node_count
-        self.state = _state(heights.astype(np.float32), _rows(np.broadcast_to(-scheme.speed * normal, (count, 3))))
+        self.state = _state(start.heights[0].astype(np.float32), _rows(start.displacements[0]), _rows(start.velocities[0]))
         self.state.peak_squared, self.state.corners_squared = (
             _zeros(places * simd_by_element.LANES * body.by_tet.blocks) for places in (body.points, body.corners)
         )
         self.state.samples = _zeros(scheme.samples * len(QUANTITIES))
-        self.step = _step(scheme, normal, body.damping_by_tet(scheme.damping))
+        self.step = _step(scheme, start.normals[0], body.damping_by_tet(scheme.damping))
 
     def advance(self, samples: int) -> None:
         """Take `samples` strides and samples; Warp releases the interpreter lock meanwhile."""
@@ -88,9 +89,9 @@ class CoreDrop:
         wp.launch(simd_by_element.strides, dim=1, inputs=arguments, device="cpu")
         self.done += samples
 
-    def history(self, samples: int) -> Floats:
-        """The first samples, shape [samples, QUANTITIES, 1]."""
-        return self.state.samples.numpy().reshape(-1, len(QUANTITIES), 1)[:samples].astype(np.float64)
+    def history(self, first: int, last: int) -> Floats:
+        """Samples from one to another, shape [samples, QUANTITIES, 1]."""
+        return self.state.samples.numpy().reshape(-1, len(QUANTITIES), 1)[first:last].astype(np.float64)
 
     def peak(self) -> NDArray[np.float32]:
         """Running maximum of the von Mises stress at the Gauss points [MPa], shape [1, tet_count, points]."""
@@ -105,9 +106,10 @@ class CoreDrop:
         self.state.peak_squared.zero_()
         self.state.corners_squared.zero_()
 
-    def displacement(self) -> NDArray[np.float32]:
-        """Displacement of each node since first touch [mm], shape [node_count, 3]."""
-        return np.asarray(self.state.u.numpy().reshape(-1, 4)[:, :3])
+    def motion(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Displacement since the start [mm] and velocity [mm/ms] of each node, each of shape [1, node_count, 3]."""
+        u, v = (field.numpy().reshape(1, -1, 4)[..., :3].copy() for field in (self.state.u, self.state.v))
+        return u, v
 
     def touched(self) -> NDArray[np.bool_]:
         """Whether each node has met the floor, shape [1, node_count]."""
@@ -125,20 +127,20 @@ class CoreDrops:
     Args:
         body: The body.
         scheme: The step.
-        normals: Floor normals in the frame of the body, shape [orientations, 3].
-        heights: Height of every node above the floor at first touch [mm], shape [node_count, orientations].
+        starts: Where they start.
     """
 
-    def __init__(self, body: CoreBody, scheme: Scheme, normals: Floats, heights: Floats) -> None:
-        self.body, self.scheme, self.done, self.count = body, scheme, 0, len(normals)
+    def __init__(self, body: CoreBody, scheme: Scheme, starts: Starts) -> None:
+        self.body, self.scheme, self.done, self.count = body, scheme, 0, len(starts)
         lanes = np.minimum(np.arange(simd_by_drop.LANES), self.count - 1)
-        velocity = np.broadcast_to(-scheme.speed * normals[lanes].T, (body.node_count, 3, simd_by_drop.LANES))
-        self.state = _state(heights[:, lanes].astype(np.float32).ravel(), velocity.astype(np.float32).ravel())
+        fields = (starts.heights, starts.displacements, starts.velocities)
+        each = [np.moveaxis(field[lanes], 0, -1).astype(np.float32).ravel() for field in fields]
+        self.state = _state(*each)
         self.state.peak_squared, self.state.corners_squared = (
             _zeros(body.tet_count * places * simd_by_drop.LANES) for places in (body.points, body.corners)
         )
         self.state.samples = _zeros(scheme.samples * len(QUANTITIES) * simd_by_drop.LANES)
-        self.step = _step(scheme, normals[lanes].T, _cpu(scheme.damping.astype(np.float32)))
+        self.step = _step(scheme, starts.normals[lanes].T, _cpu(scheme.damping.astype(np.float32)))
 
     def advance(self, samples: int) -> None:
         """Take `samples` strides and samples; Warp releases the interpreter lock meanwhile."""
@@ -146,9 +148,9 @@ class CoreDrops:
         wp.launch(simd_by_drop.strides_of_drops, dim=1, inputs=arguments, device="cpu")
         self.done += samples
 
-    def history(self, samples: int) -> Floats:
-        """The first samples, shape [samples, QUANTITIES, orientations]."""
-        return self._lanes(self.state.samples, len(QUANTITIES))[:samples].astype(np.float64)
+    def history(self, first: int, last: int) -> Floats:
+        """Samples from one to another, shape [samples, QUANTITIES, orientations]."""
+        return self._lanes(self.state.samples, len(QUANTITIES))[first:last].astype(np.float64)
 
     def peak(self) -> NDArray[np.float32]:
         """Running maximum of the von Mises stress at the Gauss points [MPa], shape [orientations, tet_count, points]."""
@@ -159,6 +161,16 @@ class CoreDrops:
         if not self.body.corners:
             return _constant(self.peak())
         return np.sqrt(np.moveaxis(self._lanes(self.state.corners_squared, 4), -1, 0))
+
+    def forget_peak(self) -> None:
+        """Begin the running maxima of the stress anew."""
+        self.state.peak_squared.zero_()
+        self.state.corners_squared.zero_()
+
+    def motion(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Displacement since the start [mm] and velocity [mm/ms] of each node, each of shape [orientations, node_count, 3]."""
+        u, v = (np.ascontiguousarray(np.moveaxis(self._lanes(field, 3), -1, 0)) for field in (self.state.u, self.state.v))
+        return u, v
 
     def touched(self) -> NDArray[np.bool_]:
         """Whether each node has met the floor, shape [orientations, node_count]."""
@@ -174,19 +186,20 @@ def _constant(peak: NDArray[np.float32]) -> NDArray[np.float32]:
     return np.repeat(peak, 4, axis=2)
 
 
-def _lane_body(nodes_of: NDArray[Any], geometry: NDArray[Any], masses: Any, blocks: int) -> Any:
-    """A body in blocks; axis 1 of `nodes_of` counts the nodes of an element."""
+def _lane_body(nodes_of: NDArray[Any], geometry: NDArray[Any], nodes: tuple[Any, Any], blocks: int) -> Any:
+    """A body in blocks; axis 1 of `nodes_of` counts the nodes of an element, `nodes` are masses and arms."""
     body = LaneBody()
     body.nodes, body.blocks = nodes_of.shape[1], blocks
-    body.nodes_of, body.geometry, body.masses = _cpu(nodes_of.astype(np.int32).ravel()), _cpu(geometry.ravel()), masses
+    body.nodes_of, body.geometry, body.masses = _cpu(nodes_of.astype(np.int32).ravel()), _cpu(geometry.ravel()), nodes[0]
+    body.arms = nodes[1]
     return body
 
 
-def _state(heights: NDArray[np.float32], velocity: NDArray[np.float32]) -> Any:
-    """Drops at first touch."""
+def _state(heights: NDArray[np.float32], displacement: NDArray[np.float32], velocity: NDArray[np.float32]) -> Any:
+    """Drops where they start."""
     state = LaneState()
-    state.heights, state.v = _cpu(heights), _cpu(velocity)
-    state.u, state.forces = (_zeros(len(velocity)) for _ in range(2))
+    state.heights, state.u, state.v = _cpu(heights), _cpu(displacement), _cpu(velocity)
+    state.forces = _zeros(len(velocity))
     state.impulse, state.contact_loss = _zeros(len(heights)), _zeros(len(heights))
     return state
 

@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mechstyle._warp import wp
-from mechstyle.fea.backends import kernels
+from mechstyle.fea.backends import kernels, sampling_kernels
 from mechstyle.fea.discretisation import Discretisation
 from mechstyle.fea.elasticity import ElasticLaw
-from mechstyle.fea.explicit import QUANTITIES, RECORD_EVERY, Scheme, law_number
+from mechstyle.fea.explicit import QUANTITIES, RECORD_EVERY, Scheme, Starts, law_number
 from mechstyle.records.mesh import Floats
 
 BLOCK = 64
@@ -29,11 +29,12 @@ class DeviceBody:
         self.tet_count, self.node_count = len(body.volumes), len(body.masses)
         self.element = body.mesh.element
         self.element_forces = kernels.linear_forces if self.element.nodes == 4 else kernels.quadratic_forces
-        self.masses = self.array(body.masses, float)
+        self.masses, self.arms = self.array(body.masses, float), self.array(body.arms, wp.vec3f)
         numbers = (body.connectivity, body.slots, body.first_slot)
         nodes, self.slots, self.first_slot = (wp.array(values, dtype=int, device=device) for values in numbers)
         self.elements = [nodes, self.array(body.gradients, wp.mat33f), self.array(body.volumes, float)]
-        wp.load_module(kernels, device=device)
+        for module in (kernels, sampling_kernels):
+            wp.load_module(module, device=device)
 
     def array(self, values: Floats, dtype: Any) -> Any:
         """A float32 array of Warp type `dtype` on the device."""
@@ -74,9 +75,9 @@ class DeviceBody:
         """β of each tetrahedron."""
         return self.array(np.broadcast_to(damping, self.tet_count), float)
 
-    def batches(self, scheme: Scheme, normals: Floats, heights: Floats) -> list[DeviceBatch]:
-        """All orientations together, at first touch."""
-        return [DeviceBatch(self, scheme, normals, heights)]
+    def batches(self, scheme: Scheme, starts: Starts) -> list[DeviceBatch]:
+        """All orientations together."""
+        return [DeviceBatch(self, scheme, starts)]
 
 
 class DeviceBatch:
@@ -85,20 +86,19 @@ class DeviceBatch:
     Args:
         body: The body.
         scheme: The step.
-        normals: Floor normals in the frame of the body, shape [orientations, 3].
-        heights: Height of every node above the floor at first touch [mm], shape [node_count, orientations].
+        starts: Where they start.
     """
 
-    def __init__(self, body: DeviceBody, scheme: Scheme, normals: Floats, heights: Floats) -> None:
-        self.body, self.scheme, self.count = body, scheme, len(normals)
+    def __init__(self, body: DeviceBody, scheme: Scheme, starts: Starts) -> None:
+        self.body, self.scheme, self.count = body, scheme, len(starts)
         each_node = (body.node_count, self.count)
-        self.normals, self.heights = body.array(normals, wp.vec3f), body.array(heights, float)
-        self.v = body.array(np.broadcast_to(-scheme.speed * normals, (*each_node, 3)), wp.vec3f)
-        self.u, self.damping = body.zeros(*each_node, dtype=wp.vec3f), body.damping(scheme.damping)
+        self.normals, self.heights = body.array(starts.normals, wp.vec3f), body.array(starts.heights.T, float)
+        self.u, self.v = (body.array(np.swapaxes(field, 0, 1), wp.vec3f) for field in (starts.displacements, starts.velocities))
+        self.damping = body.damping(scheme.damping)
         self.forces, self.peak_squared = body.forces_and_peak(self.count)
         self.corners_squared = body.zeros(body.tet_count, body.corners, self.count)
         self.impulse, self.contact_loss = body.zeros(*each_node), body.zeros(*each_node)
-        self.parts = body.zeros(len(QUANTITIES), int(kernels.PARTS), self.count)
+        self.parts = body.zeros(len(QUANTITIES), int(sampling_kernels.PARTS), self.count)
         self.samples = body.zeros(scheme.samples, len(QUANTITIES), self.count)
         self.row = body.zeros(1, dtype=int)
         self._graph: Any = None
@@ -115,9 +115,9 @@ class DeviceBatch:
                 self._graph = capture.graph
             wp.capture_launch(self._graph)
 
-    def history(self, samples: int) -> Floats:
-        """The first samples, waiting until they are there, shape [samples, QUANTITIES, orientations]."""
-        return np.asarray(self.samples.numpy()[:samples], dtype=np.float64)
+    def history(self, first: int, last: int) -> Floats:
+        """Samples from one to another, waiting until they are there, shape [samples, QUANTITIES, orientations]."""
+        return np.asarray(self.samples[first:last].numpy(), dtype=np.float64)
 
     def peak(self) -> NDArray[np.float32]:
         """Running maximum of the von Mises stress at the Gauss points [MPa], shape [orientations, tet_count, points]."""
@@ -129,6 +129,16 @@ class DeviceBatch:
             return np.repeat(self.peak(), 4, axis=2)
         return np.ascontiguousarray(np.moveaxis(np.sqrt(self.corners_squared.numpy()), -1, 0))
 
+    def forget_peak(self) -> None:
+        """Begin the running maxima of the stress anew."""
+        self.peak_squared.zero_()
+        self.corners_squared.zero_()
+
+    def motion(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Displacement since the start [mm] and velocity [mm/ms] of each node, each of shape [orientations, node_count, 3]."""
+        u, v = (np.ascontiguousarray(np.swapaxes(field.numpy(), 0, 1)) for field in (self.u, self.v))
+        return u, v
+
     def touched(self) -> NDArray[np.bool_]:
         """Whether each node has met the floor, shape [orientations, node_count]."""
         return np.ascontiguousarray(self.impulse.numpy().T > 0.0)
@@ -138,11 +148,12 @@ class DeviceBatch:
         for step in range(scheme.stride):
             self._step(record=int(step % RECORD_EVERY == 0))
         constants = (scheme.law_number, scheme.law.mu, scheme.law.la, wp.vec3f(*scheme.across), scheme.time_step)
-        parts = (int(kernels.PARTS), self.count)
-        body.launch(kernels.sample_elements, parts, *body.elements, *constants, self.u, self.v, self.parts)
-        body.launch(kernels.sample_nodes, parts, body.masses, self.normals, self.u, self.v, self.impulse, self.contact_loss, self.parts)
-        body.launch(kernels.sample_total, (len(QUANTITIES), self.count), self.parts, self.row, self.samples)
-        body.launch(kernels.next_row, (1,), self.row)
+        parts = (int(sampling_kernels.PARTS), self.count)
+        body.launch(sampling_kernels.sample_elements, parts, *body.elements, *constants, self.u, self.v, self.parts)
+        body.launch(sampling_kernels.sample_nodes, parts, body.masses, self.normals, self.u, self.v, self.impulse, self.contact_loss, self.parts)
+        body.launch(sampling_kernels.sample_motion, parts, body.masses, body.arms, self.u, self.v, self.parts)
+        body.launch(sampling_kernels.sample_total, (len(QUANTITIES), self.count), self.parts, self.row, self.samples)
+        body.launch(sampling_kernels.next_row, (1,), self.row)
 
     def _step(self, record: int) -> None:
         body, scheme = self.body, self.scheme

@@ -8,19 +8,13 @@ adds up its slots, which follow each other. There are no atomic sums, so the sam
 # ruff: noqa: UP018 - float(0.0) declares a Warp variable that changes in a loop, 0.0 a constant
 
 from mechstyle._warp import wp
-from mechstyle.fea.backends.laws import energy_density, equivalent_squared, first_piola
+from mechstyle.fea.backends.laws import equivalent_squared, first_piola
 from mechstyle.fea.elements import GAUSS_A, GAUSS_B
 
 wp.set_module_options({"enable_backward": False})
 
 NEAR, FAR = wp.constant(4.0 * GAUSS_A), wp.constant(4.0 * GAUSS_B)
 """4 L at a Gauss point of the quadratic element for its near corner and for the others: ∂N_ij/∂L_i = 4 L_j."""
-
-PARTS = wp.constant(1024)
-"""Partial sums per history quantity: parallel enough for a GPU, a fixed order of summation everywhere."""
-
-KINETIC, STRAIN, IMPULSE, CONTACT_LOSS, HEIGHT, MOMENTUM, PEAK = range(7)
-"""Places of `explicit.QUANTITIES`."""
 
 
 Nodes4 = wp.types.matrix(shape=(4, 3), dtype=float)
@@ -262,97 +256,3 @@ def advance(
         contact_loss[i, b] -= 0.5 * masses[i] * wp.dot(velocity - free, before + velocity)
     v[i, b] = velocity
     u[i, b] += dt * velocity
-
-
-@wp.func
-def strain_at(H: wp.mat33f, rate: wp.mat33f, P: wp.mat33f, dt: float, mu: float, la: float, law: int):
-    """Strain energy density half a step ago [MPa].
-
-    Velocities belong to the middle of the step that led to the displacements, so strain energy is taken there too,
-    U − Δt/2 dU/dt: with kinetic energy this is what central differences conserve exactly in a linear body.
-    """
-    return energy_density(H, mu, la, law) - 0.5 * dt * wp.ddot(P, rate)
-
-
-@wp.kernel
-def sample_elements(
-    nodes: wp.array2d(dtype=int),
-    gradients: wp.array(dtype=wp.mat33f),
-    volumes: wp.array(dtype=float),
-    law: int,
-    mu: float,
-    la: float,
-    across: wp.vec3f,
-    dt: float,
-    u: wp.array2d(dtype=wp.vec3f),
-    v: wp.array2d(dtype=wp.vec3f),
-    parts: wp.array3d(dtype=float),
-):
-    """Strain energy and peak of every PARTS-th element into parts[quantity, part, b]."""
-    part, b = wp.tid()
-    strain, peak = float(0.0), float(0.0)
-    for e in range(part, nodes.shape[0], PARTS):
-        G = gradients[e]
-        if nodes.shape[1] == 4:
-            H = linear_gradient(u, nodes, G, e, b)
-            P = first_piola(H, mu, la, law)
-            strain += volumes[e] * strain_at(H, linear_gradient(v, nodes, G, e, b), P, dt, mu, la, law)
-            peak = wp.max(peak, equivalent_squared(H, P, across))
-        else:
-            x = nodal_values(u, nodes, e, b)
-            y = nodal_values(v, nodes, e, b)
-            x_common = common_gradient(x, G)
-            y_common = common_gradient(y, G)
-            for q in range(4):
-                H = quadratic_gradient(x_common, x, G, q)
-                P = first_piola(H, mu, la, law)
-                strain += 0.25 * volumes[e] * strain_at(H, quadratic_gradient(y_common, y, G, q), P, dt, mu, la, law)
-                peak = wp.max(peak, equivalent_squared(H, P, across))
-    parts[STRAIN, part, b] = strain
-    parts[PEAK, part, b] = peak
-
-
-@wp.kernel
-def sample_nodes(
-    masses: wp.array(dtype=float),
-    normals: wp.array(dtype=wp.vec3f),
-    u: wp.array2d(dtype=wp.vec3f),
-    v: wp.array2d(dtype=wp.vec3f),
-    impulse: wp.array2d(dtype=float),
-    contact_loss: wp.array2d(dtype=float),
-    parts: wp.array3d(dtype=float),
-):
-    """The sums over every PARTS-th node into parts[quantity, part, b]."""
-    part, b = wp.tid()
-    kinetic, height, momentum = float(0.0), float(0.0), float(0.0)
-    pushed, lost = float(0.0), float(0.0)
-    for i in range(part, masses.shape[0], PARTS):
-        kinetic += 0.5 * masses[i] * wp.dot(v[i, b], v[i, b])
-        height += masses[i] * wp.dot(u[i, b], normals[b])
-        momentum += masses[i] * wp.dot(v[i, b], normals[b])
-        pushed += impulse[i, b]
-        lost += contact_loss[i, b]
-    parts[KINETIC, part, b] = kinetic
-    parts[IMPULSE, part, b] = pushed
-    parts[CONTACT_LOSS, part, b] = lost
-    parts[HEIGHT, part, b] = height
-    parts[MOMENTUM, part, b] = momentum
-
-
-@wp.kernel
-def sample_total(parts: wp.array3d(dtype=float), row: wp.array(dtype=int), samples: wp.array3d(dtype=float)):
-    """Sum the parts (maximum for PEAK) into the current row of samples[row, quantity, b]."""
-    quantity, b = wp.tid()
-    total = float(0.0)
-    for part in range(PARTS):
-        if quantity == PEAK:
-            total = wp.max(total, parts[quantity, part, b])
-        else:
-            total += parts[quantity, part, b]
-    samples[row[0], quantity, b] = total
-
-
-@wp.kernel
-def next_row(row: wp.array(dtype=int)):
-    """Count the samples on the device, so that a captured graph can be replayed without the host."""
-    row[0] = row[0] + 1

@@ -13,6 +13,7 @@ from mechstyle._warp import wp
 from mechstyle.fea.backends.simd_code import ALGEBRA, CONTRACT, ELEMENTS, FORCES, STRAIN, STRESS, TYPES
 from mechstyle.fea.backends.simd_state import LaneBody, LaneScheme, LaneState
 from mechstyle.fea.backends.subnormals import flush_subnormals, restore_mode
+from mechstyle.fea.explicit import QUANTITIES
 
 wp.set_module_options({"enable_backward": False})
 
@@ -84,7 +85,7 @@ _ADVANCE = CONTRACT + f"    constexpr int LANES = {LANES};" + TYPES + """
 """
 
 _SAMPLE = """
-    DoubleLanes kinetic = {}, height = {}, momentum = {}, impulse = {}, contact_loss = {};
+    DoubleLanes kinetic = {}, height = {}, momentum = {}, impulse = {}, contact_loss = {}, motion[18] = {};
     const Lanes *n = (const Lanes *)scheme.normals.data;
     auto wide = [](Lanes x) { return __builtin_convertvector(x, DoubleLanes); };
     for (int i = 0; i < body.masses.shape[0]; i++) {
@@ -95,13 +96,22 @@ _SAMPLE = """
         momentum += wide(mass * (v[0] * n[0] + v[1] * n[1] + v[2] * n[2]));
         impulse += wide(((const Lanes *)state.impulse.data)[i]);
         contact_loss += wide(((const Lanes *)state.contact_loss.data)[i]);
+        const float *arm = body.arms.data + 4 * i;
+        for (int k = 0; k < 3; k++) {
+            const int a = (k + 1) % 3, b = (k + 2) % 3;
+            motion[k] += wide(mass * u[k]);
+            motion[3 + k] += wide(mass * v[k]);
+            motion[6 + k] += wide(mass * ((arm[a] + u[a]) * v[b] - (arm[b] + u[b]) * v[a]));
+            for (int j = 0; j < 3; j++) motion[9 + 3 * k + j] += wide(mass * u[k] * arm[j]);
+        }
     }
     const DoubleLanes values[] = {kinetic, strain, impulse, contact_loss, height, momentum, wide(peak)};
-    for (int k = 0; k < 7; k++)
-        for (int l = 0; l < LANES; l++) state.samples.data[(7 * row + k) * LANES + l] = (float)values[k][l];
+    float *out = state.samples.data + QUANTITIES * LANES * row;
+    for (int k = 0; k < QUANTITIES; k++)
+        for (int l = 0; l < LANES; l++) out[k * LANES + l] = (float)(k < 7 ? values[k] : motion[k - 7])[l];
 """
 
-_HEAD = CONTRACT + f"    constexpr int LANES = {LANES};" + TYPES + ALGEBRA + STRESS + _LAYOUT + ELEMENTS
+_HEAD = CONTRACT + f"    constexpr int LANES = {LANES}, QUANTITIES = {len(QUANTITIES)};" + TYPES + ALGEBRA + STRESS + _LAYOUT + ELEMENTS
 
 
 @wp.func_native(_HEAD + FORCES)
@@ -116,7 +126,7 @@ def advance_drops(body: LaneBody, state: LaneState, scheme: LaneScheme) -> None:
 
 @wp.func_native(_HEAD + STRAIN + _SAMPLE)
 def sample_drops(body: LaneBody, state: LaneState, scheme: LaneScheme, row: int) -> None:
-    """One row of the history, in the order of `kernels.KINETIC` to `kernels.PEAK`."""
+    """One row of the history, in the order of `explicit.QUANTITIES`."""
 
 
 @wp.kernel

@@ -14,6 +14,7 @@ from mechstyle._warp import wp
 from mechstyle.fea.backends.simd_code import ALGEBRA, CONTRACT, ELEMENTS, FORCES, STRAIN, STRESS, TYPES
 from mechstyle.fea.backends.simd_state import LaneBody, LaneScheme, LaneState
 from mechstyle.fea.backends.subnormals import flush_subnormals, restore_mode
+from mechstyle.fea.explicit import QUANTITIES
 
 wp.set_module_options({"enable_backward": False})
 
@@ -99,7 +100,7 @@ _ADVANCE = CONTRACT + """
 """
 
 _SAMPLE = """
-    double kinetic = 0.0, height = 0.0, momentum = 0.0, impulse = 0.0, contact_loss = 0.0, stored = 0.0;
+    double kinetic = 0.0, height = 0.0, momentum = 0.0, impulse = 0.0, contact_loss = 0.0, stored = 0.0, motion[18] = {};
     float highest = 0.0f;
     const float *n = scheme.normals.data;
     for (int i = 0; i < body.masses.shape[0]; i++) {
@@ -109,16 +110,26 @@ _SAMPLE = """
         momentum += mass * (v[0] * n[0] + v[1] * n[1] + v[2] * n[2]);
         impulse += state.impulse.data[i];
         contact_loss += state.contact_loss.data[i];
+        const float *arm = body.arms.data + 4 * i;
+        for (int k = 0; k < 3; k++) {
+            const int a = (k + 1) % 3, b = (k + 2) % 3;
+            motion[k] += mass * u[k];
+            motion[3 + k] += mass * v[k];
+            motion[6 + k] += mass * ((arm[a] + u[a]) * v[b] - (arm[b] + u[b]) * v[a]);
+            for (int j = 0; j < 3; j++) motion[9 + 3 * k + j] += mass * u[k] * arm[j];
+        }
     }
     for (int l = 0; l < LANES; l++) {
         stored += strain[l];
         highest = peak[l] > highest ? peak[l] : highest;
     }
     const double values[] = {kinetic, stored, impulse, contact_loss, height, momentum, highest};
-    for (int k = 0; k < 7; k++) state.samples.data[7 * row + k] = (float)values[k];
+    float *out = state.samples.data + QUANTITIES * row;
+    for (int k = 0; k < 7; k++) out[k] = (float)values[k];
+    for (int k = 0; k < 18; k++) out[7 + k] = (float)motion[k];
 """
 
-_HEAD = CONTRACT + f"    constexpr int LANES = {LANES};" + TYPES + ALGEBRA + STRESS + _LAYOUT + ELEMENTS
+_HEAD = CONTRACT + f"    constexpr int LANES = {LANES}, QUANTITIES = {len(QUANTITIES)};" + TYPES + ALGEBRA + STRESS + _LAYOUT + ELEMENTS
 
 
 @wp.func_native(_HEAD + FORCES)
@@ -133,7 +144,7 @@ def advance(body: LaneBody, state: LaneState, scheme: LaneScheme) -> None:
 
 @wp.func_native(_HEAD + STRAIN + _SAMPLE)
 def sample(body: LaneBody, state: LaneState, scheme: LaneScheme, row: int) -> None:
-    """One row of the history, in the order of `kernels.KINETIC` to `kernels.PEAK`."""
+    """One row of the history, in the order of `explicit.QUANTITIES`."""
 
 
 @wp.kernel

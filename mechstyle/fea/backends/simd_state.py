@@ -17,6 +17,7 @@ class LaneBody:
     nodes_of: wp.array(dtype=wp.int32)
     geometry: wp.array(dtype=wp.float32)  # ∇L_1, ∇L_2, ∇L_3 (1/mm), volume (mm³)
     masses: wp.array(dtype=wp.float32)  # [node] g
+    arms: wp.array(dtype=wp.float32)  # [node][x y z 0] from the centre of mass (mm)
 
 
 @wp.struct

@@ -1,0 +1,140 @@
+"""Rigid flight between two touches: the motion of a body as a whole, and where and when its hull meets the floor again.
+
+Everything is seen from where the body was, undeformed, when the phase began: its centre of mass is the origin, n the floor normal.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import ConvexHull
+from scipy.spatial.transform import Rotation
+
+from mechstyle.fea.discretisation import Discretisation
+from mechstyle.fea.explicit import MOTION, QUANTITIES
+from mechstyle.records.mesh import Floats
+
+TURN = 0.02
+"""Most rotation in a step [rad]; the midpoint rule is then 1e-5 off in a turn."""
+
+NEAR = 1e-4
+"""Distance from the floor that counts as a touch, and least way of a step, over the distance of the farthest point from the centre."""
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """Motion of a body as a whole.
+
+    Attributes:
+        shift: Where its centre of mass has come to [mm], shape [3].
+        velocity: Of the centre [mm/ms], shape [3].
+        rotation: Of the body, shape [3, 3].
+        spin: Angular momentum about the centre [g mm²/ms], shape [3].
+    """
+
+    shift: Floats
+    velocity: Floats
+    rotation: Floats
+    spin: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Touch:
+    """A hull that meets the floor.
+
+    Attributes:
+        after: Time of flight [ms].
+        speed: Speed at which the touching point meets the floor [mm/ms].
+        motion: The motion then.
+    """
+
+    after: float
+    speed: float
+    motion: Motion
+
+
+@dataclass(frozen=True, eq=False)
+class RigidBody:
+    """What rigid motion needs to know of a body.
+
+    Attributes:
+        masses: Of the nodes [g], shape [node_count].
+        arms: Nodes seen from the centre of mass [mm], shape [node_count, 3].
+        hull: The corners of the convex hull among them, shape [corners, 3].
+        spread: Σ m r ⊗ r [g mm²], shape [3, 3].
+        gravity: g [mm/ms²].
+    """
+
+    masses: Floats
+    arms: Floats
+    hull: Floats
+    spread: Floats
+    gravity: float
+
+    @classmethod
+    def of(cls, body: Discretisation, gravity: float) -> RigidBody:
+        """The body, undeformed."""
+        arms = body.arms
+        corners = arms[np.sort(ConvexHull(arms).vertices)]
+        return cls(body.masses, arms, corners, (body.masses[:, None] * arms).T @ arms, gravity)
+
+    @property
+    def mass(self) -> float:
+        """[g]."""
+        return float(self.masses.sum())
+
+    @property
+    def inertia(self) -> Floats:
+        """Moments of inertia about the centre [g mm²], shape [3, 3]."""
+        return np.asarray(np.trace(self.spread) * np.eye(3) - self.spread)
+
+    def motion(self, sample: Floats) -> Motion:
+        """The motion nearest to that of the nodes, from a sample of `explicit.QUANTITIES`: same momenta, rotation by least squares."""
+        sums = sample[QUANTITIES.index(MOTION[0]) :]
+        shift, velocity = sums[:3] / self.mass, sums[3:6] / self.mass
+        left, _, right = np.linalg.svd(self.spread + sums[9:].reshape(3, 3))
+        rotation = left @ np.diag([1.0, 1.0, np.linalg.det(left @ right)]) @ right
+        return Motion(shift, velocity, rotation, sums[6:9] - self.mass * np.cross(shift, velocity))
+
+    def turning(self, rotation: Floats, spin: Floats) -> Floats:
+        """Angular velocity [rad/ms], shape [3]."""
+        return np.asarray(rotation @ np.linalg.solve(self.inertia, rotation.T @ spin))
+
+    def velocities(self, motion: Motion) -> Floats:
+        """Velocity of every node in the frame of the body [mm/ms], shape [node_count, 3]."""
+        turning = motion.rotation.T @ self.turning(motion.rotation, motion.spin)
+        return np.asarray(motion.rotation.T @ motion.velocity + np.cross(turning, self.arms))
+
+    def next_touch(self, motion: Motion, normal: Floats) -> Touch | None:
+        """Where a body in free flight meets the floor on which it stood, None if it leaves it for good.
+
+        It has left when its centre is higher than its farthest point reaches: the weight will bring it back, but that is another fall.
+        No step is longer than the lowest point needs to the floor at the most speed there is, so none is missed.
+        """
+        reach = float(np.linalg.norm(self.hull, axis=1).max())
+        floor, turning = float((self.arms @ normal).min()), self.turning(motion.rotation, motion.spin)
+        most_turning = float(np.sqrt(max(turning @ motion.spin, 0.0) / np.linalg.eigvalsh(self.inertia)[0]))  # 2 T ≥ I_min ω²
+        shift, velocity, rotation, time = motion.shift, motion.velocity, motion.rotation, 0.0
+        while True:
+            low, rate = rotation.T @ normal, np.cross(normal, turning) @ rotation
+            heights = shift @ normal + self.hull @ low - floor
+            falling = velocity @ normal + self.hull @ rate
+            meeting = np.flatnonzero((heights <= NEAR * reach) & (falling < 0.0))
+            if len(meeting):
+                speed = -float(falling[meeting].min())
+                return Touch(float(time), speed, Motion(shift, velocity, rotation, motion.spin))
+            if shift @ normal - floor > reach and velocity @ normal >= 0.0:
+                return None
+            speed = abs(float(velocity @ normal)) + most_turning * reach + np.sqrt(2.0 * self.gravity * reach)
+            step = min(max(float(heights.min()), NEAR * reach) / speed, TURN / max(float(np.linalg.norm(turning)), 1e-12))
+            middle = _turned(rotation, self.turning(rotation, motion.spin) * (0.5 * step))
+            rotation = _turned(rotation, self.turning(middle, motion.spin) * step)
+            shift = shift + step * velocity - 0.5 * step**2 * self.gravity * normal
+            velocity, time = velocity - step * self.gravity * normal, time + step
+            turning = self.turning(rotation, motion.spin)
+
+
+def _turned(rotation: Floats, by: Floats) -> Floats:
+    """A rotation followed by a small one about an axis [rad], shape [3, 3]."""
+    return np.asarray(Rotation.from_rotvec(by).as_matrix() @ rotation)

@@ -1,0 +1,312 @@
+"""A drop from its first touch until its impact has ended: phases of contact, which are simulated, and rigid flights between them.
+
+A phase is over when the floor has not pushed for a third of the body's lowest period; then the body flies on as a rigid one. Where it
+will touch again at half the speed of its fall or more, another phase begins, a new drop of the undeformed body: what it still vibrates
+is left out, because its phase at the next touch is a lottery, which a degree of tilt draws anew.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mechstyle.fea.explicit import QUANTITIES, Batch, Body, Job, Scheme, Starts, carry, failing, total_energy
+from mechstyle.fea.flight import RigidBody, Touch
+from mechstyle.records.mesh import Bools, Floats
+
+QUIET = 0.35
+"""Time without contact after which a phase is over, over the lowest period. The tip of a bar comes back after 0.21 of it."""
+
+PUSH = 1e-4
+"""Impulse of the floor that counts as contact, over the momentum at first touch."""
+
+SLOW = 0.5
+"""Speed of a next touch below which it is not followed, over the speed at first touch."""
+
+SOON = 0.25
+"""Time of flight below which simulating goes on instead, over the lowest period."""
+
+MOST_PHASES = 4
+MOST_PERIODS, MOST_BESIDES = 6.0, 1.5
+"""Most time that is simulated: so many lowest periods, and so many milliseconds besides."""
+
+LOOK = 5
+"""Samples between two looks at the rule."""
+
+IMPULSE, CONTACT_LOSS, HEIGHT = (QUANTITIES.index(name) for name in ("impulse", "contact_loss", "height"))
+
+
+def longest(period: float) -> float:
+    """Most time that is simulated of a body with a lowest period [ms]."""
+    return MOST_PERIODS * period + MOST_BESIDES
+
+
+class Camera(Protocol):
+    """Takes pictures of the first drop; see `Track.displacement`."""
+
+    def take(self, time: float, displacement: Floats, peak: NDArray[np.float32], corners: NDArray[np.float32]) -> None:
+        """A moment [ms]: displacement of the nodes [mm], [node_count, 3], and largest stress since the one before [MPa].
+
+        At the Gauss points, [tet_count, points], and at the corners, [tet_count, 4].
+        """
+
+
+@dataclass(frozen=True)
+class Rule:
+    """When a drop ends.
+
+    Attributes:
+        speed: Speed at first touch [mm/ms].
+        period: Lowest elastic period of the body [ms]; unused if there is a window.
+        window: Time after first touch [ms], None for as long as the impact lasts.
+    """
+
+    speed: float
+    period: float
+    window: float | None
+
+
+class Track:
+    """One orientation on its way through its phases.
+
+    Args:
+        normal: Floor normal in the frame of the body, shape [3].
+        body: The body.
+        scheme: The step.
+        rule: Of the attribute.
+
+    Attributes:
+        rule: When it ends.
+        begun: When each phase began [ms since first touch].
+        speeds: Speed of the touching point at the start of each phase [mm/ms].
+        normals: Floor normals of the phases in the frame of the body.
+        samples: Samples of each phase, the one at its start first, shape [samples, QUANTITIES].
+        sunk: How far the centre of mass has sunk when each phase begins, along the first normal, times the mass [g mm].
+        peak: Largest stress so far at the Gauss points [MPa], shape [tet_count, points].
+        corners: The same at the corners, shape [tet_count, 4].
+        touched: Whether each node has met the floor, shape [node_count].
+        ended: Why it ended, in words; "" while it goes on.
+        failed: Whether it broke down.
+    """
+
+    def __init__(self, normal: Floats, body: RigidBody, scheme: Scheme, rule: Rule) -> None:
+        self._body, self._scheme, self.rule = body, scheme, rule
+        self.begun, self.speeds, self.normals, self.sunk = [0.0], [rule.speed], [normal], [0.0]
+        self.samples: list[Floats] = []
+        self.peak: NDArray[np.float32] | None = None
+        self.corners: NDArray[np.float32] | None = None
+        self.touched: Bools | None = None
+        self.ended, self.failed = "", False
+        self._rotation, self._place = np.eye(3), np.zeros(3)  # of the undeformed body as this phase began
+        self._next: Touch | None = None
+        self._pushed, self._quiet_since = 0.0, 0.0
+        self._begin(np.broadcast_to(-rule.speed * normal, body.arms.shape))
+
+    @property
+    def interval(self) -> float:
+        """Time between samples [ms]."""
+        return self._scheme.stride * self._scheme.time_step
+
+    @property
+    def taken(self) -> int:
+        """Samples taken of all phases."""
+        return sum(len(rows) - 1 for rows in self.samples)
+
+    @property
+    def left(self) -> int:
+        """Samples that may still be taken."""
+        return self._scheme.samples - self.taken
+
+    @property
+    def time(self) -> float:
+        """Time since first touch [ms]."""
+        return self.begun[-1] + self.interval * (len(self.samples[-1]) - 1)
+
+    @property
+    def fraction(self) -> float:
+        """About how much is done; of a drop that ends by the rule nobody knows."""
+        if self.ended:
+            return 1.0
+        if self.rule.window is not None:
+            return self.taken / self._scheme.samples
+        periods = self.taken * self.interval / self.rule.period
+        return periods / (1.0 + periods)
+
+    def starts(self) -> Starts:
+        """The phase that begins, from the undeformed body."""
+        normal = self.normals[-1]
+        heights = self._body.arms @ normal
+        still = np.broadcast_to(0.0, self._velocities.shape)
+        return Starts(normal[None], (heights - heights.min())[None], still[None], self._velocities[None])
+
+    def look(self, rows: Floats) -> bool:
+        """Take samples in, [samples, QUANTITIES]; whether the phase, and perhaps the drop, is over with them."""
+        here = self.samples[-1] = np.concatenate([self.samples[-1], rows])
+        energy = float(here[0, QUANTITIES.index("kinetic")])
+        bad = np.flatnonzero(failing(here[1:, :, None], self._scheme, energy))
+        if len(bad):
+            self.samples[-1] = here[: bad[0] + 2]
+            self.ended, self.failed = _breakdown(here[bad[0] + 1], self._scheme, energy), True
+            return True
+        if here[-1, IMPULSE] - self._pushed >= PUSH * self._body.mass * self.rule.speed:
+            self._pushed, self._quiet_since = float(here[-1, IMPULSE]), self.time
+        self.ended = self._over()
+        return bool(self.ended) or self._next is not None
+
+    def fly(self) -> None:
+        """On to the next touch, where a phase begins."""
+        touch, body, normal = self._next, self._body, self.normals[-1]
+        if touch is None:
+            raise RuntimeError("there is no next touch to fly to")
+        self.begun.append(float(self.time + touch.after))
+        self._place = self._place + self._rotation @ touch.motion.shift
+        self._rotation = self._rotation @ touch.motion.rotation
+        self.normals.append(touch.motion.rotation.T @ normal)
+        self.speeds.append(touch.speed)
+        self.sunk.append(float(body.mass * self._place @ self.normals[0]))
+        self._begin(body.velocities(touch.motion))
+
+    def keep(self, peak: NDArray[np.float32], corners: NDArray[np.float32], touched: Bools) -> None:
+        """Take in the largest stress of a phase and the nodes that met the floor, in the shapes of the attributes."""
+        if self.peak is None or self.corners is None or self.touched is None:
+            self.peak, self.corners, self.touched = peak.copy(), corners.copy(), touched.copy()
+        else:
+            self.peak, self.corners = np.maximum(self.peak, peak), np.maximum(self.corners, corners)
+            self.touched = self.touched | touched
+
+    def displacement(self, since: NDArray[np.float32]) -> Floats:
+        """How far each node has moved since first touch, from its displacement since the phase began [mm], shape [node_count, 3]."""
+        return np.asarray(self._place + (self._body.arms + since) @ self._rotation.T - self._body.arms)
+
+    def _begin(self, velocities: Floats) -> None:
+        masses, normal = self._body.masses[:, None], self.normals[-1]
+        sample = np.zeros(len(QUANTITIES))
+        sample[QUANTITIES.index("kinetic")] = 0.5 * float((masses * velocities**2).sum())
+        sample[QUANTITIES.index("momentum")] = float((masses * velocities).sum(axis=0) @ normal)
+        self.samples.append(sample[None])
+        self._velocities, self._pushed, self._quiet_since, self._next = velocities, 0.0, self.begun[-1], None
+
+    def _over(self) -> str:
+        """Why the drop is over, "" if it is not; `_next` if a phase is over but the drop is not."""
+        rule, simulated = self.rule, self.taken * self.interval
+        if rule.window is not None:
+            return f"the window of {rule.window:g} ms was over" if self.left <= 0 else ""
+        if self.left <= 0:
+            return f"{simulated:.3g} ms were simulated, the most for a part whose lowest period is {rule.period:.2g} ms"
+        return "" if self.time - self._quiet_since < QUIET * rule.period else self._out_of_contact()
+
+    def _out_of_contact(self) -> str:
+        """As `_over` of a body that the floor has not pushed for long."""
+        rule = self.rule
+        touch = self._body.next_touch(self._body.motion(self.samples[-1][-1]), self.normals[-1])
+        if touch is None:
+            return "it leaves the floor, no next touch"
+        if touch.speed < SLOW * rule.speed:
+            return f"the next touch, at {touch.speed:.1f} m/s, is slower than {SLOW:g} of the first"
+        if touch.after < SOON * rule.period:
+            return ""
+        if len(self.begun) == MOST_PHASES:
+            return f"a further touch, at {touch.speed:.1f} m/s, comes after {MOST_PHASES} phases, the most that are simulated"
+        self._next = touch
+        return ""
+
+
+def _breakdown(sample: Floats, scheme: Scheme, energy: float) -> str:
+    """Why a sample cannot be trusted, in words."""
+    if not np.isfinite(sample).all():
+        return "its state is no longer finite"
+    return f"its energy rose to {float(total_energy(sample[None], scheme)[0]) / energy:.3g} of what it was at the touch"
+
+
+def follow(body: Body, scheme: Scheme, tracks: Sequence[Track], told: Callable[[float], None], camera: Camera | None = None) -> None:
+    """Carry drops through all their phases: all first ones, then all second ones, and so on; a camera looks at the first drop.
+
+    Args:
+        body: Where they are computed.
+        scheme: The step.
+        tracks: The drops at first touch; they say afterwards what happened.
+        told: Called in this thread with the fraction done; what it raises cancels the rest.
+        camera: Looks on, if there is one drop.
+    """
+
+    def tell() -> None:
+        told(sum(track.fraction for track in tracks) / len(tracks))
+
+    going = list(tracks)
+    while going:
+        starts = Starts.together([track.starts() for track in going])
+        carry(_jobs(body, scheme, starts, going, camera), tell)
+        if any(track.failed for track in going):
+            return
+        going = [track for track in going if not track.ended]
+        for track in going:
+            track.fly()
+
+
+def _jobs(body: Body, scheme: Scheme, starts: Starts, tracks: Sequence[Track], camera: Camera | None) -> list[Job]:
+    """Jobs for as many tracks as starts."""
+    jobs: list[Job] = []
+    first = 0
+    for batch in body.batches(scheme, starts):
+        jobs.append(_Phase(body, scheme, batch, tracks[first : first + batch.count], camera))
+        first += batch.count
+    return jobs
+
+
+class _Phase:
+    """A phase of some drops side by side, a `Job`; a drop is closed when its rule fires, and the others go on."""
+
+    def __init__(self, body: Body, scheme: Scheme, batch: Batch, tracks: Sequence[Track], camera: Camera | None) -> None:
+        self._body, self._scheme, self._batch, self._tracks, self._camera = body, scheme, batch, tracks, camera
+        self._open, self._done, self._ahead = list(range(len(tracks))), 0, 0
+        self._before = [track.samples[-1][-1].copy() for track in tracks]
+
+    def advance(self) -> None:
+        """Some samples on."""
+        self._ahead = min(LOOK, max(self._tracks[lane].left for lane in self._open))
+        self._batch.advance(self._ahead)
+
+    def look(self) -> Sequence[Job]:
+        """Close the drops whose phase is over."""
+        first, self._done = self._done, self._done + self._ahead
+        rows = self._batch.history(first, self._done)
+        closed = []
+        for lane in self._open:
+            track = self._tracks[lane]
+            since = rows[: track.left, :, lane]
+            since[:, [IMPULSE, CONTACT_LOSS]] += self._before[lane][[IMPULSE, CONTACT_LOSS]]
+            if track.look(since):
+                closed.append(lane)
+        if self._camera is not None:
+            self._picture(self._camera)
+        if not closed:
+            return [self]
+        self._keep(closed)
+        self._open = [lane for lane in self._open if lane not in closed]
+        if 2 * len(self._open) > len(self._tracks):
+            return [self]
+        return self._packed() if self._open else []
+
+    def _keep(self, lanes: Sequence[int]) -> None:
+        peak, corners, touched = self._batch.peak(), self._batch.corners(), self._batch.touched()
+        for lane in lanes:
+            self._tracks[lane].keep(peak[lane], corners[lane], touched[lane])
+
+    def _packed(self) -> Sequence[Job]:
+        """The open drops on their own: lanes that are closed cost as much as open ones."""
+        self._keep(self._open)
+        tracks = [self._tracks[lane] for lane in self._open]
+        starts, (u, v) = Starts.together([track.starts() for track in tracks]), self._batch.motion()
+        starts = Starts(starts.normals, starts.heights, u[self._open], v[self._open])
+        return _jobs(self._body, self._scheme, starts, tracks, self._camera)
+
+    def _picture(self, camera: Camera) -> None:
+        """What the first drop looks like; the maximum of its stress begins anew."""
+        track, peak, corners = self._tracks[0], self._batch.peak()[0], self._batch.corners()[0]
+        camera.take(track.time, track.displacement(self._batch.motion()[0][0]), peak, corners)
+        track.keep(peak, corners, self._batch.touched()[0])
+        self._batch.forget_peak()
