@@ -56,19 +56,28 @@ def memo_key(inputs: tuple[Any, ...], displacement: NDArray[np.float32]) -> str:
     return hashlib.sha256(msgspec.json.encode(inputs) + np.ascontiguousarray(displacement, np.float32).tobytes()).hexdigest()
 
 
-def period_of(tets: TetMesh, recipe: Recipe, memo: Memo) -> float | None:
-    """Lowest elastic period of the unstylized part [ms], by which the end of an impact is told, also of a styled one; remembered.
+def period_of(tets: TetMesh, recipe: Recipe, memo: Memo, trusted: Memo | None = None) -> float | None:
+    """Lowest elastic period of the unstylized part [ms], by which the end of an impact is told, also of a styled one.
 
     None if the recipe has a window, which needs none.
+
+    Args:
+        tets: The unstylized part.
+        recipe: What decides the physics.
+        memo: Where the answer is remembered.
+        trusted: Where it is looked for first, and remembered if it was worked out here; None for nowhere.
     """
     if recipe.window is not None:
         return None
     key = memo_key(("period", PHYSICS_VERSION, recipe.tetrahedra, recipe.material, recipe.element), np.empty(0, np.float32))
-    period = memo.recall(key, float)
-    if period is None:
-        test = prescribed(recipe)
-        period = lowest_period(discretise(tets, recipe.material, test.added_mass, element_named(test.element)), recipe.material)
-        memo.remember(key, period)
+    memos = [memo] if trusted is None else [trusted, memo]
+    period = next((found for one in memos if (found := one.recall(key, float)) is not None), None)
+    if period is not None:
+        return period
+    test = prescribed(recipe)
+    period = lowest_period(discretise(tets, recipe.material, test.added_mass, element_named(test.element)), recipe.material)
+    for one in memos:
+        one.remember(key, period)
     return period
 
 
@@ -258,8 +267,8 @@ class DropSimulator:
 
     @cached_property
     def _period(self) -> float | None:
-        """Of `period_of`, remembered for other runs too if that can be."""
-        return period_of(self.tets, self.recipe, self.memo if self.shared is None else self.shared)
+        """Of `period_of`."""
+        return period_of(self.tets, self.recipe, self.memo, self._trusted)
 
     def _measured(self, morphed: Morphed, result: Drop, reading: SurfaceStress, transfer: Transfer) -> Simulation:
         """Measures and surface fields of a drop; all zero, with the reason, for one that failed."""

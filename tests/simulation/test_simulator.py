@@ -10,6 +10,9 @@ import pytest
 import trimesh
 
 from mechstyle.errors import BadInput, SimulationFailed
+from mechstyle.fea.discretisation import discretise
+from mechstyle.fea.drop import DropTest
+from mechstyle.fea.elements import LINEAR
 from mechstyle.geometry.tetrahedra import tetrahedralise
 from mechstyle.loop.objects import Memo, Objects
 from mechstyle.records import Recipe
@@ -56,6 +59,11 @@ def simulator(block, memo, **settings) -> DropSimulator:
     chosen = {"material": LIBRARY["PLA"], "orientations": 2, "tilts": 0, "window": 0.1, **settings}
     recipe = Recipe(surface=surface.digest, tetrahedra=tets.digest, prompt="", **chosen)
     return DropSimulator(surface, tets, recipe, memo)
+
+
+def discretised(block):
+    """The linear tetrahedra as a drop takes them."""
+    return discretise(block[1], LIBRARY["PLA"], DropTest().added_mass, LINEAR)
 
 
 def bumps(block, height=0.2):
@@ -175,6 +183,41 @@ def test_the_baseline_of_a_part_that_is_not_the_one_its_recipe_names_is_for_itse
     claimed = replace(sim, shared=users, recipe=msgspec.structs.replace(sim.recipe, **{other: "5" * 64}))
     assert claimed.baseline.stress.any()
     assert not users.folder.exists()
+
+
+def test_without_a_window_the_impact_ends_by_the_period_of_the_unstylized_part(block, memo, tmp_path, monkeypatch):
+    asked, real = [], module.lowest_period
+
+    def counting(body, material):
+        asked.append(len(body.volumes))
+        return real(body, material)
+
+    monkeypatch.setattr(module, "lowest_period", counting)
+    shared = Memo(tmp_path / "shared", Objects(tmp_path / "shared-objects"))
+    for own in (memo, Memo(tmp_path / "other", Objects(tmp_path / "objects"))):
+        sim = replace(simulator(block, own, window=None, element="tet4"), shared=shared)
+        plain, styled = sim.baseline, sim.simulate(bumps(block), thorough=False)
+        for simulation in (plain, styled):
+            assert simulation.landings
+            for landing in simulation.landings:
+                assert landing.touches[0] == pytest.approx(np.sqrt(2 * 9.81e-3 * 1500.0))
+                assert landing.ended
+    assert asked == [len(block[1].tets)]
+    assert module.period_of(block[1], sim.recipe, shared) == real(discretised(block), LIBRARY["PLA"])
+    simulator(block, memo).simulate(bumps(block), thorough=False)
+    assert len(asked) == 1, "a window needs no period"
+
+
+def test_a_forged_period_of_a_run_folder_stays_in_that_folder(block, memo, tmp_path):
+    stranger, users = (Memo(tmp_path / name, Objects(tmp_path / f"{name}-objects")) for name in ("stranger", "users"))
+    sim = simulator(block, memo, window=None, element="tet4")
+    honest = module.period_of(block[1], sim.recipe, memo)
+    (key,) = [path.name for path in memo.folder.iterdir()]
+    stranger.remember(key, 10.0 * honest)
+    assert module.period_of(block[1], sim.recipe, stranger, users) == 10.0 * honest
+    assert not users.folder.exists()
+    users.remember(key, honest)
+    assert module.period_of(block[1], sim.recipe, stranger, users) == honest
 
 
 def test_only_the_thorough_test_turns_the_part(block, memo, drops):

@@ -150,8 +150,10 @@ class DeviceBatch:
         constants = (scheme.law_number, scheme.law.mu, scheme.law.la, wp.vec3f(*scheme.across), scheme.time_step)
         parts = (int(sampling_kernels.PARTS), self.count)
         body.launch(sampling_kernels.sample_elements, parts, *body.elements, *constants, self.u, self.v, self.parts)
-        body.launch(sampling_kernels.sample_nodes, parts, body.masses, self.normals, self.u, self.v, self.impulse, self.contact_loss, self.parts)
-        body.launch(sampling_kernels.sample_motion, parts, body.masses, body.arms, self.u, self.v, self.parts)
+        motion = (self.u, self.v)
+        sums = (self.impulse, self.contact_loss, self.parts)
+        body.launch(sampling_kernels.sample_nodes, parts, body.masses, self.normals, *motion, *sums)
+        body.launch(sampling_kernels.sample_motion, parts, body.masses, body.arms, *motion, self.parts)
         body.launch(sampling_kernels.sample_total, (len(QUANTITIES), self.count), self.parts, self.row, self.samples)
         body.launch(sampling_kernels.next_row, (1,), self.row)
 

@@ -5,8 +5,6 @@ neighbouring memory. The element kernels write each tetrahedron's nodal forces t
 adds up its slots, which follow each other. There are no atomic sums, so the same inputs give the same bytes.
 """
 
-# ruff: noqa: UP018 - float(0.0) declares a Warp variable that changes in a loop, 0.0 a constant
-
 from mechstyle._warp import wp
 from mechstyle.fea.backends.laws import equivalent_squared, first_piola
 from mechstyle.fea.elements import GAUSS_A, GAUSS_B
