@@ -10,7 +10,7 @@ from mechstyle.fea import explicit, phases
 from mechstyle.fea.backends import cpu
 from mechstyle.fea.backends.cpu import CoreBody
 from mechstyle.fea.backends.gpu import DeviceBody
-from mechstyle.fea.criterion import BallAverage, measures
+from mechstyle.fea.ball_average import BallAverage
 from mechstyle.fea.discretisation import discretise
 from mechstyle.fea.drop import DropTest, drop
 from mechstyle.fea.elements import LINEAR, QUADRATIC
@@ -64,13 +64,13 @@ def test_the_second_impact_comes_when_and_as_fast_as_in_a_long_window(bar, pla, 
 def test_the_second_impact_is_the_harder_one(bar, tilted):
     average = BallAverage(bar)
     first = drop(bar, LIBRARY["PLA"], [tilt(35.0)], DropTest(window=tilted.phases[1][0].end), device="cpu")
-    peaks = [measures(bar, dropped.von_mises[index], average).peak for dropped, index in ((first, 0), (tilted, 1))]
+    peaks = [average(bar, dropped.von_mises[index]).max() for dropped, index in ((first, 0), (tilted, 1))]
     assert peaks[1] > 1.3 * peaks[0]
 
 
 def test_a_degree_of_tilt_does_not_draw_lots(bar, tilted):
     average = BallAverage(bar)
-    peaks = np.array([measures(bar, stress, average).peak for stress in tilted.von_mises])
+    peaks = np.array([average(bar, stress).max() for stress in tilted.von_mises])
     assert peaks.std() < 0.04 * peaks.mean()
     speeds = np.array([each[1].speed for each in tilted.phases])
     assert speeds.std() < 0.04 * speeds.mean()
@@ -209,6 +209,8 @@ def test_the_player_sees_the_part_where_the_flight_has_brought_it(bar, pla, peri
     assert np.abs(moved - rigid).max() < 3.0
     assert lowest[at] < floor + 1.0, "it touches again"
     np.testing.assert_allclose(seen.von_mises.max(axis=0), result.von_mises[0], rtol=1e-6)
+    np.testing.assert_allclose(seen.corners.max(axis=0), result.corners[0], rtol=1e-6)
+    np.testing.assert_array_equal(seen.contact, result.contact[0])
 
 
 def test_a_drop_that_breaks_down_in_a_phase_is_named_and_flies_no_further(bar, pla, period):
