@@ -122,7 +122,8 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         if freestyle:
             chosen = {name: value for name, value in chosen.items() if name not in (*FREESTYLE, "normalisation")}
         part, options = self.part_picker, self.drop_options
-        at_hand = part.mesh is not None and part.mesh is self._opened_mesh and options.vertices == len(part.mesh.vertices)
+        opened = part.mesh is not None and part.mesh is self._opened_mesh and options.vertices == len(part.mesh.vertices)
+        at_hand = opened and self.run is not None and self.run.store.root == self._opened_root
         unseen = {name: value for name, value in self._unseen.items() if not (name == "clip" and chosen["guidance"] == "offline")}
         recipe = draft(prompt, material, freestyle=freestyle, **{**unseen, **chosen})
         return Wanted(recipe, None if at_hand else part.mesh, options.vertices, part.name or "part", options.folder, options.device)
@@ -141,6 +142,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
 
     def _make_sections(self, part: Any, settings: dict[str, Any]) -> None:
         self._opened_mesh: SurfaceMesh | None = None  # the part of the run that was opened, ready as it is
+        self._opened_root: Path | None = None
         self._unseen: dict[str, Any] = {}
         given = dict(settings)
         scale, name = given.pop("scale", None), given.pop("name", "part")
@@ -190,7 +192,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._take_recipe(run.recipe)
         self.drop_options.vertices = len(run.part.surface.vertices)
         self.part_picker.show(run.part.surface, run.record.name)
-        self._opened_mesh = run.part.surface
+        self._opened_mesh, self._opened_root = run.part.surface, run.store.root
 
     def _take_recipe(self, recipe: Recipe) -> None:
         """Show the settings of a recipe."""
@@ -217,14 +219,20 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         old, new = change["old"], change["new"]
         if isinstance(old, Run) and new is not None and old.store.root == new.store.root:
             self._take_recipe(new.recipe)
-        else:
-            self._first_checkpoint()
-
-    def _first_checkpoint(self, change: dict[str, Any] | None = None) -> None:
-        if self.state.checkpoint is None or (change is not None and change["old"] is not None):
             return
-        viewer = RunViewer(self.state, theme=self.theme, width=self._middle_width, height=VIEW)
-        self._show(viewer)
+        if isinstance(self._viewer, RunViewer):
+            self._viewer.let_go()
+        if self.state.checkpoint is not None:
+            self._show_run()
+        elif new is not None:
+            self._show(Viewer(new.part.surface, theme=self.theme, width=self._middle_width, height=VIEW))
+
+    def _first_checkpoint(self, change: dict[str, Any]) -> None:
+        if change["old"] is None and self.state.checkpoint is not None and not isinstance(self._viewer, RunViewer):
+            self._show_run()
+
+    def _show_run(self) -> None:
+        self._show(RunViewer(self.state, theme=self.theme, width=self._middle_width, height=VIEW))
         self._derive()
 
     def _stand_beside(self, change: dict[str, Any]) -> None:

@@ -99,6 +99,7 @@ class MaskInspector(Section):
         run, checkpoint = self.state.run, self.state.checkpoint
         self._use.disabled = self._show_layer.disabled = run is None or checkpoint is None
         if run is None or checkpoint is None:
+            self.would_be = None
             self._plots.say("")
             self.note("nothing to inspect yet: run something first")
             return

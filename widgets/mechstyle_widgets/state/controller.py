@@ -114,23 +114,22 @@ class Controller:
         if self.busy and state.session is not None:
             return state.session
         wanted = self.wanted()
-        same_part = wanted.mesh is None or self._part_of(wanted) == self._begun_with
+        same_part = wanted.mesh is None or (state.run is not None and self._asked(wanted, state.run) == self._begun_with)
         if state.run is None or not same_part or state.run.recipe.differences(wanted.recipe):
             return self._begin(wanted, state.run if same_part else None)
         if state.run.finished:
             raise BadInput("this lane is finished: change a setting to begin another run, or branch from an earlier iteration")
         return self._carry_on(state.run)
 
-    def _part_of(self, wanted: Wanted) -> tuple[Any, ...]:
-        return () if wanted.mesh is None else (wanted.mesh.digest, wanted.vertices)
+    def _asked(self, wanted: Wanted, run: Run) -> tuple[Any, ...]:
+        """What tells whether a run was begun here with a part; () for the part of the run on show."""
+        return () if wanted.mesh is None else (run.store.root, wanted.mesh.digest, wanted.vertices)
 
     def _begin(self, wanted: Wanted, earlier: Run | None) -> Session:
         """A session that prepares the part, unless an earlier run has it, begins the run and carries it on."""
         device = resolve_device(wanted.device)  # refused at once, not in the session
         part, origin = (wanted.mesh, None) if earlier is None else (earlier.part, earlier.record.origin)
         assert part is not None, "a part that is not prepared comes with its mesh"
-        if wanted.mesh is not None:
-            self._begun_with = self._part_of(wanted)
 
         def events(progress: Progress) -> Generator[Event, None, None]:
             self.state.tell(status="preparing", fraction=0.0)
@@ -138,6 +137,7 @@ class Controller:
                 wanted.recipe, part, vertices=wanted.vertices, origin=origin, out=wanted.folder or None, name=wanted.name, device=device,
                 stage=lambda words: self.state.tell(stage=words), prepare=partial(prepare_aside, go_on=lambda: progress(0.0)),
             )  # fmt: skip
+            self._begun_with = self._asked(wanted, run)
             self.state.tell(opened=run)
             yield from self._told(run, progress)
 

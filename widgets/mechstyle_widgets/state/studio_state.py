@@ -94,11 +94,7 @@ class StudioState(traitlets.HasTraits):
         Args:
             run: The run, opened at the lane to show.
         """
-        self.follow = True
-        with self.hold_trait_notifications():
-            self.run, self.lane = run, run.lane
-        self._read_store()
-        self._rest()
+        self._open(run, follow=True)
 
     def row(self, iteration: int | None = None, lane: str = "") -> Row | None:
         """Row of an iteration of a lane, by default the current ones; None if it is not there."""
@@ -123,9 +119,7 @@ class StudioState(traitlets.HasTraits):
     @traitlets.observe("lane")
     def _other_lane(self, change: dict[str, Any]) -> None:
         if self.run is not None and self.run.lane != change["new"]:
-            self.run = Run(self.run.store, change["new"], self.run.device)
-        self._read_store()
-        self._rest()
+            self._open(Run(self.run.store, change["new"], self.run.device), follow=self.follow)
 
     @traitlets.observe("iteration")
     def _other_iteration(self, _change: object) -> None:
@@ -134,20 +128,30 @@ class StudioState(traitlets.HasTraits):
 
     def _read_store(self) -> None:
         """Bring rows and lanes up to date with what is on disk; the checkpoint follows."""
-        if self.run is None:
-            return
-        store, follow, thickness = self.run.store, self.follow, self.run.part.thickness
+        if self.run is not None:
+            self._take(self.run, follow=self.follow)
+
+    def _open(self, run: Run, *, follow: bool) -> None:
+        """Show a lane of a run."""
+        self._take(run, follow=follow)
+        self._rest()
+
+    def _take(self, run: Run, *, follow: bool) -> None:
+        """Set the run and all that follows from it at once, so that who is told of any of it finds it whole; nothing if it is damaged."""
+        store, thickness = run.store, run.part.thickness
         past: dict[str, list[Row]] = {}
         for name in store.lanes():
             past[name] = rows(store, name, known=self._rows, thickness=thickness, seconds=self._seconds)
             self._rows.update((row.digest, row) for row in past[name])
-        histories = {name: per_iteration(history) for name, history in past.items()}
-        self.history = histories.get(self.lane, [])
-        self.iterations_done = self.history[-1].iteration if self.history else 0
-        self.histories = histories
-        self.branches = lanes(store, past)
-        self.iteration = self.iterations_done if follow else min(self.iteration, self.iterations_done)
-        self._show()
+        histories, branches = {name: per_iteration(history) for name, history in past.items()}, lanes(store, past)
+        history = histories.get(run.lane, [])
+        done = history[-1].iteration if history else 0
+        iteration = done if follow else min(self.iteration, done)
+        shown = next((self._read(store, row.digest) for row in history if row.iteration == iteration), None)
+        with self.hold_trait_notifications():
+            self.follow, self.run, self.lane = follow, run, run.lane
+            self.history, self.histories, self.branches = history, histories, branches
+            self.iterations_done, self.iteration, self.checkpoint = done, iteration, shown
 
     def _rest(self) -> None:
         """While nothing is going on, the status is that of the lane on show."""
@@ -201,10 +205,13 @@ class StudioState(traitlets.HasTraits):
         self._pumped = time.monotonic()
         for name, value in noted.items():
             setattr(self, name, value)
-        if opened is not None:
-            self.open(opened)
-        elif stale:
-            self._read_store()
+        try:
+            if opened is not None:
+                self.open(opened)
+            elif stale:
+                self._read_store()
+        except MechStyleError as error:  # the event loop would keep it to itself
+            self.message = str(error)
 
     def _soon(self) -> None:
         assert self._loop is not None, "only a loop calls this"

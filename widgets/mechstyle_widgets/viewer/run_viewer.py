@@ -25,6 +25,8 @@ Derived = Callable[[Run, Checkpoint], Layer]
 class RunViewer(Linked, Viewer):
     """The styled part at the iteration a state shows, with every field known there; the unstylized part may stand beside it.
 
+    It follows the run directory it was made for; when the state opens another one, make another viewer.
+
     `iteration`, `lane` and `layer` are those of the state, both ways.
 
     Attributes:
@@ -50,7 +52,7 @@ class RunViewer(Linked, Viewer):
         """
         if state.run is None or state.checkpoint is None:
             raise BadInput("there is no iteration to show yet: start a run, or open one with Run.open")
-        self._catch_up = Paced(self._show_checkpoint)
+        self._catch_up, self._root = Paced(self._show_checkpoint), state.run.store.root
         subject = subject_of(state.run, state.checkpoint)
         original = subject_of(state.run, state.run.checkpoint(0))
         wanted = state.layer if subject.layer(state.layer) else STYLE
@@ -65,13 +67,17 @@ class RunViewer(Linked, Viewer):
         self.observe(self._follow, "derived")
         self.observe(self._stand_beside, "compared")
 
-    def close(self) -> None:
-        """Close the view; the state is followed no longer."""
+    def let_go(self) -> None:
+        """Follow the state no longer, which may come to show a part with other faces."""
         if self._links:
             self._catch_up.cancel()
             self.unlink()
             self._state.unobserve(self._follow, "checkpoint")
             self.player.close()
+
+    def close(self) -> None:
+        """Close the view; the state is followed no longer."""
+        self.let_go()
         super().close()
 
     @property
@@ -94,7 +100,7 @@ class RunViewer(Linked, Viewer):
 
     def _show_checkpoint(self) -> None:
         run, state = self._state.run, self._state.checkpoint
-        if run is None or state is None:
+        if run is None or state is None or run.store.root != self._root:  # another part needs another viewer
             return
         subject = subject_of(run, state)
         for layer in self.derived:

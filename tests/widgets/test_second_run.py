@@ -1,0 +1,204 @@
+"""One Studio, one run after another: whatever is shown is that of the run on show, and nothing is said in the log."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from mechstyle.errors import BadInput
+from mechstyle.loop.engine import Bounds, Engine
+from mechstyle.pictures.fields import MOMENT
+from mechstyle.records.mesh import SurfaceMesh, TetMesh
+from mechstyle.runs.run import Run
+from mechstyle.simulation.impact import Impact
+from mechstyle.simulation.part import Workpiece
+from mechstyle_widgets.state import controller as controller_module
+from mechstyle_widgets.studio import Studio
+from mechstyle_widgets.viewer import impact_player
+from mechstyle_widgets.viewer.run_viewer import RunViewer
+from support.bench import BumpStylizer, LeverSimulator, grid
+from support.lanes import CORNER
+
+PATIENCE = 30.0
+
+
+def sheet_of(mesh: SurfaceMesh, vertices: int) -> SurfaceMesh:
+    """What a part is standardised to here: a sheet whose size tells the part and whose vertices tell the resolution."""
+    return grid(int(np.sqrt(vertices)), step=float(mesh.extents[0]))
+
+
+def prepared(mesh, *, vertices, stage, go_on):
+    stage("standardising the surface")
+    surface = sheet_of(mesh, vertices)
+    return Workpiece(surface, TetMesh(CORNER.vertices, CORNER.tets), np.full(len(surface.vertices), 4.0, np.float32), stands=True)
+
+
+def engine_of(run: Run) -> Engine:
+    surface = run.part.surface
+    count = len(surface.vertices)
+    thick = np.full(count, 4.0, np.float32)
+    bounds = Bounds(thickness=thick, inward=0.25 * thick, outward=thick, freedom=np.ones(count, np.float32))
+    return Engine(run.recipe, surface, bounds, BumpStylizer(count), LeverSimulator(count, run.recipe), run.store, run.lane)
+
+
+def impact_of(part, _recipe, _displacement, _memo, _progress) -> Impact:
+    count = len(part.surface.vertices)
+    return Impact(np.linspace(0.0, 1.0, 3), np.zeros((3, count, 3), np.float32), np.ones((3, count), np.float32))
+
+
+@pytest.fixture
+def studio(tmp_path, monkeypatch, cube) -> Iterator[Studio]:
+    """A Studio whose runs take no time; its `go()` runs what is asked for to the end, hearing of it before the first iteration if `early`."""
+    begun, gate = threading.Event(), threading.Event()
+
+    def events(run, _progress):
+        begun.set()
+        assert gate.wait(PATIENCE)
+        yield from engine_of(run).run()
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(Run, "events", events)
+    monkeypatch.setattr(controller_module, "prepare_aside", prepared)
+    monkeypatch.setattr(impact_player, "impact_of", impact_of)
+    monkeypatch.setattr("mechstyle_widgets.panels.mask_inspector._freedom", lambda run, _recipe: np.ones_like(run.part.thickness))
+    made = Studio(cube, prompt="brick", schedule="every", every=4, iterations=12, vertices=64, protect_resting_face=False)
+
+    def go(*, early: bool = False) -> None:
+        begun.clear()
+        gate.clear()
+        made.run_controls._buttons["run"].click()
+        assert made.state.message == ""
+        session = made.state.session
+        if early and begun.wait(PATIENCE):
+            made.state.pump()
+        gate.set()
+        session.wait(PATIENCE)
+        made.state.pump()
+        assert made.state.status == "finished", made.state.message
+
+    made.go = go
+    yield made
+    made.close()
+
+
+def assert_shows(studio: Studio, surface: SurfaceMesh, prompt: str) -> None:
+    """Picture, stress, inspector, timeline, branches and impact are those of a run of this part and prompt."""
+    state, viewer, count = studio.state, studio._viewer, len(surface.vertices)
+    assert state.run.recipe.prompt == prompt
+    assert state.run.part.surface.digest == surface.digest
+    newest = state.run.checkpoint()
+    assert isinstance(viewer, RunViewer)
+    assert studio._middle.children == (viewer,)
+    expected = surface.displaced(newest.displacement)
+    np.testing.assert_array_equal(viewer.subject.mesh.faces, surface.faces)
+    np.testing.assert_allclose(viewer.subject.mesh.vertices, expected.vertices)
+    np.testing.assert_allclose(viewer.at_rest.vertices, surface.vertices)
+    viewer.layer = "stress"
+    np.testing.assert_allclose(viewer.subject.layer("stress").values, newest.stress)
+    assert state.layer == "stress"
+    assert studio.mask_inspector.would_be.shape == (count,)
+    assert studio.mask_inspector.selector.threshold == state.run.recipe.threshold
+    assert [row.digest for row in state.history] == [row.digest for row in state.histories["main"]]
+    assert state.history[-1].digest == state.run.store.lane().head
+    assert studio._timeline.iteration == state.iteration == 12
+    assert [branch.recipe.prompt for branch in state.branches] == [prompt]
+    viewer.player.play()
+    assert viewer.player.impact.stress.shape == (3, count)
+    assert viewer.layer == MOMENT
+    viewer.player.put_away()
+
+
+@pytest.mark.parametrize("early", [False, True])
+def test_another_prompt_then_another_part_then_another_resolution(studio, cube, caplog, early):
+    studio.go()
+    assert_shows(studio, sheet_of(cube, 64), "brick")
+    first = studio.state.run.store.root
+    studio.prompt_box.prompt = "stone"
+    studio.go(early=early)
+    assert_shows(studio, sheet_of(cube, 64), "stone")
+    assert studio.state.run.store.root != first
+    half = cube.moved(0.5 * cube.vertices)
+    studio.part_picker.show(half, "half")
+    studio.go(early=early)
+    assert_shows(studio, sheet_of(half, 64), "stone")
+    studio.drop_options.vertices = 100
+    studio.go(early=early)
+    assert_shows(studio, sheet_of(half, 100), "stone")
+    assert not caplog.records
+
+
+def test_a_run_that_was_begun_before_is_found_again(studio, cube, caplog):
+    studio.go()
+    old = studio.state.run.store.root
+    studio.control_selector.threshold = 0.4
+    studio.go()
+    other = studio.state.run
+    studio.state.open(Run.open(old, "cpu"))
+    assert_shows(studio, sheet_of(cube, 64), "brick")
+    studio.state.open(other)
+    assert_shows(studio, sheet_of(cube, 64), "brick")
+    assert studio.mask_inspector.selector.threshold == 0.4
+    assert not caplog.records
+
+
+def test_a_layer_only_the_earlier_run_has_gives_way(studio, caplog):
+    studio.go()
+    studio.mask_inspector._show_layer.value = True
+    studio._viewer.player.play()
+    studio.prompt_box.prompt = "stone"
+    studio.go()
+    assert studio._viewer.layer == studio.state.layer
+    assert studio._viewer.player.impact is None
+    assert not caplog.records
+
+
+def test_a_part_that_could_not_be_prepared_is_not_taken_for_the_one_before(studio, cube, monkeypatch):
+    studio.go()
+    half = cube.moved(0.5 * cube.vertices)
+    studio.part_picker.show(half, "half")
+
+    def refused(*_args, **_options):
+        raise BadInput("this part cannot be meshed")
+
+    with monkeypatch.context() as failing:
+        failing.setattr(controller_module, "prepare_aside", refused)
+        studio.run_controls._buttons["run"].click()
+        studio.state.session.wait(PATIENCE)
+        studio.state.pump()
+    assert studio.state.message == "this part cannot be meshed"
+    studio.go()
+    assert_shows(studio, sheet_of(half, 64), "brick")
+
+
+def test_an_opened_run_at_another_resolution_and_back(studio, cube, tmp_path):
+    studio.go()
+    again = Studio(studio.state.run)
+    again.go = studio.go
+    assert again.wanted().mesh is None
+    again.drop_options.vertices = 100
+    assert again.wanted().mesh is not None
+    again.state.open(studio.state.run.branch(4, lane="soft", control="linear"))  # of the same folder: the part is at hand
+    again.drop_options.vertices = 64
+    assert again.wanted().mesh is None
+    studio.drop_options.vertices = 100
+    studio.go()
+    again.state.open(studio.state.run)  # of another: it is not
+    assert again.wanted().mesh is not None
+
+
+def test_a_damaged_run_is_said_and_does_not_end_the_news(studio, tmp_path):
+    studio.go()
+    shown = studio.state.run
+    broken = Run.open(shown.store.root, "cpu")
+    studio.state.tell(opened=Run(type(broken.store)(tmp_path / "nowhere"), "main"))
+    studio.state.pump()
+    assert studio.state.message
+    assert studio.state.run is shown
+    studio.prompt_box.prompt = "wood"
+    studio.go()
+    assert studio.state.run.recipe.prompt == "wood"
+
+
