@@ -28,13 +28,15 @@ STYLED = (
 RESTRAINED = "--base --control --every --normalisation --schedule --threshold"
 NAMES = {
     "": "--version",
-    "run": f"model --out --scale --vertices {STYLED} {RESTRAINED}",
+    "run": f"model --out --scale --vertices {STYLED} {RESTRAINED} --finish-first",
     "freestyle": f"model --out --scale --vertices {STYLED}",
     "branch": f"address --lane {STYLED} {RESTRAINED}",
     "simulate": "model --build-direction "
     "--criterion --device --json --load --material -m --minimum-wall --orientations --out --poses --scale --standard "
     "--vertices --vtu --vtu-each --window",
     "demo": "--device --json --model --out --prompt -p",
+    "ablation": "models --arm --amplitude --device --iterations --jobs --json --load --material -m --orientations --out --poses --prompt -p --seed --set "
+    "--vertices",
     "application": "name --device --iterations --json --orientations --out --vertices",
     "validate": "--case --json --out --page --quick",
     "log": "directory --json",
@@ -93,7 +95,7 @@ def test_the_prompt_is_asked_for_where_a_run_begins_and_the_material_is_pla():
 
 def test_there_is_an_option_for_some_settings_of_every_command_that_runs_something():
     assert set(OPTIONS) < set(Recipe.__struct_fields__)
-    assert {parameter.values[0] for parameter in GENERATED} == {"run", "freestyle", "branch", "simulate", "application", "protect"}
+    assert {parameter.values[0] for parameter in GENERATED} == {"ablation", "run", "freestyle", "branch", "simulate", "application", "protect"}
 
 
 @pytest.mark.parametrize(("command", "name"), GENERATED)

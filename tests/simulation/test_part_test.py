@@ -23,7 +23,7 @@ PLA = LIBRARY["PLA"]
 
 
 def simulation(peak, maximum=100.0, failure=""):
-    measured = Measures(peak=peak, p999=peak, p99=0.5 * peak, maximum=maximum, where=(1.0, 2.0, 3.0), volume=100.0)
+    measured = Measures(peak=peak, surface=peak, p999=peak, p99=0.5 * peak, maximum=maximum, where=(1.0, 2.0, 3.0), volume=100.0)
     one = np.zeros(1)
     return Simulation(
         displacement=one, stress=one, envelope=one, probability=one, contact=one > 0, as_placed=measured, overall=measured,
@@ -35,12 +35,21 @@ def test_a_part_above_yield_fails_although_it_is_its_own_original():
     verdict = judge_alone(simulation(1.3 * PLA.yield_strength), PLA, "robust")
     assert verdict.outcome == "FAILS"
     assert verdict.deciding.limit == PLA.yield_strength
-    assert "above the yield strength" in verdict.words
+    assert "above the 45.6 MPa at which generic PLA yields" in verdict.words
 
 
 def test_a_part_below_yield_is_viable_whatever_its_literal_maximum():
     assert judge_alone(simulation(0.5 * PLA.yield_strength), PLA, "robust").outcome == "VIABLE"
     assert judge_alone(simulation(0.5 * PLA.yield_strength), PLA, "paper").outcome == "FAILS"
+
+
+def test_tilted_landings_of_a_part_alone_are_told_but_not_judged():
+    tilted = msgspec.structs.replace(simulation(20.0).as_placed, peak=90.0, surface=90.0)
+    verdict = judge_alone(replace(simulation(20.0), tilted=tilted), PLA, "robust")
+    assert (verdict.outcome, verdict.tilted) == ("VIABLE", None)
+    assert verdict.words.endswith("Tilted by a few degrees its surface reaches 90.0 MPa and begins to yield.")
+    calm = judge_alone(replace(simulation(20.0), tilted=simulation(30.0).as_placed), PLA, "robust")
+    assert calm.words.endswith("its surface reaches 30.0 MPa.")
 
 
 def test_there_is_nothing_to_compare_all_orientations_with():
@@ -145,7 +154,7 @@ def test_the_file_for_paraview_holds_what_was_found(found, block, tmp_path):
     at_nodes, in_cells = read.point_data, {name: values[0] for name, values in read.cell_data.items()}
     assert set(at_nodes) == {"displacement", "deformation", "robust_stress", "contact", "robust_stress_envelope", "failure_probability"}
     assert at_nodes["robust_stress"].max() == pytest.approx(found.simulation.as_placed.peak, rel=1e-5)
-    assert at_nodes["failure_probability"].max() <= found.failure_probability + 1e-6
+    assert at_nodes["failure_probability"].max() <= found.simulation.failure_probability + 1e-6
     assert np.array_equal(in_cells["von_mises"], found.detail.drop.von_mises[0].max(axis=1))
     assert in_cells["von_mises_envelope"].max() == found.detail.drop.von_mises.max()
     assert np.array_equal(at_nodes["contact"] > 0, read.points[:, 2] < 1e-6)
@@ -170,7 +179,7 @@ def test_a_drop_that_failed_has_no_course_and_says_why(drop_it, monkeypatch, tmp
     broken = drop_it(orientations=2)
     assert broken.strength.verdict == "UNKNOWN"
     assert broken.course is None
-    assert broken.failure_probability is None
+    assert broken.simulation.failure_probability is None
     assert broken.show().png[:4] == b"\x89PNG"
     for wanted in (broken.show_history, lambda: broken.save_vtu(tmp_path / "x.vtu")):
         with pytest.raises(SimulationFailed, match="it blew up"):
