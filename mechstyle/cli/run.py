@@ -110,6 +110,7 @@ def report(run: Any, *, as_json: bool) -> None:
     out.print(f"{kept}; {len(summary.simulations)} simulations")
     if summary.level_share is not None:
         out.print(f"it stands on {summary.level_share:.0%} of its base")
+    out.print(f"the tetrahedra carry {summary.carried:.0%} of the relief ({escape(summary.meshing)})")
     before, after = summary.baseline.failure_probability, summary.result.failure_probability
     if before is not None and after is not None:
         out.print(f"{after:.0%} of random drops begin to yield it somewhere, {before:.0%} do the original ({run.recipe.poses})")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
@@ -29,15 +30,19 @@ class Morphed:
     Attributes:
         tets: The moved tetrahedra, same numbering as at rest.
         displacement: What they follow [mm], shape [vertex_count], float32: the request, less what would have spoilt a tetrahedron.
-            Asked for again, it gives the same tetrahedra.
-        backed_off: Share of the surface area whose displacement was reduced.
-        deviation: Largest reduction [mm].
+            Asked for again, it gives the same tetrahedra. Never more than the request: where they cannot come back as far as that from
+            what they were made for, they stand in for it, and `deviation` says how far off they are.
+        followed: How far their boundary has gone along the normals from where it is without relief [mm], shape [vertex_count]; flat
+            facets carry less than the displacement where they are larger than the relief.
+        backed_off: Share of the surface area whose displacement was reduced, or is stood in for.
+        deviation: Largest reduction, or distance of a stand-in [mm].
         remesh: Whether meshing anew is advised: more than 2 % of the area was reduced, or somewhere by more than 0.5 % of
             the diagonal.
     """
 
     tets: TetMesh
     displacement: NDArray[np.float32]
+    followed: NDArray[np.float32]
     backed_off: float
     deviation: float
     remesh: bool
@@ -47,21 +52,27 @@ class Morph:
     """Moves one set of tetrahedra with one surface; built once per part.
 
     Boundary nodes take the displacement of the surface point they lie on. Inner nodes follow harmonically:
-    the Laplace equation on the tetrahedra at rest, linear elements, factored once.
+    the Laplace equation on the tetrahedra as they were made, linear elements, factored once.
+
+    Tetrahedra of the surface at rest cannot carry a relief: on flat faces they are larger than it. Made for half of a relief they keep its
+    triangles, and neither the way back to none nor the way on to all of it is long enough to turn many of them inside out.
 
     Args:
         surface: The surface at rest, n vertices.
-        tets: Its tetrahedra at rest.
+        tets: Tetrahedra of it displaced by `at`.
+        at: The displacement they were made for [mm], shape [n]; None for none.
         device: Warp device of the searches.
     """
 
-    def __init__(self, surface: SurfaceMesh, tets: TetMesh, *, device: str = "cpu") -> None:
+    def __init__(self, surface: SurfaceMesh, tets: TetMesh, at: ArrayLike | None = None, *, device: str = "cpu") -> None:
         self.surface = surface
         self.tets = tets
+        self.at = frozen_array(np.zeros(len(surface.vertices)) if at is None else at, np.float32, (len(surface.vertices),), "displacement")
+        made_for = surface.displaced(self.at)
         self._outer = np.unique(tets.boundary_faces)
         self._inner = np.setdiff1d(np.arange(len(tets.vertices)), self._outer)
-        self._onto_nodes = TriangleTree(surface.vertices, surface.faces, device).interpolation(tets.vertices[self._outer])
-        self._onto_surface = TriangleTree(tets.vertices, tets.boundary_faces, device).interpolation(surface.vertices)
+        self._onto_nodes = TriangleTree(made_for.vertices, made_for.faces, device).interpolation(tets.vertices[self._outer])
+        self._onto_surface = TriangleTree(tets.vertices, tets.boundary_faces, device).interpolation(made_for.vertices)
         self._nearest_outer = self._outer[cKDTree(tets.vertices[self._outer]).query(tets.vertices)[1]]
         self._floor = np.minimum(LEAST_QUALITY, LEAST_SHARE * tets.quality)
         stiffness = laplacian(tets)
@@ -71,8 +82,8 @@ class Morph:
     def morphed(self, displacement: ArrayLike) -> Morphed:
         """The tetrahedra under a displacement of the surface along its vertex normals [mm], shape [n].
 
-        Where a tetrahedron would fall below a mean ratio of 0.08 (or half of its own at rest), the displacement around it
-        is scaled by 0.75, again and again until none does. Zero displacement gives back the vertices at rest, bit for bit.
+        Where a tetrahedron would fall below a mean ratio of 0.08 (or half of its own as it was made), the way of the displacement around
+        it from `at` is scaled by 0.75, again and again until none does. `at` gives back the vertices as they were made, bit for bit.
 
         Raises:
             BadInput: If the displacement has the wrong length or is not finite.
@@ -89,11 +100,12 @@ class Morph:
                 return self._result(moved, request, accepted)
             rounds += 1
             share[self._to_reduce(bad, rings=rounds // WIDEN_EVERY)] *= FACTOR
-            accepted = (request * (self._onto_surface @ share)).astype(np.float32)
+            made_for = self.at.astype(np.float64)
+            accepted = (made_for + (request - made_for) * (self._onto_surface @ share)).astype(np.float32)
 
     def _vertices(self, displacement: NDArray[np.float32]) -> Floats:
         """Node positions [mm] under a surface displacement, shape [k, 3]."""
-        vectors = self.surface.vertex_normals * displacement[:, None].astype(np.float64)
+        vectors = self.surface.vertex_normals * (displacement.astype(np.float64) - self.at)[:, None]
         outer = self._onto_nodes @ vectors
         vertices = self.tets.vertices.copy()
         vertices[self._outer] += outer
@@ -115,7 +127,20 @@ class Morph:
         areas = self.surface.vertex_areas
         share, deviation = float(areas[lost > 0].sum() / areas.sum()), float(lost.max(initial=0.0))
         remesh = share > REMESH_SHARE or deviation > REMESH_DEVIATION * self.surface.size
-        return Morphed(moved, frozen_array(accepted, np.float32, (None,), "displacement"), share, deviation, remesh)
+        gone = self._onto_surface @ (moved.vertices - self._without_relief)
+        followed = np.einsum("ij,ij->i", gone, self.surface.vertex_normals).astype(np.float32)
+        given = np.clip(accepted, np.minimum(request, 0.0), np.maximum(request, 0.0))
+        return Morphed(moved, frozen_array(given, np.float32, (None,), "displacement"), followed, share, deviation, remesh)
+
+    @property
+    def volume_without_relief(self) -> float:
+        """Volume of the tetrahedra without any displacement [mm³]."""
+        return float(self.tets.moved(self._without_relief).volumes.sum())
+
+    @cached_property
+    def _without_relief(self) -> Floats:
+        """Node positions [mm] without any displacement, sound or not, shape [k, 3]."""
+        return self._vertices(np.zeros_like(self.at))
 
 
 def laplacian(tets: TetMesh) -> sp.csr_array:

@@ -162,7 +162,7 @@ class Memo:
             return self.objects.get_record((self.folder / key).read_text(encoding="ascii"), kind)
         return None
 
-    def remember(self, key: str, result: object) -> None:
-        """Store the result of the inputs named by `key`, unless it is there already and can be read."""
-        if self.recall(key, type(result)) is None:
+    def remember(self, key: str, result: object, *, anew: bool = False) -> None:
+        """Store the result of the inputs named by `key`, unless it is there already and can be read; `anew` even then."""
+        if anew or self.recall(key, type(result)) is None:
             write_whole(self.folder / key, self.objects.put_record(result).encode("ascii"))

@@ -113,7 +113,11 @@ class Simulation:
         added_mass: Mass added by scaling slivers, over the mass of the part.
         loaded: What each load case did.
         level_share: Share of the flat faces it stands on that the relief leaves on the floor, None for a part that stands on none.
-        meshing: How the tetrahedra followed the surface: `morphed`, `fresh`, or why a fresh mesh could not be had.
+        carried: Share of the relief that the boundary of the tetrahedra follows, 1 without any.
+        carried_base: The same on the flat faces the part stands on, None where there is no relief on any.
+        volume_error: Volume of the tetrahedra over that inside the surface, less 1; with or without relief, whichever is further off.
+        mesh: Digest of the tetrahedra as they were made.
+        meshing: How the tetrahedra followed the surface: `morphed`, or what else was tried and how it went.
         failure: Why there is no usable answer, "" if there is.
         tilted: Measures of the drops nearly as placed, the largest of each; None if there was none.
         tilted_stress: Surface stress outside the contact in those drops, the largest [MPa], shape [vertex_count]; zero if there was none.
@@ -135,6 +139,10 @@ class Simulation:
     landings: tuple[Landing, ...] = ()
     loaded: tuple[LoadResult, ...] = ()
     level_share: float | None = None
+    carried: float = 1.0
+    carried_base: float | None = None
+    volume_error: float = 0.0
+    mesh: str = ""
     meshing: str = "morphed"
     failure: str = ""
     tilted: Measures | None = None

@@ -16,7 +16,6 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from mechstyle._files import cache_folder
 from mechstyle.errors import BadInput
 from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.subdivision import quartered
@@ -76,7 +75,7 @@ def refined(store: Store, part: Workpiece, digest: str, *, device: str = "cpu") 
         twin.follow(before, after, recipes[after.recipe])
     drawn = recipes[after.recipe]
     recipe = msgspec.structs.replace(drawn, surface=twin.surface.digest)
-    simulator = DropSimulator(twin.surface, part.tets, recipe, store.memo, device=device, cache=cache_folder() / "tets")
+    simulator = DropSimulator(twin.surface, part.tets, recipe, store.memo, device=device, at=twin.at)
     simulation = simulator.simulate(twin.displacement, thorough=True)
     styled = twin.surface.displaced(simulation.displacement).coloured(twin.coloured(after, drawn))
     notes = (INTERPOLATED,) if any(map(_learnt, recipes.values())) else ()
@@ -105,6 +104,11 @@ class _Twin:
         self.displacement = np.zeros(len(self.surface.vertices), np.float32)
         self._style: tuple[object, ...] = ()
         self._grown = np.zeros(len(self.part.surface.vertices), np.float32), self.displacement
+
+    @property
+    def at(self) -> Field | None:
+        """What the part's tetrahedra were made for, at the twin's vertices [mm], shape [fine_count]."""
+        return None if self.part.at is None else self._spread(self.part.at)
 
     @cached_property
     def _base(self) -> LevelBase:

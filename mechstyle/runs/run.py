@@ -7,14 +7,14 @@ import re
 from collections.abc import Callable, Generator
 from contextlib import closing
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
 import msgspec
 import numpy as np
 
-from mechstyle._files import cache_folder, file_stem, write_whole
+from mechstyle._files import file_stem, write_whole
 from mechstyle.errors import BadInput, DamagedStore
 from mechstyle.fea.drop import resolve_device
 from mechstyle.fea.explicit import Progress, no_progress
@@ -31,9 +31,9 @@ from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh, TetMesh
 from mechstyle.runs.export import Exported, exported
 from mechstyle.runs.recipes import changed, draft
 from mechstyle.runs.session import Session
-from mechstyle.runs.stylizers import stylizer_for
+from mechstyle.runs.stylizers import finished_relief, stylizer_for
 from mechstyle.runs.summary import Clock, Summary, summarise
-from mechstyle.simulation.part import Origin, Stage, Workpiece, bounds_for, cached_memo, fitted, prepare, say_nothing
+from mechstyle.simulation.part import Origin, Stage, Workpiece, bounds_for, cached_memo, fitted, prepare, refilled, say_nothing
 from mechstyle.simulation.simulator import DropSimulator
 
 OnEvent = Callable[[Event], None]
@@ -42,7 +42,7 @@ logger = logging.getLogger(__name__)
 
 
 class PartRecord(msgspec.Struct, frozen=True, kw_only=True):
-    """The prepared part as a run directory keeps it: digests of stored meshes and arrays."""
+    """The prepared part as a run directory keeps it: digests of stored meshes and arrays, "" for an `at` of nothing."""
 
     name: str
     surface: str
@@ -51,6 +51,7 @@ class PartRecord(msgspec.Struct, frozen=True, kw_only=True):
     stands: bool
     notes: tuple[str, ...]
     origin: Origin = Origin()
+    at: str = ""
 
     @property
     def stem(self) -> str:
@@ -107,10 +108,12 @@ class Run:
         """The prepared part."""
         record, objects = self.record, self.store.objects
         surface, tets = objects.get_mesh(record.surface, SurfaceMesh), objects.get_mesh(record.tets, TetMesh)
-        thickness = objects.get_array(record.thickness)
-        if thickness.shape != (len(surface.vertices),) or not np.issubdtype(thickness.dtype, np.floating):
-            raise DamagedStore(f"{self.store.root / 'part.json'} has walls of another part: restore it from a copy, or start the run again")
-        return Workpiece(surface, tets, thickness, record.stands, record.notes)
+        thickness, at = objects.get_array(record.thickness), objects.get_array(record.at) if record.at else None
+        for values in (thickness, thickness if at is None else at):
+            if values.shape != (len(surface.vertices),) or not np.issubdtype(values.dtype, np.floating):
+                file = self.store.root / "part.json"
+                raise DamagedStore(f"{file} has walls of another part: restore it from a copy, or start the run again")
+        return Workpiece(surface, tets, thickness, record.stands, record.notes, at)
 
     @property
     def history(self) -> list[Entry]:
@@ -267,7 +270,7 @@ class Run:
         stylizer, notes = stylizer_for(part, recipe, self.device)
         bounds, protected = bounds_for(part, recipe)
         simulator = DropSimulator(
-            part.surface, part.tets, recipe, self.store.memo, cached_memo(), self.device, cache_folder() / "tets", progress
+            part.surface, part.tets, recipe, self.store.memo, cached_memo(), self.device, progress, at=part.at
         )
         return Engine(recipe, part.surface, bounds, stylizer, simulator, self.store, self.lane), (*protected, *notes)
 
@@ -319,6 +322,7 @@ def begin(
         stands=part.stands,
         notes=part.notes,
         origin=origin or Origin(),
+        at="" if part.at is None else objects.put_array(part.at),
     )
     write_whole(store.root / "part.json", msgspec.json.encode(record))
     store.move("main", Lane(recipe=store.put_recipe(recipe)))
@@ -386,10 +390,13 @@ def started(
         prepare: What prepares a surface, `simulation.part.prepare` or a function like it.
     """
     device, clock = resolve_device(device), Clock()
-    if isinstance(part, SurfaceMesh):
-        origin = Origin.of(part, vertices)
-        with clock.stages(stage) as begun:
-            part = prepare(part, vertices=vertices, stage=begun)
+    relief = partial(finished_relief, recipe=wanted)
+    with clock.stages(stage) as begun:
+        if isinstance(part, SurfaceMesh):
+            origin = Origin.of(part, vertices)
+            part = prepare(part, vertices=vertices, stage=begun, relief=relief)
+        else:
+            part = refilled(part, relief, begun)
     recipe = fitted(wanted, part)
     run = begin(part, recipe, default_folder(recipe) if out is None else out, name=name, device=device, origin=origin)
     run.clock.add(clock.seconds())

@@ -7,17 +7,19 @@ torch and is in `styling.drawn`.
 from __future__ import annotations
 
 import msgspec
+import numpy as np
 
 from mechstyle._files import clip_folder
 from mechstyle.errors import BadInput
-from mechstyle.loop.engine import Bounds, Stylizer
+from mechstyle.loop.engine import Bounds, Stylizer, advanced
 from mechstyle.records import Recipe
+from mechstyle.records.mesh import Field
 from mechstyle.runs.plugins import made
-from mechstyle.simulation.part import Workpiece, bounds_for
-from mechstyle.styling.drawn import ProceduralStylizer, target
+from mechstyle.simulation.part import Shape, Workpiece, bounds_for
+from mechstyle.styling.drawn import ProceduralStylizer, Target, target
 from mechstyle.styling.learned.extra import need_clip_extra
 from mechstyle.styling.learned.weights import located
-from mechstyle.styling.prompt import read
+from mechstyle.styling.prompt import Wish, read
 
 
 def settled(recipe: Recipe, *, clip_asked_for: bool) -> Recipe:
@@ -51,7 +53,27 @@ def stylizer_for(part: Workpiece, recipe: Recipe, device: str = "cpu") -> tuple[
     if recipe.guidance == "clip":
         return _towards_prompt(part, bounds, recipe, device), ()
     wish = read(recipe.prompt)
-    aim = target(
+    aim = _drawn(part, bounds, recipe, wish)
+    notes = (*wish.notes, *aim.notes)
+    if recipe.field != "network":
+        return ProceduralStylizer(part.surface, aim), notes
+    need_clip_extra()
+    from mechstyle.styling.learned.build import towards_target  # noqa: PLC0415 — torch is loaded when it is wanted
+
+    return towards_target(part.surface, bounds, recipe, aim, device), notes
+
+
+def finished_relief(part: Workpiece | Shape, recipe: Recipe) -> Field | None:
+    """The relief that a recipe's style comes to if nothing restrains it [mm], shape [vertex_count]; None where only running it tells."""
+    if recipe.stylizer or recipe.guidance == "clip" or recipe.field == "network":
+        return None
+    bounds = bounds_for(part, recipe)[0]
+    wanted = bounds.freedom * bounds.levelled(_drawn(part, bounds, recipe, read(recipe.prompt)).displacement)
+    return advanced(np.zeros_like(wanted), np.ones_like(wanted), wanted, bounds, recipe)
+
+
+def _drawn(part: Workpiece | Shape, bounds: Bounds, recipe: Recipe, wish: Wish) -> Target:
+    return target(
         part.surface,
         wish,
         seed=recipe.seed,
@@ -60,13 +82,6 @@ def stylizer_for(part: Workpiece, recipe: Recipe, device: str = "cpu") -> tuple[
         inward=bounds.inward,
         outward=bounds.outward,
     )
-    notes = (*wish.notes, *aim.notes)
-    if recipe.field != "network":
-        return ProceduralStylizer(part.surface, aim), notes
-    need_clip_extra()
-    from mechstyle.styling.learned.build import towards_target  # noqa: PLC0415 — torch is loaded when it is wanted
-
-    return towards_target(part.surface, bounds, recipe, aim, device), notes
 
 
 def _towards_prompt(part: Workpiece, bounds: Bounds, recipe: Recipe, device: str) -> Stylizer:

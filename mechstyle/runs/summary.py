@@ -33,6 +33,8 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
         kept: Share of the freestyle displacement that was kept; on the faces it stands on without its mean, as a shift loses no contrast.
         iterations: Stylization iterations.
         meshing: How the tetrahedra of the last simulation followed the surface.
+        carried: Share of the relief that the tetrahedra of the last simulation follow.
+        carried_base: The same on the flat faces the part stands on, None where there is no relief on any.
         level_share: Share of the flat faces the part stands on that the relief leaves on the floor, None if it stands on none.
         backed_off: Share of the surface the tetrahedra could not follow in the last simulation.
         loads: What each load case did to the delivered part.
@@ -59,6 +61,8 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
     meshing: str
     backed_off: float
     level_share: float | None = None
+    carried: float = 1.0
+    carried_base: float | None = None
     loads: tuple[LoadResult, ...] = ()
     seconds: dict[str, float]
     notes: tuple[str, ...]
@@ -90,6 +94,8 @@ def summarise(engine: Engine, *, device: str, notes: tuple[str, ...], seconds: d
         kept=kept(base.contrast(last.displacement), base.contrast(engine.stylizer.proposal().displacement), engine.surface.vertex_areas),
         iterations=last.iteration,
         meshing=simulation.meshing,
+        carried=simulation.carried,
+        carried_base=simulation.carried_base,
         level_share=simulation.level_share,
         backed_off=simulation.backed_off,
         loads=simulation.loaded,

@@ -78,7 +78,7 @@ def impact_of(
     known = memo.recall(key, Impact)
     if known is not None:
         return known
-    tets = Morph(part.surface, part.tets).morphed(displacement).tets
+    tets = Morph(part.surface, part.tets, part.at).morphed(displacement).tets
     period = period_of(part.tets, recipe, memo)
     seen = snapshots(tets, recipe.material, prescribed(recipe), progress=progress, period=period)
     impact = _on_surface(seen, part, tets, recipe.transfer)
@@ -88,8 +88,9 @@ def impact_of(
 
 def _on_surface(seen: Snapshots, part: Workpiece, tets: TetMesh, transfer: str) -> Impact:
     """Frames at the vertices of the tetrahedra as frames at those of the surface; stress by the transfer the verdict's field came by."""
-    smooth, reading = Transfer(part.surface, part.tets), SurfaceStress(part.tets)
-    of_stress = smooth if transfer == smooth.method else Transfer(part.surface, part.tets, transfer)
+    made_for = part.surface if part.at is None else part.surface.displaced(part.at)
+    smooth, reading = Transfer(made_for, part.tets), SurfaceStress(part.tets)
+    of_stress = smooth if transfer == smooth.method else Transfer(made_for, part.tets, transfer)
     moved = [np.stack([smooth.to_surface(frame[:, axis]) for axis in range(3)], axis=1) for frame in seen.displacement]
     recorded = zip(seen.von_mises, seen.corners, strict=True)
     stress = [of_stress.to_surface(reading.of_landing(tets, *frame, seen.contact).field) for frame in recorded]

@@ -23,6 +23,7 @@ from mechstyle.loop.engine import Bounds
 from mechstyle.loop.objects import Memo, Objects
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh, TetMesh
+from mechstyle.simulation.carrying import FEWEST_TETS, carrying
 
 PREPARATION_VERSION = 3
 """Counts changes that alter the prepared part, so that cached parts of older code are not reused."""
@@ -37,7 +38,6 @@ CONTACT_REACH = 5.0
 """… up to this height above the floor [mm]."""
 TETS_PER_VERTEX = 0.4
 """10k quadratic tetrahedra for 25k surface vertices: the envelope of a smooth part within 3 %, and protected relief by a morph."""
-FEWEST_TETS = 3_000
 
 Stage = Callable[[str], None]
 
@@ -81,22 +81,16 @@ class Model(SurfaceMesh):
 
 
 @dataclass(frozen=True, eq=False)
-class Workpiece:
-    """A part ready to be styled.
+class Shape:
+    """What of a part bounds a style.
 
     Attributes:
         surface: Standardised surface M_0.
-        tets: Its tetrahedra.
         thickness: Local wall thickness [mm], shape [vertex_count].
-        stands: Whether it rests on a flat face.
-        notes: What a user should know about it, one sentence each.
     """
 
     surface: SurfaceMesh
-    tets: TetMesh
     thickness: NDArray[np.float32]
-    stands: bool
-    notes: tuple[str, ...] = ()
 
     @cached_property
     def level_base(self) -> LevelBase:
@@ -129,18 +123,51 @@ class Workpiece:
         return resting_weight(self.surface, high=min(max(quarter, 2.0), 5.0)).astype(np.float32)
 
 
+Relief = Callable[[Shape], "NDArray[np.float32] | None"]
+"""The finished relief of a style on a part [mm], shape [vertex_count], or None where it is not known beforehand."""
+
+
+@dataclass(frozen=True, eq=False)
+class Workpiece:
+    """A part ready to be styled.
+
+    Attributes:
+        surface: Standardised surface M_0.
+        tets: Tetrahedra of it displaced by `at`.
+        thickness: Local wall thickness [mm], shape [vertex_count].
+        stands: Whether it rests on a flat face.
+        notes: What a user should know about it, one sentence each.
+        at: Displacement its tetrahedra were made for [mm], shape [vertex_count]; None for none.
+    """
+
+    surface: SurfaceMesh
+    tets: TetMesh
+    thickness: NDArray[np.float32]
+    stands: bool
+    notes: tuple[str, ...] = ()
+    at: NDArray[np.float32] | None = None
+
+    @cached_property
+    def shape(self) -> Shape:
+        """Surface and walls."""
+        return Shape(self.surface, self.thickness)
+
+
 def cached_memo() -> Memo:
     """The user-wide memo: standardised surfaces, thickness and baseline simulations."""
     return Memo(cache_folder() / "memo", Objects(cache_folder() / "objects"))
 
 
-def prepare(mesh: SurfaceMesh, *, vertices: int = STANDARD_VERTICES, stage: Stage = say_nothing) -> Workpiece:
+def prepare(
+    mesh: SurfaceMesh, *, vertices: int = STANDARD_VERTICES, stage: Stage = say_nothing, relief: Relief | None = None
+) -> Workpiece:
     """Standardise, tetrahedralise and measure a part, reusing what was done before for the same shape.
 
     Args:
         mesh: A closed surface [mm].
         vertices: Vertices of the standardised surface, ± 5 %.
         stage: Told what is being done, in words.
+        relief: What it is prepared for: tetrahedra are made for half of it, so that they carry it. None for the part as it is.
 
     Raises:
         BadInput: If the shape cannot be standardised or meshed.
@@ -152,13 +179,27 @@ def prepare(mesh: SurfaceMesh, *, vertices: int = STANDARD_VERTICES, stage: Stag
         )
     stage("standardising the surface")
     surface = standardised(mesh, vertices)
-    stage("filling it with tetrahedra")
-    solid = tetrahedralise(surface, max(FEWEST_TETS, round(TETS_PER_VERTEX * vertices)), cache=cache_folder() / "tets")
     stage("measuring its walls")
     thickness = local_thickness(surface).astype(np.float32)
     stands = resting_face(surface) is not None
     notes = () if stands else ("it has no flat face to stand on, so its base is neither levelled nor protected",)
-    return Workpiece(surface, solid, thickness, stands, notes)
+    stage("filling it with tetrahedra")
+    whole = None if relief is None else relief(Shape(surface, thickness))
+    if whole is None or not whole.any():
+        solid = tetrahedralise(surface, max(FEWEST_TETS, round(TETS_PER_VERTEX * vertices)), cache=cache_folder() / "tets")
+        return Workpiece(surface, solid, thickness, stands, notes)
+    solid, half = carrying(surface, whole)
+    return Workpiece(surface, solid, thickness, stands, notes, half)
+
+
+def refilled(part: Workpiece, relief: Relief, stage: Stage = say_nothing) -> Workpiece:
+    """A part with tetrahedra that carry another relief; as it is if that is not known."""
+    whole = relief(part.shape)
+    if whole is None or not whole.any():
+        return part
+    stage("filling it with tetrahedra")
+    tets, at = carrying(part.surface, whole)
+    return replace(part, tets=tets, at=at)
 
 
 def standardised(mesh: SurfaceMesh, vertices: int) -> SurfaceMesh:
@@ -178,8 +219,9 @@ def fitted(recipe: Recipe, part: Workpiece) -> Recipe:
     return msgspec.structs.replace(recipe, surface=part.surface.digest, tetrahedra=part.tets.digest)
 
 
-def bounds_for(part: Workpiece, recipe: Recipe) -> tuple[Bounds, tuple[str, ...]]:
+def bounds_for(part: Workpiece | Shape, recipe: Recipe) -> tuple[Bounds, tuple[str, ...]]:
     """Bounds of a recipe's style on a part, and notes for the user on what is protected."""
-    bounds, protected = part.bounds(recipe.base, recipe.minimum_wall), protection(recipe.protect, part.surface, part.thickness)
+    shape = part if isinstance(part, Shape) else part.shape
+    bounds, protected = shape.bounds(recipe.base, recipe.minimum_wall), protection(recipe.protect, part.surface, part.thickness)
     free = np.minimum(bounds.freedom, protected.freedom)
     return replace(bounds, freedom=free, uncoloured=protected.uncoloured[:, None]), protected.notes

@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from pathlib import Path
 from typing import Any
 
 import msgspec
@@ -26,14 +25,24 @@ from mechstyle.fea.verdict import judge
 from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.morph import Morph, Morphed
 from mechstyle.geometry.resting_face import centre_of_mass
-from mechstyle.geometry.tetrahedra import tetrahedralise
 from mechstyle.geometry.transfer import Transfer
 from mechstyle.loop.objects import Memo
 from mechstyle.records import Landing, LoadResult, Measures, Recipe, Simulation, Verdict
-from mechstyle.records.mesh import SurfaceMesh, TetMesh
+from mechstyle.records.mesh import SurfaceMesh, TetMesh, digest_of
+from mechstyle.simulation.carrying import Carried, carried, carrying
 
 PHYSICS_VERSION = 5
 """Counts changes that alter results, so that remembered simulations of older code are not reused."""
+
+AGAIN = "meshed again at half of this relief"
+"""How the tetrahedra of a thorough test came about that were not those of the run."""
+
+
+class KeptMesh(msgspec.Struct, frozen=True, kw_only=True):
+    """Tetrahedra a test was run on besides those of the run, and what they were made for: digests of stored objects."""
+
+    tets: str
+    at: str
 
 
 def prescribed(recipe: Recipe) -> DropTest:
@@ -103,13 +112,14 @@ class DropSimulator:
 
     Attributes:
         surface: The unstylized, standardised surface.
-        tets: Its tetrahedra.
+        tets: Tetrahedra of it displaced by `at`.
         recipe: What decides the physics: material, drop, orientations, transfer.
         memo: Where results are remembered by the digest of their inputs.
         shared: Where the unstylized part's result is remembered for other runs too, once computed here; None for nowhere.
         device: `cpu` or `cuda`.
-        cache: Folder for fresh tetrahedra, None to mesh anew each time.
         progress: Called with the fraction done of the drop in hand; may raise to cancel it.
+        at: Displacement the tetrahedra were made for [mm], shape [vertex_count]; None for none.
+        settled: Whether it keeps to these tetrahedra whatever they carry.
     """
 
     surface: SurfaceMesh
@@ -118,8 +128,9 @@ class DropSimulator:
     memo: Memo
     shared: Memo | None = None
     device: str = "cpu"
-    cache: Path | None = None
     progress: Progress = field(default=no_progress)
+    at: NDArray[np.float32] | None = None
+    settled: bool = False
 
     @cached_property
     def baseline(self) -> Simulation:
@@ -128,31 +139,74 @@ class DropSimulator:
 
     def judge(self, simulation: Simulation) -> Verdict:
         """Verdict on a simulation under the recipe's criterion."""
-        return judge(simulation, self.baseline, self.recipe.material, self.recipe.criterion)
+        return judge(simulation, self.baseline_of(simulation), self.recipe.material, self.recipe.criterion)
+
+    def baseline_of(self, simulation: Simulation) -> Simulation:
+        """The unstylized part on the tetrahedra of a simulation, so that like is compared with like."""
+        return self._on(simulation.mesh).baseline
 
     def simulate(self, displacement: NDArray[np.float32], *, thorough: bool) -> Simulation:
         """Drop the displaced part, as placed and tilted or (`thorough`) in all orientations, and load it; remembered by its inputs.
 
-        A relief that reaches under a part cannot be carried by morphed tetrahedra, so
-        the thorough test of such a part is run on a fresh mesh of the styled surface.
+        A thorough test rests on tetrahedra that carry the relief: where these do not, the part is meshed again at half of that very
+        relief, and the original is dropped on the same tetrahedra for comparison.
         """
-        fresh = thorough and self.recipe.base != "protected" and bool(np.any(displacement))
-        key = self._key(displacement, thorough=thorough, fresh=fresh)
+        key = self._key(displacement, thorough=thorough)
         memos = [self.memo] if np.any(displacement) or self._trusted is None else [self._trusted, self.memo]
         simulation = next((found for memo in memos if (found := memo.recall(key, Simulation)) is not None), None)
         if simulation is not None:
             memos = [self.memo]  # others may have written what a run folder holds: only what was computed here is for all
         else:
-            simulation = self._on_fresh_mesh(displacement) if fresh else self._on_morphed_mesh(displacement, thorough=thorough)
+            decides = thorough and not self.settled and bool(np.any(displacement))
+            simulation = self._on_a_mesh_that_carries(displacement) if decides else self._on_morphed_mesh(displacement, thorough=thorough)
         for memo in memos:
             memo.remember(key, simulation)
-            if not fresh:  # what the tets did follow has the same answer
-                memo.remember(self._key(simulation.displacement, thorough=thorough, fresh=False), simulation)
+            memo.remember(self._key(simulation.displacement, thorough=thorough), simulation)  # what the tets did follow has the same answer
         return simulation
+
+    def _on_a_mesh_that_carries(self, displacement: NDArray[np.float32]) -> Simulation:
+        """The thorough test on these tetrahedra, on those that were made last for such a relief, or on new ones."""
+        here = self._carried(displacement)
+        if here.enough:
+            return self._on_morphed_mesh(displacement, thorough=True)
+        last = self.memo.recall(self._last_mesh, str)
+        if last is not None and (again := self._on(last))._carried(displacement).enough:  # noqa: SLF001 — another of this class
+            return replace(again.simulate(displacement, thorough=True), meshing=AGAIN)
+        try:
+            again = self._meshed_again(displacement)
+        except MechStyleError as error:
+            morphed = self._on_morphed_mesh(displacement, thorough=True)
+            return replace(morphed, meshing=f"morphed, carrying {here.words}, as the part could not be meshed again: {error}")
+        there = again._carried(displacement)  # noqa: SLF001 — as above
+        found = again.simulate(displacement, thorough=True)
+        return replace(found, meshing=AGAIN if there.enough else f"{AGAIN}, but carrying {there.words}")
+
+    def _meshed_again(self, displacement: NDArray[np.float32]) -> DropSimulator:
+        """The same test on tetrahedra made for half of a relief, which are kept for the next."""
+        tets, half = carrying(self.surface, displacement)
+        objects = self.memo.objects
+        self.memo.remember(f"mesh-{tets.digest}", KeptMesh(tets=objects.put_mesh(tets), at=objects.put_array(half)))
+        self.memo.remember(self._last_mesh, tets.digest, anew=True)
+        return self._on(tets.digest)
+
+    def _on(self, mesh: str) -> DropSimulator:
+        """The same test on tetrahedra that a thorough test was run on, by their digest; this one for its own and those it does not know."""
+        kept = None if mesh in ("", self.tets.digest) else self.memo.recall(f"mesh-{mesh}", KeptMesh)
+        if kept is None:
+            return self
+        tets, at = self.memo.objects.get_mesh(kept.tets, TetMesh), self.memo.objects.get_array(kept.at)
+        return replace(self, tets=tets, at=at, recipe=msgspec.structs.replace(self.recipe, tetrahedra=tets.digest), settled=True)
+
+    @property
+    def _last_mesh(self) -> str:
+        return f"mesh-of-{self.recipe.digest}"
+
+    def _carried(self, displacement: NDArray[np.float32]) -> Carried:
+        return carried(self._morph, self._morph.morphed(displacement), self._base)
 
     def detail(self, displacement: NDArray[np.float32]) -> tuple[TetMesh, Detail]:
         """The morphed tetrahedra and the whole drop test in all orientations, with its history in time; remembered as well."""
-        key = self._key(displacement, thorough=True, fresh=False)
+        key = self._key(displacement, thorough=True)
         morphed = self._morph.morphed(displacement)
         detail = self.memo.recall(f"{key}-detail", Detail)
         if detail is None:
@@ -161,7 +215,8 @@ class DropSimulator:
             balance = None if result.failure else self._balance_error(morphed.tets, result.phases[0][0].end)
             detail = Detail(self._told(morphed, result), result, balance)
             self.memo.remember(f"{key}-detail", detail)
-            self.memo.remember(key, detail.simulation)
+            if not np.any(displacement):  # a relief may ask for other tetrahedra
+                self.memo.remember(key, detail.simulation)
         return morphed.tets, detail
 
     @cached_property
@@ -179,14 +234,15 @@ class DropSimulator:
         found = drop(tets, self.recipe.material, self._orientations.normals[:1], undamped, device=self.device, progress=self.progress)
         return None if found.failure else float(np.abs(found.history[0].damping_loss).max() / found.history[0].kinetic[0])
 
-    def _key(self, displacement: NDArray[np.float32], *, thorough: bool, fresh: bool) -> str:
+    def _key(self, displacement: NDArray[np.float32], *, thorough: bool) -> str:
         recipe = self.recipe
         drops = (recipe.tilts, recipe.poses, recipe.orientations) if thorough else (recipe.tilts,)
-        return memo_key((PHYSICS_VERSION, self.device, *physics(recipe), recipe.loads, drops, fresh), displacement)
+        mesh = ("" if self.at is None else digest_of(self.at), self.settled)
+        return memo_key((PHYSICS_VERSION, self.device, *physics(recipe), recipe.loads, drops, mesh), displacement)
 
     @cached_property
     def _morph(self) -> Morph:
-        return Morph(self.surface, self.tets)
+        return Morph(self.surface, self.tets, self.at)
 
     @cached_property
     def _base(self) -> LevelBase:
@@ -194,7 +250,7 @@ class DropSimulator:
 
     @cached_property
     def _transfer(self) -> Transfer:
-        return Transfer(self.surface, self.tets, self.recipe.transfer)
+        return Transfer(self.surface.displaced(self._morph.at), self.tets, self.recipe.transfer)
 
     @cached_property
     def _reading(self) -> SurfaceStress:
@@ -213,27 +269,12 @@ class DropSimulator:
 
     def _told(self, morphed: Morphed, result: Drop) -> Simulation:
         """Result of the drop and the load cases on morphed tetrahedra."""
-        return self._under_loads(self._measured(morphed, result, self._reading, self._transfer), morphed.tets)
-
-    def _on_fresh_mesh(self, displacement: NDArray[np.float32]) -> Simulation:
-        """The same on a new mesh of the styled surface; on the morphed one, which the record then says, if fTetWild cannot mesh it."""
-        styled = self.surface.displaced(displacement)
-        try:
-            tets = tetrahedralise(styled, len(self.tets.tets), cache=self.cache)
-        except MechStyleError as error:
-            fallback = self._on_morphed_mesh(displacement, thorough=True)
-            return replace(fallback, meshing=f"morphed, as a fresh mesh of the styled surface could not be had: {error}")
-        whole = Morphed(tets=tets, displacement=np.asarray(displacement, np.float32), backed_off=0.0, deviation=0.0, remesh=False)
-        transfer = Transfer(styled, tets, self.recipe.transfer)
-        dropped = self._measured(whole, self._drop(tets, thorough=True), SurfaceStress(tets), transfer)
-        if not self.recipe.loads:
-            return replace(dropped, meshing="fresh")
-        loaded = self._under_loads(dropped, self._morph.morphed(displacement).tets)
-        return replace(loaded, meshing="fresh for the drop, morphed for the loads")
+        return self._under_loads(self._measured(morphed, result), morphed.tets)
 
     @cached_property
     def _static(self) -> StaticTest:
-        return StaticTest(self.tets, self.recipe.loads, self.recipe.element)
+        original = self._morph.morphed(np.zeros(len(self.surface.vertices), np.float32)).tets
+        return StaticTest(original, self.recipe.loads, self.recipe.element)
 
     def _under_loads(self, dropped: Simulation, tets: TetMesh) -> Simulation:
         """A drop's result raised to what the recipe's load cases do to morphed tetrahedra, on which their places are known."""
@@ -270,8 +311,9 @@ class DropSimulator:
         """Of `period_of`."""
         return period_of(self.tets, self.recipe, self.memo, self._trusted)
 
-    def _measured(self, morphed: Morphed, result: Drop, reading: SurfaceStress, transfer: Transfer) -> Simulation:
+    def _measured(self, morphed: Morphed, result: Drop) -> Simulation:
         """Measures and surface fields of a drop; all zero, with the reason, for one that failed."""
+        reading, transfer, fit = self._reading, self._transfer, carried(self._morph, morphed, self._base)
         tets, zeros = morphed.tets, np.zeros(len(self.surface.vertices), np.float32)
         nothing = Measures(peak=0.0, p999=0.0, p99=0.0, maximum=0.0, where=(0.0, 0.0, 0.0), volume=float(tets.volumes.sum()))
         several, tilts = len(result.von_mises) > 1 + self.recipe.tilts, slice(1, 1 + self.recipe.tilts)
@@ -285,6 +327,10 @@ class DropSimulator:
             overall=nothing if several else None,
             backed_off=morphed.backed_off,
             deviation=morphed.deviation,
+            carried=fit.whole,
+            carried_base=fit.base,
+            volume_error=fit.volume,
+            mesh=self.tets.digest,
             level_share=self._base.share(morphed.displacement),
             time_step=result.time_step,
             steps=result.steps,

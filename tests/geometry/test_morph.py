@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from manifold3d import Manifold
 
 from mechstyle.errors import BadInput
 from mechstyle.geometry.morph import Morph, laplacian
+from mechstyle.geometry.proximity import TriangleTree
+from mechstyle.geometry.remesh import standardise, surface_of
+from mechstyle.geometry.tetrahedra import tetrahedralise
 from mechstyle.records.mesh import SurfaceMesh
 
 
@@ -111,3 +115,78 @@ def test_the_laplacian_knows_constants_and_linear_fields(cup_tets):
     assert (stiffness @ cup_tets.vertices)[inner] == pytest.approx(0.0, abs=1e-9)  # linear fields are harmonic
     x = cup_tets.vertices[:, 0]
     assert x @ stiffness @ x == pytest.approx(cup_tets.volumes.sum(), rel=1e-9)  # ∫ |∇x|² = V
+
+
+@pytest.fixture(scope="module")
+def tile():
+    """A 24 × 16 × 6 mm slab in even triangles, a brick-like relief all over it, and tetrahedra made for half of that."""
+    slab = standardise(surface_of(Manifold.cube((24.0, 16.0, 6.0))), 1500)
+    relief = bricks(slab)
+    return slab, relief, tetrahedralise(slab.displaced(0.5 * relief), 4000, keep=True)
+
+
+def bricks(surface, height=0.6):
+    """Blocks with grooves between them, drawn inwards."""
+    joints = np.abs(np.sin(0.8 * surface.vertices)).min(axis=1)
+    return (-height * np.exp(-((joints / 0.35) ** 2))).astype(np.float32)
+
+
+def test_tets_made_for_a_displacement_come_back_bit_for_bit(tile):
+    slab, relief, tets = tile
+    half = 0.5 * relief
+    result = Morph(slab, tets, half).morphed(half)
+    assert np.array_equal(result.tets.vertices, tets.vertices)
+    assert np.array_equal(result.displacement, half)
+    assert result.backed_off == 0.0
+
+
+def test_the_way_to_none_and_to_all_of_the_relief_turns_nothing_inside_out(tile):
+    slab, relief, tets = tile
+    morph = Morph(slab, tets, 0.5 * relief)
+    for wanted in (np.zeros_like(relief), relief):
+        result = morph.morphed(wanted)
+        assert result.tets.volumes.min() > 0.0
+        assert result.backed_off < 0.1
+        assert result.tets.volumes.sum() == pytest.approx(slab.displaced(result.displacement).volume, rel=0.01)
+        assert np.array_equal(morph.morphed(result.displacement).tets.vertices, result.tets.vertices)
+
+
+def test_without_relief_they_are_the_original(tile):
+    slab, relief, tets = tile
+    result = Morph(slab, tets, 0.5 * relief).morphed(np.zeros_like(relief))
+    outer = np.unique(tets.boundary_faces)
+    off = TriangleTree(slab.vertices, slab.faces).nearest(result.tets.vertices[outer]).distance
+    assert np.quantile(off, 0.9) < 0.02
+    assert off.max() <= result.deviation + 0.02
+
+
+def test_what_is_reduced_is_reduced_towards_what_they_were_made_for(tile):
+    slab, relief, tets = tile
+    half, wanted = 0.5 * relief, 12.0 * relief
+    result = Morph(slab, tets, half).morphed(wanted)
+    assert result.backed_off > 0.0
+    assert np.all(result.displacement <= half + 1e-6)
+    assert np.all(result.displacement >= wanted - 1e-6)
+
+
+def test_they_carry_what_tets_of_the_part_at_rest_do_not(tile):
+    slab, relief, tets = tile
+    at_rest = Morph(slab, tetrahedralise(slab, 800))
+    shares = [followed_share(morph.morphed(relief), relief) for morph in (at_rest, Morph(slab, tets, 0.5 * relief))]
+    assert shares[0] < 0.7
+    assert shares[1] > 0.9
+
+
+def test_nothing_grows_where_they_cannot_come_back(tile):
+    """A stand-in is no relief: what nobody asked for is not delivered."""
+    slab, relief, tets = tile
+    half, opposite = 0.5 * relief, -6.0 * relief
+    result = Morph(slab, tets, half).morphed(opposite)
+    assert result.backed_off > 0.0
+    assert result.displacement.min() >= 0.0
+    assert result.deviation > 0.0
+
+
+def followed_share(result, relief):
+    wanted = result.displacement - result.displacement.mean()
+    return float(wanted @ result.followed / (wanted @ wanted))

@@ -252,3 +252,16 @@ def test_the_first_edge_length_is_the_root_with_faces_of_that_edge(cup):
     edge = module._first_edge(cup, 4000.0)
     faces = 4 * cup.face_areas.sum() / (np.sqrt(3) * edge**2)
     assert 9 * cup.volume / edge**3 + faces / 2 == pytest.approx(4000.0)
+
+
+def test_triangles_that_are_to_be_kept_are_kept_or_given_up_where_they_are_needed_least(block, monkeypatch):
+    x, _, z = block.vertices.T
+    ridged = block.displaced(np.where(z > 19.9, 0.4 * np.sin(1.5 * x), 0.0))
+    assert module._kept(ridged) is ridged
+    monkeypatch.setattr(module, "KEPT", len(ridged.faces) // 2)
+    fewer = module._kept(ridged)
+    assert fewer.is_closed
+    assert len(fewer.faces) <= module.KEPT
+    assert fewer.volume == pytest.approx(ridged.volume, rel=0.01)
+    high = np.mean(fewer.vertices[:, 2] > 19.0), np.mean(ridged.vertices[:, 2] > 19.0)
+    assert high[0] > 1.5 * high[1], "the flat sides can spare theirs"

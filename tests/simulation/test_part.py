@@ -46,29 +46,29 @@ def test_the_wall_of_a_block_is_its_shortest_side(ready):
 
 @pytest.mark.parametrize("base", BASES)
 def test_relief_cuts_at_most_a_quarter_of_the_wall_but_for_the_base(ready, base):
-    bounds, above = ready[0].bounds(base, 0.8), ready[0].surface.vertices[:, 2] > 0.5
+    bounds, above = ready[0].shape.bounds(base, 0.8), ready[0].surface.vertices[:, 2] > 0.5
     assert np.all(bounds.inward[above] <= 0.25 * ready[0].thickness[above] + 1e-6)
 
 
 def test_relief_near_the_floor_of_a_protected_base_stays_low(ready):
-    outward, low = ready[0].bounds("protected", 0.8).outward, ready[0].surface.vertices[:, 2] < 4.9
+    outward, low = ready[0].shape.bounds("protected", 0.8).outward, ready[0].surface.vertices[:, 2] < 4.9
     assert outward[low].max() <= 0.4 + 1e-6
     assert outward[~low].max() > 1.0
 
 
 def test_a_protected_resting_face_is_not_free_and_the_top_is(ready):
     part = ready[0]
-    height, freedom = part.surface.vertices[:, 2], part.bounds("protected", 0.8).freedom
+    height, freedom = part.surface.vertices[:, 2], part.shape.bounds("protected", 0.8).freedom
     assert part.stands
     assert np.all(freedom[height < 0.9] == 0.0)
     assert np.all(freedom[height > 5.1] == 1.0)
-    assert np.all(part.bounds("free", 0.8).freedom == 1.0)
+    assert np.all(part.shape.bounds("free", 0.8).freedom == 1.0)
 
 
 @pytest.mark.parametrize("minimum", [0.0, 0.8, 5.0, 30.0])
 def test_a_level_base_may_be_cut_by_half_of_what_the_wall_has_above_the_minimum(ready, minimum):
     part = ready[0]
-    bounds, within = part.bounds("level", minimum), part.level_base.resting == 1.0
+    bounds, within = part.shape.bounds("level", minimum), part.shape.level_base.resting == 1.0
     assert np.all(bounds.inward >= 0.0)
     assert bounds.inward[within] == pytest.approx(np.maximum(0.5 * (part.thickness[within] - minimum), 0.0), abs=1e-5)
 
@@ -76,10 +76,10 @@ def test_a_level_base_may_be_cut_by_half_of_what_the_wall_has_above_the_minimum(
 def test_a_level_base_is_never_below_the_floor_whatever_is_proposed(ready):
     part = ready[0]
     wild = np.random.default_rng(0).normal(0.0, 3.0, len(part.thickness)).astype(np.float32)
-    bounds, below = part.bounds("level", 0.8), part.surface.vertices[:, 2].min()
+    bounds, below = part.shape.bounds("level", 0.8), part.surface.vertices[:, 2].min()
     for relief in (bounds.clipped(wild), bounds.clipped(bounds.levelled(wild))):
         assert part.surface.displaced(relief).vertices[:, 2].min() >= below - 1e-6
-    free = part.bounds("free", 0.8)
+    free = part.shape.bounds("free", 0.8)
     assert part.surface.displaced(free.clipped(wild)).vertices[:, 2].min() < below - 0.1
 
 
@@ -88,7 +88,7 @@ def test_a_ball_stands_on_nothing_and_says_so(tmp_path, monkeypatch):
     ball = trimesh.creation.icosphere(subdivisions=3, radius=15.0)
     part = prepare(SurfaceMesh(ball.vertices, ball.faces), vertices=1500)
     assert not part.stands
-    assert np.all(part.bounds("protected", 0.8).freedom == 1.0)
+    assert np.all(part.shape.bounds("protected", 0.8).freedom == 1.0)
     assert "no flat face" in part.notes[0]
 
 

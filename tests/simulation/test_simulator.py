@@ -13,13 +13,14 @@ from mechstyle.errors import BadInput, SimulationFailed
 from mechstyle.fea.discretisation import discretise
 from mechstyle.fea.drop import DropTest
 from mechstyle.fea.elements import LINEAR
-from mechstyle.geometry.tetrahedra import tetrahedralise
+from mechstyle.geometry.tetrahedra import VOLUME_ERROR, tetrahedralise
 from mechstyle.loop.objects import Memo, Objects
 from mechstyle.records import Recipe
 from mechstyle.records.load_cases import Load, LoadCase, Patch, Support
-from mechstyle.records.material import LIBRARY, Material
+from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.simulation import simulator as module
+from mechstyle.simulation.carrying import LEAST_CARRIED, carrying
 from mechstyle.simulation.part_test import judge_alone
 from mechstyle.simulation.simulator import DropSimulator
 from mechstyle.simulation.validation.meshes import box
@@ -72,6 +73,17 @@ def bumps(block, height=0.2):
     return (height * np.sin(x) * np.sin(y) * (z > 3.0)).astype(np.float32)
 
 
+def slopes(block, height=0.2):
+    """A relief as slow as the tetrahedra are large, above the floor and not level under the part."""
+    return (-height * (1.0 + np.sin(0.06 * block[0].vertices[:, 0]))).astype(np.float32)
+
+
+def ripples(block, height=0.3):
+    """A relief finer than the tetrahedra, all of it inwards."""
+    x, y, z = block[0].vertices.T
+    return (-height * (1.0 + np.sin(1.1 * x) * np.cos(1.1 * y) * np.cos(1.1 * z))).astype(np.float32)
+
+
 def test_no_relief_is_the_baseline_bit_for_bit_and_viable(block, memo):
     sim = simulator(block, memo)
     again = sim.simulate(np.zeros(len(block[0].vertices), np.float32), thorough=True)
@@ -122,26 +134,6 @@ def test_what_does_not_matter_does_not(block, memo, drops):
     assert drops == [1]
 
 
-KEYS = {
-    (False, False): "7baf5a4f918eb8e701d72c4d688f53af528fb9efc8ad666b9e82e52a2ea0c93d",
-    (True, False): "4fe307f8d50f6ea2d50f6d83d6da8e9156bcbdeaac258c0d6c47fc7431bcb665",
-    (True, True): "873ba7c8ae889693e7d3e84c6eed760fa3f1938c6e140f46e72f21d01f6d6811",
-}
-"""Names under which version 5 of the physics remembers the question below, thorough or not, meshed fresh or not."""
-
-
-@pytest.mark.parametrize(("thorough", "fresh"), KEYS)
-def test_what_run_directories_remember_keeps_its_name(memo, thorough, fresh):
-    figures = {"youngs_modulus": 2000.0, "poisson_ratio": 0.3, "density": 1e-3, "yield_strength": 40.0, "safety_coefficient": 0.8}
-    recipe = Recipe(
-        surface="surface", tetrahedra="tetrahedra", prompt="", material=Material(name="test", source="", **figures), drop_height=1000.0,
-        friction=0.3, window=1.2, damping=2e-4, element="tet4", transfer="nearest", loads=(REST,), orientations=3, poses="tilts",
-    )  # fmt: skip
-    asked = DropSimulator(None, None, recipe, memo)
-    assert module.PHYSICS_VERSION == 5, "new physics, new names: work them out anew"
-    assert asked._key(np.array([0.0, 0.25, -0.5], np.float32), thorough=thorough, fresh=fresh) == KEYS[thorough, fresh]
-
-
 def test_the_baseline_is_shared_between_runs(block, memo, tmp_path, drops):
     shared = Memo(tmp_path / "shared", Objects(tmp_path / "shared-objects"))
     for name in ("a", "b"):
@@ -160,7 +152,7 @@ def test_a_forged_baseline_of_a_run_folder_stays_in_that_folder(block, memo, tmp
     stranger, users = (Memo(tmp_path / name, Objects(tmp_path / f"{name}-objects")) for name in ("stranger", "users"))
     sim = replace(simulator(block, stranger), shared=users)
     lie = forged(simulator(block, memo))
-    stranger.remember(sim._key(np.zeros(len(block[0].vertices), np.float32), thorough=True, fresh=False), lie)
+    stranger.remember(sim._key(np.zeros(len(block[0].vertices), np.float32), thorough=True), lie)
     assert sim.baseline.as_placed == lie.as_placed  # the folder is believed about itself
     assert not users.folder.exists()
     assert replace(simulator(block, Memo(tmp_path / "own", memo.objects)), shared=users).baseline.as_placed != lie.as_placed
@@ -171,7 +163,7 @@ def test_what_the_user_computed_before_is_believed_rather_than_a_run_folder(bloc
     stranger, users = (Memo(tmp_path / name, Objects(tmp_path / f"{name}-objects")) for name in ("stranger", "users"))
     honest = replace(simulator(block, memo), shared=users).baseline
     sim = replace(simulator(block, stranger), shared=users)
-    stranger.remember(sim._key(honest.displacement, thorough=True, fresh=False), forged(simulator(block, memo)))
+    stranger.remember(sim._key(honest.displacement, thorough=True), forged(simulator(block, memo)))
     assert sim.baseline.as_placed == honest.as_placed
 
 
@@ -245,8 +237,8 @@ def test_a_block_is_dropped_on_what_it_rests_on(block, memo, drops):
 
 def test_tilted_landings_are_dropped_beside_the_one_as_placed_in_the_loop_as_well(block, memo, drops):
     sim = simulator(block, memo, tilts=3)
-    placed = simulator(block, memo).simulate(bumps(block), thorough=False)
-    within, last = (sim.simulate(bumps(block), thorough=thorough) for thorough in (False, True))
+    placed = simulator(block, memo).simulate(slopes(block), thorough=False)
+    within, last = (sim.simulate(slopes(block), thorough=thorough) for thorough in (False, True))
     assert drops == [1, 4, 5]
     assert [landing.name[:6] for landing in last.landings] == ["as pla", "tilted", "tilted", "tilted", "direct"]
     for found in (within, last):
@@ -298,28 +290,67 @@ def test_what_the_tets_could_not_follow_is_taken_out(block, memo):
     assert np.abs(result.displacement - wild).max() == pytest.approx(result.deviation, abs=1e-3)
 
 
-def test_relief_under_an_unprotected_part_is_meshed_fresh(block, memo, monkeypatch):
-    asked = []
+def test_a_relief_that_the_tets_carry_is_judged_on_them(block, memo):
+    result = simulator(block, memo, orientations=1).simulate(slopes(block), thorough=True)
+    assert (result.meshing, result.mesh) == ("morphed", block[1].digest)
+    assert min(result.carried, result.carried_base) >= LEAST_CARRIED
 
-    def meshed(surface, target, **options):
-        asked.append(surface.digest)
-        return tetrahedralise(surface, target, **options)
 
-    monkeypatch.setattr(module, "tetrahedralise", meshed)
+def test_a_relief_that_they_do_not_carry_is_judged_on_tets_made_for_half_of_it(block, memo, drops):
     sim = simulator(block, memo, orientations=1)
-    assert sim.simulate(bumps(block), thorough=False).meshing == "morphed"
-    assert sim.simulate(bumps(block), thorough=True).meshing == "fresh"
-    assert asked == [block[0].displaced(bumps(block)).digest]
+    seen = sim.simulate(ripples(block), thorough=False)
+    assert (seen.meshing, seen.mesh) == ("morphed", block[1].digest)
+    assert min(seen.carried, seen.carried_base) < 0.7
+    result = sim.simulate(ripples(block), thorough=True)
+    assert result.meshing == module.AGAIN
+    assert result.mesh != block[1].digest
+    assert min(result.carried, result.carried_base) >= LEAST_CARRIED
+    assert abs(result.volume_error) < VOLUME_ERROR
+    assert drops == [1, 1], "nothing is dropped on tetrahedra that do not carry it"
 
 
-def test_a_surface_that_cannot_be_meshed_fresh_falls_back_and_says_so(block, memo, monkeypatch):
+def test_the_original_is_compared_on_the_same_tets_and_both_are_remembered(block, memo, drops):
+    sim = simulator(block, memo)
+    result = sim.simulate(ripples(block), thorough=True)
+    base = sim.baseline_of(result)
+    assert base.mesh == result.mesh != sim.baseline.mesh
+    assert not base.displacement.any()
+    assert base.deviation < 0.5 * np.abs(result.displacement).max()
+    assert sim.judge(base).all_orientations.limit == sim.judge(result).all_orientations.limit
+    assert len(drops) == 3
+    later = simulator(block, memo)
+    assert later.judge(later.simulate(ripples(block), thorough=True)) == sim.judge(result)
+    assert len(drops) == 3
+
+
+def test_the_tets_of_a_relief_are_taken_for_the_next_that_they_carry(block, memo, monkeypatch):
+    asked, real = [], module.carrying
+    monkeypatch.setattr(module, "carrying", lambda surface, relief: asked.append(1) or real(surface, relief))
+    sim = simulator(block, memo, orientations=1)
+    first = sim.simulate(ripples(block), thorough=True)
+    lower = sim.simulate(0.8 * ripples(block), thorough=True)
+    assert lower.mesh == first.mesh
+    assert len(asked) == 1
+
+
+def test_a_part_that_cannot_be_meshed_again_is_judged_as_it_is_and_says_so(block, memo, monkeypatch):
     def refuse(*_args, **_options):
         raise SimulationFailed("fTetWild gave up")
 
-    monkeypatch.setattr(module, "tetrahedralise", refuse)
-    result = simulator(block, memo, orientations=1).simulate(bumps(block), thorough=True)
-    assert result.meshing.startswith("morphed, as")
+    monkeypatch.setattr(module, "carrying", refuse)
+    result = simulator(block, memo, orientations=1).simulate(ripples(block), thorough=True)
+    assert result.meshing.startswith("morphed, carrying")
     assert "fTetWild gave up" in result.meshing
+
+
+def test_a_run_on_tets_made_for_its_relief_needs_no_others(block, memo):
+    surface = block[0]
+    tets, at = carrying(surface, ripples(block))
+    sim = replace(simulator((surface, tets), memo, orientations=1), at=at)
+    result = sim.simulate(ripples(block), thorough=True)
+    assert (result.meshing, result.mesh) == ("morphed", tets.digest)
+    assert min(result.carried, result.carried_base) >= LEAST_CARRIED
+    assert sim.baseline_of(result) is sim.baseline
 
 
 def test_a_drop_that_breaks_down_is_unknown_never_viable(block, memo, monkeypatch):
@@ -405,10 +436,9 @@ def test_a_place_that_is_not_there_is_refused_before_the_long_drop(block, memo, 
     assert drops == []
 
 
-def test_loads_keep_their_places_where_the_drop_is_meshed_fresh(block, memo):
-    sim = simulator(block, memo, orientations=1, loads=(PUSH,))
-    result = sim.simulate(bumps(block), thorough=True)
-    assert result.meshing == "fresh for the drop, morphed for the loads"
+def test_loads_keep_their_places_where_the_part_is_meshed_again(block, memo):
+    result = simulator(block, memo, orientations=1, loads=(PUSH,)).simulate(ripples(block), thorough=True)
+    assert result.meshing == module.AGAIN
     assert result.governing == "push"
 
 

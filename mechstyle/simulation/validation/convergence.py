@@ -79,7 +79,7 @@ class Styled(NamedTuple):
 
 def _styled() -> Styled:
     part = _unstyled()
-    bounds = part.bounds("protected", 0.0)
+    bounds = part.shape.bounds("protected", 0.0)
     aim = target(
         part.surface, read("brick"), seed=0, amplitude=0.15, thickness=part.thickness, inward=bounds.inward, outward=bounds.outward
     )  # fmt: skip

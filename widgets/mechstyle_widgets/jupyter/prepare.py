@@ -6,11 +6,13 @@ from collections.abc import Callable
 
 from mechstyle.errors import SimulationFailed
 from mechstyle.records.mesh import SurfaceMesh
-from mechstyle.simulation.part import Stage, Workpiece, prepare
+from mechstyle.simulation.part import Relief, Stage, Workpiece, prepare
 from mechstyle_widgets.jupyter.worker_process import Aside
 
 
-def prepare_aside(mesh: SurfaceMesh, vertices: int, stage: Stage, go_on: Callable[[], None]) -> Workpiece:
+def prepare_aside(
+    mesh: SurfaceMesh, vertices: int, stage: Stage, go_on: Callable[[], None], relief: Relief | None = None
+) -> Workpiece:
     """As `simulation.part.prepare`, in another process.
 
     Args:
@@ -18,17 +20,18 @@ def prepare_aside(mesh: SurfaceMesh, vertices: int, stage: Stage, go_on: Callabl
         vertices: Vertices of the standardised surface.
         stage: Told what is being done, in words.
         go_on: Called ten times a second; what it raises ends the work.
+        relief: The finished relief it is to carry, by a function that can be pickled; None for none.
 
     Raises:
         MechStyleError: What the preparation itself refuses, in its own words.
     """
-    for word in Aside(_prepare, mesh, vertices).said(go_on):
+    for word in Aside(_prepare, mesh, vertices, relief).said(go_on):
         if isinstance(word, Workpiece):
             return word
         stage(word)
     raise SimulationFailed("making the part ready ended without an answer: it may need more memory; ask for fewer vertices")
 
 
-def _prepare(say: Callable[[object], None], mesh: SurfaceMesh, vertices: int) -> None:
+def _prepare(say: Callable[[object], None], mesh: SurfaceMesh, vertices: int, relief: Relief | None) -> None:
     """Work of the other process: report the stages, then return the part."""
-    say(prepare(mesh, vertices=vertices, stage=say))
+    say(prepare(mesh, vertices=vertices, stage=say, relief=relief))

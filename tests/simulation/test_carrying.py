@@ -1,0 +1,72 @@
+"""Tetrahedra that carry a relief: what they are made for, and when they are good enough to judge."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from manifold3d import Manifold
+
+from mechstyle.geometry.level_base import LevelBase
+from mechstyle.geometry.morph import Morph
+from mechstyle.geometry.remesh import standardise, surface_of
+from mechstyle.geometry.tetrahedra import VOLUME_ERROR
+from mechstyle.simulation.carrying import LEAST_CARRIED, Carried, carried, carrying
+from mechstyle.simulation.part import Workpiece, refilled
+
+
+@pytest.fixture(scope="module")
+def slab():
+    return standardise(surface_of(Manifold.cube((24.0, 16.0, 6.0))), 1500)
+
+
+@pytest.fixture(scope="module")
+def relief(slab):
+    x, y, z = slab.vertices.T
+    return (-0.3 * (1.0 + np.sin(1.5 * x) * np.cos(1.5 * y) * np.cos(1.5 * z))).astype(np.float32)
+
+
+@pytest.fixture(scope="module")
+def filled(slab, relief):
+    return carrying(slab, relief)
+
+
+def test_they_are_made_for_half_of_it_and_carry_all_of_it(slab, relief, filled):
+    tets, half = filled
+    assert half == pytest.approx(0.5 * relief)
+    morph, base = Morph(slab, tets, half), LevelBase(slab)
+    fit = carried(morph, morph.morphed(relief), base)
+    assert fit.enough
+    assert fit.whole == pytest.approx(1.0, abs=0.1)
+    assert fit.base == pytest.approx(1.0, abs=0.1)
+
+
+def test_without_relief_nothing_is_to_be_carried(slab, relief, filled):
+    tets, half = filled
+    morph = Morph(slab, tets, half)
+    assert carried(morph, morph.morphed(np.zeros_like(relief)), LevelBase(slab))[:2] == (1.0, None)
+
+
+@pytest.mark.parametrize(
+    ("fit", "enough"),
+    [
+        (Carried(LEAST_CARRIED, None, 0.0), True),
+        (Carried(LEAST_CARRIED - 0.01, None, 0.0), False),
+        (Carried(1.0, LEAST_CARRIED - 0.01, 0.0), False),
+        (Carried(1.0, 1.0, 1.01 * VOLUME_ERROR), False),
+        (Carried(1.0, 1.0, -1.01 * VOLUME_ERROR), False),
+        (Carried(float("nan"), 1.0, 0.0), False),
+    ],
+)
+def test_whole_base_and_volume_each_must_be_good_enough(fit, enough):
+    assert fit.enough == enough
+
+
+def test_a_part_is_filled_again_for_another_relief_and_left_alone_where_it_is_not_known(slab, relief, filled):
+    tets, half = filled
+    part = Workpiece(slab, tets, np.full(len(slab.vertices), 6.0, np.float32), True, at=half)
+    assert refilled(part, lambda _: None) is part
+    again = refilled(part, lambda _: relief)
+    assert again.tets.digest == tets.digest, "cached by content"
+    other = refilled(part, lambda _: 0.5 * relief)
+    assert other.tets.digest != tets.digest
+    assert other.at == pytest.approx(0.25 * relief)
