@@ -12,10 +12,9 @@ from pathlib import Path
 from typing import Any
 
 import msgspec
-import numpy as np
 
-from mechstyle._files import file_stem, write_whole
-from mechstyle.errors import BadInput, DamagedStore
+from mechstyle._files import write_whole
+from mechstyle.errors import BadInput
 from mechstyle.fea.drop import resolve_device
 from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.loop import minimum_wall
@@ -27,8 +26,9 @@ from mechstyle.loop.store import Entry, Lane, Store, parse_address
 from mechstyle.pictures.panels import Picture, checkpoint_panels, picture, with_protected
 from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict
 from mechstyle.records.material import Material
-from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh, TetMesh
+from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh
 from mechstyle.runs.export import Exported, exported
+from mechstyle.runs.part_record import PartRecord
 from mechstyle.runs.recipes import changed, draft
 from mechstyle.runs.session import Session
 from mechstyle.runs.stylizers import finished_relief, stylizer_for
@@ -39,24 +39,6 @@ from mechstyle.simulation.simulator import DropSimulator
 OnEvent = Callable[[Event], None]
 
 logger = logging.getLogger(__name__)
-
-
-class PartRecord(msgspec.Struct, frozen=True, kw_only=True):
-    """The prepared part as a run directory keeps it: digests of stored meshes and arrays, "" for an `at` of nothing."""
-
-    name: str
-    surface: str
-    tets: str
-    thickness: str
-    stands: bool
-    notes: tuple[str, ...]
-    origin: Origin = Origin()
-    at: str = ""
-
-    @property
-    def stem(self) -> str:
-        """The name as the first part of the name of a file."""
-        return file_stem(self.name)
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,14 +88,7 @@ class Run:
     @cached_property
     def part(self) -> Workpiece:
         """The prepared part."""
-        record, objects = self.record, self.store.objects
-        surface, tets = objects.get_mesh(record.surface, SurfaceMesh), objects.get_mesh(record.tets, TetMesh)
-        thickness, at = objects.get_array(record.thickness), objects.get_array(record.at) if record.at else None
-        for values in (thickness, thickness if at is None else at):
-            if values.shape != (len(surface.vertices),) or not np.issubdtype(values.dtype, np.floating):
-                file = self.store.root / "part.json"
-                raise DamagedStore(f"{file} has walls of another part: restore it from a copy, or start the run again")
-        return Workpiece(surface, tets, thickness, record.stands, record.notes, at)
+        return self.record.part(self.store.objects, self.store.root / "part.json")
 
     @property
     def history(self) -> list[Entry]:
@@ -313,17 +288,7 @@ def begin(
         return run
     if store.root.exists() and (not store.root.is_dir() or any(store.root.iterdir())) and not (store.root / "part.json").exists():
         raise BadInput(f"{out} exists and is not a run directory: choose another --out")
-    objects = store.objects
-    record = PartRecord(
-        name=name,
-        surface=objects.put_mesh(part.surface),
-        tets=objects.put_mesh(part.tets),
-        thickness=objects.put_array(part.thickness),
-        stands=part.stands,
-        notes=part.notes,
-        origin=origin or Origin(),
-        at="" if part.at is None else objects.put_array(part.at),
-    )
+    record = PartRecord.kept(part, name, origin or Origin(), store.objects)
     write_whole(store.root / "part.json", msgspec.json.encode(record))
     store.move("main", Lane(recipe=store.put_recipe(recipe)))
     return run
