@@ -16,7 +16,7 @@ from mechstyle.loop.objects import Memo
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import Floats, SurfaceMesh, TetMesh
 from mechstyle.simulation.part import Workpiece
-from mechstyle.simulation.simulator import PHYSICS_VERSION, memo_key, period_of, physics, prescribed
+from mechstyle.simulation.physics import PHYSICS_VERSION, memo_key, period_of, physics, prescribed
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +79,7 @@ def impact_of(
     if known is not None:
         return known
     tets = Morph(part.surface, part.tets, part.at).morphed(displacement).tets
-    period = period_of(part.tets, recipe, memo)
+    period = period_of(part.surface, part.tets, recipe, memo)
     seen = snapshots(tets, recipe.material, prescribed(recipe), progress=progress, period=period)
     impact = _on_surface(seen, part, tets, recipe.transfer)
     memo.remember(key, impact)

@@ -32,7 +32,8 @@ from mechstyle.records.recipe import DEFAULTS, direction_of
 from mechstyle.simulation.drop_history import Course, history_picture, vtu_bytes
 from mechstyle.simulation.impact import Impact, impact_of
 from mechstyle.simulation.part import Stage, Workpiece, cached_memo, fitted, prepare, say_nothing
-from mechstyle.simulation.simulator import Detail, DropSimulator, period_of, prescribed
+from mechstyle.simulation.physics import period_of, prescribed
+from mechstyle.simulation.simulator import Detail, DropSimulator
 
 if TYPE_CHECKING:
     from mechstyle.pictures.figure import Panel
@@ -124,7 +125,7 @@ class PartTest:
         target = vtu_path(path)
         if self.course is None:
             raise SimulationFailed(self.simulation.failure)
-        period = period_of(self.part.tets, self.recipe, cached_memo())
+        period = period_of(self.part.surface, self.part.tets, self.recipe, cached_memo())
         at = snapshot(self.tets, self.recipe.material, prescribed(self.recipe), self.course.peak_time, period)
         allowable = self.recipe.material.yield_strength
         probabilities = [landing.weight for landing in self.simulation.landings] if self.recipe.random_drops else []

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
 
 import msgspec
 import numpy as np
@@ -13,12 +11,9 @@ from numpy.typing import NDArray
 
 from mechstyle.errors import MechStyleError, SimulationFailed
 from mechstyle.fea.criterion import exceedance, measures
-from mechstyle.fea.discretisation import discretise
-from mechstyle.fea.drop import Drop, DropTest, drop
-from mechstyle.fea.elements import element_named
+from mechstyle.fea.drop import Drop, drop
 from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.fea.orientations import Orientations, nearly, orientation_set
-from mechstyle.fea.period import lowest_period
 from mechstyle.fea.statics.load_test import StaticTest
 from mechstyle.fea.surface_stress import Deciding, SurfaceStress, worst
 from mechstyle.fea.verdict import judge
@@ -30,9 +25,7 @@ from mechstyle.loop.objects import Memo
 from mechstyle.records import Landing, LoadResult, Measures, Recipe, Simulation, Verdict
 from mechstyle.records.mesh import SurfaceMesh, TetMesh, digest_of
 from mechstyle.simulation.carrying import Carried, carried, carrying
-
-PHYSICS_VERSION = 5
-"""Counts changes that alter results, so that remembered simulations of older code are not reused."""
+from mechstyle.simulation.physics import PHYSICS_VERSION, memo_key, period_of, physics, prescribed
 
 AGAIN = "meshed again at half of this relief"
 """How the tetrahedra of a thorough test came about that were not those of the run."""
@@ -43,51 +36,6 @@ class KeptMesh(msgspec.Struct, frozen=True, kw_only=True):
 
     tets: str
     at: str
-
-
-def prescribed(recipe: Recipe) -> DropTest:
-    """The drop test a recipe prescribes."""
-    return DropTest(
-        height=recipe.drop_height, friction=recipe.friction, window=recipe.window, damping=recipe.damping, element=recipe.element,
-        across=recipe.across_layers,
-    )  # fmt: skip
-
-
-def physics(recipe: Recipe) -> tuple[Any, ...]:
-    """The settings that decide the drop of a displaced part as placed and the stress it leaves on the surface."""
-    layers = () if recipe.build_direction is None else (recipe.build_direction,)
-    part = (recipe.surface, recipe.tetrahedra, recipe.material, *layers)
-    return (*part, recipe.drop_height, recipe.friction, recipe.window, recipe.damping, recipe.element, recipe.transfer)
-
-
-def memo_key(inputs: tuple[Any, ...], displacement: NDArray[np.float32]) -> str:
-    """The name under which what follows from inputs and a displacement [mm], shape [vertex_count], is remembered."""
-    return hashlib.sha256(msgspec.json.encode(inputs) + np.ascontiguousarray(displacement, np.float32).tobytes()).hexdigest()
-
-
-def period_of(tets: TetMesh, recipe: Recipe, memo: Memo, trusted: Memo | None = None) -> float | None:
-    """Lowest elastic period of the unstylized part [ms], by which the end of an impact is told, also of a styled one.
-
-    None if the recipe has a window, which needs none.
-
-    Args:
-        tets: The unstylized part.
-        recipe: What decides the physics.
-        memo: Where the answer is remembered.
-        trusted: Where it is looked for first, and remembered if it was worked out here; None for nowhere.
-    """
-    if recipe.window is not None:
-        return None
-    key = memo_key(("period", PHYSICS_VERSION, recipe.tetrahedra, recipe.material, recipe.element), np.empty(0, np.float32))
-    memos = [memo] if trusted is None else [trusted, memo]
-    period = next((found for one in memos if (found := one.recall(key, float)) is not None), None)
-    if period is not None:
-        return period
-    test = prescribed(recipe)
-    period = lowest_period(discretise(tets, recipe.material, test.added_mass, element_named(test.element)), recipe.material)
-    for one in memos:
-        one.remember(key, period)
-    return period
 
 
 @dataclass(frozen=True, eq=False)
@@ -309,7 +257,7 @@ class DropSimulator:
     @cached_property
     def _period(self) -> float | None:
         """Of `period_of`."""
-        return period_of(self.tets, self.recipe, self.memo, self._trusted)
+        return period_of(self.surface, self.tets, self.recipe, self.memo, self._trusted)
 
     def _measured(self, morphed: Morphed, result: Drop) -> Simulation:
         """Measures and surface fields of a drop; all zero, with the reason, for one that failed."""

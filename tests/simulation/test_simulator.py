@@ -19,6 +19,7 @@ from mechstyle.records import Recipe
 from mechstyle.records.load_cases import Load, LoadCase, Patch, Support
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.simulation import physics as physics_module
 from mechstyle.simulation import simulator as module
 from mechstyle.simulation.carrying import LEAST_CARRIED, carrying
 from mechstyle.simulation.part_test import judge_alone
@@ -178,13 +179,13 @@ def test_the_baseline_of_a_part_that_is_not_the_one_its_recipe_names_is_for_itse
 
 
 def test_without_a_window_the_impact_ends_by_the_period_of_the_unstylized_part(block, memo, tmp_path, monkeypatch):
-    asked, real = [], module.lowest_period
+    asked, real = [], physics_module.lowest_period
 
     def counting(body, material):
         asked.append(len(body.volumes))
         return real(body, material)
 
-    monkeypatch.setattr(module, "lowest_period", counting)
+    monkeypatch.setattr(physics_module, "lowest_period", counting)
     shared = Memo(tmp_path / "shared", Objects(tmp_path / "shared-objects"))
     for own in (memo, Memo(tmp_path / "other", Objects(tmp_path / "objects"))):
         sim = replace(simulator(block, own, window=None, element="tet4"), shared=shared)
@@ -195,21 +196,30 @@ def test_without_a_window_the_impact_ends_by_the_period_of_the_unstylized_part(b
                 assert landing.touches[0] == pytest.approx(np.sqrt(2 * 9.81e-3 * 1500.0))
                 assert landing.ended
     assert asked == [len(block[1].tets)]
-    assert module.period_of(block[1], sim.recipe, shared) == real(discretised(block), LIBRARY["PLA"])
+    assert physics_module.period_of(*block, sim.recipe, shared) == real(discretised(block), LIBRARY["PLA"])
     simulator(block, memo).simulate(bumps(block), thorough=False)
     assert len(asked) == 1, "a window needs no period"
+
+
+def test_the_period_of_a_finely_meshed_part_is_that_of_a_coarse_mesh(block, memo, monkeypatch):
+    asked = []
+    monkeypatch.setattr(physics_module, "COARSE", 100)
+    monkeypatch.setattr(physics_module, "tetrahedralise", lambda surface, count, **_: asked.append((surface, count)) or block[1])
+    recipe = simulator(block, memo, window=None, element="tet4").recipe
+    assert physics_module.period_of(*block, recipe, memo) > 0.0
+    assert asked == [(block[0], 3000)]
 
 
 def test_a_forged_period_of_a_run_folder_stays_in_that_folder(block, memo, tmp_path):
     stranger, users = (Memo(tmp_path / name, Objects(tmp_path / f"{name}-objects")) for name in ("stranger", "users"))
     sim = simulator(block, memo, window=None, element="tet4")
-    honest = module.period_of(block[1], sim.recipe, memo)
+    honest = physics_module.period_of(*block, sim.recipe, memo)
     (key,) = [path.name for path in memo.folder.iterdir()]
     stranger.remember(key, 10.0 * honest)
-    assert module.period_of(block[1], sim.recipe, stranger, users) == 10.0 * honest
+    assert physics_module.period_of(*block, sim.recipe, stranger, users) == 10.0 * honest
     assert not users.folder.exists()
     users.remember(key, honest)
-    assert module.period_of(block[1], sim.recipe, stranger, users) == honest
+    assert physics_module.period_of(*block, sim.recipe, stranger, users) == honest
 
 
 def test_only_the_thorough_test_turns_the_part(block, memo, drops):
@@ -380,7 +390,7 @@ def test_the_worse_of_drop_and_loads_drives_and_decides(block, memo):
     assert loaded.as_placed.peak == push.peak > dropped.as_placed.peak > rest.peak > 0.0
     assert loaded.as_placed.where == push.where
     assert np.all(loaded.stress >= dropped.stress)
-    assert loaded.stress.max() == pytest.approx(push.peak, rel=0.05)  # the surface's vertices lie between those of the tetrahedra
+    assert loaded.stress.max() == pytest.approx(push.peak, rel=0.1)  # the surface's vertices lie between those of the tetrahedra
     assert np.all(loaded.envelope >= dropped.envelope)
     assert loaded.overall == dropped.overall
 

@@ -1,0 +1,74 @@
+"""What decides a drop: the test a recipe prescribes, the names its results are remembered under, and the period of the part."""
+
+from __future__ import annotations
+
+import hashlib
+from typing import Any
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from mechstyle._files import cache_folder
+from mechstyle.fea.discretisation import discretise
+from mechstyle.fea.drop import DropTest
+from mechstyle.fea.elements import element_named
+from mechstyle.fea.period import lowest_period
+from mechstyle.geometry.tetrahedra import tetrahedralise
+from mechstyle.loop.objects import Memo
+from mechstyle.records import Recipe
+from mechstyle.records.mesh import SurfaceMesh, TetMesh
+from mechstyle.simulation.carrying import FEWEST_TETS
+
+PHYSICS_VERSION = 5
+"""Counts changes that alter results, so that remembered simulations of older code are not reused."""
+
+COARSE = 10_000
+"""Tetrahedra up to which those at hand tell the period of a part."""
+
+
+def prescribed(recipe: Recipe) -> DropTest:
+    """The drop test a recipe prescribes."""
+    return DropTest(
+        height=recipe.drop_height, friction=recipe.friction, window=recipe.window, damping=recipe.damping, element=recipe.element,
+        across=recipe.across_layers,
+    )  # fmt: skip
+
+
+def physics(recipe: Recipe) -> tuple[Any, ...]:
+    """The settings that decide the drop of a displaced part as placed and the stress it leaves on the surface."""
+    layers = () if recipe.build_direction is None else (recipe.build_direction,)
+    part = (recipe.surface, recipe.tetrahedra, recipe.material, *layers)
+    return (*part, recipe.drop_height, recipe.friction, recipe.window, recipe.damping, recipe.element, recipe.transfer)
+
+
+def memo_key(inputs: tuple[Any, ...], displacement: NDArray[np.float32]) -> str:
+    """The name under which what follows from inputs and a displacement [mm], shape [vertex_count], is remembered."""
+    return hashlib.sha256(msgspec.json.encode(inputs) + np.ascontiguousarray(displacement, np.float32).tobytes()).hexdigest()
+
+
+def period_of(surface: SurfaceMesh, tets: TetMesh, recipe: Recipe, memo: Memo, trusted: Memo | None = None) -> float | None:
+    """Lowest elastic period of the unstylized part [ms], by which the end of an impact is told, also of a styled one.
+
+    None if the recipe has a window, which needs none. Fine tetrahedra, made to carry a relief, would take minutes to tell the same.
+
+    Args:
+        surface: The unstylized part.
+        tets: Its tetrahedra, for whatever relief.
+        recipe: What decides the physics.
+        memo: Where the answer is remembered.
+        trusted: Where it is looked for first, and remembered if it was worked out here; None for nowhere.
+    """
+    if recipe.window is not None:
+        return None
+    key = memo_key(("period", PHYSICS_VERSION, recipe.surface, recipe.material, recipe.element), np.empty(0, np.float32))
+    memos = [memo] if trusted is None else [trusted, memo]
+    period = next((found for one in memos if (found := one.recall(key, float)) is not None), None)
+    if period is not None:
+        return period
+    coarse = tets if len(tets.tets) <= COARSE else tetrahedralise(surface, FEWEST_TETS, cache=cache_folder() / "tets")
+    test = prescribed(recipe)
+    period = lowest_period(discretise(coarse, recipe.material, test.added_mass, element_named(test.element)), recipe.material)
+    for one in memos:
+        one.remember(key, period)
+    return period
