@@ -66,7 +66,7 @@ def carry_out(
     with telling(wanted.iterations, quiet=as_json) as teller:
         if deep:
             wanted = at_its_deepest(wanted, mesh, settings, vertices, device, folder, teller)
-        run = started(wanted, mesh, vertices=vertices, out=folder, name=name, device=device, stage=teller.stage)
+        run = started(wanted, mesh, vertices=vertices, out=folder, name=name, device=device, stage=teller.stage, beside=False)
         return finish(run, teller)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import re
 from collections.abc import Callable, Generator
 from contextlib import closing
 from dataclasses import dataclass, field
@@ -28,6 +27,7 @@ from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict
 from mechstyle.records.material import Material
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh
 from mechstyle.runs.export import Exported, exported
+from mechstyle.runs.folders import default_folder, folder_for
 from mechstyle.runs.part_record import PartRecord
 from mechstyle.runs.recipes import changed, draft
 from mechstyle.runs.session import Session
@@ -269,25 +269,27 @@ class Run:
 
 
 def begin(
-    part: Workpiece, recipe: Recipe, out: str | Path, *, name: str = "part", device: str = "auto", origin: Origin | None = None
+    part: Workpiece,
+    recipe: Recipe,
+    out: str | Path,
+    *,
+    name: str = "part",
+    device: str = "auto",
+    origin: Origin | None = None,
+    beside: bool = True,
 ) -> Run:
     """A run directory for a part and a recipe: new, or an earlier one of the same recipe, which then goes on where it stopped.
 
     The earlier one keeps its tetrahedra: those of a part that was meshed anew are others, without anything else being other.
+    A run with other settings stays as it is: this one then goes into a folder beside it, `out-2`, which is logged.
 
     Raises:
-        BadInput: If `out` holds something else.
+        BadInput: If `out` holds something else than a run; if it holds another run and `beside` is False.
     """
-    store = Store(out)
+    store = Store(folder_for(Path(out), recipe, beside=beside))
     run = Run(store, "main", resolve_device(device))
     if "main" in store.lanes():
-        if msgspec.structs.replace(run.recipe, tetrahedra=recipe.tetrahedra) != recipe:
-            raise BadInput(
-                f"{out} holds a run with other settings: choose another --out, or branch it with `mechstyle branch {out}@ITERATION`"
-            )
         return run
-    if store.root.exists() and (not store.root.is_dir() or any(store.root.iterdir())) and not (store.root / "part.json").exists():
-        raise BadInput(f"{out} exists and is not a run directory: choose another --out")
     record = PartRecord.kept(part, name, origin or Origin(), store.objects)
     write_whole(store.root / "part.json", msgspec.json.encode(record))
     store.move("main", Lane(recipe=store.put_recipe(recipe)))
@@ -316,7 +318,8 @@ def stylize(
         material: A library name, a .toml/.json file, or a Material.
         freestyle: Whether to stylize without feedback.
         vertices: Vertices of the standardised surface.
-        out: Run directory; by default one named by prompt and recipe under `mechstyle-runs`. The same recipe goes on where it stopped.
+        out: Run directory; by default one named by prompt and recipe under `mechstyle-runs`. The same recipe goes on where it stopped,
+            another one goes into a folder beside it: see the run's `store.root`.
         name: What the part is called in pictures and files.
         device: `auto`, `cpu` or `cuda`.
         stage: Told what is being prepared, in words.
@@ -345,6 +348,7 @@ def started(
     device: str = "auto",
     stage: Stage = say_nothing,
     prepare: Callable[..., Workpiece] = prepare,
+    beside: bool = True,
 ) -> Run:
     """Begin the run a drafted recipe asks for, or find it where it stopped; `.go()` carries it on.
 
@@ -353,6 +357,7 @@ def started(
         part: A closed surface [mm], or a part that is prepared already.
         origin: Where a prepared part came from; a surface knows it itself.
         prepare: What prepares a surface, `simulation.part.prepare` or a function like it.
+        beside: As for `begin`.
     """
     device, clock = resolve_device(device), Clock()
     relief = partial(finished_relief, recipe=wanted)
@@ -363,12 +368,7 @@ def started(
         else:
             part = refilled(part, relief, begun)
     recipe = fitted(wanted, part)
-    run = begin(part, recipe, default_folder(recipe) if out is None else out, name=name, device=device, origin=origin)
+    place = default_folder(recipe) if out is None else out
+    run = begin(part, recipe, place, name=name, device=device, origin=origin, beside=beside)
     run.clock.add(clock.seconds())
     return run
-
-
-def default_folder(recipe: Recipe) -> Path:
-    """`mechstyle-runs/PROMPT-RECIPE`: the same request finds its run again, with whatever tetrahedra it was begun."""
-    slug = re.sub(r"[^a-z0-9]+", "-", recipe.prompt.lower()).strip("-")[:40] or "run"
-    return Path("mechstyle-runs") / f"{slug}-{msgspec.structs.replace(recipe, tetrahedra='').digest[:8]}"

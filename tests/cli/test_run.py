@@ -321,7 +321,7 @@ def test_a_part_meshed_anew_finds_its_run_again(part):
     assert begin(anew, recipe, part, device="cpu").recipe == run.recipe
     moved = replace(anew, surface=anew.surface.moved(2 * anew.surface.vertices))
     with pytest.raises(BadInput, match="other settings"):
-        begin(moved, fitted(recipe, moved), part, device="cpu")
+        begin(moved, fitted(recipe, moved), part, device="cpu", beside=False)
 
 
 def test_a_lane_is_carried_on_by_one_at_a_time(part):

@@ -8,7 +8,8 @@ import msgspec
 import numpy as np
 
 from mechstyle.records.mesh import TetMesh
-from mechstyle.runs.run import PartRecord, Run
+from mechstyle.runs.part_record import PartRecord
+from mechstyle.runs.run import Run
 from mechstyle.runs.summary import summarise
 from mechstyle.simulation.part import Origin
 from support.bench import Bench

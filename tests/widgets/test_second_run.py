@@ -202,3 +202,16 @@ def test_a_damaged_run_is_said_and_does_not_end_the_news(studio, tmp_path):
     assert studio.state.run.recipe.prompt == "wood"
 
 
+
+
+def test_a_second_run_in_one_folder_goes_beside_the_first_and_says_so(studio, caplog):
+    studio.drop_options.folder = "mine"
+    studio.go()
+    assert str(studio.state.run.store.root) == "mine"
+    studio.prompt_box.prompt = "stone"
+    said = []
+    studio.state.observe(lambda change: said.append(change["new"]), "message")
+    studio.go(early=True)
+    assert str(studio.state.run.store.root) == "mine-2"
+    assert "mine holds a run with other settings: this one is in mine-2" in said
+    assert {record.message for record in caplog.records} == {"mine holds a run with other settings: this one is in mine-2"}

@@ -1,0 +1,59 @@
+"""Where a run goes: the folder that was asked for, or one beside it if another run is there."""
+
+from __future__ import annotations
+
+import itertools
+import logging
+import re
+from pathlib import Path
+
+import msgspec
+
+from mechstyle.errors import BadInput
+from mechstyle.loop.store import Store
+from mechstyle.records import Recipe
+
+logger = logging.getLogger(__name__)
+
+
+def default_folder(recipe: Recipe) -> Path:
+    """`mechstyle-runs/PROMPT-RECIPE`: the same request finds its run again, with whatever tetrahedra it was begun."""
+    slug = re.sub(r"[^a-z0-9]+", "-", recipe.prompt.lower()).strip("-")[:40] or "run"
+    return Path("mechstyle-runs") / f"{slug}-{msgspec.structs.replace(recipe, tetrahedra='').digest[:8]}"
+
+
+def folder_for(out: Path, recipe: Recipe, *, beside: bool) -> Path:
+    """The run directory of a recipe: `out` if it is free or holds that very run, else the first of `out-2`, `out-3`, … of which that is true.
+
+    Args:
+        out: The folder that was asked for.
+        recipe: The recipe, fitted to its part. Its tetrahedra do not count: a part that was meshed anew has others, and nothing else.
+        beside: Whether another folder may be taken, which is logged; people who named a folder on a command line look for the run there.
+
+    Raises:
+        BadInput: If `out` holds no run but something else, or another run and `beside` is False.
+    """
+    if _holds_something_else(out):
+        raise BadInput(f"{out} exists and is not a run directory: choose another --out")
+    if _takes(out, recipe):
+        return out
+    if not beside:
+        raise BadInput(f"{out} holds a run with other settings: choose another --out, or branch it with `mechstyle branch {out}@ITERATION`")
+    named = out if out.name not in ("", "..") else out.resolve()
+    numbered = (named.with_name(f"{named.name}-{number}") for number in itertools.count(2))
+    found = next(place for place in numbered if not _holds_something_else(place) and _takes(place, recipe))
+    logger.warning("%s holds a run with other settings: this one is in %s", out, found)
+    return found
+
+
+def _holds_something_else(place: Path) -> bool:
+    """Whether what is there is neither empty nor a run directory."""
+    if "main" in Store(place).lanes() or (place / "part.json").exists():
+        return False
+    return place.exists() and (not place.is_dir() or any(place.iterdir()))
+
+
+def _takes(place: Path, recipe: Recipe) -> bool:
+    """Whether a run of this recipe is there, or none at all."""
+    store = Store(place)
+    return "main" not in store.lanes() or msgspec.structs.replace(store.recipe(store.lane().recipe), tetrahedra=recipe.tetrahedra) == recipe
