@@ -204,3 +204,16 @@ def test_a_figure_that_was_closed_is_not_used_again(state):
     first.close()
     Widget.close_all()
     assert Timeline(state)._figure is not figure
+
+
+def test_a_page_that_is_loaded_anew_gets_what_the_figure_shows(done):
+    """Plotly tells changes by messages; the state that the next page starts from must not stay as it was at the beginning."""
+    state = StudioState()
+    timeline = Timeline(state)
+    assert "Nothing has run yet" in str(timeline._figure.get_state()["_widget_layout"])
+    state.open(done)
+    sent = timeline._figure.get_state()
+    assert "Nothing has run yet" not in str(sent["_widget_layout"])
+    assert [list(trace.get("x", [])) for trace in sent["_widget_data"]] == [list(trace.x or []) for trace in timeline._figure.data]
+    assert sent["_widget_layout"]["shapes"][0]["x0"] == 12
+    assert sent["_esm"]

@@ -15,6 +15,20 @@ from plotly import graph_objects
 _idle: list[Any] = []
 
 
+class Figure(graph_objects.FigureWidget):  # type: ignore[misc]  # plotly has no types
+    """A figure widget whose state is what it shows.
+
+    Plotly tells a page of changes by messages and leaves the state as it was at the beginning, from which a page that is loaded anew
+    while the kernel goes on would draw it.
+    """
+
+    def get_state(self, key: Any = None, drop_defaults: bool = False) -> Any:
+        """State of the widget for a page, as ipywidgets asks for it."""
+        if key is None and hasattr(self, "_data"):  # not while it is made; and not told to the page that has it already
+            self._trait_values |= {"_widget_data": deepcopy(self._data), "_widget_layout": deepcopy(self._layout)}
+        return super().get_state(key, drop_defaults)
+
+
 def taken(make: Callable[[], Any], fill: Callable[[Any], None]) -> Any:
     """A figure widget that is filled, one that was put away if there is one.
 
@@ -32,7 +46,7 @@ def taken(make: Callable[[], Any], fill: Callable[[Any], None]) -> Any:
             return figure
     figure = make()
     fill(figure)  # what is told a figure before the browser has it may get lost
-    return graph_objects.FigureWidget(figure)
+    return Figure(figure)
 
 
 def put_away(figure: Any) -> None:
