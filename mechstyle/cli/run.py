@@ -75,7 +75,7 @@ def at_its_deepest(
 ) -> Recipe:
     """A recipe with the deepest relief that holds, which is found by trials in a folder beside the run's."""
     from mechstyle.runs.deepest import deepest  # noqa: PLC0415 — physics is loaded when something is run
-    from mechstyle.runs.run import default_folder  # noqa: PLC0415
+    from mechstyle.runs.folders import default_folder  # noqa: PLC0415
 
     beside = folder or default_folder(wanted)
     found = deepest(mesh, **settings, vertices=vertices, device=device, stage=teller.stage, out=beside.with_name(f"{beside.name}-depths"))

@@ -15,7 +15,11 @@ Face = tuple[int, int, int]
 
 
 def heights(corners: Floats) -> Floats:
-    """Height of triangles over their longest side [mm], shape [face_count]; zero for those without area. Corners [mm], [face_count, 3, 3]."""
+    """Height of triangles over their longest side, zero for those without area [mm], shape [face_count].
+
+    Args:
+        corners: Their corners [mm], shape [face_count, 3, 3].
+    """
     double = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
     return np.divide(double, longest, out=np.zeros_like(double), where=longest > 0)

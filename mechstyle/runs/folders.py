@@ -23,7 +23,7 @@ def default_folder(recipe: Recipe) -> Path:
 
 
 def folder_for(out: Path, recipe: Recipe, *, beside: bool) -> Path:
-    """The run directory of a recipe: `out` if it is free or holds that very run, else the first of `out-2`, `out-3`, … of which that is true.
+    """The run directory of a recipe: `out` if it is free or holds that very run, else the first of `out-2`, `out-3`, … that is.
 
     Args:
         out: The folder that was asked for.

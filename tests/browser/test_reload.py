@@ -15,7 +15,7 @@ TEXT = "document.querySelector('.mechstyle-timeline .js-plotly-plot')?.textConte
 def shown(notebook, tmp_path_factory):
     root = lane_on_a_sheet(tmp_path_factory.mktemp("run") / "run", iterations=12).store.root
     return notebook.open(
-        f"""
+        """
 from mechstyle import Run
 from mechstyle_widgets import StudioState
 from mechstyle_widgets import Timeline

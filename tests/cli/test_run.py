@@ -18,7 +18,8 @@ from mechstyle.errors import BadInput
 from mechstyle.loop.events import Checkpointed
 from mechstyle.loop.store import Store
 from mechstyle.records.mesh import TetMesh
-from mechstyle.runs.run import Run, begin, default_folder
+from mechstyle.runs.folders import default_folder
+from mechstyle.runs.run import Run, begin
 from mechstyle.simulation.part import fitted
 
 KEYS = {

@@ -44,7 +44,8 @@ def what_begins_runs(stem: str) -> ast.Module:
     needed: set[str] = set()
     for statement in reversed(statements):
         made = defined_by(statement)
-        if isinstance(statement, ast.Assign | ast.AugAssign | ast.FunctionDef) and (begins_a_run(statement) or made & needed) or _is_import(statement):
+        makes = isinstance(statement, ast.Assign | ast.AugAssign | ast.FunctionDef)
+        if _is_import(statement) or (makes and (begins_a_run(statement) or made & needed)):
             kept.append(statement)
             needed = (needed | names_in(statement)) - (set() if isinstance(statement, ast.AugAssign) else made)
     return ast.Module(kept[::-1], [])
@@ -62,7 +63,7 @@ def begun(tmp_path, monkeypatch) -> list[Run]:
 
 def carry_out(stem: str) -> dict[str, Any]:
     space: dict[str, Any] = {"__name__": stem}
-    exec(compile(what_begins_runs(stem), stem, "exec"), space)  # noqa: S102 — our own notebook
+    exec(compile(what_begins_runs(stem), stem, "exec"), space)
     return space
 
 

@@ -1,5 +1,6 @@
 """Run folders that somebody else made: nothing in them leads out of them, breaks a command with a traceback, or is believed elsewhere."""
 
+import contextlib
 import json
 import shlex
 
@@ -71,12 +72,12 @@ def test_a_lane_file_by_another_name_than_a_lane_can_have_is_no_lane(tmp_path):
 
 DAMAGE = {
     "cut off": lambda data: data[: len(data) // 2],
-    "empty": lambda data: b"",
-    "another record": lambda data: b'{"name": 7}',
-    "not UTF-8": lambda data: b'{"name": "\xff\xfe"}',
-    "too deep": lambda data: b"[" * 100_000,
-    "a number of 5000 digits": lambda data: b'{"name": ' + b"9" * 5000 + b"}",
-    "a list": lambda data: b"[]",
+    "empty": lambda _: b"",
+    "another record": lambda _: b'{"name": 7}',
+    "not UTF-8": lambda _: b'{"name": "\xff\xfe"}',
+    "too deep": lambda _: b"[" * 100_000,
+    "a number of 5000 digits": lambda _: b'{"name": ' + b"9" * 5000 + b"}",
+    "a list": lambda _: b"[]",
 }
 
 
@@ -154,9 +155,7 @@ def test_any_byte_of_a_run_may_be_lost(tmp_path):
         whole = path.read_bytes()
         for place in random.integers(len(whole), size=3):
             path.write_bytes(whole[:place] + bytes([whole[place] ^ 1 << int(random.integers(8))]) + whole[place + 1 :])
-            try:
+            with contextlib.suppress(MechStyleError):
                 _ = run.record, run.part, run.history, run.summary, run.simulation(), run.surface()
-            except MechStyleError:
-                pass
         path.write_bytes(whole)
     assert Run(Store(run.store.root)).finished

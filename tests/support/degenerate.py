@@ -10,7 +10,7 @@ from mechstyle.records.mesh import SurfaceMesh
 
 
 def seamed(mesh: SurfaceMesh, apart: float = 0.0) -> SurfaceMesh:
-    """A seam along a side of every third face: a vertex on the side, and beside it one whose triangles have no area, off by `apart` [mm]."""
+    """A seam along a side of every third face: a vertex on it, and beside it one whose triangles have no area, off by `apart` [mm]."""
     points, faces, random = list(mesh.vertices), mesh.faces.tolist(), np.random.default_rng(3)
     for number in range(0, len(faces), 3):
         a, b, c = faces[number]

@@ -51,7 +51,7 @@ def impact_of(part, _recipe, _displacement, _memo, _progress) -> Impact:
 
 @pytest.fixture
 def studio(tmp_path, monkeypatch, cube) -> Iterator[Studio]:
-    """A Studio whose runs take no time; its `go()` runs what is asked for to the end, hearing of it before the first iteration if `early`."""
+    """A Studio whose runs take no time; its `go()` runs what is asked for to the end, heard of before the first iteration if `early`."""
     begun, gate = threading.Event(), threading.Event()
 
     def events(run, _progress):

@@ -139,7 +139,9 @@ class Controller:
                 stage=lambda words: self.state.tell(stage=words), prepare=partial(prepare_aside, go_on=lambda: progress(0.0)),
             )  # fmt: skip
             self._begun_with = self._asked(wanted, run)
-            self.state.tell(opened=run, **_elsewhere(wanted.folder, run))
+            self.state.tell(opened=run)
+            if wanted.folder and run.store.root != Path(wanted.folder):
+                self.state.tell(message=f"{wanted.folder} holds a run with other settings: this one is in {run.store.root}")
             yield from self._told(run, progress)
 
         return self._followed(Session(events), wanted.recipe.iterations)
@@ -163,13 +165,6 @@ class Controller:
             progress(fraction)
 
         return run.events(told)
-
-
-def _elsewhere(folder: str, run: Run) -> dict[str, str]:
-    """The message that a run is not in the folder that was asked for, none if it is."""
-    if not folder or run.store.root == Path(folder):
-        return {}
-    return {"message": f"{folder} holds a run with other settings: this one is in {run.store.root}"}
 
 
 def _simulated(event: Event) -> bool:
