@@ -64,7 +64,7 @@ def studio(tmp_path, monkeypatch, cube) -> Iterator[Studio]:
     monkeypatch.setattr(controller_module, "prepare_aside", prepared)
     monkeypatch.setattr(impact_player, "impact_of", impact_of)
     monkeypatch.setattr("mechstyle_widgets.panels.mask_inspector._freedom", lambda run, _recipe: np.ones_like(run.part.thickness))
-    made = Studio(cube, prompt="brick", schedule="every", every=4, iterations=12, vertices=64, protect_resting_face=False)
+    made = Studio(cube, prompt="brick", schedule="every", every=4, iterations=12, vertices=64)
 
     def go(*, early: bool = False) -> None:
         begun.clear()
