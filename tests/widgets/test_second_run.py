@@ -30,7 +30,7 @@ def sheet_of(mesh: SurfaceMesh, vertices: int) -> SurfaceMesh:
     return grid(int(np.sqrt(vertices)), step=float(mesh.extents[0]))
 
 
-def prepared(mesh, *, vertices, stage, go_on):
+def prepared(mesh, *, vertices, stage, go_on, **_):
     stage("standardising the surface")
     surface = sheet_of(mesh, vertices)
     return Workpiece(surface, TetMesh(CORNER.vertices, CORNER.tets), np.full(len(surface.vertices), 4.0, np.float32), stands=True)
@@ -62,6 +62,7 @@ def studio(tmp_path, monkeypatch, cube) -> Iterator[Studio]:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(Run, "events", events)
     monkeypatch.setattr(controller_module, "prepare_aside", prepared)
+    monkeypatch.setattr("mechstyle.runs.run.refilled", lambda part, *_: part)  # a sheet cannot be meshed
     monkeypatch.setattr(impact_player, "impact_of", impact_of)
     monkeypatch.setattr("mechstyle_widgets.panels.mask_inspector._freedom", lambda run, _recipe: np.ones_like(run.part.thickness))
     made = Studio(cube, prompt="brick", schedule="every", every=4, iterations=12, vertices=64)
@@ -200,8 +201,6 @@ def test_a_damaged_run_is_said_and_does_not_end_the_news(studio, tmp_path):
     studio.prompt_box.prompt = "wood"
     studio.go()
     assert studio.state.run.recipe.prompt == "wood"
-
-
 
 
 def test_a_second_run_in_one_folder_goes_beside_the_first_and_says_so(studio, caplog):
