@@ -21,7 +21,7 @@ class Limits:
 
     Attributes:
         surface: Of the surface stress outside the contact, dropped as placed and under loads.
-        contact: Of the average around the contact, dropped as placed, and around supports and loads.
+        contact: Of the average around the contact, dropped as placed, and around supports and loads: it depends more on the mesh.
         tilted: Of the surface stress outside the contact, dropped nearly as placed; infinite where the original was not dropped so.
         envelope: Of the envelope over all orientations where the original is calm; 0 where it was not dropped so.
     """
@@ -35,13 +35,13 @@ class Limits:
     def of(cls, original: Simulation, material: Material) -> Limits:
         """The limits that an original part sets: the yield strength, or what it reaches itself where that is more.
 
-        As placed nothing may exceed what the original reaches. In tilted landings most originals yield at an edge, and any relief
-        changes how: there the original's own stress may grow to UNHARMED times.
+        As placed the surface may not exceed what the original reaches. Where contact is a point or an edge, as around it and in tilted
+        landings, most originals yield, and any relief changes how: there the original's own stress may grow to UNHARMED times.
         """
         strength, own = material.yield_strength, original.as_placed
         nearly = math.inf if original.tilted is None else _larger(strength, UNHARMED * original.tilted.surface)
         overall = 0.0 if original.overall is None else UNHARMED * original.overall.p99
-        return cls(_larger(strength, own.surface), _larger(strength, own.contact), nearly, overall)
+        return cls(_larger(strength, own.surface), _larger(strength, UNHARMED * own.contact), nearly, overall)
 
     def of_stress(self, original: Field) -> Field:
         """Limit of the field as placed [MPa], shape [vertex_count]: the lower of both, the higher where the original is above that.

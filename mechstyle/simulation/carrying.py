@@ -14,6 +14,8 @@ from mechstyle.geometry.tetrahedra import KEPT, VOLUME_ERROR, tetrahedralise
 from mechstyle.records.mesh import Floats, SurfaceMesh, TetMesh
 
 FEWEST_TETS = 3_000
+TETS_PER_VERTEX = 0.4
+"""10k quadratic tetrahedra for 25k surface vertices: the envelope of a smooth part within 3 %."""
 TETS_PER_KEPT_VERTEX = 2.0
 """Asked for where the surface keeps its triangles; these alone make one and a half."""
 HALF = np.float32(0.5)
@@ -57,6 +59,15 @@ def carrying(surface: SurfaceMesh, relief: NDArray[np.float32]) -> tuple[TetMesh
     half = (HALF * relief).astype(np.float32)
     count = TETS_PER_KEPT_VERTEX * min(len(surface.vertices), KEPT // 2)
     return tetrahedralise(surface.displaced(half), max(FEWEST_TETS, round(count)), keep=True, cache=cache_folder() / "tets"), half
+
+
+def at_rest(surface: SurfaceMesh) -> TetMesh:
+    """Tetrahedra of a surface without relief; cached by content.
+
+    Raises:
+        SimulationFailed: If it cannot be meshed.
+    """
+    return tetrahedralise(surface, max(FEWEST_TETS, round(TETS_PER_VERTEX * len(surface.vertices))), cache=cache_folder() / "tets")
 
 
 def carried(morph: Morph, morphed: Morphed, base: LevelBase) -> Carried:

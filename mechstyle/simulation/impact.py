@@ -15,6 +15,7 @@ from mechstyle.geometry.transfer import Transfer
 from mechstyle.loop.objects import Memo
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import Floats, SurfaceMesh, TetMesh
+from mechstyle.simulation.carrying import at_rest
 from mechstyle.simulation.part import Workpiece
 from mechstyle.simulation.physics import PHYSICS_VERSION, memo_key, period_of, physics, prescribed
 
@@ -79,7 +80,7 @@ def impact_of(
     if known is not None:
         return known
     tets = Morph(part.surface, part.tets, part.at).morphed(displacement).tets
-    period = period_of(part.surface, part.tets, recipe, memo)
+    period = period_of(lambda: part.tets if part.at is None else at_rest(part.surface), recipe, memo)
     seen = snapshots(tets, recipe.material, prescribed(recipe), progress=progress, period=period)
     impact = _on_surface(seen, part, tets, recipe.transfer)
     memo.remember(key, impact)

@@ -17,13 +17,12 @@ from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.region_selection import protection
 from mechstyle.geometry.remesh import standardise
 from mechstyle.geometry.resting_face import resting_face, resting_weight
-from mechstyle.geometry.tetrahedra import tetrahedralise
 from mechstyle.geometry.thickness import local_thickness
 from mechstyle.loop.engine import Bounds
 from mechstyle.loop.objects import Memo, Objects
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh, TetMesh
-from mechstyle.simulation.carrying import FEWEST_TETS, carrying
+from mechstyle.simulation.carrying import at_rest, carrying
 
 PREPARATION_VERSION = 3
 """Counts changes that alter the prepared part, so that cached parts of older code are not reused."""
@@ -36,8 +35,6 @@ CONTACT_RELIEF = 0.4
 """Relief near the lowest point of a part whose base is protected [mm]."""
 CONTACT_REACH = 5.0
 """… up to this height above the floor [mm]."""
-TETS_PER_VERTEX = 0.4
-"""10k quadratic tetrahedra for 25k surface vertices: the envelope of a smooth part within 3 %, and protected relief by a morph."""
 
 Stage = Callable[[str], None]
 
@@ -186,8 +183,7 @@ def prepare(
     stage("filling it with tetrahedra")
     whole = None if relief is None else relief(Shape(surface, thickness))
     if whole is None or not whole.any():
-        solid = tetrahedralise(surface, max(FEWEST_TETS, round(TETS_PER_VERTEX * vertices)), cache=cache_folder() / "tets")
-        return Workpiece(surface, solid, thickness, stands, notes)
+        return Workpiece(surface, at_rest(surface), thickness, stands, notes)
     solid, half = carrying(surface, whole)
     return Workpiece(surface, solid, thickness, stands, notes, half)
 

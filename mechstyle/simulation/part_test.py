@@ -125,7 +125,7 @@ class PartTest:
         target = vtu_path(path)
         if self.course is None:
             raise SimulationFailed(self.simulation.failure)
-        period = period_of(self.part.surface, self.part.tets, self.recipe, cached_memo())
+        period = period_of(lambda: self.part.tets, self.recipe, cached_memo())
         at = snapshot(self.tets, self.recipe.material, prescribed(self.recipe), self.course.peak_time, period)
         allowable = self.recipe.material.yield_strength
         probabilities = [landing.weight for landing in self.simulation.landings] if self.recipe.random_drops else []

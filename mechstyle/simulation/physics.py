@@ -3,29 +3,23 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Callable
 from typing import Any
 
 import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from mechstyle._files import cache_folder
 from mechstyle.fea.discretisation import discretise
 from mechstyle.fea.drop import DropTest
 from mechstyle.fea.elements import element_named
 from mechstyle.fea.period import lowest_period
-from mechstyle.geometry.tetrahedra import tetrahedralise
 from mechstyle.loop.objects import Memo
 from mechstyle.records import Recipe
-from mechstyle.records.mesh import SurfaceMesh, TetMesh
-from mechstyle.simulation.carrying import FEWEST_TETS
+from mechstyle.records.mesh import TetMesh
 
 PHYSICS_VERSION = 5
 """Counts changes that alter results, so that remembered simulations of older code are not reused."""
-
-COARSE = 10_000
-"""Tetrahedra up to which those at hand tell the period of a part."""
-
 
 def prescribed(recipe: Recipe) -> DropTest:
     """The drop test a recipe prescribes."""
@@ -47,14 +41,13 @@ def memo_key(inputs: tuple[Any, ...], displacement: NDArray[np.float32]) -> str:
     return hashlib.sha256(msgspec.json.encode(inputs) + np.ascontiguousarray(displacement, np.float32).tobytes()).hexdigest()
 
 
-def period_of(surface: SurfaceMesh, tets: TetMesh, recipe: Recipe, memo: Memo, trusted: Memo | None = None) -> float | None:
+def period_of(tets: Callable[[], TetMesh], recipe: Recipe, memo: Memo, trusted: Memo | None = None) -> float | None:
     """Lowest elastic period of the unstylized part [ms], by which the end of an impact is told, also of a styled one.
 
-    None if the recipe has a window, which needs none. Fine tetrahedra, made to carry a relief, would take minutes to tell the same.
+    None if the recipe has a window, which needs none.
 
     Args:
-        surface: The unstylized part.
-        tets: Its tetrahedra, for whatever relief.
+        tets: Makes the tetrahedra of the unstylized part; fine ones, for a relief, would take minutes to tell the same.
         recipe: What decides the physics.
         memo: Where the answer is remembered.
         trusted: Where it is looked for first, and remembered if it was worked out here; None for nowhere.
@@ -66,9 +59,8 @@ def period_of(surface: SurfaceMesh, tets: TetMesh, recipe: Recipe, memo: Memo, t
     period = next((found for one in memos if (found := one.recall(key, float)) is not None), None)
     if period is not None:
         return period
-    coarse = tets if len(tets.tets) <= COARSE else tetrahedralise(surface, FEWEST_TETS, cache=cache_folder() / "tets")
     test = prescribed(recipe)
-    period = lowest_period(discretise(coarse, recipe.material, test.added_mass, element_named(test.element)), recipe.material)
+    period = lowest_period(discretise(tets(), recipe.material, test.added_mass, element_named(test.element)), recipe.material)
     for one in memos:
         one.remember(key, period)
     return period

@@ -24,7 +24,8 @@ from mechstyle.geometry.transfer import Transfer
 from mechstyle.loop.objects import Memo
 from mechstyle.records import Landing, LoadResult, Measures, Recipe, Simulation, Verdict
 from mechstyle.records.mesh import SurfaceMesh, TetMesh, digest_of
-from mechstyle.simulation.carrying import Carried, carried, carrying
+from mechstyle.simulation.carrying import Carried, at_rest, carried, carrying
+from mechstyle.simulation.original import sobered
 from mechstyle.simulation.physics import PHYSICS_VERSION, memo_key, period_of, physics, prescribed
 
 AGAIN = "meshed again at half of this relief"
@@ -118,15 +119,19 @@ class DropSimulator:
         if here.enough:
             return self._on_morphed_mesh(displacement, thorough=True)
         last = self.memo.recall(self._last_mesh, str)
-        if last is not None and (again := self._on(last))._carried(displacement).enough:  # noqa: SLF001 — another of this class
-            return replace(again.simulate(displacement, thorough=True), meshing=AGAIN)
+        if last is not None and (there := (again := self._on(last))._carried(displacement)).whole >= here.whole:  # noqa: SLF001
+            return self._said(again.simulate(displacement, thorough=True), there)
         try:
             again = self._meshed_again(displacement)
         except MechStyleError as error:
             morphed = self._on_morphed_mesh(displacement, thorough=True)
             return replace(morphed, meshing=f"morphed, carrying {here.words}, as the part could not be meshed again: {error}")
         there = again._carried(displacement)  # noqa: SLF001 — as above
-        found = again.simulate(displacement, thorough=True)
+        return self._said(again.simulate(displacement, thorough=True), there)
+
+    @staticmethod
+    def _said(found: Simulation, there: Carried) -> Simulation:
+        """A test on other tetrahedra, with what they carry: meshing a third time was never seen to carry more."""
         return replace(found, meshing=AGAIN if there.enough else f"{AGAIN}, but carrying {there.words}")
 
     def _meshed_again(self, displacement: NDArray[np.float32]) -> DropSimulator:
@@ -213,7 +218,21 @@ class DropSimulator:
     def _on_morphed_mesh(self, displacement: NDArray[np.float32], *, thorough: bool) -> Simulation:
         morphed = self._morph.morphed(displacement)
         self._static.check()  # before the long drop
-        return self._told(morphed, self._drop(morphed.tets, thorough=thorough))
+        found = self._told(morphed, self._drop(morphed.tets, thorough=thorough))
+        if np.any(displacement) or not self._made_for_relief:
+            return found
+        return sobered(found, self._at_rest.simulate(displacement, thorough=False))
+
+    @cached_property
+    def _at_rest(self) -> DropSimulator:
+        """The same test on tetrahedra of the unstylized part."""
+        name, objects = f"rest-{self.surface.digest}", self.memo.objects
+        kept = self.memo.recall(name, str)
+        if kept is None:
+            kept = objects.put_mesh(at_rest(self.surface))
+            self.memo.remember(name, kept)
+        tets = objects.get_mesh(kept, TetMesh)
+        return replace(self, tets=tets, at=None, recipe=msgspec.structs.replace(self.recipe, tetrahedra=tets.digest), settled=True)
 
     def _told(self, morphed: Morphed, result: Drop) -> Simulation:
         """Result of the drop and the load cases on morphed tetrahedra."""
@@ -257,7 +276,11 @@ class DropSimulator:
     @cached_property
     def _period(self) -> float | None:
         """Of `period_of`."""
-        return period_of(self.surface, self.tets, self.recipe, self.memo, self._trusted)
+        return period_of(lambda: self._at_rest.tets if self._made_for_relief else self.tets, self.recipe, self.memo, self._trusted)
+
+    @property
+    def _made_for_relief(self) -> bool:
+        return self.at is not None and bool(np.any(self.at))
 
     def _measured(self, morphed: Morphed, result: Drop) -> Simulation:
         """Measures and surface fields of a drop; all zero, with the reason, for one that failed."""
