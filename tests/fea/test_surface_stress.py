@@ -8,29 +8,21 @@ from mechstyle.fea.criterion import measures
 from mechstyle.fea.statics.load_test import StaticTest
 from mechstyle.fea.surface_stress import RESOLVED, SurfaceStress, worst
 from mechstyle.records.load_cases import Load, LoadCase, Patch, Support
-from support.notches import THICKNESS, WIDTH, bar_with_fillets, bar_with_hole
-
-CLAMP = 37.5
-"""Beam theory at the clamp [MPa]: 6 F L/(b t²)."""
+from mechstyle.simulation.validation import bending
+from mechstyle.simulation.validation.bending import CLAMP, held_and_loaded
+from mechstyle.simulation.validation.notches import THICKNESS, WIDTH, bar_with_fillets, bar_with_hole
 
 
 def held_and_pulled(mesh, force, material):
     """Held at its low end along x and loaded at the other: response, what reads it, and the deciding stress."""
-    low, high = mesh.vertices[:, 0].min(), mesh.vertices[:, 0].max()
-    case = LoadCase(
-        name="load",
-        supports=(Support(at=Patch(plane=(low, 0, 0, -1, 0, 0))),),
-        loads=(Load(at=Patch(plane=(high, 0, 0, 1, 0, 0)), force=force),),
-    )
-    test = StaticTest(mesh, (case,))
-    response, reading = test.run(mesh, material)["load"], SurfaceStress(mesh)
-    return response, reading, reading.of_load(mesh, response.von_mises, response.corners, test.borders["load"])
+    found = held_and_loaded(mesh, force, material)
+    return found.response, found.reading, found.load
 
 
 def bent(mesh, stress, material):
     """A cantilever along x with a given stress at the clamp by beam theory [MPa]."""
-    length, width, thickness = np.ptp(mesh.vertices, axis=0)
-    return held_and_pulled(mesh, (0.0, 0.0, -stress * width * thickness**2 / 6.0 / length), material)
+    found = bending.bent(mesh, stress, material)
+    return found.response, found.reading, found.load
 
 
 @pytest.mark.parametrize("counts", [(25, 5, 1), (34, 6, 2)])

@@ -6,6 +6,7 @@ import itertools
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mechstyle.fea.elements import EDGES
 from mechstyle.records.mesh import Floats, TetMesh
@@ -75,6 +76,43 @@ def square_cup(width: float, height: float, wall: float) -> TetMesh:
     block = box((across, across, up), (width, width, height))
     centres = block.vertices[block.tets].mean(axis=1)
     hollow = (np.abs(centres[:, :2] - 0.5 * width).max(axis=1) < 0.5 * width - wall) & (centres[:, 2] > wall)
+    return _without(block, hollow)
+
+
+def bracket(leg: float, width: float, thickness: float, cell: float) -> TetMesh:
+    """An angle of two equal legs, one along x on z = 0, one up along z [mm].
+
+    Args:
+        leg: Outer length of both legs [mm].
+        width: Along y [mm].
+        thickness: Of the legs [mm].
+        cell: Edge of the cells, of which the other lengths are multiples, each cut into the six Kuhn tetrahedra [mm].
+    """
+    counts = (round(leg / cell), round(width / cell), round(leg / cell))
+    block = box(counts, (leg, width, leg))
+    centres = block.vertices[block.tets].mean(axis=1)
+    return _without(block, (centres[:, 0] > thickness) & (centres[:, 2] > thickness))
+
+
+def open_ring(length: float, breadth: float, thickness: float, around: int) -> TetMesh:
+    """An elliptic ring that is open at one side, lying on z = 0, of square section [mm].
+
+    Args:
+        length: Half the longer axis of its middle line [mm].
+        breadth: Half the shorter one [mm].
+        thickness: Of the section [mm].
+        around: Cells along the ring; two by two in the section.
+    """
+    way = lattice(np.linspace(0.1 * np.pi, 1.9 * np.pi, around + 1), np.linspace(-0.5, 0.5, 3), np.linspace(0.0, 1.0, 3))
+    turn, out, up = way.vertices.T
+    line = np.column_stack([length * np.cos(turn), breadth * np.sin(turn)])
+    outward = np.column_stack([breadth * np.cos(turn), length * np.sin(turn)])
+    outward /= np.linalg.norm(outward, axis=1, keepdims=True)
+    return _upright(way.moved(np.column_stack([line + thickness * out[:, None] * outward, thickness * up])))
+
+
+def _without(block: TetMesh, hollow: NDArray[np.bool_]) -> TetMesh:
+    """A mesh without some of its tetrahedra, [tet_count], and the vertices only they use."""
     used, numbers = np.unique(block.tets[~hollow], return_inverse=True)
     return TetMesh(block.vertices[used], numbers.reshape(-1, 4).astype(np.int32))
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from mechstyle.simulation.validation.meshes import ball, box, cup, refined, square_cup
+from mechstyle.simulation.validation.meshes import ball, box, bracket, cup, open_ring, refined, square_cup
 
 
 def boundary_area(tets):
@@ -27,6 +27,8 @@ CUP["area"] = np.pi * (15.0**2 + 2 * 15.0 * 25.0 + (15.0**2 - 13.0**2) + 2 * 13.
         (box((3, 2, 4), (12.0, 10.0, 16.0)), 1920.0, 944.0, 1e-9),
         (ball(20.0, 12, 4.0), 4 / 3 * np.pi * 20.0**3, 4 * np.pi * 20.0**2, 0.02),
         (square_cup(24.0, 24.0, 2.0), 24.0**3 - 20.0**2 * 22.0, 2 * 24.0**2 + 4 * 24.0**2 + 4 * 20.0 * 22.0, 1e-9),
+        (bracket(20.0, 8.0, 4.0, 4.0), 8.0 * (20.0**2 - 16.0**2), 8.0 * 80.0 + 2 * (20.0**2 - 16.0**2), 1e-9),
+        (open_ring(30.0, 30.0, 6.0, 60), 36.0 * 1.8 * np.pi * 30.0, 4 * 6.0 * 1.8 * np.pi * 30.0 + 2 * 36.0, 0.01),
         (cup(15.0, 25.0, 2.0), CUP["volume"], CUP["area"], 0.01),  # a face inside, where cells do not fit, would add to the area
     ],
 )

@@ -1,0 +1,33 @@
+"""Touches read off a drop without a break."""
+
+import numpy as np
+import pytest
+
+from mechstyle.fea.backends.cpu import CoreBody
+from mechstyle.fea.discretisation import discretise
+from mechstyle.fea.drop import DropTest, drop, tracks_for
+from mechstyle.fea.elements import LINEAR
+from mechstyle.fea.explicit import no_progress
+from mechstyle.fea.flight import RigidBody
+from mechstyle.fea.period import lowest_period
+from mechstyle.fea.phases import follow
+from mechstyle.records.material import LIBRARY
+from mechstyle.simulation.validation.meshes import box
+from mechstyle.simulation.validation.second_impacts import later_touches
+
+PLA = LIBRARY["PLA"]
+
+
+@pytest.mark.parametrize(("window", "count"), [(1.5, 0), (8.0, 1)])
+def test_a_long_window_has_the_touch_a_short_one_has_not(window, count):
+    bar, turn = box((15, 3, 1), (120.0, 20.0, 4.0)), np.radians(35.0)
+    way, body = np.array([[np.sin(turn), 0.0, np.cos(turn)]]), discretise(bar, PLA, 0.01, LINEAR)
+    period, test = lowest_period(body, PLA), DropTest(window=window, element="tet4")
+    tracks, scheme = tracks_for(body, PLA, way, test)
+    follow(CoreBody(body), scheme, tracks, no_progress)
+    found = later_touches(tracks[0], RigidBody.of(body, scheme.gravity), period)
+    assert len(found) == count
+    if found:
+        phases = drop(bar, PLA, way, DropTest(element="tet4"), device="cpu", period=period).phases[0]
+        assert found[0].time == pytest.approx(phases[1].start, rel=0.02)
+        assert found[0].speed == pytest.approx(phases[1].speed, rel=0.02)
