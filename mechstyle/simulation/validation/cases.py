@@ -59,12 +59,14 @@ class Case:
         title: What is compared with what, for a reader.
         run: Gives the figures; raises MissingPiece if something it needs is not there.
         slow: Whether it takes minutes on two cores.
+        fault: What is known to be wrong in the simulation and makes figures of this case fail, "" for nothing.
     """
 
     name: str
     title: str
     run: Callable[[], Iterator[Result]]
     slow: bool = False
+    fault: str = ""
 
     def results(self) -> list[Result]:
         """The figures, or one that was not run with the reason."""

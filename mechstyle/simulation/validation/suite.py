@@ -7,8 +7,22 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from mechstyle.fea.explicit import cores
-from mechstyle.simulation.validation import convergence, impacts, statics
+from mechstyle.simulation.validation import bending, contact, convergence, impacts, repeatability, second_impacts, statics
 from mechstyle.simulation.validation.cases import Case, Result
+
+STYLED = (
+    "**Two known faults.** The mass that lengthens the step, 1 % of the part at most, gathers on a few slivers; within 2 mm "
+    "of them it can be several times the mass of the material, and its inertia bends the surface there. With a tenth of that "
+    "mass σ_2 as placed does not depend on the mesh, in 1.3 to 2.7 times as many steps. Tilted, σ_2 is largest at the border "
+    "of the contact zone, where stress falls steeply: a vertex 3.0 mm from the floor reads 62 to 68 MPa, one at 4.0 mm 55, "
+    "and which there is depends on the triangulation."
+)
+FRONTS = (
+    "**Known limit.** Landed flat, waves meet in the middle of the floor, and one element through the wall does not resolve "
+    "that: σ_2 grows with every finer mesh, by far more than the 5 % that count as MARGINAL, which is what another mesh of "
+    "the same size changes."
+)
+"""Why figures of a case fail."""
 
 CASES = {
     case.name: case
@@ -17,17 +31,27 @@ CASES = {
         Case("rigid", "Rigid motion: a large rotation gives no force", statics.rigid),
         Case("frame", "Frame indifference: forces turn with the body", statics.frame),
         Case("plate", "A 2 mm plate one element thick against beam theory and finer meshes", statics.plate, slow=True),
+        Case("plates", "Bending of plates 0.8 to 8 mm thick, as it decides under a load and in a landing", bending.plates),
+        Case("factor", "Safety factor of a 4 mm cantilever", bending.factor),
+        Case("notches", "A hole and a fillet against the handbook", bending.notches),
         Case("cantilever", "A cantilever in CalculiX, C3D4 and C3D10", statics.cantilever),
         Case("bar", "Pressure under a bar that lands on its end: ρ c v", impacts.bar),
         Case("bar_calculix", "The stress wave in a bar in CalculiX's explicit dynamics", impacts.bar_calculix, slow=True),
+        Case("contact", "A bracket on its corner in CalculiX's explicit dynamics, one element thick", contact.bracket_coarse, slow=True),
+        Case("contact_fine", "The same bracket in two layers", contact.bracket_fine, slow=True),
         Case("sphere", "A ball on the floor: Hertz's contact", impacts.sphere, slow=True),
+        Case("second_bar", "A bar that lands again with its other end, six tilts", second_impacts.bar, slow=True),
+        Case("second_cup", "A cup that lands again with its rim", second_impacts.large_cup, slow=True),
+        Case("second_ring", "An open ring that lands again", second_impacts.ring, slow=True),
         Case("energy", "Energy balance of undamped drops", impacts.energy),
         Case("precision", "Single against double precision over an impact", impacts.precision),
         Case("devices", "CUDA against CPU", impacts.devices),
-        Case("finer", "A smooth cup on a finer mesh", convergence.finer, slow=True),
+        Case("finer", "A smooth cup on a finer mesh", convergence.finer, slow=True, fault=FRONTS),
         Case("finer_styled", "A square cup in brick on a finer mesh", convergence.finer_styled, slow=True),
-        Case("again", "Five meshes of a smooth square cup", convergence.again, slow=True),
-        Case("again_styled", "Five meshes of a square cup in brick", convergence.again_styled, slow=True),
+        Case("again", "Five triangulations of a square cup, each meshed anew", repeatability.smooth, slow=True),
+        Case("again_styled", "Five triangulations of a square cup in brick", repeatability.styled, slow=True, fault=STYLED),
+        Case("numerics", "A square cup in brick followed for twice as long, and with half the step", repeatability.numerics, slow=True),
+        Case("numerics_bar", "The bar that lands again, the same way", repeatability.numerics_of_a_bar, slow=True),
     )
 }
 """In the order in which they are told."""
@@ -48,7 +72,8 @@ def write_page(path: Path, found: Iterable[tuple[Case, list[Result]]]) -> Path:
         "Errors are relative; a dash stands for a figure that is an error itself or was not run.",
     ]
     for case, results in found:
-        lines += ["", f"## {case.title}", "", f"`mechstyle validate --case {case.name}`", "", *_table(results)]
+        fault = [case.fault, ""] if case.fault else []
+        lines += ["", f"## {case.title}", "", f"`mechstyle validate --case {case.name}`", "", *fault, *_table(results)]
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
     return path
