@@ -23,8 +23,9 @@ from mechstyle.fea.ball_average import RADIUS, BallAverage, largest_around
 from mechstyle.fea.sides import Sides
 from mechstyle.records.mesh import Bools, Floats, TetMesh
 
-CONTACT_REACH = 3.0
-"""How far from a vertex that touched the floor the ball decides [mm]."""
+CONTACT_REACH = 3.0 + RADIUS
+"""How far from a vertex that touched the floor the ball decides [mm]: nearer than 3 mm the stress of the contact itself is read, and a mean
+along the surface is to see none of it."""
 
 BORDER_REACH = 2.0
 """How far from the border of a support or load it does [mm]."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -79,6 +79,8 @@ def impact_of(
     known = memo.recall(key, Impact)
     if known is not None:
         return known
+    if part.at is not None and not np.any(displacement):
+        part = replace(part, tets=at_rest(part.surface), at=None)
     tets = Morph(part.surface, part.tets, part.at).morphed(displacement).tets
     period = period_of(lambda: part.tets if part.at is None else at_rest(part.surface), recipe, memo)
     seen = snapshots(tets, recipe.material, prescribed(recipe), progress=progress, period=period)
