@@ -28,7 +28,7 @@ REACH = 3.0
 """How far around an overloaded vertex relief is lowered, and over what the lowering is smoothed [mm]."""
 LOCAL_ROUNDS = 6
 """Lowerings here and there before the whole relief is lowered."""
-WHOLE = (0.5, 0.0)
+WHOLE = (0.6, 0.5, 0.0)
 """Factors on the whole relief after that."""
 GIVE_BACK = 2
 """Times half of the last lowering is tried again."""
@@ -77,7 +77,7 @@ class Correction:
             return None
         factor = WHOLE[self._lowered - LOCAL_ROUNDS - 1]
         # Adding zero turns -0 into 0: the same bytes as the unstylized part, whose simulation is remembered.
-        return share * np.float32(factor) + np.float32(0.0), "the whole relief halved" if factor else "the relief removed"
+        return share * np.float32(factor) + np.float32(0.0), "the whole relief lowered" if factor else "the relief removed"
 
     def _half_back(self) -> tuple[Field, str] | None:
         if self.failing is None or self.viable is None or self._given_back == GIVE_BACK:

@@ -25,6 +25,7 @@ from mechstyle.loop.objects import Memo
 from mechstyle.records import Landing, LoadResult, Measures, Recipe, Simulation, Verdict
 from mechstyle.records.mesh import SurfaceMesh, TetMesh, digest_of
 from mechstyle.simulation.carrying import Carried, at_rest, carried, carrying
+from mechstyle.simulation.original import sobered
 from mechstyle.simulation.physics import PHYSICS_VERSION, memo_key, period_of, physics, prescribed
 
 AGAIN = "meshed again at half of this relief"
@@ -87,18 +88,18 @@ class DropSimulator:
 
     def judge(self, simulation: Simulation) -> Verdict:
         """Verdict on a simulation under the recipe's criterion."""
-        return judge(simulation, self.baseline, self.recipe.material, self.recipe.criterion)
+        return judge(simulation, self.baseline_of(simulation), self.recipe.material, self.recipe.criterion)
+
+    def baseline_of(self, simulation: Simulation) -> Simulation:
+        """The unstylized part on the tetrahedra of a simulation, so that like is compared with like."""
+        return self._on(simulation.mesh).baseline
 
     def simulate(self, displacement: NDArray[np.float32], *, thorough: bool) -> Simulation:
         """Drop the displaced part, as placed and tilted or (`thorough`) in all orientations, and load it; remembered by its inputs.
 
-        The original is dropped on tetrahedra of its own: on those made for a relief, the way back turns some inside out, and what stands in
-        for it there may have notches that bear several times what the original does.
-
-        A thorough test rests on tetrahedra that carry the relief: where these do not, the part is meshed again at half of that very relief.
+        A thorough test rests on tetrahedra that carry the relief: where these do not, the part is meshed again at half of that very
+        relief, and the original is dropped on the same tetrahedra for comparison.
         """
-        if self._made_for_relief and not np.any(displacement):
-            return self._at_rest.simulate(displacement, thorough=thorough)
         key = self._key(displacement, thorough=thorough)
         memos = [self.memo] if np.any(displacement) or self._trusted is None else [self._trusted, self.memo]
         simulation = next((found for memo in memos if (found := memo.recall(key, Simulation)) is not None), None)
@@ -219,7 +220,10 @@ class DropSimulator:
     def _on_morphed_mesh(self, displacement: NDArray[np.float32], *, thorough: bool) -> Simulation:
         morphed = self._morph.morphed(displacement)
         self._static.check()  # before the long drop
-        return self._told(morphed, self._drop(morphed.tets, thorough=thorough))
+        found = self._told(morphed, self._drop(morphed.tets, thorough=thorough))
+        if np.any(displacement) or not self._made_for_relief:
+            return found
+        return sobered(found, self._at_rest.simulate(displacement, thorough=False))
 
     @cached_property
     def _at_rest(self) -> DropSimulator:

@@ -244,7 +244,7 @@ def test_a_failure_in_the_middle_of_the_corrections_lowers_the_whole_relief(benc
     monkeypatch.setattr(engine.simulator, "simulate", failing_once)
     events = list(engine.run())
     assert [event.verdict.outcome for event in events if isinstance(event, Simulated)][1] == "UNKNOWN"
-    assert [event.step for event in events if isinstance(event, Corrected)][1] == "the whole relief halved"
+    assert [event.step for event in events if isinstance(event, Corrected)][1] == "the whole relief lowered"
     assert events[-1].verdict.viable
 
 
