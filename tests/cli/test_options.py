@@ -95,7 +95,8 @@ def test_the_prompt_is_asked_for_where_a_run_begins_and_the_material_is_pla():
 
 def test_there_is_an_option_for_some_settings_of_every_command_that_runs_something():
     assert set(OPTIONS) < set(Recipe.__struct_fields__)
-    assert {parameter.values[0] for parameter in GENERATED} == {"ablation", "run", "freestyle", "branch", "simulate", "application", "protect"}
+    commands = {"ablation", "run", "freestyle", "branch", "simulate", "application", "protect"}
+    assert {parameter.values[0] for parameter in GENERATED} == commands
 
 
 @pytest.mark.parametrize(("command", "name"), GENERATED)
