@@ -9,7 +9,8 @@ pytestmark = pytest.mark.browser
 RUN = 300_000  # to the first iterations [ms]
 BEGUN = """
 from mechstyle_widgets import Studio
-studio = Studio("gallery:pen_holder", prompt="brick", vertices=2000, iterations=2000, orientations=1, schedule="never", folder="killed")
+quick = {"vertices": 2000, "orientations": 1, "tilts": 0, "window": 0.3, "element": "tet4"}
+studio = Studio("gallery:pen_holder", prompt="brick", iterations=2000, schedule="never", folder="killed", **quick)
 studio.controller.run()
 studio
 """

@@ -6,7 +6,7 @@ import pytest
 
 pytestmark = pytest.mark.browser
 
-SETTINGS = 'prompt="brick", vertices=2000, iterations=12, orientations=1, schedule="every", every=4'
+SETTINGS = 'prompt="brick", vertices=2000, iterations=12, orientations=1, schedule="every", every=4, tilts=0, window=0.3, element="tet4"'
 RUN = 300_000  # a small run, meshed before, where others want the cores too [ms]
 EVERYWHERE = "(studio.state.iteration, studio._timeline.iteration, studio._viewer.iteration, studio.state.checkpoint.iteration)"
 PLACE = """([x, y]) => {

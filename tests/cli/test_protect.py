@@ -40,7 +40,7 @@ def protected(finished, tmp_path_factory):
     line, root, _ = finished
     copy = tmp_path_factory.mktemp("protected") / "part"
     shutil.copytree(root, copy)
-    quick = ("--orientations", "1", "--set", "element=tet4", "--set", "window=0.2", "--schedule", "never")
+    quick = ("--orientations", "1", "--set", "element=tet4", "--set", "window=0.2", "--set", "tilts=0", "--schedule", "never")
     line("branch", f"{copy}@0", "--lane", "outside", "--protect", "inside colour", *quick, "--json")
     fine = line("export", f"{copy}@outside", "--fine", "--out", copy / "fine.ply", "--json").json
     return copy, fine

@@ -19,7 +19,7 @@ from mechstyle.runs import refine as module
 from mechstyle.runs.export import Exported, sidecar, unsimulated
 from mechstyle.runs.run import Run, stylize
 
-QUICK = {"vertices": 900, "iterations": 6, "orientations": 1, "window": 0.2, "element": "tet4", "schedule": "every", "every": 3}
+QUICK = {"vertices": 900, "iterations": 6, "orientations": 1, "tilts": 0, "window": 0.2, "element": "tet4", "schedule": "every", "every": 3}
 
 
 @pytest.fixture(scope="module")
