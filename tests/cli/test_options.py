@@ -35,8 +35,8 @@ NAMES = {
     "--criterion --device --json --load --material -m --minimum-wall --orientations --out --poses --scale --standard "
     "--vertices --vtu --vtu-each --window",
     "demo": "--device --json --model --out --prompt -p",
-    "ablation": "models --arm --amplitude --device --iterations --jobs --json --load --material -m --orientations --out --poses --prompt -p "
-    "--seed --set --vertices",
+    "ablation": "models --arm --amplitude --device --iterations --jobs --json --load --material -m --orientations --out --poses --prompt "
+    "-p --seed --set --vertices",
     "application": "name --device --iterations --json --orientations --out --vertices",
     "validate": "--case --json --out --page --quick",
     "log": "directory --json",
