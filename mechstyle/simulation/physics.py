@@ -58,6 +58,7 @@ def period_of(tets: Callable[[], TetMesh], recipe: Recipe, memo: Memo, trusted: 
     memos = [memo] if trusted is None else [trusted, memo]
     period = next((found for one in memos if (found := one.recall(key, float)) is not None), None)
     if period is not None:
+        memo.remember(key, period)  # a run folder holds what its drops rest on, whoever worked it out
         return period
     test = prescribed(recipe)
     period = lowest_period(discretise(tets(), recipe.material, test.added_mass, element_named(test.element)), recipe.material)

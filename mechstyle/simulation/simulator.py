@@ -227,14 +227,16 @@ class DropSimulator:
 
     @cached_property
     def _at_rest(self) -> DropSimulator:
-        """The same test on tetrahedra of the unstylized part."""
-        name, objects = f"rest-{self.surface.digest}", self.memo.objects
-        kept = self.memo.recall(name, str)
+        """The same test on tetrahedra of the unstylized part; it belongs to the part and not to the run, and is remembered for all."""
+        memo = self.memo if self.shared is None else self.shared
+        name = f"rest-{self.surface.digest}"
+        kept = memo.recall(name, str)
         if kept is None:
-            kept = objects.put_mesh(at_rest(self.surface))
-            self.memo.remember(name, kept)
-        tets = objects.get_mesh(kept, TetMesh)
-        return replace(self, tets=tets, at=None, recipe=msgspec.structs.replace(self.recipe, tetrahedra=tets.digest), settled=True)
+            kept = memo.objects.put_mesh(at_rest(self.surface))
+            memo.remember(name, kept)
+        tets = memo.objects.get_mesh(kept, TetMesh)
+        recipe = msgspec.structs.replace(self.recipe, tetrahedra=tets.digest)
+        return replace(self, tets=tets, at=None, recipe=recipe, memo=memo, settled=True)
 
     def _told(self, morphed: Morphed, result: Drop) -> Simulation:
         """Result of the drop and the load cases on morphed tetrahedra."""

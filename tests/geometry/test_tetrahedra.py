@@ -64,10 +64,10 @@ def test_of_two_that_mesh_the_same_part_at_once_both_get_the_mesh_of_the_first(b
     """Else the second would begin its run on another mesh than everybody finds in the cache afterwards."""
     theirs, meshed = [], module._meshed
 
-    def overtaken(*arguments):
+    def overtaken(*arguments, **options):
         monkeypatch.setattr(module, "_meshed", meshed)
         theirs.append(tetrahedralise(block, 600, cache=tmp_path))
-        return meshed(*arguments)
+        return meshed(*arguments, **options)
 
     monkeypatch.setattr(module, "_meshed", overtaken)
     assert tetrahedralise(block, 600, cache=tmp_path).digest == theirs[0].digest
@@ -139,7 +139,7 @@ class Attempts:
         self.detailed = detailed
         self.asked = []
 
-    def __call__(self, _surface, aim, sharpness, _timeout):
+    def __call__(self, _surface, aim, sharpness, _timeout, *, keep):  # noqa: ARG002 — as it is called
         self.asked.append((round(aim), sharpness))
         count, fault = self.results.pop(0)
         return module.Attempt(TetMesh(np.eye(4, 3), np.tile(np.arange(4), (count, 1))), fault, self.detailed)
@@ -166,8 +166,8 @@ def test_too_many_for_the_detail_of_the_surface_are_not_corrected_but_too_few_ar
 
 
 def test_detail_is_more_faces_than_twice_the_tetrahedra_wished(cup):
-    assert module._attempt(cup, 600.0, 1.0, 300.0).detailed
-    assert not module._attempt(cup, 3000.0, 1.0, 300.0).detailed
+    assert module._attempt(cup, 600.0, 1.0, 300.0, keep=False).detailed
+    assert not module._attempt(cup, 3000.0, 1.0, 300.0, keep=False).detailed
 
 
 def test_a_correction_that_makes_it_worse_is_not_taken(cup, monkeypatch):
