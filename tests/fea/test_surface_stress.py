@@ -180,11 +180,11 @@ def test_pressure_on_a_whole_side_does_not_hide_the_bending_of_that_side(box, pl
     assert found.field[reading.sides.vertices[middle]] == pytest.approx(theory, rel=0.15, abs=1.0)
 
 
-def test_zones_reach_3_mm_from_contact_and_2_mm_from_a_border(box):
+def test_zones_reach_5_mm_from_contact_and_2_mm_from_a_border(box):
     mesh = box((20, 20, 4), (20.0, 20.0, 8.0))
     reading = SurfaceStress(mesh)
     one = np.linalg.norm(mesh.vertices - [10.0, 10.0, 8.0], axis=1) < 0.1
     distance = np.linalg.norm(reading.sides.positions - [10.0, 10.0, 8.0], axis=1)
     assert one.sum() == 1
-    assert np.array_equal(reading.contact_zone(one), distance <= 3.0)
+    assert np.array_equal(reading.contact_zone(one), distance <= 5.0), "a mean over 2 mm sees nothing nearer than 3 mm"
     assert np.array_equal(reading.border_zone(one), distance <= 2.0)
