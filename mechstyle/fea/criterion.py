@@ -48,5 +48,7 @@ def measures(tets: TetMesh, von_mises: ArrayLike, deciding: Deciding) -> Measure
         p99=percentile(stress.ravel(), weights, 0.99),
         maximum=float(stress.max()),
         where=deciding.where,
+        surface_where=deciding.surface_where,
+        contact_where=deciding.contact_where,
         volume=float(tets.volumes.sum()),
     )

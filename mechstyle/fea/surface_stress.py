@@ -48,7 +48,7 @@ class Deciding:
         contact: The largest on the surface in zones [MPa], 0 if there are none.
         averaged: The largest without σ_s [MPa].
         resolved: The largest σ_s that counts [MPa], 0 if none does.
-        where: Place of `peak` [mm].
+        surface_where, contact_where: Places of `surface` and `contact` [mm].
     """
 
     field: Floats
@@ -57,7 +57,13 @@ class Deciding:
     contact: float
     averaged: float
     resolved: float
-    where: Place
+    surface_where: Place
+    contact_where: Place
+
+    @property
+    def where(self) -> Place:
+        """Place of `peak` [mm]."""
+        return self.surface_where if self.surface >= self.contact else self.contact_where
 
     @property
     def peak(self) -> float:
@@ -138,17 +144,24 @@ class SurfaceStress:
         field[vertices] = outside[vertices]
         np.maximum.at(field, vertices[zone], in_ball)
         contact, averaged, resolved = (float(values.max(initial=0.0)) for values in (in_ball, along, point))
-        x, y, z = tets.vertices[vertices[np.argmax(field[vertices])]]
-        where = (float(x), float(y), float(z))
-        return Deciding(field, outside, _largest(averaged, resolved), contact, _largest(averaged, contact), resolved, where)
+        inside = np.zeros(len(field))
+        np.maximum.at(inside, vertices[zone], in_ball)
+        surface_at, contact_at = (_place(tets, values) for values in (outside, inside))
+        return Deciding(field, outside, _largest(averaged, resolved), contact, _largest(averaged, contact), resolved, surface_at, contact_at)
 
 
 def worst(found: Sequence[Deciding]) -> Deciding:
     """The largest of several landings, place by place."""
-    highest = max(found, key=lambda one: one.peak)
     figures = {name: _largest(*(getattr(one, name) for one in found)) for name in ("surface", "contact", "averaged", "resolved")}
+    places = {f"{name}_where": getattr(max(found, key=lambda one: getattr(one, name)), f"{name}_where") for name in ("surface", "contact")}
     field, outside = (np.max([getattr(one, name) for one in found], axis=0) for name in ("field", "outside"))
-    return Deciding(field=field, outside=outside, where=highest.where, **figures)
+    return Deciding(field=field, outside=outside, **figures, **places)
+
+
+def _place(tets: TetMesh, values: Floats) -> Place:
+    """Where the largest of values at the vertices is [mm]."""
+    x, y, z = tets.vertices[np.argmax(values)]
+    return float(x), float(y), float(z)
 
 
 def _largest(*values: float) -> float:

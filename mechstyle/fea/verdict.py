@@ -73,7 +73,7 @@ def input_warning(baseline: Simulation, material: Material) -> str:
     if peak <= strength * (1.0 - SURFACE_BAND):
         return ""
     when = f"under the load {baseline.governing!r}" if baseline.governing else "when dropped as placed"
-    reached = f"The unstylized part itself reaches {peak:.1f} MPa at {_place(baseline.as_placed)} {when}"
+    reached = f"The unstylized part itself reaches {peak:.1f} MPa at {_place(baseline.as_placed.where)} {when}"
     if peak <= strength:
         return f"{reached}: it is about to yield, whatever the style ({_strength(material)})."
     return f"{reached}, above {_strength(material)}; the style is held to that peak instead."
@@ -121,7 +121,7 @@ def _tilted(simulation: Simulation, baseline: Simulation, limits: Limits, materi
     allowed = "yield strength" if limits.tilted <= material.yield_strength else f"{UNHARMED:.2f} times the original's"
     rule, value = f"surface stress tilted by a few degrees ≤ {allowed}", simulation.tilted.surface
     judged = _judgement(rule, value, limits.tilted, "MPa", SURFACE_BAND, trouble)
-    clause = f"tilted by a few degrees {value:.1f} MPa at {_place(simulation.tilted)}, {_side(judged)} {judged.limit:.1f} MPa"
+    clause = f"tilted by a few degrees {value:.1f} MPa at {_place(simulation.tilted.surface_where or simulation.tilted.where)}, {_side(judged)} {judged.limit:.1f} MPa"
     return Told(judged, clause + ("" if allowed == "yield strength" else f", {allowed} own {baseline.tilted.surface:.1f} MPa"))
 
 
@@ -157,7 +157,8 @@ def _stress(what: str, judgement: Judgement, drop: Measures, before: float, mate
     limit = _strength(material)
     if judgement.limit > material.yield_strength:
         limit = f"the original's own {before:.1f} MPa, which itself exceeds {limit}"
-    told = f"{what} is {judgement.value:.1f} MPa at {_place(drop)}, {_side(judgement)} {limit}"
+    where = drop.surface_where if bending else drop.contact_where
+    told = f"{what} is {judgement.value:.1f} MPa at {_place(where or drop.where)}, {_side(judgement)} {limit}"
     if judgement.outcome == "VIABLE" and judgement.marginal and before >= (1.0 - SURFACE_BAND) * judgement.limit:
         told += f", as that of the original, {before:.1f} MPa"
     if judgement.outcome == "FAILS" and bending:
@@ -171,9 +172,9 @@ def _strength(material: Material) -> str:
     return f"the {material.yield_strength:.1f} MPa at which {material.label} yields"
 
 
-def _place(drop: Measures) -> str:
-    """The place of the peak, in words."""
-    x, y, z = drop.where
+def _place(where: tuple[float, float, float]) -> str:
+    """A place, in words."""
+    x, y, z = where
     return f"({x:.1f}, {y:.1f}, {z:.1f}) mm"
 
 

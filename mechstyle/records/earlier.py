@@ -13,9 +13,18 @@ GONE: Mapping[str, Callable[[Any], Fields]] = {
 """What stands today for a field that recipes no longer have, given its value."""
 
 
+BEFORE_TILTS = "protect_resting_face"
+"""A field of the versions that dropped a part exactly flat only and told damping in ms of stiffness-proportional damping."""
+
+
 def translated(fields: Fields) -> Fields:
-    """The fields of a recipe, as decoded, without those that are gone; what a field that came later was then is its default."""
+    """The fields of a recipe, as decoded, without those that are gone; what a field that came later was then is its default.
+
+    Damping in ms has no counterpart per tetrahedron and gives way to today's default.
+    """
     kept = {name: value for name, value in fields.items() if name not in GONE}
+    if BEFORE_TILTS in fields:
+        kept = {name: value for name, value in kept.items() if name != "damping"} | {"tilts": 0}
     for name, words in GONE.items():
         if name in fields:
             kept |= words(fields[name])

@@ -24,6 +24,7 @@ class Measures(msgspec.Struct, frozen=True, kw_only=True):
         maximum: Literal maximum over the elements; depends on the mesh where contact is a point.
         where: Place of `peak` in the undeformed part [mm].
         volume: Volume of the tetrahedra [mm³].
+        surface_where, contact_where: Places of `surface` and `contact` [mm]; None in records of earlier versions.
     """
 
     peak: float
@@ -34,11 +35,17 @@ class Measures(msgspec.Struct, frozen=True, kw_only=True):
     volume: float
     surface: float = 0.0
     contact: float = 0.0
+    surface_where: tuple[float, float, float] | None = None
+    contact_where: tuple[float, float, float] | None = None
 
     def or_worse(self, other: Measures) -> Measures:
-        """The larger of each stress of two tests of one part, and where the larger peak is."""
+        """The larger of each stress of two tests of one part, and where those are."""
         larger = {name: max(getattr(self, name), getattr(other, name)) for name in ("peak", "surface", "contact", "p999", "p99", "maximum")}
-        return msgspec.structs.replace(self, where=self.where if self.peak >= other.peak else other.where, **larger)
+        places = {
+            place: getattr(self if getattr(self, name) >= getattr(other, name) else other, place)
+            for name, place in (("peak", "where"), ("surface", "surface_where"), ("contact", "contact_where"))
+        }
+        return msgspec.structs.replace(self, **larger, **places)
 
 
 class Landing(msgspec.Struct, frozen=True, kw_only=True):

@@ -43,7 +43,8 @@ def _held(field: Field, at_rest: Measures) -> Field:
 
 
 def _lower(one: Measures, other: Measures) -> Measures:
-    """The measures of one, surface and contact at most FINER times those of the other; the place of the larger."""
-    surface, contact = min(one.surface, FINER * other.surface), min(one.contact, FINER * other.contact)
-    peak = max(surface, contact)
-    return msgspec.structs.replace(one, surface=surface, contact=contact, peak=peak, where=one.where if one.peak == peak else other.where)
+    """The measures of one, surface and contact at most FINER times those of the other, and the places of whichever they are."""
+    held = {name: min(getattr(one, name), FINER * getattr(other, name)) for name in ("surface", "contact")}
+    of = {f"{name}_where": getattr(one if held[name] == getattr(one, name) else other, f"{name}_where") for name in held}
+    larger = max(held, key=held.__getitem__)
+    return msgspec.structs.replace(one, peak=held[larger], where=of[f"{larger}_where"] or one.where, **held, **of)

@@ -161,6 +161,8 @@ def test_each_landing_has_its_own_zone_and_the_worst_is_the_larger_place_by_plac
     assert np.array_equal(both.field, np.maximum(there.field, elsewhere.field))
     assert (both.surface, both.contact) == (elsewhere.surface, there.contact)
     assert both.peak == max(there.peak, elsewhere.peak)
+    assert (both.surface_where, both.contact_where) == (elsewhere.surface_where, there.contact_where)
+    assert both.contact_where[0] < 3.5, "the largest stress in a zone is told where it is, not where the surface bears most"
 
 
 def test_pressure_on_a_whole_side_does_not_hide_the_bending_of_that_side(box, pla):

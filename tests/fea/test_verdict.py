@@ -35,6 +35,18 @@ def simulation(surface=20.0, contact=0.0, overall=10.0, tilted=None, failure="",
     )  # fmt: skip
 
 
+def test_each_stress_is_told_where_it_is_not_where_a_larger_one_of_another_kind_is():
+    """A contact bears more than a surface that is judged: the surface's place is the one to look at."""
+    both = msgspec.structs.replace(measured(0.95 * Y, 0.99 * Y), surface_where=(9.0, 0.0, 0.0), contact_where=(1.0, 2.0, 3.0))
+    nearly = msgspec.structs.replace(measured(90.0, 95.0), surface_where=(8.0, 0.0, 0.0))
+    own = simulation(0.5 * Y, 0.99 * Y, overall=None, tilted=10.0)
+    part = replace(simulation(overall=None), as_placed=both, tilted=nearly)
+    own = replace(own, as_placed=msgspec.structs.replace(own.as_placed, contact=1.2 * Y, peak=1.2 * Y))
+    words = judge(part, own, PLA, "robust").words
+    assert f"its surface stress is {0.95 * Y:.1f} MPa at (9.0, 0.0, 0.0) mm" in words
+    assert "90.0 MPa at (8.0, 0.0, 0.0) mm" in words
+
+
 # --- as placed --------------------------------------------------------------------------------------------------------
 
 

@@ -60,8 +60,13 @@ def test_what_its_settings_were_called_is_said_in_todays_words(earlier):
 @pytest.mark.parametrize(("held", "base"), [(True, "protected"), (False, "free")])
 def test_protection_of_the_resting_face_became_a_base(held, base):
     fields = {"prompt": "brick", "protect_resting_face": held}
-    assert translated(fields) == {"prompt": "brick", "base": base}
+    assert translated(fields) == {"prompt": "brick", "base": base, "tilts": 0}
     assert translated({"prompt": "brick", "base": "level"}) == {"prompt": "brick", "base": "level"}
+
+
+def test_damping_in_milliseconds_is_not_read_as_a_share_of_critical_damping():
+    assert "damping" not in translated({"protect_resting_face": True, "damping": 1e-4})
+    assert translated({"base": "level", "damping": 0.05})["damping"] == 0.05
 
 
 def test_an_unfinished_lane_goes_on_under_todays_recipe(earlier, monkeypatch):

@@ -246,7 +246,7 @@ def test_tilted_landings_are_dropped_beside_the_one_as_placed_in_the_loop_as_wel
     assert np.array_equal(within.stress, placed.stress)
     for found in (within, last):
         assert found.tilted.surface == max(landing.measures.surface for landing in found.landings[1:4])
-        assert found.tilted_stress.max() == pytest.approx(found.tilted.surface, rel=0.25)
+        assert 0.0 < found.tilted_stress.max() <= 1.001 * found.tilted.surface, "brought to the vertices of the part, which may miss the place"
         assert np.all(found.envelope >= found.tilted_stress - 1e-4)
     assert within.overall is None
     assert last.overall.p99 >= within.tilted.p99
