@@ -19,8 +19,8 @@ from mechstyle.fea.flight import RigidBody, Touch
 from mechstyle.records.mesh import Bools, Floats
 
 QUIET = 1.0
-"""Time without contact after which a phase is over, over the lowest period: every mode has swung once through by then. The tip of a bar comes
-back after 0.21 of it, but a tilted cup in brick bears most 0.7 after it has left the floor."""
+"""Time without contact after which a phase is over, over the lowest period: every mode has swung once through by then. The tip of a bar
+comes back after 0.21 of it, but a tilted cup in brick bears most 0.7 after it has left the floor."""
 
 PUSH = 1e-4
 """Impulse of the floor that counts as contact, over the momentum at first touch."""

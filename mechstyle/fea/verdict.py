@@ -121,7 +121,8 @@ def _tilted(simulation: Simulation, baseline: Simulation, limits: Limits, materi
     allowed = "yield strength" if limits.tilted <= material.yield_strength else f"{UNHARMED:.2f} times the original's"
     rule, value = f"surface stress tilted by a few degrees ≤ {allowed}", simulation.tilted.surface
     judged = _judgement(rule, value, limits.tilted, "MPa", SURFACE_BAND, trouble)
-    clause = f"tilted by a few degrees {value:.1f} MPa at {_place(simulation.tilted.surface_where or simulation.tilted.where)}, {_side(judged)} {judged.limit:.1f} MPa"
+    where = _place(simulation.tilted.surface_where or simulation.tilted.where)
+    clause = f"tilted by a few degrees {value:.1f} MPa at {where}, {_side(judged)} {judged.limit:.1f} MPa"
     return Told(judged, clause + ("" if allowed == "yield strength" else f", {allowed} own {baseline.tilted.surface:.1f} MPa"))
 
 
