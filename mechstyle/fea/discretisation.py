@@ -11,6 +11,8 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 from mechstyle.errors import BadInput
 from mechstyle.fea.elasticity import barycentric_gradients, element_frequencies, lumped_masses
 from mechstyle.fea.elements import LINEAR, Element, ElementMesh, with_nodes
+from mechstyle.fea.mass_scaling import lengthened
+from mechstyle.fea.stiffness import Stiffness
 from mechstyle.records.material import Material
 from mechstyle.records.mesh import Floats, Indices, TetMesh
 
@@ -30,10 +32,12 @@ class Discretisation:
         connectivity: Nodes of each tetrahedron in the order of computation, shape [tet_count, nodes].
         gradients: ∇L_1, ∇L_2, ∇L_3 [1/mm] as rows, shape [tet_count, 3, 3]; ∇L_0 is minus their sum.
         volumes: Volumes [mm³], shape [tet_count].
-        frequencies: Largest eigenfrequency of each tetrahedron on its own [rad/ms] up to a common factor, shape [tet_count]: as of a linear
-            element, see `sliver_scale`.
-        masses: Lumped masses after sliver scaling [g], shape [node_count].
-        added_mass: Mass added to slivers over the mass of the body.
+        frequencies: Largest eigenfrequency of each tetrahedron on its own, or what the masses bound that of the body by if it is less
+            [rad/ms], shape [tet_count].
+        masses: Lumped masses, some heavier than they are [g], shape [node_count].
+        heavier: By what factor each is, shape [node_count].
+        added_mass: Mass added so over the mass of the body.
+        highest: Positive vector with which the masses bound the highest frequency, shape [3 node_count]: see `mass_scaling`.
         slots: Where an element's share of a force on a node goes before the shares are added up, shape [tet_count, nodes]: the slots
             of a node follow each other in the order of the tetrahedra.
         first_slot: Where each node's slots start, shape [node_count + 1].
@@ -48,7 +52,9 @@ class Discretisation:
     volumes: Floats
     frequencies: Floats
     masses: Floats
+    heavier: Floats
     added_mass: float
+    highest: Floats
     slots: Indices
     first_slot: Indices
 
@@ -69,9 +75,13 @@ class Discretisation:
         """Nodes seen from the centre of mass, in the order of computation [mm], shape [node_count, 3]."""
         return self.positions - self.centre
 
+    def stiffness(self, material: Material) -> Stiffness:
+        """Its stiffness in the order of computation."""
+        return Stiffness(self.connectivity, len(self.masses), self.gradients, self.volumes, self.mesh.element, material)
+
 
 def discretise(tets: TetMesh, material: Material, added_mass: float, element: Element = LINEAR) -> Discretisation:
-    """Number a body and lump its masses, those of slivers increased by at most the share `added_mass` of the whole.
+    """Number a body and lump its masses, made heavier by the share `added_mass` of the whole where that lengthens the stable step most.
 
     BadInput if there is no tetrahedron, a vertex is not finite or a tetrahedron is flat or inverted.
     """
@@ -82,10 +92,11 @@ def discretise(tets: TetMesh, material: Material, added_mass: float, element: El
     numbered = place[mesh.connectivity]
     tet_order = np.argsort(numbered.min(axis=1), kind="stable").astype(np.int32)
     connectivity = np.ascontiguousarray(numbered[tet_order])
-    scale = sliver_scale(mesh.tets, material, added_mass)
-    masses = material.density * mesh.tets.volumes
+    gradients, volumes = barycentric_gradients(mesh.tets)[tet_order, 1:], mesh.tets.volumes[tet_order]
     lumped = np.empty(len(mesh.nodes))
-    lumped[place] = lumped_masses(mesh, masses * scale)
+    lumped[place] = lumped_masses(mesh, material.density * mesh.tets.volumes)
+    stiffness = Stiffness(connectivity, len(lumped), gradients, volumes, element, material)
+    masses, highest, limit = lengthened(stiffness.magnitudes(np.ones(len(volumes))), lumped, added_mass)
     slot_nodes = connectivity.ravel()
     return Discretisation(
         mesh=mesh,
@@ -93,31 +104,16 @@ def discretise(tets: TetMesh, material: Material, added_mass: float, element: El
         place=place,
         tet_order=tet_order,
         connectivity=connectivity,
-        gradients=barycentric_gradients(mesh.tets)[tet_order, 1:],
-        volumes=mesh.tets.volumes[tet_order],
-        frequencies=(element_frequencies(mesh.tets, material) / np.sqrt(scale))[tet_order],
-        masses=lumped,
-        added_mass=float(masses @ (scale - 1.0) / masses.sum()),
+        gradients=gradients,
+        volumes=volumes,
+        frequencies=np.minimum(element.stiffer * element_frequencies(mesh.tets, material)[tet_order], np.sqrt(limit)),
+        masses=masses,
+        heavier=masses / lumped,
+        added_mass=float(masses.sum() / lumped.sum() - 1.0),
+        highest=highest,
         slots=np.argsort(np.argsort(slot_nodes, kind="stable")).astype(np.int32).reshape(connectivity.shape),
         first_slot=np.concatenate([[0], np.cumsum(np.bincount(slot_nodes, minlength=len(place)))]).astype(np.int32),
     )
-
-
-def sliver_scale(tets: TetMesh, material: Material, added_mass: float) -> Floats:
-    """Factors ≥ 1 on element masses that lengthen the stable step most for at most `added_mass` more mass, shape [tet_count].
-
-    Every element whose own stable step 2/ω_e falls below a common target is made heavier until it reaches it; the
-    target is the largest that adds no more than the given share of the body's mass. Frequencies are those of linear elements;
-    quadratic ones lie between 1.9 and 2.6 times as high, whatever the shape, so the slivers are the same.
-    """
-    frequency2 = element_frequencies(tets, material) ** 2
-    share = tets.volumes / tets.volumes.sum()
-    # With target frequency² t the added share is Σ share · max(0, frequency²/t − 1): linear in 1/t between sorted frequencies.
-    order = np.argsort(-frequency2)
-    heavy, stiff = np.cumsum(share[order]), np.cumsum((share * frequency2)[order])
-    targets = stiff / (added_mass + heavy)
-    target = float(targets.max()) if added_mass > 0 else float(frequency2.max())
-    return np.maximum(1.0, frequency2 / target)
 
 
 def _refuse_unusable(tets: TetMesh) -> None:

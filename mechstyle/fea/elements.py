@@ -31,12 +31,15 @@ class Element:
         derivatives: ∂N_a/∂L_i at the Gauss points, all of equal weight, shape [points, nodes, 4].
         corner_derivatives: ∂N_a/∂L_i at the corners, shape [4, nodes, 4].
         mass_shares: Share of the element's mass that is lumped at each node, shape [nodes].
+        stiffer: Its largest eigenfrequency over that of the linear element of the same shape, about: quadratic ones lie between 1.9 and
+            2.6 times as high.
     """
 
     name: str
     derivatives: Floats
     corner_derivatives: Floats
     mass_shares: Floats
+    stiffer: float = 1.0
 
     @property
     def points(self) -> int:
@@ -56,7 +59,7 @@ def _quadratic() -> Element:
     """
     gauss = np.full((4, 4), GAUSS_B) + (GAUSS_A - GAUSS_B) * np.eye(4)
     masses = np.array([1.0 / 36.0] * 4 + [4.0 / 27.0] * 6)
-    return Element("tet10", _quadratic_derivatives(gauss), _quadratic_derivatives(np.eye(4)), masses)
+    return Element("tet10", _quadratic_derivatives(gauss), _quadratic_derivatives(np.eye(4)), masses, stiffer=2.2)
 
 
 def _quadratic_derivatives(L: Floats) -> Floats:

@@ -147,15 +147,17 @@ class SurfaceStress:
         inside = np.zeros(len(field))
         np.maximum.at(inside, vertices[zone], in_ball)
         surface_at, contact_at = (_place(tets, values) for values in (outside, inside))
-        return Deciding(field, outside, _largest(averaged, resolved), contact, _largest(averaged, contact), resolved, surface_at, contact_at)
+        surface = _largest(averaged, resolved)
+        return Deciding(field, outside, surface, contact, _largest(averaged, contact), resolved, surface_at, contact_at)
 
 
 def worst(found: Sequence[Deciding]) -> Deciding:
     """The largest of several landings, place by place."""
     figures = {name: _largest(*(getattr(one, name) for one in found)) for name in ("surface", "contact", "averaged", "resolved")}
-    places = {f"{name}_where": getattr(max(found, key=lambda one: getattr(one, name)), f"{name}_where") for name in ("surface", "contact")}
+    surface_where = max(found, key=lambda one: one.surface).surface_where
+    contact_where = max(found, key=lambda one: one.contact).contact_where
     field, outside = (np.max([getattr(one, name) for one in found], axis=0) for name in ("field", "outside"))
-    return Deciding(field=field, outside=outside, **figures, **places)
+    return Deciding(field=field, outside=outside, surface_where=surface_where, contact_where=contact_where, **figures)
 
 
 def _place(tets: TetMesh, values: Floats) -> Place:

@@ -75,9 +75,6 @@ class Simulator(Protocol):
     def baseline(self) -> Simulation:
         """The unstylized part in all orientations."""
 
-    def baseline_of(self, simulation: Simulation) -> Simulation:
-        """The unstylized part on the tetrahedra of a simulation."""
-
     def simulate(self, displacement: Field, *, thorough: bool) -> Simulation:
         """Drop the displaced part: as placed, or in all orientations if `thorough`."""
 
@@ -282,8 +279,7 @@ class Engine:
         return replace(state, displacement=state.displacement * left, share=state.share * left)
 
     def _demand(self, simulation: Simulation) -> Field:
-        original = self.simulator.baseline_of(simulation)
-        return control.demand(simulation, original, self.recipe.material, self.recipe.normalisation)
+        return control.demand(simulation, self.simulator.baseline, self.recipe.material, self.recipe.normalisation)
 
     def _mask(self, demand: Field, ceiling: Field) -> Field:
         """The control's mask under a ceiling: the freedom that protection leaves, or with memory the mask so far."""

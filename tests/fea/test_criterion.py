@@ -11,7 +11,7 @@ from mechstyle.fea.surface_stress import Deciding
 
 def deciding(surface=0.0, contact=0.0):
     """A deciding stress of given maxima."""
-    return Deciding(np.zeros(1), np.zeros(1), surface, contact, max(surface, contact), 0.0, (1.0, 2.0, 3.0))
+    return Deciding(np.zeros(1), np.zeros(1), surface, contact, max(surface, contact), 0.0, (1.0, 2.0, 3.0), (4.0, 5.0, 6.0))
 
 
 
@@ -43,7 +43,8 @@ def test_the_peak_is_the_larger_of_surface_and_contact_percentiles_are_of_the_vo
     values[123] = 50.0
     found = measures(block, values, deciding(surface, contact))
     assert (found.peak, found.surface, found.contact) == (max(surface, contact), surface, contact)
-    assert found.where == (1.0, 2.0, 3.0)
+    assert found.where == (found.surface_where if surface > contact else found.contact_where)
+    assert (found.surface_where, found.contact_where) == ((1.0, 2.0, 3.0), (4.0, 5.0, 6.0))
     assert found.maximum == 50.0
     assert found.volume == pytest.approx(12.0 * 10.0 * 16.0)
     assert found.p99 <= found.p999 <= found.maximum

@@ -2,11 +2,15 @@
 
 import numpy as np
 import pytest
+from scipy.sparse import diags_array
+from scipy.sparse.linalg import eigsh
 
 from mechstyle.errors import BadInput
-from mechstyle.fea.discretisation import discretise, sliver_scale
-from mechstyle.fea.elasticity import element_frequencies
-from mechstyle.fea.elements import ELEMENTS
+from mechstyle.fea.discretisation import discretise
+from mechstyle.fea.elasticity import stiffness_matrix
+from mechstyle.fea.elements import ELEMENTS, LINEAR
+from mechstyle.fea.mass_scaling import bound
+from mechstyle.fea.stable_step import damped_step
 from mechstyle.records.mesh import TetMesh
 
 each_element = pytest.mark.parametrize("element", ELEMENTS.values(), ids=ELEMENTS)
@@ -61,27 +65,32 @@ def test_unused_vertices_are_left_out(element, block, pla):
     np.testing.assert_array_equal(body.vertices, plain.vertices + 1)
 
 
-def test_sliver_scaling_uses_the_allowance_and_no_more(sliver, pla):
-    scale = sliver_scale(sliver, pla, 0.005)
-    added = sliver.volumes @ scale / sliver.volumes.sum() - 1.0
-    assert added == pytest.approx(0.005, rel=1e-9)
-    frequency = element_frequencies(sliver, pla)
-    scaled = frequency / np.sqrt(scale)
-    # Every element that was made heavier sits exactly at the common target, the others below it.
-    np.testing.assert_allclose(scaled[scale > 1.0], scaled.max(), rtol=1e-9)
-    assert scaled.max() < 0.5 * frequency.max()
-
-
-def test_no_allowance_means_no_scaling(sliver, pla):
-    np.testing.assert_array_equal(sliver_scale(sliver, pla, 0.0), 1.0)
+def test_mass_goes_where_it_lengthens_the_step_and_the_allowance_is_used_up(sliver, pla):
+    plain, body = (discretise(sliver, pla, share, LINEAR) for share in (0.0, 0.005))
+    assert body.masses.sum() / plain.masses.sum() - 1.0 == pytest.approx(0.005, rel=1e-9) == pytest.approx(body.added_mass, rel=1e-9)
+    of_the_sliver = body.connectivity[np.argmin(body.volumes)]
+    assert set(np.flatnonzero(body.heavier > 1.0)) & set(of_the_sliver)
+    steps = [damped_step(one, pla, 0.0)[0] for one in (plain, body)]
+    assert steps[1] > 1.25 * steps[0]
 
 
 @each_element
-def test_added_mass_is_what_the_masses_say(element, sliver, pla):
+def test_no_allowance_means_true_masses(element, sliver, pla):
+    body = discretise(sliver, pla, 0.0, element)
+    np.testing.assert_array_equal(body.heavier, 1.0)
+    assert body.added_mass == 0.0
+    assert body.masses.sum() == pytest.approx(pla.density * sliver.volumes.sum())
+
+
+@each_element
+def test_masses_prove_the_bound_of_the_highest_frequency(element, sliver, pla):
+    """Against the eigenvalues of the reference's matrices."""
     body = discretise(sliver, pla, 0.005, element)
-    true_mass = pla.density * sliver.volumes.sum()
-    assert body.masses.sum() / true_mass - 1.0 == pytest.approx(body.added_mass, rel=1e-9)
-    assert body.added_mass <= 0.005 * (1 + 1e-9)
+    masses = np.repeat(body.masses[body.place], 3)
+    highest = eigsh(stiffness_matrix(body.mesh, pla), k=1, M=diags_array(masses).tocsc(), return_eigenvectors=False)[0]
+    limit = bound(body.stiffness(pla).magnitudes(np.ones(len(body.volumes))), body.masses, body.highest)
+    assert highest <= limit < 1.6 * highest
+    assert body.frequencies.max() <= np.sqrt(limit) * (1.0 + 1e-9)
 
 
 def test_unusable_tetrahedra_are_refused_with_a_reason(block, pla):

@@ -246,7 +246,8 @@ def test_tilted_landings_are_dropped_beside_the_one_as_placed_in_the_loop_as_wel
     assert np.array_equal(within.stress, placed.stress)
     for found in (within, last):
         assert found.tilted.surface == max(landing.measures.surface for landing in found.landings[1:4])
-        assert 0.0 < found.tilted_stress.max() <= 1.001 * found.tilted.surface, "brought to the vertices of the part, which may miss the place"
+        # Brought to the vertices of the part, which may miss the place.
+        assert 0.0 < found.tilted_stress.max() <= 1.001 * found.tilted.surface
         assert np.all(found.envelope >= found.tilted_stress - 1e-4)
     assert within.overall is None
     assert last.overall.p99 >= within.tilted.p99
@@ -310,18 +311,15 @@ def test_a_relief_that_they_do_not_carry_is_judged_on_tets_made_for_half_of_it(b
     assert drops == [1, 1], "nothing is dropped on tetrahedra that do not carry it"
 
 
-def test_the_original_is_compared_on_the_same_tets_and_both_are_remembered(block, memo, drops):
+def test_the_original_is_judged_on_tets_of_its_own_whatever_the_relief_asks_for(block, memo, drops):
     sim = simulator(block, memo)
     result = sim.simulate(ripples(block), thorough=True)
-    base = sim.baseline_of(result)
-    assert base.mesh == result.mesh != sim.baseline.mesh
-    assert not base.displacement.any()
-    assert base.deviation < 0.5 * np.abs(result.displacement).max()
-    assert sim.judge(base).all_orientations.limit == sim.judge(result).all_orientations.limit
-    assert drops == [2, 2, 1, 2], "the original on these tetrahedra is held to what it bears on its own"
+    assert sim.baseline.mesh == block[1].digest != result.mesh
+    assert sim.judge(sim.baseline).all_orientations.limit == sim.judge(result).all_orientations.limit
+    assert drops == [2, 2]
     later = simulator(block, memo)
     assert later.judge(later.simulate(ripples(block), thorough=True)) == sim.judge(result)
-    assert len(drops) == 4
+    assert len(drops) == 2
 
 
 def test_the_tets_of_a_relief_are_taken_for_the_next_that_they_carry(block, memo, monkeypatch):

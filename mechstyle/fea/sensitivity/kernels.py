@@ -19,13 +19,14 @@ wp.set_module_options({"enable_backward": True})
 def shape(
     connectivity: wp.array2d(dtype=int),
     positions: wp.array(dtype=wp.vec3d),
-    densities: wp.array(dtype=wp.float64),
+    density: wp.float64,
+    heavier: wp.array(dtype=wp.float64),
     mass_shares: wp.array(dtype=wp.float64),
     gradients: wp.array(dtype=wp.mat33f),
     volumes: wp.array(dtype=wp.float64),
     masses: wp.array(dtype=float),
 ):
-    """∇L_1 to ∇L_3 as rows [1/mm], volumes [mm³] and lumped masses [g] from the corners [mm] and densities [g/mm³]."""
+    """∇L_1 to ∇L_3 as rows [1/mm], volumes [mm³] and lumped masses [g], scaled, from the corners [mm] and the density [g/mm³]."""
     e = wp.tid()
     x0 = positions[connectivity[e, 0]]
     x1 = positions[connectivity[e, 1]]
@@ -36,7 +37,7 @@ def shape(
     gradients[e] = wp.mat33f(wp.inverse(edges))
     volumes[e] = volume
     for a in range(connectivity.shape[1]):
-        wp.atomic_add(masses, connectivity[e, a], float(densities[e] * volume * mass_shares[a]))
+        wp.atomic_add(masses, connectivity[e, a], float(density * volume * mass_shares[a] * heavier[connectivity[e, a]]))
 
 
 @wp.kernel

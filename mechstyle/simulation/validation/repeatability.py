@@ -66,7 +66,7 @@ def smooth() -> Iterator[Result]:
 
 
 def styled() -> Iterator[Result]:
-    """The same cup in brick, against originals meshed as often; besides with a tenth of the mass that may be added to slivers."""
+    """The same cup in brick, against originals meshed as often; besides with a third of the mass that is added."""
     part, period = styled_cup(), _originals()[0][0]
     filled = [_filled(part.surface, vertices) for vertices in VERTICES]
     for name, test in (("brick cup", USUAL), (f"brick cup, {LESS_MASS:.1%} of added mass", DropTest(added_mass=LESS_MASS))):

@@ -22,6 +22,10 @@ FRONTS = (
     "one refinement raises σ_2 by 21 % landed flat, in the middle of the floor, and by 18 % tilted by 3°. The 5 % that count "
     "as MARGINAL are what another mesh of the same size changes."
 )
+LATE = (
+    "**Known limit.** A drop is over 0.75 of the lowest period after the floor last pushed. In the 0.75 after that the free "
+    "vibration of this part bears 3 to 4 % more for a moment; the 5 % that count as MARGINAL take that in."
+)
 """Why figures of a case fail."""
 
 CASES = {
@@ -50,7 +54,7 @@ CASES = {
         Case("finer_styled", "A square cup in brick on a finer mesh", convergence.finer_styled, slow=True),
         Case("again", "Five triangulations of a square cup, each meshed anew", repeatability.smooth, slow=True),
         Case("again_styled", "Five triangulations of a square cup in brick", repeatability.styled, slow=True, fault=STYLED),
-        Case("numerics", "A square cup in brick followed for twice as long, and with half the step", repeatability.numerics, slow=True),
+        Case("numerics", "A square cup in brick followed for twice as long, and with half the step", repeatability.numerics, slow=True, fault=LATE),
         Case("numerics_bar", "The bar that lands again, the same way", repeatability.numerics_of_a_bar, slow=True),
     )
 }
