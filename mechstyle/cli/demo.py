@@ -17,6 +17,9 @@ if TYPE_CHECKING:
 
 app = typer.Typer()
 
+DEMO_VERTICES = 6_000
+"""So many that the demo takes minutes on a laptop: drops of 25 000 take ten times as long."""
+
 
 @app.command("demo")
 @command
@@ -25,10 +28,11 @@ def demo_command(
     model: Annotated[str, typer.Option(help="What to style.")] = "gallery:pen_holder",
     prompt: Annotated[str, typer.Option(*OPTIONS["prompt"].flags, help=help_of("prompt"))] = "brick",
     device: Device = "auto",
+    vertices: Vertices = DEMO_VERTICES,
     as_json: Json = False,
 ) -> None:
     """Style the gallery's pen holder as brick, freely and with feedback, and compare the verdicts."""
-    tell(both_ways(model, {"prompt": prompt}, STANDARD_VERTICES, device, folder, as_json=as_json), folder, as_json=as_json)
+    tell(both_ways(model, {"prompt": prompt}, vertices, device, folder, as_json=as_json), folder, as_json=as_json)
 
 
 @app.command("application")

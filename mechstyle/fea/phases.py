@@ -1,8 +1,8 @@
 """A drop from its first touch until its impact has ended: phases of contact, which are simulated, and rigid flights between them.
 
-A phase is over when the floor has not pushed for three quarters of the body's lowest period; then the body flies on as a rigid one. Where it
-will touch again at half the speed of its fall or more, another phase begins, a new drop of the undeformed body: what it still vibrates
-is left out, because its phase at the next touch is a lottery, which a degree of tilt draws anew.
+A phase is over when the floor has not pushed for three quarters of the body's lowest period; then the body flies on as a rigid one. Where
+it will touch again at half the speed of its fall or more, another phase begins, a new drop of the undeformed body: what it still
+vibrates is left out, because its phase at the next touch is a lottery, which a degree of tilt draws anew.
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 Every vertex has a share of the finished relief. Where a rule's limit is nearly used up, the shares around are lowered; once the part
 is viable, half of the last lowering is given back, as often as that is worth a drop. The shares are only ever lowered in between,
 because raising some while lowering others was seen to creep up to the limit. If lowering here and there is not enough, the whole relief
-is halved and at last removed: no relief is the original part on the same tetrahedra, which is viable by definition.
+is halved and at last removed: no relief is the original part, which is viable by definition.
 """
 
 from __future__ import annotations

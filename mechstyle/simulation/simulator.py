@@ -87,8 +87,7 @@ class DropSimulator:
         On those of a relief it would take three times the steps, because their triangles are flattened on the way back, and where some
         would be turned inside out a notch would be left over, which may bear several times what the original does.
         """
-        whole = self._at_rest if self._made_for_relief else self
-        return whole.simulate(np.zeros(len(self.surface.vertices), np.float32), thorough=True)
+        return self.simulate(np.zeros(len(self.surface.vertices), np.float32), thorough=True)
 
     def judge(self, simulation: Simulation) -> Verdict:
         """Verdict on a simulation under the recipe's criterion."""
@@ -98,8 +97,10 @@ class DropSimulator:
         """Drop the displaced part, as placed and tilted or (`thorough`) in all orientations, and load it; remembered by its inputs.
 
         A thorough test rests on tetrahedra that carry the relief: where these do not, the part is meshed again at half of that very
-        relief.
+        relief. The unstylized part has tetrahedra of its own: see `baseline`.
         """
+        if self._made_for_relief and not np.any(displacement):
+            return self._at_rest.simulate(displacement, thorough=thorough)
         key = self._key(displacement, thorough=thorough)
         memos = [self.memo] if np.any(displacement) or self._trusted is None else [self._trusted, self.memo]
         simulation = next((found for memo in memos if (found := memo.recall(key, Simulation)) is not None), None)
@@ -225,7 +226,8 @@ class DropSimulator:
     @cached_property
     def _at_rest(self) -> DropSimulator:
         """The same test on tetrahedra of the unstylized part; it belongs to the part and not to the run, and is remembered for all."""
-        memo = self.memo if self.shared is None else self.shared
+        claimed = self.surface.digest != self.recipe.surface  # by a run folder, which may hold another part under the name of a known one
+        memo = self.memo if self.shared is None or claimed else self.shared
         name = f"rest-{self.surface.digest}"
         kept = memo.recall(name, str)
         if kept is None:

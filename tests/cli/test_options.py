@@ -34,7 +34,7 @@ NAMES = {
     "simulate": "model --build-direction "
     "--criterion --device --json --load --material -m --minimum-wall --orientations --out --poses --scale --standard "
     "--vertices --vtu --vtu-each --window",
-    "demo": "--device --json --model --out --prompt -p",
+    "demo": "--device --json --model --out --prompt --vertices -p",
     "ablation": "models --arm --amplitude --device --iterations --jobs --json --load --material -m --orientations --out --poses --prompt "
     "-p --seed --set --vertices",
     "application": "name --device --iterations --json --orientations --out --vertices",

@@ -54,7 +54,7 @@ CASES = {
         Case("finer_styled", "A square cup in brick on a finer mesh", convergence.finer_styled, slow=True),
         Case("again", "Five triangulations of a square cup, each meshed anew", repeatability.smooth, slow=True),
         Case("again_styled", "Five triangulations of a square cup in brick", repeatability.styled, slow=True, fault=STYLED),
-        Case("numerics", "A square cup in brick followed for twice as long, and with half the step", repeatability.numerics, slow=True, fault=LATE),
+        Case("numerics", "A square cup in brick for twice as long, and with half the step", repeatability.numerics, slow=True, fault=LATE),
         Case("numerics_bar", "The bar that lands again, the same way", repeatability.numerics_of_a_bar, slow=True),
     )
 }
