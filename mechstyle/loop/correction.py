@@ -26,7 +26,7 @@ MOST = 0.6
 """… and the most that is taken at once."""
 REACH = 3.0
 """How far around an overloaded vertex relief is lowered, and over what the lowering is smoothed [mm]."""
-LOCAL_ROUNDS = 6
+LOCAL_ROUNDS = 4
 """Lowerings here and there before the whole relief is lowered."""
 WHOLE = (0.6, 0.5, 0.0)
 """Factors on the whole relief after that."""

@@ -75,6 +75,9 @@ class Simulator(Protocol):
     def baseline(self) -> Simulation:
         """The unstylized part in all orientations."""
 
+    def baseline_of(self, simulation: Simulation) -> Simulation:
+        """What a simulation is compared with."""
+
     def simulate(self, displacement: Field, *, thorough: bool) -> Simulation:
         """Drop the displaced part: as placed, or in all orientations if `thorough`."""
 
@@ -279,7 +282,8 @@ class Engine:
         return replace(state, displacement=state.displacement * left, share=state.share * left)
 
     def _demand(self, simulation: Simulation) -> Field:
-        return control.demand(simulation, self.simulator.baseline, self.recipe.material, self.recipe.normalisation)
+        original = self.simulator.baseline_of(simulation)
+        return control.demand(simulation, original, self.recipe.material, self.recipe.normalisation)
 
     def _mask(self, demand: Field, ceiling: Field) -> Field:
         """The control's mask under a ceiling: the freedom that protection leaves, or with memory the mask so far."""

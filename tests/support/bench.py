@@ -75,6 +75,9 @@ class LeverSimulator:
     def baseline(self) -> Simulation:
         return self._measured(np.zeros(self.count, np.float32), thorough=True)
 
+    def baseline_of(self, simulation: Simulation) -> Simulation:  # noqa: ARG002 — it has one mesh
+        return self.baseline
+
     def judge(self, simulation: Simulation):
         return judge(simulation, self.baseline, self.recipe.material, self.recipe.criterion)
 

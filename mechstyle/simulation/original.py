@@ -1,0 +1,54 @@
+"""The original on tetrahedra that were made for a relief: no style is blamed for what the mesh does.
+
+Where the waves of a flat landing meet, another mesh of the same fineness reads some per cent more or less, with a relief and without. So a
+part that fails is held to what the original does on the part's own tetrahedra as well. But where the way back from half a relief would
+turn tetrahedra inside out, the original is stood in for by a part with a little relief left, and a notch left over may bear several times
+what the original does: so that is believed up to a limit only.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import msgspec
+import numpy as np
+
+from mechstyle.records import Measures, Simulation
+from mechstyle.records.mesh import Field
+
+FINER = 1.4
+"""What other tetrahedra may read, over what those of the original do; more is a notch."""
+
+
+def raised(original: Simulation, here: Simulation) -> Simulation:
+    """The original with its stresses as placed and tilted as large as on other tetrahedra, but at most FINER times its own.
+
+    Args:
+        original: On tetrahedra of its own, in all orientations.
+        here: On those that were made for a relief, as placed and tilted.
+    """
+    if here.failure or original.failure:
+        return original
+    tilted = original.tilted
+    if tilted is not None and here.tilted is not None:
+        tilted = _larger(tilted, here.tilted)
+    return replace(
+        original,
+        stress=_within(here.stress, original.stress, original.as_placed),
+        tilted_stress=original.tilted_stress if tilted is None else _within(here.tilted_stress, original.tilted_stress, tilted),
+        as_placed=_larger(original.as_placed, here.as_placed),
+        tilted=tilted,
+    )
+
+
+def _within(here: Field, own: Field, most: Measures) -> Field:
+    """The larger of two fields [MPa], shape [vertex_count], what is another mesh's nowhere above what the part may read anywhere."""
+    return np.maximum(own, np.minimum(here, np.float32(FINER * most.peak)))
+
+
+def _larger(own: Measures, here: Measures) -> Measures:
+    """The measures of one, surface and contact as large as the other's, at most FINER times its own, and the places of those."""
+    held = {name: max(getattr(own, name), min(getattr(here, name), FINER * getattr(own, name))) for name in ("surface", "contact")}
+    of = {f"{name}_where": getattr(own if held[name] == getattr(own, name) else here, f"{name}_where") for name in held}
+    larger = max(held, key=held.__getitem__)
+    return msgspec.structs.replace(own, peak=held[larger], where=of[f"{larger}_where"] or own.where, **held, **of)
