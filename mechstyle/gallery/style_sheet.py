@@ -15,6 +15,7 @@ from mechstyle.geometry.thickness import local_thickness
 from mechstyle.pictures.panels import Picture
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh
 from mechstyle.simulation.part import INWARD_SHARE, Stage, say_nothing, standardised
+from mechstyle.styling.dimensions import Dimensions
 from mechstyle.styling.drawn import target
 from mechstyle.styling.library import names, style_named
 from mechstyle.styling.prompt import Wish
@@ -23,8 +24,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 PARTS = ("pen_holder", "phone_stand", "vase")
-AMPLITUDE = 0.15
-"""Relief over wall thickness, as in a run that is not told otherwise."""
 CELL, LINE, MARGIN, GAP = 160, 26, 18, 28
 """Side of a picture, height of the line above a row, border of the page, way between its columns [pixels]."""
 SHADES = 51
@@ -55,7 +54,7 @@ class Specimen:
         """The finished style on the part, freely, and what the user should know of the drawing."""
         inward, outward = INWARD_SHARE * self.thickness, self.thickness
         aim = target(
-            self.surface, wish, seed=seed, amplitude=AMPLITUDE, thickness=self.thickness, inward=inward, outward=outward
+            self.surface, wish, Dimensions(), seed=seed, thickness=self.thickness, inward=inward, outward=outward
         )
         return self.surface.displaced(aim.displacement).coloured(aim.colour), aim.notes
 

@@ -30,7 +30,9 @@ RETRACT_BY = 0.5
 """… and takes away up to this share of the relief."""
 KEYFRAME_EVERY = 20
 """Iterations between stored stylizer states."""
-STYLE_FIELDS = ("prompt", "seed", "amplitude", "stylizer", "guidance", "field", "clip", "crops")
+STYLE_FIELDS = (
+    "prompt", "seed", "relief", "amplitude", "side", "feature", "nozzle", "stylizer", "guidance", "field", "clip", "crops",
+)  # fmt: skip
 """Recipe fields that change what the stylizer aims at."""
 
 

@@ -17,6 +17,16 @@ SEEN = 0.02
 """… and a wall is called too thin from this far below it [mm]; less is rounding."""
 
 
+def room(thickness: Field, minimum: float) -> Field:
+    """How deep a wall may be cut from one side without being slowed or stopped, should it be cut as deep from the other [mm], at least 0.
+
+    Args:
+        thickness: Local wall thickness [mm], shape [vertex_count].
+        minimum: The thinnest wall allowed [mm].
+    """
+    return np.maximum(0.5 * (thickness - (1.0 + RAMP) * minimum), 0.0)
+
+
 def freedom(thickness: Field, displacement: Field, minimum: float) -> Field:
     """Factor on movement into the material: 1 for a wall 1.5 times the minimum or more, falling to 0 at the minimum, shape [vertex_count].
 
@@ -70,7 +80,7 @@ def warnings(surface: SurfaceMesh, thickness: Field, displacement: Field, minimu
         sentences.append(f"{what}: it may not print")
     if cut.any():
         what = f"the style leaves a wall of {_thinnest(surface, styled, cut)}, thinner than the {minimum:g} mm minimum"
-        sentences.append(f"{what}: lower the amplitude, or let feedback hold it back")
+        sentences.append(f"{what}: lower the relief, or let feedback hold it back")
     return tuple(sentences)
 
 

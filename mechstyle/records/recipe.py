@@ -25,6 +25,8 @@ GUIDANCES = ("offline", "clip")
 FIELDS = ("vertex", "network")
 ELEMENTS = ("tet10", "tet4")
 BASES = ("level", "protected", "free")
+SIDES = ("auto", "outwards", "inwards", "both")
+INSIDES = ("plain", "styled")
 Transfer = Literal["barycentric", "nearest"]
 
 CHOICES: Mapping[str, Collection[str]] = {
@@ -36,6 +38,8 @@ CHOICES: Mapping[str, Collection[str]] = {
     "field": FIELDS,
     "element": ELEMENTS,
     "base": BASES,
+    "side": SIDES,
+    "inside": INSIDES,
     "poses": POSES,
     "standard": ("", *STANDARDS),
     "transfer": get_args(Transfer),
@@ -47,7 +51,10 @@ LIMITS: Mapping[str, tuple[float, float]] = {
     "crops": (1, 16),
     "every": (1, 100_000),
     "seed": (0, 2**32 - 1),
+    "relief": (0.0, 20.0),
     "amplitude": (0.0, 2.0),
+    "feature": (0.2, 500.0),
+    "nozzle": (0.0, 5.0),
     "travel": (1e-3, 10.0),
     "threshold": (0.01, 100.0),
     "minimum_wall": (0.0, 100.0),
@@ -81,7 +88,13 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         material: The material of the part. Kept in full, so that a library that changes leaves the recipe as it was.
         iterations: Stylization iterations.
         seed: Seed of everything random in the style.
-        amplitude: Relief height over local wall thickness.
+        relief: Depth of the relief from its lowest to its highest [mm]. Goes before an amplitude; without either the prompt decides, and
+            without a depth there it is as deep as can be seen on the walls the part has.
+        amplitude: Depth as a share of the local wall instead: half of it, from the middle to the highest.
+        side: Where the relief goes from the surface, one of SIDES; auto goes to both, but cuts no wall that is too thin for it.
+        feature: Size of the style's feature, such as a course of bricks [mm]. Unless told it is the prompt's, or fits the part.
+        nozzle: Diameter of the printer's nozzle [mm]: features are made no finer unasked, and what is finer is told; 0 for no rule.
+        inside: What becomes of a container's inside, one of INSIDES: left plain, as it serves a purpose, or styled like the rest.
         control: How stress restrains the style, one of CONTROLS. It turns demand into a mask.
         normalisation: What stress is compared with, one of NORMALISATIONS. Demand is stress over that.
         threshold: Demand at which a vertex may move no further; 1 is the normalisation's own limit, less is stricter.
@@ -123,7 +136,12 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     crops: int = 1
     iterations: int = 200
     seed: int = 0
-    amplitude: float = 0.15
+    relief: float | None = None
+    amplitude: float | None = None
+    side: str = "auto"
+    feature: float | None = None
+    nozzle: float = 0.4
+    inside: str = "plain"
     control: str = "exponential"
     normalisation: str = "headroom"
     threshold: float = 1.0

@@ -26,6 +26,7 @@ from mechstyle.records.mesh import Field, SurfaceMesh
 from mechstyle.runs.plugins import made
 from mechstyle.simulation.part import Workpiece, bounds_for
 from mechstyle.simulation.simulator import DropSimulator
+from mechstyle.styling.dimensions import Dimensions
 from mechstyle.styling.drawing.canvas import Canvas
 from mechstyle.styling.drawing.fine_canvas import FineCanvas
 from mechstyle.styling.drawn import ProceduralStylizer, target
@@ -158,7 +159,7 @@ class _Twin:
         if recipe.stylizer:
             return made(self.part.surface, self._bounds, recipe), made(self.surface, self._fine_bounds, recipe)
         wish = read(recipe.prompt)
-        canvas = Canvas(self.part.surface, recipe.seed, wish.size, wish.colour, wish.shade)
+        canvas = Dimensions.of(recipe, wish).canvas(self.part.surface, wish, recipe.seed)
         return (
             _drawn(recipe, wish, canvas, self._bounds),
             _drawn(recipe, wish, FineCanvas(self.surface, self._cut.parents, canvas), self._fine_bounds),
@@ -184,8 +185,8 @@ def _drawn(recipe: Recipe, wish: Wish, canvas: Canvas, bounds: Bounds) -> Styliz
     aim = target(
         canvas.mesh,
         wish,
+        Dimensions.of(recipe, wish),
         seed=recipe.seed,
-        amplitude=recipe.amplitude,
         thickness=bounds.thickness,
         inward=bounds.inward,
         outward=bounds.outward,

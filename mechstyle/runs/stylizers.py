@@ -16,6 +16,7 @@ from mechstyle.records import Recipe
 from mechstyle.records.mesh import Field
 from mechstyle.runs.plugins import made
 from mechstyle.simulation.part import Shape, Workpiece, bounds_for
+from mechstyle.styling.dimensions import Dimensions
 from mechstyle.styling.drawn import ProceduralStylizer, Target, target
 from mechstyle.styling.learned.extra import need_clip_extra
 from mechstyle.styling.learned.weights import located
@@ -76,8 +77,8 @@ def _drawn(part: Workpiece | Shape, bounds: Bounds, recipe: Recipe, wish: Wish) 
     return target(
         part.surface,
         wish,
+        Dimensions.of(recipe, wish),
         seed=recipe.seed,
-        amplitude=recipe.amplitude,
         thickness=part.thickness,
         inward=bounds.inward,
         outward=bounds.outward,

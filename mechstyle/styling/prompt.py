@@ -64,6 +64,8 @@ class Wish(msgspec.Struct, frozen=True):
         amount: Factor on the height of its relief.
         colour: Display RGB in [0, 1] of its body, None for the style's own colours.
         shade: Below 1 the style's own colours are darker, above 1 lighter; 1 beside a colour, which is shaded already.
+        feature: Size of its features [mm], None if the prompt tells none.
+        relief: Depth of its relief from its lowest to its highest [mm], None if the prompt tells none.
         notes: What was guessed or not understood, in sentences.
     """
 
@@ -73,6 +75,8 @@ class Wish(msgspec.Struct, frozen=True):
     colour: Rgb | None = None
     notes: tuple[str, ...] = ()
     shade: float = 1.0
+    feature: float | None = None
+    relief: float | None = None
 
 
 def read(prompt: str) -> Wish:
