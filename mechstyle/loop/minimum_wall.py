@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from mechstyle.records.mesh import Field, SurfaceMesh
+from mechstyle.records.mesh import Field, Floats, SurfaceMesh
 
 RAMP = 0.5
 """Cutting is slowed from this share of the minimum above it …"""
@@ -17,7 +17,7 @@ SEEN = 0.02
 """… and a wall is called too thin from this far below it [mm]; less is rounding."""
 
 
-def room(thickness: Field, minimum: float) -> Field:
+def room(thickness: Floats, minimum: float) -> Floats:
     """How deep a wall may be cut from one side without being slowed or stopped, should it be cut as deep from the other [mm], at least 0.
 
     Args:

@@ -88,13 +88,13 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         material: The material of the part. Kept in full, so that a library that changes leaves the recipe as it was.
         iterations: Stylization iterations.
         seed: Seed of everything random in the style.
-        relief: Depth of the relief from its lowest to its highest [mm]. Goes before an amplitude; without either the prompt decides, and
-            without a depth there it is as deep as can be seen on the walls the part has.
-        amplitude: Depth as a share of the local wall instead: half of it, from the middle to the highest.
-        side: Where the relief goes from the surface, one of SIDES; auto goes to both, but cuts no wall that is too thin for it.
-        feature: Size of the style's feature, such as a course of bricks [mm]. Unless told it is the prompt's, or fits the part.
-        nozzle: Diameter of the printer's nozzle [mm]: features are made no finer unasked, and what is finer is told; 0 for no rule.
-        inside: What becomes of a container's inside, one of INSIDES: left plain, as it serves a purpose, or styled like the rest.
+        relief: Depth of the relief from its lowest to its highest [mm]; unless told, the prompt's, or what can be seen and walls bear. It
+            goes before an amplitude, and either before the prompt.
+        amplitude: Half the depth of the relief over local wall thickness, instead of a depth in mm.
+        side: Where the relief goes from the surface, one of SIDES: auto goes to both, but only outwards where walls are too thin to cut.
+        feature: Size of the style's feature, such as the height of a brick [mm]; unless told, the prompt's, or what fits the part.
+        nozzle: Diameter of the printer's nozzle [mm]: features that are not told are sized for it, and finer ones noted; 0 for no rule.
+        inside: What becomes of the inside of a container, one of INSIDES.
         control: How stress restrains the style, one of CONTROLS. It turns demand into a mask.
         normalisation: What stress is compared with, one of NORMALISATIONS. Demand is stress over that.
         threshold: Demand at which a vertex may move no further; 1 is the normalisation's own limit, less is stricter.

@@ -159,7 +159,7 @@ class _Twin:
         if recipe.stylizer:
             return made(self.part.surface, self._bounds, recipe), made(self.surface, self._fine_bounds, recipe)
         wish = read(recipe.prompt)
-        canvas = Dimensions.of(recipe, wish).canvas(self.part.surface, wish, recipe.seed)
+        canvas = Dimensions.of(recipe, wish).canvas(self.part.surface, self._bounds.thickness, wish, recipe.seed)
         return (
             _drawn(recipe, wish, canvas, self._bounds),
             _drawn(recipe, wish, FineCanvas(self.surface, self._cut.parents, canvas), self._fine_bounds),

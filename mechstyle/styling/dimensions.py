@@ -20,10 +20,10 @@ from mechstyle.styling.prompt import Wish
 
 LEGIBLE = 0.6
 """A relief of this depth is seen in an unpainted print [mm] …"""
+SHALLOWEST, STEEPEST = 0.08, 0.4
+"""… if it is at least this share of the size of a feature, and carried by it if it is at most this …"""
 SHARE = 0.15
-"""… and on walls that bear more, and features that are wide enough, half of it is this share of them …"""
-STEEPEST = 0.4
-"""… but its depth is never more than this share of a feature."""
+"""… and half of it is at least this share of the wall, unless told."""
 NOMINAL = 2.0
 """Height from the lowest to the highest of a relief as styles draw it, by which a share of the wall is reckoned."""
 TAIL = 0.02
@@ -99,18 +99,18 @@ class Dimensions:
             feature = wish.feature if feature is None else feature
         return cls(relief, recipe.amplitude, recipe.side, feature, recipe.nozzle, recipe.minimum_wall)
 
-    def canvas(self, mesh: SurfaceMesh, wish: Wish, seed: int) -> Canvas:
-        """What to draw a style on, with features of the size that is asked for, or that fits the part."""
+    def canvas(self, mesh: SurfaceMesh, thickness: ArrayLike, wish: Wish, seed: int) -> Canvas:
+        """What to draw a style on, with features of the size that is asked for, or that fits the part and its walls [mm], shape [n]."""
         nominal = style_named(wish.style).feature_mm * scale_by_area(mesh)
-        size = wish.size * self._correction(mesh, nominal) if self.feature is None else self.feature / nominal
+        size = wish.size * self._correction(mesh, thickness, nominal) if self.feature is None else self.feature / nominal
         return Canvas(mesh, seed, size, wish.colour, wish.shade, nozzle=self.nozzle)
 
-    def _correction(self, mesh: SurfaceMesh, feature: float) -> float:
-        """Factor on a size of features by area [mm], for narrow faces and for what a nozzle prints."""
+    def _correction(self, mesh: SurfaceMesh, thickness: ArrayLike, feature: float) -> float:
+        """Factor on a size of features by area [mm]: for narrow faces, thin walls, which bear no deep relief, and what a nozzle prints."""
         if self.nozzle == 0.0:
             return 1.0
-        least = LEAST_FEATURE * self.nozzle
-        return min(max(feature, least), max(face_width(mesh) / ACROSS, least)) / feature
+        largest = min(face_width(mesh) / ACROSS, float(np.median(np.asarray(thickness))) / SHALLOWEST)
+        return max(min(feature, largest), LEAST_FEATURE * self.nozzle) / feature
 
     def layout(self, operators: Operators, thickness: ArrayLike, feature: float, amount: float = 1.0) -> Layout:
         """Depth and place of a relief on the walls of a part.
@@ -137,7 +137,7 @@ class Dimensions:
             return np.full(len(wall), self.relief)
         if self.amplitude is not None:
             return NOMINAL * (self.amplitude * amount * wall)
-        return amount * np.minimum(np.maximum(NOMINAL * SHARE * wall, LEGIBLE), STEEPEST * feature)
+        return amount * np.minimum(np.maximum(NOMINAL * SHARE * wall, max(LEGIBLE, SHALLOWEST * feature)), STEEPEST * feature)
 
     def _notes(self, mesh: SurfaceMesh, depth: Floats, room: Floats, feature: float, amount: float) -> tuple[str, ...]:
         areas = mesh.vertex_areas / mesh.vertex_areas.sum()
@@ -145,7 +145,7 @@ class Dimensions:
         short, uncut = depth < 0.99 * asked, room < 0.25 * depth
         notes = []
         if self.side == "auto" and areas[uncut].sum() > _WORTH_A_NOTE:
-            notes.append(f"the relief stands out from the wall on {areas[uncut].sum():.0%} of the surface, where that is too thin to be cut")
+            notes.append(f"the relief only stands out of the wall on {areas[uncut].sum():.0%} of the surface: it is too thin to be cut")
         if (self.relief is not None or self.amplitude is None) and areas[short].sum() > _WORTH_A_NOTE:
             where, why = f"on {areas[short].sum():.0%} of the surface", f"walls there and features of {feature:.2g} mm bear no more"
             notes.append(f"the relief is down to {depth[short].min():.2g} mm deep instead of {asked:.2g} mm {where}: {why}")

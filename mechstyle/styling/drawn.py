@@ -60,7 +60,7 @@ def target(
         canvas: What to draw on; by default one for the wish, the dimensions and the seed.
     """
     style = style_named(wish.style)
-    canvas = canvas or dimensions.canvas(mesh, wish, seed)
+    canvas = canvas or dimensions.canvas(mesh, thickness, wish, seed)
     relief = style.program(canvas)
     layout = dimensions.layout(canvas.operators, thickness, style.feature_mm * canvas.scale, wish.amount)
     displacement = layout.displacement(relief.height, mesh.vertex_areas)

@@ -101,7 +101,8 @@ class Canvas:
             )
         unit = max(self.scale, needed)
         if finest * unit < self.nozzle:
-            self.notes.append(f"{what} of {finest * unit:.2g} mm are finer than a nozzle of {self.nozzle:g} mm prints: ask for larger features")
+            told = f"{what} of {finest * unit:.2g} mm are finer than a nozzle of {self.nozzle:g} mm prints"
+            self.notes.append(f"{told}: ask for larger features")
         return unit
 
     def bond(self, length: float, height: float, *, shift: float = 0.5, margin: float = 0.0, grip: float = 1.0) -> Bond:
