@@ -25,8 +25,8 @@ LEAST_SHARE = 0.005
 """Smaller pieces, of the area, belong to what surrounds them."""
 CONTAINED = 0.3
 """Least share of the area that is inside in a container: half of it where walls are thin."""
-UPRIGHT = 0.9
-"""Least cosine of the angle between the way out of a container and straight up, as it stands."""
+UPRIGHT, OPENING = 0.9, 0.1
+"""Least cosine of the angle between the way out of a container and straight up, and least opening over the box around it."""
 
 
 @lru_cache(maxsize=4)  # a run asks again for each picture; meshes are frozen and differ by identity
@@ -57,8 +57,8 @@ def is_container(mesh: SurfaceMesh) -> bool:
     inside = is_inside(mesh)
     areas = mesh.vertex_areas
     opening = areas[inside] @ mesh.vertex_normals[inside]
-    large = areas[inside].sum() >= CONTAINED * areas.sum()
-    return bool(large and opening[2] > UPRIGHT * np.linalg.norm(opening))
+    hollow = areas[inside].sum() >= CONTAINED * areas.sum()
+    return bool(hollow and opening[2] > UPRIGHT * np.linalg.norm(opening) and opening[2] > OPENING * mesh.extents[:2].prod())
 
 
 def openness(mesh: SurfaceMesh, *, device: str = "cpu") -> Floats:

@@ -13,11 +13,14 @@ from mechstyle.records.load_cases import read_loads
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.regions import Inside, Sphere
 from mechstyle.styling.library import names
+from mechstyle.styling.prompt import Wish
 from mechstyle_widgets.settings.drop import ONCE, DropOptions
 from mechstyle_widgets.settings.material import MaterialPicker
+from mechstyle_widgets.settings.millimetres import AUTO
 from mechstyle_widgets.settings.part import PartPicker
-from mechstyle_widgets.settings.prompt import PromptBox
+from mechstyle_widgets.settings.prompt import PromptBox, words_of
 from mechstyle_widgets.settings.regions import RegionsPicker
+from support.records import recipe
 
 # --- material -----------------------------------------------------------------------------------------------------
 
@@ -62,6 +65,41 @@ def test_a_prompt_is_read_aloud():
     assert box.wish.style == "stone"
     assert box._chips.value == "stone"
     assert "features × 0.7" in box._note.value
+
+
+def test_lengths_in_a_prompt_are_read_aloud_in_the_place_of_factors():
+    told = words_of(Wish("brick", size=0.7, amount=1.6, feature=5.0, relief=0.6))
+    assert told == "read as brick, features of 5 mm, relief of 0.6 mm"
+
+
+def test_the_relief_is_chosen_in_millimetres_or_left_to_the_part():
+    box = PromptBox("brick")
+    assert (box.relief, box._relief.label) == (None, "auto")
+    box._relief.value = 0.6
+    assert box.settings["relief"] == 0.6
+    box.relief = 0.65
+    assert (box._relief.value, box._relief.label) == (0.65, "0.65 mm"), "what Python sets need not be on the slider beforehand"
+    box._relief.value = AUTO
+    assert box.relief is None
+    assert PromptBox("brick", feature=4.4)._feature.label == "4.4 mm"
+
+
+def test_a_share_of_the_wall_is_shown_where_a_run_has_one():
+    box = PromptBox("brick")
+    box.take(recipe(amplitude=0.15))
+    assert (box._relief.label, box.settings["amplitude"], box.relief) == ("0.15 of wall", 0.15, None)
+    box.take(recipe(relief=0.8))
+    assert (box._relief.label, box.settings["amplitude"], box.relief) == ("0.8 mm", None, 0.8)
+    box.take(recipe())
+    assert (box._relief.label, box.relief) == ("auto", None)
+
+
+@pytest.mark.parametrize(("trait", "value"), [("side", "outwards"), ("inside", "styled"), ("feature", 5.0)])
+def test_what_else_the_style_section_sets_reaches_the_recipe(trait, value):
+    box = PromptBox("brick")
+    control = {"side": box._side, "inside": box._inside, "feature": box._feature}[trait]
+    control.value = value
+    assert box.settings[trait] == value
 
 
 def test_what_was_not_understood_is_said():

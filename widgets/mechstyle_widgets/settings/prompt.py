@@ -103,10 +103,11 @@ class PromptBox(Section):
 def words_of(wish: Wish) -> str:
     """Summary of how a prompt was read, in one line."""
     parts = [wish.style.replace("_", " ")]
-    if wish.size != 1.0:
-        parts.append(f"features × {wish.size:.2g}")
-    if wish.amount != 1.0:
-        parts.append(f"relief × {wish.amount:.2g}")
+    for what, length, factor in (("features", wish.feature, wish.size), ("relief", wish.relief, wish.amount)):
+        if length is not None:
+            parts.append(f"{what} of {length:g} mm")
+        elif factor != 1.0:
+            parts.append(f"{what} × {factor:.2g}")
     if wish.shade != 1.0:
         parts.append("darker" if wish.shade < 1.0 else "lighter")
     if wish.colour is not None:
