@@ -20,7 +20,7 @@ from mechstyle.styling.prompt import Wish
 
 LEGIBLE = 0.6
 """A relief of this depth is seen in an unpainted print [mm] …"""
-SHALLOWEST, STEEPEST = 0.08, 0.4
+SHALLOWEST, STEEPEST = 0.1, 0.4
 """… if it is at least this share of the size of a feature, and carried by it if it is at most this …"""
 SHARE = 0.15
 """… and half of it is at least this share of the wall, unless told."""
