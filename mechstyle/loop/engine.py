@@ -105,6 +105,7 @@ class Bounds:
         freedom: Factor on the relief, 0 on the resting face and in protected regions, 1 away from them, shape [vertex_count].
         uncoloured: Whether a vertex keeps its colour, shape [vertex_count, 1]; False for none.
         base: What levels the relief under the part, None for nothing.
+        plain: Whether a vertex is no part of the style, shape [vertex_count]; False for none. Its freedom is 0, too.
     """
 
     thickness: Field
@@ -113,6 +114,7 @@ class Bounds:
     freedom: Field
     uncoloured: NDArray[np.bool_] | bool = False
     base: Base | None = None
+    plain: NDArray[np.bool_] | bool = False
 
     def levelled(self, displacement: Field) -> Field:
         """A proposal [mm], shape [vertex_count], as the base lets it be."""

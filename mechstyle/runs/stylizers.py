@@ -74,7 +74,7 @@ def finished_relief(part: Workpiece | Shape, recipe: Recipe) -> Field | None:
 
 
 def _drawn(part: Workpiece | Shape, bounds: Bounds, recipe: Recipe, wish: Wish) -> Target:
-    return target(
+    aim = target(
         part.surface,
         wish,
         Dimensions.of(recipe, wish),
@@ -83,6 +83,7 @@ def _drawn(part: Workpiece | Shape, bounds: Bounds, recipe: Recipe, wish: Wish) 
         inward=bounds.inward,
         outward=bounds.outward,
     )
+    return aim.without(bounds.plain)
 
 
 def _towards_prompt(part: Workpiece, bounds: Bounds, recipe: Recipe, device: str) -> Stylizer:

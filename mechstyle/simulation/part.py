@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from mechstyle._files import cache_folder
 from mechstyle.errors import BadInput
-from mechstyle.geometry.inside_outside import is_container
+from mechstyle.geometry.inside_outside import is_container, is_inside
 from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.region_selection import protection
 from mechstyle.geometry.remesh import standardise
@@ -235,7 +235,8 @@ def bounds_for(part: Workpiece | Shape, recipe: Recipe) -> tuple[Bounds, tuple[s
     protected = protection((*recipe.protect, *contained), part.surface, part.thickness)
     free = np.minimum(bounds.freedom, protected.freedom)
     notes = (*protected.notes[: len(recipe.protect)], *(LEFT_PLAIN for _ in contained))
-    return replace(bounds, freedom=free, uncoloured=protected.uncoloured[:, None]), notes
+    plain = is_inside(part.surface) if contained else False
+    return replace(bounds, freedom=free, uncoloured=protected.uncoloured[:, None], plain=plain), notes
 
 
 def _contained(shape: Shape, recipe: Recipe) -> tuple[Region, ...]:

@@ -35,6 +35,11 @@ class Target(NamedTuple):
     colour: NDArray[np.float32]
     notes: tuple[str, ...]
 
+    def without(self, plain: NDArray[np.bool_] | bool) -> Target:
+        """The same where a part is not to be plain, shape [n]."""
+        relief, colour = np.where(plain, 0.0, self.displacement), np.where(np.asarray(plain)[..., None], NEUTRAL, self.colour)
+        return Target(relief.astype(np.float32), colour.astype(np.float32), self.notes)
+
 
 def target(
     mesh: SurfaceMesh,

@@ -7,6 +7,7 @@ import pytest
 
 from mechstyle.errors import BadInput, MissingPiece
 from mechstyle.geometry.remesh import standardise, surface_of
+from mechstyle.loop.engine import kept
 from mechstyle.loop.store import Store
 from mechstyle.records import CONTROLS, POSES, Recipe
 from mechstyle.records.load_cases import Load, LoadCase, Support
@@ -511,3 +512,18 @@ def test_no_wall_is_cut_below_the_minimum_whatever_side_the_relief_goes_to(ball)
         found = finished_relief(thin, plan(thin, "brick", relief=1.0, side=side))
         assert found.min() >= -0.101, side
         assert found.max() <= 1.0
+
+
+def test_the_plain_inside_of_a_container_is_no_part_of_the_style(mug):
+    """Else a run that keeps everything would be told to have lost half of its relief."""
+    solid = TetMesh(np.vstack([np.zeros(3), 10.0 * np.eye(3)]), [[0, 1, 2, 3]])
+    cup = Workpiece(mug.surface, solid, mug.thickness, stands=True)
+    recipe = plan(cup, "brick", freestyle=True)
+    stylizer, _ = stylizer_for(cup, recipe)
+    grown = finished_relief(cup, recipe)
+    for _ in range(200):
+        stylizer.step()
+    plain = bounds_for(cup, recipe)[0].plain
+    assert not stylizer.proposal().displacement[plain].any()
+    assert np.ptp(stylizer.proposal().colour[plain]) == 0.0
+    assert kept(grown, stylizer.proposal().displacement, mug.surface.vertex_areas) > 0.97
