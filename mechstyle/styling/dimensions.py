@@ -112,17 +112,17 @@ class Dimensions:
         largest = min(face_width(mesh) / ACROSS, float(np.median(np.asarray(thickness))) / SHALLOWEST)
         return max(min(feature, largest), LEAST_FEATURE * self.nozzle) / feature
 
-    def layout(self, operators: Operators, thickness: ArrayLike, feature: float, amount: float = 1.0) -> Layout:
+    def layout(self, operators: Operators, thickness: ArrayLike, feature: float | None, amount: float = 1.0) -> Layout:
         """Depth and place of a relief on the walls of a part.
 
         Args:
             operators: Those of the part.
             thickness: Local wall thickness [mm], shape [n].
-            feature: Size of the style's feature [mm]: no wall counts as thicker, or a solid ball would grow spikes.
+            feature: Size of the style's feature [mm]: no wall counts as thicker, or a solid ball would grow spikes. None if it has none.
             amount: Factor of the prompt on a depth that is not told in mm.
         """
         wall = np.asarray(thickness, dtype=np.float64)
-        wanted = self._depth(gradual_thickness(operators, np.minimum(wall, feature)), feature, amount)
+        wanted = self._depth(gradual_thickness(operators, wall if feature is None else np.minimum(wall, feature)), feature, amount)
         span = None if self.amplitude is None or self.relief is not None else NOMINAL
         if self.side == "both":
             return Layout(self.side, wanted, np.full(len(wall), np.inf), span, ())
@@ -131,15 +131,16 @@ class Dimensions:
         depth = np.minimum(wanted, room if self.side == "inwards" else whole + room)
         return Layout(self.side, depth, room, span, self._notes(operators.mesh, depth, room, feature, amount))
 
-    def _depth(self, wall: Floats, feature: float, amount: float) -> Floats:
+    def _depth(self, wall: Floats, feature: float | None, amount: float) -> Floats:
         """Depth on walls [mm] that bear it, shape [n]."""
         if self.relief is not None:
             return np.full(len(wall), self.relief)
         if self.amplitude is not None:
             return NOMINAL * (self.amplitude * amount * wall)
-        return amount * np.minimum(np.maximum(NOMINAL * SHARE * wall, max(LEGIBLE, SHALLOWEST * feature)), STEEPEST * feature)
+        least, most = (LEGIBLE, np.inf) if feature is None else (max(LEGIBLE, SHALLOWEST * feature), STEEPEST * feature)
+        return amount * np.minimum(np.maximum(NOMINAL * SHARE * wall, least), most)
 
-    def _notes(self, mesh: SurfaceMesh, depth: Floats, room: Floats, feature: float, amount: float) -> tuple[str, ...]:
+    def _notes(self, mesh: SurfaceMesh, depth: Floats, room: Floats, feature: float | None, amount: float) -> tuple[str, ...]:
         areas = mesh.vertex_areas / mesh.vertex_areas.sum()
         asked = self.relief if self.relief is not None else LEGIBLE * min(amount, 1.0)
         short, uncut = depth < 0.99 * asked, room < 0.25 * depth
@@ -147,8 +148,10 @@ class Dimensions:
         if self.side == "auto" and areas[uncut].sum() > _WORTH_A_NOTE:
             notes.append(f"the relief only stands out of the wall on {areas[uncut].sum():.0%} of the surface: it is too thin to be cut")
         if (self.relief is not None or self.amplitude is None) and areas[short].sum() > _WORTH_A_NOTE:
-            where, why = f"on {areas[short].sum():.0%} of the surface", f"walls there and features of {feature:.2g} mm bear no more"
-            notes.append(f"the relief is down to {depth[short].min():.2g} mm deep instead of {asked:.2g} mm {where}: {why}")
+            small = self.relief is None and feature is not None and STEEPEST * feature < LEGIBLE
+            why = f"features of {feature:.2g} mm bear" if small else "the walls there bear"
+            where = f"on {areas[short].sum():.0%} of the surface"
+            notes.append(f"the relief is down to {depth[short].min():.2g} mm deep instead of {asked:.2g} mm {where}: {why} no more")
         return tuple(notes)
 
 

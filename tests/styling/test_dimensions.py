@@ -88,10 +88,10 @@ def test_on_a_wall_that_bears_no_such_relief_it_is_lower_and_that_is_said(holder
     layout = laid(holder, 0.4, relief=1.0)
     assert np.ptp(ends(holder, layout)) == pytest.approx(0.4, abs=0.02)
     assert layout.notes[-1] == (
-        "the relief is down to 0.4 mm deep instead of 1 mm on 100% of the surface: walls there and features of 10 mm bear no more"
+        "the relief is down to 0.4 mm deep instead of 1 mm on 100% of the surface: the walls there bear no more"
     )
     assert "0.4 mm deep instead of 0.6 mm" in laid(holder, 0.4).notes[-1]
-    assert "0.4 mm deep instead of 0.6 mm on 100% of the surface: walls there and features of 1 mm" in laid(holder, WALL, 1.0).notes[-1]
+    assert "0.4 mm deep instead of 0.6 mm on 100% of the surface: features of 1 mm bear no more" in laid(holder, WALL, 1.0).notes[-1]
 
 
 def test_words_for_the_depth_change_one_that_is_not_told_in_millimetres(holder):
@@ -106,6 +106,13 @@ def test_reach_is_the_depth_shared_out_between_the_sides(holder):
         inward, outward = laid(holder, 2.0, relief=0.4, side=side, minimum_wall=1.2).reach
         assert np.allclose(inward + outward, 0.4)
         assert np.allclose(inward, 0.4 * share), side
+
+
+def test_where_a_style_has_no_feature_the_wall_alone_decides(holder):
+    for wall, depth in ((1.0, LEGIBLE), (4.0, 1.2), (20.0, 6.0)):
+        inward, outward = laid(holder, wall, None, side="both").reach
+        assert np.allclose(inward + outward, depth)
+        assert np.allclose(inward, outward)
 
 
 def test_the_recipe_goes_before_the_prompt_and_millimetres_before_a_share():

@@ -45,7 +45,7 @@ def towards_prompt(surface: SurfaceMesh, bounds: Bounds, recipe: Recipe, weights
     """
     where = torch_device(device)
     clip = Clip.load(weights, where)
-    inward, outward = Dimensions.of(recipe).layout(Operators(surface), bounds.thickness, np.inf).reach
+    inward, outward = Dimensions.of(recipe).layout(Operators(surface), bounds.thickness, None).reach
     # Frozen vertices alone are in the field's own mask: the engine applies the ramps around them, and once is enough.
     free = bounds.freedom > 0.0
     shape = UnitShape.of(surface, np.minimum(inward, bounds.inward), np.minimum(outward, bounds.outward), free, where)
