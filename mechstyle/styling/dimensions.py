@@ -18,8 +18,8 @@ from mechstyle.styling.drawing.operators import Operators
 from mechstyle.styling.library import style_named
 from mechstyle.styling.prompt import Wish
 
-LEGIBLE = 0.6
-"""A relief of this depth is seen in an unpainted print [mm] …"""
+LEGIBLE, ENOUGH = 0.6, 2.0
+"""A relief of the first depth is seen in an unpainted print [mm], one of the second whatever the size of its features …"""
 SHALLOWEST, STEEPEST = 0.1, 0.4
 """… if it is at least this share of the size of a feature, and carried by it if it is at most this …"""
 SHARE = 0.15
@@ -137,7 +137,7 @@ class Dimensions:
             return np.full(len(wall), self.relief)
         if self.amplitude is not None:
             return NOMINAL * (self.amplitude * amount * wall)
-        least, most = (LEGIBLE, np.inf) if feature is None else (max(LEGIBLE, SHALLOWEST * feature), STEEPEST * feature)
+        least, most = (LEGIBLE, np.inf) if feature is None else (min(max(LEGIBLE, SHALLOWEST * feature), ENOUGH), STEEPEST * feature)
         return amount * np.minimum(np.maximum(NOMINAL * SHARE * wall, least), most)
 
     def _notes(self, mesh: SurfaceMesh, depth: Floats, room: Floats, feature: float | None, amount: float) -> tuple[str, ...]:

@@ -72,6 +72,11 @@ def test_unless_told_a_relief_can_be_seen_on_any_wall(holder, wall, feature):
     assert highest <= wall + 0.03
 
 
+@pytest.mark.parametrize(("feature", "depth"), [(2.4, 0.72), (10.0, 1.0), (15.0, 1.5), (40.0, 2.0)])
+def test_unless_told_a_relief_grows_with_its_features_but_not_for_ever(holder, feature, depth):
+    assert np.ptp(ends(holder, laid(holder, WALL, feature))) == pytest.approx(depth, rel=0.03)
+
+
 @pytest.mark.parametrize("wall", [0.7, 1.2])
 def test_a_wall_too_thin_to_be_cut_is_not_cut_and_that_is_said(holder, wall):
     layout = laid(holder, wall)
