@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from mechstyle.records.mesh import Floats, Indices, SurfaceMesh
 from mechstyle.styling.drawing import noise, scatter
@@ -126,8 +126,8 @@ class Canvas:
         wanted = max(room, 0.5 * self.edge)
         return scatter.poisson_disc(self.mesh, spacing, self._seed(salt), free >= min(wanted, float(np.median(free))))
 
-    def cells(self, spacing: float, salt: str = "", at: Floats | None = None, stretch: ArrayLike = (1.0, 1.0, 1.0)) -> scatter.Cells:
-        """Worley cells around scattered points, looked up at `at` if given, shape [n]; long where `stretch` shortens the space."""
+    def cells(self, spacing: float, salt: str = "", at: Floats | None = None, stretch: Floats | float = 1.0) -> scatter.Cells:
+        """Worley cells around scattered points, looked up at `at` if given, shape [n]; long along an axis whose `stretch` is below 1."""
         points = self.scattered(spacing, salt)
         looked_up = self.points if at is None else at
         return scatter.worley(self.points * stretch, self.mesh.vertex_normals, points, looked_up * stretch, spacing)

@@ -26,13 +26,13 @@ def art_deco(canvas: Canvas) -> Relief:
     gleam = canvas.noise(50.0 * unit, 2, "gleam")
     gold = ramp(["8a6420", "c79a3c", "ecd089"], np.clip(0.40 + 0.35 * here + 0.25 * gleam, 0.0, 1.0))
     black = canvas.painted(np.tile(rgb("17191f"), (len(here), 1)))
-    height = -0.55 + 1.10 * gilt + 0.45 * rim - 0.35 * gap + 0.20 * boss
+    height = -0.55 + 1.10 * gilt + 0.45 * rim - 0.35 * gap + 0.20 * boss + 0.05 * gleam
     return Relief(canvas.softened(height), canvas.softened(mix(black, gold, gilt)))
 
 
 STYLE = Style(
     name="art_deco",
-    words=("deco", "gatsby", "fan", "scallop", "scalloped", "sunburst"),
+    words=("deco", "gatsby", "scallop", "scalloped", "sunburst"),
     description="overlapping fans of golden rays on black",
     feature_mm=0.5 * RADIUS,
     program=art_deco,

@@ -37,7 +37,7 @@ def bubbles(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="bubbles",
-    words=("bubble", "bubbly", "froth", "frothy", "fizz", "soap", "boba"),
+    words=("bubble", "bubbly", "froth", "frothy", "fizz", "fizzy"),
     description="round bubbles of many sizes crowded together",
     feature_mm=LARGE,
     program=bubbles,

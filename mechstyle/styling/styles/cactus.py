@@ -8,7 +8,7 @@ from mechstyle.styling.drawing.canvas import Canvas
 from mechstyle.styling.drawing.colours import mix, ramp, rgb, smoothstep
 from mechstyle.styling.style import Relief, Style
 
-RIB, PITCH, SPINE = 15.0, 14.0, 8.0
+RIB, PITCH, SPINE = 18.0, 11.0, 7.0
 
 
 def cactus(canvas: Canvas) -> Relief:
@@ -29,7 +29,8 @@ def cactus(canvas: Canvas) -> Relief:
     tone = np.clip(0.12 + 0.75 * ridge + 0.22 * skin, 0.0, 1.0)
     green = ramp(["14401f", "266b33", "46964a", "86bd66"], tone)
     colour = mix(mix(canvas.painted(green), rgb("f6eecb"), star), rgb("b0813f"), wool)
-    return Relief(canvas.softened(-0.80 + 0.65 * ridge + 0.55 * tubercle + 0.70 * star + 0.55 * wool + 0.06 * skin), canvas.softened(colour))
+    height = -0.95 + 0.95 * ridge + 0.50 * tubercle + 0.50 * star + 0.45 * wool + 0.06 * skin
+    return Relief(canvas.softened(height), canvas.softened(colour))
 
 
 STYLE = Style(

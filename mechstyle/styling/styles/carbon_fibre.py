@@ -27,12 +27,12 @@ def carbon_fibre(canvas: Canvas) -> Relief:
     sheen = canvas.noise(60.0 * unit, 2, "sheen")
     tone = np.clip(0.10 + 0.34 * upright + 0.36 * arch * tow + 0.18 * sheen, 0.0, 1.0)
     colour = ramp(["08090a", "1d1f22", "3c4045", "6d737a"], tone)
-    return Relief(canvas.softened(-1.0 + tow * (0.35 + 1.55 * arch)), canvas.softened(canvas.painted(colour)))
+    return Relief(canvas.softened(-1.0 + tow * (0.35 + 1.55 * arch) + 0.05 * sheen), canvas.softened(canvas.painted(colour)))
 
 
 STYLE = Style(
     name="carbon_fibre",
-    words=("carbon", "fibre", "fiber", "carbon_fiber", "cfrp", "composite"),
+    words=("carbon", "fibre", "fiber", "carbon_fiber", "carbon_fibre_weave", "carbon_fiber_weave", "cfrp"),
     description="black tows of carbon fibre in a twill with slanting steps",
     feature_mm=2.0 * TOW,
     program=carbon_fibre,

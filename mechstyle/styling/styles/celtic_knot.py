@@ -37,7 +37,7 @@ def celtic_knot(canvas: Canvas) -> Relief:
     patina = canvas.noise(30.0 * unit, 3, "patina")
     ground = ramp(["0f2a22", "1c4a3a", "2f6b54"], np.clip(0.5 + 0.5 * patina, 0.0, 1.0))
     gold = canvas.painted(ramp(["7a5a1c", "b88d34", "e2c067", "f6e6b0"], np.clip(0.05 + 0.45 * lift + 0.15 * patina, 0.0, 1.0)))
-    return Relief(canvas.softened(-1.0 + lift), canvas.softened(mix(ground, gold, np.maximum(top, low))))
+    return Relief(canvas.softened(-1.0 + lift + 0.05 * patina), canvas.softened(mix(ground, gold, np.maximum(top, low))))
 
 
 STYLE = Style(

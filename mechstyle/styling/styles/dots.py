@@ -19,7 +19,8 @@ def dots(canvas: Canvas) -> Relief:
     dot = smoothstep(1.16 * DOT, 0.86 * DOT, reach)
     colour = mix(canvas.painted(np.tile(rgb("2f5f9e"), (len(reach), 1))), rgb("f6f3ea"), dot)
     cloth = canvas.noise(40.0 * unit, 2, "cloth")
-    return Relief(canvas.softened(-0.75 + 1.85 * dot + 0.06 * cloth), canvas.softened(colour * (1.0 + 0.06 * cloth)[:, None]))
+    colour = np.clip(colour * (1.0 + 0.06 * cloth)[:, None], 0.0, 1.0)
+    return Relief(canvas.softened(-0.75 + 1.85 * dot + 0.06 * cloth), canvas.softened(colour))
 
 
 STYLE = Style(
@@ -28,4 +29,5 @@ STYLE = Style(
     description="raised round dots in staggered rows, white on blue",
     feature_mm=PITCH,
     program=dots,
+    yields=True,
 )

@@ -21,11 +21,12 @@ def feathers(canvas: Canvas) -> Relief:
     over = smoothstep(-0.25 * LIP, 0.25 * LIP, inside)
     shade = smoothstep(-1.2 * LIP, 0.0, inside)
     own = own_of_scales(canvas, bond, inside, "tone")
+    worn = canvas.noise(40.0 * unit, 2, "worn")
     heights, colours = [], []
     for feather in (beneath(upper), upper):
         shaft = smoothstep(0.16, 0.05, feather.aside)
         barb = np.cos(2.0 * np.pi * (feather.down * HEIGHT + 0.55 * feather.aside * LENGTH) / BARB) * (1.0 - shaft)
-        heights.append(0.90 * feather.down - 0.35 * feather.aside**2 + 0.45 * shaft + 0.22 * barb - 0.10)
+        heights.append(0.90 * feather.down - 0.35 * feather.aside**2 + 0.45 * shaft + 0.22 * barb - 0.10 + 0.05 * worn)
         tone = np.clip(0.40 + 0.28 * feather.down + 0.40 * own + 0.10 * barb, 0.0, 1.0)
         vane = canvas.painted(ramp(["2b2f55", "3f5f8f", "5f9aa6", "c9d6b8"], tone))
         colours.append(mix(vane, rgb("f3ead2"), 0.75 * shaft))
@@ -36,7 +37,7 @@ def feathers(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="feathers",
-    words=("feather", "feathered", "feathery", "plumage", "plume", "bird", "wing"),
+    words=("feather", "feathered", "feathery", "plumage", "plume", "wing"),
     description="feathers laid over each other in rows, with shafts and slanting barbs",
     feature_mm=HEIGHT,
     program=feathers,

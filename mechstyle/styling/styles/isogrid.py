@@ -29,12 +29,12 @@ def isogrid(canvas: Canvas) -> Relief:
     cloud = canvas.noise(50.0 * unit, 3, "cloud")
     metal = ramp(["5d656d", "8b949c", "b8bfc5", "e6e9eb"], np.clip(0.20 + 0.60 * raised + 0.15 * cloud, 0.0, 1.0))
     colour = mix(canvas.painted(metal), rgb("2e3338"), 0.8 * hole)
-    return Relief(canvas.softened(-1.0 + 1.75 * raised + 0.35 * boss - 0.9 * hole), canvas.softened(colour))
+    return Relief(canvas.softened(-1.0 + 1.75 * raised + 0.35 * boss - 0.9 * hole + 0.04 * cloud), canvas.softened(colour))
 
 
 STYLE = Style(
     name="isogrid",
-    words=("triangle", "triangular", "truss", "aerospace"),
+    words=("truss", "orthogrid", "triangulated", "aerospace"),
     description="triangular ribs around milled pockets, as on the panel of a rocket",
     feature_mm=ROW,
     program=isogrid,

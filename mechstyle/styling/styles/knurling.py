@@ -25,7 +25,7 @@ def knurling(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="knurling",
-    words=("knurl", "knurled", "grippy", "grip", "handle_grip", "tread"),
+    words=("knurl", "grippy", "diamond_knurl", "diamond_knurling"),
     description="diamond knurling, small pyramids in slanting rows as on the handle of a tool",
     feature_mm=HEIGHT,
     program=knurling,

@@ -29,4 +29,5 @@ STYLE = Style(
     description="large flat triangles that meet in straight edges",
     feature_mm=FACET,
     program=low_poly,
+    yields=True,
 )

@@ -27,7 +27,7 @@ def moss(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="moss",
-    words=("mossy", "lichen", "fuzzy", "fur", "furry", "turf", "grass", "grassy"),
+    words=("mossy", "lichen", "turf", "grass", "grassy"),
     description="soft green cushions of moss, large and small",
     feature_mm=0.5 * MOUND,
     program=moss,

@@ -10,7 +10,7 @@ from mechstyle.styling.style import Relief, Style
 
 
 def realistic(canvas: Canvas) -> Relief:
-    """Strokes of a trowel with ridges between, pits, cracks, and patches where the coat has fallen off; colour follows shape as dirt and wear do."""
+    """Strokes of a trowel, pits, cracks, and patches where the coat has fallen off; colour follows shape as dirt and wear do."""
     unit = canvas.unit("cracks", 3.4)
     broad = canvas.noise(40.0 * unit, 2, "broad")
     lumps = canvas.noise(9.0 * unit, 3, "lumps")
@@ -22,7 +22,7 @@ def realistic(canvas: Canvas) -> Relief:
     pit = smoothstep(0.34, 0.52, canvas.noise(8.5 * unit, 2, "pits"))
     worn = smoothstep(0.22, 0.32, canvas.noise(30.0 * unit, 4, "worn"))
     coat = 0.35 + 0.50 * (canvas.random(strokes.identity, "stroke") - 0.5) + 0.45 * ridge + 0.15 * broad + 0.90 * lumps - 0.90 * pit
-    height = canvas.softened(coat - 1.10 * crack + worn * (-0.70 + 0.90 * lumps - coat))
+    height = 0.8 * canvas.softened(np.clip(coat - 1.10 * crack + worn * (-0.70 + 0.90 * lumps - coat), -1.6, 1.6))
 
     around = canvas.smoothed(height, 8.0 * unit)
     dirt = smoothstep(0.0, 0.8, around - height)

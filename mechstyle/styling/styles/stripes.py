@@ -22,13 +22,15 @@ def stripes(canvas: Canvas) -> Relief:
     cloth = canvas.noise(40.0 * unit, 2, "cloth")
     colour = mix(rgb("f4f0e6"), canvas.painted(np.tile(rgb("b5403a"), (len(away), 1))), band)
     height = 1.1 * band - (1.0 - band) * (0.55 + 0.45 * groove) + 0.06 * cloth
-    return Relief(canvas.softened(height), canvas.softened(colour * (1.0 + 0.05 * cloth)[:, None]))
+    colour = np.clip(colour * (1.0 + 0.05 * cloth)[:, None], 0.0, 1.0)
+    return Relief(canvas.softened(height), canvas.softened(colour))
 
 
 STYLE = Style(
     name="stripes",
-    words=("stripe", "striped", "rib", "ribbed", "ridge", "ridged", "groove", "grooved", "band", "banded"),
+    words=("stripe", "striped", "rib", "ribbed", "ridge", "ridged", "groove", "grooved", "line", "lined"),
     description="level raised bands with hollow grooves between, in red and white",
     feature_mm=PERIOD,
     program=stripes,
+    yields=True,
 )

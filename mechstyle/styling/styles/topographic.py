@@ -22,12 +22,13 @@ def topographic(canvas: Canvas) -> Relief:
     line = smoothstep(0.75 * LINE * unit, 0.20 * LINE * unit, away) * (np.round(step) > 0.0) * (np.round(step) < LEVELS)
     level = (np.floor(step + 0.5) + smoothstep(-0.5, 0.5, step - np.floor(step + 0.5))) / LEVELS
     colour = ramp(["2f6f8f", "6fb0a8", "8fbf7a", "d6d08a", "c79a62", "9a6a4a", "f2efe8"], np.clip(level, 0.0, 1.0))
-    return Relief(canvas.softened(-0.8 + 0.45 * level + 1.45 * line), canvas.softened(mix(canvas.painted(colour), rgb("4a3a2a"), 0.8 * line)))
+    colour = mix(canvas.painted(colour), rgb("4a3a2a"), 0.8 * line)
+    return Relief(canvas.softened(-0.8 + 0.45 * level + 1.45 * line), canvas.softened(colour))
 
 
 STYLE = Style(
     name="topographic",
-    words=("topography", "topographical", "contour", "terrain", "map", "elevation", "terrace", "terraced", "topo", "hill"),
+    words=("topography", "topographical", "topo", "contour", "contour_line", "topographic_line", "terrain", "map", "elevation"),
     description="raised contour lines of a hilly land in the colours of a map",
     feature_mm=0.25 * HILL,
     program=topographic,

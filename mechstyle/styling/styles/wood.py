@@ -32,7 +32,8 @@ def grain(canvas: Canvas, unit: float) -> tuple[Floats, Floats, Floats]:
     knots = canvas.stamps(canvas.scattered(78.0 * unit, "knots"), 78.0 * unit)
     around = np.hypot(knots.x[:, 0], 0.6 * knots.y[:, 0]) / (KNOT * unit)
     # A trunk gets thinner upwards, so that a saw cuts its rings into arches.
-    year = (np.hypot(x - PITH[0], y - PITH[1]) + TAPER * z) / RING + 0.70 * canvas.noise(42.0 * unit, 2, "growth", at=upright) + 1.8 * np.exp(-(around**2))
+    year = (np.hypot(x - PITH[0], y - PITH[1]) + TAPER * z) / RING
+    year += 0.70 * canvas.noise(42.0 * unit, 2, "growth", at=upright) + 1.8 * np.exp(-(around**2))
     through = year - np.floor(year)
     # Dark wood builds up slowly through a year and ends at once.
     late = smoothstep(0.15, 0.75, through) * smoothstep(1.0, 0.80, through)

@@ -54,7 +54,7 @@ def test_sizes_and_places_are_those_of_the_coarse_surface(ball):
     coarse, fine = ball
     assert fine.edge < 0.6 * coarse.edge
     assert fine.unit("joints", 0.01) == coarse.unit("joints", 0.01)
-    assert np.array_equal(fine.scattered(4.0, "x"), coarse.scattered(4.0, "x"))
+    assert np.array_equal(fine.scattered(4.0, "x", room=2.0), coarse.scattered(4.0, "x", room=2.0))
 
 
 def test_a_piece_keeps_its_identity(ball):
