@@ -9,7 +9,7 @@ from mechstyle.styling.drawing.colours import mix, ramp, rgb, smoothstep
 from mechstyle.styling.drawing.tilings import dome
 from mechstyle.styling.style import Relief, Style
 
-CANE, JOINT = 14.0, 27.0
+CANE, JOINT = 14.0, 24.0
 
 
 def bamboo(canvas: Canvas) -> Relief:
@@ -32,7 +32,7 @@ def bamboo(canvas: Canvas) -> Relief:
     colour = ramp(["4a5a20", "7f8d35", "b1b254", "d6cd80"], tone)
     colour = mix(mix(colour, rgb("ece3b4"), 0.55 * bloom + 0.25 * ring * cane), rgb("5a4a22"), 0.75 * groove)
     colour = mix(rgb("2a2c12"), canvas.painted(colour), smoothstep(0.05, 0.55, cane))
-    height = -1.0 + 1.30 * cane + smoothstep(0.0, 0.6, cane) * (1.05 * ring - 1.05 * groove) + 0.06 * fibre
+    height = -0.95 + 1.20 * cane + smoothstep(0.0, 0.6, cane) * (1.05 * ring - 1.25 * groove) + 0.06 * fibre
     return Relief(canvas.softened(height), canvas.softened(np.clip(colour, 0.0, 1.0)))
 
 

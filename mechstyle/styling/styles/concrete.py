@@ -24,7 +24,7 @@ def concrete(canvas: Canvas) -> Relief:
     tie = np.hypot(bond.x * 4.0 * BOARD, bond.y * BOARD)
     hole, ring = smoothstep(1.1 * HOLE, 0.7 * HOLE, tie), np.exp(-(((tie - 1.35 * HOLE) / (0.35 * HOLE)) ** 2))
     stain = canvas.noise(40.0 * unit, 3, "stain")
-    height = 0.05 + 0.80 * own + 0.50 * grain + 0.65 * seam - 0.95 * pore + 0.20 * ring - 1.25 * hole
+    height = 0.05 + 0.80 * own + 0.50 * grain + 0.75 * seam - 0.95 * pore + 0.20 * ring - 1.25 * hole
     grey = ramp(["6f6f6c", "96958f", "b5b3ab", "d0cec5"], np.clip(0.5 + 0.30 * stain + 0.30 * tone + 0.20 * grain, 0.0, 1.0))
     colour = mix(canvas.painted(grey), rgb("4c4b48"), np.maximum(0.55 * pore, 0.80 * hole))
     return Relief(canvas.softened(np.clip(height, -1.1, 1.3)), canvas.softened(colour))

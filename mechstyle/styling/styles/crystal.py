@@ -19,7 +19,7 @@ def crystal(canvas: Canvas) -> Relief:
     own = canvas.random(shards.identity, "height")
     facet = canvas.random(shards.identity * np.int64(len(canvas.points)) + shards.beside, "facet")
     edge = shards.edge / (0.7 * SHARD * unit)
-    height = -0.85 + (1.3 + 0.4 * own) * np.minimum(edge / 0.36, 1.1) + 0.5 * (own - 0.5)
+    height = -0.85 + (1.3 + 0.4 * own) * np.minimum(edge / 0.36, 1.1) + 0.42 * (own - 0.5)
     tone = np.clip(0.10 + 0.70 * facet + 0.25 * own, 0.0, 1.0)
     colour = canvas.painted(ramp(["3a1f63", "6d3fa6", "a67ad2", "e4d2f5"], tone))
     colour = mix(colour, rgb("f4ecff"), 0.5 * smoothstep(0.34, 0.42, edge))

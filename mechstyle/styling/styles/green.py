@@ -33,7 +33,7 @@ def green(canvas: Canvas) -> Relief:
         blade = mix(ramp(["23552c", "3a7a38", "5f9c43", "8cbb56", "b3cc6c"], age[:, k]), rgb("c4dba0"), 0.5 * rib)
         colour = mix(mix(colour, 0.45 * colour, shadow[:, k]), blade, cover[:, k])
         # A leaf lies on the others at its stalk, stands off at its tip, is folded along its rib and leaves a gap around it.
-        leaf = -0.35 + 1.25 * along[:, k] - 0.30 * across[:, k] ** 2 - 0.55 * rib
+        leaf = -0.35 + 1.25 * along[:, k] - 0.30 * across[:, k] ** 2 - 0.65 * rib
         height += cover[:, k] * (leaf - height) - 0.40 * shadow[:, k] * (1.0 - cover[:, k]) * (height > -0.6)
     return Relief(canvas.softened(height), canvas.painted(canvas.softened(colour)))
 

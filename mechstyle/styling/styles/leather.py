@@ -8,7 +8,7 @@ from mechstyle.styling.drawing.canvas import Canvas
 from mechstyle.styling.drawing.colours import mix, ramp, rgb, smoothstep
 from mechstyle.styling.style import Relief, Style
 
-PEBBLE = 9.5
+PEBBLE = 10.0
 
 
 def leather(canvas: Canvas) -> Relief:
@@ -16,7 +16,7 @@ def leather(canvas: Canvas) -> Relief:
     unit = canvas.unit("pebbles of the hide", PEBBLE, edges=4.5)
     grain = canvas.cells(PEBBLE * unit, "grain", at=canvas.warped(9.0 * unit, 1.8 * unit, "grain"))
     edge = grain.edge / unit
-    cushion = 1.0 - (1.0 - np.clip(edge / (0.45 * PEBBLE), 0.0, 1.0)) ** 2  # a cushion with a crease that is sharp
+    cushion = 1.0 - (1.0 - np.clip(edge / (0.42 * PEBBLE), 0.0, 1.0)) ** 2  # a cushion with a crease that is sharp
     folds = canvas.cells(48.0 * unit, "folds", at=canvas.warped(26.0 * unit, 12.0 * unit, "folds"))
     there = smoothstep(-0.10, 0.25, canvas.noise(50.0 * unit, 2, "where folded"))
     fold = smoothstep(3.6, 0.4, folds.edge / unit) * there

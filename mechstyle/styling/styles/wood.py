@@ -10,11 +10,11 @@ from mechstyle.styling.drawing.colours import mix, ramp, rgb, smoothstep
 from mechstyle.styling.style import Relief, Style
 
 RING, KNOT, TAPER = 9.0, 10.0, 0.50
-PITH = np.array([8.0, 16.0])  # of the trunk, to the right of the part's middle and behind its back [nominal mm]
+PITH = np.array([8.0, 16.0])  # of the trunk, to the right of the part's middle and before its front [nominal mm]
 
 
 def wood(canvas: Canvas) -> Relief:
-    """A piece cut from a trunk that grew upwards beside it."""
+    """A piece cut from a trunk that grew upwards before it."""
     unit = canvas.unit("dark lines of the grain", 0.36 * RING)
     late, fibre, knot = grain(canvas, unit)
     board = canvas.noise(50.0 * unit, 2, "board")
@@ -28,11 +28,11 @@ def grain(canvas: Canvas, unit: float) -> tuple[Floats, Floats, Floats]:
     """Late wood in [0, 1], hard and dark, noise of the fibres in about [-1, 1], and hearts of knots in [0, 1], shape [n] each."""
     upright = canvas.points * [1.0, 1.0, 0.28]
     low, high = canvas.points.min(axis=0), canvas.points.max(axis=0)
-    x, y, z = ((canvas.points - [0.5 * (low[0] + high[0]), high[1], low[2]]) / unit).T
+    x, y, z = ((canvas.points - [0.5 * (low[0] + high[0]), low[1], low[2]]) / unit).T
     knots = canvas.stamps(canvas.scattered(78.0 * unit, "knots"), 78.0 * unit)
     around = np.hypot(knots.x[:, 0], 0.6 * knots.y[:, 0]) / (KNOT * unit)
     # A trunk gets thinner upwards, so that a saw cuts its rings into arches.
-    year = (np.hypot(x - PITH[0], y - PITH[1]) + TAPER * z) / RING
+    year = (np.hypot(x - PITH[0], y + PITH[1]) + TAPER * z) / RING
     year += 0.70 * canvas.noise(42.0 * unit, 2, "growth", at=upright) + 1.8 * np.exp(-(around**2))
     through = year - np.floor(year)
     # Dark wood builds up slowly through a year and ends at once.
