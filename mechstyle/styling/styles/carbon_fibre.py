@@ -21,7 +21,7 @@ def carbon_fibre(canvas: Canvas) -> Relief:
     step = np.mod(column - row, 4.0)
     upright = (step < 0.5) | (step > 2.5)
     across = np.where(upright, x - column - 0.5, y - row)
-    middle = np.where(upright, np.where(step < 0.5, y - row + 0.5, y - row - 0.5), np.where(step < 1.5, x - column - 1.0, x - column))
+    middle = np.where(upright, np.where(step < 0.5, y - row - 0.5, y - row + 0.5), np.where(step < 1.5, x - column - 1.0, x - column))
     arch = np.cos(0.5 * np.pi * np.clip(middle, -1.0, 1.0))
     tow = smoothstep(0.5, 0.36, np.abs(across))
     sheen = canvas.noise(60.0 * unit, 2, "sheen")

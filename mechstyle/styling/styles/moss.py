@@ -19,10 +19,11 @@ def moss(canvas: Canvas) -> Relief:
     mounds = canvas.cells(MOUND * unit, "mounds", at=canvas.warped(20.0 * unit, 7.0 * unit, "mounds"))
     tuft = dome(1.0 - np.clip(tufts.edge / (0.42 * TUFT * unit), 0.0, 1.0))
     mound = dome(1.0 - np.clip(mounds.edge / (10.0 * unit), 0.0, 1.0))
+    fuzz = canvas.noise(5.0 * unit, 3, "fuzz")
     own, damp = canvas.random(tufts.identity, "tone") - 0.5, canvas.noise(35.0 * unit, 3, "damp")
-    tone = np.clip(0.05 + 0.35 * tuft + 0.35 * mound + 0.35 * own + 0.20 * damp, 0.0, 1.0)
+    tone = np.clip(0.05 + 0.35 * tuft + 0.35 * mound + 0.35 * own + 0.20 * damp + 0.25 * fuzz, 0.0, 1.0)
     colour = ramp(["1d2c10", "3f5a1c", "6c8a2c", "a3b84e", "cbd27c"], tone)
-    return Relief(canvas.softened(-1.1 + 0.55 * mound + tuft * (1.4 + 0.40 * own)), canvas.softened(canvas.painted(colour)))
+    return Relief(canvas.softened(-1.1 + 0.55 * mound + tuft * (1.35 + 0.40 * own) + 0.25 * fuzz), canvas.softened(canvas.painted(colour)))
 
 
 STYLE = Style(
