@@ -31,6 +31,11 @@ class Cells(NamedTuple):
     edge: Floats
     beside: Indices
 
+    @property
+    def facet(self) -> NDArray[np.int64]:
+        """Identity of the part of the cell that is nearest to one border, shape [n]."""
+        return (self.identity.astype(np.int64) << 32) + self.beside
+
 
 class Stamps(NamedTuple):
     """The nearest stamps at each vertex by rising identity, each in its own tangent plane; all shape [n, k].

@@ -17,7 +17,7 @@ def crystal(canvas: Canvas) -> Relief:
     unit = canvas.unit("facets", 0.3 * SHARD, edges=2.2)
     shards = canvas.cells(0.7 * SHARD * unit, "shards", stretch=STRETCH)
     own = canvas.random(shards.identity, "height")
-    facet = canvas.random(shards.identity * np.int64(len(canvas.points)) + shards.beside, "facet")
+    facet = canvas.random(shards.facet, "facet")
     edge = shards.edge / (0.7 * SHARD * unit)
     height = -0.85 + (1.3 + 0.4 * own) * np.minimum(edge / 0.36, 1.1) + 0.42 * (own - 0.5)
     tone = np.clip(0.10 + 0.70 * facet + 0.25 * own, 0.0, 1.0)

@@ -32,7 +32,10 @@ def block(cube):
     return canvases(mesh)
 
 
-@pytest.mark.parametrize("name", ["stone", "brick", "voronoi", "fish_scales", "marble", "wood", "studs"])
+PATTERNS = ("stone", "brick", "voronoi", "fish_scales", "marble", "wood", "studs", "hammered", "crystal", "celtic_knot", "topographic")
+
+
+@pytest.mark.parametrize("name", PATTERNS)
 @pytest.mark.parametrize("shape", ["ball", "block"])
 def test_the_pattern_lies_where_it_lay(request, shape, name):
     """Drawn afresh on the finer mesh, cells and rows would lie elsewhere and the two would have nothing to do with each other."""
