@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,8 +24,17 @@ from mechstyle.styling.prompt import Wish
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-PARTS = ("pen_holder", "phone_stand", "vase")
-CELL, LINE, MARGIN, GAP = 160, 26, 18, 28
+PARTS: Mapping[str, Mapping[str, float]] = MappingProxyType(
+    {
+        "vase": {},
+        "phone_stand": {},
+        "lampshade": {"wall": 1.5},
+        "utensil_grip": {},
+        "pen_holder": {"diameter": 30.0, "height": 30.0, "wall": 1.2, "base": 1.2},
+    }
+)
+"""Models with the measures [mm] that are not their own: a curved, a prismatic, a thin, an organic and a small part."""
+CELL, LINE, MARGIN, GAP = 120, 26, 18, 28
 """Side of a picture, height of the line above a row, border of the page, way between its columns [pixels]."""
 SHADES = 51
 """Levels of a channel: fewer than a screen has halve the file, and nobody sees it on a textured part."""
@@ -62,7 +72,7 @@ class Specimen:
 def contact_sheet(
     *,
     styles: Sequence[str] = (),
-    parts: Sequence[str] = PARTS,
+    parts: Mapping[str, Mapping[str, float]] = PARTS,
     vertices: int = STANDARD_VERTICES,
     columns: int = 2,
     stage: Stage = say_nothing,
@@ -71,7 +81,7 @@ def contact_sheet(
 
     Args:
         styles: Their names; all by default.
-        parts: Names of gallery models.
+        parts: Gallery models and their measures [mm] where they differ from the models' own.
         vertices: Vertices of the standardised surfaces.
         columns: Columns of rows, so that the page is not a ribbon.
         stage: Told what is being drawn.
@@ -81,9 +91,9 @@ def contact_sheet(
     """
     known = [style_named(name) for name in styles or names()]
     specimens = []
-    for part in parts:
+    for part, measures in parts.items():
         stage(f"preparing {part}")
-        specimens.append(Specimen.of(make(part), vertices))
+        specimens.append(Specimen.of(make(part, **measures), vertices))
     rows = []
     for style in known:
         stage(style.name)

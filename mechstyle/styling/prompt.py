@@ -22,7 +22,7 @@ SIZES: dict[str, float] = {
     "bulky": 1.4, "huge": 2.0, "giant": 2.0, "massive": 2.0,
 }
 AMOUNTS: dict[str, float] = {
-    "flat": 0.4, "faint": 0.4, "subtle": 0.5, "smooth": 0.5, "gentle": 0.6, "delicate": 0.6, "shallow": 0.6, "soft": 0.6,
+    "flat": 0.4, "faint": 0.4, "subtle": 0.5, "smooth": 0.5, "low": 0.6, "gentle": 0.6, "delicate": 0.6, "shallow": 0.6, "soft": 0.6,
     "mild": 0.6, "moderate": 1.0, "pronounced": 1.4, "rough": 1.4, "rugged": 1.5, "strong": 1.5, "bold": 1.5, "deep": 1.6,
     "heavy": 1.6, "dramatic": 1.8, "extreme": 2.0,
 }
@@ -42,7 +42,7 @@ DEGREES: dict[str, float] = {
 _FILLERS = """
     a an the of in on with from to for and or by as is it its this that my all over into out at made make turn like look looks looking
     style styled stylized stylised texture textures textured pattern patterns patterned surface finish effect covered coated built
-    rendering rendered render 3d image photo model object thing part unreal engine please some coloured colored colour color wall walls
+    rendering rendered render 3d image photo art model object thing part unreal engine please some coloured colored colour color wall walls
     colourful colorful
 """
 FILLERS = frozenset(_FILLERS.split())

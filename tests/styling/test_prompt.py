@@ -43,6 +43,28 @@ from mechstyle.styling.prompt import AMOUNTS, COLOURS, DEGREES, FILLERS, SIZES, 
         ("green", "green"),
         ("leaves", "green"),
         ("ivy", "green"),
+        ("diamond knurling", "knurling"),
+        ("carbon fiber weave", "carbon_fibre"),
+        ("polka dots", "dots"),
+        ("bubbles", "bubbles"),
+        ("gemstones", "crystal"),
+        ("ribbed", "stripes"),
+        ("a waffle", "grid"),
+        ("jeans", "twill"),
+        ("low poly", "low_poly"),
+        ("cable knit", "cable_knit"),
+        ("tree bark", "bark"),
+        ("feathers", "feathers"),
+        ("diamond quilted", "quilting"),
+        ("a Celtic knot", "celtic_knot"),
+        ("knotwork", "celtic_knot"),
+        ("cement", "concrete"),
+        ("brushed steel", "brushed_metal"),
+        ("moss", "moss"),
+        ("art deco", "art_deco"),
+        ("topographic lines", "topographic"),
+        ("contour map", "topographic"),
+        ("isogrid", "isogrid"),
         ("realistic", "realistic"),
         ("a realistic look", "realistic"),
         ("A 3D rendering of a brick wall in unreal engine.", "brick"),
@@ -87,7 +109,7 @@ def test_size_words_rise_from_tiny_to_huge_with_the_nominal_size_between():
 
 
 def test_amount_words_rise_from_flat_to_extreme_with_the_nominal_amount_between():
-    groups = ["flat faint", "subtle smooth", "gentle delicate shallow soft mild", "moderate", "pronounced rough", "rugged strong bold",
+    groups = ["flat faint", "subtle smooth", "low gentle delicate shallow soft mild", "moderate", "pronounced rough", "rugged strong bold",
               "deep heavy", "dramatic", "extreme"]  # fmt: skip
     assert sorted(" ".join(groups).split()) == sorted(AMOUNTS)
     assert rising(groups, lambda word: read(f"{word} bricks").amount)
@@ -218,7 +240,7 @@ def test_every_word_of_a_phrase_means_something_alone():
     phrases = [word for style in library().values() for word in (style.name, *style.words) if "_" in word]
     assert phrases
     for part in {part for phrase in phrases for part in phrase.split("_")}:
-        assert part in COLOURS or read(part).style in names()
+        assert part in COLOURS or part in AMOUNTS or part in FILLERS or read(part).style in names()
 
 
 def test_misspelt_colours_and_sizes_are_forgiven_too():
@@ -258,7 +280,7 @@ def test_the_refusal_names_the_nearest_styles_first():
 
 @pytest.mark.parametrize(
     ("prompt", "nearest"),
-    [("castle", 3), ("castle tower forest", 3), ("tower", 2), ("forest", 1), ("zebra", 0), ("unicorn skull", 0)],
+    [("castle", 3), ("castle tower forest", 3), ("tower", 2), ("forest", 1), ("dinosaur", 0), ("unicorn music", 0)],
 )
 def test_the_refusal_names_three_styles_at_most_and_none_that_is_far(prompt, nearest):
     with pytest.raises(BadInput) as refusal:

@@ -135,18 +135,24 @@ class Canvas:
         """A uniform random number in [0, 1) per identity, the same shape as `identities`."""
         return noise.random_of(identities, self._seed(salt))
 
-    def scattered(self, spacing: float, salt: str = "", among: NDArray[np.bool_] | None = None) -> Indices:
-        """Vertices no two of which are nearer than `spacing` [mm] (Poisson disc)."""
-        return scatter.poisson_disc(self.mesh, spacing, self._seed(salt), among)
+    def scattered(self, spacing: float, salt: str = "", room: float = 0.0) -> Indices:
+        """Vertices no two of which are nearer than `spacing` [mm] (Poisson disc).
 
-    def cells(self, spacing: float, salt: str = "", at: Floats | None = None) -> scatter.Cells:
-        """Worley cells around scattered points, looked up at `at` if given, shape [n]."""
+        None is on a sharp edge or nearer to one than `room` [mm]; on a part too slim for that, none in the half that is nearest to edges.
+        """
+        free = self.operators.room
+        wanted = max(room, 0.5 * self.edge)
+        return scatter.poisson_disc(self.mesh, spacing, self._seed(salt), free >= min(wanted, float(np.median(free))))
+
+    def cells(self, spacing: float, salt: str = "", at: Floats | None = None, stretch: Floats | float = 1.0) -> scatter.Cells:
+        """Worley cells around scattered points, looked up at `at` if given, shape [n]; long along an axis whose `stretch` is below 1."""
         points = self.scattered(spacing, salt)
-        return scatter.worley(self.points, self.mesh.vertex_normals, points, self.points if at is None else at, spacing)
+        looked_up = self.points if at is None else at
+        return scatter.worley(self.points * stretch, self.mesh.vertex_normals, points, looked_up * stretch, spacing)
 
     def stamps(self, points: Indices, spacing: float, count: int = 1) -> scatter.Stamps:
         """The `count` nearest stamps at each vertex, placed at vertices `points` and upright, `spacing` [mm] apart."""
-        return scatter.stamps(self.mesh, points, self.chart.along, count, spacing)
+        return scatter.stamps(self.operators, points, self.chart.along, count, spacing)
 
     def pieces(self, inside: NDArray[np.bool_], label: NDArray[np.generic] | None = None) -> Indices:
         """Identity of the connected piece of `inside` (and of one `label`) that each vertex is in, shape [n]."""
