@@ -305,7 +305,7 @@ def test_protected_vertices_are_free_in_nothing_and_the_user_is_told(ball):
     assert np.array_equal(bounds.freedom == 0.0, height >= 5)
     assert np.array_equal(bounds.uncoloured[:, 0], height >= 5)
     assert np.all(bounds.freedom[height < -1] == 1.0)
-    assert notes == ("protected: plane 0 0 5 0 0 1 ramp 4 colour, 25% of the surface",)
+    assert notes == ("protected: above 5 ramp 4 colour, 25% of the surface",)
 
 
 def test_without_feedback_what_the_user_protects_is_protected_still(ball):

@@ -181,7 +181,7 @@ def test_regions_set_in_python_are_shown():
     picker = RegionsPicker()
     picker.protect = ["inside", "below 5"]
     assert picker._inside.value
-    assert picker._lines.value.startswith("plane 0 0 5 0 0 -1")
+    assert picker._lines.value.startswith("below 5")
 
 
 def test_a_region_that_cannot_be_read_is_said_and_the_others_stay():
