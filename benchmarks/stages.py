@@ -40,7 +40,7 @@ from mechstyle.runs.recipes import plan
 from mechstyle.runs.run import begin
 from mechstyle.simulation.part import TETS_PER_VERTEX, Workpiece
 from mechstyle.styling.drawn import Target, target
-from mechstyle.styling.prompt import read
+from mechstyle.styling.prompt import Wish
 
 Result = TypeVar("Result")
 
@@ -123,7 +123,7 @@ def run(stage: Stages, model: str, device: str) -> str:
 
 def brick(surface: SurfaceMesh, thickness: np.ndarray[Any, Any]) -> Target:
     """The relief of a brick wall, as deep as a run would let it be."""
-    return target(surface, read("brick"), seed=0, amplitude=0.15, thickness=thickness, inward=0.25 * thickness, outward=thickness)
+    return target(surface, Wish("brick"), seed=0, amplitude=0.15, thickness=thickness, inward=0.25 * thickness, outward=thickness)
 
 
 def iterations(part: Workpiece, folder: str) -> Iterator[Event]:

@@ -11,6 +11,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from mechstyle.records.mesh import Floats, SurfaceMesh, frozen_array
 from mechstyle.styling.drawing.canvas import Canvas
+from mechstyle.styling.drawing.colours import in_recesses
 from mechstyle.styling.drawing.folds import unfolded
 from mechstyle.styling.drawing.operators import Operators
 from mechstyle.styling.library import style_named
@@ -62,6 +63,8 @@ def target(
         outward: The same outwards.
         canvas: What to draw on; by default one for the wish and the seed.
     """
+    if not wish.style:
+        return _plain(wish, len(mesh.vertices))
     style = style_named(wish.style)
     canvas = canvas or Canvas(mesh, seed, wish.size, wish.colour, wish.shade)
     relief = style.program(canvas)
@@ -70,8 +73,15 @@ def target(
     displacement = balanced(relief.height, amplitude * wish.amount * wall, mesh.vertex_areas)
     limited = np.clip(displacement, -np.asarray(inward, dtype=np.float64), np.asarray(outward, dtype=np.float64))
     smooth = unfolded(canvas.operators, limited)
+    colour = relief.colour if wish.second is None else in_recesses(relief.colour, relief.height, wish.second)
     notes = (*canvas.notes, *_fold_notes(mesh, np.abs(smooth - limited) > _NOTICEABLE * np.abs(limited)))
-    return Target(smooth.astype(np.float32), np.clip(relief.colour, 0.0, 1.0).astype(np.float32), notes)
+    return Target(smooth.astype(np.float32), np.clip(colour, 0.0, 1.0).astype(np.float32), notes)
+
+
+def _plain(wish: Wish, count: int) -> Target:
+    """No relief, and the colour asked for or that of an uncoloured part."""
+    colour = (NEUTRAL, NEUTRAL, NEUTRAL) if wish.colour is None else wish.colour
+    return Target(np.zeros(count, np.float32), np.tile(np.array(colour, np.float32), (count, 1)), ())
 
 
 def _fold_notes(mesh: SurfaceMesh, lowered: NDArray[np.bool_]) -> tuple[str, ...]:

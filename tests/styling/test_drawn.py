@@ -12,8 +12,9 @@ WALL = 3.0
 
 def drawn(mesh, prompt="stone", *, seed=0, amplitude=0.3, inward=0.75, outward=2.0) -> Target:
     ones = np.ones(len(mesh.vertices))
+    (wish,) = read(prompt).wishes
     return target(
-        mesh, read(prompt), seed=seed, amplitude=amplitude, thickness=WALL * ones, inward=inward * ones, outward=outward * ones
+        mesh, wish, seed=seed, amplitude=amplitude, thickness=WALL * ones, inward=inward * ones, outward=outward * ones
     )
 
 

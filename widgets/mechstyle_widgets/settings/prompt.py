@@ -10,7 +10,7 @@ import traitlets
 from mechstyle.errors import BadInput
 from mechstyle.records import Recipe
 from mechstyle.styling.library import library
-from mechstyle.styling.prompt import Wish, read
+from mechstyle.styling.prompt import Reading, read
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, range_of, setting
 from mechstyle_widgets.settings.thumbnail_buttons import PictureChoice
 
@@ -20,7 +20,7 @@ class PromptBox(Section):
 
     Attributes:
         prompt: The style, in words.
-        wish: How it was read, None if it could not be.
+        reading: How it was read, None if it could not be.
         amplitude: Height of the relief over wall thickness.
         seed: Decides everything random in the style.
         guidance: What the style descends to: `offline`, a drawn target, or `clip`, what CLIP takes for the prompt.
@@ -30,7 +30,7 @@ class PromptBox(Section):
     FIELDS = ("prompt", "amplitude", "seed", "guidance", "field")
 
     prompt = traitlets.Unicode("")
-    wish = traitlets.Instance(Wish, None, allow_none=True)
+    reading = traitlets.Instance(Reading, None, allow_none=True)
     amplitude = setting("amplitude")
     seed = setting("seed")
     guidance = setting("guidance")
@@ -38,7 +38,8 @@ class PromptBox(Section):
 
     def __init__(self, prompt: str = "brick", **traits: Any) -> None:
         """Offer the styles; `prompt` is asked for at first, `traits` are any other attributes."""
-        self._text = ipywidgets.Text(placeholder="small blue stones", tooltip="The style, in words", layout=WIDE)
+        tooltip = "The style, in words; one for each place: `outside: brick; rim: gold studs`"
+        self._text = ipywidgets.Text(placeholder="small blue stones", tooltip=tooltip, layout=WIDE)
         self._chips = PictureChoice("style", {name: style.description for name, style in library().items()})
         look = {"style": NARROW_LABEL, "layout": WIDE}
         self._amplitude = ipywidgets.FloatSlider(
@@ -68,34 +69,25 @@ class PromptBox(Section):
     def _choose(self, _change: object) -> None:
         """A picture was pressed: put the name of its style in the place of the one the prompt names."""
         name = self._chips.value.replace("_", " ")
-        old = "" if self.wish is None else self.wish.style.replace("_", " ")
-        self.prompt = self.prompt.replace(old, name) if old and old in self.prompt else name
+        old = _first_style(self.reading).replace("_", " ")
+        self.prompt = self.prompt.replace(old, name, 1) if old and old in self.prompt else name
 
     @traitlets.observe("prompt", "guidance")
     def _read(self, _change: object) -> None:
         try:
-            self.wish = read(self.prompt) if self.prompt.strip() else None
+            self.reading = read(self.prompt) if self.prompt.strip() else None
         except BadInput as error:
-            self.wish = None
+            self.reading = None
             drawn = self.guidance == "offline"
             self.complain(str(error).split("; any other prompt")[0] if drawn else "")
             self.note("" if drawn else "CLIP reads the whole prompt")
             self._chips.value = ""
             return
-        self.complain("" if self.wish else "write what it should look like, or choose a style")
-        self.note("" if self.wish is None else words_of(self.wish))
-        self._chips.value = "" if self.wish is None else self.wish.style
+        self.complain("" if self.reading else "write what it should look like, or choose a style")
+        self.note("" if self.reading is None else "; ".join([f"read as {self.reading.words}", *self.reading.notes]))
+        self._chips.value = _first_style(self.reading)
 
 
-def words_of(wish: Wish) -> str:
-    """Summary of how a prompt was read, in one line."""
-    parts = [wish.style.replace("_", " ")]
-    if wish.size != 1.0:
-        parts.append(f"features × {wish.size:.2g}")
-    if wish.amount != 1.0:
-        parts.append(f"relief × {wish.amount:.2g}")
-    if wish.shade != 1.0:
-        parts.append("darker" if wish.shade < 1.0 else "lighter")
-    if wish.colour is not None:
-        parts.append("in #" + "".join(f"{round(255 * channel):02x}" for channel in wish.colour))
-    return "; ".join(["read as " + ", ".join(parts), *wish.notes])
+def _first_style(reading: Reading | None) -> str:
+    """The first style a prompt names, "" if it could not be read."""
+    return "" if reading is None else next(wish.style for wish in reading.wishes if wish.style)
