@@ -41,7 +41,7 @@ from mechstyle.runs.run import begin
 from mechstyle.simulation.part import TETS_PER_VERTEX, Workpiece
 from mechstyle.styling.dimensions import Dimensions
 from mechstyle.styling.drawn import Target, target
-from mechstyle.styling.prompt import read
+from mechstyle.styling.prompt import Wish
 
 Result = TypeVar("Result")
 
@@ -125,7 +125,7 @@ def run(stage: Stages, model: str, device: str) -> str:
 def brick(surface: SurfaceMesh, thickness: np.ndarray[Any, Any]) -> Target:
     """The relief of a brick wall, as deep as a run would let it be."""
     size = Dimensions(amplitude=0.15, side="both", nozzle=0.0)
-    return target(surface, read("brick"), size, seed=0, thickness=thickness, inward=0.25 * thickness, outward=thickness)
+    return target(surface, Wish("brick"), size, seed=0, thickness=thickness, inward=0.25 * thickness, outward=thickness)
 
 
 def iterations(part: Workpiece, folder: str) -> Iterator[Event]:

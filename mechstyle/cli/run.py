@@ -60,7 +60,8 @@ def carry_out(
     wanted = draft(**{**settings, "amplitude": None} if deep else settings, freestyle=freestyle)
     device = resolve_device(device)
     if not as_json and not wanted.stylizer and wanted.guidance == "offline":
-        for note in read_prompt(wanted.prompt).notes:
+        reading = read_prompt(wanted.prompt)
+        for note in (f"read as {reading.words}", *reading.notes):
             err.print(f"[dim]prompt: {escape(note)}[/]")
     mesh, name = read_model(model, scale, quiet=as_json)
     with telling(wanted.iterations, quiet=as_json) as teller:

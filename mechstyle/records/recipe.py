@@ -67,6 +67,9 @@ LIMITS: Mapping[str, tuple[float, float]] = {
 }
 """The least and the greatest value of a setting, by setting, in its unit."""
 
+LONGEST_PROMPT = 500
+"""Characters."""
+
 DECIDED_BY_THE_PART = ("surface", "tetrahedra")
 """Fields of a recipe that are no settings."""
 
@@ -79,7 +82,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     Attributes:
         surface: Digest of the standardised surface M_0.
         tetrahedra: Digest of its tetrahedra (meshing is not deterministic, so they are part of the recipe).
-        prompt: The style, in words. Kept as typed; "" for none.
+        prompt: The style, in words, or one for each place: "outside: brick; rim: gold studs". Kept as typed; "" for none.
         stylizer: Name of a plugged-in stylizer to use instead of the built-in styles. "" for those.
         guidance: What the style descends to, one of GUIDANCES: a target drawn offline, or what CLIP takes for the prompt.
         field: What is descended in, one of FIELDS: values per vertex, or the X-Mesh style field.
@@ -177,6 +180,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
             value = getattr(self, field)
             if value is not None and not low <= value <= high:
                 raise BadInput(f"{field.replace('_', ' ')} is {value:g}, but must lie between {low:g} and {high:g}")
+        check_prompt(self.prompt)
         if self.build_direction is not None:
             self._check_layers(self.build_direction)
 
@@ -252,6 +256,12 @@ DEFAULTS: Mapping[str, Any] = {
     field.name: field.default for field in msgspec.structs.fields(Recipe) if field.default is not msgspec.NODEFAULT
 }
 """What a setting is unless told, by setting; those that every recipe must be given are not in it."""
+
+
+def check_prompt(prompt: str) -> None:
+    """Refuse a prompt that is too long with BadInput, without repeating it."""
+    if len(prompt) > LONGEST_PROMPT:
+        raise BadInput(f"the prompt has {len(prompt)} characters, but may have {LONGEST_PROMPT}: name styles, colours, sizes, places")
 
 
 def direction_of(value: object) -> tuple[float, float, float]:

@@ -25,6 +25,7 @@ from mechstyle.records import Recipe
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh, TetMesh
 from mechstyle.records.regions import Inside, Outside, Region
 from mechstyle.simulation.carrying import at_rest, carrying
+from mechstyle.styling.prompt import read
 
 PREPARATION_VERSION = 3
 """Counts changes that alter the prepared part, so that cached parts of older code are not reused."""
@@ -239,7 +240,14 @@ def bounds_for(part: Workpiece | Shape, recipe: Recipe) -> tuple[Bounds, tuple[s
     return replace(bounds, freedom=free, uncoloured=protected.uncoloured[:, None], plain=plain), notes
 
 
+def _places(recipe: Recipe) -> tuple[Region, ...]:
+    """The places that a prompt names, if it is one that is read here."""
+    if recipe.stylizer or recipe.guidance == "clip":
+        return ()
+    return tuple(region for wish in read(recipe.prompt).wishes for region in (*wish.where, *wish.spared))
+
+
 def _contained(shape: Shape, recipe: Recipe) -> tuple[Region, ...]:
-    """The inside of a container, unless it is to be styled or the recipe protects one side or the other itself."""
-    told = recipe.inside == "styled" or any(isinstance(region, Inside | Outside) for region in recipe.protect)
+    """The inside of a container, unless it is to be styled, or the recipe or its prompt name one side or the other themselves."""
+    told = recipe.inside == "styled" or any(isinstance(region, Inside | Outside) for region in (*recipe.protect, *_places(recipe)))
     return () if told or not shape.is_container else (Inside(ramp=INSIDE_RAMP, colour=True),)

@@ -101,6 +101,8 @@ class Dimensions:
 
     def canvas(self, mesh: SurfaceMesh, thickness: ArrayLike, wish: Wish, seed: int) -> Canvas:
         """What to draw a style on, with features of the size that is asked for, or that fits the part and its walls [mm], shape [n]."""
+        if not wish.style:
+            return Canvas(mesh, seed)
         nominal = style_named(wish.style).feature_mm * scale_by_area(mesh)
         size = wish.size * self._correction(mesh, thickness, nominal) if self.feature is None else self.feature / nominal
         return Canvas(mesh, seed, size, wish.colour, wish.shade, nozzle=self.nozzle)

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from mechstyle.records.mesh import Floats, SurfaceMesh, frozen_array
 from mechstyle.styling.dimensions import Dimensions
 from mechstyle.styling.drawing.canvas import Canvas
+from mechstyle.styling.drawing.colours import in_recesses
 from mechstyle.styling.drawing.folds import unfolded
 from mechstyle.styling.library import style_named
 from mechstyle.styling.prompt import Wish
@@ -64,6 +65,8 @@ def target(
         outward: The same outwards.
         canvas: What to draw on; by default one for the wish, the dimensions and the seed.
     """
+    if not wish.style:
+        return _plain(wish, len(mesh.vertices))
     style = style_named(wish.style)
     canvas = canvas or dimensions.canvas(mesh, thickness, wish, seed)
     relief = style.program(canvas)
@@ -71,8 +74,15 @@ def target(
     displacement = layout.displacement(relief.height, mesh.vertex_areas)
     limited = np.clip(displacement, -np.asarray(inward, dtype=np.float64), np.asarray(outward, dtype=np.float64))
     smooth = unfolded(canvas.operators, limited)
+    colour = relief.colour if wish.second is None else in_recesses(relief.colour, relief.height, wish.second)
     notes = (*canvas.notes, *layout.notes, *_fold_notes(mesh, np.abs(smooth - limited) > _NOTICEABLE * np.abs(limited)))
-    return Target(smooth.astype(np.float32), np.clip(relief.colour, 0.0, 1.0).astype(np.float32), notes)
+    return Target(smooth.astype(np.float32), np.clip(colour, 0.0, 1.0).astype(np.float32), notes)
+
+
+def _plain(wish: Wish, count: int) -> Target:
+    """No relief, and the colour asked for or that of an uncoloured part."""
+    colour = (NEUTRAL, NEUTRAL, NEUTRAL) if wish.colour is None else wish.colour
+    return Target(np.zeros(count, np.float32), np.tile(np.array(colour, np.float32), (count, 1)), ())
 
 
 def _fold_notes(mesh: SurfaceMesh, lowered: NDArray[np.bool_]) -> tuple[str, ...]:

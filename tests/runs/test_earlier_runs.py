@@ -85,7 +85,7 @@ def test_a_recipe_of_an_earlier_version_draws_the_very_relief_it_drew(sphere):
     fields = {"surface": "", "tetrahedra": "", "prompt": "small deep brick", "material": msgspec.to_builtins(LIBRARY["PLA"])}
     old = msgspec.convert(translated({**fields, "amplitude": 0.15, "seed": 3, "base": "free", "control": "none"}), Recipe, strict=False)
     part = Shape(sphere, np.linspace(0.4, 1.0, len(sphere.vertices), dtype=np.float32))
-    canvas, style, wish = Canvas(sphere, 3, 0.7), style_named("brick"), read(old.prompt)
+    canvas, style, wish = Canvas(sphere, 3, 0.7), style_named("brick"), read(old.prompt).wishes[0]
     wall = gradual_thickness(canvas.operators, np.minimum(part.thickness.astype(float), style.feature_mm * canvas.scale))
     depth, height = 0.15 * wish.amount * wall, style.program(canvas).height
     weight = sphere.vertex_areas * depth

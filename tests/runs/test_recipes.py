@@ -309,7 +309,7 @@ def test_protected_vertices_are_free_in_nothing_and_the_user_is_told(ball):
     assert np.array_equal(bounds.freedom == 0.0, height >= 5)
     assert np.array_equal(bounds.uncoloured[:, 0], height >= 5)
     assert np.all(bounds.freedom[height < -1] == 1.0)
-    assert notes == ("protected: plane 0 0 5 0 0 1 ramp 4 colour, 25% of the surface",)
+    assert notes == ("protected: above 5 ramp 4 colour, 25% of the surface",)
 
 
 def test_without_feedback_what_the_user_protects_is_protected_still(ball):
@@ -527,3 +527,16 @@ def test_the_plain_inside_of_a_container_is_no_part_of_the_style(mug):
     assert not stylizer.proposal().displacement[plain].any()
     assert np.ptp(stylizer.proposal().colour[plain]) == 0.0
     assert kept(grown, stylizer.proposal().displacement, mug.surface.vertex_areas) > 0.97
+
+
+def test_the_inside_of_a_container_is_styled_where_the_prompt_says_so(mug, part):
+    bounds, notes = bounds_for(mug, plan(part, "brick; inside: blue stone"))
+    assert np.all(bounds.freedom == 1.0)
+    assert notes == ()
+    assert bounds_for(mug, plan(part, "brick; top: stone"))[1] != ()
+
+
+def test_lengths_in_the_prompt_are_drawn_unless_the_recipe_has_others(ball):
+    told = finished_relief(ball, plan(ball, "5 mm bricks, 0.6 mm deep", base="free"))
+    assert np.array_equal(told, finished_relief(ball, plan(ball, "brick", feature=5.0, relief=0.6, base="free")))
+    assert np.array_equal(told, finished_relief(ball, plan(ball, "8 mm bricks, 1 mm deep", feature=5.0, relief=0.6, base="free")))

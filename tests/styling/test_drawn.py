@@ -13,7 +13,8 @@ WALL = 3.0
 def drawn(mesh, prompt="stone", *, seed=0, amplitude=0.3, inward=0.75, outward=2.0) -> Target:
     ones = np.ones(len(mesh.vertices))
     size = Dimensions(amplitude=amplitude, side="both", nozzle=0.0)
-    return target(mesh, read(prompt), size, seed=seed, thickness=WALL * ones, inward=inward * ones, outward=outward * ones)
+    (wish,) = read(prompt).wishes
+    return target(mesh, wish, size, seed=seed, thickness=WALL * ones, inward=inward * ones, outward=outward * ones)
 
 
 @pytest.fixture(scope="module")

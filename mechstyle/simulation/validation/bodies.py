@@ -13,7 +13,7 @@ from mechstyle.simulation.part import Workpiece
 from mechstyle.simulation.validation.meshes import square_cup
 from mechstyle.styling.dimensions import Dimensions
 from mechstyle.styling.drawn import target
-from mechstyle.styling.prompt import read
+from mechstyle.styling.prompt import Wish
 
 
 class Styled(NamedTuple):
@@ -40,6 +40,6 @@ def styled_cup() -> Styled:
     part = Workpiece(smooth, tets, local_thickness(smooth).astype(np.float32), stands=True)
     bounds = part.shape.bounds("protected", 0.0)
     size = Dimensions(amplitude=0.15, side="both", nozzle=0.0)
-    aim = target(smooth, read("brick"), size, seed=0, thickness=part.thickness, inward=bounds.inward, outward=bounds.outward)
+    aim = target(smooth, Wish("brick"), size, seed=0, thickness=part.thickness, inward=bounds.inward, outward=bounds.outward)
     relief = (aim.displacement * bounds.freedom).astype(np.float32)
     return Styled(smooth, tets, smooth.displaced(relief), Morph(smooth, tets).morphed(relief).tets)

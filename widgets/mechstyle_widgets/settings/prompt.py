@@ -9,7 +9,7 @@ import traitlets
 
 from mechstyle.errors import BadInput
 from mechstyle.styling.library import library
-from mechstyle.styling.prompt import Wish, read
+from mechstyle.styling.prompt import Reading, read
 from mechstyle_widgets.settings.millimetres import AUTO, Millimetres
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, range_of, setting
 from mechstyle_widgets.settings.thumbnail_buttons import PictureChoice
@@ -24,7 +24,7 @@ class PromptBox(Section):
 
     Attributes:
         prompt: The style, in words.
-        wish: How it was read, None if it could not be.
+        reading: How it was read, None if it could not be.
         relief: Depth of the relief [mm], None for what can be seen and the walls bear.
         side: Where it goes from the surface.
         feature: Size of the style's feature [mm], None for what fits the part.
@@ -38,7 +38,7 @@ class PromptBox(Section):
     FIELDS = ("prompt", "relief", "side", "feature", "inside", "amplitude", "seed", "guidance", "field")
 
     prompt = traitlets.Unicode("")
-    wish = traitlets.Instance(Wish, None, allow_none=True)
+    reading = traitlets.Instance(Reading, None, allow_none=True)
     relief = setting("relief")
     side = setting("side")
     feature = setting("feature")
@@ -50,7 +50,8 @@ class PromptBox(Section):
 
     def __init__(self, prompt: str = "brick", **traits: Any) -> None:
         """Offer the styles; `prompt` is asked for at first, `traits` are any other attributes."""
-        self._text = ipywidgets.Text(placeholder="small blue stones", tooltip="The style, in words", layout=WIDE)
+        tooltip = "The style, in words; one for each place: `outside: brick; rim: gold studs`"
+        self._text = ipywidgets.Text(placeholder="small blue stones", tooltip=tooltip, layout=WIDE)
         self._chips = PictureChoice("style", {name: style.description for name, style in library().items()})
         look = {"style": NARROW_LABEL, "layout": WIDE}
         self._relief = Millimetres(DEPTHS, description="relief", tooltip="Depth of the relief, from its lowest to its highest", **look)
@@ -81,35 +82,25 @@ class PromptBox(Section):
     def _choose(self, _change: object) -> None:
         """A picture was pressed: put the name of its style in the place of the one the prompt names."""
         name = self._chips.value.replace("_", " ")
-        old = "" if self.wish is None else self.wish.style.replace("_", " ")
-        self.prompt = self.prompt.replace(old, name) if old and old in self.prompt else name
+        old = _first_style(self.reading).replace("_", " ")
+        self.prompt = self.prompt.replace(old, name, 1) if old and old in self.prompt else name
 
     @traitlets.observe("prompt", "guidance")
     def _read(self, _change: object) -> None:
         try:
-            self.wish = read(self.prompt) if self.prompt.strip() else None
+            self.reading = read(self.prompt) if self.prompt.strip() else None
         except BadInput as error:
-            self.wish = None
+            self.reading = None
             drawn = self.guidance == "offline"
             self.complain(str(error).split("; any other prompt")[0] if drawn else "")
             self.note("" if drawn else "CLIP reads the whole prompt")
             self._chips.value = ""
             return
-        self.complain("" if self.wish else "write what it should look like, or choose a style")
-        self.note("" if self.wish is None else words_of(self.wish))
-        self._chips.value = "" if self.wish is None else self.wish.style
+        self.complain("" if self.reading else "write what it should look like, or choose a style")
+        self.note("" if self.reading is None else "; ".join([f"read as {self.reading.words}", *self.reading.notes]))
+        self._chips.value = _first_style(self.reading)
 
 
-def words_of(wish: Wish) -> str:
-    """Summary of how a prompt was read, in one line."""
-    parts = [wish.style.replace("_", " ")]
-    for what, length, factor in (("features", wish.feature, wish.size), ("relief", wish.relief, wish.amount)):
-        if length is not None:
-            parts.append(f"{what} of {length:g} mm")
-        elif factor != 1.0:
-            parts.append(f"{what} × {factor:.2g}")
-    if wish.shade != 1.0:
-        parts.append("darker" if wish.shade < 1.0 else "lighter")
-    if wish.colour is not None:
-        parts.append("in #" + "".join(f"{round(255 * channel):02x}" for channel in wish.colour))
-    return "; ".join(["read as " + ", ".join(parts), *wish.notes])
+def _first_style(reading: Reading | None) -> str:
+    """The first style a prompt names, "" if it could not be read."""
+    return "" if reading is None else next(wish.style for wish in reading.wishes if wish.style)
