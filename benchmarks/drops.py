@@ -40,8 +40,9 @@ from mechstyle.records.mesh import TetMesh
 from mechstyle.simulation.part import Workpiece, prepare
 from mechstyle.simulation.validation import calculix
 from mechstyle.simulation.validation.meshes import box
+from mechstyle.styling.dimensions import Dimensions
 from mechstyle.styling.drawn import target
-from mechstyle.styling.prompt import read
+from mechstyle.styling.prompt import Wish
 
 PLA = LIBRARY["PLA"]
 STRIDE, CPU_SAMPLES, DEVICE_SAMPLES = 120, 2, 120
@@ -174,7 +175,8 @@ def rates(tets: TetMesh) -> Iterator[Row]:
 def whole_drops(part: Workpiece) -> Iterator[Row]:
     """Whole drop tests as a run makes them, on two cores: wall time, which says little on a busy machine, and CPU time in the name."""
     thickness = part.thickness
-    aim = target(part.surface, read("brick"), seed=0, amplitude=0.15, thickness=thickness, inward=0.25 * thickness, outward=thickness)
+    size = Dimensions(amplitude=0.15, side="both", nozzle=0.0)
+    aim = target(part.surface, Wish("brick"), size, seed=0, thickness=thickness, inward=0.25 * thickness, outward=thickness)
     styled = tetrahedralise(part.surface.displaced(aim.displacement), STYLED_TETS)
     sets = ((part.tets, directions(13)), (styled, tilted(8).normals))
     for (name, budget), (tets, normals) in zip(SECONDS.items(), sets, strict=True):

@@ -39,8 +39,9 @@ from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh, TetMesh
 from mechstyle.runs.recipes import plan
 from mechstyle.runs.run import begin
 from mechstyle.simulation.part import TETS_PER_VERTEX, Workpiece
+from mechstyle.styling.dimensions import Dimensions
 from mechstyle.styling.drawn import Target, target
-from mechstyle.styling.prompt import read
+from mechstyle.styling.prompt import Wish
 
 Result = TypeVar("Result")
 
@@ -123,7 +124,8 @@ def run(stage: Stages, model: str, device: str) -> str:
 
 def brick(surface: SurfaceMesh, thickness: np.ndarray[Any, Any]) -> Target:
     """The relief of a brick wall, as deep as a run would let it be."""
-    return target(surface, read("brick"), seed=0, amplitude=0.15, thickness=thickness, inward=0.25 * thickness, outward=thickness)
+    size = Dimensions(amplitude=0.15, side="both", nozzle=0.0)
+    return target(surface, Wish("brick"), size, seed=0, thickness=thickness, inward=0.25 * thickness, outward=thickness)
 
 
 def iterations(part: Workpiece, folder: str) -> Iterator[Event]:

@@ -16,7 +16,7 @@ from mechstyle.records import Checkpoint, Judgement, Measures, Recipe, Simulatio
 from mechstyle.records.load_cases import Load, LoadCase, Patch, Support
 from mechstyle.records.material import LIBRARY, Material, material_named
 from mechstyle.records.mesh import SurfaceMesh, TetMesh
-from mechstyle.records.regions import Box, HalfSpace, Inside, Outside, Segment, Sphere, Vertices
+from mechstyle.records.regions import Box, End, HalfSpace, Inside, Outside, Rim, Segment, Sides, Sphere, Vertices
 
 if TYPE_CHECKING:
     from mechstyle.gallery import load
@@ -77,6 +77,7 @@ __all__ = [
     "DamagedStore",
     "Depth",
     "DropSimulator",
+    "End",
     "Engine",
     "HalfSpace",
     "Inside",
@@ -95,9 +96,11 @@ __all__ = [
     "ProceduralStylizer",
     "ProtectedPart",
     "Recipe",
+    "Rim",
     "Run",
     "Segment",
     "Session",
+    "Sides",
     "Simulation",
     "SimulationFailed",
     "Sphere",

@@ -12,7 +12,7 @@ from mechstyle.cli.console import command, err, escape, factor, out, print_json,
 from mechstyle.cli.options import DEFAULTS_MAY_CHANGE, OPTIONS, Device, Folder, Json, Model, Scale, Settings, Vertices, recipe_options
 from mechstyle.records.landings import STANDARDS
 from mechstyle.records.mesh import STANDARD_VERTICES
-from mechstyle.records.recipe import DEFAULTS, Recipe
+from mechstyle.records.recipe import Recipe
 
 if TYPE_CHECKING:
     from mechstyle.loop.history import Strength
@@ -57,10 +57,11 @@ def carry_out(
     from mechstyle.styling.prompt import read as read_prompt  # noqa: PLC0415
 
     deep = settings.get("amplitude") == AUTO
-    wanted = draft(**{**settings, "amplitude": DEFAULTS["amplitude"]} if deep else settings, freestyle=freestyle)
+    wanted = draft(**{**settings, "amplitude": None} if deep else settings, freestyle=freestyle)
     device = resolve_device(device)
     if not as_json and not wanted.stylizer and wanted.guidance == "offline":
-        for note in read_prompt(wanted.prompt).notes:
+        reading = read_prompt(wanted.prompt)
+        for note in (f"read as {reading.words}", *reading.notes):
             err.print(f"[dim]prompt: {escape(note)}[/]")
     mesh, name = read_model(model, scale, quiet=as_json)
     with telling(wanted.iterations, quiet=as_json) as teller:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from mechstyle.geometry.thickness import local_thickness
 from mechstyle.pictures.panels import Picture
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh
 from mechstyle.simulation.part import INWARD_SHARE, Stage, say_nothing, standardised
+from mechstyle.styling.dimensions import Dimensions
 from mechstyle.styling.drawn import target
 from mechstyle.styling.library import names, style_named
 from mechstyle.styling.prompt import Wish
@@ -22,10 +24,17 @@ from mechstyle.styling.prompt import Wish
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-PARTS = ("pen_holder", "phone_stand", "vase")
-AMPLITUDE = 0.15
-"""Relief over wall thickness, as in a run that is not told otherwise."""
-CELL, LINE, MARGIN, GAP = 160, 26, 18, 28
+PARTS: Mapping[str, Mapping[str, float]] = MappingProxyType(
+    {
+        "vase": {},
+        "phone_stand": {},
+        "lampshade": {"wall": 1.5},
+        "utensil_grip": {},
+        "pen_holder": {"diameter": 30.0, "height": 30.0, "wall": 1.2, "base": 1.2},
+    }
+)
+"""Models with the measures [mm] that are not their own: a curved, a prismatic, a thin, an organic and a small part."""
+CELL, LINE, MARGIN, GAP = 120, 26, 18, 28
 """Side of a picture, height of the line above a row, border of the page, way between its columns [pixels]."""
 SHADES = 51
 """Levels of a channel: fewer than a screen has halve the file, and nobody sees it on a textured part."""
@@ -55,7 +64,7 @@ class Specimen:
         """The finished style on the part, freely, and what the user should know of the drawing."""
         inward, outward = INWARD_SHARE * self.thickness, self.thickness
         aim = target(
-            self.surface, wish, seed=seed, amplitude=AMPLITUDE, thickness=self.thickness, inward=inward, outward=outward
+            self.surface, wish, Dimensions(), seed=seed, thickness=self.thickness, inward=inward, outward=outward
         )
         return self.surface.displaced(aim.displacement).coloured(aim.colour), aim.notes
 
@@ -63,7 +72,7 @@ class Specimen:
 def contact_sheet(
     *,
     styles: Sequence[str] = (),
-    parts: Sequence[str] = PARTS,
+    parts: Mapping[str, Mapping[str, float]] = PARTS,
     vertices: int = STANDARD_VERTICES,
     columns: int = 2,
     stage: Stage = say_nothing,
@@ -72,7 +81,7 @@ def contact_sheet(
 
     Args:
         styles: Their names; all by default.
-        parts: Names of gallery models.
+        parts: Gallery models and their measures [mm] where they differ from the models' own.
         vertices: Vertices of the standardised surfaces.
         columns: Columns of rows, so that the page is not a ribbon.
         stage: Told what is being drawn.
@@ -82,9 +91,9 @@ def contact_sheet(
     """
     known = [style_named(name) for name in styles or names()]
     specimens = []
-    for part in parts:
+    for part, measures in parts.items():
         stage(f"preparing {part}")
-        specimens.append(Specimen.of(make(part), vertices))
+        specimens.append(Specimen.of(make(part, **measures), vertices))
     rows = []
     for style in known:
         stage(style.name)

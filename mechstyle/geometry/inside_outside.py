@@ -23,6 +23,10 @@ CONVEXITY = 8.0
 """How much more loosely two vertices hang together for each radian by which the surface bends away between them."""
 LEAST_SHARE = 0.005
 """Smaller pieces, of the area, belong to what surrounds them."""
+CONTAINED = 0.3
+"""Least share of the area that is inside in a container: half of it where walls are thin."""
+UPRIGHT, OPENING = 0.9, 0.1
+"""Least cosine of the angle between the way out of a container and straight up, and least opening over the box around it."""
 
 
 @lru_cache(maxsize=4)  # a run asks again for each picture; meshes are frozen and differ by identity
@@ -43,6 +47,18 @@ def is_inside(mesh: SurfaceMesh, *, device: str = "cpu") -> NDArray[np.bool_]:
         inside = _without_specks(mesh, _walked(mesh, inside, outside) > 0.5)
     inside.setflags(write=False)
     return inside
+
+
+def is_container(mesh: SurfaceMesh) -> bool:
+    """Whether a part, as it stands, holds things: its inside is large and opens upwards only, as that of a cup, a tray or a case.
+
+    By the divergence theorem the normals of an inside add up to its openings. Those of a tube open at both ends cancel out.
+    """
+    inside = is_inside(mesh)
+    areas = mesh.vertex_areas
+    opening = areas[inside] @ mesh.vertex_normals[inside]
+    hollow = areas[inside].sum() >= CONTAINED * areas.sum()
+    return bool(hollow and opening[2] > UPRIGHT * np.linalg.norm(opening) and opening[2] > OPENING * mesh.extents[:2].prod())
 
 
 def openness(mesh: SurfaceMesh, *, device: str = "cpu") -> Floats:

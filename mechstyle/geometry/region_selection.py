@@ -1,4 +1,4 @@
-"""Vertices of protected regions, and the share of relief allowed around them."""
+"""Vertices of regions, and the share of relief allowed around those that are protected."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from mechstyle.errors import BadInput
 from mechstyle.geometry.inside_outside import is_inside
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.records.mesh import Floats, Indices, SurfaceMesh
-from mechstyle.records.regions import Inside, Outside, Region, Segment, Shape
+from mechstyle.records.regions import End, Inside, Outside, Region, Rim, Segment, Shape, Sides
 
 TURN = float(np.cos(np.radians(25.0)))
 """Segments end where the surface turns by more than this between two neighbouring vertices …"""
@@ -24,6 +24,10 @@ SLOPE, NEAR, STEP = 0.7, 1.5, 2.0
 thickness, is so many times as thick. Where two equal walls meet it is not."""
 LEAST_SEGMENT = 0.005
 """Smaller pieces, of the area, are no segments of their own."""
+RIM = 0.08
+"""Width of a rim over the size of the part, unless told."""
+UPRIGHT = float(np.cos(np.radians(45.0)))
+"""A surface stands upright if its normal does not rise or fall more steeply than this."""
 
 
 class Protection(NamedTuple):
@@ -78,16 +82,21 @@ def selected(region: Region, surface: SurfaceMesh, thickness: ArrayLike) -> NDAr
     chosen = _selected(region, surface, thickness)
     if not chosen.any():
         low, high = (" ".join(f"{x:g}" for x in np.round(f(axis=0), 1)) for f in (surface.vertices.min, surface.vertices.max))
-        raise BadInput(f"the protected region {region.words!r} holds nothing of this part, which reaches from {low} to {high} mm")
+        raise BadInput(f"the region {region.words!r} holds nothing of this part, which reaches from {low} to {high} mm")
     return chosen
 
 
 def _selected(region: Region, surface: SurfaceMesh, thickness: ArrayLike) -> NDArray[np.bool_]:
     points = surface.vertices
-    if isinstance(region, Shape):
+    if isinstance(region, Shape | End):
         return region.contains(points)
     if isinstance(region, Inside | Outside):
         return is_inside(surface) ^ isinstance(region, Outside)
+    if isinstance(region, Sides):
+        return np.asarray(np.abs(surface.vertex_normals[:, 2]) < UPRIGHT)
+    if isinstance(region, Rim):
+        border = np.diff(is_inside(surface)[surface.edges], axis=1)[:, 0]
+        return _way(surface, np.unique(surface.edges[border]), region.width or RIM * surface.size) < np.inf
     if isinstance(region, Segment):
         labels = segments(surface, thickness)
         near = TriangleTree(points, surface.faces).nearest([region.point])
@@ -106,9 +115,15 @@ def faded(surface: SurfaceMesh, chosen: NDArray[np.bool_], ramp: float) -> Float
     """
     if ramp == 0.0 or not chosen.any():
         return (~chosen).astype(np.float64)
+    return np.asarray(np.minimum(_way(surface, np.flatnonzero(chosen), ramp) / ramp, 1.0))
+
+
+def _way(surface: SurfaceMesh, start: ArrayLike, limit: float) -> Floats:
+    """Way along edges from the nearest of some vertices [mm], infinite beyond a limit, shape [vertex_count]."""
+    if not len(np.atleast_1d(start)):
+        return np.full(len(surface.vertices), np.inf)
     lengths = np.linalg.norm(np.diff(surface.vertices[surface.edges], axis=1)[:, 0], axis=1)
-    way = dijkstra(_graph(surface, lengths), directed=False, indices=np.flatnonzero(chosen), min_only=True, limit=ramp)
-    return np.asarray(np.minimum(way / ramp, 1.0))
+    return np.asarray(dijkstra(_graph(surface, lengths), directed=False, indices=start, min_only=True, limit=limit))
 
 
 def segments(surface: SurfaceMesh, thickness: ArrayLike) -> Indices:

@@ -30,7 +30,9 @@ RETRACT_BY = 0.5
 """… and takes away up to this share of the relief."""
 KEYFRAME_EVERY = 20
 """Iterations between stored stylizer states."""
-STYLE_FIELDS = ("prompt", "seed", "amplitude", "stylizer", "guidance", "field", "clip", "crops")
+STYLE_FIELDS = (
+    "prompt", "seed", "relief", "amplitude", "side", "feature", "nozzle", "stylizer", "guidance", "field", "clip", "crops",
+)  # fmt: skip
 """Recipe fields that change what the stylizer aims at."""
 
 
@@ -106,6 +108,7 @@ class Bounds:
         freedom: Factor on the relief, 0 on the resting face and in protected regions, 1 away from them, shape [vertex_count].
         uncoloured: Whether a vertex keeps its colour, shape [vertex_count, 1]; False for none.
         base: What levels the relief under the part, None for nothing.
+        plain: Whether a vertex is no part of the style, shape [vertex_count]; False for none. Its freedom is 0, too.
     """
 
     thickness: Field
@@ -114,6 +117,7 @@ class Bounds:
     freedom: Field
     uncoloured: NDArray[np.bool_] | bool = False
     base: Base | None = None
+    plain: NDArray[np.bool_] | bool = False
 
     def levelled(self, displacement: Field) -> Field:
         """A proposal [mm], shape [vertex_count], as the base lets it be."""

@@ -9,12 +9,22 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from mechstyle.records.mesh import Field, SurfaceMesh
+from mechstyle.records.mesh import Field, Floats, SurfaceMesh
 
 RAMP = 0.5
 """Cutting is slowed from this share of the minimum above it …"""
 SEEN = 0.02
 """… and a wall is called too thin from this far below it [mm]; less is rounding."""
+
+
+def room(thickness: Floats, minimum: float) -> Floats:
+    """How deep a wall may be cut from one side without being slowed or stopped, should it be cut as deep from the other [mm], at least 0.
+
+    Args:
+        thickness: Local wall thickness [mm], shape [vertex_count].
+        minimum: The thinnest wall allowed [mm].
+    """
+    return np.maximum(0.5 * (thickness - (1.0 + RAMP) * minimum), 0.0)
 
 
 def freedom(thickness: Field, displacement: Field, minimum: float) -> Field:
@@ -70,7 +80,7 @@ def warnings(surface: SurfaceMesh, thickness: Field, displacement: Field, minimu
         sentences.append(f"{what}: it may not print")
     if cut.any():
         what = f"the style leaves a wall of {_thinnest(surface, styled, cut)}, thinner than the {minimum:g} mm minimum"
-        sentences.append(f"{what}: lower the amplitude, or let feedback hold it back")
+        sentences.append(f"{what}: lower the relief, or let feedback hold it back")
     return tuple(sentences)
 
 

@@ -16,6 +16,12 @@ GONE: Mapping[str, Callable[[Any], Fields]] = {
 BEFORE_TILTS = "protect_resting_face"
 """A field of the versions that dropped a part exactly flat only and told damping in ms of stiffness-proportional damping."""
 
+SINCE_MILLIMETRES = "side"
+"""A field of the versions that know relief and features in mm."""
+
+BEFORE_MILLIMETRES: Fields = {"side": "both", "inside": "styled", "nozzle": 0.0}
+"""What the others did: relief to both sides of every wall, inside and outside, features sized by the part's area alone."""
+
 
 def translated(fields: Fields) -> Fields:
     """The fields of a recipe, as decoded, without those that are gone; what a field that came later was then is its default.
@@ -25,6 +31,8 @@ def translated(fields: Fields) -> Fields:
     kept = {name: value for name, value in fields.items() if name not in GONE}
     if BEFORE_TILTS in fields:
         kept = {name: value for name, value in kept.items() if name != "damping"} | {"tilts": 0}
+    if SINCE_MILLIMETRES not in fields:
+        kept = BEFORE_MILLIMETRES | kept
     for name, words in GONE.items():
         if name in fields:
             kept |= words(fields[name])

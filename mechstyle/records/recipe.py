@@ -25,6 +25,8 @@ GUIDANCES = ("offline", "clip")
 FIELDS = ("vertex", "network")
 ELEMENTS = ("tet10", "tet4")
 BASES = ("level", "protected", "free")
+SIDES = ("auto", "outwards", "inwards", "both")
+INSIDES = ("plain", "styled")
 Transfer = Literal["barycentric", "nearest"]
 
 CHOICES: Mapping[str, Collection[str]] = {
@@ -36,6 +38,8 @@ CHOICES: Mapping[str, Collection[str]] = {
     "field": FIELDS,
     "element": ELEMENTS,
     "base": BASES,
+    "side": SIDES,
+    "inside": INSIDES,
     "poses": POSES,
     "standard": ("", *STANDARDS),
     "transfer": get_args(Transfer),
@@ -47,7 +51,10 @@ LIMITS: Mapping[str, tuple[float, float]] = {
     "crops": (1, 16),
     "every": (1, 100_000),
     "seed": (0, 2**32 - 1),
+    "relief": (0.0, 20.0),
     "amplitude": (0.0, 2.0),
+    "feature": (0.2, 500.0),
+    "nozzle": (0.0, 5.0),
     "travel": (1e-3, 10.0),
     "threshold": (0.01, 100.0),
     "minimum_wall": (0.0, 100.0),
@@ -59,6 +66,9 @@ LIMITS: Mapping[str, tuple[float, float]] = {
     "damping": (0.0, 1.0),
 }
 """The least and the greatest value of a setting, by setting, in its unit."""
+
+LONGEST_PROMPT = 500
+"""Characters."""
 
 DECIDED_BY_THE_PART = ("surface", "tetrahedra")
 """Fields of a recipe that are no settings."""
@@ -72,7 +82,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     Attributes:
         surface: Digest of the standardised surface M_0.
         tetrahedra: Digest of its tetrahedra (meshing is not deterministic, so they are part of the recipe).
-        prompt: The style, in words. Kept as typed; "" for none.
+        prompt: The style, in words, or one for each place: "outside: brick; rim: gold studs". Kept as typed; "" for none.
         stylizer: Name of a plugged-in stylizer to use instead of the built-in styles. "" for those.
         guidance: What the style descends to, one of GUIDANCES: a target drawn offline, or what CLIP takes for the prompt.
         field: What is descended in, one of FIELDS: values per vertex, or the X-Mesh style field.
@@ -81,7 +91,13 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         material: The material of the part. Kept in full, so that a library that changes leaves the recipe as it was.
         iterations: Stylization iterations.
         seed: Seed of everything random in the style.
-        amplitude: Relief height over local wall thickness.
+        relief: Depth of the relief from its lowest to its highest [mm]; unless told, the prompt's, or what can be seen and walls bear. It
+            goes before an amplitude, and either before the prompt.
+        amplitude: Half the depth of the relief over local wall thickness, instead of a depth in mm.
+        side: Where the relief goes from the surface, one of SIDES: auto goes to both, but only outwards where walls are too thin to cut.
+        feature: Size of the style's feature, such as the height of a brick [mm]; unless told, the prompt's, or what fits the part.
+        nozzle: Diameter of the printer's nozzle [mm]: features that are not told are sized for it, and finer ones noted; 0 for no rule.
+        inside: What becomes of the inside of a container, one of INSIDES.
         control: How stress restrains the style, one of CONTROLS. It turns demand into a mask.
         normalisation: What stress is compared with, one of NORMALISATIONS. Demand is stress over that.
         threshold: Demand at which a vertex may move no further; 1 is the normalisation's own limit, less is stricter.
@@ -123,7 +139,12 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     crops: int = 1
     iterations: int = 200
     seed: int = 0
-    amplitude: float = 0.15
+    relief: float | None = None
+    amplitude: float | None = None
+    side: str = "auto"
+    feature: float | None = None
+    nozzle: float = 0.4
+    inside: str = "plain"
     control: str = "exponential"
     normalisation: str = "headroom"
     threshold: float = 1.0
@@ -159,6 +180,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
             value = getattr(self, field)
             if value is not None and not low <= value <= high:
                 raise BadInput(f"{field.replace('_', ' ')} is {value:g}, but must lie between {low:g} and {high:g}")
+        check_prompt(self.prompt)
         if self.build_direction is not None:
             self._check_layers(self.build_direction)
 
@@ -234,6 +256,12 @@ DEFAULTS: Mapping[str, Any] = {
     field.name: field.default for field in msgspec.structs.fields(Recipe) if field.default is not msgspec.NODEFAULT
 }
 """What a setting is unless told, by setting; those that every recipe must be given are not in it."""
+
+
+def check_prompt(prompt: str) -> None:
+    """Refuse a prompt that is too long with BadInput, without repeating it."""
+    if len(prompt) > LONGEST_PROMPT:
+        raise BadInput(f"the prompt has {len(prompt)} characters, but may have {LONGEST_PROMPT}: name styles, colours, sizes, places")
 
 
 def direction_of(value: object) -> tuple[float, float, float]:

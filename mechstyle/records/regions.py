@@ -1,4 +1,4 @@
-"""Regions of a part protected from a style, as records: a run keeps them, a command line or a notebook writes them.
+"""Regions of a part, as records: a style is kept from them, or is asked for there; a run keeps them, people write them.
 
 Which vertices a region holds is worked out in `geometry.region_selection`.
 """
@@ -6,9 +6,11 @@ Which vertices a region holds is worked out in `geometry.region_selection`.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 
 import msgspec
+import numpy as np
 
 from mechstyle.errors import BadInput, unknown
 from mechstyle.records.mesh import Bools, Floats
@@ -16,6 +18,8 @@ from mechstyle.records.places import in_ball, in_box, in_half_space
 
 Point = tuple[float, float, float]
 
+ENDS: Mapping[str, tuple[int, int]] = {"top": (2, 1), "bottom": (2, -1), "left": (0, -1), "right": (0, 1), "front": (1, -1), "back": (1, 1)}
+"""Axis and sign of the direction of each end of a part, as its front view shows it."""
 KINDS = {
     "box": "box x y z x y z (two corners)",
     "sphere": "sphere x y z radius",
@@ -24,10 +28,13 @@ KINDS = {
     "below": "below z",
     "inside": "inside",
     "outside": "outside",
+    "sides": "sides (the surfaces that stand upright)",
+    "rim": "rim [width] (the band around openings)",
+    **{end: f"{end} [depth] (the half of the part at that end, or so many mm of it)" for end in ENDS},
     "segment": "segment x y z (the smooth piece of surface nearest to a point)",
     "vertices": "vertices i j k …",
 }
-"""What can be written after `--protect`, by its first word; lengths in mm."""
+"""How a region is written, after `--protect` or before the colon of a prompt, by its first word; lengths in mm."""
 
 
 class ProtectedRegion(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind"):
@@ -49,11 +56,21 @@ class ProtectedRegion(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     @property
     def words(self) -> str:
         """Its notation, as after `--protect`."""
-        kind = self.__struct_config__.tag
-        own = [getattr(self, name) for name in self.__struct_fields__ if name not in ProtectedRegion.__struct_fields__]
-        numbers = [f"{number:g}" for value in own for number in (value if isinstance(value, tuple) else (value,))]
+        numbers = [f"{number:g}" for number in self._numbers]
         ramp, colour = [f"ramp {self.ramp:g}"] if self.ramp else [], ["colour"] if self.colour else []
-        return " ".join([str(kind), *numbers, *ramp, *colour])
+        return " ".join([self._kind, *numbers, *ramp, *colour])
+
+    @property
+    def _kind(self) -> str:
+        """The first word of its notation."""
+        return str(self.__struct_config__.tag)
+
+    @property
+    def _numbers(self) -> list[float]:
+        """The numbers of its notation; a length of 0 is left to the part, and not written."""
+        values = [getattr(self, name) for name in self.__struct_fields__ if name not in ProtectedRegion.__struct_fields__]
+        own = [value for value in values if value and not isinstance(value, str)]
+        return [number for value in own for number in (value if isinstance(value, tuple) else (value,))]
 
 
 class Vertices(ProtectedRegion, frozen=True, tag="vertices"):
@@ -121,6 +138,19 @@ class HalfSpace(ProtectedRegion, frozen=True, tag="plane"):
         """Whether points [mm], shape [..., 3], lie in it."""
         return in_half_space(points, self.point, self.normal)
 
+    @property
+    def _kind(self) -> str:
+        return "plane" if not self._level else "above" if self.normal[2] > 0.0 else "below"
+
+    @property
+    def _numbers(self) -> list[float]:
+        return [self.point[2]] if self._level else super()._numbers
+
+    @property
+    def _level(self) -> bool:
+        """Whether its height says it all."""
+        return self.point[:2] == (0.0, 0.0) and self.normal in {(0.0, 0.0, 1.0), (0.0, 0.0, -1.0)}
+
 
 class Inside(ProtectedRegion, frozen=True, tag="inside"):
     """The surfaces of hollows that open to the outside: the inside of a cup, the cells of a box."""
@@ -128,6 +158,55 @@ class Inside(ProtectedRegion, frozen=True, tag="inside"):
 
 class Outside(ProtectedRegion, frozen=True, tag="outside"):
     """The outside of a hollow part: everything that is not inside."""
+
+
+class Sides(ProtectedRegion, frozen=True, tag="sides"):
+    """The surfaces that stand upright, within 45°."""
+
+
+class Rim(ProtectedRegion, frozen=True, tag="rim"):
+    """The band around the openings of a hollow part: all that is this near to the border between inside and outside.
+
+    Attributes:
+        width: Way along the surface from that border [mm]; 0 for one that suits the part.
+    """
+
+    width: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Refuse a width that is no length."""
+        super().__post_init__()
+        _check_length("width of a rim", self.width)
+
+
+class End(ProtectedRegion, frozen=True, tag="end"):
+    """All at one end of a part, as it stands.
+
+    Attributes:
+        end: One of ENDS.
+        depth: How far it reaches into the part from there [mm]; 0 for half of the part.
+    """
+
+    end: str
+    depth: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Refuse an end that parts do not have, and a depth that is no length."""
+        super().__post_init__()
+        if self.end not in ENDS:
+            raise unknown("end of a part", self.end, ENDS)
+        _check_length(f"depth of the {self.end}", self.depth)
+
+    def contains(self, points: Floats) -> Bools:
+        """Whether points [mm], shape [n, 3], lie at that end of what they all span."""
+        axis, sign = ENDS[self.end]
+        along = sign * points[:, axis]
+        depth = self.depth or 0.5 * float(np.ptp(along))
+        return np.asarray(along >= along.max() - depth)
+
+    @property
+    def _kind(self) -> str:
+        return self.end
 
 
 class Segment(ProtectedRegion, frozen=True, tag="segment"):
@@ -143,7 +222,7 @@ class Segment(ProtectedRegion, frozen=True, tag="segment"):
 
 Shape = Box | Sphere | HalfSpace
 """Regions that hold points of space, whatever the part."""
-Region = Vertices | Box | Sphere | HalfSpace | Inside | Outside | Segment
+Region = Vertices | Box | Sphere | HalfSpace | Inside | Outside | Sides | Rim | End | Segment
 
 
 def region(text: str) -> Region:
@@ -172,6 +251,9 @@ _MAKERS: dict[str, Callable[..., Region]] = {
     "below": lambda z: HalfSpace((0.0, 0.0, z), (0.0, 0.0, -1.0)),
     "inside": lambda: Inside(),  # noqa: PLW0108 (the class itself would take a ramp from a stray number)
     "outside": lambda: Outside(),  # noqa: PLW0108
+    "sides": lambda: Sides(),  # noqa: PLW0108
+    "rim": lambda width=0.0: Rim(width),
+    **{end: partial(End, end) for end in ENDS},
     "segment": lambda x, y, z: Segment((x, y, z)),
     "vertices": lambda *numbers: Vertices(tuple(int(str(number).removesuffix(".0")) for number in numbers)),
 }
@@ -199,6 +281,11 @@ def _as_read(one: object) -> Region:
         return msgspec.convert(msgspec.to_builtins(one, enc_hook=lambda value: value.tolist()), Region)
     except (msgspec.ValidationError, AttributeError, TypeError) as error:
         raise BadInput(f"{one!r} is no region to protect ({error}): write `inside` or ms.Box((0, 0, 0), (10, 10, 10))") from error
+
+
+def _check_length(what: str, length: float) -> None:
+    if not 0.0 <= length < math.inf:
+        raise BadInput(f"the {what} is {length:g} mm, but must be a length, or be left out")
 
 
 def _check_points(*points: Point) -> None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from mechstyle.errors import BadInput
 from mechstyle.records import Verdict
 from mechstyle.records.material import Material
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh
@@ -15,7 +16,7 @@ from mechstyle.runs.run import Run, started
 from mechstyle.simulation.part import Stage, say_nothing
 
 DEPTHS = (0.15, 0.25, 0.4, 0.6, 0.8)
-"""Relief heights over local wall thickness that are tried."""
+"""Amplitudes that are tried."""
 
 ALONE = {"schedule": "never", "guarantee": False}
 """A relief as it is drawn, dropped once."""
@@ -26,7 +27,7 @@ class Depth:
     """The deepest relief that holds.
 
     Attributes:
-        amplitude: Its height over local wall thickness.
+        amplitude: Half of it over local wall thickness.
         words: What limits it, in one sentence.
     """
 
@@ -62,6 +63,8 @@ def deepest(
     Raises:
         BadInput: If the part, the prompt or a setting cannot be used.
     """
+    if settings.get("relief") is not None:
+        raise BadInput(f"a relief of {settings['relief']:g} mm is asked for, and the deepest that holds: leave out one of them")
     wanted = draft(prompt, material, **{**settings, **ALONE, "amplitude": depths[-1]})
     run = started(wanted, mesh, vertices=vertices, out=out, device=device, stage=stage)
 

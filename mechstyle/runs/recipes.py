@@ -75,8 +75,10 @@ def draft(prompt: str, material: str | Material = "PLA", *, freestyle: bool = Fa
 
 
 def changed(recipe: Recipe, changes: dict[str, Any]) -> Recipe:
-    """A recipe with some settings changed; another criterion brings its presets, another control its normalisation, unless given."""
+    """A recipe with some settings changed; unless given, another criterion brings its presets, another control its normalisation."""
     given = with_drops(_given(changes))
+    if "amplitude" in given:
+        given = {"relief": None, **given}  # which would go before it
     control, paper = given.get("control", recipe.control), given.get("criterion", recipe.criterion) == "paper"
     other_criterion = given.get("criterion", recipe.criterion) != recipe.criterion
     if other_criterion:

@@ -8,6 +8,7 @@ unrelated values there. Either result is simulated as a surface of its own, beca
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
@@ -22,14 +23,16 @@ from mechstyle.geometry.subdivision import quartered
 from mechstyle.loop.engine import STEP_LIMIT, STYLE_FIELDS, Bounds, Stylizer, advanced
 from mechstyle.loop.store import Entry, Store
 from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict
-from mechstyle.records.mesh import Field, SurfaceMesh
+from mechstyle.records.mesh import Field, Floats, SurfaceMesh
 from mechstyle.runs.plugins import made
 from mechstyle.simulation.part import Workpiece, bounds_for
 from mechstyle.simulation.simulator import DropSimulator
+from mechstyle.styling.combination import combined, places
+from mechstyle.styling.dimensions import Dimensions
 from mechstyle.styling.drawing.canvas import Canvas
 from mechstyle.styling.drawing.fine_canvas import FineCanvas
 from mechstyle.styling.drawn import ProceduralStylizer, target
-from mechstyle.styling.prompt import Wish, read
+from mechstyle.styling.prompt import Reading, read
 
 INTERPOLATED = "what the style learnt at the vertices is interpolated between them: the file has more faces, but no finer detail"
 """Said of a learnt style in four times as many faces."""
@@ -157,11 +160,14 @@ class _Twin:
         """The stylizers of a recipe for the part and for its twin; the twin's draws what the part's drew, finer."""
         if recipe.stylizer:
             return made(self.part.surface, self._bounds, recipe), made(self.surface, self._fine_bounds, recipe)
-        wish = read(recipe.prompt)
-        canvas = Canvas(self.part.surface, recipe.seed, wish.size, wish.colour, wish.shade)
+        reading = read(recipe.prompt)
+        shares = places(reading, self.part.surface, self.part.thickness).shares
+        thickness = self._bounds.thickness
+        coarse = [Dimensions.of(recipe, wish).canvas(self.part.surface, thickness, wish, recipe.seed) for wish in reading.wishes]
+        fine = [FineCanvas(self.surface, self._cut.parents, canvas) for canvas in coarse]
         return (
-            _drawn(recipe, wish, canvas, self._bounds),
-            _drawn(recipe, wish, FineCanvas(self.surface, self._cut.parents, canvas), self._fine_bounds),
+            _drawn(recipe, reading, coarse, shares, self._bounds),
+            _drawn(recipe, reading, fine, self._spread(shares.T).T.astype(np.float64), self._fine_bounds),
         )
 
     def _increment(self, stylizer: Stylizer, bounds: Bounds) -> Field:
@@ -179,19 +185,23 @@ def _learnt(recipe: Recipe) -> bool:
     return not recipe.stylizer and (recipe.guidance == "clip" or recipe.field == "network")
 
 
-def _drawn(recipe: Recipe, wish: Wish, canvas: Canvas, bounds: Bounds) -> Stylizer:
-    """The stylizer towards a style drawn on a canvas."""
-    aim = target(
-        canvas.mesh,
-        wish,
-        seed=recipe.seed,
-        amplitude=recipe.amplitude,
-        thickness=bounds.thickness,
-        inward=bounds.inward,
-        outward=bounds.outward,
-        canvas=canvas,
-    )
-    return ProceduralStylizer(canvas.mesh, aim)
+def _drawn(recipe: Recipe, reading: Reading, canvases: Sequence[Canvas], shares: Floats, bounds: Bounds) -> Stylizer:
+    """The stylizer towards what a prompt asks for, each wish drawn on a canvas of its own."""
+    mesh = canvases[0].mesh
+    targets = [
+        target(
+            mesh,
+            wish,
+            Dimensions.of(recipe, wish),
+            seed=recipe.seed,
+            thickness=bounds.thickness,
+            inward=bounds.inward,
+            outward=bounds.outward,
+            canvas=canvas,
+        )
+        for wish, canvas in zip(reading.wishes, canvases, strict=True)
+    ]
+    return ProceduralStylizer(mesh, combined(mesh, targets, shares))
 
 
 def _left(before: Field, after: Field) -> Field:

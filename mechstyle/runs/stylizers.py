@@ -16,10 +16,12 @@ from mechstyle.records import Recipe
 from mechstyle.records.mesh import Field
 from mechstyle.runs.plugins import made
 from mechstyle.simulation.part import Shape, Workpiece, bounds_for
+from mechstyle.styling.combination import combined, places
+from mechstyle.styling.dimensions import Dimensions
 from mechstyle.styling.drawn import ProceduralStylizer, Target, target
 from mechstyle.styling.learned.extra import need_clip_extra
 from mechstyle.styling.learned.weights import located
-from mechstyle.styling.prompt import Wish, read
+from mechstyle.styling.prompt import Reading, read
 
 
 def settled(recipe: Recipe, *, clip_asked_for: bool) -> Recipe:
@@ -52,9 +54,9 @@ def stylizer_for(part: Workpiece, recipe: Recipe, device: str = "cpu") -> tuple[
         return made(part.surface, bounds, recipe), ()
     if recipe.guidance == "clip":
         return _towards_prompt(part, bounds, recipe, device), ()
-    wish = read(recipe.prompt)
-    aim = _drawn(part, bounds, recipe, wish)
-    notes = (*wish.notes, *aim.notes)
+    reading = read(recipe.prompt)
+    aim = _drawn(part, bounds, recipe, reading)
+    notes = (f"prompt read as {reading.words}", *reading.notes, *aim.notes)
     if recipe.field != "network":
         return ProceduralStylizer(part.surface, aim), notes
     need_clip_extra()
@@ -72,16 +74,22 @@ def finished_relief(part: Workpiece | Shape, recipe: Recipe) -> Field | None:
     return advanced(np.zeros_like(wanted), np.ones_like(wanted), wanted, bounds, recipe)
 
 
-def _drawn(part: Workpiece | Shape, bounds: Bounds, recipe: Recipe, wish: Wish) -> Target:
-    return target(
-        part.surface,
-        wish,
-        seed=recipe.seed,
-        amplitude=recipe.amplitude,
-        thickness=part.thickness,
-        inward=bounds.inward,
-        outward=bounds.outward,
-    )
+def _drawn(part: Workpiece | Shape, bounds: Bounds, recipe: Recipe, reading: Reading) -> Target:
+    targets = [
+        target(
+            part.surface,
+            wish,
+            Dimensions.of(recipe, wish),
+            seed=recipe.seed,
+            thickness=part.thickness,
+            inward=bounds.inward,
+            outward=bounds.outward,
+        )
+        for wish in reading.wishes
+    ]
+    where = places(reading, part.surface, part.thickness)
+    aim = combined(part.surface, targets, where.shares).without(bounds.plain)
+    return aim._replace(notes=(*where.notes, *aim.notes))
 
 
 def _towards_prompt(part: Workpiece, bounds: Bounds, recipe: Recipe, device: str) -> Stylizer:

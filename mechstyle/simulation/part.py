@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from mechstyle._files import cache_folder
 from mechstyle.errors import BadInput
+from mechstyle.geometry.inside_outside import is_container, is_inside
 from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.region_selection import protection
 from mechstyle.geometry.remesh import standardise
@@ -22,7 +23,9 @@ from mechstyle.loop.engine import Bounds
 from mechstyle.loop.objects import Memo, Objects
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh, TetMesh
+from mechstyle.records.regions import Inside, Outside, Region
 from mechstyle.simulation.carrying import at_rest, carrying
+from mechstyle.styling.prompt import read
 
 PREPARATION_VERSION = 3
 """Counts changes that alter the prepared part, so that cached parts of older code are not reused."""
@@ -35,6 +38,11 @@ CONTACT_RELIEF = 0.4
 """Relief near the lowest point of a part whose base is protected [mm]."""
 CONTACT_REACH = 5.0
 """… up to this height above the floor [mm]."""
+
+INSIDE_RAMP = 2.0
+"""Way from a container's plain inside over which the relief grows to its full depth [mm]."""
+LEFT_PLAIN = "its inside is left plain, because it holds things as it stands: with inside=styled that is styled as well"
+"""Said of a container."""
 
 Stage = Callable[[str], None]
 
@@ -93,6 +101,11 @@ class Shape:
     def level_base(self) -> LevelBase:
         """The flat faces it stands on."""
         return LevelBase(self.surface)
+
+    @cached_property
+    def is_container(self) -> bool:
+        """Whether it holds things, as it stands."""
+        return is_container(self.surface)
 
     def bounds(self, base: str, minimum_wall: float) -> Bounds:
         """Bounds of a style that may go everywhere, by what becomes of the base, one of BASES.
@@ -218,6 +231,23 @@ def fitted(recipe: Recipe, part: Workpiece) -> Recipe:
 def bounds_for(part: Workpiece | Shape, recipe: Recipe) -> tuple[Bounds, tuple[str, ...]]:
     """Bounds of a recipe's style on a part, and notes for the user on what is protected."""
     shape = part if isinstance(part, Shape) else part.shape
-    bounds, protected = shape.bounds(recipe.base, recipe.minimum_wall), protection(recipe.protect, part.surface, part.thickness)
+    contained = _contained(shape, recipe)
+    bounds = shape.bounds(recipe.base, recipe.minimum_wall)
+    protected = protection((*recipe.protect, *contained), part.surface, part.thickness)
     free = np.minimum(bounds.freedom, protected.freedom)
-    return replace(bounds, freedom=free, uncoloured=protected.uncoloured[:, None]), protected.notes
+    notes = (*protected.notes[: len(recipe.protect)], *(LEFT_PLAIN for _ in contained))
+    plain = is_inside(part.surface) if contained else False
+    return replace(bounds, freedom=free, uncoloured=protected.uncoloured[:, None], plain=plain), notes
+
+
+def _places(recipe: Recipe) -> tuple[Region, ...]:
+    """The places that a prompt names, if it is one that is read here."""
+    if recipe.stylizer or recipe.guidance == "clip":
+        return ()
+    return tuple(region for wish in read(recipe.prompt).wishes for region in (*wish.where, *wish.spared))
+
+
+def _contained(shape: Shape, recipe: Recipe) -> tuple[Region, ...]:
+    """The inside of a container, unless it is to be styled, or the recipe or its prompt name one side or the other themselves."""
+    told = recipe.inside == "styled" or any(isinstance(region, Inside | Outside) for region in (*recipe.protect, *_places(recipe)))
+    return () if told or not shape.is_container else (Inside(ramp=INSIDE_RAMP, colour=True),)

@@ -5,14 +5,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
-from scipy.sparse.csgraph import dijkstra
 
 from mechstyle.records.mesh import Floats, SurfaceMesh, frozen_array
+from mechstyle.styling.dimensions import Dimensions
 from mechstyle.styling.drawing.canvas import Canvas
+from mechstyle.styling.drawing.colours import in_recesses
 from mechstyle.styling.drawing.folds import unfolded
-from mechstyle.styling.drawing.operators import Operators
 from mechstyle.styling.library import style_named
 from mechstyle.styling.prompt import Wish
 from mechstyle.styling.style import Proposal
@@ -22,7 +21,6 @@ COLOUR_WEIGHT = 4.0
 _RATE = 1.0 - float(np.exp(-1.0 / 40.0))  # 40 iterations bring the distance to the target down by e
 _NOTICEABLE, _WORTH_A_NOTE = 0.1, 0.02  # share of the relief lost at a vertex, and of the surface where it is
 _LEAST_AREA = 1e-9  # of the mean of all vertices: what has none follows its target like the others
-_THICKNESS_SLOPE = 0.3  # how fast the relief may grow along the surface where the wall gets thicker [mm/mm]
 
 
 class Target(NamedTuple):
@@ -38,40 +36,53 @@ class Target(NamedTuple):
     colour: NDArray[np.float32]
     notes: tuple[str, ...]
 
+    def without(self, plain: NDArray[np.bool_] | bool) -> Target:
+        """The same where a part is not to be plain, shape [n]."""
+        relief, colour = np.where(plain, 0.0, self.displacement), np.where(np.asarray(plain)[..., None], NEUTRAL, self.colour)
+        return Target(relief.astype(np.float32), colour.astype(np.float32), self.notes)
+
 
 def target(
     mesh: SurfaceMesh,
     wish: Wish,
+    dimensions: Dimensions,
     *,
     seed: int,
-    amplitude: float,
     thickness: ArrayLike,
     inward: ArrayLike,
     outward: ArrayLike,
     canvas: Canvas | None = None,
 ) -> Target:
-    """Draw a style on a part: height times amplitude times local wall thickness, zero on average, within limits, without folds.
+    """Draw a style on a part, as deep as its walls bear and as is asked for, within limits, without folds.
 
     Args:
         mesh: The unstylized part.
         wish: What the prompt asks for.
+        dimensions: What is asked of the size of the style.
         seed: Decides everything random in the style.
-        amplitude: Relief height over wall thickness.
         thickness: Local wall thickness [mm], shape [n].
         inward: How far each vertex may go inwards [mm], at least 0, shape [n].
         outward: The same outwards.
-        canvas: What to draw on; by default one for the wish and the seed.
+        canvas: What to draw on; by default one for the wish, the dimensions and the seed.
     """
+    if not wish.style:
+        return _plain(wish, len(mesh.vertices))
     style = style_named(wish.style)
-    canvas = canvas or Canvas(mesh, seed, wish.size, wish.colour, wish.shade)
+    canvas = canvas or dimensions.canvas(mesh, thickness, wish, seed)
     relief = style.program(canvas)
-    # No wall counts as thicker than the style's features are wide, or a solid ball would grow spikes.
-    wall = gradual_thickness(canvas.operators, np.minimum(np.asarray(thickness, dtype=np.float64), style.feature_mm * canvas.scale))
-    displacement = balanced(relief.height, amplitude * wish.amount * wall, mesh.vertex_areas)
+    layout = dimensions.layout(canvas.operators, thickness, style.feature_mm * canvas.scale, wish.amount)
+    displacement = layout.displacement(relief.height, mesh.vertex_areas)
     limited = np.clip(displacement, -np.asarray(inward, dtype=np.float64), np.asarray(outward, dtype=np.float64))
     smooth = unfolded(canvas.operators, limited)
-    notes = (*canvas.notes, *_fold_notes(mesh, np.abs(smooth - limited) > _NOTICEABLE * np.abs(limited)))
-    return Target(smooth.astype(np.float32), np.clip(relief.colour, 0.0, 1.0).astype(np.float32), notes)
+    colour = relief.colour if wish.second is None else in_recesses(relief.colour, relief.height, wish.second)
+    notes = (*canvas.notes, *layout.notes, *_fold_notes(mesh, np.abs(smooth - limited) > _NOTICEABLE * np.abs(limited)))
+    return Target(smooth.astype(np.float32), np.clip(colour, 0.0, 1.0).astype(np.float32), notes)
+
+
+def _plain(wish: Wish, count: int) -> Target:
+    """No relief, and the colour asked for or that of an uncoloured part."""
+    colour = (NEUTRAL, NEUTRAL, NEUTRAL) if wish.colour is None else wish.colour
+    return Target(np.zeros(count, np.float32), np.tile(np.array(colour, np.float32), (count, 1)), ())
 
 
 def _fold_notes(mesh: SurfaceMesh, lowered: NDArray[np.bool_]) -> tuple[str, ...]:
@@ -79,41 +90,6 @@ def _fold_notes(mesh: SurfaceMesh, lowered: NDArray[np.bool_]) -> tuple[str, ...
     if share < _WORTH_A_NOTE:
         return ()
     return (f"the relief was lowered on {share:.0%} of the surface, where it would have folded over itself",)
-
-
-def balanced(height: Floats, depth: Floats, areas: Floats) -> Floats:
-    """Displacement height · depth [mm] with the height shifted so that no volume is gained or lost to first order, shape [n]."""
-    weight = areas * depth
-    total = weight.sum()
-    return depth * (height - (weight @ height) / total) if total > 0 else np.zeros_like(height)
-
-
-def gradual_thickness(operators: Operators, thickness: Floats) -> Floats:
-    """The largest field under the median-filtered thickness [mm] whose slope along edges is bounded (Persson 2006), shape [n].
-
-    A measured thickness jumps, for example from a wall to the block it grows from; relief made from it would have cliffs.
-    """
-    filtered = _median_of_ring(operators, thickness)
-    lengths = _THICKNESS_SLOPE * np.linalg.norm(operators.edge_vectors, axis=1)
-    count = len(filtered)
-    # One more node, joined to every vertex by its thickness, turns the lower envelope of cones into one shortest-path problem.
-    source, floor = np.full(count, count), np.maximum(filtered, 1e-9)
-    rows = np.concatenate([operators.tail, source])
-    columns = np.concatenate([operators.head, np.arange(count)])
-    graph = sp.csr_array((np.concatenate([lengths, floor]), (rows, columns)), (count + 1, count + 1))
-    return np.asarray(dijkstra(graph, directed=False, indices=count)[:count])
-
-
-def _median_of_ring(operators: Operators, values: Floats) -> Floats:
-    """Median over each vertex and its neighbours, shape [n]."""
-    count = len(values)
-    centre = np.concatenate([operators.tail, operators.head, np.arange(count)])
-    other = np.concatenate([operators.head, operators.tail, np.arange(count)])
-    order = np.lexsort((values[other], centre))
-    size = np.bincount(centre, minlength=count)
-    first = np.concatenate([[0], np.cumsum(size)[:-1]])
-    ranked = values[other][order]
-    return np.asarray(0.5 * (ranked[first + (size - 1) // 2] + ranked[first + size // 2]))
 
 
 class ProceduralStylizer:

@@ -1,220 +1,351 @@
-"""Reading a prompt without a language model: which style, how large, how strong, in what colour — and what was not understood."""
+"""Reading a prompt without a language model: which style where, how large, how strong, in what colours — and what was not understood."""
 
 from __future__ import annotations
 
 import difflib
+import itertools
 import math
-import re
-import unicodedata
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Mapping, Sequence
+from typing import Any
 
 import msgspec
 
 from mechstyle.errors import BadInput
+from mechstyle.records.recipe import check_prompt
+from mechstyle.records.regions import End, Region, Rim, region
+from mechstyle.styling import vocabulary as english
+from mechstyle.styling.clauses import NO_PLACE, Clause, clauses_of
 from mechstyle.styling.drawing.colours import rgb, shaded
 from mechstyle.styling.library import library, style_named
+from mechstyle.styling.phrases import NOTHING, Item, Length, Place, is_style, items_of, meaning, without_negated
+from mechstyle.styling.words import Word, quoted, style_words, words
 
 Rgb = tuple[float, float, float]
 
-SIZES: dict[str, float] = {
-    "tiny": 0.5, "minute": 0.5, "miniature": 0.5, "micro": 0.5, "small": 0.7, "little": 0.7, "fine": 0.7, "dense": 0.7,
-    "tight": 0.8, "narrow": 0.8, "medium": 1.0, "wide": 1.25, "large": 1.4, "big": 1.4, "coarse": 1.4, "chunky": 1.4,
-    "bulky": 1.4, "huge": 2.0, "giant": 2.0, "massive": 2.0,
-}
-AMOUNTS: dict[str, float] = {
-    "flat": 0.4, "faint": 0.4, "subtle": 0.5, "smooth": 0.5, "gentle": 0.6, "delicate": 0.6, "shallow": 0.6, "soft": 0.6,
-    "mild": 0.6, "moderate": 1.0, "pronounced": 1.4, "rough": 1.4, "rugged": 1.5, "strong": 1.5, "bold": 1.5, "deep": 1.6,
-    "heavy": 1.6, "dramatic": 1.8, "extreme": 2.0,
-}
-COLOURS: dict[str, str] = {
-    "red": "b8322a", "crimson": "a31631", "scarlet": "c8271c", "maroon": "6b1f2a", "burgundy": "6d1a36", "pink": "e58fb0",
-    "rose": "d6708a", "orange": "dd7a22", "terracotta": "bf6443", "rust": "9c4a22", "rusty": "9c4a22", "copper": "b46a3c",
-    "bronze": "8a6236", "brown": "7a4f2e", "chocolate": "4e2f1d", "tan": "c4a27a", "beige": "d9c8a5", "sand": "d3ba8a",
-    "cream": "efe3c4", "ivory": "efe9d6", "yellow": "e3bf34", "gold": "c99a2e", "golden": "c99a2e", "mustard": "c59a1f",
-    "lime": "9ac43a", "green": "4c8f3c", "olive": "75782f", "emerald": "1f8f5f", "mint": "9ad4b4", "teal": "1f7f80",
-    "turquoise": "3bb5b0", "cyan": "35b3c9", "blue": "2f5fa8", "navy": "1f2f5c", "azure": "3f8fd0", "indigo": "3c3a86",
-    "purple": "6f3f93", "violet": "7d55ad", "lavender": "b3a1d6", "magenta": "b8358a", "white": "ebeae6", "silver": "b9bcc0",
-    "grey": "85868a", "gray": "85868a", "charcoal": "3b3c40", "black": "262629", "mahogany": "5e2318",
-}
-DEGREES: dict[str, float] = {
-    "very": 1.6, "extremely": 2.0, "really": 1.6, "super": 1.8, "slightly": 0.5, "somewhat": 0.6, "quite": 1.2,
-}
-_FILLERS = """
-    a an the of in on with from to for and or by as is it its this that my all over into out at made make turn like look looks looking
-    style styled stylized stylised texture textures textured pattern patterns patterned surface finish effect covered coated built
-    rendering rendered render 3d image photo model object thing part unreal engine please some coloured colored colour color wall walls
-    colourful colorful
-"""
-FILLERS = frozenset(_FILLERS.split())
-_ENDINGS = (
-    ("ies", "y"), ("ves", "f"), ("es", ""), ("s", ""), ("ed", ""), ("ed", "e"), ("ing", ""), ("ing", "e"), ("ish", ""), ("y", ""),
-)
-_SHADES = {"dark": 0.55, "deep": 0.7, "bright": 1.2, "light": 1.45, "pale": 1.6}
-# How alike a word must be to be read as a style, as another word (or as a style beside one spelt out), and to be suggested.
-_STYLE_TYPO, _TYPO, _NEAR = 0.8, 0.85, 0.6
+FEATURES, RELIEFS = (0.2, 500.0), (0.0, 20.0)
+"""Sizes of features and depths of relief that can be asked for [mm]."""
+_NEAR = 0.6  # how alike a word must be to a style's to be suggested
 _AMOUNT_RANGE, _SIZE_RANGE = (0.2, 3.0), (0.4, 3.0)
+_DARK_RECESS, _LIGHT_RECESS = "charcoal", "off_white"  # joints that are asked for dark or light, in no colour
 
 
 class Wish(msgspec.Struct, frozen=True):
-    """A prompt as it was read.
+    """What a prompt asks for at one place of a part, or all over it.
 
     Attributes:
-        style: Name of a style of the library.
+        style: Name of a style of the library; "" for no relief.
         size: Factor on the size of its features.
         amount: Factor on the height of its relief.
         colour: Display RGB in [0, 1] of its body, None for the style's own colours.
         shade: Below 1 the style's own colours are darker, above 1 lighter; 1 beside a colour, which is shaded already.
-        notes: What was guessed or not understood, in sentences.
+        second: Display RGB in [0, 1] of the low places of its relief, such as joints, None for the style's own.
+        feature: Size of its features [mm], None if the prompt tells none.
+        relief: Depth of its relief from its lowest to its highest [mm], None if the prompt tells none.
+        where: The regions it is to cover; none for all of the part. Where several wishes meet, the smaller place counts.
+        spared: Regions it is not to cover.
     """
 
     style: str
     size: float = 1.0
     amount: float = 1.0
     colour: Rgb | None = None
-    notes: tuple[str, ...] = ()
     shade: float = 1.0
+    second: Rgb | None = None
+    feature: float | None = None
+    relief: float | None = None
+    where: tuple[Region, ...] = ()
+    spared: tuple[Region, ...] = ()
+
+    @property
+    def words(self) -> str:
+        """What it asks for, in one line."""
+        parts = [self.style.replace("_", " ") or "plain"]
+        for what, length, factor in (("features", self.feature, self.size), ("relief", self.relief, self.amount)):
+            if length is not None:
+                parts.append(f"{what} of {length:g} mm")
+            elif factor != 1.0:
+                parts.append(f"{what} × {factor:.2g}")
+        parts += [("darker" if self.shade < 1.0 else "lighter")] if self.shade != 1.0 else []
+        parts += [f"in {_hexadecimal(self.colour)}"] if self.colour is not None else []
+        parts += [f"recesses in {_hexadecimal(self.second)}"] if self.second is not None else []
+        return ", ".join(parts)
+
+    @property
+    def place(self) -> str:
+        """Where it is to be, in the notation of a prompt; "" for all of the part."""
+        where = " and ".join(one.words for one in self.where) or ("everywhere" if self.spared else "")
+        return where + "".join(f" but not {one.words}" for one in self.spared)
 
 
-def read(prompt: str) -> Wish:
-    """Read a prompt by its keywords; notes name whatever was guessed or left out.
+class Reading(msgspec.Struct, frozen=True):
+    """A prompt as it was read.
+
+    Attributes:
+        wishes: What it asks for, a wish for each place; at least one names a style.
+        notes: What was guessed, left out or not understood, and what it would take, in sentences.
+    """
+
+    wishes: tuple[Wish, ...]
+    notes: tuple[str, ...] = ()
+
+    @property
+    def words(self) -> str:
+        """How it was read, in one line; places and lengths are written as in a prompt."""
+        several = len(self.wishes) > 1
+        places = [wish.place or several * "everywhere" for wish in self.wishes]
+        return "; ".join(f"{place}: {wish.words}" if place else wish.words for place, wish in zip(places, self.wishes, strict=True))
+
+
+def read(prompt: str) -> Reading:
+    """Read a prompt by its words; notes name whatever was guessed or left out.
 
     Raises:
-        BadInput: If no style is named; it lists the nearest and all known ones.
+        BadInput: If it is too long or names no style; the refusal lists the nearest and all known ones.
     """
-    words = _words(prompt)
-    by_word = _style_words()
-    known, notes = _spelled(words)
-    known = _phrased(known, by_word)
-    styles = [word for word in known if word in by_word]
-    if not styles:
-        raise _unknown_prompt(prompt, words, by_word)
-    chosen = next((by_word[word] for word in styles if not style_named(by_word[word]).yields), by_word[styles[0]])
-    others = sorted({by_word[word] for word in styles if word not in COLOURS} - {chosen})
-    if others:
-        notes.append(f"one style at a time: took {chosen!r}, left out {_quoted(others)}")
-    colour, colour_notes = _colour(known, {word for word in styles if by_word[word] == chosen})
-    left_out = [word for word, meant in zip(words, known, strict=True) if not meant]
-    if left_out:
-        notes.append(f"not understood and left out: {_quoted(left_out)}")
-    return Wish(
-        style=chosen,
-        size=_factor(known, SIZES, _SIZE_RANGE),
-        amount=_factor(known, AMOUNTS, _AMOUNT_RANGE),
+    check_prompt(prompt)
+    found, notes = words(prompt)
+    items = items_of(found, notes)
+    kept, unwanted = without_negated(items, adjectives_only=False)
+    if not any(is_style(item) for item in kept) and any(is_style(item) for item in unwanted):
+        kept, unwanted = without_negated(items, adjectives_only=True)
+    clauses = clauses_of(kept)
+    if not any(is_style(item) for clause in clauses for item in clause.items):
+        raise _unknown_prompt(prompt, found, [item for item in unwanted if is_style(item)])
+    wishes = _inherited([_wish(clause, notes) for clause in clauses if clause.named or clause.described])
+    return Reading(wishes, (*notes, *_left_out(kept, unwanted, wishes)))
+
+
+# --- one wish -----------------------------------------------------------------------------------------------------
+
+
+def _wish(clause: Clause, notes: list[str]) -> tuple[Wish, bool]:
+    """What the items of one place ask for, and whether they say of what style; notes are added on what a wish has no room for."""
+    items = clause.items if clause.named or clause.titled else _measuring_its_place(clause.items)
+    style, alike = _style(items, notes)
+    colour, second = _colours(items, alike, notes)
+    shade = next((english.SHADES[means] for means in map(meaning, _loose_shades(items))), 1.0)
+    if colour is not None and shade != 1.0:
+        colour, shade = _shaded(colour, shade), 1.0
+    places = [item for item in items if isinstance(item, Place)]
+    everywhere = any(place.region is None and not place.spared for place in places)
+    wish = Wish(
+        style=style,
+        size=_factor(items, english.SIZES, _SIZE_RANGE),
+        amount=_factor(items, english.AMOUNTS, _AMOUNT_RANGE),
         colour=colour,
-        notes=(*notes, *colour_notes),
-        shade=_own_shade(known) if colour is None else 1.0,
+        shade=shade,
+        second=second,
+        feature=_length(items, FEATURES, notes, deep=False),
+        relief=_length(items, RELIEFS, notes, deep=True),
+        where=() if everywhere else tuple(dict.fromkeys(place.region for place in places if place.region and not place.spared)),
+        spared=tuple(dict.fromkeys(place.region for place in places if place.region and place.spared)),
     )
+    return (msgspec.structs.replace(wish, amount=1.0) if clause.plain else wish), clause.named or clause.plain
 
 
-def _words(prompt: str) -> list[str]:
-    """The words of a prompt in lower case, without accents and punctuation."""
-    plain = unicodedata.normalize("NFKD", prompt.lower())
-    return re.findall(r"[a-z0-9]+", "".join(sign for sign in plain if not unicodedata.combining(sign)))
+def _measuring_its_place(items: Sequence[Item]) -> list[Item]:
+    """The items of a place without a style, where a length before the place is that of the place: "a 5 mm gold rim"."""
+    first, *others = [at for at, item in enumerate(items) if isinstance(item, Length | Place)] or [0]
+    length, place = items[first], items[others[0]] if others else None
+    if not isinstance(length, Length) or not isinstance(place, Place) or not isinstance(place.region, End | Rim):
+        return list(items)
+    sized = Place(region(f"{place.region.words.split()[0]} {length.mm:g}"), place.spared)
+    return [sized if item is place else NOTHING if item is length else item for item in items]
 
 
-def _style_words() -> dict[str, str]:
-    """Name of the style that each style word asks for."""
-    styles = library().values()
-    return {word: style.name for style in styles for word in style.words} | {style.name: style.name for style in styles}
+def _style(items: Sequence[Item], notes: list[str]) -> tuple[str, set[str]]:
+    """The style of a wish, "" for none, and the words that ask for it."""
+    by_word = style_words()
+    found = [meaning(item) for item in items if is_style(item)]
+    if not found:
+        return "", set()
+    chosen = next((by_word[word] for word in _heads(items) if not style_named(by_word[word]).yields), by_word[found[0]])
+    others = sorted({by_word[word] for word in found if word not in english.COLOURS} - {chosen})
+    if others:
+        way = f"for both, give each its place, such as `outside: {_spoken(chosen)}; rim: {_spoken(others[0])}`"
+        notes.append(f"one style at one place: took {chosen!r}, left out {quoted(others)}; {way}")
+    return chosen, {word for word in found if by_word[word] == chosen}
 
 
-def _forms(word: str) -> Iterable[str]:
-    """The word and what it may be a plural or participle of, likeliest first."""
-    yield word
-    for ending, stem in _ENDINGS:
-        if word.endswith(ending) and len(word) - len(ending) >= 3:
-            yield word[: len(word) - len(ending)] + stem
+def _heads(items: Sequence[Item]) -> list[str]:
+    """The words for styles, without those that only describe the one that follows at once: cracked leather is leather, cable knit stays."""
+    pairs = itertools.pairwise([*items, NOTHING])
+    return [meaning(item) for item, following in pairs if is_style(item) and not (is_style(following) and "_" not in meaning(item))]
 
 
-def _spelled(words: list[str]) -> tuple[list[str], list[str]]:
-    """The known word each word stands for ("": none), and a note for every misspelling forgiven."""
-    styles = _style_words()
-    others = [word for word in (*SIZES, *AMOUNTS, *COLOURS, *DEGREES, *_SHADES) if word not in styles]
-    meant = {*styles, *others, *FILLERS}
-    known = [next((form for form in _forms(word) if form in meant), "") for word in words]
-    # Beside a style that is spelt out a misspelt word must be more like another to stand for it: "brick store" is not about stone.
-    likeness = _TYPO if any(word in styles for word in known) else _STYLE_TYPO
-    notes = []
-    for place, word in enumerate(words):
-        if not known[place]:
-            known[place] = _closest(word, styles, likeness) or _closest(word, others, _TYPO)
-            if known[place]:
-                notes.append(f"read {word!r} as {known[place]!r}")
-    return known, notes
-
-
-def _closest(word: str, among: Iterable[str], likeness: float) -> str:
-    """The word that is most like a misspelt word, or like what it may be a plural or participle of; "" if none is alike enough."""
-    close = (difflib.get_close_matches(form, among, n=1, cutoff=likeness) for form in _forms(word) if len(form) >= 3)
-    return next((found[0] for found in close if found), "")
-
-
-def _phrased(known: list[str], by_word: Mapping[str, str]) -> list[str]:
-    """The known words with those of a phrase ("dragon_scale") read as one, wherever they stand: "the scales of a dragon".
-
-    The style takes the place of the first word and a filler that of the others; phrases of more words are read first.
-    """
-    phrases = {phrase: [_root(part) for part in phrase.split("_")] for phrase in by_word if "_" in phrase}
-    roots, read = [_root(word) for word in known], list(known)
-    for phrase, parts in sorted(phrases.items(), key=lambda item: (-len(item[1]), item[0])):
-        if all(part in roots for part in parts):
-            places = sorted(roots.index(part) for part in parts)
-            for place in places:
-                read[place], roots[place] = "the", ""
-            read[places[0]] = phrase
-    return read
-
-
-def _root(word: str) -> str:
-    """The word without a plural's s, so that "scales" and "scale" are alike."""
-    return word.removesuffix("s")
-
-
-def _factor(known: list[str], table: Mapping[str, float], limits: tuple[float, float]) -> float:
+def _factor(items: Sequence[Item], table: Mapping[str, float], limits: tuple[float, float]) -> float:
     """The product of the factors named, each to the power of a degree ("very") before it, within limits."""
     logarithm = 0.0
-    for place, word in enumerate(known):
-        if word in table and not _is_shade(known, place):
-            before = known[place - 1] if place else ""
-            logarithm += math.log(table[word]) * DEGREES.get(before, 1.0)
+    for at, item in enumerate(items):
+        means = meaning(item)
+        if means in table and not _shades_next(items, at):
+            before = meaning(items[at - 1]) if at else ""
+            logarithm += math.log(table[means]) * english.DEGREES.get(before, 1.0)
     return min(max(math.exp(logarithm), limits[0]), limits[1])
 
 
-def _is_shade(known: list[str], place: int) -> bool:
+def _length(items: Sequence[Item], limits: tuple[float, float], notes: list[str], *, deep: bool) -> float | None:
+    """The first length of a kind [mm] that can be made; notes tell of the others."""
+    what = "a relief" if deep else "features"
+    lengths = [item.mm for item in items if isinstance(item, Length) and item.deep is deep]
+    possible = [mm for mm in lengths if limits[0] <= mm <= limits[1] and mm > 0.0]
+    notes += [
+        f"{what} of {mm:g} mm cannot be made, only {limits[0]:g} to {limits[1]:g} mm: left out" for mm in lengths if mm not in possible
+    ]
+    if len(possible) > 1:
+        notes.append(f"{what} of one size at one place: took {possible[0]:g} mm, left out {', '.join(f'{mm:g}' for mm in possible[1:])}")
+    return possible[0] if possible else None
+
+
+def _colours(items: Sequence[Item], alike: set[str], notes: list[str]) -> tuple[Rgb | None, Rgb | None]:
+    """Colour of the body and of its recesses: the first one named for each, shaded by the word before it.
+
+    Args:
+        items: The items of a wish.
+        alike: Words that ask for its style, which are no colours unless they are shaded.
+        notes: Told of what is left out.
+    """
+    body: tuple[str, float] | None = None
+    recesses: tuple[str, float] | None = None
+    left_out = []
+    for at, item in enumerate(items):
+        means = meaning(item)
+        if at and means in english.FAMILIES and meaning(items[at - 1]) in english.COLOURS.keys() - english.FAMILIES:  # emerald green
+            notes.append(f"read '{meaning(items[at - 1])} {means}' as {meaning(items[at - 1])!r}")
+            continue
+        shade = english.SHADES[meaning(items[at - 1])] if at and _shades_next(items, at - 1) else 1.0
+        if means in english.SHADES and _meant_for(items, at, english.RECESSES) and recesses is None:
+            recesses = (_DARK_RECESS if english.SHADES[means] < 1.0 else _LIGHT_RECESS), 1.0
+        if means not in english.COLOURS or (means in alike and shade == 1.0):
+            continue
+        if alike and _of_another_style(items, at, alike):
+            left_out.append(means)
+        elif recesses is None and (_meant_for(items, at, english.RECESSES) or (body is not None and not _alternative(items, at))):
+            recesses = means, shade
+        elif body is None and not _meant_for(items, at, english.RECESSES):
+            body = means, shade
+        elif means not in {one[0] for one in (body, recesses) if one}:
+            left_out.append(means)
+    if left_out:
+        took = quoted(one[0].replace("_", " ") for one in (body, recesses) if one)
+        notes.append(f"one colour for a style and one for its recesses: took {took or 'its own'}, left out {quoted(left_out)}")
+    return tuple(None if one is None else _shaded(_rgb(one[0]), one[1]) for one in (body, recesses))  # type: ignore[return-value]
+
+
+def _shades_next(items: Sequence[Item], at: int) -> bool:
     """Whether the word belongs to the colour after it: "deep blue" is no deep relief."""
-    return known[place] in _SHADES and place + 1 < len(known) and known[place + 1] in COLOURS
+    following = next((meaning(item) for item in items[at + 1 :] if meaning(item) not in english.SHADES), "")
+    return meaning(items[at]) in english.SHADES and following in english.COLOURS
 
 
-def _colour(known: list[str], chosen: set[str]) -> tuple[Rgb | None, list[str]]:
-    """The first colour named besides the words for the style, shaded by the word before it, and a note on any other."""
-    with_shade = [place > 0 and _is_shade(known, place - 1) for place in range(len(known))]
-    places = [place for place, word in enumerate(known) if word in COLOURS and (word not in chosen or with_shade[place])]
-    if not places:
-        return None, []
-    first = places[0]
-    code = COLOURS[known[first]]
-    shade = _SHADES[known[first - 1]] if with_shade[first] else 1.0
-    others = sorted({known[place] for place in places[1:]} - {known[first]})
-    notes = [f"one colour at a time: took {known[first]!r}, left out {_quoted(others)}"] if others else []
-    red, green, blue = shaded(rgb(code), shade).tolist()
-    return (red, green, blue), notes
+def _loose_shades(items: Sequence[Item]) -> list[Item]:
+    """The shades that belong to no colour and no recess; "deep" alone speaks of the relief."""
+    return [
+        item for at, item in enumerate(items)
+        if meaning(item) in english.SHADES.keys() - english.AMOUNTS.keys()
+        and not (_shades_next(items, at) or _meant_for(items, at, english.RECESSES))
+    ]  # fmt: skip
 
 
-def _own_shade(known: list[str]) -> float:
-    """The first shade named: "dark" makes a style's own colours darker; "deep" alone speaks of the relief."""
-    return next((_SHADES[word] for word in known if word in _SHADES and word not in AMOUNTS), 1.0)
+def _meant_for(items: Sequence[Item], at: int, nouns: Collection[str]) -> bool:
+    """Whether a colour is said of a noun: "gold seams", "seams in gold"."""
+    after = _next_content(items, at)
+    before = next((meaning(item) for item in reversed(items[:at]) if meaning(item) not in {*english.FILLERS, *english.SHADES}), "")
+    return after in nouns or (before in nouns and after not in style_words())
 
 
-def _quoted(words: Iterable[str]) -> str:
-    return ", ".join(repr(word) for word in dict.fromkeys(words))
+def _of_another_style(items: Sequence[Item], at: int, alike: set[str]) -> bool:
+    """Whether a colour is said of a style that is left out: "leather with brass studs"."""
+    others = style_words().keys() - alike - english.COLOURS.keys()
+    before, after = meaning(items[at - 1]) if at else "", _next_content(items, at)
+    return (after in others and before not in alike) or (before in others and after not in alike)
 
 
-def _unknown_prompt(prompt: str, words: list[str], by_word: Mapping[str, str]) -> BadInput:
+def _next_content(items: Sequence[Item], at: int) -> str:
+    return next((meaning(item) for item in items[at + 1 :] if meaning(item) not in english.FILLERS), "")
+
+
+def _alternative(items: Sequence[Item], at: int) -> bool:
+    """Whether "or" stands before a word."""
+    before = [meaning(item) for item in items[:at] if meaning(item) not in {*english.FILLERS, *english.SHADES}]
+    return bool(before) and before[-1] == "or"
+
+
+_UNSAID = Wish("")
+
+
+def _inherited(wishes: Sequence[tuple[Wish, bool]]) -> tuple[Wish, ...]:
+    """The wishes, each with whether it is complete; one that only describes a place takes the rest from the one before."""
+    given = [wish for wish, _ in wishes]
+    complete = []
+    for at, (wish, whole) in enumerate(wishes):
+        model = next(other for other in (*reversed(given[:at]), *given[at:], wish) if other.style or whole)
+        said = {name: value for name, value in msgspec.structs.asdict(wish).items() if value != getattr(_UNSAID, name)}
+        places: dict[str, Any] = {"where": wish.where, "spared": wish.spared}
+        colours = {"colour": None, "second": None, "shade": 1.0} if said.keys() & {"colour", "second", "shade"} else {}
+        complete.append(wish if whole else msgspec.structs.replace(model, **colours | said | places))
+    return tuple(complete)
+
+
+# --- what was left out --------------------------------------------------------------------------------------------
+
+
+def _left_out(items: Sequence[Item], unwanted: Sequence[Item], wishes: Sequence[Wish]) -> list[str]:
+    """Sentences on what is not drawn: what is not wanted, what a style cannot do and what would, and what is not understood."""
+    notes = []
+    if parts := [item.text for item in unwanted if isinstance(item, Word) and item.means in english.RECESSES]:
+        notes.append(f"a style cannot be drawn without what belongs to it: {quoted(parts)}")
+    if names := [item.means.replace("_", " ") for item in unwanted if isinstance(item, Word) and item.means not in english.RECESSES]:
+        colours = any(name in english.COLOURS for name in names) and not any(wish.colour for wish in wishes)
+        notes.append(f"not wanted and left out: {quoted(names)}" + colours * "; name the colour that is, or the style keeps its own")
+    ways: dict[str, list[str]] = {}
+    strange = []
+    for item in items:
+        if isinstance(item, Word) and item.means in english.BEYOND:
+            ways.setdefault(english.BEYOND[item.means], []).append(item.text)
+        elif isinstance(item, Word) and item.means in english.UNKNOWN_PLACES:
+            ways.setdefault(NO_PLACE, []).append(item.text)
+        elif isinstance(item, Word) and item.number is not None:
+            ways.setdefault("a number says nothing without its unit: write `5 mm`", []).append(item.text)
+        elif isinstance(item, Word) and (not item.means or item.means in english.NEEDS_NUMBERS):
+            strange.append(item.text)
+    notes += [f"left out {quoted(texts)}: {way}" for way, texts in ways.items()]
+    if strange:
+        only = "a drawn style knows styles, colours, sizes in mm, depths and places; other words need guidance 'clip'"
+        notes.append(f"not understood and left out: {quoted(strange)}; {only}")
+    return notes
+
+
+def _rgb(word: str) -> Rgb:
+    red, green, blue = rgb(english.COLOURS[word]).tolist()
+    return red, green, blue
+
+
+def _shaded(colour: Rgb, shade: float) -> Rgb:
+    red, green, blue = shaded(colour, shade).tolist()
+    return red, green, blue
+
+
+def _hexadecimal(colour: Rgb) -> str:
+    return "#" + "".join(f"{round(255 * channel):02x}" for channel in colour)
+
+
+def _spoken(style: str) -> str:
+    return style.replace("_", " ")
+
+
+def _unknown_prompt(prompt: str, found: Sequence[Word], unwanted: Sequence[Item]) -> BadInput:
     """The error for a prompt without a style, nearest styles first; it never picks one."""
-    near = [close for word in words if word not in FILLERS for close in difflib.get_close_matches(word, by_word, n=3, cutoff=_NEAR)]
+    by_word = style_words()
+    texts = [word.text for word in found if word.text and not word.means]
+    near = [close for text in texts for close in difflib.get_close_matches(text, by_word, n=3, cutoff=_NEAR)]
     nearest = list(dict.fromkeys(by_word[word] for word in near))[:3]
-    hint = f"the nearest are {_quoted(nearest)}; " if nearest else ""
+    known = f"known are {', '.join(library())}"
+    if unwanted:
+        names = quoted(meaning(item).replace("_", " ") for item in unwanted)
+        return BadInput(f"the prompt {prompt!r} names no style that is wanted, only what is not ({names}): name one; {known}")
+    hint = f"the nearest are {quoted(nearest)}; " if nearest else ""
     return BadInput(
-        f"the prompt {prompt!r} names no style that can be drawn offline: {hint}known are {', '.join(sorted(set(by_word.values())))}; "
+        f"the prompt {prompt!r} names no style that can be drawn offline: {hint}{known}; "
         "any other prompt needs guidance 'clip' (`--guidance clip`) and the weights that `mechstyle weights fetch ViT-B-32` brings once"
     )

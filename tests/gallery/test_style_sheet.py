@@ -18,7 +18,7 @@ def sheet(tmp_path_factory):
         patch.setenv("MECHSTYLE_CACHE", str(tmp_path_factory.mktemp("cache")))
         told: list[str] = []
         page = style_sheet.contact_sheet(
-            styles=("marble", "weathered"), parts=("utensil_grip",), vertices=2000, columns=2, stage=told.append
+            styles=("marble", "weathered"), parts={"utensil_grip": {"length": 120.0}}, vertices=2000, columns=2, stage=told.append
         )
     return imread(io.BytesIO(page.png))[..., :3], told
 

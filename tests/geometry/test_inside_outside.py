@@ -6,7 +6,7 @@ import manifold3d
 import numpy as np
 import pytest
 
-from mechstyle.geometry.inside_outside import _walked, is_inside, openness
+from mechstyle.geometry.inside_outside import _walked, is_container, is_inside, openness
 from mechstyle.geometry.remesh import standardise, surface_of
 
 
@@ -63,3 +63,22 @@ def test_a_walk_rarely_leaves_a_side_over_its_convex_edges(block):
     top = (height > 19.9) & (np.abs(block.vertices[:, :2] - 10.0).max(axis=1) < 9.0)
     assert met[top].min() > 0.9
     assert met[(height > 5.0) & (height < 10.0)].max() < 0.5
+
+
+WELL = manifold3d.Manifold.cylinder(40.0, 20.0, 20.0, 64) - manifold3d.Manifold.cylinder(40.0, 17.0, 17.0, 64).translate((0, 0, 3))
+
+
+@pytest.mark.parametrize(
+    ("what", "holds"),
+    [
+        (WELL, True),
+        (WELL.rotate((180.0, 0.0, 0.0)), False),
+        (WELL.rotate((90.0, 0.0, 0.0)), False),
+        (manifold3d.Manifold.cylinder(40.0, 20.0, 20.0, 64) - manifold3d.Manifold.cylinder(40.0, 17.0, 17.0, 64), False),
+        (manifold3d.Manifold.cylinder(40.0, 20.0, 20.0, 64), False),
+        (manifold3d.Manifold.cube((60.0, 60.0, 20.0)) - manifold3d.Manifold.cube((20.0, 20.0, 10.0)).translate((20, 20, 10)), False),
+    ],
+    ids=["cup", "upside down", "lying", "tube", "solid", "block with a dent"],
+)
+def test_a_container_opens_upwards_only_and_is_mostly_hollow(what, holds):
+    assert is_container(standardise(surface_of(what), 2500)) is holds

@@ -11,7 +11,7 @@ from mechstyle.geometry.region_selection import faded, protection, segments, sel
 from mechstyle.geometry.remesh import standardise, surface_of
 from mechstyle.geometry.thickness import local_thickness
 from mechstyle.records.mesh import SurfaceMesh
-from mechstyle.records.regions import Box, HalfSpace, Inside, Outside, Segment, Sphere, Vertices
+from mechstyle.records.regions import Box, End, HalfSpace, Inside, Outside, Rim, Segment, Sides, Sphere, Vertices
 from support.bench import grid
 
 
@@ -52,9 +52,29 @@ def test_shapes_hold_what_lies_in_them(cup, thickness):
         (Sphere((20, 0, 15), 8), np.linalg.norm(points - [20, 0, 15], axis=1) <= 8),
         (HalfSpace((0, 0, 20), (0, 0, 7)), points[:, 2] >= 20),
         (HalfSpace((0, 0, 20), (1, 0, -1)), points[:, 0] >= points[:, 2] - 20),
+        (End("top"), points[:, 2] >= 0.5 * (points[:, 2].min() + points[:, 2].max())),
+        (End("left", 4.0), points[:, 0] <= points[:, 0].min() + 4.0),
+        (End("front"), points[:, 1] <= 0.5 * (points[:, 1].min() + points[:, 1].max())),
+        (Sides(), np.abs(cup.vertex_normals[:, 2]) < np.sqrt(0.5)),
         (Vertices((5, 0, 7)), np.isin(np.arange(len(points)), [0, 5, 7])),
     ):
         assert np.array_equal(selected(region, cup, thickness), expected)
+
+
+def test_a_rim_is_the_band_around_the_opening_of_a_cup_on_both_sides_of_its_wall(cup, thickness):
+    z, inside = cup.vertices[:, 2], selected(Inside(), cup, thickness)
+    rim = selected(Rim(6.0), cup, thickness)
+    assert z[rim].min() > z.max() - 8.0
+    assert rim[z > z.max() - 2.0].all()
+    assert rim[inside].any()
+    assert rim[~inside].any()
+    assert rim.sum() < selected(Rim(12.0), cup, thickness).sum()
+    assert selected(Rim(), cup, thickness).any()
+
+
+def test_a_part_without_an_opening_has_no_rim(cube):
+    with pytest.raises(BadInput, match="the region 'rim' holds nothing of this part"):
+        selected(Rim(), cube, np.full(len(cube.vertices), 10.0))
 
 
 def test_a_shape_holds_its_border(cube):
@@ -96,7 +116,7 @@ def test_where_the_part_is_is_told_to_a_tenth_of_a_millimetre(cube):
 
 def test_the_note_tells_the_share_of_the_area(cube):
     (note,) = protection([HalfSpace((0, 0, 5), (0, 0, 1))], cube, np.ones(8)).notes
-    assert note == "protected: plane 0 0 5 0 0 1, 50% of the surface"
+    assert note == "protected: above 5, 50% of the surface"
 
 
 def test_protecting_all_of_a_part_is_refused(cup, thickness):
@@ -120,7 +140,7 @@ def test_the_strictest_region_counts_and_each_keeps_its_own_colour_rule(cup, thi
     alone = protection([low], cup, thickness).freedom
     between = (height > 10) & (height < 25)
     assert np.array_equal(both.freedom[between], alone[between])
-    assert both.notes[1].startswith("protected: plane 0 0 25 0 0 1, ")
+    assert both.notes[1].startswith("protected: above 25, ")
 
 
 def test_a_ramp_rises_by_the_way_along_the_surface(cup):

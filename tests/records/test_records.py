@@ -39,7 +39,10 @@ LIMITS = {
     "iterations": (1, 100_000),
     "every": (1, 100_000),
     "seed": (0, 2**32 - 1),
+    "relief": (0.0, 20.0),
     "amplitude": (0.0, 2.0),
+    "feature": (0.2, 500.0),
+    "nozzle": (0.0, 5.0),
     "travel": (1e-3, 10.0),
     "minimum_wall": (0.0, 100.0),
     "orientations": (1, 512),
@@ -55,6 +58,8 @@ NAMES = {
     "criterion": CRITERIA,
     "transfer": ("barycentric", "nearest"),
     "element": ("tet10", "tet4"),
+    "side": ("auto", "outwards", "inwards", "both"),
+    "inside": ("plain", "styled"),
 }
 
 
@@ -142,6 +147,7 @@ def test_every_field_decides_the_digest(field):
         "loads": (PRESS,), "minimum_wall": 1.2,
         "memory": False, "retraction": False, "base": "free", "guarantee": False,
         "iterations": 7, "seed": 7, "every": 7, "amplitude": 0.7, "travel": 0.7, "orientations": 7, "poses": "tilts", "standard": "en71",
+        "relief": 0.7, "side": "outwards", "feature": 7.0, "nozzle": 0.7, "inside": "styled",
         "tilts": 7, "build_direction": (0.0, 0.0, 1.0), "drop_height": 700.0, "friction": 0.7,
         "window": 0.7, "damping": 0.007, "threshold": 0.7, "guidance": "clip", "field": "network", "clip": "ViT-B-32@7", "crops": 7,
     }  # fmt: skip

@@ -7,7 +7,23 @@ import pytest
 from mechstyle.errors import BadInput
 from mechstyle.records import Recipe
 from mechstyle.records.material import LIBRARY
-from mechstyle.records.regions import KINDS, Box, HalfSpace, Inside, Outside, Region, Segment, Sphere, Vertices, region, regions
+from mechstyle.records.regions import (
+    ENDS,
+    KINDS,
+    Box,
+    End,
+    HalfSpace,
+    Inside,
+    Outside,
+    Region,
+    Rim,
+    Segment,
+    Sides,
+    Sphere,
+    Vertices,
+    region,
+    regions,
+)  # fmt: skip
 
 WRITTEN = {
     "box 0 0 0 10 20 30": Box((0.0, 0.0, 0.0), (10.0, 20.0, 30.0)),
@@ -17,6 +33,11 @@ WRITTEN = {
     "below 12": HalfSpace((0.0, 0.0, 12.0), (0.0, 0.0, -1.0)),
     "inside": Inside(),
     "outside ramp 3": Outside(ramp=3.0),
+    "sides": Sides(),
+    "rim": Rim(),
+    "rim 4.5 ramp 2": Rim(4.5, ramp=2.0),
+    **{end: End(end) for end in ENDS},
+    "top 20 colour": End("top", 20.0, colour=True),
     "segment 1 2 3 colour": Segment((1.0, 2.0, 3.0), colour=True),
     "vertices 3 1 2 ramp 0.5 colour": Vertices((3, 1, 2), ramp=0.5, colour=True),
 }
@@ -47,6 +68,10 @@ def test_every_kind_is_tried_here():
         ("inside ramp", "cannot read the region 'inside ramp'"),
         ("inside ramp -1", "ramp of a protected region is -1 mm"),
         ("inside ramp nan", "ramp of a protected region is nan mm"),
+        ("rim wide", "write rim [width]"),
+        ("rim -1", "width of a rim is -1 mm"),
+        ("top inf", "depth of the top is inf mm"),
+        ("left 1 2", "write left [depth]"),
         ("vertices 1.5", "write vertices i j k"),
         ("vertices", "at least one number"),
         ("vertices 3 -1", "none below zero"),

@@ -3,7 +3,8 @@
 import msgspec
 import pytest
 
-from mechstyle.runs.deepest import DEPTHS, deepest_of
+from mechstyle.errors import BadInput
+from mechstyle.runs.deepest import DEPTHS, deepest, deepest_of
 from support.records import VERDICT, judgement
 
 
@@ -40,3 +41,8 @@ def test_the_deepest_is_tried_first_because_often_it_holds():
 def test_a_part_that_bears_no_relief_at_all_gets_the_least_and_the_reason():
     verdict, _ = trial(0.0)
     assert deepest_of(DEPTHS, verdict).words == "even 0.15 of the wall does not hold without correction (FAILS at 0.15.)"
+
+
+def test_a_relief_in_millimetres_leaves_nothing_to_find(sphere, tmp_path):
+    with pytest.raises(BadInput, match=r"a relief of 0\.6 mm is asked for, and the deepest that holds: leave out one of them"):
+        deepest(sphere, "brick", out=tmp_path, relief=0.6)

@@ -10,9 +10,17 @@ import msgspec
 import numpy as np
 import pytest
 
+from mechstyle.records import Recipe
 from mechstyle.records.earlier import translated
+from mechstyle.records.material import LIBRARY
 from mechstyle.runs.run import Run
-from mechstyle.simulation.part import Origin
+from mechstyle.runs.stylizers import finished_relief
+from mechstyle.simulation.part import Origin, Shape
+from mechstyle.styling.dimensions import gradual_thickness
+from mechstyle.styling.drawing.canvas import Canvas
+from mechstyle.styling.drawing.folds import unfolded
+from mechstyle.styling.library import style_named
+from mechstyle.styling.prompt import read
 from support.bench import Bench
 from support.lanes import lane_on_a_sheet
 
@@ -59,9 +67,31 @@ def test_what_its_settings_were_called_is_said_in_todays_words(earlier):
 
 @pytest.mark.parametrize(("held", "base"), [(True, "protected"), (False, "free")])
 def test_protection_of_the_resting_face_became_a_base(held, base):
-    fields = {"prompt": "brick", "protect_resting_face": held}
-    assert translated(fields) == {"prompt": "brick", "base": base, "tilts": 0}
-    assert translated({"prompt": "brick", "base": "level"}) == {"prompt": "brick", "base": "level"}
+    fields = {"prompt": "brick", "side": "both", "protect_resting_face": held}
+    assert translated(fields) == {"prompt": "brick", "side": "both", "base": base, "tilts": 0}
+    assert translated({"prompt": "brick", "side": "both", "base": "level"}) == {"prompt": "brick", "side": "both", "base": "level"}
+
+
+def test_a_relief_that_was_a_share_of_the_wall_stays_what_it_was(earlier):
+    recipe = Run.open(earlier).recipe
+    assert (recipe.relief, recipe.amplitude, recipe.side, recipe.feature, recipe.nozzle, recipe.inside) == (
+        None, 0.15, "both", None, 0.0, "styled",
+    )  # fmt: skip
+    assert translated({"side": "auto", "nozzle": 0.4}) == {"side": "auto", "nozzle": 0.4}
+
+
+def test_a_recipe_of_an_earlier_version_draws_the_very_relief_it_drew(sphere):
+    """By the formula that was: height times amplitude times wall, without its mean, to both sides, features sized by area alone."""
+    fields = {"surface": "", "tetrahedra": "", "prompt": "small deep brick", "material": msgspec.to_builtins(LIBRARY["PLA"])}
+    old = msgspec.convert(translated({**fields, "amplitude": 0.15, "seed": 3, "base": "free", "control": "none"}), Recipe, strict=False)
+    part = Shape(sphere, np.linspace(0.4, 1.0, len(sphere.vertices), dtype=np.float32))
+    canvas, style, wish = Canvas(sphere, 3, 0.7), style_named("brick"), read(old.prompt).wishes[0]
+    wall = gradual_thickness(canvas.operators, np.minimum(part.thickness.astype(float), style.feature_mm * canvas.scale))
+    depth, height = 0.15 * wish.amount * wall, style.program(canvas).height
+    weight = sphere.vertex_areas * depth
+    free = depth * (height - (weight @ height) / weight.sum())
+    expected = unfolded(canvas.operators, np.clip(free, -0.25 * part.thickness, part.thickness)).astype(np.float32)
+    assert np.array_equal(finished_relief(part, old), expected)
 
 
 def test_damping_in_milliseconds_is_not_read_as_a_share_of_critical_damping():

@@ -27,7 +27,7 @@ def test_it_shows_what_a_run_would_keep(block, tmp_path, monkeypatch):
     assert found.share == pytest.approx(areas[found.frozen].sum() / areas.sum())
     assert found.show().png.startswith(b"\x89PNG")
     words = [note.split(",")[0] for note in found.protection.notes]
-    assert words == ["protected: plane 0 0 3 0 0 1", "protected: box 10 -20 -20 20 20 20 ramp 2"]
+    assert words == ["protected: above 3", "protected: box 10 -20 -20 20 20 20 ramp 2"]
 
 
 def test_a_bad_region_is_refused_before_anything_slow_is_done(block):

@@ -1,19 +1,23 @@
 """From a request to a recipe: presets, what overrides them, and what is refused before anything is computed."""
 
+import manifold3d
 import msgspec
 import numpy as np
 import pytest
 
 from mechstyle.errors import BadInput, MissingPiece
+from mechstyle.geometry.remesh import standardise, surface_of
+from mechstyle.loop.engine import kept
 from mechstyle.loop.store import Store
 from mechstyle.records import CONTROLS, POSES, Recipe
 from mechstyle.records.load_cases import Load, LoadCase, Support
 from mechstyle.records.material import LIBRARY, Material
 from mechstyle.records.mesh import TetMesh
+from mechstyle.records.recipe import SIDES
 from mechstyle.records.regions import HalfSpace, Inside
 from mechstyle.runs.recipes import changed, check_settings, draft, plan
-from mechstyle.runs.stylizers import stylizer_for
-from mechstyle.simulation.part import Workpiece, bounds_for
+from mechstyle.runs.stylizers import finished_relief, stylizer_for
+from mechstyle.simulation.part import Shape, Workpiece, bounds_for
 from mechstyle.styling.learned.weights import verified
 
 WITHOUT_OUR_ADDITIONS = {"memory": False, "retraction": False, "base": "free", "guarantee": False}
@@ -305,7 +309,7 @@ def test_protected_vertices_are_free_in_nothing_and_the_user_is_told(ball):
     assert np.array_equal(bounds.freedom == 0.0, height >= 5)
     assert np.array_equal(bounds.uncoloured[:, 0], height >= 5)
     assert np.all(bounds.freedom[height < -1] == 1.0)
-    assert notes == ("protected: plane 0 0 5 0 0 1 ramp 4 colour, 25% of the surface",)
+    assert notes == ("protected: above 5 ramp 4 colour, 25% of the surface",)
 
 
 def test_without_feedback_what_the_user_protects_is_protected_still(ball):
@@ -449,3 +453,90 @@ def test_a_standard_brings_its_landings_to_a_draft_and_to_a_branch():
     other = changed(recipe, {"standard": "astm-f963"})
     assert (other.poses, other.orientations, other.drop_height) == ("fibonacci", 10, 1372.0)
     assert "but poses tilts" in changed(recipe, {"poses": "tilts"}).after_standard
+
+
+# --- relief in mm, and the inside of containers ---------------------------------------------------------------------
+
+
+def test_a_depth_replaces_one_of_the_other_kind(part):
+    told = plan(part, "brick", relief=0.8)
+    assert (told.relief, told.amplitude) == (0.8, None)
+    assert changed(told, {"amplitude": 0.2}) == plan(part, "brick", amplitude=0.2)
+    both = changed(plan(part, "brick", amplitude=0.2), {"relief": 0.8})
+    assert (both.relief, both.amplitude) == (0.8, 0.2), "a relief in mm goes before"
+
+
+def test_a_relief_in_millimetres_is_what_the_stylizer_draws(ball):
+    shallow, deep = (relief(ball, plan(ball, "stone", relief=depth, side="outwards")) for depth in (0.5, 1.0))
+    assert shallow.min() > -0.1
+    assert np.quantile(shallow, 0.98) == pytest.approx(0.5, abs=0.1)
+    assert np.quantile(deep, 0.98) == pytest.approx(1.0, abs=0.15)
+
+
+@pytest.fixture(scope="module")
+def mug():
+    """A cup of 20 mm radius and 30 mm height with a wall of 3 mm."""
+    well = manifold3d.Manifold.cylinder(30.0, 20.0, 20.0, 64) - manifold3d.Manifold.cylinder(30.0, 17.0, 17.0, 64).translate((0, 0, 3))
+    surface = standardise(surface_of(well), 2500)
+    return Shape(surface, np.full(len(surface.vertices), 3.0, np.float32))
+
+
+def test_the_inside_of_a_container_is_left_plain_and_that_is_said(mug, part):
+    radius, height = np.hypot(*mug.surface.vertices[:, :2].T), mug.surface.vertices[:, 2]
+    inside, outside = (radius < 17.2) & (height > 2.9) & (height < 28.0), (radius > 19.8) & (height < 25.0)
+    bounds, notes = bounds_for(mug, plan(part, "brick"))
+    assert not bounds.freedom[inside].any()
+    assert np.all(bounds.freedom[outside] == 1.0)
+    assert bounds.uncoloured[inside].all()
+    assert not bounds.uncoloured[outside].any()
+    assert notes == ("its inside is left plain, because it holds things as it stands: with inside=styled that is styled as well",)
+
+
+@pytest.mark.parametrize(
+    ("settings", "told"), [({"inside": "styled"}, 0), ({"protect": "outside"}, 1), ({"protect": "inside colour"}, 1)], ids=str
+)
+def test_the_inside_of_a_container_is_what_it_is_told_to_be(mug, part, settings, told):
+    bounds, notes = bounds_for(mug, plan(part, "brick", **settings))
+    assert bounds.freedom.any()
+    assert len(notes) == told
+    assert all(note.startswith("protected: ") for note in notes)
+
+
+def test_a_ball_has_no_inside_to_leave_plain(ball):
+    assert bounds_for(ball, plan(ball, "brick"))[1] == ()
+
+
+def test_no_wall_is_cut_below_the_minimum_whatever_side_the_relief_goes_to(ball):
+    thin = Workpiece(ball.surface, ball.tets, thickness=np.full(len(ball.surface.vertices), 1.0, np.float32), stands=False)
+    for side in SIDES:
+        found = finished_relief(thin, plan(thin, "brick", relief=1.0, side=side))
+        assert found.min() >= -0.101, side
+        assert found.max() <= 1.0
+
+
+def test_the_plain_inside_of_a_container_is_no_part_of_the_style(mug):
+    """Else a run that keeps everything would be told to have lost half of its relief."""
+    solid = TetMesh(np.vstack([np.zeros(3), 10.0 * np.eye(3)]), [[0, 1, 2, 3]])
+    cup = Workpiece(mug.surface, solid, mug.thickness, stands=True)
+    recipe = plan(cup, "brick", freestyle=True)
+    stylizer, _ = stylizer_for(cup, recipe)
+    grown = finished_relief(cup, recipe)
+    for _ in range(200):
+        stylizer.step()
+    plain = bounds_for(cup, recipe)[0].plain
+    assert not stylizer.proposal().displacement[plain].any()
+    assert np.ptp(stylizer.proposal().colour[plain]) == 0.0
+    assert kept(grown, stylizer.proposal().displacement, mug.surface.vertex_areas) > 0.97
+
+
+def test_the_inside_of_a_container_is_styled_where_the_prompt_says_so(mug, part):
+    bounds, notes = bounds_for(mug, plan(part, "brick; inside: blue stone"))
+    assert np.all(bounds.freedom == 1.0)
+    assert notes == ()
+    assert bounds_for(mug, plan(part, "brick; top: stone"))[1] != ()
+
+
+def test_lengths_in_the_prompt_are_drawn_unless_the_recipe_has_others(ball):
+    told = finished_relief(ball, plan(ball, "5 mm bricks, 0.6 mm deep", base="free"))
+    assert np.array_equal(told, finished_relief(ball, plan(ball, "brick", feature=5.0, relief=0.6, base="free")))
+    assert np.array_equal(told, finished_relief(ball, plan(ball, "8 mm bricks, 1 mm deep", feature=5.0, relief=0.6, base="free")))

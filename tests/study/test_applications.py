@@ -19,8 +19,8 @@ from support.lanes import lane_on_a_sheet
 def test_every_application_of_the_paper_is_there_and_its_prompt_is_understood_without_a_note(name, style):
     application = application_named(name)
     assert application.model in names()
-    wish = read(application.prompt)
-    assert (wish.style, wish.notes) == (style, ())
+    reading = read(application.prompt)
+    assert ([wish.style for wish in reading.wishes], reading.notes) == ([style], ())
     assert application.about.endswith(".")
 
 

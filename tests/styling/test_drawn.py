@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from mechstyle.styling.drawing.operators import Operators
-from mechstyle.styling.drawn import NEUTRAL, ProceduralStylizer, Target, balanced, gradual_thickness, target
+from mechstyle.styling.dimensions import Dimensions
+from mechstyle.styling.drawn import NEUTRAL, ProceduralStylizer, Target, target
 from mechstyle.styling.library import names
 from mechstyle.styling.prompt import Wish, read
 from support.degenerate import seamed, twinned
@@ -12,9 +12,9 @@ WALL = 3.0
 
 def drawn(mesh, prompt="stone", *, seed=0, amplitude=0.3, inward=0.75, outward=2.0) -> Target:
     ones = np.ones(len(mesh.vertices))
-    return target(
-        mesh, read(prompt), seed=seed, amplitude=amplitude, thickness=WALL * ones, inward=inward * ones, outward=outward * ones
-    )
+    size = Dimensions(amplitude=amplitude, side="both", nozzle=0.0)
+    (wish,) = read(prompt).wishes
+    return target(mesh, wish, size, seed=seed, thickness=WALL * ones, inward=inward * ones, outward=outward * ones)
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +39,8 @@ def test_a_target_stays_within_its_limits(holder):
     inward = np.linspace(0.0, 0.4, len(holder.vertices))
     outward = np.linspace(0.3, 0.0, len(holder.vertices))
     wall = np.full(len(holder.vertices), WALL)
-    relief = target(holder, Wish("brick"), seed=0, amplitude=0.5, thickness=wall, inward=inward, outward=outward).displacement
+    deep = Dimensions(amplitude=0.5, side="both")
+    relief = target(holder, Wish("brick"), deep, seed=0, thickness=wall, inward=inward, outward=outward).displacement
     assert np.all(relief >= -inward.astype(np.float32))
     assert np.all(relief <= outward.astype(np.float32))
 
@@ -70,33 +71,6 @@ def test_a_shade_darkens_the_body_and_leaves_relief_and_joints(holder):
 
 def test_the_canvas_tells_the_target_what_the_mesh_cannot_carry(holder):
     assert any("too coarse" in note for note in drawn(holder, "tiny brick").notes)
-
-
-def test_balanced_height_moves_no_volume():
-    rng = np.random.default_rng(0)
-    height, depth, areas = rng.normal(size=500), rng.uniform(0.0, 2.0, 500), rng.uniform(0.5, 2.0, 500)
-    moved = balanced(height, depth, areas)
-    assert abs(areas @ moved) < 1e-9
-    assert not moved[depth == 0.0].any()
-    assert not balanced(height, np.zeros(500), areas).any()
-
-
-def test_thickness_that_jumps_becomes_gradual_and_never_more_than_measured(holder):
-    operators = Operators(holder)
-    z = holder.vertices[:, 2]
-    measured = np.where(z > 50.0, 30.0, 2.0)
-    gradual = gradual_thickness(operators, measured)
-    assert np.all(gradual <= measured + 1e-9)
-    length = np.linalg.norm(operators.edge_vectors, axis=1)
-    assert np.all(np.abs(gradual[operators.head] - gradual[operators.tail]) <= 0.3 * length + 1e-9)
-    assert np.allclose(gradual[z < 44.0], 2.0)
-    assert gradual[z > 90.0].max() > 10.0
-
-
-def test_one_wild_vertex_does_not_sway_the_thickness(holder):
-    measured = np.full(len(holder.vertices), WALL)
-    measured[[100, 2000]] = 0.0, 500.0
-    assert np.allclose(gradual_thickness(Operators(holder), measured), WALL)
 
 
 @pytest.fixture
@@ -206,7 +180,7 @@ def test_every_style_can_be_drawn_and_approached_where_there_is_no_area(holder, 
     assert part.face_areas.min() == 0.0
     thick = np.full(len(part.vertices), 3.0)
     for style in names():
-        aim = target(part, Wish(style), seed=0, amplitude=0.15, thickness=thick, inward=0.25 * thick, outward=thick)
+        aim = target(part, Wish(style), Dimensions(), seed=0, thickness=thick, inward=0.25 * thick, outward=thick)
         stylizer = ProceduralStylizer(part, aim)
         for _ in range(200):
             proposal = stylizer.step()

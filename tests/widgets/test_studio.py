@@ -71,8 +71,8 @@ def test_lambda_and_relief_are_known_wherever_they_count():
     studio.control_selector._lambda.value = 0.5
     assert studio.material_picker.material.safety_coefficient == 0.5
     assert studio.wanted().recipe.material.safety_coefficient == 0.5
-    studio.prompt_box.amplitude = 0.3
-    assert studio.schedule_selector.amplitude == 0.3
+    studio.prompt_box.relief = 0.9
+    assert studio.schedule_selector.relief == studio.wanted().recipe.relief == 0.9
 
 
 def test_what_is_asked_for_is_in_the_state():

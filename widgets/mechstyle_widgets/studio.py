@@ -156,7 +156,8 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._sections = [self.prompt_box, self.material_picker, self.control_selector, self.schedule_selector, self.regions_picker,
                           self.drop_options]  # fmt: skip
         traitlets.link((self.material_picker, "material"), (self.control_selector, "material"))
-        traitlets.link((self.prompt_box, "amplitude"), (self.schedule_selector, "amplitude"))
+        for name in ("relief", "amplitude"):
+            traitlets.link((self.prompt_box, name), (self.schedule_selector, name))
         self._give(given)
         self.run_controls = RunControls(self.controller)
         self.mask_inspector = MaskInspector(self.controller)

@@ -18,7 +18,10 @@ from mechstyle.runs.recipes import changed, draft
 from mechstyle.runs.report.run_protocol import LaneOfRun
 
 OF_FREESTYLE = frozenset(
-    ("amplitude", "criterion", "field", "guidance", "iterations", "minimum_wall", "orientations", "poses", "seed", "standard", "stylizer")
+    (
+        "amplitude", "criterion", "feature", "field", "guidance", "inside", "iterations", "minimum_wall", "nozzle", "orientations", "poses",
+        "relief", "seed", "side", "standard", "stylizer",
+    )
 )
 OPTIONS = OF_FREESTYLE | {"base", "control", "every", "normalisation", "schedule", "threshold"}
 """Settings with an option of their own; the others are given with --set."""
@@ -58,7 +61,7 @@ def settings_for(recipe: Recipe, start: Callable[..., Recipe]) -> dict[str, Any]
 
 
 def _differing(names: Sequence[str], old: Recipe, new: Recipe) -> dict[str, Any]:
-    values = {name: value for name, _, value in old.differences(new)}
+    values = {name: value for name, _, value in old.differences(new) if value is not None}  # what is None cannot be asked for
     return {name: values[name] for name in names if name in values}
 
 

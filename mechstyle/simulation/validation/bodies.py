@@ -11,8 +11,9 @@ from mechstyle.geometry.thickness import local_thickness
 from mechstyle.records.mesh import SurfaceMesh, TetMesh
 from mechstyle.simulation.part import Workpiece
 from mechstyle.simulation.validation.meshes import square_cup
+from mechstyle.styling.dimensions import Dimensions
 from mechstyle.styling.drawn import target
-from mechstyle.styling.prompt import read
+from mechstyle.styling.prompt import Wish
 
 
 class Styled(NamedTuple):
@@ -38,6 +39,7 @@ def styled_cup() -> Styled:
     smooth = SurfaceMesh(tets.vertices[used], numbers.reshape(-1, 3).astype(np.int32))
     part = Workpiece(smooth, tets, local_thickness(smooth).astype(np.float32), stands=True)
     bounds = part.shape.bounds("protected", 0.0)
-    aim = target(smooth, read("brick"), seed=0, amplitude=0.15, thickness=part.thickness, inward=bounds.inward, outward=bounds.outward)
+    size = Dimensions(amplitude=0.15, side="both", nozzle=0.0)
+    aim = target(smooth, Wish("brick"), size, seed=0, thickness=part.thickness, inward=bounds.inward, outward=bounds.outward)
     relief = (aim.displacement * bounds.freedom).astype(np.float32)
     return Styled(smooth, tets, smooth.displaced(relief), Morph(smooth, tets).morphed(relief).tets)

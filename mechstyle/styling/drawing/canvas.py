@@ -20,6 +20,11 @@ _SCALES = (0.1, 4.0)
 _SOFTENING = 0.35  # halves a pattern that alternates from vertex to vertex, and leaves one of six edges nearly as it was
 
 
+def scale_by_area(mesh: SurfaceMesh) -> float:
+    """Size of features over their nominal size that suits a part by its area alone."""
+    return float(np.clip(np.sqrt(mesh.face_areas.sum() / _REFERENCE_AREA), *_SCALES))
+
+
 class Bond(NamedTuple):
     """Cells in rows.
 
@@ -43,12 +48,20 @@ class Canvas:
         colour: Display RGB of the body, None for the style's own.
         shade: How light the style's own colours are to be; 1 as they are.
         scale: Size of features over their nominal size, which suits a part of 100 mm.
+        nozzle: Diameter of the nozzle it is printed with [mm], 0 for none: what is finer is noted.
         edge: Edge length of the mesh [mm]; nothing much finer than two of them can be drawn.
         notes: What the user should know of this drawing, in sentences.
     """
 
     def __init__(
-        self, mesh: SurfaceMesh, seed: int, size: float = 1.0, colour: tuple[float, float, float] | None = None, shade: float = 1.0
+        self,
+        mesh: SurfaceMesh,
+        seed: int,
+        size: float = 1.0,
+        colour: tuple[float, float, float] | None = None,
+        shade: float = 1.0,
+        *,
+        nozzle: float = 0.0,
     ) -> None:
         self.colour = colour
         self.shade = shade
@@ -56,7 +69,8 @@ class Canvas:
         self.seed = seed
         self.operators = Operators(mesh)
         self.edge = self.operators.edge_length
-        self.scale = float(np.clip(np.sqrt(mesh.face_areas.sum() / _REFERENCE_AREA), *_SCALES)) * size
+        self.scale = scale_by_area(mesh) * size
+        self.nozzle = nozzle
         self.notes: list[str] = []
 
     @property
@@ -85,7 +99,11 @@ class Canvas:
                 f"the mesh (edge {self.edge:.2g} mm) is too coarse for {what} of {wide:.2g} mm: "
                 f"the pattern was enlarged {needed / self.scale:.1f}x, to {what} of {carried:.2g} mm"
             )
-        return max(self.scale, needed)
+        unit = max(self.scale, needed)
+        if finest * unit < self.nozzle:
+            told = f"{what} of {finest * unit:.2g} mm are finer than a nozzle of {self.nozzle:g} mm prints"
+            self.notes.append(f"{told}: ask for larger features")
+        return unit
 
     def bond(self, length: float, height: float, *, shift: float = 0.5, margin: float = 0.0, grip: float = 1.0) -> Bond:
         """Rows of cells, by default in running bond.
@@ -117,18 +135,24 @@ class Canvas:
         """A uniform random number in [0, 1) per identity, the same shape as `identities`."""
         return noise.random_of(identities, self._seed(salt))
 
-    def scattered(self, spacing: float, salt: str = "", among: NDArray[np.bool_] | None = None) -> Indices:
-        """Vertices no two of which are nearer than `spacing` [mm] (Poisson disc)."""
-        return scatter.poisson_disc(self.mesh, spacing, self._seed(salt), among)
+    def scattered(self, spacing: float, salt: str = "", room: float = 0.0) -> Indices:
+        """Vertices no two of which are nearer than `spacing` [mm] (Poisson disc).
 
-    def cells(self, spacing: float, salt: str = "", at: Floats | None = None) -> scatter.Cells:
-        """Worley cells around scattered points, looked up at `at` if given, shape [n]."""
+        None is on a sharp edge or nearer to one than `room` [mm]; on a part too slim for that, none in the half that is nearest to edges.
+        """
+        free = self.operators.room
+        wanted = max(room, 0.5 * self.edge)
+        return scatter.poisson_disc(self.mesh, spacing, self._seed(salt), free >= min(wanted, float(np.median(free))))
+
+    def cells(self, spacing: float, salt: str = "", at: Floats | None = None, stretch: Floats | float = 1.0) -> scatter.Cells:
+        """Worley cells around scattered points, looked up at `at` if given, shape [n]; long along an axis whose `stretch` is below 1."""
         points = self.scattered(spacing, salt)
-        return scatter.worley(self.points, self.mesh.vertex_normals, points, self.points if at is None else at, spacing)
+        looked_up = self.points if at is None else at
+        return scatter.worley(self.points * stretch, self.mesh.vertex_normals, points, looked_up * stretch, spacing)
 
     def stamps(self, points: Indices, spacing: float, count: int = 1) -> scatter.Stamps:
         """The `count` nearest stamps at each vertex, placed at vertices `points` and upright, `spacing` [mm] apart."""
-        return scatter.stamps(self.mesh, points, self.chart.along, count, spacing)
+        return scatter.stamps(self.operators, points, self.chart.along, count, spacing)
 
     def pieces(self, inside: NDArray[np.bool_], label: NDArray[np.generic] | None = None) -> Indices:
         """Identity of the connected piece of `inside` (and of one `label`) that each vertex is in, shape [n]."""

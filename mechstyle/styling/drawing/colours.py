@@ -45,6 +45,16 @@ def shaded(colours: ArrayLike, shade: float) -> Floats:
     return given * shade if shade <= 1.0 else given + (1.0 - given) * (shade - 1.0)
 
 
+def in_recesses(colours: Floats, height: Floats, second: ArrayLike) -> Floats:
+    """Colours, shape [n, 3], with another one, shape [3], where a relief, shape [n], is nearer to its lowest than to its highest."""
+    low, high = np.quantile(height, [0.02, 0.98])
+    share = smoothstep(0.4 * low + 0.6 * high, 0.6 * low + 0.4 * high, height) if high > low else np.zeros_like(height)
+    deep = share > 0.0
+    painted = colours.copy()
+    painted[deep] = mix(colours[deep], recoloured(colours[deep], second), share[deep])
+    return painted
+
+
 def recoloured(colours: Floats, wish: ArrayLike) -> Floats:
     """Another colour, shape [3], with the lights and darks of `colours`, display RGB, shape [n, 3]."""
     light = luminance(colours)

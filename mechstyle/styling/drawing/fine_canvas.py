@@ -41,10 +41,9 @@ class FineCanvas(Canvas):
         """Millimetres per nominal millimetre, as on the coarse surface."""
         return self._coarse.unit(what, finest, edges)
 
-    def scattered(self, spacing: float, salt: str = "", among: NDArray[np.bool_] | None = None) -> Indices:
+    def scattered(self, spacing: float, salt: str = "", room: float = 0.0) -> Indices:
         """The points scattered on the coarse surface."""
-        count = len(self._coarse.points)
-        return self._coarse.scattered(spacing, salt, None if among is None else among[:count])
+        return self._coarse.scattered(spacing, salt, room)
 
     def pieces(self, inside: NDArray[np.bool_], label: NDArray[np.generic] | None = None) -> Indices:
         """Identity of the connected piece each vertex is in: that of the coarse piece it shares most vertices with, or a new one."""

@@ -7,12 +7,14 @@ from functools import cached_property
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.sparse.csgraph import connected_components
+from scipy.sparse.csgraph import connected_components, dijkstra
 from scipy.sparse.linalg import SuperLU, splu
 
 from mechstyle.records.mesh import Floats, Indices, SurfaceMesh
 
 Complexes = NDArray[np.complex128]
+
+_SHARP = float(np.cos(np.radians(20.0)))  # a vertex is on a sharp edge if a face around it leans more than this from its normal
 
 
 def factorised(matrix: sp.sparray) -> SuperLU:
@@ -56,6 +58,30 @@ class Operators:
             total = total + sp.csr_array((half_cot, (i, j)), (count, count))
         # Obtuse triangles would give negative weights, with which a smoothest field need not exist.
         return np.asarray(np.clip(total[self.tail, self.head], 0.05, 5.0))
+
+    @cached_property
+    def sharp(self) -> NDArray[np.bool_]:
+        """Which vertices lie on a sharp edge, one that turns by 40° or more, shape [vertex_count]."""
+        faces = self.mesh.faces[self.mesh.face_areas > 0.0]
+        normals = self.mesh.face_normals[self.mesh.face_areas > 0.0]
+        leaning = np.einsum("ikj,ij->ik", self.mesh.vertex_normals[faces], normals) < _SHARP
+        marked = np.zeros(len(self.mesh.vertices), dtype=bool)
+        marked[faces[leaning]] = True
+        return marked
+
+    @cached_property
+    def room(self) -> Floats:
+        """Way along the surface to the nearest sharp edge [mm], infinite where there is none, shape [vertex_count]."""
+        if not self.sharp.any():
+            return np.full(len(self.mesh.vertices), np.inf)
+        count, lengths = len(self.mesh.vertices), np.linalg.norm(self.edge_vectors, axis=1)
+        graph = sp.csr_array((np.maximum(lengths, 1e-9), (self.tail, self.head)), (count, count))
+        return np.asarray(dijkstra(graph, directed=False, indices=np.flatnonzero(self.sharp), min_only=True))
+
+    @cached_property
+    def sides(self) -> Indices:
+        """Label of the side of the part each vertex is on, up to the sharp edges; -1 on these, shape [vertex_count]."""
+        return np.where(self.sharp, -1, self.components(~self.sharp[self.tail] & ~self.sharp[self.head]))
 
     @cached_property
     def frames(self) -> tuple[Floats, Floats]:

@@ -12,8 +12,10 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from mechstyle.records.mesh import Floats, Indices, SurfaceMesh
+from mechstyle.styling.drawing.operators import Operators
 
 _REACH = 0.6  # weight of the normal over the spacing: opposite sides of a wall are 1.2 spacings apart
+_NEIGHBOURS = 8  # points looked at for the nearest border of a cell
 
 
 class Cells(NamedTuple):
@@ -21,11 +23,18 @@ class Cells(NamedTuple):
 
     Attributes:
         identity: Index of the nearest point, shape [n].
-        edge: Distance to the border with the second nearest's cell [mm], shape [n].
+        edge: Distance to the nearest border of the cell [mm], shape [n].
+        beside: Index of the point behind that border, shape [n].
     """
 
     identity: Indices
     edge: Floats
+    beside: Indices
+
+    @property
+    def facet(self) -> NDArray[np.int64]:
+        """Identity of the part of the cell that is nearest to one border, shape [n]."""
+        return (self.identity.astype(np.int64) << 32) + self.beside
 
 
 class Stamps(NamedTuple):
@@ -35,7 +44,7 @@ class Stamps(NamedTuple):
         identity: Index of the stamp; scattered points have a random order, which serves to stack overlapping stamps.
         x: Offset along its first axis [mm].
         y: Offset along its second axis [mm].
-        facing: Cosine between the normals here and at its centre; a stamp drawn around a sharp edge would be smeared along it.
+        facing: Cosine between the normals here and at its centre, -1 beyond a sharp edge; drawn around one a stamp would be smeared.
     """
 
     identity: Indices
@@ -65,15 +74,20 @@ def poisson_disc(mesh: SurfaceMesh, spacing: float, seed: int, among: NDArray[np
 def worley(places: Floats, normals: Floats, points: Indices, queries: Floats, spacing: float) -> Cells:
     """Cells around the vertices `points`, looked up at `queries` [n, 3], places that may be warped first."""
     sites = embedded(places, normals, spacing)[points]
-    distance, nearest = cKDTree(sites).query(embedded(queries, normals, spacing), k=2)
-    apart = np.linalg.norm(sites[nearest[:, 0]] - sites[nearest[:, 1]], axis=1)
-    border = (distance[:, 1] ** 2 - distance[:, 0] ** 2) / (2.0 * np.maximum(apart, 1e-9))
-    return Cells(nearest[:, 0].astype(np.int32), border)
+    distance, nearest = cKDTree(sites).query(embedded(queries, normals, spacing), k=min(_NEIGHBOURS, max(len(sites), 2)))
+    found = np.isfinite(distance[:, 1:])  # a part with one cell has no border
+    others = np.where(found, nearest[:, 1:], nearest[:, :1])
+    apart = np.linalg.norm(sites[nearest[:, :1]] - sites[others], axis=2)
+    # The second nearest point need not be the one behind the nearest border.
+    borders = np.where(found, (distance[:, 1:] ** 2 - distance[:, :1] ** 2) / (2.0 * np.maximum(apart, 1e-9)), spacing)
+    closest = borders.argmin(axis=1)
+    edge, beside = (np.take_along_axis(field, closest[:, None], axis=1)[:, 0] for field in (borders, others))
+    return Cells(nearest[:, 0].astype(np.int32), edge, beside.astype(np.int32))
 
 
-def stamps(mesh: SurfaceMesh, points: Indices, axis: Floats, count: int, spacing: float) -> Stamps:
+def stamps(operators: Operators, points: Indices, axis: Floats, count: int, spacing: float) -> Stamps:
     """The `count` nearest of the stamps at vertices `points`, each with its first axis along `axis` [n, 3], a tangent field."""
-    count = min(count, len(points))
+    mesh, sides, count = operators.mesh, operators.sides, min(count, len(points))
     coordinates = embedded(mesh.vertices, mesh.vertex_normals, spacing)
     _, nearest = cKDTree(coordinates[points]).query(coordinates, k=count)
     identity = np.sort(np.asarray(nearest, dtype=np.int32).reshape(len(coordinates), count), axis=1)
@@ -85,4 +99,5 @@ def stamps(mesh: SurfaceMesh, points: Indices, axis: Floats, count: int, spacing
     # Around a bend the projection shortens offsets; the true distance is put back.
     stretch = np.clip(np.linalg.norm(offset, axis=2) / np.maximum(np.hypot(x, y), 1e-9), 1.0, 1.5)
     facing = np.einsum("nki,ni->nk", mesh.vertex_normals[centre], mesh.vertex_normals)
-    return Stamps(identity, x * stretch, y * stretch, facing)
+    beyond = (sides[:, None] != sides[centre]) & (sides[:, None] >= 0)
+    return Stamps(identity, x * stretch, y * stretch, np.where(beyond, -1.0, facing))

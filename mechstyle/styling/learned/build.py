@@ -10,8 +10,9 @@ import torch
 from mechstyle.loop.engine import Bounds, Stylizer
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.styling.dimensions import Dimensions
 from mechstyle.styling.drawing.operators import Operators
-from mechstyle.styling.drawn import Target, gradual_thickness
+from mechstyle.styling.drawn import Target
 from mechstyle.styling.learned.clip import Clip
 from mechstyle.styling.learned.clip_guidance import ClipGuidance
 from mechstyle.styling.learned.guidance import Guidance, TargetGuidance
@@ -33,21 +34,21 @@ def towards_target(surface: SurfaceMesh, bounds: Bounds, recipe: Recipe, target:
 
 
 def towards_prompt(surface: SurfaceMesh, bounds: Bounds, recipe: Recipe, weights: Path, device: str) -> Stylizer:
-    """The field of a recipe, descending to what CLIP takes for the prompt; relief is bounded by the amplitude times the local wall.
+    """The field of a recipe, descending to what CLIP takes for the prompt; its relief is bounded as a drawn one is.
 
     Args:
         surface: The standardised part.
         bounds: How far its vertices may go.
-        recipe: Prompt, field, amplitude, crops and seed.
+        recipe: Prompt, field, dimensions, crops and seed.
         weights: Folder of the CLIP weights.
         device: Device of the run, as in `torch_device`.
     """
     where = torch_device(device)
     clip = Clip.load(weights, where)
-    height = recipe.amplitude * gradual_thickness(Operators(surface), bounds.thickness.astype(np.float64))
+    inward, outward = Dimensions.of(recipe).layout(Operators(surface), bounds.thickness, None).reach
     # Frozen vertices alone are in the field's own mask: the engine applies the ramps around them, and once is enough.
     free = bounds.freedom > 0.0
-    shape = UnitShape.of(surface, np.minimum(height, bounds.inward), np.minimum(height, bounds.outward), free, where)
+    shape = UnitShape.of(surface, np.minimum(inward, bounds.inward), np.minimum(outward, bounds.outward), free, where)
     render = Renderer(torch.tensor(surface.faces), clip.picture_size, device=where)
     return _stylizer(recipe, shape, ClipGuidance(clip, recipe.prompt, render, crops=recipe.crops, device=where))
 

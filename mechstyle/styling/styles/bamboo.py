@@ -6,9 +6,10 @@ import numpy as np
 
 from mechstyle.styling.drawing.canvas import Canvas
 from mechstyle.styling.drawing.colours import mix, ramp, rgb, smoothstep
+from mechstyle.styling.drawing.tilings import dome
 from mechstyle.styling.style import Relief, Style
 
-CANE, JOINT = 13.0, 44.0
+CANE, JOINT = 14.0, 24.0
 
 
 def bamboo(canvas: Canvas) -> Relief:
@@ -19,9 +20,10 @@ def bamboo(canvas: Canvas) -> Relief:
     beside = np.abs(bond.x) > 0.25
     across = 4.0 * np.where(beside, 0.5 - np.abs(bond.x), np.abs(bond.x))
     up = np.where(beside, bond.y - np.copysign(0.5, bond.y), bond.y) * JOINT
-    cane = np.sqrt(np.clip(1.0 - across**2, 0.0, 1.0))
-    ring = np.exp(-(((up - 1.8) / 1.9) ** 2)) + 0.8 * np.exp(-(((up + 2.2) / 1.7) ** 2))
-    groove = np.exp(-((up / 1.2) ** 2))
+    cane = dome(across)
+    # A joint is a sheath that stands off, a groove under it, and a swelling below.
+    ring = smoothstep(0.2, 1.6, up) * smoothstep(6.5, 2.5, up) + 0.7 * smoothstep(-1.2, -2.6, up) * smoothstep(-7.5, -3.5, up)
+    groove = np.exp(-(((up + 0.4) / 1.3) ** 2))
     identity = canvas.pieces((across < 0.85) & (np.abs(up) > 0.6), beside)
     own = canvas.random(identity, "tone") - 0.5
     fibre = canvas.noise(6.0 * unit, 2, "fibre", at=canvas.points * [1.0, 1.0, 0.15])
@@ -30,7 +32,7 @@ def bamboo(canvas: Canvas) -> Relief:
     colour = ramp(["4a5a20", "7f8d35", "b1b254", "d6cd80"], tone)
     colour = mix(mix(colour, rgb("ece3b4"), 0.55 * bloom + 0.25 * ring * cane), rgb("5a4a22"), 0.75 * groove)
     colour = mix(rgb("2a2c12"), canvas.painted(colour), smoothstep(0.05, 0.55, cane))
-    height = -0.95 + 1.45 * cane + cane * (0.65 * ring - 0.35 * groove) + 0.06 * fibre
+    height = -0.95 + 1.20 * cane + smoothstep(0.0, 0.6, cane) * (1.05 * ring - 1.25 * groove) + 0.06 * fibre
     return Relief(canvas.softened(height), canvas.softened(np.clip(colour, 0.0, 1.0)))
 
 

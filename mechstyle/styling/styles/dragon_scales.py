@@ -6,6 +6,7 @@ import numpy as np
 
 from mechstyle.styling.drawing.canvas import Canvas
 from mechstyle.styling.drawing.colours import mix, ramp, rgb, smoothstep
+from mechstyle.styling.drawing.tilings import beneath, hanging, own_of_scales
 from mechstyle.styling.style import Relief, Style
 
 LENGTH, HEIGHT, LIP = 20.0, 14.0, 3.2
@@ -15,33 +16,30 @@ def dragon_scales(canvas: Canvas) -> Relief:
     """Pointed scales, each with a keel down its middle, laid over the two below it."""
     unit = canvas.unit("lips of scales", LIP, edges=1.6)
     bond = canvas.bond(LENGTH * unit, HEIGHT * unit, grip=0.3)
-    # Of the scale hanging from this row: how far aside and down a place is, 1 at its flank and its tip.
-    aside, down = 2.0 * np.abs(bond.x), 0.5 - bond.y
-    inside = 0.62 * HEIGHT * ((1.0 - aside) ** 0.75 * (1.0 + 0.35 * aside) - down)
-    over = smoothstep(-0.5 * LIP, 0.5 * LIP, inside)
-    # Scales of one row touch in their corners, where the one above has its tip.
-    apart = np.minimum(np.hypot(1.0 - aside, down), np.hypot(aside, 1.0 - down)) > 0.25
-    own = (canvas.random(canvas.pieces(apart, bond.odd ^ (inside > 0.0)), "tone") - 0.5) * apart
+    upper = hanging(bond)
+    inside = 0.62 * HEIGHT * ((1.0 - upper.aside) ** 0.75 * (1.0 + 0.35 * upper.aside) - upper.down)
+    over = smoothstep(-0.25 * LIP, 0.25 * LIP, inside)
+    rim = smoothstep(1.6 * LIP, 0.7 * LIP, inside)
+    shade = smoothstep(-1.3 * LIP, 0.0, inside)
+    own = own_of_scales(canvas, bond, inside, "tone")
     horn = canvas.noise(6.0 * unit, 2, "horn")
 
     heights, colours = [], []
-    # Where the scale above ends, the one below it shows, half a scale aside and a row down.
-    for beside, along in ((1.0 - aside, down - 1.0), (aside, down)):
-        keel = smoothstep(0.30, 0.0, beside) * smoothstep(-1.0, 0.3, along)
-        heights.append(0.95 * along - 0.60 * beside + 0.45 * keel + 0.06 * horn + 0.10 * own)
-        body = ramp(["2a0d12", "64161d", "9c2723", "c64d2c"], np.clip(0.40 + 0.30 * along + 0.30 * own + 0.12 * horn, 0.0, 1.0))
+    for scale in (beneath(upper), upper):
+        keel = smoothstep(0.34, 0.0, scale.aside) * smoothstep(-1.0, 0.3, scale.down)
+        heights.append(0.95 * scale.down - 0.25 * scale.aside**2 + 0.50 * keel - 0.25 + 0.06 * horn + 0.10 * own)
+        body = ramp(["2a0d12", "64161d", "9c2723", "c64d2c"], np.clip(0.40 + 0.30 * scale.down + 0.30 * own + 0.12 * horn, 0.0, 1.0))
         colours.append(canvas.painted(mix(body, rgb("e2b04c"), 0.35 * keel)))
-    below = mix(colours[0], rgb("1a080a"), 0.80 * smoothstep(-1.5 * LIP, 0.0, inside))
-    above = mix(colours[1], rgb("e2b04c"), 0.65 * smoothstep(1.7 * LIP, 0.4 * LIP, inside))
-    height = heights[0] + (heights[1] - heights[0]) * over
-    colour = mix(below, above, over)
-    return Relief(canvas.softened(height), canvas.softened(colour))
+    # The lip stands off and leaves a gap above the scale it covers.
+    below, above = heights[0] - 0.45 * shade, heights[1] + 0.30 * rim
+    colour = mix(mix(colours[0], rgb("1a080a"), 0.80 * shade), mix(colours[1], rgb("e2b04c"), 0.65 * rim), over)
+    return Relief(canvas.softened(below + (above - below) * over), canvas.softened(colour))
 
 
 STYLE = Style(
     name="dragon_scales",
     words=("dragon", "reptile", "reptilian", "lizard", "snake", "snakeskin"),
     description="large pointed scales with a keel and gilded rims, overlapping like armour",
-    feature_mm=HEIGHT,
+    feature_mm=LENGTH,
     program=dragon_scales,
 )

@@ -10,16 +10,19 @@ from mechstyle.styling.style import Relief, Style
 
 
 def realistic(canvas: Canvas) -> Relief:
-    """Broad trowel marks, pits and a few cracks; colour follows shape as dirt and wear do."""
+    """Strokes of a trowel, pits, cracks, and patches where the coat has fallen off; colour follows shape as dirt and wear do."""
     unit = canvas.unit("cracks", 3.4)
     broad = canvas.noise(40.0 * unit, 2, "broad")
-    lumps = canvas.noise(14.0 * unit, 4, "lumps")
+    lumps = canvas.noise(9.0 * unit, 3, "lumps")
+    strokes = canvas.cells(24.0 * unit, "strokes", at=canvas.warped(18.0 * unit, 7.0 * unit, "strokes"))
+    ridge = smoothstep(3.0, 0.4, strokes.edge / unit)
     cracks = canvas.cells(55.0 * unit, "cracks", at=canvas.warped(18.0 * unit, 9.0 * unit, "cracks"))
     there = smoothstep(0.05, 0.35, canvas.noise(45.0 * unit, 2, "where cracked"))
-    crack = smoothstep(2.2, 0.3, cracks.edge / unit) * there
-    pit = smoothstep(0.38, 0.70, canvas.noise(8.5 * unit, 2, "pits"))
-    worn = smoothstep(0.25, 0.60, canvas.noise(26.0 * unit, 4, "worn"))
-    height = 0.50 * broad + 0.50 * lumps - 0.70 * crack - 0.60 * pit - 0.35 * worn
+    crack = smoothstep(2.6, 0.6, cracks.edge / unit) * there
+    pit = smoothstep(0.34, 0.52, canvas.noise(8.5 * unit, 2, "pits"))
+    worn = smoothstep(0.22, 0.32, canvas.noise(30.0 * unit, 4, "worn"))
+    coat = 0.35 + 0.50 * (canvas.random(strokes.identity, "stroke") - 0.5) + 0.45 * ridge + 0.15 * broad + 0.90 * lumps - 0.90 * pit
+    height = 0.8 * canvas.softened(np.clip(coat - 1.10 * crack + worn * (-0.70 + 0.90 * lumps - coat), -1.6, 1.6))
 
     around = canvas.smoothed(height, 8.0 * unit)
     dirt = smoothstep(0.0, 0.8, around - height)
@@ -36,8 +39,8 @@ def realistic(canvas: Canvas) -> Relief:
 STYLE = Style(
     name="realistic",
     words=("realism", "real", "lifelike", "natural", "photorealistic", "plaster", "worn", "aged", "antique", "old"),
-    description="worn, hand-finished plaster: soft unevenness, pits and cracks, dirt in the hollows, stains running down",
-    feature_mm=11.0,
+    description="worn, hand-finished plaster: strokes of a trowel, pits, cracks and bare patches, dirt in the hollows, stains running down",
+    feature_mm=21.0,
     program=realistic,
     yields=True,
 )

@@ -6,6 +6,7 @@ import numpy as np
 
 from mechstyle.styling.drawing.canvas import Canvas
 from mechstyle.styling.drawing.colours import mix, ramp, rgb, smoothstep
+from mechstyle.styling.drawing.tilings import folded
 from mechstyle.styling.style import Relief, Style
 
 BAND, WAVE = 36.0, 22.0
@@ -16,9 +17,9 @@ def terracotta(canvas: Canvas) -> Relief:
     unit = canvas.unit("grooves", 3.6)
     bond = canvas.bond(WAVE * unit, BAND * unit, shift=0.0, grip=0.5)
     up = bond.y * BAND
-    rings = np.cos(2.0 * np.pi * up / (BAND / 6.0)) * smoothstep(9.0, 12.0, np.abs(up))
-    groove = np.exp(-(((np.abs(up) - 7.6) / 1.7) ** 2))
-    wave = np.exp(-(((up - 3.0 * np.cos(2.0 * np.pi * bond.x)) / 1.9) ** 2))
+    rings = (1.0 - 4.0 * folded(up / (BAND / 6.0)) ** 2 * 2.0) * smoothstep(9.0, 11.0, np.abs(up))  # sharp between the fingers' hollows
+    groove = np.exp(-(((np.abs(up) - 7.6) / 1.5) ** 2))
+    wave = np.exp(-(((up - 3.0 * np.cos(2.0 * np.pi * bond.x)) / 1.6) ** 2))
     slip = smoothstep(6.6, 5.0, np.abs(up))
     lumps = canvas.noise(24.0 * unit, 3, "lumps")
     grit = canvas.noise(5.0 * unit, 2, "grit")
@@ -28,7 +29,7 @@ def terracotta(canvas: Canvas) -> Relief:
     clay = ramp(["8a4228", "b25a36", "c97248", "dd9468"], np.clip(0.52 + 0.35 * fire + 0.18 * grit + 0.16 * rings, 0.0, 1.0))
     clay = mix(canvas.painted(clay), rgb("eed9bf"), 0.72 * slip)
     colour = mix(mix(clay, rgb("f0dfca"), 0.40 * bloom * (1.0 - slip)), rgb("7a351f"), 0.85 * cut)
-    height = 0.15 + 0.22 * rings + 0.22 * lumps + 0.08 * grit + 0.18 * slip - 0.95 * cut
+    height = 0.10 + 0.62 * rings + 0.15 * lumps + 0.08 * grit + 0.50 * slip - 1.45 * cut
     return Relief(canvas.softened(height), canvas.softened(colour))
 
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from mechstyle.styling.drawing.canvas import Canvas
 from mechstyle.styling.drawing.colours import mix, ramp, rgb, smoothstep
+from mechstyle.styling.drawing.tilings import fans
 from mechstyle.styling.style import Relief, Style
 
 RADIUS, ARCS = 18.0, 3
@@ -15,11 +16,7 @@ def waves(canvas: Canvas) -> Relief:
     """Rows of half rounds, every row in front of the one above it; the arcs of a round are crests, the outermost foams."""
     unit = canvas.unit("arcs of waves", RADIUS / (ARCS + 0.5), edges=2.6)
     bond = canvas.bond(2.0 * RADIUS * unit, 0.5 * RADIUS * unit, grip=0.3)
-    # Rounds whose centres lie on this row and the two below it, every second one half a round aside; the lowest that reaches is in front.
-    aside, up = np.abs(bond.x) * 2.0, bond.y * 0.5
-    reach = np.stack([np.hypot(1.0 - aside if step % 2 else aside, up + 0.5 * step) for step in (0, 1, 2)])
-    front = 2 - (reach[::-1] < 1.0).argmax(axis=0)
-    here = np.minimum(np.take_along_axis(reach, front[None], axis=0)[0], 1.0)
+    here, _ = fans(bond)
     arc = (1.0 - here) * (ARCS + 0.5)
     crest = 0.5 + 0.5 * np.cos(2.0 * np.pi * (arc - 0.5))
     foam = smoothstep(1.0, 0.7, arc)
@@ -28,7 +25,7 @@ def waves(canvas: Canvas) -> Relief:
     tone = np.clip(0.08 + 0.45 * crest + 0.22 * swell + 0.30 * here * crest, 0.0, 1.0)
     sea = canvas.painted(ramp(["0f2c52", "1c4f82", "3a86b4", "8cc4d8"], tone))
     colour = mix(sea, rgb("f4f2e6"), crest * (0.35 + 0.65 * foam) * (1.0 + 0.15 * spray))
-    return Relief(canvas.softened(-0.75 + 1.30 * crest + 0.40 * here + 0.08 * spray), canvas.softened(colour))
+    return Relief(canvas.softened(-0.95 + 1.45 * crest + 0.60 * here + 0.08 * spray), canvas.softened(colour))
 
 
 STYLE = Style(

@@ -29,6 +29,8 @@ CASES = [
     {"standard": "ista-1a"},
     {"build_direction": (0.0, 1.0, 0.5)},
     {"standard": "astm-f963", "poses": "tilts", "drop_height": 500.0},
+    {"relief": 0.6, "feature": 5.0, "side": "outwards"},
+    {"amplitude": 0.15, "side": "both", "nozzle": 0.0, "inside": "styled"},
     {"base": "free", "drop_height": 800.0, "window": 2.5, "guarantee": False},
 ]
 
@@ -99,3 +101,10 @@ def test_a_branch_is_made_again_by_a_second_step(sheet):
     assert first.startswith("mechstyle run ")
     assert second.startswith("mechstyle branch again-sheet@main:10 --lane other ")
     assert set(shlex.split(second)[5:]) == {"--control", "frozen", "--material", "PETG"}
+
+
+def test_a_branch_from_a_relief_in_millimetres_to_a_share_is_made_again(sheet):
+    run = sheet(iterations=20, relief=0.6)
+    branch = run.branch(10, lane="other", amplitude=0.3)
+    second = command_for(branch, branch.history).split(" && ")[1]
+    assert shlex.split(second)[5:] == ["--amplitude", "0.3"]

@@ -55,3 +55,22 @@ def test_the_slope_of_the_height_is_one_on_a_wall_and_scales_with_it(stand):
     # Its edges run along both axes and one diagonal: half of their squared length is up the wall.
     assert np.allclose(slope[wall], 1.0)
     assert np.allclose(operators.slope(0.5 * z), 0.5 * slope)
+
+
+def test_the_room_of_a_place_is_its_way_to_the_nearest_sharp_edge(stand):
+    operators = Operators(stand)
+    x, y, z = stand.vertices.T
+    back = (np.abs(y - 48.0) < 1e-6) & (z > 0.0)
+    inside = np.min([x, 60.0 - x, z, 80.0 - z], axis=0)
+    assert np.array_equal(operators.sharp[back], inside[back] == 0.0)
+    assert np.allclose(operators.room[back], inside[back])  # along the edges of a grid
+
+
+def test_sides_end_at_sharp_edges_and_a_ball_has_one(stand, sphere):
+    sides = Operators(stand).sides
+    back, bottom = np.abs(stand.vertices[:, 1] - 48.0) < 1e-6, stand.vertices[:, 2] < 1e-6
+    assert sides[back & bottom].tolist() == [-1] * int((back & bottom).sum())
+    assert len(np.unique(sides[sides >= 0])) == 8  # an L-shaped prism
+    ball = Operators(sphere)
+    assert not ball.sides.any()
+    assert np.isinf(ball.room).all()

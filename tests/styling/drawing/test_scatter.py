@@ -1,6 +1,7 @@
 import numpy as np
 from scipy.spatial.distance import pdist
 
+from mechstyle.styling.drawing.operators import Operators
 from mechstyle.styling.drawing.scatter import poisson_disc, stamps, worley
 
 
@@ -44,7 +45,7 @@ def test_a_stamp_has_its_own_upright_axes(stand):
     front = (np.abs(stand.vertices[:, 1] - 40.0) < 1e-6) & (stand.vertices[:, 2] > 12.0)
     centre = int(np.flatnonzero(front & (np.linalg.norm(stand.vertices - [32.0, 40.0, 48.0], axis=1) < 0.1))[0])
     axis = np.tile([1.0, 0.0, 0.0], (len(stand.vertices), 1))
-    around = stamps(stand, np.array([centre]), axis, 3, 20.0)
+    around = stamps(Operators(stand), np.array([centre]), axis, 3, 20.0)
     assert around.x.shape == (len(stand.vertices), 1)  # three were asked for, one there is
     inside = np.flatnonzero(front & (stand.vertices[:, 0] > 4.0) & (stand.vertices[:, 0] < 56.0))
     offset = stand.vertices[inside] - stand.vertices[centre]
@@ -52,4 +53,29 @@ def test_a_stamp_has_its_own_upright_axes(stand):
     assert np.allclose(around.y[inside, 0], offset[:, 2])
     assert np.allclose(around.facing[inside, 0], stand.vertex_normals[inside] @ stand.vertex_normals[centre])
     assert np.allclose(around.facing[centre, 0], 1.0)
-    assert np.abs(around.facing[np.abs(stand.vertex_normals[:, 0]) > 0.999, 0]).max() < 1e-9  # the sides across its plane
+
+
+def test_a_stamp_ends_at_sharp_edges(stand):
+    operators = Operators(stand)
+    normal = stand.vertex_normals
+    front = (normal[:, 1] < -0.999) & (stand.vertices[:, 2] > 12.0)
+    back = normal[:, 1] > 0.999
+    centre = int(np.flatnonzero(front)[0])
+    axis = np.tile([1.0, 0.0, 0.0], (len(stand.vertices), 1))
+    facing = stamps(operators, np.array([centre]), axis, 1, 20.0).facing[:, 0]
+    edge = operators.sharp & (np.abs(normal @ normal[centre]) > 0.5)  # turned by 45°: the stamp may end on it
+    assert np.allclose(facing[front], 1.0)
+    assert np.all(facing[back] == -1.0)
+    assert np.all(facing[np.abs(normal[:, 0]) > 0.999] == -1.0)  # faces beside it, which a wide stamp would run on over
+    assert np.allclose(facing[edge], (normal @ normal[centre])[edge])
+
+
+def test_the_nearest_border_counts_whoever_is_behind_it():
+    """The second nearest point is close to the nearest one, on its far side, and so is their border."""
+    places = np.array([[0.0, 0.0, 0.0], [-0.25, 0.43, 0.0], [2.4, 0.0, 0.0], [1.0, 0.0, 0.0]])
+    cells = worley(places, np.tile([0.0, 0.0, 1.0], (4, 1)), np.array([0, 1, 2]), places, 4.0)
+    far = np.linalg.norm(places[:3] - places[3], axis=1)
+    assert far.argsort().tolist() == [0, 1, 2]
+    assert cells.identity[3] == 0
+    assert cells.beside[3] == 2
+    assert np.isclose(cells.edge[3], 0.2)  # half way to it is 1.2 from the nearest

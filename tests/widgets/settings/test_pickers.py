@@ -15,9 +15,11 @@ from mechstyle.records.regions import Inside, Sphere
 from mechstyle.styling.library import names
 from mechstyle_widgets.settings.drop import ONCE, DropOptions
 from mechstyle_widgets.settings.material import MaterialPicker
+from mechstyle_widgets.settings.millimetres import AUTO
 from mechstyle_widgets.settings.part import PartPicker
 from mechstyle_widgets.settings.prompt import PromptBox
 from mechstyle_widgets.settings.regions import RegionsPicker
+from support.records import recipe
 
 # --- material -----------------------------------------------------------------------------------------------------
 
@@ -59,22 +61,65 @@ def test_python_may_set_any_material():
 
 def test_a_prompt_is_read_aloud():
     box = PromptBox("small blue stones")
-    assert box.wish.style == "stone"
+    assert box.reading.wishes[0].style == "stone"
     assert box._chips.value == "stone"
     assert "features × 0.7" in box._note.value
+
+
+def test_the_relief_is_chosen_in_millimetres_or_left_to_the_part():
+    box = PromptBox("brick")
+    assert (box.relief, box._relief.label) == (None, "auto")
+    box._relief.value = 0.6
+    assert box.settings["relief"] == 0.6
+    box.relief = 0.65
+    assert (box._relief.value, box._relief.label) == (0.65, "0.65 mm"), "what Python sets need not be on the slider beforehand"
+    box._relief.value = AUTO
+    assert box.relief is None
+    assert PromptBox("brick", feature=4.4)._feature.label == "4.4 mm"
+
+
+def test_a_share_of_the_wall_is_shown_where_a_run_has_one():
+    box = PromptBox("brick")
+    box.take(recipe(amplitude=0.15))
+    assert (box._relief.label, box.settings["amplitude"], box.relief) == ("0.15 of wall", 0.15, None)
+    box.take(recipe(relief=0.8))
+    assert (box._relief.label, box.settings["amplitude"], box.relief) == ("0.8 mm", None, 0.8)
+    box.take(recipe())
+    assert (box._relief.label, box.relief) == ("auto", None)
+
+
+@pytest.mark.parametrize(("trait", "value"), [("side", "outwards"), ("inside", "styled"), ("feature", 5.0)])
+def test_what_else_the_style_section_sets_reaches_the_recipe(trait, value):
+    box = PromptBox("brick")
+    control = {"side": box._side, "inside": box._inside, "feature": box._feature}[trait]
+    control.value = value
+    assert box.settings[trait] == value
+
+
+def test_a_style_for_each_place_is_read_aloud_and_a_picture_takes_the_place_of_the_first():
+    box = PromptBox("outside: brick; rim: gold studs")
+    assert "read as outside: brick; rim: studs, in #c99a2e" in box._note.value
+    assert box._chips.value == "brick"
+    box._chips._press("wood")
+    assert box.prompt == "outside: wood; rim: gold studs"
+
+
+def test_an_unknown_place_and_a_prompt_without_end_are_complaints():
+    assert "is no place that is known on every part" in PromptBox("handle: wood").trouble
+    assert "may have 500" in PromptBox("brick " * 100).trouble
 
 
 def test_what_was_not_understood_is_said():
     assert "not understood and left out: &#x27;wobbly&#x27;" in PromptBox("wobbly brick")._note.value
 
 
-def test_a_prompt_without_a_style_names_the_nearest_and_leaves_no_wish():
+def test_a_prompt_without_a_style_names_the_nearest_and_leaves_no_reading():
     box = PromptBox("brick")
     box._text.value = "bricc-a-brac"
     box._text.value = "marbel"
-    assert box.wish.style == "marble"
+    assert box.reading.wishes[0].style == "marble"
     box._text.value = "spaceship"
-    assert box.wish is None
+    assert box.reading is None
     assert "names no style" in box.trouble
     assert box._chips.value == ""
 
@@ -91,7 +136,7 @@ def test_a_picture_takes_the_place_of_the_style_and_leaves_the_rest():
     box = PromptBox("small brick")
     box._chips._press("dragon_scales")
     assert box.prompt == "small dragon scales"
-    assert box.wish.style == "dragon_scales"
+    assert box.reading.wishes[0].style == "dragon_scales"
     box._chips._press("wood")
     assert box.prompt == "small wood"
 
@@ -100,7 +145,7 @@ def test_a_picture_takes_the_place_of_the_style_and_leaves_the_rest():
 def test_every_picture_asks_for_its_style(name):
     box = PromptBox("brick")
     box._chips._press(name)
-    assert box.wish.style == name
+    assert box.reading.wishes[0].style == name
 
 
 # --- part ---------------------------------------------------------------------------------------------------------
@@ -181,7 +226,7 @@ def test_regions_set_in_python_are_shown():
     picker = RegionsPicker()
     picker.protect = ["inside", "below 5"]
     assert picker._inside.value
-    assert picker._lines.value.startswith("plane 0 0 5 0 0 -1")
+    assert picker._lines.value.startswith("below 5")
 
 
 def test_a_region_that_cannot_be_read_is_said_and_the_others_stay():

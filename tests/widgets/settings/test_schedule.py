@@ -40,10 +40,11 @@ def test_high_stress_asks_for_more():
 def test_the_preview_moves_with_every_parameter():
     selector = ScheduleSelector(schedule="every", every=50, iterations=200)
     seen = {selector._plot.value}
-    for name, value in (("every", 20), ("iterations", 100), ("schedule", "geometry"), ("travel", 0.03), ("amplitude", 0.5)):
+    other = {"every": 20, "iterations": 100, "schedule": "geometry", "travel": 0.03, "amplitude": 0.5, "relief": 1.5}
+    for name, value in other.items():
         setattr(selector, name, value)
         seen.add(selector._plot.value)
-    assert len(seen) == 6
+    assert len(seen) == 7
 
 
 def test_only_parameters_that_count_are_offered():

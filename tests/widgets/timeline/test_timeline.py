@@ -126,7 +126,7 @@ def test_it_grows_with_the_run(fake):
     assert timeline._figure.layout.height > 0
 
 
-ASKED = {"schedule": "every", "every": 5, "travel": 0.1, "iterations": 20, "amplitude": 0.15}
+ASKED = {"schedule": "every", "every": 5, "travel": 0.1, "iterations": 20, "relief": None, "amplitude": None}
 
 
 def sentence(timeline):

@@ -8,11 +8,15 @@ import ipywidgets
 import traitlets
 
 from mechstyle.errors import BadInput
-from mechstyle.records import Recipe
 from mechstyle.styling.library import library
-from mechstyle.styling.prompt import Wish, read
+from mechstyle.styling.prompt import Reading, read
+from mechstyle_widgets.settings.millimetres import AUTO, Millimetres
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, range_of, setting
 from mechstyle_widgets.settings.thumbnail_buttons import PictureChoice
+
+DEPTHS = tuple(round(0.1 * step, 1) for step in range(31))
+SIZES = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 15.0, 20.0, 25.0, 30.0, 40.0)
+"""Depths and sizes of features that the sliders offer [mm]."""
 
 
 class PromptBox(Section):
@@ -20,17 +24,25 @@ class PromptBox(Section):
 
     Attributes:
         prompt: The style, in words.
-        wish: How it was read, None if it could not be.
-        amplitude: Height of the relief over wall thickness.
+        reading: How it was read, None if it could not be.
+        relief: Depth of the relief [mm], None for what can be seen and the walls bear.
+        side: Where it goes from the surface.
+        feature: Size of the style's feature [mm], None for what fits the part.
+        inside: What becomes of a container's inside.
+        amplitude: Half the depth over wall thickness instead; a run that was opened may have it.
         seed: Decides everything random in the style.
         guidance: What the style descends to: `offline`, a drawn target, or `clip`, what CLIP takes for the prompt.
         field: What is descended in: `vertex`, values per vertex, or `network`, the X-Mesh style field.
     """
 
-    FIELDS = ("prompt", "amplitude", "seed", "guidance", "field")
+    FIELDS = ("prompt", "relief", "side", "feature", "inside", "amplitude", "seed", "guidance", "field")
 
     prompt = traitlets.Unicode("")
-    wish = traitlets.Instance(Wish, None, allow_none=True)
+    reading = traitlets.Instance(Reading, None, allow_none=True)
+    relief = setting("relief")
+    side = setting("side")
+    feature = setting("feature")
+    inside = setting("inside")
     amplitude = setting("amplitude")
     seed = setting("seed")
     guidance = setting("guidance")
@@ -38,64 +50,57 @@ class PromptBox(Section):
 
     def __init__(self, prompt: str = "brick", **traits: Any) -> None:
         """Offer the styles; `prompt` is asked for at first, `traits` are any other attributes."""
-        self._text = ipywidgets.Text(placeholder="small blue stones", tooltip="The style, in words", layout=WIDE)
+        tooltip = "The style, in words; one for each place: `outside: brick; rim: gold studs`"
+        self._text = ipywidgets.Text(placeholder="small blue stones", tooltip=tooltip, layout=WIDE)
         self._chips = PictureChoice("style", {name: style.description for name, style in library().items()})
         look = {"style": NARROW_LABEL, "layout": WIDE}
-        self._amplitude = ipywidgets.FloatSlider(
-            description="relief / wall", min=0.0, max=0.6, step=0.01, tooltip="Height of the relief over local wall thickness", **look
-        )
+        self._relief = Millimetres(DEPTHS, description="relief", tooltip="Depth of the relief, from its lowest to its highest", **look)
+        self._feature = Millimetres(SIZES, description="feature", tooltip="Size of the style's feature, such as a course of bricks", **look)
+        sides = [("out of thin walls, else both ways", "auto"), ("outwards", "outwards"), ("inwards", "inwards"), ("both ways", "both")]
+        self._side = ipywidgets.Dropdown(options=sides, description="goes", tooltip="Where the relief goes from the surface", **look)
+        insides = [("plain", "plain"), ("styled as well", "styled")]
+        self._inside = ipywidgets.Dropdown(options=insides, description="inside", tooltip="The inside of a cup, a tray, a case", **look)
         self._seed = ipywidgets.BoundedIntText(description="seed", **range_of("seed"), **look)
         guides = [("a drawn target, offline", "offline"), ("CLIP, any prompt", "clip")]
         self._guidance = ipywidgets.Dropdown(options=guides, description="guided by", tooltip="CLIP needs its weights on disk", **look)
         carriers = [("values per vertex", "vertex"), ("X-Mesh style field", "network")]
         self._field = ipywidgets.Dropdown(options=carriers, description="carried by", tooltip="What is optimised", **look)
-        super().__init__([self._text, self._chips, self._amplitude, self._seed, self._guidance, self._field])
+        sizes = [self._relief, self._side, self._feature, self._inside]
+        super().__init__([self._text, self._chips, *sizes, self._seed, self._guidance, self._field])
         self._chips.observe(self._choose, "pressed")
         traitlets.link((self, "prompt"), (self._text, "value"))
         self.prompt = prompt
         for name, value in traits.items():
             setattr(self, name, value)
-        self._amplitude.max = max(self._amplitude.max, self.amplitude)
-        pairs = {"amplitude": self._amplitude, "seed": self._seed, "guidance": self._guidance, "field": self._field}
+        traitlets.link((self, "relief"), (self._relief, "length"))
+        traitlets.link((self, "feature"), (self._feature, "length"))
+        traitlets.dlink((self, "amplitude"), (self._relief, "auto"), lambda share: AUTO if share is None else f"{share:g} of wall")
+        pairs = {"side": self._side, "inside": self._inside, "seed": self._seed, "guidance": self._guidance, "field": self._field}
         for name, widget in pairs.items():
             traitlets.link((self, name), (widget, "value"))
-
-    def take(self, recipe: Recipe) -> None:
-        """Choose what a recipe has."""
-        self._amplitude.max = max(self._amplitude.max, recipe.amplitude)
-        super().take(recipe)
 
     def _choose(self, _change: object) -> None:
         """A picture was pressed: put the name of its style in the place of the one the prompt names."""
         name = self._chips.value.replace("_", " ")
-        old = "" if self.wish is None else self.wish.style.replace("_", " ")
-        self.prompt = self.prompt.replace(old, name) if old and old in self.prompt else name
+        old = _first_style(self.reading).replace("_", " ")
+        self.prompt = self.prompt.replace(old, name, 1) if old and old in self.prompt else name
 
     @traitlets.observe("prompt", "guidance")
     def _read(self, _change: object) -> None:
         try:
-            self.wish = read(self.prompt) if self.prompt.strip() else None
+            self.reading = read(self.prompt) if self.prompt.strip() else None
         except BadInput as error:
-            self.wish = None
+            self.reading = None
             drawn = self.guidance == "offline"
             self.complain(str(error).split("; any other prompt")[0] if drawn else "")
             self.note("" if drawn else "CLIP reads the whole prompt")
             self._chips.value = ""
             return
-        self.complain("" if self.wish else "write what it should look like, or choose a style")
-        self.note("" if self.wish is None else words_of(self.wish))
-        self._chips.value = "" if self.wish is None else self.wish.style
+        self.complain("" if self.reading else "write what it should look like, or choose a style")
+        self.note("" if self.reading is None else "; ".join([f"read as {self.reading.words}", *self.reading.notes]))
+        self._chips.value = _first_style(self.reading)
 
 
-def words_of(wish: Wish) -> str:
-    """Summary of how a prompt was read, in one line."""
-    parts = [wish.style.replace("_", " ")]
-    if wish.size != 1.0:
-        parts.append(f"features × {wish.size:.2g}")
-    if wish.amount != 1.0:
-        parts.append(f"relief × {wish.amount:.2g}")
-    if wish.shade != 1.0:
-        parts.append("darker" if wish.shade < 1.0 else "lighter")
-    if wish.colour is not None:
-        parts.append("in #" + "".join(f"{round(255 * channel):02x}" for channel in wish.colour))
-    return "; ".join(["read as " + ", ".join(parts), *wish.notes])
+def _first_style(reading: Reading | None) -> str:
+    """The first style a prompt names, "" if it could not be read."""
+    return "" if reading is None else next(wish.style for wish in reading.wishes if wish.style)

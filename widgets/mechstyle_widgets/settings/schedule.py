@@ -31,7 +31,8 @@ class ScheduleSelector(Section):
         every: Interval of `every` [iterations].
         travel: Displacement over wall thickness that triggers `geometry` and `stress`.
         iterations: Iterations of the run.
-        amplitude: Height of the relief over wall thickness; the preview needs it.
+        relief: Depth of the relief [mm]; the preview needs it.
+        amplitude: Half the depth of the relief over wall thickness, as far as that decides; likewise.
     """
 
     FIELDS = ("schedule", "every", "travel", "iterations")
@@ -40,6 +41,7 @@ class ScheduleSelector(Section):
     every = setting("every")
     travel = setting("travel")
     iterations = setting("iterations")
+    relief = setting("relief")
     amplitude = setting("amplitude")
 
     def __init__(self, **traits: Any) -> None:
@@ -57,18 +59,18 @@ class ScheduleSelector(Section):
         pairs = (("schedule", self._choice), ("every", self._every), ("travel", self._travel), ("iterations", self._iterations))
         for name, widget in pairs:
             traitlets.link((self, name), (widget, "value"))
-        self.observe(self._redraw, (*self.FIELDS, "amplitude"))
+        self.observe(self._redraw, (*self.FIELDS, "relief", "amplitude"))
         self._redraw()
 
     def take(self, recipe: Recipe) -> None:
         """Choose what a recipe has."""
         super().take(recipe)
-        self.amplitude = recipe.amplitude
+        self.relief, self.amplitude = recipe.relief, recipe.amplitude
 
     @property
     def plan(self) -> Plan:
         """Iterations it would simulate."""
-        return plan(self.schedule, self.every, self.travel, self.iterations, self.amplitude)
+        return plan(self.schedule, self.every, self.travel, self.iterations, self.relief, self.amplitude)
 
     def _redraw(self, _change: object = None) -> None:
         self._every.layout.display = "" if self.schedule == "every" else "none"

@@ -44,7 +44,7 @@ def setting(name: str) -> Any:
     if isinstance(default, bool):
         return traitlets.Bool(default)
     number: Any = traitlets.Int if isinstance(default, int) else traitlets.Float
-    return number(default, **range_of(name))
+    return number(default, allow_none=default is None, **range_of(name))
 
 
 def range_of(name: str) -> dict[str, float]:

@@ -12,14 +12,17 @@ import numpy as np
 from mechstyle.loop.schedule import Progress, due
 from mechstyle.records import Recipe
 from mechstyle.records.material import LIBRARY
+from mechstyle.styling.dimensions import NOMINAL, SHARE
 
 APPROACH = 40.0
 """Iterations in which the style comes nearer to its target by a factor of e."""
 RELIEF = 1.2
 """Highest relief of a style over amplitude and wall thickness."""
+SUPPOSED_WALL = 3.0
+"""What is taken for the wall of a part that is not measured yet [mm]."""
 SUPPOSED_DEMAND = 0.5
 """What is taken for the demand of the vertex that moves most, where the schedule heeds it."""
-DECIDES = ("schedule", "every", "travel", "iterations", "amplitude")
+DECIDES = ("schedule", "every", "travel", "iterations", "relief", "amplitude")
 """Fields of a recipe the plan depends on."""
 
 
@@ -50,7 +53,7 @@ def plan_of(settings: Mapping[str, Any]) -> Plan | None:
 
 
 @lru_cache(maxsize=8)
-def plan(schedule: str, every: int, travel: float, iterations: int, amplitude: float) -> Plan:
+def plan(schedule: str, every: int, travel: float, iterations: int, relief: float | None, amplitude: float | None) -> Plan:
     """Iterations a schedule simulates if nothing is restrained; arguments as in `Recipe`.
 
     The rules are the engine's own, asked about one vertex whose relief approaches its full height exponentially.
@@ -58,9 +61,10 @@ def plan(schedule: str, every: int, travel: float, iterations: int, amplitude: f
     recipe = Recipe(surface="", tetrahedra="", prompt="", material=LIBRARY["PLA"], schedule=schedule, every=every, travel=travel,
                     iterations=iterations)  # fmt: skip
     demand = np.full(1, SUPPOSED_DEMAND if schedule == "stress" else 0.0, np.float32)
+    share = relief / (NOMINAL * SUPPOSED_WALL) if relief is not None else SHARE if amplitude is None else amplitude
     found, anchor, wall = [0], 0.0, np.ones(1, np.float32)
     for iteration in range(1, iterations):
-        height = RELIEF * amplitude * (1.0 - np.exp(-iteration / APPROACH))
+        height = RELIEF * share * (1.0 - np.exp(-iteration / APPROACH))
         moved = np.full(1, height - anchor, np.float32)
         if due(recipe, Progress(iteration, found[-1], moved, wall, demand)):
             found.append(iteration)

@@ -1,0 +1,200 @@
+"""How large a style is on a part, in millimetres: the depth of its relief, the side it goes to, the size of its features."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import ArrayLike
+from scipy.sparse.csgraph import dijkstra
+
+from mechstyle.geometry.face_width import face_width
+from mechstyle.loop import minimum_wall
+from mechstyle.records import Recipe
+from mechstyle.records.mesh import Floats, SurfaceMesh
+from mechstyle.styling.drawing.canvas import Canvas, scale_by_area
+from mechstyle.styling.drawing.operators import Operators
+from mechstyle.styling.library import style_named
+from mechstyle.styling.prompt import Wish
+
+LEGIBLE, ENOUGH = 0.6, 2.0
+"""A relief of the first depth is seen in an unpainted print [mm], one of the second whatever the size of its features …"""
+SHALLOWEST, STEEPEST = 0.1, 0.4
+"""… if it is at least this share of the size of a feature, and carried by it if it is at most this …"""
+SHARE = 0.15
+"""… and half of it is at least this share of the wall, unless told."""
+NOMINAL = 2.0
+"""Height from the lowest to the highest of a relief as styles draw it, by which a share of the wall is reckoned."""
+TAIL = 0.02
+"""Share of the surface that may lie beyond what counts as the highest, or the lowest, of a relief."""
+CUT = 0.25
+"""A relief that is not to go to both sides alike takes at most this share of the wall."""
+LEAST_FEATURE = 6.0
+"""Features are at least so many nozzles wide unasked, so that the joints between them are about two …"""
+ACROSS = 2.0
+"""… and at least so many of them lie across a face, where that does not make them finer."""
+_WORTH_A_NOTE = 0.02  # share of the surface
+_THICKNESS_SLOPE = 0.3  # how fast the relief may grow along the surface where the wall gets thicker [mm/mm]
+
+
+@dataclass(frozen=True, eq=False)
+class Layout:
+    """Where a relief lies on the walls of a part.
+
+    Attributes:
+        side: Where it goes from the surface, one of SIDES.
+        depth: From its lowest to its highest [mm], shape [n].
+        room: How much of that may be cut into the wall [mm], shape [n].
+        span: What counts as a height from the lowest to the highest, None for that of the style as it is drawn.
+        notes: What the user should know of it, in sentences.
+    """
+
+    side: str
+    depth: Floats
+    room: Floats
+    span: float | None
+    notes: tuple[str, ...]
+
+    def displacement(self, height: Floats, areas: Floats) -> Floats:
+        """The displacement [mm] of a relief as a style draws it, shape [n]; on both sides no volume is gained or lost to first order."""
+        low, high = _range(height, areas)
+        span = high - low if self.span is None else self.span
+        gain = self.depth / span if span > 0.0 else np.zeros_like(self.depth)
+        weight = areas * gain
+        mean = float(weight @ height / weight.sum()) if weight.sum() > 0.0 else 0.0
+        return gain * (height - mean) + self._shift(gain * (mean - low), gain * (high - mean))
+
+    @property
+    def reach(self) -> tuple[Floats, Floats]:
+        """How far it may go inwards and outwards [mm], shape [n] each."""
+        half = 0.5 * self.depth
+        shift = self._shift(half, half)
+        return half - shift, half + shift
+
+    def _shift(self, lowest: Floats, highest: Floats) -> Floats:
+        """How far outwards a relief is moved as a whole that goes so far inwards and outwards [mm], shape [n]."""
+        if self.side == "inwards":
+            return -highest
+        return np.maximum(lowest - self.room, 0.0)
+
+
+@dataclass(frozen=True)
+class Dimensions:
+    """What is asked of the size of a style, on whatever part; attributes as in `Recipe`."""
+
+    relief: float | None = None
+    amplitude: float | None = None
+    side: str = "auto"
+    feature: float | None = None
+    nozzle: float = 0.4
+    minimum_wall: float = 0.8
+
+    @classmethod
+    def of(cls, recipe: Recipe, wish: Wish | None = None) -> Dimensions:
+        """Those of a recipe; what it leaves open the prompt may tell."""
+        relief, feature = recipe.relief, recipe.feature
+        if wish is not None:
+            relief = wish.relief if relief is None and recipe.amplitude is None else relief
+            feature = wish.feature if feature is None else feature
+        return cls(relief, recipe.amplitude, recipe.side, feature, recipe.nozzle, recipe.minimum_wall)
+
+    def canvas(self, mesh: SurfaceMesh, thickness: ArrayLike, wish: Wish, seed: int) -> Canvas:
+        """What to draw a style on, with features of the size that is asked for, or that fits the part and its walls [mm], shape [n]."""
+        if not wish.style:
+            return Canvas(mesh, seed)
+        nominal = style_named(wish.style).feature_mm * scale_by_area(mesh)
+        size = wish.size * self._correction(mesh, thickness, nominal) if self.feature is None else self.feature / nominal
+        return Canvas(mesh, seed, size, wish.colour, wish.shade, nozzle=self.nozzle)
+
+    def _correction(self, mesh: SurfaceMesh, thickness: ArrayLike, feature: float) -> float:
+        """Factor on a size of features by area [mm]: for narrow faces, thin walls, which bear no deep relief, and what a nozzle prints."""
+        if self.nozzle == 0.0:
+            return 1.0
+        largest = min(face_width(mesh) / ACROSS, float(np.median(np.asarray(thickness))) / SHALLOWEST)
+        return max(min(feature, largest), LEAST_FEATURE * self.nozzle) / feature
+
+    def layout(self, operators: Operators, thickness: ArrayLike, feature: float | None, amount: float = 1.0) -> Layout:
+        """Depth and place of a relief on the walls of a part.
+
+        Args:
+            operators: Those of the part.
+            thickness: Local wall thickness [mm], shape [n].
+            feature: Size of the style's feature [mm]: no wall counts as thicker, or a solid ball would grow spikes. None if it has none.
+            amount: Factor of the prompt on a depth that is not told in mm.
+        """
+        wall = np.asarray(thickness, dtype=np.float64)
+        wanted = self._depth(gradual_thickness(operators, wall if feature is None else np.minimum(wall, feature)), feature, amount)
+        span = None if self.amplitude is None or self.relief is not None else NOMINAL
+        if self.side == "both":
+            return Layout(self.side, wanted, np.full(len(wall), np.inf), span, ())
+        whole = gradual_thickness(operators, wall)
+        room = _room(self.side, whole, self.minimum_wall)
+        depth = np.minimum(wanted, room if self.side == "inwards" else whole + room)
+        return Layout(self.side, depth, room, span, self._notes(operators.mesh, depth, room, feature, amount))
+
+    def _depth(self, wall: Floats, feature: float | None, amount: float) -> Floats:
+        """Depth on walls [mm] that bear it, shape [n]."""
+        if self.relief is not None:
+            return np.full(len(wall), self.relief)
+        if self.amplitude is not None:
+            return NOMINAL * (self.amplitude * amount * wall)
+        least, most = (LEGIBLE, np.inf) if feature is None else (min(max(LEGIBLE, SHALLOWEST * feature), ENOUGH), STEEPEST * feature)
+        return amount * np.minimum(np.maximum(NOMINAL * SHARE * wall, least), most)
+
+    def _notes(self, mesh: SurfaceMesh, depth: Floats, room: Floats, feature: float | None, amount: float) -> tuple[str, ...]:
+        areas = mesh.vertex_areas / mesh.vertex_areas.sum()
+        asked = self.relief if self.relief is not None else LEGIBLE * min(amount, 1.0)
+        short, uncut = depth < 0.99 * asked, room < 0.25 * depth
+        notes = []
+        if self.side == "auto" and areas[uncut].sum() > _WORTH_A_NOTE:
+            notes.append(f"the relief only stands out of the wall on {areas[uncut].sum():.0%} of the surface: it is too thin to be cut")
+        if (self.relief is not None or self.amplitude is None) and areas[short].sum() > _WORTH_A_NOTE:
+            small = self.relief is None and feature is not None and STEEPEST * feature < LEGIBLE
+            why = f"features of {feature:.2g} mm bear" if small else "the walls there bear"
+            where = f"on {areas[short].sum():.0%} of the surface"
+            notes.append(f"the relief is down to {depth[short].min():.2g} mm deep instead of {asked:.2g} mm {where}: {why} no more")
+        return tuple(notes)
+
+
+def _room(side: str, wall: Floats, minimum: float) -> Floats:
+    """How much of a relief walls take [mm], shape [n]."""
+    if side == "outwards":
+        return np.zeros_like(wall)
+    return CUT * wall if side == "inwards" else np.minimum(CUT * wall, minimum_wall.room(wall, minimum))
+
+
+def _range(height: Floats, areas: Floats) -> tuple[float, float]:
+    """The lowest and the highest of a relief, but for a little of the surface."""
+    order = np.argsort(height)
+    share = np.cumsum(areas[order])
+    low, high = np.searchsorted(share, np.array([TAIL, 1.0 - TAIL]) * share[-1])
+    return float(height[order][low]), float(height[order][high])
+
+
+def gradual_thickness(operators: Operators, thickness: Floats) -> Floats:
+    """The largest field under the median-filtered thickness [mm] whose slope along edges is bounded (Persson 2006), shape [n].
+
+    A measured thickness jumps, for example from a wall to the block it grows from; relief made from it would have cliffs.
+    """
+    filtered = _median_of_ring(operators, thickness)
+    lengths = _THICKNESS_SLOPE * np.linalg.norm(operators.edge_vectors, axis=1)
+    count = len(filtered)
+    # One more node, joined to every vertex by its thickness, turns the lower envelope of cones into one shortest-path problem.
+    source, floor = np.full(count, count), np.maximum(filtered, 1e-9)
+    rows = np.concatenate([operators.tail, source])
+    columns = np.concatenate([operators.head, np.arange(count)])
+    graph = sp.csr_array((np.concatenate([lengths, floor]), (rows, columns)), (count + 1, count + 1))
+    return np.asarray(dijkstra(graph, directed=False, indices=count)[:count])
+
+
+def _median_of_ring(operators: Operators, values: Floats) -> Floats:
+    """Median over each vertex and its neighbours, shape [n]."""
+    count = len(values)
+    centre = np.concatenate([operators.tail, operators.head, np.arange(count)])
+    other = np.concatenate([operators.head, operators.tail, np.arange(count)])
+    order = np.lexsort((values[other], centre))
+    size = np.bincount(centre, minlength=count)
+    first = np.concatenate([[0], np.cumsum(size)[:-1]])
+    ranked = values[other][order]
+    return np.asarray(0.5 * (ranked[first + (size - 1) // 2] + ranked[first + size // 2]))

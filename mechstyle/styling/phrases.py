@@ -1,0 +1,220 @@
+"""The words of a prompt put together: numbers with their units, places with their numbers, and what is not wanted taken out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from mechstyle.records.regions import Region, region
+from mechstyle.styling import vocabulary as english
+from mechstyle.styling.words import Word, style_words
+
+
+class Length(NamedTuple):
+    """A length in a prompt [mm], and whether it is one of the relief's depth."""
+
+    mm: float
+    deep: bool
+
+
+class Place(NamedTuple):
+    """A place named in a prompt, None for all of the part, and whether it is to be spared."""
+
+    region: Region | None
+    spared: bool = False
+
+
+Item = Word | Length | Place
+NOTHING = Word("", "the")
+"""In the place of what has been read."""
+ADJECTIVES = english.SIZES.keys() | english.AMOUNTS.keys() | english.SHADES.keys() | english.COLOURS.keys()
+"""Words that describe a style."""
+_LARGE = {"wide", "large", "big"}
+_NO_CONTENT = {"", "or", ":", ";"} | english.FILLERS | english.SEPARATORS | english.DEGREES.keys()
+
+
+def meaning(item: Item | None) -> str:
+    """The word an item stands for; "the" for what is none."""
+    return item.means if isinstance(item, Word) else "the"
+
+
+def is_style(item: Item) -> bool:
+    """Whether an item names a style."""
+    return meaning(item) in style_words()
+
+
+def items_of(found: Sequence[Word], notes: list[str]) -> list[Item]:
+    """The words with those that belong together as one: phrases, lengths, places; notes are added on numbers left out."""
+    return _with_places(_with_lengths(_with_recesses(_with_phrases(found)), notes))
+
+
+def _with_phrases(found: Sequence[Word]) -> list[Word]:
+    """The words with those of a style's phrase ("dragon_scale") read as one, wherever they stand: "the scales of a dragon".
+
+    The style takes the place of the first word and a filler that of the others; phrases of more words are read first.
+    """
+    phrases = {phrase: [part.removesuffix("s") for part in phrase.split("_")] for phrase in style_words() if "_" in phrase}
+    read = list(found)
+    for phrase, parts in sorted(phrases.items(), key=lambda item: (-len(item[1]), item[0])):
+        roots = [word.means.removesuffix("s") for word in read]
+        if all(part in roots for part in parts):
+            first, *others = sorted(roots.index(part) for part in parts)
+            if not {":", ";"} & set(roots[first : max(others)]):
+                read[first] = read[first]._replace(means=phrase)
+                for other in others:
+                    read[other] = NOTHING
+    return read
+
+
+def _with_recesses(found: Sequence[Word]) -> list[Word]:
+    """The words with those that are a style alone, such as lines, read as recesses of the style beside them: "brick with gold lines"."""
+    beside = any(is_style(word) and word.means not in english.RECESSES for word in found)
+    return [word._replace(means="seam") if beside and word.means in english.RECESSES else word for word in found]
+
+
+def _with_lengths(found: Sequence[Word], notes: list[str]) -> list[Item]:
+    """The words with every number that has a unit read as a length, together with the word that says of what."""
+    items: list[Item] = []
+    rest = list(found)
+    while rest:
+        word = rest.pop(0)
+        if word.number is None or not rest or rest[0].means not in english.MILLIMETRES:
+            items.append(word)
+            continue
+        mm = word.number * english.MILLIMETRES[rest.pop(0).means]
+        at = next((at for at in range(len(items) - 1, -1, -1) if meaning(items[at]) not in english.FILLERS), None)
+        before = items[at] if at is not None else NOTHING
+        deep = _says_deep(rest)
+        if deep or (rest and rest[0].means in _LARGE):
+            rest.pop(0)
+        if at is not None and not deep and meaning(before) in english.DEPTHS and not _describes(before, rest):
+            deep, items[at] = True, NOTHING
+        elif at is not None and isinstance(before, Word) and before.number is not None:
+            notes.append(f"a size is one length: took {mm:g} mm, left out {before.text}")
+            items[at] = NOTHING
+        if meaning(before) != "thickness":  # of a wall, which no style changes
+            items.append(Length(mm, deep))
+    return items
+
+
+def _says_deep(rest: Sequence[Word]) -> bool:
+    """Whether the next word makes the length before it one of depth, and is not said of a length that follows: "4 mm, relief 1 mm"."""
+    return bool(rest) and rest[0].means in english.DEPTHS and not (len(rest) > 1 and rest[1].number is not None)
+
+
+def _describes(word: Item, rest: Sequence[Word]) -> bool:
+    """Whether a word such as "deep" is said of the style that follows, and not of the length between: "deep 5 mm bricks"."""
+    return meaning(word) in ADJECTIVES and bool(rest) and is_style(rest[0])
+
+
+def _with_places(given: Sequence[Item]) -> list[Item]:
+    """The items with the words of a place, and the numbers that say how far it reaches, read as a place."""
+    items: list[Item] = []
+    rest = list(given)
+    while rest:
+        item = rest.pop(0)
+        kind = english.PLACES.get(meaning(item), "")
+        if meaning(item) in english.EVERYWHERE:
+            items.append(Place(None))
+        elif isinstance(item, Length):
+            items.append(_reach(item, rest) or item)
+        elif kind and (numbers := _numbers_after(kind, rest, bare=_stands_bare(items))) is not None:
+            items.append(Place(region(" ".join([kind, *(f"{number:g}" for number in numbers)]))))
+        else:
+            items.append(item)
+    return items
+
+
+def _stands_bare(items: Sequence[Item]) -> bool:
+    """Whether what comes next has no article, as in "on top"."""
+    return bool(items) and isinstance(items[-1], Word) and items[-1].text in {"on", "at"}
+
+
+def _reach(length: Length, rest: list[Item]) -> Place | None:
+    """Take "from the bottom" after a length, and make it the place that reaches so far."""
+    texts = [item.text if isinstance(item, Word) else "" for item in rest[:2]]
+    at = 2 if texts == ["from", "the"] else 1
+    kind = english.PLACES.get(meaning(rest[at]), "") if texts[:1] == ["from"] and at < len(rest) else ""
+    if kind not in english.TAKES_A_NUMBER:
+        return None
+    del rest[: at + 1]
+    return Place(region(f"{kind} {length.mm:g}"))
+
+
+def _numbers_after(kind: str, rest: list[Item], *, bare: bool) -> list[float] | None:
+    """Take the numbers that belong to a place from what stands after its first word; None if it needs more than there are.
+
+    Args:
+        kind: The first word of its notation.
+        rest: What stands after it.
+        bare: Whether it has no article; a length then rather belongs to what follows: "on top 5 mm bricks".
+    """
+    needed = english.NEEDS_NUMBERS.get(kind, 0)
+    most = needed or int(kind in english.TAKES_A_NUMBER)
+    taken = 0
+    numbers: list[float] = []
+    for at, item in enumerate(rest):
+        number = item.number if isinstance(item, Word) else item.mm if isinstance(item, Length) and not item.deep else None
+        if len(numbers) == most or (number is None and meaning(item) != "z"):
+            break
+        if number is not None:
+            numbers.append(number)
+            taken = at + 1
+    if len(numbers) < needed:
+        return None
+    if not needed and bare and taken < len(rest) and is_content(rest[taken]):
+        return []
+    del rest[:taken]
+    return numbers
+
+
+def without_negated(items: Sequence[Item], *, adjectives_only: bool) -> tuple[list[Item], list[Item]]:
+    """The items with nothing in the place of what is not wanted, and what that is; a place that is not wanted is spared.
+
+    Args:
+        items: What was read.
+        adjectives_only: Whether "not deep bricks" are bricks that are not deep, rather than no bricks.
+    """
+    kept: list[Item] = []
+    unwanted: list[Item] = []
+    scope = False
+    for at, item in enumerate(items):
+        means = meaning(item)
+        if means == english.NEGATED_BEFORE:
+            start = max((k + 1 for k, other in enumerate(kept) if _ends_scope(other)), default=0)
+            unwanted += [other for other in kept[start:] if is_content(other)]
+            kept[start:] = [_spared(other) for other in kept[start:]]
+        elif means in english.NEGATIONS or (means == "but" and _excepts_a_place(items[at + 1 :])):
+            scope = True
+            kept.append(NOTHING)
+        elif _ends_scope(item):
+            scope = False
+            kept.append(item)
+        elif scope and is_content(item):
+            unwanted.append(item)
+            kept.append(_spared(item))
+            scope = not (adjectives_only and means in ADJECTIVES)
+        else:
+            kept.append(item)
+    return kept, unwanted
+
+
+def _ends_scope(item: Item) -> bool:
+    return meaning(item) in {*english.SEPARATORS, ";", ":", "just", "only", "rather", "instead"}
+
+
+def is_content(item: Item) -> bool:
+    """Whether an item asks for something."""
+    return not isinstance(item, Word) or item.means not in _NO_CONTENT
+
+
+def _spared(item: Item) -> Item:
+    return item._replace(spared=True) if isinstance(item, Place) else NOTHING if is_content(item) else item
+
+
+def _excepts_a_place(rest: Sequence[Item]) -> bool:
+    """Whether only a place comes up to the next comma: "all over but the rim"."""
+    end = next((at for at, item in enumerate(rest) if _ends_scope(item)), len(rest))
+    content = [item for item in rest[:end] if is_content(item)]
+    stopped = end < len(rest) and meaning(rest[end]) not in {",", ";"}
+    return bool(content) and not stopped and all(isinstance(item, Place) for item in content)

@@ -1,0 +1,257 @@
+"""The words of a prompt, each with the word of the vocabulary it stands for, in whatever language and however spelt."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from functools import cache
+from typing import NamedTuple
+
+from mechstyle.styling import vocabulary as english
+from mechstyle.styling.languages import LANGUAGES, words_of
+from mechstyle.styling.library import library
+
+MARKS = {":": ":", ";": ";", "\n": ";", "&": "and", "+": "and", "/": "and", **dict.fromkeys(",.、。()–—", ",")}
+"""Punctuation that means something; the other has no meaning."""
+_EAST = "\u3040-\u30ff\u3400-\u9fff々〆"  # signs that are written without spaces between words
+_TOKEN = re.compile(
+    rf"3d\b|(?<![\w.])[-+]?\d+(?:\.\d+)?|\d+(?:\.\d+)?|[{_EAST}]+|[^\W\d_{_EAST}]+|[{re.escape(''.join(MARKS))}]"
+)
+_KANA = re.compile("[\u3040-\u30ff]")
+_ENDINGS = (
+    ("ies", "y"), ("ves", "f"), ("s", ""), ("es", ""), ("ed", ""), ("ed", "e"), ("ing", ""), ("ing", "e"), ("ish", ""), ("ish", "e"),
+    ("er", ""), ("er", "e"), ("est", ""), ("est", "e"), ("y", ""), ("en", ""),
+)  # fmt: skip
+_PLURALS = ("ies", "es", "s", "ed")
+_INFLECTION = {"German": re.compile("(?:en|er|es|em|e|n|s)$")} | dict.fromkeys(LANGUAGES[1:5], re.compile("(?:[aeio]?s?|x)$"))
+_COMPOUNDING = ("", "German")
+_LEAST_STEM = 3
+_LEAST_STYLE = 4
+_LONGEST_PHRASE = 4  # words
+_FIRM = 7  # letters from which on one of them may be another: shorter words are often words of their own
+
+
+class Word(NamedTuple):
+    """A word, number or mark of a prompt.
+
+    Attributes:
+        text: As typed, in lower case and without accents.
+        means: The English word of the vocabulary, or of a style, that it stands for; a mark or number for itself; "" for none.
+    """
+
+    text: str
+    means: str
+
+    @property
+    def number(self) -> float | None:
+        """Its value if it is a number."""
+        return float(self.text) if re.fullmatch(r"[-+]?\d+(?:\.\d+)?", self.text) else None
+
+
+def words(prompt: str) -> tuple[list[Word], list[str]]:
+    """The words of a prompt, and a note for each that was guessed."""
+    folded = _folded(prompt)
+    eastern = ("Japanese", "Chinese") if _KANA.search(folded) else ("Chinese", "Japanese")
+    tokens = [part for token in _TOKEN.findall(folded) for part in (_segmented(token, eastern) if _is_eastern(token) else [token])]
+    western = _language(tokens)
+    named = any(_known(token, western) in style_words() for token in tokens)
+    read, notes = [], []
+    while tokens:
+        token = tokens[0]
+        if _is_eastern(token):
+            count, means, guess = 1, [_listed(token, eastern)], ""
+        else:
+            count, means, guess = _next(tokens, western, named=named)
+        read += [Word(" ".join(tokens[:count]) if not at else "", meaning) for at, meaning in enumerate(means)]
+        notes += [guess] if guess else []
+        del tokens[:count]
+    return read, notes
+
+
+def quoted(texts: Iterable[str]) -> str:
+    """Some words for a sentence, each once."""
+    return ", ".join(repr(text) for text in dict.fromkeys(texts))
+
+
+@cache
+def style_words() -> dict[str, str]:
+    """Name of the style that each style word asks for."""
+    styles = library().values()
+    return {word: style.name for style in styles for word in style.words} | {style.name: style.name for style in styles}
+
+
+@cache
+def meanings() -> frozenset[str]:
+    """All English words that mean something."""
+    tables: Iterable[Collection[str]] = (
+        english.SIZES, english.AMOUNTS, english.COLOURS, english.SHADES, english.DEGREES, english.FILLERS, english.NEGATIONS,
+        english.SEPARATORS, english.PLAIN, english.EVERYWHERE, english.PLACES, english.UNKNOWN_PLACES, english.RECESSES,
+        english.DEPTHS, english.MILLIMETRES, english.BEYOND, ("or",),
+    )  # fmt: skip
+    return frozenset(style_words()).union(*tables)
+
+
+def _folded(text: str) -> str:
+    """The text in lower case, without accents, and with what is written in more than one way written in one."""
+    plain = "".join(sign for sign in unicodedata.normalize("NFKD", text.casefold()) if not "\u0300" <= sign <= "\u036f")
+    plain = unicodedata.normalize("NFC", plain).replace("n't", " not").replace("n’t", " not")
+    plain = re.sub(r"(?<=\d),(?=\d+\s*(?:mm|cm|milli|centi|毫米|ミリ))", ".", plain)  # a decimal comma
+    return re.sub(r"[- ]ish\b", "", plain).replace("・", "")
+
+
+def _is_eastern(token: str) -> bool:
+    return bool(re.match(f"[{_EAST}]", token))
+
+
+def _listed(word: str, languages: Sequence[str]) -> str:
+    """English word that the dictionary of the first of some languages that knows a word has for it; "" for none."""
+    return next((_dictionary(language)[word] for language in languages if word in _dictionary(language)), "")
+
+
+def _segmented(signs: str, languages: Sequence[str]) -> list[str]:
+    """Words written without spaces: always the longest that comes next; signs that begin none are put together."""
+    parts: list[str] = []
+    unknown = ""
+    while signs:
+        length = next((length for length in range(len(signs), 0, -1) if _listed(signs[:length], languages)), 0)
+        if length:
+            parts += [unknown] if unknown else []
+            parts.append(signs[:length])
+            unknown = ""
+        else:
+            unknown += signs[0]
+        signs = signs[length or 1 :]
+    return [*parts, unknown] if unknown else parts
+
+
+def _next(tokens: list[str], language: str, *, named: bool) -> tuple[int, list[str], str]:
+    """How many tokens belong together, what they mean, and a note if that was guessed; `named` is whether any token is a style."""
+    first = tokens[0]
+    if first in MARKS:
+        return 1, [MARKS[first]], ""
+    if Word(first, "").number is not None:
+        return 1, [first], ""
+    count, found = max((_phrase(tokens, one) for one in dict.fromkeys([language, ""])), key=lambda phrase: phrase[0])
+    if count:
+        return count, [found], ""
+    means, guess = _unlisted(first, language, named=named)
+    return 1, means, guess
+
+
+@cache
+def _dictionary(language: str) -> Mapping[str, str]:
+    """English word by word of a language, folded as prompts are; "" for English itself."""
+    if not language:
+        return {word: word for word in meanings()}
+    folded = {}
+    for word, means in words_of(language).items():
+        folded[_folded(word)] = means
+        folded[_folded(re.sub("([äöü])", r"\1e", word.casefold()))] = means  # ä written as ae
+    return {word: means for word, means in folded.items() if means in meanings() or means == english.NEGATED_BEFORE}
+
+
+@cache
+def _stems(language: str) -> Mapping[str, str]:
+    """English word by stem of a word of a language, as `_stem` gives it."""
+    return {_stem(word, language): means for word, means in reversed(list(_dictionary(language).items())) if "_" not in word}
+
+
+def _stem(word: str, language: str) -> str:
+    """The word without the ending that number, gender and case give it; as it is if too little would be left."""
+    stem = _INFLECTION[language].sub("", word)
+    return stem if len(stem) >= _LEAST_STEM else word
+
+
+def _forms(word: str) -> Iterator[str]:
+    """The English word and what it may be a plural or participle of, likeliest first."""
+    yield word
+    for ending, stem in _ENDINGS:
+        if word.endswith(ending) and len(word) - len(ending) >= _LEAST_STEM:
+            base = word[: len(word) - len(ending)]
+            forms = [base + stem, *([base[:-1]] if not stem and base[-1] == base[-2] else [])]  # reddish
+            yield from (form for form in forms if ending in _PLURALS or form not in english.FILLERS)
+
+
+def _known(word: str, language: str) -> str:
+    """English word that one word of a language stands for, whatever its ending; "" if it is none."""
+    if not language:
+        return next((form for form in _forms(word) if form in meanings()), "")
+    stem = _stem(word, language)
+    return _dictionary(language).get(word) or _dictionary(language).get(stem) or _stems(language).get(stem, "")
+
+
+def _language(tokens: list[str]) -> str:
+    """The language, "" for English, of which most of the words are; English if that is as likely."""
+    western = [token for token in tokens if token.isalpha() and not _is_eastern(token)]
+    return max(("", *LANGUAGES[:5]), key=lambda language: _covered(western, language))
+
+
+def _covered(tokens: Sequence[str], language: str) -> int:
+    """How many of some words a language knows, alone or in its phrases."""
+    at = covered = 0
+    while at < len(tokens):
+        count = _phrase(tokens[at:], language)[0] or int(bool(_known(tokens[at], language) or _compound(tokens[at], language)))
+        covered += count
+        at += count or 1
+    return covered
+
+
+def _phrase(tokens: Sequence[str], language: str) -> tuple[int, str]:
+    """How many tokens the longest entry of a dictionary is made of with which they begin, and its meaning; 0 if there is none."""
+    dictionary = _dictionary(language)
+    counts = range(min(_LONGEST_PHRASE, len(tokens)), 0, -1)
+    return next(((count, found) for count in counts if (found := dictionary.get("_".join(tokens[:count]), ""))), (0, ""))
+
+
+def _unlisted(word: str, language: str, *, named: bool) -> tuple[list[str], str]:
+    """What a word means that no dictionary lists as it is, and a note if that was guessed: inflected, foreign, compound, misspelt."""
+    found = _known(word, language) or _known(word, "")
+    if found:
+        return [found], ""
+    seen = {*style_words(), *english.COLOURS}  # filling words of another language are often words of this one
+    foreign = next((means for other in LANGUAGES[:5] if (means := _dictionary(other).get(word, "")) in seen), "")
+    if foreign:
+        return [foreign], f"read {word!r} as {foreign!r}"
+    parts = _compound(word, language)
+    if parts:
+        return parts, "" if language else f"read {word!r} as {' '.join(parts)!r}"
+    close = _misspelt(word, language, named=named)
+    return [close], f"read {word!r} as {close!r}" if close else ""
+
+
+def _compound(word: str, language: str) -> list[str]:
+    """The meanings of the two words that are written as one ("dunkelblau", "redwood"); none if it is not of two."""
+    if language not in _COMPOUNDING:
+        return []
+    for cut in range(len(word) - _LEAST_STEM, _LEAST_STEM - 1, -1):
+        parts = [_known(word[:cut], language), _known(word[cut:], language)]
+        plain = [part for part in parts if part not in english.FILLERS]
+        if all(parts) and (len(plain) == 2 or (plain and language)):
+            return parts
+    return []
+
+
+def _misspelt(word: str, language: str, *, named: bool) -> str:
+    """The word of a language that this one is a misspelling of; "" if it is none's, or too short to tell.
+
+    A style must be named by more letters, and by still more beside one that is spelt out.
+    """
+    styles = style_words()
+    least = _LEAST_STYLE + named
+    among = [(other, means) for other, means in _dictionary(language).items() if means not in styles or min(len(word), len(other)) >= least]
+    close = [(means not in styles, other, means) for form in (_forms(word) if not language else [word]) for other, means in among
+             if _slips(form, other) and means not in english.FILLERS]  # fmt: skip
+    return min(close)[2] if close else ""
+
+
+def _slips(word: str, meant: str) -> bool:
+    """Whether one slip of a typist makes a word of another: two letters swapped, one left out or too many; in long words also another."""
+    if min(len(word), len(meant)) < _LEAST_STEM or word[0] != meant[0] or abs(len(word) - len(meant)) > 1:
+        return False
+    start = next((k for k, (a, b) in enumerate(zip(word, meant, strict=False)) if a != b), min(len(word), len(meant)))
+    rest, other = word[start:], meant[start:]
+    swapped = rest[:2] == other[:2][::-1] and rest[2:] == other[2:]
+    dropped = rest == other[1:] or rest[1:] == other
+    changed = len(word) >= _FIRM and rest[1:] == other[1:]
+    return swapped or dropped or changed

@@ -1,0 +1,26 @@
+"""How wide faces are, on shapes whose faces are known."""
+
+import manifold3d
+import pytest
+
+from mechstyle.geometry.face_width import face_width
+from mechstyle.geometry.remesh import standardise, surface_of
+
+
+def block(x, y, z):
+    return standardise(surface_of(manifold3d.Manifold.cube((x, y, z))), 4000)
+
+
+@pytest.mark.parametrize(("size", "least", "most"), [((100, 100, 100), 45, 100), ((100, 4, 4), 2.5, 4.2), ((100, 100, 3), 45, 100)])
+def test_faces_are_as_wide_as_their_narrow_side_and_the_edge_of_a_plate_does_not_count(size, least, most):
+    assert least < face_width(block(*size)) <= most
+
+
+def test_a_thin_ring_is_as_narrow_as_it_is_thick():
+    ring = manifold3d.CrossSection.circle(2.2, 24).translate((30.0, 0.0)).revolve(96)
+    assert face_width(standardise(surface_of(ring), 4000)) == pytest.approx(4.4, rel=0.25)
+
+
+def test_a_ball_is_as_wide_as_it_is(sphere):
+    """From anywhere on it, the nearest place whose normal is across is 60 degrees away: a chord of one radius."""
+    assert face_width(sphere) == pytest.approx(20.0, rel=0.03)

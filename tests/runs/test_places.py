@@ -1,0 +1,56 @@
+"""A prompt with a style for each place, from the request to the delivered surface."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import trimesh
+
+from mechstyle.errors import BadInput
+from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.runs import refine
+from mechstyle.runs.run import Run, stylize
+
+QUICK = {"vertices": 900, "iterations": 60, "orientations": 1, "tilts": 0, "window": 0.2, "element": "tet4", "schedule": "never",
+         "base": "free"}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory) -> Run:
+    folder = tmp_path_factory.mktemp("places")
+    box = trimesh.creation.box((40.0, 30.0, 30.0))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("MECHSTYLE_CACHE", str(folder / "cache"))
+        mesh = SurfaceMesh(box.vertices, box.faces)
+        yield stylize(mesh, "top 8 mm: blue stone; zeppelin", out=folder / "run", amplitude=0.3, device="cpu", **QUICK)
+
+
+def test_the_style_lies_where_it_was_asked_for(run):
+    state = run.checkpoint()
+    z = run.part.surface.vertices[:, 2] - run.part.surface.vertices[:, 2].max()
+    assert np.abs(state.displacement[z < -14.0]).max() < 0.02
+    assert np.abs(state.displacement[z > -4.0]).max() > 0.2
+    assert np.ptp(state.colour[z < -14.0]) < 0.02
+    assert np.all(state.colour[z > -2.0].mean(axis=0).argmax() == 2)
+
+
+def test_the_summary_says_what_was_understood_and_what_was_not(run):
+    notes = run.summary.notes
+    assert any(note.startswith("prompt read as top 8: stone, in #2f5fa8") for note in notes)
+    assert any("not understood and left out: 'zeppelin'" in note for note in notes)
+    assert any(note.startswith("top 8: stone") and note.endswith("of the surface") for note in notes)
+
+
+def test_drawn_finer_the_style_keeps_its_place(run):
+    found = refine.refined(run.store, run.part, run.store.history("main")[-1].digest)
+    moved = np.linalg.norm(found.styled.vertices - found.original.vertices, axis=1)
+    z = found.original.vertices[:, 2] - found.original.vertices[:, 2].max()
+    assert moved[z < -14.0].max() < 0.02
+    assert moved[z > -4.0].max() > 0.2
+
+
+def test_a_prompt_that_is_too_long_is_refused_before_anything_is_meshed(tmp_path):
+    box = trimesh.creation.box((40.0, 30.0, 20.0))
+    with pytest.raises(BadInput, match="the prompt has 600 characters, but may have 500"):
+        stylize(SurfaceMesh(box.vertices, box.faces), "brick " * 100, out=tmp_path / "run", **QUICK)
+    assert not (tmp_path / "run").exists()

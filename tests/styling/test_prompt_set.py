@@ -1,0 +1,54 @@
+"""Some three hundred prompts as people write them, and what each must give."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mechstyle.errors import BadInput
+from mechstyle.styling.drawing.colours import rgb, shaded
+from mechstyle.styling.library import names
+from mechstyle.styling.prompt import read
+from mechstyle.styling.vocabulary import COLOURS, SHADES
+
+LINES = [line for line in Path(__file__).with_name("prompts.txt").read_text("utf-8").splitlines() if line and not line.startswith("#")]
+PROMPTS = [(prompt, *rest.split(" ~ ")) for prompt, rest in (line.split(" => ") for line in LINES)]
+
+
+def colour(words):
+    """Hexadecimal digits of a colour, with a shade before it or none."""
+    *shade, name = words.split()
+    red, green, blue = np.rint(255.0 * shaded(rgb(COLOURS[name]), SHADES[shade[0]] if shade else 1.0)).astype(int)
+    return f"#{red:02x}{green:02x}{blue:02x}"
+
+
+def to_come(reading):
+    """Whether a reading is of a style that the library does not have yet."""
+    style = reading.split(", ")[0].replace(" ", "_")
+    return ":" not in reading and not reading.startswith("!") and style not in names()
+
+
+def test_the_set_is_large_and_holds_no_prompt_twice():
+    assert len(PROMPTS) >= 200
+    assert len({prompt for prompt, *_ in PROMPTS}) == len(PROMPTS)
+
+
+@pytest.mark.parametrize(("prompt", "reading", "notes"), [(p, r, n) for p, r, *n in PROMPTS], ids=[p for p, *_ in PROMPTS])
+def test_a_prompt_gives_what_it_must(prompt, reading, notes):
+    if reading.startswith("!"):
+        with pytest.raises(BadInput, match=re.escape(reading.removeprefix("! "))):
+            read(prompt)
+        return
+    if to_come(reading):  # refused, or read as part of another style with a note, but never in silence
+        try:
+            found = read(prompt)
+        except BadInput:
+            return
+        assert any("not understood" in note for note in found.notes)
+        return
+    found = read(prompt)
+    assert found.words == re.sub("<(.*?)>", lambda match: colour(match[1]), reading)
+    assert len(found.notes) == len(notes)
+    for note in notes:
+        assert any(note in said for said in found.notes), found.notes
