@@ -36,7 +36,7 @@ PARTS: Mapping[str, Mapping[str, float]] = MappingProxyType(
 """Models with the measures [mm] that are not their own: a curved, a prismatic, a thin, an organic and a small part."""
 CELL, LINE, MARGIN, GAP = 120, 26, 18, 28
 """Side of a picture, height of the line above a row, border of the page, way between its columns [pixels]."""
-SHADES = 51
+SHADES = 36
 """Levels of a channel: fewer than a screen has halve the file, and nobody sees it on a textured part."""
 
 Pixels = NDArray[np.uint8]
