@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
 app = typer.Typer()
 
-DEMO_VERTICES = 6_000
-"""So many that the demo takes minutes on a laptop: drops of 25 000 take ten times as long."""
+DEMO_VERTICES = 4_000
+"""So many that the demo takes minutes on a laptop: with 25 000 it takes ten times as long."""
 
 
 @app.command("demo")

@@ -9,6 +9,7 @@ from mechstyle.errors import unknown
 from mechstyle.records import CRITERIA, Judgement, Measures, Outcome, Simulation, Verdict
 from mechstyle.records.limits import UNHARMED, Limits
 from mechstyle.records.material import Material
+from mechstyle.records.verdict import doubtful
 
 SURFACE_BAND = 0.05
 """Relative distance to a limit below which a surface stress is MARGINAL: what another mesh of the same part changes it by."""
@@ -51,7 +52,7 @@ def judge(simulation: Simulation, baseline: Simulation, material: Material, crit
     literal = _literal(simulation, material, trouble)
     counting = [literal] if criterion == "paper" else [told for told in (placed, nearly, spread) if told is not None]
     outcome = max((told.judgement.outcome for told in counting), key=_SEVERITY.__getitem__)
-    doubt = ", MARGINAL" if any(told.judgement.marginal for told in counting) else ""
+    doubt = ", MARGINAL" if doubtful([told.judgement for told in counting]) else ""
     words = f"UNKNOWN: {trouble}." if trouble else f"{outcome}{doubt}: {'; '.join(told.clause for told in counting)}."
     return Verdict(
         outcome=outcome,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Literal
 
 import msgspec
@@ -39,6 +40,12 @@ class Judgement(msgspec.Struct, frozen=True, kw_only=True):
         return float("inf") if self.value == 0 else self.limit / self.value
 
 
+def doubtful(judgements: Sequence[Judgement]) -> bool:
+    """Whether another mesh could turn an outcome: where none of them fails clearly, and one is close to its limit."""
+    return any(rule.marginal for rule in judgements) and not any(rule.outcome == "FAILS" and not rule.marginal for rule in judgements)
+
+
+
 class Verdict(msgspec.Struct, frozen=True, kw_only=True):
     """Whether the part survives, with the figures behind it.
 
@@ -73,8 +80,8 @@ class Verdict(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def marginal(self) -> bool:
-        """Whether a judgement that counts is too close to its limit to be sure."""
-        return any(rule.marginal for rule in self.counting)
+        """Whether the outcome is not sure; see `doubtful`."""
+        return doubtful(self.counting)
 
     @property
     def deciding(self) -> Judgement:

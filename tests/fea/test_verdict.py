@@ -35,6 +35,14 @@ def simulation(surface=20.0, contact=0.0, overall=10.0, tilted=None, failure="",
     )  # fmt: skip
 
 
+def test_what_fails_clearly_is_not_called_marginal_for_another_rule_that_is_close():
+    found = judge(simulation(2.0 * Y, overall=11.0), simulation(overall=10.0), PLA, "robust")
+    assert (found.outcome, found.all_orientations.marginal, found.marginal) == ("FAILS", True, False)
+    assert found.words.startswith("FAILS: ")
+    close = judge(simulation(1.01 * Y, overall=11.0), simulation(overall=10.0), PLA, "robust")
+    assert (close.outcome, close.marginal) == ("FAILS", True)
+
+
 def test_each_stress_is_told_where_it_is_not_where_a_larger_one_of_another_kind_is():
     """A contact bears more than a surface that is judged: the surface's place is the one to look at."""
     both = msgspec.structs.replace(measured(0.95 * Y, 0.99 * Y), surface_where=(9.0, 0.0, 0.0), contact_where=(1.0, 2.0, 3.0))

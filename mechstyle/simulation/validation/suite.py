@@ -11,16 +11,19 @@ from mechstyle.simulation.validation import bending, contact, convergence, impac
 from mechstyle.simulation.validation.cases import Case, Result
 
 STYLED = (
-    "**Two known faults.** The mass that lengthens the step, 1 % of the part at most, gathers on a few slivers; within 2 mm "
-    "of them it can be several times the mass of the material, and its inertia bends the surface there. With a tenth of that "
-    "mass σ_2 as placed scatters by 2 %, in 1.3 to 2.7 times as many steps. Tilted, σ_2 is largest at the border of the "
-    "contact zone, where stress falls steeply: a vertex 3.0 mm from the floor reads 62 to 68 MPa, one at 4.0 mm 55, and which "
-    "there is depends on the triangulation."
+    "**Known fault.** Tilted by 3°, σ_2 is largest at the border of the contact zone, where stress falls steeply, and which vertex "
+    "lies just outside of it depends on the triangulation. So five meshes scatter by more than the 5 % that count as MARGINAL, and "
+    "verdicts change with the mesh for strengths in between. A third of the added mass changes nothing about it."
 )
 FRONTS = (
     "**Known limit.** One element through the wall with edges of about 3 mm does not resolve the surface stress of this cup: "
     "one refinement raises σ_2 by 21 % landed flat, in the middle of the floor, and by 18 % tilted by 3°. The 5 % that count "
     "as MARGINAL are what another mesh of the same size changes."
+)
+THIRD = (
+    "**Known limit.** Tilted by 35° the bar touches a third time, at 3.4 m/s, 8 ms after the second touch at 10.2 m/s. The rigid "
+    "flight from the end of the second phase foresees 2.6 m/s, less than half of the first touch, so it is not followed: the percentile of "
+    "the envelope, which the harder second touch made, does not see it."
 )
 LATE = (
     "**Known limit.** A drop is over 0.75 of the lowest period after the floor last pushed. In the 0.75 after that the free "
@@ -44,14 +47,14 @@ CASES = {
         Case("contact", "A bracket on its corner in CalculiX's explicit dynamics, one element thick", contact.bracket_coarse, slow=True),
         Case("contact_fine", "The same bracket in two layers", contact.bracket_fine, slow=True),
         Case("sphere", "A ball on the floor: Hertz's contact", impacts.sphere, slow=True),
-        Case("second_bar", "A bar that lands again with its other end, six tilts", second_impacts.bar, slow=True),
+        Case("second_bar", "A bar that lands again with its other end, six tilts", second_impacts.bar, slow=True, fault=THIRD),
         Case("second_cup", "A cup that lands again with its rim", second_impacts.large_cup, slow=True),
         Case("second_ring", "An open ring that lands again", second_impacts.ring, slow=True),
         Case("energy", "Energy balance of undamped drops", impacts.energy),
         Case("precision", "Single against double precision over an impact", impacts.precision),
         Case("devices", "CUDA against CPU", impacts.devices),
         Case("finer", "A smooth cup on a finer mesh", convergence.finer, slow=True, fault=FRONTS),
-        Case("finer_styled", "A square cup in brick on a finer mesh", convergence.finer_styled, slow=True),
+        Case("finer_styled", "A square cup in brick on a finer mesh", convergence.finer_styled, slow=True, fault=FRONTS),
         Case("again", "Five triangulations of a square cup, each meshed anew", repeatability.smooth, slow=True),
         Case("again_styled", "Five triangulations of a square cup in brick", repeatability.styled, slow=True, fault=STYLED),
         Case("numerics", "A square cup in brick for twice as long, and with half the step", repeatability.numerics, slow=True, fault=LATE),
