@@ -36,7 +36,7 @@ MESHES, TETS = 5, 6_000
 VERTICES = (2400, 2700, 3000, 3300, 3600)
 """Of the five triangulations: none shares a triangle with another."""
 USUAL = DropTest()
-LESS_MASS = 0.0003
+LESS_MASS = 0.0001
 SURFACE, CONTACT, P99 = 0.03, 0.12, 0.04
 STRENGTHS = np.linspace(0.7, 1.4, 71)
 """Yield strengths that verdicts are asked for, over the mean of the deciding stress."""
