@@ -12,8 +12,8 @@ from mechstyle.simulation.validation.cases import Case, Result
 
 STYLED = (
     "**Known fault.** Tilted by 3°, σ_2 is largest at the border of the contact zone, where stress falls steeply, and which vertex "
-    "lies just outside of it depends on the triangulation. So five meshes scatter by more than the 5 % that count as MARGINAL, and "
-    "verdicts change with the mesh for strengths in between. A third of the added mass changes nothing about it."
+    "lies just outside of it depends on the triangulation. Five meshes scatter by 5 % and their originals, which limit them, as well, so "
+    "verdicts change with the mesh beyond the 5 % that count as MARGINAL. A third of the added mass changes nothing about it."
 )
 FRONTS = (
     "**Known limit.** One element through the wall with edges of about 3 mm does not resolve the surface stress of this cup: "
