@@ -34,6 +34,9 @@ Others = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="NAME=VALUE", help="Any other setting of the recipe, such as travel=0.2. May be given several times."),
 ]
+Coarse = Annotated[
+    bool, typer.Option("--coarse", help="Deliver the surface of the run, without drawing it finer at the end.", rich_help_panel=STYLE)
+]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout and nothing else.")]
 
 Settings = dict[str, Any]
@@ -69,6 +72,7 @@ OPTIONS = {
     "feature": RecipeOption(STYLE),
     "nozzle": RecipeOption(STYLE),
     "inside": RecipeOption(STYLE),
+    "delivered": RecipeOption(STYLE, hint="--coarse is short for 0."),
     "stylizer": RecipeOption(STYLE),
     "guidance": RecipeOption(STYLE, hint="clip takes any prompt; see `mechstyle weights list`."),
     "field": RecipeOption(STYLE),

@@ -56,6 +56,7 @@ LIMITS: Mapping[str, tuple[float, float]] = {
     "feature": (0.2, 500.0),
     "nozzle": (0.0, 5.0),
     "travel": (1e-3, 10.0),
+    "delivered": (0, 1_000_000),
     "threshold": (0.01, 100.0),
     "minimum_wall": (0.0, 100.0),
     "orientations": (1, 512),
@@ -98,6 +99,8 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         feature: Size of the style's feature, such as the height of a brick [mm]; unless told, the prompt's, or what fits the part.
         nozzle: Diameter of the printer's nozzle [mm]: features that are not told are sized for it, and finer ones noted; 0 for no rule.
         inside: What becomes of the inside of a container, one of INSIDES.
+        delivered: Vertices of the surface that is delivered, at least; unless told 100 000, more on large parts; 0 for those of the run.
+            The finished style is drawn on it anew, and it is what the last iteration simulates.
         control: How stress restrains the style, one of CONTROLS. It turns demand into a mask.
         normalisation: What stress is compared with, one of NORMALISATIONS. Demand is stress over that.
         threshold: Demand at which a vertex may move no further; 1 is the normalisation's own limit, less is stricter.
@@ -145,6 +148,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     feature: float | None = None
     nozzle: float = 0.4
     inside: str = "plain"
+    delivered: int | None = None
     control: str = "exponential"
     normalisation: str = "headroom"
     threshold: float = 1.0
