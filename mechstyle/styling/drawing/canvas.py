@@ -51,6 +51,7 @@ class Canvas:
         nozzle: Diameter of the nozzle it is printed with [mm], 0 for none: what is finer is noted.
         edge: Edge length of the mesh [mm]; nothing much finer than two of them can be drawn.
         notes: What the user should know of this drawing, in sentences.
+        found_pieces: What `pieces` has answered so far.
     """
 
     def __init__(
@@ -72,6 +73,7 @@ class Canvas:
         self.scale = scale_by_area(mesh) * size
         self.nozzle = nozzle
         self.notes: list[str] = []
+        self.found_pieces: list[Indices] = []
 
     @property
     def points(self) -> Floats:
@@ -160,7 +162,8 @@ class Canvas:
         together = inside[tail] & inside[head]
         if label is not None:
             together &= label[tail] == label[head]
-        return self.operators.components(together)
+        self.found_pieces.append(self.operators.components(together))
+        return self.found_pieces[-1]
 
     def painted(self, colours: Floats) -> Floats:
         """The style's own colours of its body (brick, not mortar), shaded, or the colour asked for with their lights; shape [n, 3]."""

@@ -48,9 +48,11 @@ class FineCanvas(Canvas):
 
     def pieces(self, inside: NDArray[np.bool_], label: NDArray[np.generic] | None = None) -> Indices:
         """Identity of the connected piece each vertex is in: that of the coarse piece it shares most vertices with, or a new one."""
-        count = len(self._coarse.points)
+        count, asked = len(self._coarse.points), len(self.found_pieces)
         fine = super().pieces(inside, label)
-        coarse = self._coarse.pieces(inside[:count], None if label is None else label[:count])
+        # Where it was drawn before, its edges lay a little otherwise: pieces looked for anew would bear other numbers, and get other tones.
+        known = self._coarse.found_pieces[asked : asked + 1]
+        coarse = known[0] if known else self._coarse.pieces(inside[:count], None if label is None else label[:count])
         identity = np.arange(int(fine.max()) + 1) + int(coarse.max()) + 1
         shared, times = np.unique(np.stack([fine[:count], coarse], axis=1), axis=0, return_counts=True)
         rising = np.argsort(times, kind="stable")  # so that of several coarse pieces the one with most vertices is written last
