@@ -151,13 +151,24 @@ class Refinement:
         Raises:
             BadInput: If it is the unstylized part, which has no style.
         """
-        state, key = self.store.checkpoint(digest), f"delivered-{VERSION}-{self.cut.mesh.digest[:16]}-{digest}"
-        kept = self.store.memo.recall(key, Fine)
-        if kept is None or len(kept.displacement) != len(self.cut.mesh.vertices) or (drop and kept.simulation is None):
-            kept = self._made(state, drop=drop)
-            self.store.memo.remember(key, kept, anew=True)
-        styled = self.cut.mesh.displaced(kept.displacement).coloured(kept.colour)
-        return Refined(self.cut, styled, kept.displacement, kept.simulation, (INTERPOLATED,) if kept.interpolated else ())
+        found = self.kept(digest)
+        if found is None or (drop and found.simulation is None):
+            made = self._made(self.store.checkpoint(digest), drop=drop)
+            self.store.memo.remember(self._name(digest), made, anew=True)
+            found = self._whole(made)
+        return found
+
+    def kept(self, digest: str) -> Refined | None:
+        """The delivered surface of a checkpoint, None if it was not made yet: drawing it takes seconds."""
+        fine = self.store.memo.recall(self._name(digest), Fine)
+        return None if fine is None or len(fine.displacement) != len(self.cut.mesh.vertices) else self._whole(fine)
+
+    def _name(self, digest: str) -> str:
+        return f"delivered-{VERSION}-{self.asked or 0}-{digest}"
+
+    def _whole(self, fine: Fine) -> Refined:
+        styled = self.cut.mesh.displaced(fine.displacement).coloured(fine.colour)
+        return Refined(self.cut, styled, fine.displacement, fine.simulation, (INTERPOLATED,) if fine.interpolated else ())
 
     def verdict(self, found: Refined) -> Verdict | None:
         """The verdict on a delivered surface, None if it was not dropped."""

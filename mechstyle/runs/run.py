@@ -58,6 +58,7 @@ class Run:
     lane: str = "main"
     device: str = "cpu"
     clock: Clock = field(default_factory=Clock, repr=False)
+    _delivered: dict[str, Refined] = field(default_factory=dict, repr=False)
 
     @classmethod
     def open(cls, address: str | Path, device: str = "auto") -> Run:
@@ -183,16 +184,27 @@ class Run:
         refinement = self._refinement(self._simulator(recipe)) if finer else None
         return exported(self.store, self.lane, self.part, entry, Path(path), refinement=refinement, drop=bool(fine))
 
-    def delivered(self, iteration: int | None = None) -> Refined | None:
+    def delivered(self, iteration: int | None = None, *, draw: bool = True) -> Refined | None:
         """The surface that was delivered at an iteration, None for the last: drawn finer than the checkpoint, which it is no part of.
 
         None where nothing was: before the end, and where the recipe delivers the checkpoint's own surface.
+
+        Args:
+            iteration: As for `export`.
+            draw: Whether to draw it, which takes seconds, if it is not kept: a run that has just ended, or was interrupted there, has none.
         """
         entry = self.store.find(iteration, self.lane)
         recipe = self.store.recipe(entry.recipe)
         if not entry.final or recipe.delivered == 0:
             return None
-        return self._refinement(self._simulator(recipe)).of(entry.digest, drop=False)
+        if entry.digest not in self._delivered:
+            refinement = self._refinement(self._simulator(recipe))
+            found = refinement.of(entry.digest, drop=False) if draw else refinement.kept(entry.digest)
+            if found is None:
+                return None
+            self._delivered.clear()  # one is enough to look at, and each takes tens of megabytes
+            self._delivered[entry.digest] = found
+        return self._delivered[entry.digest]
 
     def branch(self, iteration: int | None = None, *, lane: str = "", **changes: Any) -> Run:
         """A lane from the checkpoint of an iteration, with other settings; `.go()` carries it on.

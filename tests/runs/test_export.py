@@ -92,7 +92,7 @@ def test_the_delivered_file_is_the_surface_that_was_dropped_last_with_the_verdic
 
 
 def test_the_loop_keeps_its_own_vertices(run, finer):
-    """Only the delivered surface is large: a checkpoint holds the relief that was asked for there, and the test's fields at its vertices."""
+    """Only the delivered surface is large: a checkpoint holds the relief of its own vertices, and the test's fields there."""
     count, state = len(run.part.surface.vertices), run.checkpoint()
     assert len(state.displacement) == count
     assert np.array_equal(run.simulation().stress, finer.simulation.stress[:count])
