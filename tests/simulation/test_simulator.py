@@ -21,7 +21,7 @@ from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.simulation import physics as physics_module
 from mechstyle.simulation import simulator as module
-from mechstyle.simulation.carrying import LEAST_CARRIED, carrying
+from mechstyle.simulation.carrying import AGAIN, LEAST_CARRIED, carrying
 from mechstyle.simulation.part_test import judge_alone
 from mechstyle.simulation.simulator import DropSimulator
 from mechstyle.simulation.validation.meshes import box
@@ -304,7 +304,7 @@ def test_a_relief_that_they_do_not_carry_is_judged_on_tets_made_for_half_of_it(b
     assert (seen.meshing, seen.mesh) == ("morphed", block[1].digest)
     assert min(seen.carried, seen.carried_base) < 0.7
     result = sim.simulate(ripples(block), thorough=True)
-    assert result.meshing == module.AGAIN
+    assert result.meshing == AGAIN
     assert result.mesh != block[1].digest
     assert min(result.carried, result.carried_base) >= LEAST_CARRIED
     assert abs(result.volume_error) < VOLUME_ERROR
@@ -436,7 +436,7 @@ def test_a_place_that_is_not_there_is_refused_before_the_long_drop(block, memo, 
 
 def test_loads_keep_their_places_where_the_part_is_meshed_again(block, memo):
     result = simulator(block, memo, orientations=1, loads=(PUSH,)).simulate(ripples(block), thorough=True)
-    assert result.meshing == module.AGAIN
+    assert result.meshing == AGAIN
     assert result.governing == "push"
 
 
