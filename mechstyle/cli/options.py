@@ -60,7 +60,7 @@ class RecipeOption:
 
 
 OPTIONS = {
-    "prompt": RecipeOption(STYLE, ("--prompt", "-p")),
+    "prompt": RecipeOption(STYLE, ("--prompt", "-p"), hint="Not needed with --image.", default=""),
     "iterations": RecipeOption(STYLE),
     "seed": RecipeOption(STYLE),
     "relief": RecipeOption(STYLE),
@@ -69,6 +69,11 @@ OPTIONS = {
     "feature": RecipeOption(STYLE),
     "nozzle": RecipeOption(STYLE),
     "inside": RecipeOption(STYLE),
+    "image": RecipeOption(STYLE, kind=str),
+    "image_size": RecipeOption(STYLE),
+    "image_as": RecipeOption(STYLE),
+    "image_layout": RecipeOption(STYLE),
+    "projection": RecipeOption(STYLE, ("--project",)),
     "stylizer": RecipeOption(STYLE),
     "guidance": RecipeOption(STYLE, hint="clip takes any prompt; see `mechstyle weights list`."),
     "field": RecipeOption(STYLE),

@@ -54,13 +54,13 @@ def carry_out(
     from mechstyle.fea.drop import resolve_device  # noqa: PLC0415 — physics is loaded when something is run
     from mechstyle.runs.recipes import draft  # noqa: PLC0415
     from mechstyle.runs.run import started  # noqa: PLC0415
-    from mechstyle.styling.prompt import read as read_prompt  # noqa: PLC0415
+    from mechstyle.styling.prompt import reading_of  # noqa: PLC0415
 
     deep = settings.get("amplitude") == AUTO
     wanted = draft(**{**settings, "amplitude": None} if deep else settings, freestyle=freestyle)
     device = resolve_device(device)
     if not as_json and not wanted.stylizer and wanted.guidance == "offline":
-        reading = read_prompt(wanted.prompt)
+        reading = reading_of(wanted)
         for note in (f"read as {reading.words}", *reading.notes):
             err.print(f"[dim]prompt: {escape(note)}[/]")
     mesh, name = read_model(model, scale, quiet=as_json)

@@ -21,9 +21,11 @@ from mechstyle.errors import BadInput
 from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.subdivision import quartered
 from mechstyle.loop.engine import STEP_LIMIT, STYLE_FIELDS, Bounds, Stylizer, advanced
+from mechstyle.loop.objects import Objects
 from mechstyle.loop.store import Entry, Store
 from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict
 from mechstyle.records.mesh import Field, Floats, SurfaceMesh
+from mechstyle.runs.images import raster_of
 from mechstyle.runs.plugins import made
 from mechstyle.simulation.part import Workpiece, bounds_for
 from mechstyle.simulation.simulator import DropSimulator
@@ -31,8 +33,8 @@ from mechstyle.styling.combination import combined, places
 from mechstyle.styling.dimensions import Dimensions
 from mechstyle.styling.drawing.canvas import Canvas
 from mechstyle.styling.drawing.fine_canvas import FineCanvas
-from mechstyle.styling.drawn import ProceduralStylizer, target
-from mechstyle.styling.prompt import Reading, read
+from mechstyle.styling.drawn import ProceduralStylizer, canvas_for, target
+from mechstyle.styling.prompt import Reading, reading_of
 
 INTERPOLATED = "what the style learnt at the vertices is interpolated between them: the file has more faces, but no finer detail"
 """Said of a learnt style in four times as many faces."""
@@ -72,7 +74,7 @@ def refined(store: Store, part: Workpiece, digest: str, *, device: str = "cpu") 
     past = _past(store, digest)
     if len(past) < 2:
         raise BadInput("iteration 0 is the original part, which has no style to draw finer: export it without --fine")
-    twin = _Twin(part)
+    twin = _Twin(part, store.objects)
     recipes = {name: store.recipe(name) for name in {entry.recipe for entry in past}}
     for before, after in pairwise(store.checkpoint(entry.digest) for entry in past):
         twin.follow(before, after, recipes[after.recipe])
@@ -99,6 +101,7 @@ class _Twin:
     """A part and its quartered twin, led through the same run; `displacement` is the twin's [mm]."""
 
     part: Workpiece
+    objects: Objects
     displacement: Field = field(init=False)
 
     def __post_init__(self) -> None:
@@ -160,10 +163,10 @@ class _Twin:
         """The stylizers of a recipe for the part and for its twin; the twin's draws what the part's drew, finer."""
         if recipe.stylizer:
             return made(self.part.surface, self._bounds, recipe), made(self.surface, self._fine_bounds, recipe)
-        reading = read(recipe.prompt)
+        reading, raster = reading_of(recipe), raster_of(recipe, self.objects)
         shares = places(reading, self.part.surface, self.part.thickness).shares
         thickness = self._bounds.thickness
-        coarse = [Dimensions.of(recipe, wish).canvas(self.part.surface, thickness, wish, recipe.seed) for wish in reading.wishes]
+        coarse = [canvas_for(recipe, wish, self.part.surface, thickness, raster) for wish in reading.wishes]
         fine = [FineCanvas(self.surface, self._cut.parents, canvas) for canvas in coarse]
         return (
             _drawn(recipe, reading, coarse, shares, self._bounds),

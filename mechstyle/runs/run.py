@@ -26,6 +26,7 @@ from mechstyle.pictures.panels import Picture, checkpoint_panels, picture, with_
 from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict
 from mechstyle.records.material import Material
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh
+from mechstyle.runs import images
 from mechstyle.runs.export import Exported, exported
 from mechstyle.runs.folders import default_folder, folder_for
 from mechstyle.runs.part_record import PartRecord
@@ -180,6 +181,7 @@ class Run:
             raise BadInput(
                 f"a branch at iteration {entry.iteration} must go beyond it, not to {recipe.iterations}: ask for more iterations"
             )
+        images.keep(recipe, self.store)
         fork = Lane(recipe=self.store.put_recipe(recipe), head=entry.digest, forked_from=entry.digest)
         with exclusive(self.store.root / "locks" / ".branches.lock", "a new branch", wait=True):  # or two could take one name
             return Run(self.store, self._forked(fork, lane), self.device)
@@ -242,7 +244,7 @@ class Run:
 
     def _engine(self, progress: Progress) -> tuple[Engine, tuple[str, ...]]:
         recipe, part = self.recipe, self.part
-        stylizer, notes = stylizer_for(part, recipe, self.device)
+        stylizer, notes = stylizer_for(part, recipe, self.device, self.store.objects)
         bounds, protected = bounds_for(part, recipe)
         simulator = DropSimulator(
             part.surface, part.tets, recipe, self.store.memo, cached_memo(), self.device, progress, at=part.at
@@ -290,6 +292,7 @@ def begin(
     run = Run(store, "main", resolve_device(device))
     if "main" in store.lanes():
         return run
+    images.keep(recipe, store)
     record = PartRecord.kept(part, name, origin or Origin(), store.objects)
     write_whole(store.root / "part.json", msgspec.json.encode(record))
     store.move("main", Lane(recipe=store.put_recipe(recipe)))
@@ -298,7 +301,7 @@ def begin(
 
 def stylize(
     mesh: SurfaceMesh,
-    prompt: str,
+    prompt: str = "",
     *,
     material: str | Material = "PLA",
     freestyle: bool = False,
@@ -314,7 +317,7 @@ def stylize(
 
     Args:
         mesh: A closed surface [mm], z up, as it stands.
-        prompt: The style, in words: "brick", "small blue stones".
+        prompt: The style, in words: "brick", "small blue stones". With a picture (`image`) it may say its place and colour, or be left out.
         material: A library name, a .toml/.json file, or a Material.
         freestyle: Whether to stylize without feedback.
         vertices: Vertices of the standardised surface.
@@ -325,7 +328,7 @@ def stylize(
         stage: Told what is being prepared, in words.
         on_event: Told every event.
         settings: Fields of `Recipe`, such as control, schedule, iterations, criterion, protect=["inside", ms.Box(low, high, ramp=2)],
-            stylizer (a registered name, or a function as docs/plug-in.md shows).
+            image (a PNG, JPEG or SVG file, its bytes, or an array [h, w] or [h, w, 1 to 4]), stylizer (a registered name, or a function as docs/plug-in.md shows).
 
     Returns:
         The finished run.

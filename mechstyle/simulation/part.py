@@ -25,7 +25,7 @@ from mechstyle.records import Recipe
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh, TetMesh
 from mechstyle.records.regions import Inside, Outside, Region
 from mechstyle.simulation.carrying import at_rest, carrying
-from mechstyle.styling.prompt import read
+from mechstyle.styling.prompt import reading_of
 
 PREPARATION_VERSION = 3
 """Counts changes that alter the prepared part, so that cached parts of older code are not reused."""
@@ -244,7 +244,7 @@ def _places(recipe: Recipe) -> tuple[Region, ...]:
     """The places that a prompt names, if it is one that is read here."""
     if recipe.stylizer or recipe.guidance == "clip":
         return ()
-    return tuple(region for wish in read(recipe.prompt).wishes for region in (*wish.where, *wish.spared))
+    return tuple(region for wish in reading_of(recipe).wishes for region in (*wish.where, *wish.spared))
 
 
 def _contained(shape: Shape, recipe: Recipe) -> tuple[Region, ...]:

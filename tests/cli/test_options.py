@@ -22,7 +22,7 @@ from mechstyle.simulation import part_test
 
 STYLED = (
     "--build-direction "
-    "--relief --side --feature --nozzle --inside "
+    "--relief --side --feature --nozzle --inside --image --image-size --image-as --image-layout --project "
     "--amplitude --criterion --device --field --guidance --iterations --json --load --material -m --minimum-wall --orientations --poses "
     "--prompt -p --protect --seed --set --standard --stylizer --window"
 )
@@ -86,8 +86,8 @@ def test_every_command_takes_what_it_is_said_to_take():
     assert found == {name: set(flags.split()) for name, flags in NAMES.items()}
 
 
-def test_the_prompt_is_asked_for_where_a_run_begins_and_the_material_is_pla():
-    assert [named(command, "prompt").required for command in ("run", "freestyle", "branch")] == [True, True, False]
+def test_no_prompt_is_needed_where_a_picture_may_stand_for_it_and_the_material_is_pla():
+    assert [named(command, "prompt").default for command in ("run", "freestyle", "branch")] == ["", "", None]
     assert [named(command, "material").default for command in ("run", "freestyle", "simulate", "branch")] == ["PLA"] * 3 + [None]
 
 
