@@ -68,6 +68,13 @@ def remember(recipe: Recipe, store: Store) -> None:
         _cached().put_array(_pixels(recipe.image, store.objects))
 
 
+def thumbnail(image: str, longest: int = 128) -> bytes:
+    """A small PNG of a cached picture, by its digest."""
+    pixels = _pixels(image, _cached())
+    step = -(-max(pixels.shape[:2]) // longest)
+    return png_of(pixels[::step, ::step])
+
+
 def file_name(image: str) -> str:
     """Name of the file of a picture in a run directory."""
     return f"picture-{image[:8]}.png"

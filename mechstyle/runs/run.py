@@ -317,7 +317,7 @@ def stylize(
 
     Args:
         mesh: A closed surface [mm], z up, as it stands.
-        prompt: The style, in words: "brick", "small blue stones". With a picture (`image`) it may say its place and colour, or be left out.
+        prompt: The style, in words: "brick", "small blue stones". With a picture (`image`) it says where and in what colour, if anything.
         material: A library name, a .toml/.json file, or a Material.
         freestyle: Whether to stylize without feedback.
         vertices: Vertices of the standardised surface.
@@ -328,7 +328,8 @@ def stylize(
         stage: Told what is being prepared, in words.
         on_event: Told every event.
         settings: Fields of `Recipe`, such as control, schedule, iterations, criterion, protect=["inside", ms.Box(low, high, ramp=2)],
-            image (a PNG, JPEG or SVG file, its bytes, or an array [h, w] or [h, w, 1 to 4]), stylizer (a registered name, or a function as docs/plug-in.md shows).
+            image (a PNG, JPEG or SVG file, its bytes, or an array [h, w] or [h, w, 1 to 4]),
+            stylizer (a registered name, or a function as docs/plug-in.md shows).
 
     Returns:
         The finished run.

@@ -12,7 +12,7 @@ import numpy as np
 
 from mechstyle.records.mesh import Floats, SurfaceMesh
 from mechstyle.records.regions import ENDS
-from mechstyle.styling.drawing.charts import box_axes
+from mechstyle.styling.drawing.charts import box_axes, is_prismatic
 from mechstyle.styling.drawing.colours import smoothstep
 
 _SHARPNESS = 6.0  # power of the cosine by which sides of a box share a place: higher blends over less
@@ -145,7 +145,7 @@ def box_projection(mesh: SurfaceMesh, width: float | None, usual: float, aspect:
         aspect: Height over width of the picture.
         repeated: Whether it is repeated.
     """
-    x, y, z = box_axes(mesh)
+    x, y, z = _axes(mesh)
     frames = (np.stack([y, z, x]), np.stack([-x, z, y]), np.stack([x, y, z]))
     sides = [Side(axes, _middle(mesh, axes)) for axes in frames]
     if width is None:
@@ -184,15 +184,20 @@ def around_projection(mesh: SurfaceMesh, width: float | None, usual: float, aspe
     return AroundProjection(axis, radius, middle, fitted, aspect, lids, told if abs(fitted / asked - 1.0) > 0.02 else ())
 
 
+def _axes(mesh: SurfaceMesh) -> Floats:
+    """Those of the box that a part is like, or as it stands: a round part has no corners to be turned by."""
+    return box_axes(mesh) if is_prismatic(mesh) else np.eye(3)
+
+
 def _frame(mesh: SurfaceMesh, end: str) -> Floats:
     """Axes to the right, upwards and outwards of a part seen from one of its ends."""
-    axes = box_axes(mesh)
+    axes = _axes(mesh)
     axis, sign = ENDS[end]
     outwards = np.eye(3)[axis] * sign
     # The nearest axis of the box: it is turned by at most 45° about z.
     nearest = int(np.abs(axes @ outwards).argmax())
     outwards = axes[nearest] * np.sign(axes[nearest] @ outwards)
-    up = axes[1] * (sign if axis == 2 else 1.0) if axis == 2 else axes[2]
+    up = axes[1] if axis == 2 else axes[2]
     return np.stack([np.cross(up, outwards), up, outwards])
 
 

@@ -12,7 +12,7 @@ from scipy import ndimage
 from mechstyle.records.mesh import Bools, Floats
 from mechstyle.styling.drawing.colours import luminance
 
-_SHADES = 0.02  # range of grey below which a picture is of one shade, and its outline is what counts
+_SHADES = {1: 0.02, 2: 0.001}  # range of grey, by bytes, below which a picture is of one shade, and its outline is what counts
 _AVERAGED = 0.4  # deviation of the Gaussian over which is averaged, over what one place stands for
 _MEASURED = 512  # pixels along the longer side at which widths are measured
 _LOST = 0.1  # of its light or dark area a picture may lose where it is finer than what is measured with
@@ -51,7 +51,7 @@ class Raster:
         colour = np.repeat(colour, 3, axis=2) if colour.shape[2] == 1 else colour
         grey = luminance(colour.astype(np.float64))
         low, high = float(grey[cover > 0.0].min()), float(grey[cover > 0.0].max())
-        self.shaded = high - low >= _SHADES
+        self.shaded = high - low >= _SHADES[pixels.dtype.itemsize]
         height = 2.0 * (grey - low) / (high - low) - 1.0 if self.shaded else np.ones_like(grey)
         self.aspect = levels.shape[0] / levels.shape[1]
         premultiplied = np.concatenate([height[..., None], colour], axis=2) * cover[..., None]
