@@ -25,6 +25,9 @@ DEFAULTS_MAY_CHANGE = "Defaults in parentheses are the recipe's; --control, --cr
 Model = Annotated[str, typer.Argument(metavar="MODEL", help="A file (STL, OBJ, PLY, GLB, 3MF) or gallery:NAME.")]
 Vertices = Annotated[int, typer.Option(help="Vertices of the standardised surface.", rich_help_panel=MACHINE)]
 Scale = Annotated[float | None, typer.Option(help="Multiply the file's coordinates to get millimetres.", rich_help_panel=MACHINE)]
+Up = Annotated[
+    str, typer.Option(help="The file's axis that points up: z, -z, y, -y, x or -x; unless told the format's own.", rich_help_panel=MACHINE)
+]
 Device = Annotated[str, typer.Option(help="auto, cpu or cuda.", rich_help_panel=MACHINE)]
 Folder = Annotated[
     Path | None,

@@ -9,7 +9,7 @@ import msgspec
 import typer
 
 from mechstyle.cli.console import command, err, escape, factor, out, print_json, table, telling, verdict_text
-from mechstyle.cli.options import DEFAULTS_MAY_CHANGE, OPTIONS, Device, Folder, Json, Model, Scale, Settings, Vertices, recipe_options
+from mechstyle.cli.options import DEFAULTS_MAY_CHANGE, OPTIONS, Device, Folder, Json, Model, Scale, Settings, Up, Vertices, recipe_options
 from mechstyle.records.landings import STANDARDS
 from mechstyle.records.mesh import STANDARD_VERTICES
 from mechstyle.records.recipe import Recipe
@@ -28,11 +28,11 @@ FREE = tuple(name for name in OPTIONS if name not in RESTRAINED)
 app = typer.Typer()
 
 
-def read_model(model: str, scale: float | None, *, quiet: bool) -> tuple[Any, str]:
+def read_model(model: str, scale: float | None, up: str, *, quiet: bool) -> tuple[Any, str]:
     """The mesh and the name of a model given on the command line; repairs are reported on stderr."""
     from mechstyle.gallery import load  # noqa: PLC0415 — geometry is loaded when a model is wanted
 
-    mesh = load(model, scale=scale)
+    mesh = load(model, scale=scale, up=up)
     if not quiet:
         for note in mesh.notes:
             err.print(f"[dim]{escape(mesh.origin.model)}: {escape(note)}[/]")
@@ -44,6 +44,7 @@ def carry_out(
     settings: Settings,
     vertices: int,
     scale: float | None,
+    up: str,
     device: str,
     folder: Path | None,
     *,
@@ -63,7 +64,7 @@ def carry_out(
         reading = reading_of(wanted)
         for note in (f"read as {reading.words}", *reading.notes):
             err.print(f"[dim]prompt: {escape(note)}[/]")
-    mesh, name = read_model(model, scale, quiet=as_json)
+    mesh, name = read_model(model, scale, up, quiet=as_json)
     with telling(wanted.iterations, quiet=as_json) as teller:
         if deep:
             wanted = at_its_deepest(wanted, mesh, settings, vertices, device, folder, teller)
@@ -154,13 +155,14 @@ def run_command(
     ] = False,
     vertices: Vertices = STANDARD_VERTICES,
     scale: Scale = None,
+    up: Up = "",
     device: Device = "auto",
     folder: Folder = None,
     as_json: Json = False,
 ) -> None:
     """Style a part while a drop test watches its strength."""
     settings |= FINISH_FIRST if finish_first else {}
-    run = carry_out(model, settings, vertices, scale, device, folder, freestyle=False, as_json=as_json)
+    run = carry_out(model, settings, vertices, scale, up, device, folder, freestyle=False, as_json=as_json)
     report(run, as_json=as_json)
 
 
@@ -172,12 +174,13 @@ def freestyle_command(
     settings: Settings,
     vertices: Vertices = STANDARD_VERTICES,
     scale: Scale = None,
+    up: Up = "",
     device: Device = "auto",
     folder: Folder = None,
     as_json: Json = False,
 ) -> None:
     """Style a part without feedback; one drop test at the end."""
-    run = carry_out(model, settings, vertices, scale, device, folder, freestyle=True, as_json=as_json)
+    run = carry_out(model, settings, vertices, scale, up, device, folder, freestyle=True, as_json=as_json)
     report(run, as_json=as_json)
 
 

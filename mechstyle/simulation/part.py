@@ -58,11 +58,13 @@ class Origin(msgspec.Struct, frozen=True, kw_only=True):
         model: `gallery:NAME`, or the name of a file without its folder; "" for a mesh from memory.
         vertices: Vertices of the standardised surface asked for.
         scale: Factor on the file's coordinates, None for none.
+        up: The axis of the file that points up, "" for its format's own.
     """
 
     model: str = ""
     vertices: int = STANDARD_VERTICES
     scale: float | None = None
+    up: str = ""
 
     @classmethod
     def of(cls, mesh: SurfaceMesh, vertices: int) -> Origin:

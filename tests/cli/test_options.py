@@ -29,11 +29,11 @@ STYLED = (
 RESTRAINED = "--base --control --every --normalisation --schedule --threshold"
 NAMES = {
     "": "--version",
-    "run": f"model --out --scale --vertices {STYLED} {RESTRAINED} --finish-first",
-    "freestyle": f"model --out --scale --vertices {STYLED}",
+    "run": f"model --out --scale --up --vertices {STYLED} {RESTRAINED} --finish-first",
+    "freestyle": f"model --out --scale --up --vertices {STYLED}",
     "branch": f"address --lane {STYLED} {RESTRAINED}",
     "simulate": "model --build-direction "
-    "--criterion --device --json --load --material -m --minimum-wall --orientations --out --poses --scale --standard "
+    "--criterion --device --json --load --material -m --minimum-wall --orientations --out --poses --scale --standard --up "
     "--vertices --vtu --vtu-each --window",
     "demo": "--device --json --model --out --prompt --vertices -p",
     "ablation": "models --arm --amplitude --device --iterations --jobs --json --load --material -m --orientations --out --poses --prompt "
@@ -43,7 +43,7 @@ NAMES = {
     "log": "directory --json",
     "show": "address --json --out",
     "export": "address --device --fine --format -f --json --out",
-    "protect": "model --json --out --protect --scale --vertices",
+    "protect": "model --json --out --protect --scale --up --vertices",
     "report": "address --json --out",
     "materials": "--json",
     "styles": "--json --sheet",

@@ -94,6 +94,7 @@ def _run(run: LaneOfRun, recipe: Recipe, folder: str) -> str:
     model = origin.model or f"{run.record.stem}.stl"
     made = ["--vertices", str(origin.vertices)] if origin.vertices != STANDARD_VERTICES else []
     made += ["--scale", str(origin.scale)] if origin.scale is not None else []
+    made += [f"--up={origin.up}"] if origin.up else []
     model = f"./{model}" if model.startswith("-") else model
     return shlex.join(["mechstyle", verb, model, *options({"prompt": recipe.prompt, **settings}, known), *made, "--out", folder])
 
