@@ -22,6 +22,9 @@ Address = Annotated[
     str, typer.Argument(metavar="DIR@ITERATION", help="A run directory and an iteration: DIR@120, DIR@lane:120; DIR for the last.")
 ]
 
+FINENESS = {None: "", True: "-fine", False: "-coarse"}
+"""What the name of a file says of its faces, by what was asked for; nothing if it is as the run says."""
+
 FORMATS = ("3mf", "glb", "obj", "ply", "stl")
 
 
@@ -100,7 +103,13 @@ def export_command(
         str | None, typer.Option("--format", "-f", help=f"One of {', '.join(FORMATS)}; that of the file, else 3mf, by default.")
     ] = None,
     path: Annotated[Path | None, typer.Option("--out", help="File to write; by default in the run directory.")] = None,
-    fine: Annotated[bool, typer.Option("--fine", help="Draw the style again on four times as many faces, and drop the result.")] = False,
+    fine: Annotated[
+        bool | None,
+        typer.Option("--fine/--coarse", help="Draw the style finer and drop the result, or keep the faces of the run; as the run says."),
+    ] = None,
+    texture: Annotated[
+        bool, typer.Option("--texture", help="Colours as a texture, as fine as they can be drawn: GLB with it, or OBJ, MTL and PNG.")
+    ] = False,
     device: Device = "auto",
     as_json: Json = False,
 ) -> None:
@@ -112,8 +121,8 @@ def export_command(
     root, lane, iteration = parse_address(address)
     run = Run.open(f"{root}@{lane}", device if fine else "cpu")
     number = run.store.find(iteration, lane).iteration
-    place = path or root / f"{run.record.stem}-{lane}-{number}{'-fine' if fine else ''}.{chosen}"
-    written = run.exported(place, iteration, fine=fine)
+    place = path or root / f"{run.record.stem}-{lane}-{number}{FINENESS[fine]}.{chosen}"
+    written = run.exported(place, iteration, fine=fine, texture=texture)
     if as_json:
         print_json({"export": written, "files": {"model": str(place), "quality": str(sidecar(place))}})
         return

@@ -37,6 +37,9 @@ Others = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="NAME=VALUE", help="Any other setting of the recipe, such as travel=0.2. May be given several times."),
 ]
+Coarse = Annotated[
+    bool, typer.Option("--coarse", help="Deliver the surface of the run, without drawing it finer at the end.", rich_help_panel=STYLE)
+]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout and nothing else.")]
 
 Settings = dict[str, Any]
@@ -77,6 +80,7 @@ OPTIONS = {
     "image_as": RecipeOption(STYLE),
     "image_layout": RecipeOption(STYLE),
     "projection": RecipeOption(STYLE, ("--project",)),
+    "delivered": RecipeOption(STYLE, hint="--coarse is short for 0."),
     "stylizer": RecipeOption(STYLE),
     "guidance": RecipeOption(STYLE, hint="clip takes any prompt; see `mechstyle weights list`."),
     "field": RecipeOption(STYLE),

@@ -9,7 +9,20 @@ import msgspec
 import typer
 
 from mechstyle.cli.console import command, err, escape, factor, out, print_json, table, telling, verdict_text
-from mechstyle.cli.options import DEFAULTS_MAY_CHANGE, OPTIONS, Device, Folder, Json, Model, Scale, Settings, Up, Vertices, recipe_options
+from mechstyle.cli.options import (
+    DEFAULTS_MAY_CHANGE,
+    OPTIONS,
+    Coarse,
+    Device,
+    Folder,
+    Json,
+    Model,
+    Scale,
+    Settings,
+    Up,
+    Vertices,
+    recipe_options,
+)
 from mechstyle.records.landings import STANDARDS
 from mechstyle.records.mesh import STANDARD_VERTICES
 from mechstyle.records.recipe import Recipe
@@ -21,6 +34,8 @@ RESTRAINED = ("control", "normalisation", "threshold", "schedule", "every", "bas
 """Settings that restrain a style, or say when to simulate to that end: Freestyle has no use for them."""
 AUTO = "auto"
 """In place of an amplitude: the deepest that holds."""
+AS_IT_RAN = {"delivered": 0}
+"""The surface of the run is delivered, drawn no finer."""
 FINISH_FIRST = {"schedule": "never"}
 """Nothing is simulated before the last iteration, so that no mask ever closes."""
 FREE = tuple(name for name in OPTIONS if name not in RESTRAINED)
@@ -153,6 +168,7 @@ def run_command(
     finish_first: Annotated[
         bool, typer.Option("--finish-first", help="Drop the finished relief first and correct it where it fails; no masks while it grows.")
     ] = False,
+    coarse: Coarse = False,
     vertices: Vertices = STANDARD_VERTICES,
     scale: Scale = None,
     up: Up = "",
@@ -161,7 +177,7 @@ def run_command(
     as_json: Json = False,
 ) -> None:
     """Style a part while a drop test watches its strength."""
-    settings |= FINISH_FIRST if finish_first else {}
+    settings |= (FINISH_FIRST if finish_first else {}) | (AS_IT_RAN if coarse else {})
     run = carry_out(model, settings, vertices, scale, up, device, folder, freestyle=False, as_json=as_json)
     report(run, as_json=as_json)
 
@@ -172,6 +188,7 @@ def run_command(
 def freestyle_command(
     model: Model,
     settings: Settings,
+    coarse: Coarse = False,
     vertices: Vertices = STANDARD_VERTICES,
     scale: Scale = None,
     up: Up = "",
@@ -180,6 +197,7 @@ def freestyle_command(
     as_json: Json = False,
 ) -> None:
     """Style a part without feedback; one drop test at the end."""
+    settings |= AS_IT_RAN if coarse else {}
     run = carry_out(model, settings, vertices, scale, up, device, folder, freestyle=True, as_json=as_json)
     report(run, as_json=as_json)
 
@@ -190,6 +208,7 @@ def freestyle_command(
 def branch_command(
     address: Annotated[str, typer.Argument(metavar="DIR@ITERATION", help="Where to branch: DIR@120 or DIR@lane:120.")],
     settings: Settings,
+    coarse: Coarse = False,
     lane: Annotated[str, typer.Option(help="Name of the new lane.")] = "",
     device: Device = "auto",
     as_json: Json = False,
@@ -198,6 +217,7 @@ def branch_command(
     from mechstyle.loop.store import parse_address  # noqa: PLC0415
     from mechstyle.runs.run import Run  # noqa: PLC0415 — physics is loaded when something is run
 
+    settings |= AS_IT_RAN if coarse else {}
     root, origin, iteration = parse_address(address)
     run = Run.open(f"{root}@{origin}", device).branch(iteration, lane=lane, **settings)
     with telling(run.recipe.iterations, quiet=as_json) as teller:

@@ -168,8 +168,7 @@ def save(mesh: SurfaceMesh, path: str | Path, *, name: str = "", texture: Textur
     suffix = file.suffix.lower().lstrip(".")
     if suffix not in FORMATS:
         raise BadInput(f"{file.name}: cannot write {_kind(suffix)}; use {', '.join(FORMATS)}")
-    if texture is not None and suffix not in TEXTURED:
-        raise BadInput(f"{file.name}: {suffix.upper()} holds no texture; use {' or '.join(TEXTURED)}, or leave the texture out")
+    check_texture(file, textured=texture is not None)
     called = name or getattr(mesh, "name", "") or "part"
     try:
         if suffix == "obj" and texture is not None:
@@ -179,6 +178,13 @@ def save(mesh: SurfaceMesh, path: str | Path, *, name: str = "", texture: Textur
     except OSError as error:
         raise BadInput(f"cannot write {file}: {error.strerror}; choose another place, or make room") from error
     return file
+
+
+def check_texture(path: str | Path, *, textured: bool) -> None:
+    """Refuse a texture, before it is drawn, in a format that holds none, with BadInput."""
+    suffix = Path(path).suffix.lower().lstrip(".")
+    if textured and suffix not in TEXTURED:
+        raise BadInput(f"{Path(path).name}: {suffix.upper()} holds no texture; use {' or '.join(TEXTURED)}, or leave the texture out")
 
 
 def _content_of(mesh: SurfaceMesh, suffix: str, name: str, texture: Texture | None) -> bytes:

@@ -1,4 +1,4 @@
-"""Quartering: every face cut into four at the middles of its edges, without moving the surface."""
+"""Cutting the faces of a surface smaller without moving it; the vertices of the coarse surface stay the first of the fine one."""
 
 from __future__ import annotations
 
@@ -8,37 +8,123 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from mechstyle.records.mesh import Indices, SurfaceMesh
+from mechstyle.records.mesh import Bools, Indices, SurfaceMesh
+
+NEARLY = 0.9
+"""Share of the wanted vertices from which on the rest comes from halving the longest edges, instead of cutting all of them once more."""
 
 
-class Quartered(NamedTuple):
-    """A surface in four times as many faces.
+class Subdivided(NamedTuple):
+    """A surface in smaller faces.
 
     Attributes:
         mesh: The finer surface of the same shape; the vertices of the coarse one come first.
-        parents: The two coarse vertices each vertex lies in the middle of, the same one twice for a coarse vertex, shape [fine_count, 2].
-        interpolation: Takes values at the coarse vertices to the fine ones, shape [fine_count, coarse_count].
+        interpolation: Takes values at the coarse vertices to the fine ones, linear on every coarse face, shape [fine_count, coarse_count].
     """
 
     mesh: SurfaceMesh
-    parents: Indices
     interpolation: sp.csr_array
 
 
-def quartered(mesh: SurfaceMesh) -> Quartered:
-    """Cut every face into four by midpoint subdivision; colours are interpolated."""
+def refined_to(mesh: SurfaceMesh, vertices: int, *, most_parts: int) -> Subdivided:
+    """A closed surface with at least a number of vertices, evenly cut; fewer where edges may not be cut into so many parts.
+
+    Args:
+        mesh: The coarse surface.
+        vertices: Vertices wanted.
+        most_parts: Parts that an edge is cut into at most.
+    """
+    count = len(mesh.vertices)
+    parts = min(max(int(np.ceil(np.sqrt(NEARLY * vertices / count))), 1), most_parts)
+    # A closed surface has three edges for each vertex, but for six, of which each is cut in k - 1 places: k² (n - 2) + 2 in all.
+    missing = int(np.ceil((vertices - 2) / parts**2)) + 2 - count
+    topped = halved(mesh, missing if 0 < missing <= count * (1.0 / NEARLY - 1.0) + 2 else 0)
+    finer = subdivided(topped.mesh, parts)
+    interpolation = sp.csr_array(finer.interpolation @ topped.interpolation)
+    interpolation.sort_indices()
+    return Subdivided(finer.mesh, interpolation)
+
+
+def subdivided(mesh: SurfaceMesh, parts: int = 2) -> Subdivided:
+    """Cut every edge into so many equal parts, and every face into their square; colours are interpolated."""
     count, edges = len(mesh.vertices), mesh.edges.astype(np.int64)
-    parents = np.concatenate([np.repeat(np.arange(count), 2).reshape(-1, 2), edges])
-    a, b, c = mesh.faces.T
-    ab, bc, ca = (_number_of(edges, count, one, other) for one, other in ((a, b), (b, c), (c, a)))
-    faces = np.stack([np.stack(corners, axis=1) for corners in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))], axis=1)
-    rows = np.repeat(np.arange(len(parents)), 2)
-    matrix = sp.csr_array((np.full(len(rows), 0.5), (rows, parents.ravel())), shape=(len(parents), count))
+    inner = np.arange(1, parts)
+    on_edges = np.stack([np.tile(parts - inner, len(edges)), np.tile(inner, len(edges))], axis=1)
+    places = [(i, j) for j in range(1, parts) for i in range(1, parts - j)]
+    in_faces = np.tile(np.array([(parts - i - j, i, j) for i, j in places]).reshape(-1, 3), (len(mesh.faces), 1))
+    ends, corners = np.repeat(edges, parts - 1, axis=0), np.repeat(mesh.faces.astype(np.int64), len(places), axis=0)
+    first_inside = count + len(on_edges)
+    total = first_inside + len(in_faces)
+    rows = np.concatenate([np.arange(count), np.repeat(np.arange(count, first_inside), 2), np.repeat(np.arange(first_inside, total), 3)])
+    columns = np.concatenate([np.arange(count), ends.ravel(), corners.ravel()])
+    weights = np.concatenate([np.full(count, parts), on_edges.ravel(), in_faces.ravel()]) / parts
+    matrix = sp.csr_array((weights, (rows, columns)), shape=(total, count))
+    inside = first_inside + np.arange(len(in_faces)).reshape(len(mesh.faces), -1)
+    return _with_faces(mesh, matrix, _cut_faces(mesh.faces, _along_edges(mesh.faces, edges, count, parts), inside, parts))
+
+
+def halved(mesh: SurfaceMesh, count: int) -> Subdivided:
+    """Halve the longest edges, as many as are wanted and do not share a face."""
+    chosen = _longest_apart(mesh, count)
+    edges, total = mesh.edges, len(mesh.vertices)
+    ends = edges[chosen]
+    rows = np.concatenate([np.arange(total), np.repeat(np.arange(total, total + len(chosen)), 2)])
+    columns, weights = np.concatenate([np.arange(total), ends.ravel()]), np.concatenate([np.ones(total), np.full(2 * len(chosen), 0.5)])
+    matrix = sp.csr_array((weights, (rows, columns)), shape=(total + len(chosen), total))
+    middle = np.full(len(edges), -1)
+    middle[chosen] = total + np.arange(len(chosen))
+    of_face = middle[_edges_of_faces(mesh.faces, edges, total)]
+    faces = [mesh.faces[(of_face < 0).all(axis=1)]]
+    for side in range(3):
+        cut = of_face[:, side] >= 0
+        (a, b, c), half = np.roll(mesh.faces[cut], -side, axis=1).T, of_face[cut, side]
+        faces += [np.stack([a, half, c], axis=1), np.stack([half, b, c], axis=1)]
+    return _with_faces(mesh, matrix, np.concatenate(faces))
+
+
+def _with_faces(mesh: SurfaceMesh, matrix: sp.csr_array, faces: NDArray[np.integer]) -> Subdivided:
     colours = None if mesh.colours is None else matrix @ mesh.colours
-    return Quartered(SurfaceMesh(matrix @ mesh.vertices, faces.reshape(-1, 3), colours), parents.astype(np.int32), matrix)
+    return Subdivided(SurfaceMesh(matrix @ mesh.vertices, faces.astype(np.int32), colours), matrix)
 
 
-def _number_of(edges: NDArray[np.int64], count: int, one: Indices, other: Indices) -> NDArray[np.int64]:
-    """Number of the vertex in the middle of each edge between two vertices; `edges` are sorted."""
-    low, high = np.minimum(one, other).astype(np.int64), np.maximum(one, other)
-    return np.asarray(count + np.searchsorted(edges[:, 0] * count + edges[:, 1], low * count + high))
+def _edges_of_faces(faces: Indices, edges: NDArray[np.integer], count: int) -> NDArray[np.int64]:
+    """Number of the edge from each corner of each face to the next, shape [face_count, 3]; `edges` are sorted."""
+    one, other = faces.astype(np.int64), np.roll(faces, -1, axis=1).astype(np.int64)
+    names = edges[:, 0].astype(np.int64) * count + edges[:, 1]
+    return np.searchsorted(names, np.minimum(one, other) * count + np.maximum(one, other))
+
+
+def _longest_apart(mesh: SurfaceMesh, count: int) -> NDArray[np.int64]:
+    """The longest edges no two of which bound one face, at most `count`."""
+    length = np.linalg.norm(mesh.vertices[mesh.edges[:, 0]] - mesh.vertices[mesh.edges[:, 1]], axis=1)
+    sides = _edges_of_faces(mesh.faces, mesh.edges, len(mesh.vertices))
+    faces_of = np.argsort(sides.ravel(), kind="stable").reshape(-1, 2) // 3  # closed: every edge bounds two faces
+    taken: Bools = np.zeros(len(mesh.faces), bool)
+    chosen: list[int] = []
+    for edge in np.argsort(-length, kind="stable"):
+        if len(chosen) == count:
+            break
+        if not taken[faces_of[edge]].any():
+            taken[faces_of[edge]] = True
+            chosen.append(int(edge))
+    return np.array(sorted(chosen), np.int64)
+
+
+def _along_edges(faces: Indices, edges: NDArray[np.int64], count: int, parts: int) -> NDArray[np.int64]:
+    """Numbers of the new vertices from each corner of each face on the way to the next, shape [face_count, 3, parts - 1]."""
+    forth = (faces < np.roll(faces, -1, axis=1))[:, :, None]
+    step = np.where(forth, np.arange(parts - 1), np.arange(parts - 1)[::-1])
+    return count + _edges_of_faces(faces, edges, count)[:, :, None] * (parts - 1) + step
+
+
+def _cut_faces(faces: Indices, along: NDArray[np.int64], inside: NDArray[np.int64], parts: int) -> NDArray[np.int64]:
+    """The small faces of each face one after the other, from the numbers of the vertices on its sides and inside."""
+    grid: dict[tuple[int, int], NDArray[np.integer]] = {(0, 0): faces[:, 0], (parts, 0): faces[:, 1], (0, parts): faces[:, 2]}
+    for step in range(1, parts):
+        grid |= {(step, 0): along[:, 0, step - 1], (parts - step, step): along[:, 1, step - 1], (0, parts - step): along[:, 2, step - 1]}
+    within = [(i, j) for j in range(1, parts) for i in range(1, parts - j)]
+    grid |= {place: inside[:, number] for number, place in enumerate(within)}
+    upright = [((i, j), (i + 1, j), (i, j + 1)) for j in range(parts) for i in range(parts - j)]
+    turned = [((i + 1, j), (i + 1, j + 1), (i, j + 1)) for j in range(parts - 1) for i in range(parts - 1 - j)]
+    small = [np.stack([grid[corner] for corner in corners], axis=1) for corners in (*upright, *turned)]
+    return np.stack(small, axis=1).reshape(-1, 3)

@@ -39,7 +39,7 @@ class Texels(NamedTuple):
 
     Attributes:
         face: The face each lies on, shape [texel_count].
-        weights: Of its three corners, adding up to 1; some are a little negative, shape [texel_count, 3].
+        weights: Of its three corners, adding up to 1, shape [texel_count, 3].
     """
 
     face: Indices
@@ -62,22 +62,20 @@ class Atlas:
 
     @cached_property
     def texels(self) -> Texels:
-        """The points shown, those of the rim on the edge next to them.
-
-        Only beyond the edge between second and third corner they lie in the plane of the face: a viewer's averages along it take them in.
-        """
-        lattice = np.maximum(self._lattice, 0)
-        lattice -= np.where((self._lattice < 0).any(axis=1), np.maximum(lattice.sum(axis=1) - self.parts, 0), 0)[:, None] * (lattice > 0)
-        each = np.column_stack([self.parts - lattice.sum(axis=1), lattice]) / self.parts
-        return Texels(np.repeat(np.arange(self._count, dtype=np.int32), len(each)), np.tile(each, (self._count, 1)))
+        """The points shown, on a lattice on every face."""
+        weights = np.column_stack([self.parts - self._lattice.sum(axis=1), self._lattice]) / self.parts
+        faces = np.repeat(np.arange(self._count, dtype=np.int32), len(weights))
+        return Texels(faces, np.tile(weights, (self._count, 1)))
 
     def painted(self, colours: NDArray[np.floating]) -> Texture:
         """The texture that shows colours, display RGB in [0, 1], at the texels, shape [texel_count, 3]."""
         down = -(-self._count // (2 * self._across))
         height, width = down * self._high, self._across * self._wide
         pixels = np.full((height, width, 3), 128, np.uint8)
-        column, row = self._places(np.tile(self._lattice, (self._count, 1)), self.texels.face)
-        pixels[row, column] = np.round(np.clip(colours, 0.0, 1.0) * 255.0)
+        around, reach = self._with_rim
+        whole = np.einsum("rl,flc->frc", reach, np.asarray(colours, np.float32).reshape(self._count, -1, 3))
+        column, row = self._places(np.tile(around, (self._count, 1)), np.repeat(np.arange(self._count), len(around)))
+        pixels[row, column] = np.round(np.clip(whole, 0.0, 1.0) * 255.0).reshape(-1, 3)
         corners = np.tile([[0, 0], [self.parts, 0], [0, self.parts]], (self._count, 1))
         u, v = self._places(corners, np.repeat(np.arange(self._count), 3))
         uv = np.column_stack([(u + 0.5) / width, 1.0 - (v + 0.5) / height])
@@ -85,10 +83,28 @@ class Atlas:
 
     @cached_property
     def _lattice(self) -> Indices:
-        """Steps along the first and the second edge from a face's first corner, its rim included, shape [texels_per_face, 2]."""
-        i, j = np.indices((self.parts + 3, self.parts + 3)).reshape(2, -1) - 1
-        here = (i + j <= self.parts + 1) & (np.maximum(i, j) <= self.parts + 1)
-        return np.column_stack([i, j])[here].astype(np.int32)
+        """Steps along the first and the second edge from a face's first corner, shape [texels_per_face, 2]."""
+        return np.array([(i, j) for i in range(self.parts + 1) for j in range(self.parts + 1 - i)], np.int32)
+
+    @cached_property
+    def _with_rim(self) -> tuple[Indices, NDArray[np.float32]]:
+        """Lattice and rim, shape [k, 2], and what each takes of the lattice's colours, shape [k, texels_per_face].
+
+        The rim is as the edge next to it. Only beyond the edge between second and third corner colours go on as they change there: what a
+        viewer averages along that edge takes them in.
+        """
+        number = {(i, j): at for at, (i, j) in enumerate(self._lattice.tolist())}
+        around = [(i, j) for i in range(-1, self.parts + 2) for j in range(-1, self.parts + 2) if i + j <= self.parts + 1]
+        reach = np.zeros((len(around), len(number)), np.float32)
+        for row, (i, j) in zip(reach, around, strict=True):
+            if i + j == self.parts + 1 and min(i, j) >= 1:
+                row[[number[i - 1, j], number[i, j - 1]]] = 1.0
+                row[number[i - 1, j - 1]] = -1.0
+            else:
+                x, y = max(i, 0), max(j, 0)
+                beyond = max(x + y - self.parts, 0)
+                row[number[(x - beyond, y) if x >= y else (x, y - beyond)]] = 1.0
+        return np.array(around, np.int32), reach
 
     @property
     def _wide(self) -> int:

@@ -88,6 +88,17 @@ class Simulator(Protocol):
         """Verdict on a simulation under the recipe's criterion."""
 
 
+class Delivery(Protocol):
+    """What becomes of a finished surface before it is printed: the one that the last test is about."""
+
+    def tested(self, state: Checkpoint) -> Simulation:
+        """The test in all orientations of what is delivered for a state, on the vertices of the loop; its displacement is the state's.
+
+        Args:
+            state: Of the last iteration; its parent is stored, itself it need not be.
+        """
+
+
 class Base(Protocol):
     """How a part stands: a relief is levelled there, and never goes below the floor."""
 
@@ -132,7 +143,7 @@ class Bounds:
 
 @dataclass(frozen=True)
 class Engine:
-    """One lane of one store, carried on from wherever it stands to the end of its recipe."""
+    """One lane of one store, carried on from wherever it stands to the end of its recipe; `delivery` is None if its last surface is."""
 
     recipe: Recipe
     surface: SurfaceMesh
@@ -141,6 +152,7 @@ class Engine:
     simulator: Simulator
     store: Store
     lane: str = "main"
+    delivery: Delivery | None = None
 
     def run(self) -> Iterator[Event]:
         """Carry the lane on to its end, yielding what happens; stopping between two events loses nothing that was yielded."""
@@ -262,11 +274,17 @@ class Engine:
         return schedule.due(self.recipe, progress)
 
     def _simulated(self, state: Checkpoint, reason: str) -> tuple[Checkpoint, Simulated]:
-        """Simulate; what the tets could not follow is taken out of D, and the new demand restrains what comes next."""
-        last = state.iteration == self.recipe.iterations
-        simulation = self.simulator.simulate(state.displacement, thorough=last)
+        """Simulate; the new demand restrains what comes next.
+
+        What the tets could not follow is taken out of D, unless D was drawn finer for it: that is known of the finer surface only.
+        """
+        last, state = state.iteration == self.recipe.iterations, replace(state, reason=reason)
+        if last and self.delivery is not None:
+            simulation = self.delivery.tested(state)
+        else:
+            simulation = self.simulator.simulate(state.displacement, thorough=last)
         verdict = self.simulator.judge(simulation)
-        state = replace(state, displacement=simulation.displacement, simulated_at=state.iteration, reason=reason, verdict=verdict)
+        state = replace(state, displacement=simulation.displacement, simulated_at=state.iteration, verdict=verdict)
         if not simulation.failure:
             state = self._restrained(state, simulation, retract=self.recipe.retraction and not last)
         state = replace(

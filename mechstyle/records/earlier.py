@@ -23,6 +23,10 @@ BEFORE_MILLIMETRES: Fields = {"side": "both", "inside": "styled", "nozzle": 0.0}
 """What the others did: relief to both sides of every wall, inside and outside, features sized by the part's area alone."""
 
 
+SINCE_DELIVERED = "delivered"
+"""A field of the versions that draw the delivered surface finer than the run's; the others delivered the run's."""
+
+
 def translated(fields: Fields) -> Fields:
     """The fields of a recipe, as decoded, without those that are gone; what a field that came later was then is its default.
 
@@ -33,6 +37,8 @@ def translated(fields: Fields) -> Fields:
         kept = {name: value for name, value in kept.items() if name != "damping"} | {"tilts": 0}
     if SINCE_MILLIMETRES not in fields:
         kept = BEFORE_MILLIMETRES | kept
+    if SINCE_DELIVERED not in fields:
+        kept = {SINCE_DELIVERED: 0} | kept
     for name, words in GONE.items():
         if name in fields:
             kept |= words(fields[name])

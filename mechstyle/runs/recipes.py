@@ -40,13 +40,20 @@ PAPER: dict[str, Any] = {
     "element": "tet4",
     "minimum_wall": 0.0,
     "tilts": 0,
+    "delivered": 0,
 }
 """The published method taken literally (Faruqi et al. 2025)."""
 
 ROBUST: dict[str, Any] = {name: DEFAULTS[name] for name in PAPER}
 """What this project adds to it by default."""
 
-PLAIN = {int: "a whole number, such as 40", float: "a number", float | None: "a number", bool: "True or False"}
+PLAIN = {
+    int: "a whole number, such as 40",
+    int | None: "a whole number",
+    float: "a number",
+    float | None: "a number",
+    bool: "True or False",
+}
 """Types of settings that are checked here, in words; names are checked by the recipe."""
 
 

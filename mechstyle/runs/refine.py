@@ -1,143 +1,252 @@
-"""The result in four times as many faces: the run replayed on the quartered surface, and its drop test.
+"""The delivered surface: a run led again on its part with smaller faces, and the last test, which is about that very surface.
 
 A drawn style knows finer edges than 25k vertices can carry. At every new vertex it is drawn anew, and is then led through the run that was:
-the same masks, shares, step limits and bounds, interpolated, and the same shares of relief taken back. A learnt style knows only the
-vertices it was learnt at, and is interpolated between them: a style field, whose frequencies are higher than the vertices are dense, gives
-unrelated values there. Either result is simulated as a surface of its own, because a verdict on the coarse one does not say it.
+the same masks, shares, step limits and bounds, interpolated, and the same shares of relief taken back. A learnt style, or one plugged in,
+knows only the vertices it was made at, and is interpolated between them: a style field, whose frequencies are higher than the vertices
+are dense, gives unrelated values there. Either result is simulated as a surface of its own: a verdict on the coarse one does not say it.
+
+Checkpoints stay those of the loop's vertices. What is delivered follows from recipe and checkpoints; it is kept beside them by its
+checkpoint's digest only so that a picture, a report and a file need not draw it three times.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 
-import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from mechstyle.errors import BadInput
 from mechstyle.geometry.level_base import LevelBase
-from mechstyle.geometry.subdivision import quartered
+from mechstyle.geometry.subdivision import Subdivided, refined_to
 from mechstyle.loop.engine import STEP_LIMIT, STYLE_FIELDS, Bounds, Stylizer, advanced
 from mechstyle.loop.objects import Objects
-from mechstyle.loop.store import Entry, Store
+from mechstyle.loop.store import Store
 from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict
-from mechstyle.records.mesh import Field, Floats, SurfaceMesh
-from mechstyle.runs.images import raster_of
-from mechstyle.runs.plugins import made
+from mechstyle.records.mesh import Field, SurfaceMesh, frozen_array
+from mechstyle.runs.stylizers import drawing_of, drawn
 from mechstyle.simulation.part import Workpiece, bounds_for
 from mechstyle.simulation.simulator import DropSimulator
-from mechstyle.styling.combination import combined, places
-from mechstyle.styling.dimensions import Dimensions
-from mechstyle.styling.drawing.canvas import Canvas
 from mechstyle.styling.drawing.fine_canvas import FineCanvas
-from mechstyle.styling.drawn import ProceduralStylizer, canvas_for, target
-from mechstyle.styling.prompt import Reading, reading_of
+from mechstyle.styling.drawn import ProceduralStylizer
+from mechstyle.styling.prompt import reading_of
+
+VERSION = 1
+"""Counts changes that alter the delivered surface, so that what older code kept is drawn again."""
+LEAST = 100_000
+"""Vertices of a delivered surface unless told …"""
+EDGE = 0.6
+"""… or more, until its edges are about as long as this [mm], half again the width of a usual line of plastic …"""
+MOST = 225_000
+"""… up to this, nine times the usual vertices of a run: beyond it drawing, picture and file take too long to come with every run."""
+MOST_PARTS = 4
+"""Parts that an edge of the loop's surface is cut into at most: where a style lies was decided there, and what that mesh could not show is
+not in it."""
 
 INTERPOLATED = "what the style learnt at the vertices is interpolated between them: the file has more faces, but no finer detail"
-"""Said of a learnt style in four times as many faces."""
+"""Said of a style that is not drawn."""
+
+
+@dataclass(frozen=True, eq=False)
+class Fine:
+    """What is kept of a delivered surface.
+
+    Attributes:
+        displacement: Along the normals of the subdivided surface [mm], shape [fine_count]; as it was simulated, if it was.
+        colour: Display RGB in [0, 1], shape [fine_count, 3].
+        interpolated: Whether any of its styles is interpolated.
+        simulation: Its test in all orientations, None if it was not dropped.
+    """
+
+    displacement: NDArray[np.float32]
+    colour: NDArray[np.float16]
+    interpolated: bool
+    simulation: Simulation | None = None
+
+    def __post_init__(self) -> None:
+        """Freeze the fields over the surface; ValueError if they are not of one surface."""
+        count = len(self.displacement)
+        object.__setattr__(self, "displacement", frozen_array(self.displacement, np.float32, (count,), "displacement"))
+        object.__setattr__(self, "colour", frozen_array(self.colour, np.float16, (count, 3), "colour"))
+        if self.simulation is not None and len(self.simulation.displacement) != count:
+            raise ValueError(f"a test of {len(self.simulation.displacement)} vertices is no test of {count}")
 
 
 @dataclass(frozen=True, eq=False)
 class Refined:
-    """The finer result.
+    """A delivered surface.
 
     Attributes:
-        original: The quartered, unstylized surface.
-        styled: The styled, coloured surface as it was simulated.
-        simulation: Its drop test in all orientations.
-        verdict: What that means.
+        cut: The unstylized part in smaller faces.
+        styled: The styled, coloured surface; as it was simulated, if it was.
+        displacement: Its relief [mm], shape [fine_count].
+        simulation: Its test in all orientations, None if it was not dropped.
         notes: What a user should know of how it was refined, one sentence each.
     """
 
-    original: SurfaceMesh
+    cut: Subdivided
     styled: SurfaceMesh
-    simulation: Simulation
-    verdict: Verdict
+    displacement: Field
+    simulation: Simulation | None
     notes: tuple[str, ...]
 
+    @property
+    def original(self) -> SurfaceMesh:
+        """The unstylized surface in as many faces."""
+        return self.cut.mesh
 
-def refined(store: Store, part: Workpiece, digest: str, *, device: str = "cpu") -> Refined:
-    """A checkpoint on the quartered surface, dropped.
 
-    Args:
+def vertices_for(surface: SurfaceMesh, asked: int | None) -> int:
+    """Vertices that the delivered surface of a part is to have at least: those asked for, or what its size and a printer's lines need."""
+    if asked:
+        return asked
+    by_edge = float(surface.face_areas.sum()) / (0.5 * np.sqrt(3.0) * EDGE**2)
+    return round(min(max(by_edge, LEAST), MOST))
+
+
+@dataclass(eq=False)
+class Refinement:
+    """The finer twin of a part in a run, led along one lane.
+
+    Attributes:
         store: The run.
         part: Its part.
-        digest: The checkpoint.
-        device: `cpu` or `cuda`.
-
-    Raises:
-        BadInput: If it is the unstylized part, which has no style.
+        simulator: The drop test of the part under the recipe in force.
+        asked: Vertices wanted, None for what the part's size needs.
     """
-    past = _past(store, digest)
-    if len(past) < 2:
-        raise BadInput("iteration 0 is the original part, which has no style to draw finer: export it without --fine")
-    twin = _Twin(part, store.objects)
-    recipes = {name: store.recipe(name) for name in {entry.recipe for entry in past}}
-    for before, after in pairwise(store.checkpoint(entry.digest) for entry in past):
-        twin.follow(before, after, recipes[after.recipe])
-    drawn = recipes[after.recipe]
-    recipe = msgspec.structs.replace(drawn, surface=twin.surface.digest)
-    simulator = DropSimulator(twin.surface, part.tets, recipe, store.memo, device=device, at=twin.at)
-    simulation = simulator.simulate(twin.displacement, thorough=True)
-    styled = twin.surface.displaced(simulation.displacement).coloured(twin.coloured(after, drawn))
-    notes = (INTERPOLATED,) if any(map(_learnt, recipes.values())) else ()
-    return Refined(twin.surface, styled, simulation, simulator.judge(simulation), notes)
 
+    store: Store
+    part: Workpiece
+    simulator: DropSimulator
+    asked: int | None = None
 
-def _past(store: Store, digest: str) -> list[Entry]:
-    """A checkpoint and all before it, oldest first, without their arrays."""
-    past = []
-    while digest:
-        past.append(store.entry(digest))
-        digest = past[-1].parent
-    return past[::-1]
+    @cached_property
+    def cut(self) -> Subdivided:
+        """The part in smaller faces."""
+        return refined_to(self.part.surface, vertices_for(self.part.surface, self.asked), most_parts=MOST_PARTS)
+
+    def tested(self, state: Checkpoint) -> Simulation:
+        """Of `loop.engine.Delivery`: what drawing finer leaves of the state is no part of the loop, so its displacement stays."""
+        return _of_the_loop(self._dropped(self._led_to(state).displacement, state.displacement), state.displacement)
+
+    def _dropped(self, relief: Field, of_the_loop: Field) -> Simulation:
+        """The test of a relief of the twin, drawn finer from one of the loop [mm]; without any, that of the unstylized part.
+
+        The tetrahedra are those that carry the loop's, which are as fine as they may get: made for the finer one they carried some 3 % more
+        of it (a pen holder in brick: 90 % instead of 86 % with edges of 0.6 mm), and meshing takes longer than all else.
+        """
+        if not relief.any():
+            return _spread_out(self.simulator.simulate(np.zeros_like(of_the_loop), thorough=True), self.cut)
+        carrier, meshing = self.simulator.carrier(of_the_loop)
+        return replace(carrier.on(self.cut).simulate(relief, thorough=True), meshing=meshing)
+
+    def of(self, digest: str, *, drop: bool) -> Refined:
+        """The delivered surface of a checkpoint, as it was kept or made now.
+
+        Args:
+            digest: The checkpoint.
+            drop: Whether to drop it, unless that was done before.
+
+        Raises:
+            BadInput: If it is the unstylized part, which has no style.
+        """
+        found = self.kept(digest)
+        if found is None or (drop and found.simulation is None):
+            made = self._made(self.store.checkpoint(digest), drop=drop)
+            self.store.memo.remember(self._name(digest), made, anew=True)
+            found = self._whole(made)
+        return found
+
+    def kept(self, digest: str) -> Refined | None:
+        """The delivered surface of a checkpoint, None if it was not made yet: drawing it takes seconds."""
+        fine = self.store.memo.recall(self._name(digest), Fine)
+        return None if fine is None or len(fine.displacement) != len(self.cut.mesh.vertices) else self._whole(fine)
+
+    def _name(self, digest: str) -> str:
+        return f"delivered-{VERSION}-{self.asked or 0}-{digest}"
+
+    def _whole(self, fine: Fine) -> Refined:
+        styled = self.cut.mesh.displaced(fine.displacement).coloured(fine.colour)
+        return Refined(self.cut, styled, fine.displacement, fine.simulation, (INTERPOLATED,) if fine.interpolated else ())
+
+    def verdict(self, found: Refined) -> Verdict | None:
+        """The verdict on a delivered surface, None if it was not dropped."""
+        return None if found.simulation is None else self.simulator.judge(found.simulation)
+
+    def _made(self, state: Checkpoint, *, drop: bool) -> Fine:
+        if state.iteration == 0:
+            raise BadInput("iteration 0 is the original part, which has no style to draw finer: export it with --coarse")
+        twin = self._led_to(state)
+        relief, colour = twin.displacement, twin.coloured(state, self.store.recipe(state.recipe)).astype(np.float16)
+        simulation = self._dropped(relief, state.displacement) if drop else None
+        return Fine(relief if simulation is None else simulation.displacement, colour, twin.interpolated, simulation)
+
+    @cached_property
+    def _twin(self) -> _Twin:
+        return _Twin(self.part, self.cut, self.store.objects)
+
+    def _led_to(self, state: Checkpoint) -> _Twin:
+        """The twin led to a state from wherever it stands, which must be in the past of the state or one of its iteration."""
+        past = [state]
+        while past[-1].parent and (self._twin.stands is None or past[-1].iteration > self._twin.stands.iteration):
+            past.append(self.store.checkpoint(past[-1].parent))
+        for before, after in pairwise([*([] if self._twin.stands is None else [self._twin.stands]), *past[::-1]]):
+            self._twin.follow(before, after, self.store.recipe(after.recipe))
+        return self._twin
 
 
 @dataclass(eq=False)
 class _Twin:
-    """A part and its quartered twin, led through the same run; `displacement` is the twin's [mm]."""
+    """A part and its finer twin, led through the same run.
+
+    Attributes:
+        part: The part.
+        cut: The same in smaller faces.
+        objects: Those of the run, which keep its picture.
+        displacement: The twin's [mm], shape [fine_count].
+        stands: The state it was led to, None before the first.
+        interpolated: Whether a style on the way was.
+    """
 
     part: Workpiece
+    cut: Subdivided
     objects: Objects
     displacement: Field = field(init=False)
+    stands: Checkpoint | None = None
+    interpolated: bool = False
 
     def __post_init__(self) -> None:
-        self._cut = quartered(self.part.surface)
-        self.surface = self._cut.mesh
-        self.displacement = np.zeros(len(self.surface.vertices), np.float32)
+        self.displacement = np.zeros(len(self.cut.mesh.vertices), np.float32)
         self._style: tuple[object, ...] = ()
         self._grown = np.zeros(len(self.part.surface.vertices), np.float32), self.displacement
 
-    @property
-    def at(self) -> Field | None:
-        """What the part's tetrahedra were made for, at the twin's vertices [mm], shape [fine_count]."""
-        return None if self.part.at is None else self._spread(self.part.at)
-
     @cached_property
     def _base(self) -> LevelBase:
-        return LevelBase(self.surface)
+        return LevelBase(self.cut.mesh)
 
     def follow(self, before: Checkpoint, after: Checkpoint, recipe: Recipe) -> None:
         """Do on the twin what led from one checkpoint to the next."""
+        self.stands = after
         style = tuple(getattr(recipe, name) for name in STYLE_FIELDS)
         if style != self._style:
             self._take_up(recipe, before)
             self._style = style
         if _learnt(recipe):
+            self.interpolated = True
             grown = self.displacement + self._spread(after.displacement - before.displacement)
             self.displacement = self._fine_bounds.clipped(grown)
             return
         if after.iteration > before.iteration:
             mask = before.mask if after.reason else after.mask  # a branch is restrained anew, and a drop changes the mask afterwards
             through = mask * before.share
-            reached = advanced(before.displacement, through, self._increment(self._coarse, self._bounds), self._bounds, recipe)
-            finer = self._increment(self._fine, self._fine_bounds)
-            self._grown = reached, advanced(self.displacement, self._spread(through), finer, self._fine_bounds, recipe)
+            coarse, fine = self._increments()
+            reached = advanced(before.displacement, through, coarse, self._bounds, recipe)
+            self._grown = reached, advanced(self.displacement, self._spread(through), fine, self._fine_bounds, recipe)
         reached, finer = self._grown  # what a correction leaves is a share of the finished relief, not of the correction before
-        self.displacement = finer * self._spread(_left(reached, after.displacement))
+        left = _left(reached, after.displacement) if after.displacement.any() else np.zeros_like(reached)
+        self.displacement = finer * self._spread(left)
 
     def coloured(self, last: Checkpoint, recipe: Recipe) -> Field:
         """Display RGB of the twin, shape [fine_count, 3]: drawn anew, but interpolated where it was learnt or the part keeps its own."""
@@ -150,61 +259,59 @@ class _Twin:
         """Begin with the style of a recipe, from the surface another one has left if there was one."""
         self._bounds, _ = bounds_for(self.part, recipe)
         spread = [self._spread(getattr(self._bounds, name)) for name in ("thickness", "inward", "outward", "freedom")]
-        base = None if self._bounds.base is None else self._base
-        self._fine_bounds = Bounds(spread[0], spread[1], spread[2], spread[3], base=base)
+        base, plain = None if self._bounds.base is None else self._base, self._bounds.plain
+        inside = plain if isinstance(plain, bool) else self._spread(plain.astype(np.float32)) == 1.0
+        self._fine_bounds = Bounds(spread[0], spread[1], spread[2], spread[3], base=base, plain=inside)
         if _learnt(recipe):
             return
         self._coarse, self._fine = self._stylizers(recipe)
         if self._style:
             self._coarse.start_from(before.displacement, before.colour.astype(np.float32))
             self._fine.start_from(self.displacement, self._spread(before.colour))
+        proposals = self._coarse.proposal().displacement, self._fine.proposal().displacement
+        self._proposed = self._bounds.levelled(proposals[0]), self._fine_bounds.levelled(proposals[1])
 
     def _stylizers(self, recipe: Recipe) -> tuple[Stylizer, Stylizer]:
         """The stylizers of a recipe for the part and for its twin; the twin's draws what the part's drew, finer."""
-        if recipe.stylizer:
-            return made(self.part.surface, self._bounds, recipe), made(self.surface, self._fine_bounds, recipe)
-        reading, raster = reading_of(recipe), raster_of(recipe, self.objects)
-        shares = places(reading, self.part.surface, self.part.thickness).shares
-        thickness = self._bounds.thickness
-        coarse = [canvas_for(recipe, wish, self.part.surface, thickness, raster) for wish in reading.wishes]
-        fine = [FineCanvas(self.surface, self._cut.parents, canvas) for canvas in coarse]
-        return (
-            _drawn(recipe, reading, coarse, shares, self._bounds),
-            _drawn(recipe, reading, fine, self._spread(shares.T).T.astype(np.float64), self._fine_bounds),
-        )
+        reading = reading_of(recipe)
+        coarse = drawing_of(self.part, self._bounds, recipe, reading, self.objects)
+        canvases = [FineCanvas(self.cut.mesh, self.cut.interpolation, canvas) for canvas in coarse.canvases]
+        fine = drawn(recipe, reading, canvases, self._spread(coarse.shares.T).T.astype(np.float64), self._fine_bounds)
+        return ProceduralStylizer(self.part.surface, coarse.target), ProceduralStylizer(self.cut.mesh, fine)
 
-    def _increment(self, stylizer: Stylizer, bounds: Bounds) -> Field:
-        """Increment of a stylizer's levelled proposal in one iteration [mm], limited to the engine's step."""
-        limit, proposed = np.float32(STEP_LIMIT * self.part.surface.size), bounds.levelled(stylizer.proposal().displacement)
-        return np.clip(bounds.levelled(stylizer.step().displacement) - proposed, -limit, limit)
+    def _increments(self) -> tuple[Field, Field]:
+        """Increments of the levelled proposals of part and twin in one iteration [mm], limited to the engine's step."""
+        limit, before = np.float32(STEP_LIMIT * self.part.surface.size), self._proposed
+        self._proposed = (
+            self._bounds.levelled(self._coarse.step().displacement),
+            self._fine_bounds.levelled(self._fine.step().displacement),
+        )
+        coarse, fine = (np.clip(now - then, -limit, limit) for now, then in zip(self._proposed, before, strict=True))
+        return coarse, fine
 
     def _spread(self, values: NDArray[np.floating]) -> Field:
         """Values of the part at the twin's vertices."""
-        return np.asarray(self._cut.interpolation @ values.astype(np.float32), np.float32)
+        return np.asarray(self.cut.interpolation @ values.astype(np.float32), np.float32)
+
+
+FIELDS = ("stress", "envelope", "probability", "contact", "tilted_stress")
+"""Of a simulation, besides the displacement, over the surface."""
+
+
+def _of_the_loop(simulation: Simulation, displacement: Field) -> Simulation:
+    """A test on a finer surface as one on the first of its vertices, which are the loop's; of a relief of the loop [mm]."""
+    return replace(simulation, displacement=displacement, **{name: getattr(simulation, name)[: len(displacement)] for name in FIELDS})
+
+
+def _spread_out(simulation: Simulation, cut: Subdivided) -> Simulation:
+    """A test as one on a finer surface."""
+    spread = {name: cut.interpolation @ getattr(simulation, name).astype(np.float32) for name in ("displacement", *FIELDS)}
+    return replace(simulation, **{**spread, "contact": spread["contact"] > 0.5})
 
 
 def _learnt(recipe: Recipe) -> bool:
     """Whether a style is known at the vertices only: no drawing says what it is between them."""
-    return not recipe.stylizer and (recipe.guidance == "clip" or recipe.field == "network")
-
-
-def _drawn(recipe: Recipe, reading: Reading, canvases: Sequence[Canvas], shares: Floats, bounds: Bounds) -> Stylizer:
-    """The stylizer towards what a prompt asks for, each wish drawn on a canvas of its own."""
-    mesh = canvases[0].mesh
-    targets = [
-        target(
-            mesh,
-            wish,
-            Dimensions.of(recipe, wish),
-            seed=recipe.seed,
-            thickness=bounds.thickness,
-            inward=bounds.inward,
-            outward=bounds.outward,
-            canvas=canvas,
-        )
-        for wish, canvas in zip(reading.wishes, canvases, strict=True)
-    ]
-    return ProceduralStylizer(mesh, combined(mesh, targets, shares))
+    return bool(recipe.stylizer) or recipe.guidance == "clip" or recipe.field == "network"
 
 
 def _left(before: Field, after: Field) -> Field:

@@ -5,12 +5,13 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Generator
 from contextlib import closing
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
 import msgspec
+import numpy as np
 
 from mechstyle._files import write_whole
 from mechstyle.errors import BadInput
@@ -31,6 +32,7 @@ from mechstyle.runs.export import Exported, exported
 from mechstyle.runs.folders import default_folder, folder_for
 from mechstyle.runs.part_record import PartRecord
 from mechstyle.runs.recipes import changed, draft
+from mechstyle.runs.refine import Refined, Refinement
 from mechstyle.runs.session import Session
 from mechstyle.runs.stylizers import finished_relief, stylizer_for
 from mechstyle.runs.summary import Clock, Summary, summarise
@@ -57,6 +59,7 @@ class Run:
     lane: str = "main"
     device: str = "cpu"
     clock: Clock = field(default_factory=Clock, repr=False)
+    _delivered: dict[str, Refined] = field(default_factory=dict, repr=False)
 
     @classmethod
     def open(cls, address: str | Path, device: str = "auto") -> Run:
@@ -127,19 +130,27 @@ class Run:
         return self.store.objects.get_record(self.checkpoint(iteration).simulation, Simulation)
 
     def surface(self, iteration: int | None = None) -> SurfaceMesh:
-        """The styled, coloured surface at an iteration, None for the last."""
+        """The styled, coloured surface at an iteration in the faces of the run, None for the last; what is printed is `delivered`."""
         state = self.checkpoint(iteration)
         return self.part.surface.displaced(state.displacement).coloured(state.colour)
 
     # what can be done with it
 
     def show(self, iteration: int | None = None) -> Picture:
-        """Styled part, stress and mask side by side: a notebook displays it, `.save(path)` writes the PNG."""
+        """Styled part, stress and mask side by side: a notebook displays it, `.save(path)` writes the PNG.
+
+        At the end the styled part is the surface that is delivered; stress and mask stay at the vertices of the loop, which they restrain.
+        """
         state = self.checkpoint(iteration)
         recipe = self.store.recipe(state.recipe)
-        *panels, restraint = checkpoint_panels(self.part.surface, state, recipe, self.store.allowable(state), self._measured_at(iteration))
+        look, stress, restraint = checkpoint_panels(
+            self.part.surface, state, recipe, self.store.allowable(state), self._measured_at(iteration)
+        )
+        delivered = self.delivered(iteration)
+        if delivered is not None:
+            look = replace(look, mesh=delivered.styled)
         protected = bounds_for(self.part, recipe)[0].freedom == 0.0
-        return picture([*panels, with_protected(restraint, protected)], title=f"{self.record.name}, iteration {state.iteration}")
+        return picture([look, stress, with_protected(restraint, protected)], title=f"{self.record.name}, iteration {state.iteration}")
 
     def _repr_mimebundle_(self, **_: Any) -> dict[str, str]:
         """A picture and a table in a notebook, also where no kernel runs; the one-line form elsewhere."""
@@ -153,22 +164,54 @@ class Run:
 
         return write_report(self, path)
 
-    def export(self, path: str | Path, iteration: int | None = None, *, fine: bool = False) -> Path:
-        """Write the surface at an iteration to a file, and what is known of it to `FILE.json`; the suffix decides the format.
+    def export(self, path: str | Path, iteration: int | None = None, *, fine: bool | None = None, texture: bool = False) -> Path:
+        """Write the delivered surface at an iteration to a file, and what is known of it to `FILE.json`; the suffix decides the format.
 
         Args:
             path: The file.
             iteration: None for the last.
-            fine: Whether to draw the style again on four times as many faces, and to drop the result.
+            fine: True to draw the style again on smaller faces and to drop the result if the run did not, False for the faces of the run;
+                None as the recipe has it.
+            texture: Whether the colours are to be a texture, as fine as the style or the picture can be drawn; in GLB and OBJ.
         """
-        for warning in self.exported(path, iteration, fine=fine).warnings:
+        for warning in self.exported(path, iteration, fine=fine, texture=texture).warnings:
             logger.warning("%s: %s", path, warning)
         return Path(path)
 
-    def exported(self, path: str | Path, iteration: int | None = None, *, fine: bool = False) -> Exported:
+    def exported(
+        self, path: str | Path, iteration: int | None = None, *, fine: bool | None = None, texture: bool = False
+    ) -> Exported:
         """As `export`; returns verdict, quality and warnings of the very surface that was written."""
         entry = self.store.find(iteration, self.lane)
-        return exported(self.store, self.lane, self.part, entry, Path(path), fine=fine, device=self.device)
+        recipe = self.store.recipe(entry.recipe)
+        finer = fine or (fine is None and recipe.delivered != 0 and entry.iteration > 0)
+        refinement = self._refinement(self._simulator(recipe)) if finer else None
+        name, drop = self.record.name, bool(fine)
+        return exported(
+            self.store, self.lane, self.part, entry, Path(path), refinement=refinement, drop=drop, name=name, textured=texture
+        )
+
+    def delivered(self, iteration: int | None = None, *, draw: bool = True) -> Refined | None:
+        """The surface that was delivered at an iteration, None for the last: drawn finer than the checkpoint, which it is no part of.
+
+        None where nothing was: before the end, and where the recipe delivers the checkpoint's own surface.
+
+        Args:
+            iteration: As for `export`.
+            draw: Whether to draw it, which takes seconds, if it is not kept: a run that has just ended, or was interrupted there, has none.
+        """
+        entry = self.store.find(iteration, self.lane)
+        recipe = self.store.recipe(entry.recipe)
+        if not entry.final or recipe.delivered == 0:
+            return None
+        if entry.digest not in self._delivered:
+            refinement = self._refinement(self._simulator(recipe))
+            found = refinement.of(entry.digest, drop=False) if draw else refinement.kept(entry.digest)
+            if found is None:
+                return None
+            self._delivered.clear()  # one is enough to look at, and each takes tens of megabytes
+            self._delivered[entry.digest] = found
+        return self._delivered[entry.digest]
 
     def branch(self, iteration: int | None = None, *, lane: str = "", **changes: Any) -> Run:
         """A lane from the checkpoint of an iteration, with other settings; `.go()` carries it on.
@@ -216,11 +259,19 @@ class Run:
         for event in self.clock.timed(engine.run()):
             if isinstance(event, Finished):
                 files = {"run": str(self.store.root)}
-                left = self.checkpoint().displacement
-                thin = minimum_wall.warnings(self.part.surface, self.part.thickness, left, self.recipe.minimum_wall)
-                notes = (*self.part.notes, *notes, *thin)
+                notes = (*self.part.notes, *notes, *self._of_what_is_delivered(engine, event.digest))
                 self._save(summarise(engine, device=self.device, notes=notes, seconds=self.clock.seconds(), files=files))
             yield event
+
+    def _of_what_is_delivered(self, engine: Engine, digest: str) -> tuple[str, ...]:
+        """Keep what a finished lane delivers; what a user should know of it."""
+        notes: tuple[str, ...] = ()
+        surface, walls, left = self.part.surface, self.part.thickness, self.store.checkpoint(digest).displacement
+        if isinstance(engine.delivery, Refinement):
+            found = engine.delivery.of(digest, drop=True)
+            surface, left, notes = found.original, found.displacement, found.notes
+            walls = (found.cut.interpolation @ walls).astype(np.float32)
+        return (*notes, *minimum_wall.warnings(surface, walls, left, self.recipe.minimum_wall))
 
     def go(self, on_event: OnEvent | None = None, progress: Progress = no_progress) -> Run:
         """Carry the lane on to its end."""
@@ -246,10 +297,17 @@ class Run:
         recipe, part = self.recipe, self.part
         stylizer, notes = stylizer_for(part, recipe, self.device, self.store.objects)
         bounds, protected = bounds_for(part, recipe)
-        simulator = DropSimulator(
-            part.surface, part.tets, recipe, self.store.memo, cached_memo(), self.device, progress, at=part.at
-        )
-        return Engine(recipe, part.surface, bounds, stylizer, simulator, self.store, self.lane), (*protected, *notes)
+        simulator = self._simulator(recipe, progress)
+        delivery = None if recipe.delivered == 0 else self._refinement(simulator)
+        return Engine(recipe, part.surface, bounds, stylizer, simulator, self.store, self.lane, delivery), (*protected, *notes)
+
+    def _simulator(self, recipe: Recipe, progress: Progress = no_progress) -> DropSimulator:
+        part = self.part
+        return DropSimulator(part.surface, part.tets, recipe, self.store.memo, cached_memo(), self.device, progress, at=part.at)
+
+    def _refinement(self, simulator: DropSimulator) -> Refinement:
+        """What draws the surface of a lane finer, under the recipe of a simulator."""
+        return Refinement(self.store, self.part, simulator, simulator.recipe.delivered or None)
 
     def _measured_at(self, iteration: int | None) -> int | None:
         """Iteration of the last drop up to this one that gave an answer, None if there is none."""

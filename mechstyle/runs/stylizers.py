@@ -6,6 +6,10 @@ torch and is in `styling.drawn`.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import NamedTuple
+from weakref import WeakKeyDictionary
+
 import msgspec
 import numpy as np
 
@@ -14,12 +18,13 @@ from mechstyle.errors import BadInput
 from mechstyle.loop.engine import Bounds, Stylizer, advanced
 from mechstyle.loop.objects import Objects
 from mechstyle.records import Recipe
-from mechstyle.records.mesh import Field
+from mechstyle.records.mesh import Field, Floats
 from mechstyle.runs.images import raster_of
 from mechstyle.runs.plugins import made
 from mechstyle.simulation.part import Shape, Workpiece, bounds_for
 from mechstyle.styling.combination import combined, places
 from mechstyle.styling.dimensions import Dimensions
+from mechstyle.styling.drawing.canvas import Canvas
 from mechstyle.styling.drawn import ProceduralStylizer, Target, canvas_for, target
 from mechstyle.styling.learned.extra import need_clip_extra
 from mechstyle.styling.learned.weights import located
@@ -34,11 +39,11 @@ def settled(recipe: Recipe, *, clip_asked_for: bool) -> Recipe:
         BadInput: If a prompt names no style that can be drawn, or settings contradict each other.
         MissingPiece: If libraries or weights are not on this machine.
     """
+    if recipe.image and not recipe.prompt.strip():
+        recipe = msgspec.structs.replace(recipe, prompt=PICTURE)
     if recipe.image and (recipe.stylizer or recipe.guidance == "clip"):
         draws = f"the stylizer {recipe.stylizer!r}" if recipe.stylizer else "guidance 'clip'"
         raise BadInput(f"{draws} draws no pictures: leave it or the image out")
-    if recipe.image and not recipe.prompt.strip():
-        recipe = msgspec.structs.replace(recipe, prompt=PICTURE)
     if recipe.guidance != "clip":
         if clip_asked_for:
             raise BadInput(f"CLIP weights are of no use to guidance {recipe.guidance!r}: ask for guidance 'clip' as well")
@@ -92,23 +97,76 @@ def finished_relief(part: Workpiece | Shape, recipe: Recipe) -> Field | None:
 
 
 def _drawn(part: Workpiece | Shape, bounds: Bounds, recipe: Recipe, reading: Reading, objects: Objects | None = None) -> Target:
+    return drawing_of(part, bounds, recipe, reading, objects).target
+
+
+class Drawing(NamedTuple):
+    """What a prompt asks for on a part, and how that was drawn.
+
+    Attributes:
+        target: The relief and the colours.
+        canvases: What each wish was drawn on.
+        shares: Of each wish at each vertex, shape [wish_count, vertex_count].
+    """
+
+    target: Target
+    canvases: Sequence[Canvas]
+    shares: Floats
+
+
+_last: WeakKeyDictionary[Workpiece | Shape, tuple[str, Drawing]] = WeakKeyDictionary()
+"""The last drawing on each part, by the digest of its recipe: the loop goes towards it, and what is delivered is drawn after it."""
+
+
+def drawing_of(
+    part: Workpiece | Shape, bounds: Bounds, recipe: Recipe, reading: Reading, objects: Objects | None = None
+) -> Drawing:
+    """What the prompt of a recipe asks for on a part, within its bounds; the last one on a part is remembered.
+
+    Args:
+        part: The part.
+        bounds: How far the style may go.
+        recipe: The recipe.
+        reading: Its prompt.
+        objects: Those of the run, which keep its picture; None for cached ones.
+    """
+    digest, known = _last.get(part, ("", None))
+    if known is not None and digest == recipe.digest:
+        return known
     raster = raster_of(recipe, objects)
+    canvases = [canvas_for(recipe, wish, part.surface, part.thickness, raster) for wish in reading.wishes]
+    where = places(reading, part.surface, part.thickness)
+    aim = drawn(recipe, reading, canvases, where.shares, bounds)
+    found = Drawing(aim._replace(notes=(*where.notes, *aim.notes)), canvases, where.shares)
+    _last[part] = recipe.digest, found
+    return found
+
+
+def drawn(recipe: Recipe, reading: Reading, canvases: Sequence[Canvas], shares: Floats, bounds: Bounds) -> Target:
+    """What a prompt asks for, each wish drawn on a canvas of its own, all of one surface.
+
+    Args:
+        recipe: What else decides the drawing.
+        reading: The prompt.
+        canvases: One for each wish.
+        shares: Of each wish at each vertex, as `styling.combination.places` gives them, shape [wish_count, vertex_count].
+        bounds: How far it may go on that surface.
+    """
+    mesh = canvases[0].mesh
     targets = [
         target(
-            part.surface,
+            mesh,
             wish,
             Dimensions.of(recipe, wish),
             seed=recipe.seed,
-            thickness=part.thickness,
+            thickness=bounds.thickness,
             inward=bounds.inward,
             outward=bounds.outward,
-            canvas=canvas_for(recipe, wish, part.surface, part.thickness, raster),
+            canvas=canvas,
         )
-        for wish in reading.wishes
+        for wish, canvas in zip(reading.wishes, canvases, strict=True)
     ]
-    where = places(reading, part.surface, part.thickness)
-    aim = combined(part.surface, targets, where.shares).without(bounds.plain)
-    return aim._replace(notes=(*where.notes, *aim.notes))
+    return combined(mesh, targets, shares).without(bounds.plain)
 
 
 def _towards_prompt(part: Workpiece, bounds: Bounds, recipe: Recipe, device: str) -> Stylizer:

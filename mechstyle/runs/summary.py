@@ -13,7 +13,7 @@ from mechstyle.geometry.level_base import LevelBase
 from mechstyle.loop.engine import Engine, kept
 from mechstyle.loop.events import Event, SimulationStarted
 from mechstyle.loop.history import SimulationLine, Strength, simulations
-from mechstyle.records import LoadResult
+from mechstyle.records import LoadResult, Simulation
 
 
 class Summary(msgspec.Struct, frozen=True, kw_only=True):
@@ -77,7 +77,7 @@ def summarise(engine: Engine, *, device: str, notes: tuple[str, ...], seconds: d
     history = engine.store.history(engine.lane)
     last = engine.store.checkpoint(history[-1].digest)
     assert last.verdict is not None, "a finished lane ends with a simulated checkpoint"
-    simulation, original = engine.simulator.simulate(last.displacement, thorough=True), engine.simulator.baseline
+    simulation, original = engine.store.objects.get_record(last.simulation, Simulation), engine.simulator.baseline
     result = Strength.of(last.verdict, simulation)
     start, base = history[0].style_loss, LevelBase(engine.surface)
     return Summary(

@@ -20,6 +20,7 @@ from mechstyle.fea.verdict import judge
 from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.morph import Morph, Morphed
 from mechstyle.geometry.resting_face import centre_of_mass
+from mechstyle.geometry.subdivision import Subdivided
 from mechstyle.geometry.transfer import Transfer
 from mechstyle.loop.objects import Memo
 from mechstyle.records import Landing, LoadResult, Measures, Recipe, Simulation, Verdict
@@ -28,8 +29,9 @@ from mechstyle.simulation.carrying import Carried, at_rest, carried, carrying
 from mechstyle.simulation.original import raised
 from mechstyle.simulation.physics import PHYSICS_VERSION, memo_key, period_of, physics, prescribed
 
+MORPHED = "morphed"
 AGAIN = "meshed again at half of this relief"
-"""How the tetrahedra of a thorough test came about that were not those of the run."""
+"""How the tetrahedra of a thorough test came about: those of the run, or others."""
 
 
 class KeptMesh(msgspec.Struct, frozen=True, kw_only=True):
@@ -69,6 +71,7 @@ class DropSimulator:
         progress: Called with the fraction done of the drop in hand; may raise to cancel it.
         at: Displacement the tetrahedra were made for [mm], shape [vertex_count]; None for none.
         settled: Whether it keeps to these tetrahedra whatever they carry.
+        coarser: The test of the surface that this one is subdivided from, which knows the unstylized part; None if it is not.
     """
 
     surface: SurfaceMesh
@@ -80,6 +83,13 @@ class DropSimulator:
     progress: Progress = field(default=no_progress)
     at: NDArray[np.float32] | None = None
     settled: bool = False
+    coarser: DropSimulator | None = None
+
+    def on(self, finer: Subdivided) -> DropSimulator:
+        """The same test of the same part on a finer surface, which moves these very tetrahedra and is compared with the same original."""
+        recipe = msgspec.structs.replace(self.recipe, surface=finer.mesh.digest)
+        at = None if self.at is None else (finer.interpolation @ self.at).astype(np.float32)
+        return replace(self, surface=finer.mesh, recipe=recipe, at=at, settled=True, coarser=self)
 
     @cached_property
     def baseline(self) -> Simulation:
@@ -88,6 +98,8 @@ class DropSimulator:
         On those of a relief it would take three times the steps, because their triangles are flattened on the way back, and where some
         would be turned inside out a notch would be left over, which may bear several times what the original does.
         """
+        if self.coarser is not None:
+            return self.coarser.baseline
         return self.simulate(np.zeros(len(self.surface.vertices), np.float32), thorough=True)
 
     def judge(self, simulation: Simulation) -> Verdict:
@@ -96,6 +108,8 @@ class DropSimulator:
 
     def baseline_of(self, simulation: Simulation) -> Simulation:
         """What a simulation is compared with: the baseline, and for one that fails beside it the original on the same tetrahedra, too."""
+        if self.coarser is not None:
+            return self.coarser.baseline_of(simulation)
         own, there = self.baseline, self._on(simulation.mesh)
         made_for_it = there.tets.digest == simulation.mesh and there._made_for_relief  # noqa: SLF001 — another of this class
         if not made_for_it or judge(simulation, own, self.recipe.material, self.recipe.criterion).outcome != "FAILS":
@@ -135,25 +149,28 @@ class DropSimulator:
         return simulation
 
     def _on_a_mesh_that_carries(self, displacement: NDArray[np.float32]) -> Simulation:
-        """The thorough test on these tetrahedra, on those that were made last for such a relief, or on new ones."""
+        """The thorough test on tetrahedra that carry a relief."""
+        carrier, meshing = self.carrier(displacement)
+        if carrier is self:
+            return replace(self._on_morphed_mesh(displacement, thorough=True), meshing=meshing)
+        return replace(carrier.simulate(displacement, thorough=True), meshing=meshing)
+
+    def carrier(self, displacement: NDArray[np.float32]) -> tuple[DropSimulator, str]:
+        """The same test on tetrahedra that carry a relief [mm], shape [vertex_count], and how these came about, in words.
+
+        They are its own, those that were made last for such a relief, or new ones; meshing a third time was never seen to carry more.
+        """
         here = self._carried(displacement)
         if here.enough:
-            return self._on_morphed_mesh(displacement, thorough=True)
+            return self, MORPHED
         last = self.memo.recall(self._last_mesh, str)
         if last is not None and (there := (again := self._on(last))._carried(displacement)).whole >= here.whole:  # noqa: SLF001
-            return self._said(again.simulate(displacement, thorough=True), there)
+            return again, _again(there)
         try:
             again = self._meshed_again(displacement)
         except MechStyleError as error:
-            morphed = self._on_morphed_mesh(displacement, thorough=True)
-            return replace(morphed, meshing=f"morphed, carrying {here.words}, as the part could not be meshed again: {error}")
-        there = again._carried(displacement)  # noqa: SLF001 — as above
-        return self._said(again.simulate(displacement, thorough=True), there)
-
-    @staticmethod
-    def _said(found: Simulation, there: Carried) -> Simulation:
-        """A test on other tetrahedra, with what they carry: meshing a third time was never seen to carry more."""
-        return replace(found, meshing=AGAIN if there.enough else f"{AGAIN}, but carrying {there.words}")
+            return self, f"{MORPHED}, carrying {here.words}, as the part could not be meshed again: {error}"
+        return again, _again(again._carried(displacement))  # noqa: SLF001 — as above
 
     def _meshed_again(self, displacement: NDArray[np.float32]) -> DropSimulator:
         """The same test on tetrahedra made for half of a relief, which are kept for the next."""
@@ -230,11 +247,15 @@ class DropSimulator:
 
     @cached_property
     def _reading(self) -> SurfaceStress:
+        if self.coarser is not None and self.coarser.tets is self.tets:
+            return self.coarser._reading  # noqa: SLF001 — as above
         return SurfaceStress(self.tets)
 
     @cached_property
     def _orientations(self) -> Orientations:
         """Orientations of the unstylized part, so that both are compared in the same landings: as placed, tilted, then the others."""
+        if self.coarser is not None:
+            return self.coarser._orientations  # noqa: SLF001 — another of this class
         recipe, points = self.recipe, self.surface.vertices
         return nearly(orientation_set(recipe.poses, recipe.orientations, points, centre_of_mass(self.surface)), recipe.tilts)
 
@@ -299,6 +320,8 @@ class DropSimulator:
     @cached_property
     def _period(self) -> float | None:
         """Of `period_of`."""
+        if self.coarser is not None:
+            return self.coarser._period  # noqa: SLF001 — another of this class
         return period_of(lambda: self._at_rest.tets if self._made_for_relief else self.tets, self.recipe, self.memo, self._trusted)
 
     @property
@@ -376,3 +399,8 @@ class DropSimulator:
             )
             for name, (x, y, z), weight, stress, one, phases, ended in drops
         )
+
+
+def _again(there: Carried) -> str:
+    """How other tetrahedra came about, with what they carry where that is not enough."""
+    return AGAIN if there.enough else f"{AGAIN}, but carrying {there.words}"

@@ -18,7 +18,7 @@ from mechstyle.styling.library import style_named
 from mechstyle.styling.picture import NAME as PICTURE
 from mechstyle.styling.picture import notes_on, placed_on
 from mechstyle.styling.prompt import Wish
-from mechstyle.styling.style import Proposal
+from mechstyle.styling.style import Proposal, Relief
 
 COLOUR_WEIGHT = 4.0
 _RATE = 1.0 - float(np.exp(-1.0 / 40.0))  # 40 iterations bring the distance to the target down by e
@@ -73,8 +73,7 @@ def target(
     style = style_named(wish.style)
     canvas = canvas or dimensions.canvas(mesh, thickness, wish, seed)
     relief = style.program(canvas)
-    colour = relief.colour if wish.second is None else in_recesses(relief.colour, relief.height, wish.second)
-    tint = np.clip(colour, 0.0, 1.0).astype(np.float32)
+    tint = tinted(relief, wish).astype(np.float32)
     if not relief.height.any():
         return Target(np.zeros(len(mesh.vertices), np.float32), tint, tuple(canvas.notes))
     layout = dimensions.layout(canvas.operators, thickness, style.feature_mm * canvas.scale, wish.amount)
@@ -83,6 +82,17 @@ def target(
     smooth = unfolded(canvas.operators, limited)
     notes = (*canvas.notes, *layout.notes, *_fold_notes(mesh, np.abs(smooth - limited) > _NOTICEABLE * np.abs(limited)))
     return Target(smooth.astype(np.float32), tint, notes)
+
+
+def tinted(relief: Relief, wish: Wish) -> Floats:
+    """The colours of a relief as a wish has them, display RGB in [0, 1], shape [n, 3]."""
+    colour = relief.colour if wish.second is None else in_recesses(relief.colour, relief.height, wish.second)
+    return np.clip(colour, 0.0, 1.0)
+
+
+def approached(iterations: int) -> float:
+    """Share of the way to a target that so many iterations come."""
+    return 1.0 - (1.0 - _RATE) ** iterations
 
 
 def canvas_for(recipe: Recipe, wish: Wish, mesh: SurfaceMesh, thickness: ArrayLike, raster: Raster | None) -> Canvas:

@@ -28,10 +28,15 @@ _CARRIED = 2.0  # edges of the mesh that a detail must span
 
 def picture(canvas: Canvas) -> Relief:
     """The picture as it lies on the part; around it the part is plain."""
+    return seen_at(canvas, canvas.points, canvas.mesh.vertex_normals, canvas.edge)
+
+
+def seen_at(canvas: Canvas, points: Floats, normals: Floats, footprint: float) -> Relief:
+    """The picture at any points [mm] with unit normals, shapes [n, 3], each of which stands for a place of `footprint` [mm]."""
     placed = canvas.picture
     assert placed is not None, "whoever asks for this style gives the picture"
-    seen = placed.seen(canvas.points, canvas.mesh.vertex_normals, canvas.edge)
-    tint, raster = coloured(canvas, seen.colour, seen.cover), placed.raster
+    seen = placed.seen(points, normals, footprint)
+    tint, raster = _coloured(canvas, seen.colour, seen.cover), placed.raster
     if not placed.raised or not (raster.shaded or raster.clear):
         return Relief(np.zeros(len(seen.cover)), tint)
     if raster.clear:
@@ -47,7 +52,7 @@ def _standing(height: Floats, side: str, *, shaded: bool) -> Floats:
     return -step - (1.0 - step) * 0.5 * (1.0 - height) if side == "inwards" else step + (1.0 - step) * 0.5 * (1.0 + height)
 
 
-def coloured(canvas: Canvas, colours: Floats, cover: Floats) -> Floats:
+def _coloured(canvas: Canvas, colours: Floats, cover: Floats) -> Floats:
     """The colours of a picture, or of a part that takes only its relief, and of what is plain around it, shape [n, 3]."""
     placed = canvas.picture
     body = np.full(3, NEUTRAL) if canvas.colour is None else np.array(canvas.colour)

@@ -22,7 +22,7 @@ from mechstyle.simulation import part_test
 
 STYLED = (
     "--build-direction "
-    "--relief --side --feature --nozzle --inside --image --image-size --image-as --image-layout --project "
+    "--relief --side --feature --nozzle --inside --delivered --coarse --image --image-size --image-as --image-layout --project "
     "--amplitude --criterion --device --field --guidance --iterations --json --load --material -m --minimum-wall --orientations --poses "
     "--prompt -p --protect --seed --set --standard --stylizer --window"
 )
@@ -42,7 +42,7 @@ NAMES = {
     "validate": "--case --json --out --page --quick",
     "log": "directory --json",
     "show": "address --json --out",
-    "export": "address --device --fine --format -f --json --out",
+    "export": "address --coarse --device --fine --format -f --json --out --texture",
     "protect": "model --json --out --protect --scale --up --vertices",
     "report": "address --json --out",
     "materials": "--json",

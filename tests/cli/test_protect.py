@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from mechstyle.runs.refine import MOST_PARTS
 from mechstyle.runs.run import Run
 
 
@@ -64,7 +65,7 @@ def test_a_fine_file_comes_with_its_own_verdict(protected):
     assert told["export"]["verdict"]["outcome"] == "VIABLE"
     assert json.loads((root / "fine.ply.json").read_text()) == told["export"]
     faces = len(Run.open(root, "cpu").part.surface.faces)
-    assert len(trimesh.load(root / "fine.ply", process=False).faces) == 4 * faces
+    assert len(trimesh.load(root / "fine.ply", process=False).faces) == MOST_PARTS**2 * faces
 
 
 def test_an_unknown_stylizer_is_refused(finished):

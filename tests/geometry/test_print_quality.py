@@ -9,7 +9,7 @@ from manifold3d import Manifold
 
 from mechstyle.geometry.print_quality import folded_faces, quality
 from mechstyle.geometry.remesh import standardise, surface_of
-from mechstyle.geometry.subdivision import quartered
+from mechstyle.geometry.subdivision import subdivided
 from mechstyle.records.mesh import SurfaceMesh
 
 
@@ -72,7 +72,7 @@ def test_the_thinnest_wall_does_not_depend_on_how_close_to_an_edge_vertices_lie(
     """Beside an edge of 70 degrees the inner ball vanishes: the more vertices, the thinner such a wall would read."""
     surface = leaning_wall(3.0)
     for _ in range(rounds):
-        surface = quartered(surface).mesh
+        surface = subdivided(surface).mesh
     found = quality(surface, surface, 1.24e-3)
     assert found.thinnest == pytest.approx(3.0, rel=0.02)
     assert found.thin == pytest.approx(3.0, rel=0.02)
@@ -80,7 +80,7 @@ def test_the_thinnest_wall_does_not_depend_on_how_close_to_an_edge_vertices_lie(
 
 def test_a_wall_that_is_thinner_in_the_middle_is_seen_on_a_finer_surface_too():
     surface = leaning_wall(3.0)
-    dent = quartered(surface)
+    dent = subdivided(surface)
     depth = np.where(np.hypot(*surface.vertices[:, :2].T) < 6.0, -0.8, 0.0) * (np.abs(surface.vertex_normals[:, 2]) > 0.99)
     coarse = quality(surface, surface.displaced(depth), 1.24e-3)
     fine = quality(dent.mesh, dent.mesh.displaced(dent.interpolation @ depth), 1.24e-3)

@@ -1,35 +1,55 @@
-"""Quartering: the same shape in four times as many faces."""
+"""Subdivision: the same shape in more and smaller faces."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from mechstyle.geometry.subdivision import quartered
-
-
-def test_the_shape_stays_and_the_faces_are_quartered(cup):
-    fine = quartered(cup)
-    assert len(fine.mesh.faces) == 4 * len(cup.faces)
-    assert fine.mesh.is_closed
-    assert fine.mesh.volume == pytest.approx(cup.volume, rel=1e-12)
-    assert fine.mesh.face_areas.reshape(-1, 4) == pytest.approx(np.repeat(cup.face_areas[:, None] / 4, 4, axis=1))
-    assert np.array_equal(fine.mesh.vertices[: len(cup.vertices)], cup.vertices)
+from mechstyle.geometry.subdivision import halved, refined_to, subdivided
 
 
 def test_normals_of_coarse_vertices_stay_what_they_were(cup):
     """A displacement along normals means the same on both."""
-    assert np.allclose(quartered(cup).mesh.vertex_normals[: len(cup.vertices)], cup.vertex_normals, atol=1e-9)
+    assert np.allclose(subdivided(cup).mesh.vertex_normals[: len(cup.vertices)], cup.vertex_normals, atol=1e-9)
 
 
-def test_values_are_interpolated_half_way_between_the_parents(cup):
-    fine, values = quartered(cup), cup.vertices @ [1.0, 2.0, 3.0]
+@pytest.mark.parametrize("parts", [1, 2, 3, 4])
+def test_an_edge_in_so_many_parts_makes_their_square_of_faces_and_values_stay_linear(cup, parts):
+    fine, values = subdivided(cup, parts), cup.vertices @ [1.0, 2.0, 3.0]
+    assert len(fine.mesh.faces) == parts**2 * len(cup.faces)
+    assert fine.mesh.is_closed
+    assert fine.mesh.volume == pytest.approx(cup.volume, rel=1e-12)
+    assert fine.mesh.face_areas.reshape(len(cup.faces), -1) == pytest.approx(np.repeat(cup.face_areas[:, None], parts**2, 1) / parts**2)
+    assert np.array_equal(fine.mesh.vertices[: len(cup.vertices)], cup.vertices)
     assert fine.interpolation @ values == pytest.approx(fine.mesh.vertices @ [1.0, 2.0, 3.0])
-    assert np.array_equal(fine.parents[: len(cup.vertices)], np.repeat(np.arange(len(cup.vertices)), 2).reshape(-1, 2))
-    middles = 0.5 * (cup.vertices[fine.parents[:, 0]] + cup.vertices[fine.parents[:, 1]])
-    assert fine.mesh.vertices == pytest.approx(middles)
+    assert fine.interpolation.sum(axis=1) == pytest.approx(np.ones(len(fine.mesh.vertices)))
+
+
+def test_the_longest_edges_are_halved_and_none_shares_a_face(cup):
+    count, fine = len(cup.vertices), halved(cup, 50)
+    assert len(fine.mesh.vertices) == count + 50
+    assert fine.mesh.is_closed
+    assert fine.mesh.volume == pytest.approx(cup.volume, rel=1e-12)
+    assert fine.mesh.vertex_normals[:count] == pytest.approx(cup.vertex_normals, abs=1e-9)
+    length = np.linalg.norm(cup.vertices[cup.edges[:, 0]] - cup.vertices[cup.edges[:, 1]], axis=1)
+    ends = np.sort(fine.interpolation.indices[count:].reshape(-1, 2), axis=1)
+    cut = np.linalg.norm(cup.vertices[ends[:, 0]] - cup.vertices[ends[:, 1]], axis=1)
+    assert cut.min() > np.median(length)
+    assert cut.max() == length.max()
+
+
+@pytest.mark.parametrize(("share", "parts"), [(3.99, 2), (4.05, 2), (4.3, 2), (5.0, 3), (9.1, 3)])
+def test_a_surface_gets_the_vertices_that_were_asked_for_and_not_many_more(cup, share, parts):
+    wanted = round(share * len(cup.vertices))
+    found = len(refined_to(cup, wanted, most_parts=4).mesh.vertices)
+    assert wanted <= found
+    assert found < max(1.01 * wanted, parts**2 * len(cup.vertices))
+
+
+def test_an_edge_is_cut_into_no_more_parts_than_it_may(cup):
+    assert len(refined_to(cup, 10**6, most_parts=2).mesh.faces) == 4 * len(cup.faces)
 
 
 def test_colours_go_along(cube):
-    coloured = quartered(cube.coloured(cube.vertices / 10.0)).mesh
+    coloured = subdivided(cube.coloured(cube.vertices / 10.0)).mesh
     assert coloured.colours == pytest.approx(coloured.vertices / 10.0)

@@ -67,9 +67,9 @@ def test_what_its_settings_were_called_is_said_in_todays_words(earlier):
 
 @pytest.mark.parametrize(("held", "base"), [(True, "protected"), (False, "free")])
 def test_protection_of_the_resting_face_became_a_base(held, base):
-    fields = {"prompt": "brick", "side": "both", "protect_resting_face": held}
-    assert translated(fields) == {"prompt": "brick", "side": "both", "base": base, "tilts": 0}
-    assert translated({"prompt": "brick", "side": "both", "base": "level"}) == {"prompt": "brick", "side": "both", "base": "level"}
+    known = {"prompt": "brick", "side": "both", "delivered": None}
+    assert translated({**known, "protect_resting_face": held}) == {**known, "base": base, "tilts": 0}
+    assert translated({**known, "base": "level"}) == {**known, "base": "level"}
 
 
 def test_a_relief_that_was_a_share_of_the_wall_stays_what_it_was(earlier):
@@ -77,7 +77,14 @@ def test_a_relief_that_was_a_share_of_the_wall_stays_what_it_was(earlier):
     assert (recipe.relief, recipe.amplitude, recipe.side, recipe.feature, recipe.nozzle, recipe.inside) == (
         None, 0.15, "both", None, 0.0, "styled",
     )  # fmt: skip
-    assert translated({"side": "auto", "nozzle": 0.4}) == {"side": "auto", "nozzle": 0.4}
+    known = {"side": "auto", "nozzle": 0.4, "delivered": 50_000}
+    assert translated(known) == known
+
+
+def test_what_it_delivers_is_the_surface_of_its_checkpoints(earlier):
+    run = Run.open(earlier)
+    assert run.recipe.delivered == 0
+    assert run.delivered() is None
 
 
 def test_a_recipe_of_an_earlier_version_draws_the_very_relief_it_drew(sphere):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import logging
+import shutil
 from dataclasses import replace
 from itertools import pairwise
 
@@ -13,10 +14,11 @@ import pytest
 import trimesh
 
 from mechstyle.errors import BadInput
-from mechstyle.geometry.subdivision import quartered
+from mechstyle.geometry.subdivision import Subdivided, subdivided
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs import refine as module
-from mechstyle.runs.export import Exported, sidecar, unsimulated
+from mechstyle.runs.export import COARSE, NOT_DROPPED, Exported, sidecar, unsimulated
+from mechstyle.runs.refine import MOST_PARTS
 from mechstyle.runs.run import Run, stylize
 
 QUICK = {"vertices": 900, "iterations": 6, "orientations": 1, "tilts": 0, "window": 0.2, "element": "tet4", "schedule": "every", "every": 3}
@@ -29,14 +31,20 @@ def run(tmp_path_factory) -> Run:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("MECHSTYLE_CACHE", str(folder / "cache"))
         mesh = SurfaceMesh(box.vertices, box.faces)
-        yield stylize(mesh, "marble", out=folder / "run", protect="above 9.9 colour", amplitude=0.3, device="cpu", **QUICK)
+        yield stylize(mesh, "marble", out=folder / "run", protect="above 9.9 colour", amplitude=0.3, device="cpu", delivered=3500, **QUICK)
 
 
-def test_what_is_known_of_the_surface_lies_beside_the_file(run, tmp_path):
-    path = run.export(tmp_path / "part.stl")
+@pytest.fixture(scope="module")
+def coarse(run) -> Run:
+    """The same from iteration 4 on, delivered as it ran."""
+    return run.branch(4, lane="coarse", delivered=0).go()
+
+
+def test_what_is_known_of_the_surface_lies_beside_the_file(coarse, tmp_path):
+    run, path = coarse, coarse.export(tmp_path / "part.stl")
     kept = msgspec.json.decode(sidecar(path).read_bytes(), type=Exported)
     assert sidecar(path).name == "part.stl.json"
-    assert (kept.file, kept.lane, kept.iteration, kept.fine) == ("part.stl", "main", 6, False)
+    assert (kept.file, kept.lane, kept.iteration, kept.fine) == ("part.stl", "coarse", 6, False)
     assert kept.recipe == run.recipe.digest
     assert kept.verdict == run.verdict
     assert kept.quality.volume == pytest.approx(run.surface().volume)
@@ -44,7 +52,7 @@ def test_what_is_known_of_the_surface_lies_beside_the_file(run, tmp_path):
 
 def test_a_surface_that_was_not_simulated_has_no_verdict_and_says_so(run, tmp_path, caplog):
     with caplog.at_level(logging.WARNING):
-        run.export(tmp_path / "part.obj", 4)
+        run.export(tmp_path / "part.obj", 4, fine=False)
     assert "this iteration was not simulated; the last simulation was at 3" in caplog.text
     assert json.loads(sidecar(tmp_path / "part.obj").read_text())["verdict"] is None
 
@@ -57,43 +65,114 @@ def test_a_relief_reduced_after_its_simulation_has_no_verdict(run):
     assert unsimulated(run.store, run.store.find(3)) == ""
 
 
+def undroppable(*_arguments, **_options):
+    raise AssertionError("it was dropped again")
+
+
+@pytest.fixture
+def dropless(monkeypatch):
+    monkeypatch.setattr("mechstyle.simulation.simulator.drop", undroppable)
+
+
 @pytest.fixture(scope="module")
-def finer(run, tmp_path_factory):
-    path = tmp_path_factory.mktemp("fine") / "part.ply"
-    seen = {}
-
-    def kept(*arguments, **options):
-        seen["refined"] = module.refined(*arguments, **options)
-        return seen["refined"]
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("mechstyle.runs.export.refined", kept)
-        return path, run.exported(path, fine=True), seen["refined"]
+def finer(run):
+    return run.delivered()
 
 
-def test_the_fine_file_has_four_times_the_faces_and_the_verdict_is_its_own(run, finer):
-    path, written, found = finer
-    mesh = trimesh.load(path, process=False)
-    assert len(mesh.faces) == 4 * len(run.part.surface.faces)
-    assert np.allclose(mesh.vertices, found.styled.vertices, atol=1e-4)
+def test_the_delivered_file_is_the_surface_that_was_dropped_last_with_the_verdict_of_the_run(run, finer, tmp_path, dropless):
+    written = run.exported(tmp_path / "part.ply")
+    mesh = trimesh.load(tmp_path / "part.ply", process=False)
+    assert len(mesh.vertices) >= 3500
+    assert np.allclose(mesh.vertices, finer.styled.vertices, atol=1e-4)
     assert written.fine
-    assert written.verdict == found.verdict
-    assert np.array_equal(found.original.displaced(found.simulation.displacement).vertices, found.styled.vertices)
-    assert found.verdict.deciding.value != run.verdict.deciding.value, "it was dropped, not copied"
+    assert written.verdict == run.verdict == run.checkpoint().verdict
+    assert run.summary.peak_stress == run.verdict.deciding.value == pytest.approx(finer.simulation.as_placed.peak)
+    assert np.array_equal(finer.displacement, finer.simulation.displacement)
+    assert finer.original.displaced(finer.displacement).volume == pytest.approx(finer.styled.volume)
+
+
+def test_the_loop_keeps_its_own_vertices(run, finer):
+    """Only the delivered surface is large: a checkpoint holds the relief of its own vertices, and the test's fields there."""
+    count, state = len(run.part.surface.vertices), run.checkpoint()
+    assert len(state.displacement) == count
+    assert np.array_equal(run.simulation().stress, finer.simulation.stress[:count])
+    assert np.array_equal(state.stress, finer.simulation.stress[:count])
+
+
+def test_what_was_delivered_is_drawn_once(run, monkeypatch, dropless):
+    monkeypatch.setattr(module, "_Twin", undroppable)
+    again = Run.open(run.store.root, "cpu")
+    assert np.array_equal(again.delivered().styled.vertices, run.delivered().styled.vertices)
+    assert run.delivered(4) is None, "before the end nothing is delivered"
+
+
+def test_it_can_be_made_again_from_recipe_and_checkpoints(run, finer, tmp_path, dropless):
+    """Whoever was interrupted, or throws away what was kept, gets the same bytes, and the test of them is remembered."""
+    root = tmp_path / "copy"
+    shutil.copytree(run.store.root, root)
+    for kept in (root / "memo").glob("delivered-*"):
+        kept.unlink()
+    again = Run.open(root, "cpu")
+    written = again.exported(tmp_path / "part.stl")
+    assert written.verdict == run.verdict
+    found = again.delivered()
+    assert np.array_equal(found.displacement, finer.displacement)
+    assert np.array_equal(found.styled.colours, finer.styled.colours)
+
+
+def test_a_run_that_ended_before_it_delivered_goes_on_to_the_same(run, finer, tmp_path):
+    shutil.copytree(run.store.root, tmp_path / "copy")
+    again = Run.open(tmp_path / "copy", "cpu")
+    lane = again.store.lane()
+    again.store.move("main", msgspec.structs.replace(lane, head=again.store.entry(lane.head).parent))
+    assert not again.finished
+    again.go()
+    assert again.store.lane() == lane
+    assert np.array_equal(again.delivered().displacement, finer.displacement)
+
+
+def test_the_loops_own_surface_has_no_verdict_where_a_finer_one_was_dropped(run, tmp_path):
+    written = run.exported(tmp_path / "part.stl", fine=False)
+    assert written.verdict is None
+    assert COARSE in written.warnings
+    assert len(trimesh.load(tmp_path / "part.stl").faces) == len(run.part.surface.faces)
+
+
+def test_an_iteration_before_the_last_is_drawn_finer_and_not_dropped(run, tmp_path, dropless):
+    written = run.exported(tmp_path / "part.stl", 4)
+    assert written.fine
+    assert written.verdict is None
+    assert NOT_DROPPED in written.warnings
+
+
+def test_a_run_that_delivers_its_own_surface_can_be_drawn_finer_and_dropped_later(coarse, tmp_path):
+    assert coarse.delivered() is None
+    written = coarse.exported(tmp_path / "part.stl", fine=True)
+    assert written.verdict is not None
+    assert written.verdict.deciding.value != coarse.verdict.deciding.value, "it was dropped, not copied"
+    assert len(trimesh.load(tmp_path / "part.stl").faces) == MOST_PARTS**2 * len(coarse.part.surface.faces)
+
+
+def test_a_relief_that_was_removed_is_the_unstylized_part(run, dropless):
+    found = run._refinement(run._simulator(run.recipe))
+    state = run.checkpoint()
+    removed = found.tested(replace(state, displacement=np.zeros_like(state.displacement), parent=run.store.lane().head))
+    original = run._simulator(run.recipe).baseline
+    assert removed.as_placed == original.as_placed
+    assert np.array_equal(removed.stress, original.stress)
 
 
 def test_the_fine_relief_follows_the_coarse_one(run, finer):
-    _, _, found = finer
-    coarse = run.checkpoint().displacement
-    here = found.simulation.displacement[: len(coarse)]
+    found, coarse = finer, run.checkpoint().displacement
+    here = found.displacement[: len(coarse)]
     assert np.corrcoef(coarse, here)[0, 1] > 0.9
     colours = run.checkpoint().colour.astype(np.float32)
     assert np.corrcoef(colours.ravel(), found.styled.colours[: len(coarse)].ravel())[0, 1] > 0.9
 
 
 def test_what_is_protected_stays_protected_in_the_fine_file(run, finer):
-    _, _, found = finer
-    frozen = quartered(run.part.surface).interpolation @ (run.part.surface.vertices[:, 2] >= 9.9).astype(float) == 1.0
+    found = finer
+    frozen = found.cut.interpolation @ (run.part.surface.vertices[:, 2] >= 9.9).astype(float) == 1.0
     assert frozen.any()
     assert np.all(found.simulation.displacement[frozen] == 0.0)
     grey = found.styled.colours[frozen]
@@ -102,17 +181,12 @@ def test_what_is_protected_stays_protected_in_the_fine_file(run, finer):
 
 
 def test_a_twin_on_the_same_surface_repeats_the_run(run, monkeypatch):
-    """If quartering did nothing and the style drew the same, the replay would give the run's own displacement."""
+    """If subdivision did nothing and the style drew the same, the replay would give the run's own displacement."""
     import scipy.sparse as sp  # noqa: PLC0415 — used here only
 
-    from mechstyle.geometry.subdivision import Quartered  # noqa: PLC0415
-
     surface = run.part.surface
-    count = len(surface.vertices)
-    same = Quartered(surface, np.repeat(np.arange(count), 2).reshape(-1, 2), sp.eye_array(count, format="csr"))
-    monkeypatch.setattr(module, "quartered", lambda _: same)
     monkeypatch.setattr(module, "FineCanvas", lambda *made_from: made_from[-1])
-    twin, past = module._Twin(run.part), module._past(run.store, run.store.lane().head)
+    twin, past = module._Twin(run.part, Subdivided(surface, sp.eye_array(len(surface.vertices), format="csr"))), run.history
     assert [entry.iteration for entry in past][:7] == list(range(7))
     for before, after in pairwise(run.store.checkpoint(entry.digest) for entry in past):
         twin.follow(before, after, run.recipe)
@@ -121,22 +195,22 @@ def test_a_twin_on_the_same_surface_repeats_the_run(run, monkeypatch):
 
 def test_what_was_taken_back_is_taken_back_from_the_twin(run):
     """A correction repeats its iteration with less relief: here with half of it in front, and none behind."""
-    twin = module._Twin(run.part)
+    twin = module._Twin(run.part, subdivided(run.part.surface))
     start, first = run.checkpoint(0), run.checkpoint(1)
     twin.follow(start, first, run.recipe)
     grown, front = twin.displacement.copy(), run.part.surface.vertices[:, 1] > 0.0
     twin.follow(first, replace(first, displacement=first.displacement * np.where(front, 0.5, 0.0).astype(np.float32)), run.recipe)
-    y = run.part.surface.vertices[twin._cut.parents][:, :, 1]
-    moved = np.all(first.displacement[twin._cut.parents] != 0.0, axis=1)
-    assert np.allclose(twin.displacement[(y > 0).all(axis=1) & moved], 0.5 * grown[(y > 0).all(axis=1) & moved])
-    assert not twin.displacement[(y <= 0).all(axis=1) & moved].any()
-    assert grown[(y <= 0).all(axis=1) & moved].any()
+    of, moved = twin.cut.interpolation @ front.astype(float), twin.cut.interpolation @ (first.displacement != 0.0).astype(float) == 1.0
+    assert np.allclose(twin.displacement[(of == 1.0) & moved], 0.5 * grown[(of == 1.0) & moved])
+    assert not twin.displacement[(of == 0.0) & moved].any()
+    assert grown[(of == 0.0) & moved].any()
 
 
 def test_the_unstylized_part_cannot_be_drawn_finer(run, tmp_path):
     with pytest.raises(BadInput, match="no style to draw finer"):
         run.export(tmp_path / "part.stl", 0, fine=True)
     assert list(tmp_path.iterdir()) == []
+    assert not run.exported(tmp_path / "part.stl", 0).fine
 
 
 LEARNT = {"network": {"field": "network"}, "clip": {"guidance": "clip", "crops": 1}}
@@ -150,23 +224,21 @@ def learnt(request, run, tiny_clip) -> Run:
         yield run.branch(4, lane=request.param, iterations=6, guarantee=False, **LEARNT[request.param]).go()
 
 
-def test_a_learnt_style_is_interpolated_and_said_to_be(learnt, tmp_path, monkeypatch):
-    seen = {}
-    monkeypatch.setattr("mechstyle.runs.export.refined", lambda *a, **k: seen.setdefault("refined", module.refined(*a, **k)))
-    written = learnt.exported(tmp_path / "part.ply", fine=True)
-    found = seen["refined"]
-    assert len(trimesh.load(tmp_path / "part.ply", process=False).faces) == 4 * len(learnt.part.surface.faces)
-    assert written.verdict == found.verdict
+def test_a_learnt_style_is_interpolated_and_said_to_be(learnt, tmp_path):
+    written, found = learnt.exported(tmp_path / "part.ply"), learnt.delivered()
+    assert len(trimesh.load(tmp_path / "part.ply", process=False).vertices) >= 3500
+    assert written.verdict == learnt.verdict
     assert module.INTERPOLATED in written.warnings
-    interpolated = quartered(learnt.part.surface).interpolation @ learnt.checkpoint().colour.astype(np.float32)
-    assert found.styled.colours == pytest.approx(interpolated, abs=1e-6)
+    assert module.INTERPOLATED in learnt.summary.notes
+    interpolated = found.cut.interpolation @ learnt.checkpoint().colour.astype(np.float32)
+    assert found.styled.colours == pytest.approx(interpolated, abs=1e-3)  # kept in half precision
 
 
 def test_what_was_drawn_before_a_learnt_style_stays_as_fine_as_it_was(learnt):
     """What is learnt adds, between the vertices too, the mean of what it added at the two ends of the edge."""
-    twin, past = module._Twin(learnt.part), module._past(learnt.store, learnt.store.lane(learnt.lane).head)
-    states = [learnt.store.checkpoint(entry.digest) for entry in past]
-    drawn, spread = states[4].displacement, twin._cut.interpolation
+    twin = module._Twin(learnt.part, subdivided(learnt.part.surface))
+    states = [learnt.store.checkpoint(entry.digest) for entry in learnt.history]
+    drawn, spread = states[4].displacement, twin.cut.interpolation
     for before, after in pairwise(states):
         if before.iteration == 4 and after.iteration == 5:
             at_branch = twin.displacement

@@ -8,7 +8,6 @@ import trimesh
 
 from mechstyle.errors import BadInput
 from mechstyle.records.mesh import SurfaceMesh
-from mechstyle.runs import refine
 from mechstyle.runs.run import Run, stylize
 
 QUICK = {"vertices": 900, "iterations": 60, "orientations": 1, "tilts": 0, "window": 0.2, "element": "tet4", "schedule": "never",
@@ -22,7 +21,7 @@ def run(tmp_path_factory) -> Run:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("MECHSTYLE_CACHE", str(folder / "cache"))
         mesh = SurfaceMesh(box.vertices, box.faces)
-        yield stylize(mesh, "top 8 mm: blue stone; zeppelin", out=folder / "run", amplitude=0.3, device="cpu", **QUICK)
+        yield stylize(mesh, "top 8 mm: blue stone; zeppelin", out=folder / "run", amplitude=0.3, device="cpu", delivered=3000, **QUICK)
 
 
 def test_the_style_lies_where_it_was_asked_for(run):
@@ -42,7 +41,7 @@ def test_the_summary_says_what_was_understood_and_what_was_not(run):
 
 
 def test_drawn_finer_the_style_keeps_its_place(run):
-    found = refine.refined(run.store, run.part, run.store.history("main")[-1].digest)
+    found = run.delivered()
     moved = np.linalg.norm(found.styled.vertices - found.original.vertices, axis=1)
     z = found.original.vertices[:, 2] - found.original.vertices[:, 2].max()
     assert moved[z < -14.0].max() < 0.02

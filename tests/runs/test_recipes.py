@@ -65,7 +65,7 @@ def test_freestyle_is_stylization_without_feedback(part):
 
 
 def test_the_paper_criterion_brings_the_published_method(part):
-    theirs = {"normalisation": "sigma_c", "transfer": "nearest", "element": "tet4", "minimum_wall": 0.0, "tilts": 0}
+    theirs = {"normalisation": "sigma_c", "transfer": "nearest", "element": "tet4", "minimum_wall": 0.0, "tilts": 0, "delivered": 0}
     expected = defaults(part, criterion="paper", **theirs, **WITHOUT_OUR_ADDITIONS)
     assert plan(part, "brick", criterion="paper") == expected
 

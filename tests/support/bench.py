@@ -126,7 +126,7 @@ class Bench:
         return grid()
 
     def recipe(self, **settings: object) -> Recipe:
-        defaults = {"surface": "s", "tetrahedra": "t", "prompt": "bump", "material": LIBRARY["PLA"], "iterations": 60}
+        defaults = {"surface": "s", "tetrahedra": "t", "prompt": "bump", "material": LIBRARY["PLA"], "iterations": 60, "delivered": 0}
         return Recipe(**{**defaults, **settings})
 
     def engine(self, recipe: Recipe, lane: str = "main") -> Engine:

@@ -53,6 +53,7 @@ class Canvas:
         edge: Edge length of the mesh [mm]; nothing much finer than two of them can be drawn.
         notes: What the user should know of this drawing, in sentences.
         picture: The picture to draw, None for none.
+        found_pieces: What `pieces` has answered so far.
     """
 
     def __init__(
@@ -75,6 +76,7 @@ class Canvas:
         self.nozzle = nozzle
         self.notes: list[str] = []
         self.picture: PlacedPicture | None = None
+        self.found_pieces: list[Indices] = []
 
     @property
     def points(self) -> Floats:
@@ -163,7 +165,8 @@ class Canvas:
         together = inside[tail] & inside[head]
         if label is not None:
             together &= label[tail] == label[head]
-        return self.operators.components(together)
+        self.found_pieces.append(self.operators.components(together))
+        return self.found_pieces[-1]
 
     def painted(self, colours: Floats) -> Floats:
         """The style's own colours of its body (brick, not mortar), shaded, or the colour asked for with their lights; shape [n, 3]."""

@@ -47,10 +47,14 @@ class StripeChart:
         self._operators = operators
         self.along = horizontal_lines(operators)
         self.up = np.cross(operators.mesh.vertex_normals, self.along)
+        self._known: dict[tuple[str, float, float], Floats] = {}  # a finer drawing asks again, and each takes a second
 
     def columns(self, length: float, margin: float, grip: float) -> Floats:  # noqa: ARG002  (stripes end nowhere)
         """Phase along the horizontal; see `Chart`, and `stripes` for the grip."""
-        return stripes(self._operators, self.along, length, grip=grip)
+        asked = ("columns", length, grip)
+        if asked not in self._known:
+            self._known[asked] = stripes(self._operators, self.along, length, grip=grip)
+        return self._known[asked]
 
     def rows(self, height: float, margin: float) -> Floats:
         """Phase upwards; see `Chart`. It is solved at half the frequency, so that the rows' parity is known.
@@ -58,14 +62,17 @@ class StripeChart:
         Rows are stretched a little so that a whole number fills the height from `margin` below the part to as much above it, and on the
         outside of upright walls they start there; the solution is free to slide, so that this costs nothing.
         """
-        mesh = self._operators.mesh
+        asked, mesh = ("rows", height, margin), self._operators.mesh
+        if asked in self._known:
+            return self._known[asked]
         low, extent = mesh.vertices[:, 2].min() - margin, mesh.extents[2] + 2.0 * margin
         period = 2.0 * extent / max(round(extent / height), 1.0)
         wished = (mesh.vertices[:, 2] - low) / period - 0.25
         outwards = mesh.vertices - mesh.vertices.mean(axis=0)
         outside = np.einsum("ij,ij->i", outwards[:, :2], mesh.vertex_normals[:, :2]) > 0.0
         upright = np.linalg.norm(mesh.vertex_normals[:, :2], axis=1) ** 4
-        return 2.0 * stripes(self._operators, self.up, period, start=outside * upright * np.exp(2j * np.pi * wished))
+        self._known[asked] = 2.0 * stripes(self._operators, self.up, period, start=outside * upright * np.exp(2j * np.pi * wished))
+        return self._known[asked]
 
 
 class BoxChart:

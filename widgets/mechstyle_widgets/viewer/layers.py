@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -88,10 +88,12 @@ class Subject:
     Attributes:
         mesh: The part [mm].
         layers: Fields over its surface.
+        look: What is shown in its place where no field is: the surface that is delivered, in faces of its own. None for the part itself.
     """
 
     mesh: SurfaceMesh
     layers: tuple[Layer, ...] = ()
+    look: SurfaceMesh | None = None
 
     def __post_init__(self) -> None:
         """Refuse a layer of another part, and two of one name."""
@@ -106,7 +108,7 @@ class Subject:
     def with_layer(self, layer: Layer) -> Subject:
         """The same with a layer added, or put in the place of the one of its name."""
         kept = [layer if other.name == layer.name else other for other in self.layers]
-        return Subject(self.mesh, tuple(kept if layer in kept else [*kept, layer]))
+        return replace(self, layers=tuple(kept if layer in kept else [*kept, layer]))
 
     def layer(self, name: str) -> Layer | None:
         """The layer of a name, None if there is none."""
@@ -131,7 +133,8 @@ def subject_of(run: Run, state: Checkpoint) -> Subject:
     mesh = run.part.surface.displaced(state.displacement).coloured(state.colour)
     simulation = run.store.objects.get_record(state.simulation, Simulation) if state.simulation else None
     simulated = () if simulation is None else simulation_layers(run, state, simulation)
-    return Subject(mesh, (*checkpoint_layers(run, state), *simulated))
+    delivered = run.delivered(state.iteration, draw=False) if state.final else None
+    return Subject(mesh, (*checkpoint_layers(run, state), *simulated), None if delivered is None else delivered.styled)
 
 
 def checkpoint_layers(run: Run, state: Checkpoint) -> tuple[Layer, ...]:

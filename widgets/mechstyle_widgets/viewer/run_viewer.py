@@ -19,6 +19,8 @@ from mechstyle_widgets.viewer.impact_player import ImpactPlayer
 from mechstyle_widgets.viewer.layers import STYLE, Layer, subject_of
 from mechstyle_widgets.viewer.viewer import Viewer
 
+FOLLOWED = ("checkpoint", "status")
+"""Traits of the state that change what is to be seen: what a run delivers is drawn after its last checkpoint."""
 Derived = Callable[[Run, Checkpoint], Layer]
 
 
@@ -63,7 +65,7 @@ class RunViewer(Linked, Viewer):
         self.player.observe(self._show_stress, "impact")
         self.layer = state.layer = wanted
         self.link(state, "layer")
-        state.observe(self._follow, "checkpoint")
+        state.observe(self._follow, FOLLOWED)
         self.observe(self._follow, "derived")
         self.observe(self._stand_beside, "compared")
 
@@ -72,7 +74,7 @@ class RunViewer(Linked, Viewer):
         if self._links:
             self._catch_up.cancel()
             self.unlink()
-            self._state.unobserve(self._follow, "checkpoint")
+            self._state.unobserve(self._follow, FOLLOWED)
             self.player.close()
 
     def close(self) -> None:

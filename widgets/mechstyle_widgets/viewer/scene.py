@@ -19,6 +19,7 @@ from mechstyle_widgets.viewer.shaders import (
     FLOOR_FRAGMENT,
     FLOOR_VERTEX,
     HIDDEN,
+    LOOK_VERTEX,
     MARKER_FRAGMENT,
     MARKER_VERTEX,
     MAXIMUM,
@@ -61,9 +62,10 @@ class Scene:
                 "index": pythreejs.BufferAttribute(mesh.faces.ravel().astype(np.uint32), normalized=False),
             }
         )
-        self.part = pythreejs.Mesh(self._geometry, _part_material())
-        stage = pythreejs.Group(children=[self.part, *_floor(mesh), self._markers()], position=(-np.asarray(centre)).tolist())
-        self.three = pythreejs.Scene(children=[stage], background=BACKGROUNDS[theme])
+        self.part = pythreejs.Mesh(self._geometry, _part_material(PART_VERTEX))
+        self._stage = pythreejs.Group(children=[self.part, *_floor(mesh), self._markers()], position=(-np.asarray(centre)).tolist())
+        self._looks: dict[int, tuple[SurfaceMesh, Any]] = {}
+        self.three = pythreejs.Scene(children=[self._stage], background=BACKGROUNDS[theme])
 
     def move(self, mesh: SurfaceMesh) -> None:
         """Take over the positions, normals and colours of a mesh of the same faces."""
@@ -80,6 +82,19 @@ class Scene:
     def hatch(self, protected: NDArray[np.bool_] | None) -> None:
         """Hatch what is protected, shape [vertex_count]; None for nothing."""
         self._protected.array = np.zeros(len(self._protected.array), np.float32) if protected is None else _single(protected)
+
+    def stand_in(self, look: SurfaceMesh | None) -> None:
+        """Show a surface in the place of the part, which is still what is picked; None for the part.
+
+        Each surface is added to the scene once and then only shown or not: a lane has one, at its end. It comes with its message of
+        creation, because servers drop changes of more than some megabytes.
+        """
+        if look is not None and id(look) not in self._looks:
+            self._looks[id(look)] = look, _look(look)
+            self._stage.add(self._looks[id(look)][1])
+        for known, three in self._looks.values():
+            three.visible = known is look
+        self.part.material.visible = look is None
 
     def mark(self, extremes: tuple[int, int] | None, picked: int | None) -> None:
         """Put the markers on the vertices of the greatest and least value and on the picked one; None takes one away."""
@@ -146,11 +161,25 @@ def _axis(corner: NDArray[np.float64], axis: int, letter: str, length: float) ->
     return [pythreejs.LineSegments(line, pythreejs.LineBasicMaterial(color=AXES[letter], linewidth=2)), name]
 
 
-def _part_material() -> Any:
+def _look(mesh: SurfaceMesh) -> Any:
+    """A surface in its own colours, in half the bytes of the part: normals and colours in whole numbers."""
+    normals, colours = np.rint(32767 * mesh.vertex_normals).astype(np.int16), np.rint(255 * _own_colours(mesh)).astype(np.uint8)
+    geometry = pythreejs.BufferGeometry(
+        attributes={
+            "position": _attribute(mesh.vertices),
+            "normal": pythreejs.BufferAttribute(normals, normalized=True),
+            "colour": pythreejs.BufferAttribute(colours, normalized=True),
+            "index": pythreejs.BufferAttribute(mesh.faces.ravel().astype(np.uint32), normalized=False),
+        }
+    )
+    return pythreejs.Mesh(geometry, _part_material(LOOK_VERTEX))
+
+
+def _part_material(vertex_shader: str) -> Any:
     smooth = {"magFilter": "LinearFilter", "minFilter": "LinearFilter"}
     texture = pythreejs.DataTexture(ramp(), format="RGBAFormat", type="UnsignedByteType", **smooth)
     return pythreejs.ShaderMaterial(
-        vertexShader=PART_VERTEX,
+        vertexShader=vertex_shader,
         fragmentShader=PART_FRAGMENT,
         uniforms={"ramp": {"value": texture}},
         extensions={"derivatives": True},

@@ -51,6 +51,21 @@ void main() {
 }
 """
 
+LOOK_VERTEX = f"""
+attribute vec3 colour;
+varying vec3 v_colour;
+varying vec3 v_normal;
+varying float v_place;
+varying float v_protected;
+void main() {{
+    v_colour = colour;
+    v_place = {OWN:.1f};
+    v_protected = 0.0;
+    v_normal = normalMatrix * normal;
+    gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+}}
+"""
+
 PART_FRAGMENT = f"""
 uniform sampler2D ramp;
 varying vec3 v_colour;

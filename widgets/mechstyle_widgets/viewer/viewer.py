@@ -212,6 +212,8 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
                 if subject is not None:
                     _fill(scene, subject, self.layer, self.probed, markers=self.markers)
             self._scenes[0].hatch(self.protected)
+            if self.protected is not None:
+                self._scenes[0].stand_in(None)  # the hatch is on the part
         mesh = self.subject.mesh
         key = "" if self.protected is None else legend.protected(self.protected, mesh)
         self._legend.value = (legend.colour_bar(layer, mesh) if layer else "") + key
@@ -254,7 +256,7 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     def _panel(self, subject: Subject, title: str) -> Panel:
         layer, seen = subject.layer(self.layer), self._orbit.seen
         if layer is None:
-            return Panel(subject.mesh, title, view=seen)
+            return Panel(subject.look or subject.mesh, title, view=seen)
         return Panel(subject.mesh, title, layer.values, layer.unit, layer.label, layer.limits, layer.threshold, seen, layer.note)
 
     def _add_under_view(self, widget: ipywidgets.Widget) -> None:
@@ -300,4 +302,5 @@ def _fill(scene: Scene, subject: Subject, name: str, probed: int | None, *, mark
     layer = subject.layer(name)
     scene.move(subject.mesh)
     scene.paint(layer)
+    scene.stand_in(subject.look if layer is None else None)
     scene.mark(layer.extremes() if layer and markers else None, probed)
