@@ -1,9 +1,10 @@
 """The delivered surface: a run led again on its part with smaller faces, and the last test, which is about that very surface.
 
 A drawn style knows finer edges than 25k vertices can carry. At every new vertex it is drawn anew, and is then led through the run that was:
-the same masks, shares, step limits and bounds, interpolated, and the same shares of relief taken back. A learnt style, or one plugged in,
-knows only the vertices it was made at, and is interpolated between them: a style field, whose frequencies are higher than the vertices
-are dense, gives unrelated values there. Either result is simulated as a surface of its own: a verdict on the coarse one does not say it.
+the same masks, shares, step limits and bounds, interpolated, and the same shares of relief taken back. A learnt style, or one plugged in
+that has no finished target, knows only the vertices it was made at, and is interpolated between them: a style field, whose frequencies are
+higher than the vertices are dense, gives unrelated values there. Either result is simulated as a surface of its own: a verdict on the
+coarse one does not say it.
 
 Checkpoints stay those of the loop's vertices. What is delivered follows from recipe and checkpoints; it is kept beside them by its
 checkpoint's digest only so that a picture, a report and a file need not draw it three times.
@@ -26,6 +27,7 @@ from mechstyle.loop.objects import Objects
 from mechstyle.loop.store import Store
 from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict
 from mechstyle.records.mesh import Field, SurfaceMesh, frozen_array
+from mechstyle.runs.plugins import made
 from mechstyle.runs.stylizers import drawing_of, drawn
 from mechstyle.simulation.part import Workpiece, bounds_for
 from mechstyle.simulation.simulator import DropSimulator
@@ -220,6 +222,7 @@ class _Twin:
     def __post_init__(self) -> None:
         self.displacement = np.zeros(len(self.cut.mesh.vertices), np.float32)
         self._style: tuple[object, ...] = ()
+        self._drawn: tuple[Stylizer, Stylizer] | None = None
         self._grown = np.zeros(len(self.part.surface.vertices), np.float32), self.displacement
 
     @cached_property
@@ -233,7 +236,7 @@ class _Twin:
         if style != self._style:
             self._take_up(recipe, before)
             self._style = style
-        if _learnt(recipe):
+        if self._drawn is None:
             self.interpolated = True
             grown = self.displacement + self._spread(after.displacement - before.displacement)
             self.displacement = self._fine_bounds.clipped(grown)
@@ -241,7 +244,7 @@ class _Twin:
         if after.iteration > before.iteration:
             mask = before.mask if after.reason else after.mask  # a branch is restrained anew, and a drop changes the mask afterwards
             through = mask * before.share
-            coarse, fine = self._increments()
+            coarse, fine = self._increments(*self._drawn)
             reached = advanced(before.displacement, through, coarse, self._bounds, recipe)
             self._grown = reached, advanced(self.displacement, self._spread(through), fine, self._fine_bounds, recipe)
         reached, finer = self._grown  # what a correction leaves is a share of the finished relief, not of the correction before
@@ -250,10 +253,10 @@ class _Twin:
 
     def coloured(self, last: Checkpoint, recipe: Recipe) -> Field:
         """Display RGB of the twin, shape [fine_count, 3]: drawn anew, but interpolated where it was learnt or the part keeps its own."""
-        if _learnt(recipe):
+        if self._drawn is None:
             return self._spread(last.colour)
         kept = self._spread(np.asarray(bounds_for(self.part, recipe)[0].uncoloured, np.float32))
-        return np.asarray((1.0 - kept) * self._fine.proposal().colour + kept * self._spread(last.colour), np.float32)
+        return np.asarray((1.0 - kept) * self._drawn[1].proposal().colour + kept * self._spread(last.colour), np.float32)
 
     def _take_up(self, recipe: Recipe, before: Checkpoint) -> None:
         """Begin with the style of a recipe, from the surface another one has left if there was one."""
@@ -262,32 +265,40 @@ class _Twin:
         base, plain = None if self._bounds.base is None else self._base, self._bounds.plain
         inside = plain if isinstance(plain, bool) else self._spread(plain.astype(np.float32)) == 1.0
         self._fine_bounds = Bounds(spread[0], spread[1], spread[2], spread[3], base=base, plain=inside)
-        if _learnt(recipe):
+        self._drawn = self._stylizers(recipe)
+        if self._drawn is None:
             return
-        self._coarse, self._fine = self._stylizers(recipe)
+        coarse, fine = self._drawn
         if self._style:
-            self._coarse.start_from(before.displacement, before.colour.astype(np.float32))
-            self._fine.start_from(self.displacement, self._spread(before.colour))
-        proposals = self._coarse.proposal().displacement, self._fine.proposal().displacement
-        self._proposed = self._bounds.levelled(proposals[0]), self._fine_bounds.levelled(proposals[1])
+            coarse.start_from(before.displacement, before.colour.astype(np.float32))
+            fine.start_from(self.displacement, self._spread(before.colour))
+        self._proposed = self._bounds.levelled(coarse.proposal().displacement), self._fine_bounds.levelled(fine.proposal().displacement)
 
-    def _stylizers(self, recipe: Recipe) -> tuple[Stylizer, Stylizer]:
-        """The stylizers of a recipe for the part and for its twin; the twin's draws what the part's drew, finer."""
+    def _stylizers(self, recipe: Recipe) -> tuple[Stylizer, Stylizer] | None:
+        """The stylizers of a recipe for the part and for its twin; the twin's draws what the part's drew, finer.
+
+        None for a style that is known at the vertices only: no drawing says what it is between them.
+        """
+        if recipe.stylizer:
+            plugged = made(self.part.surface, self._bounds, recipe)
+            return (plugged, made(self.cut.mesh, self._fine_bounds, recipe)) if isinstance(plugged, ProceduralStylizer) else None
+        if recipe.guidance == "clip" or recipe.field == "network":
+            return None
         reading = reading_of(recipe)
         coarse = drawing_of(self.part, self._bounds, recipe, reading, self.objects)
         canvases = [FineCanvas(self.cut.mesh, self.cut.interpolation, canvas) for canvas in coarse.canvases]
         fine = drawn(recipe, reading, canvases, self._spread(coarse.shares.T).T.astype(np.float64), self._fine_bounds)
         return ProceduralStylizer(self.part.surface, coarse.target), ProceduralStylizer(self.cut.mesh, fine)
 
-    def _increments(self) -> tuple[Field, Field]:
+    def _increments(self, coarse: Stylizer, fine: Stylizer) -> tuple[Field, Field]:
         """Increments of the levelled proposals of part and twin in one iteration [mm], limited to the engine's step."""
         limit, before = np.float32(STEP_LIMIT * self.part.surface.size), self._proposed
         self._proposed = (
-            self._bounds.levelled(self._coarse.step().displacement),
-            self._fine_bounds.levelled(self._fine.step().displacement),
+            self._bounds.levelled(coarse.step().displacement),
+            self._fine_bounds.levelled(fine.step().displacement),
         )
-        coarse, fine = (np.clip(now - then, -limit, limit) for now, then in zip(self._proposed, before, strict=True))
-        return coarse, fine
+        ours, theirs = (np.clip(now - then, -limit, limit) for now, then in zip(self._proposed, before, strict=True))
+        return ours, theirs
 
     def _spread(self, values: NDArray[np.floating]) -> Field:
         """Values of the part at the twin's vertices."""
@@ -307,11 +318,6 @@ def _spread_out(simulation: Simulation, cut: Subdivided) -> Simulation:
     """A test as one on a finer surface."""
     spread = {name: cut.interpolation @ getattr(simulation, name).astype(np.float32) for name in ("displacement", *FIELDS)}
     return replace(simulation, **{**spread, "contact": spread["contact"] > 0.5})
-
-
-def _learnt(recipe: Recipe) -> bool:
-    """Whether a style is known at the vertices only: no drawing says what it is between them."""
-    return bool(recipe.stylizer) or recipe.guidance == "clip" or recipe.field == "network"
 
 
 def _left(before: Field, after: Field) -> Field:

@@ -18,8 +18,9 @@ from mechstyle.geometry.subdivision import Subdivided, subdivided
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs import refine as module
 from mechstyle.runs.export import COARSE, NOT_DROPPED, Exported, sidecar, unsimulated
-from mechstyle.runs.refine import MOST_PARTS
+from mechstyle.runs.refine import INTERPOLATED, MOST_PARTS
 from mechstyle.runs.run import Run, stylize
+from mechstyle.styling.drawn import ProceduralStylizer, Target
 
 QUICK = {"vertices": 900, "iterations": 6, "orientations": 1, "tilts": 0, "window": 0.2, "element": "tet4", "schedule": "every", "every": 3}
 
@@ -213,7 +214,39 @@ def test_the_unstylized_part_cannot_be_drawn_finer(run, tmp_path):
     assert not run.exported(tmp_path / "part.stl", 0).fine
 
 
-LEARNT = {"network": {"field": "network"}, "clip": {"guidance": "clip", "crops": 1}}
+def ribs(surface, bounds, _recipe):
+    """A plug-in that draws: ribs, 2.5 mm apart."""
+    relief = np.clip(0.3 * np.sin(0.8 * np.pi * surface.vertices[:, 2]), -bounds.inward, bounds.outward).astype(np.float32)
+    return ProceduralStylizer(surface, Target(relief, np.full((len(relief), 3), 0.5, np.float32), ()))
+
+
+class Unknowable:
+    """A stylizer like another, whose target nobody knows."""
+
+    def __init__(self, other):
+        self._other = other
+
+    def __getattr__(self, name):
+        return getattr(self._other, name)
+
+
+def opaque(surface, bounds, recipe):
+    """A plug-in that is known at its vertices only."""
+    return Unknowable(ribs(surface, bounds, recipe))
+
+
+def test_a_plug_in_with_a_target_is_drawn_at_the_new_vertices_too(run):
+    plugged = run.branch(4, lane="ribs", iterations=8, guarantee=False, stylizer=ribs).go()
+    found, before, after = plugged.delivered(), plugged.checkpoint(4).displacement, plugged.checkpoint().displacement
+    grown = found.displacement - (found.cut.interpolation @ before)
+    wall = (np.abs(found.original.vertex_normals[:, 2]) < 0.1) & (np.abs(found.original.vertices[:, 2]) < 7.0)
+    drawn = np.sin(0.8 * np.pi * found.original.vertices[:, 2])
+    apart = [np.corrcoef(field[wall], drawn[wall])[0, 1] for field in (grown, found.cut.interpolation @ (after - before))]
+    assert apart[0] > apart[1] + 0.03
+    assert INTERPOLATED not in plugged.summary.notes
+
+
+LEARNT = {"network": {"field": "network"}, "clip": {"guidance": "clip", "crops": 1}, "plugged": {"stylizer": opaque}}
 
 
 @pytest.fixture(scope="module", params=LEARNT)
@@ -228,8 +261,8 @@ def test_a_learnt_style_is_interpolated_and_said_to_be(learnt, tmp_path):
     written, found = learnt.exported(tmp_path / "part.ply"), learnt.delivered()
     assert len(trimesh.load(tmp_path / "part.ply", process=False).vertices) >= 3500
     assert written.verdict == learnt.verdict
-    assert module.INTERPOLATED in written.warnings
-    assert module.INTERPOLATED in learnt.summary.notes
+    assert INTERPOLATED in written.warnings
+    assert INTERPOLATED in learnt.summary.notes
     interpolated = found.cut.interpolation @ learnt.checkpoint().colour.astype(np.float32)
     assert found.styled.colours == pytest.approx(interpolated, abs=1e-3)  # kept in half precision
 

@@ -3,6 +3,9 @@
 A vertex moves along its own normal only, so one displacement per vertex makes a frame. Planes that do not change from one
 iteration to the next (stress, demand, mask between simulations) are kept once. Each plane is stored as the difference to the one
 before, low bytes apart from high bytes, which gzip then packs to a fraction. `static/replay_data.js` unpacks what is packed here.
+
+The vertices are those of the loop, up to the end: nine times as many would make a file of hundreds of megabytes, and only the last frame
+has been drawn finer. That one is in the report's pictures.
 """
 
 from __future__ import annotations

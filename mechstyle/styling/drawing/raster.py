@@ -107,11 +107,11 @@ class Raster:
 
     @cached_property
     def seam(self) -> float:
-        """How much more heights and colours jump from one edge to the opposite one than between neighbours within, in [0, 2]."""
+        """How much more heights and colours jump from one edge to the opposite one than between any two lines within, in [0, 2]."""
         layers = self._layers
         jumps = (float(np.abs(layers.take(0, axis) - layers.take(-1, axis)).mean()) for axis in (0, 1))
-        within = (float(np.abs(np.diff(layers, axis=axis)).mean()) for axis in (0, 1))
-        return max(jump - 2.0 * usual for jump, usual in zip(jumps, within, strict=True))
+        within = (float(np.abs(np.diff(layers, axis=axis)).mean(axis=(1 - axis, 2)).max()) for axis in (0, 1))
+        return max(jump - largest for jump, largest in zip(jumps, within, strict=True))
 
     @cached_property
     def _solid(self) -> Floats:

@@ -65,6 +65,7 @@ def test_edges_that_do_not_meet_are_a_seam():
     wave = np.tile((127 + 127 * np.cos(2.0 * np.pi * np.arange(64) / 64)).astype(np.uint8), (64, 1))[..., None]
     assert Raster(slope).seam > 0.5
     assert Raster(wave).seam < 0.05
+    assert Raster(stripes(40)).seam < 0.05, "an edge like those within is none"
 
 
 def test_a_silhouette_has_an_outline_and_no_shades():
