@@ -10,8 +10,10 @@ from mechstyle.styling.dimensions import Dimensions
 from mechstyle.styling.drawing.colours import NEUTRAL
 from mechstyle.styling.drawing.raster import Raster
 from mechstyle.styling.drawn import canvas_for, target
+from mechstyle.styling.image_files.decode import pixels_of
 from mechstyle.styling.prompt import read
 from styling.conftest import boxed
+from support import ROOT
 
 ASKED = Recipe(surface="", tetrahedra="", prompt="picture", material=LIBRARY["PLA"], image="0" * 64, image_size=20.0, relief=0.6)
 
@@ -122,3 +124,15 @@ def test_a_picture_of_one_shade_and_one_that_cannot_be_tiled_are_told_of(block):
     slope = Raster(np.tile(np.linspace(0, 255, 64).astype(np.uint8), (64, 1))[..., None])
     assert "show seams" in " ".join(drawn(block, slope).notes)
     assert "show seams" not in " ".join(drawn(block, slope, image_layout="placed").notes)
+
+
+def test_the_example_of_the_page_on_pictures_is_a_leaf(block, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    page = (ROOT / "docs" / "pictures.md").read_text()
+    exec(compile(page.partition("```python\n")[2].partition("```")[0], "pictures.md", "exec"), {})
+    aim = drawn(block, Raster(pixels_of("leaf.png")), image_size=40.0)
+    here, _ = front(block)
+    assert any("are finer than a nozzle" in note for note in aim.notes) is (40.0 * Raster(pixels_of("leaf.png")).finest < 0.4)
+    assert np.ptp(aim.displacement[here]) == pytest.approx(0.6, abs=0.15)
+    green = aim.colour[here][aim.displacement[here] > 0.3]
+    assert np.all(green.argmax(axis=1) == 1)
