@@ -79,7 +79,7 @@ OPTIONS = {
     "image_size": RecipeOption(STYLE),
     "image_as": RecipeOption(STYLE),
     "image_layout": RecipeOption(STYLE),
-    "projection": RecipeOption(STYLE, ("--project",)),
+    "projection": RecipeOption(STYLE, ("--project", "--projection")),
     "delivered": RecipeOption(STYLE, hint="--coarse is short for 0."),
     "stylizer": RecipeOption(STYLE),
     "guidance": RecipeOption(STYLE, hint="clip takes any prompt; see `mechstyle weights list`."),

@@ -206,7 +206,7 @@ class _Twin:
     Attributes:
         part: The part.
         cut: The same in smaller faces.
-        objects: Those of the run, which keep its picture.
+        objects: Those of the run, which keep its picture; None for cached ones.
         displacement: The twin's [mm], shape [fine_count].
         stands: The state it was led to, None before the first.
         interpolated: Whether a style on the way was.
@@ -214,7 +214,7 @@ class _Twin:
 
     part: Workpiece
     cut: Subdivided
-    objects: Objects
+    objects: Objects | None = None
     displacement: Field = field(init=False)
     stands: Checkpoint | None = None
     interpolated: bool = False

@@ -70,7 +70,7 @@ def options(settings: dict[str, Any], known: Collection[str] = OPTIONS) -> list[
     """Settings as command-line arguments; `known` have an option of their own."""
     arguments: list[str] = []
     for name, value in settings.items():
-        flag = {"projection": "project"}.get(name, name.replace("_", "-"))
+        flag = name.replace("_", "-")
         if name == "material" and LIBRARY.get(value.name) == value:
             arguments += ["--material", value.name]
         elif name == "prompt":
