@@ -72,7 +72,9 @@ class Pair:
     def show(self) -> Picture:
         """The original and both results: look above, stress below and from underneath."""
         finals = [(label, run.checkpoint(), run.recipe) for label, run in (("Freestyle", self.free), ("MechStyle", self.fed))]
-        return comparison(self.free.part.surface, self.free.checkpoint(0), finals)
+        found = (self.free.delivered(), self.fed.delivered())
+        delivered = [None if one is None else one.styled for one in found]
+        return comparison(self.free.part.surface, self.free.checkpoint(0), finals, delivered)
 
     def rows(self) -> list[tuple[str, ...]]:
         """The figures of the original part, of Freestyle and of MechStyle under `COLUMNS`."""
