@@ -22,7 +22,8 @@ from mechstyle.simulation import part_test
 
 STYLED = (
     "--build-direction "
-    "--relief --side --feature --nozzle --inside --delivered --coarse --image --image-size --image-as --image-layout --project --projection "
+    "--relief --side --feature --nozzle --inside --delivered --coarse "
+    "--image --image-size --image-as --image-layout --project --projection "
     "--amplitude --criterion --device --field --guidance --iterations --json --load --material -m --minimum-wall --orientations --poses "
     "--prompt -p --protect --seed --set --standard --stylizer --window"
 )

@@ -42,7 +42,7 @@ class ImageChoice(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no t
         look = {"style": NARROW_LABEL, "layout": WIDE}
         what = "A PNG, JPEG or SVG file: light stands out, dark is cut in, what is transparent stays plain"
         self._upload = ipywidgets.FileUpload(accept=".png,.jpg,.jpeg,.svg", description="your picture", tooltip=what, layout=WIDE)
-        self._remove = ipywidgets.Button(description="without", tooltip="Go on without the picture", layout={"width": "72px"})
+        self._remove = ipywidgets.Button(description="without it", tooltip="Go on without the picture", layout=WIDE)
         self._shown = ipywidgets.Image(width=56, layout={"border": "1px solid var(--jp-border-color2, #ccc)"})
         self._size = Millimetres(WIDTHS, description="wide", tooltip="Width of the picture, or of one of its tiles", **look)
         uses = [("relief and colours", "both"), ("relief", "height"), ("colours", "colour")]
@@ -52,7 +52,7 @@ class ImageChoice(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no t
         ways = [("from six sides", "box"), ("from one side", "planar"), ("around the part", "around")]
         self._way = ipywidgets.Dropdown(options=ways, description="lies", tooltip="A prompt such as `front: picture` names it", **look)
         self._details = ipywidgets.VBox([self._size, self._use, self._layout, self._way])
-        super().__init__([ipywidgets.HBox([self._shown, self._upload, self._remove]), self._details])
+        super().__init__([ipywidgets.HBox([self._shown, ipywidgets.VBox([self._upload, self._remove])]), self._details])
         traitlets.link((self, "image_size"), (self._size, "length"))
         for name, widget in {"image_as": self._use, "image_layout": self._layout, "projection": self._way}.items():
             traitlets.link((self, name), (widget, "value"))
