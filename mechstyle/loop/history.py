@@ -193,6 +193,17 @@ def simulated(history: Iterable[E]) -> Iterator[tuple[E, Verdict]]:
             yield entry, entry.verdict
 
 
+def measured_at(history: Iterable[Entry], digest: str) -> int | None:
+    """Iteration of the last drop up to a checkpoint that gave an answer, None if there is none; history is oldest first."""
+    measured = None
+    for entry in history:
+        if entry.verdict is not None and entry.verdict.outcome != "UNKNOWN":
+            measured = entry.iteration
+        if entry.digest == digest:
+            break
+    return measured
+
+
 def steps(store: Store, history: Iterable[Row]) -> list[Step]:
     """The simulations of a lane, the unstylized part's first.
 

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from mechstyle.errors import BadInput
 from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.subdivision import Subdivided, refined_to
+from mechstyle.loop import minimum_wall
 from mechstyle.loop.engine import STEP_LIMIT, STYLE_FIELDS, Bounds, Stylizer, advanced
 from mechstyle.loop.objects import Objects
 from mechstyle.loop.store import Store
@@ -166,6 +167,16 @@ class Refinement:
         fine = self.store.memo.recall(self._name(digest), Fine)
         return None if fine is None or len(fine.displacement) != len(self.cut.mesh.vertices) else self._whole(fine)
 
+    def shown(self, digest: str, known: dict[str, Refined], *, draw: bool) -> Refined | None:
+        """The delivered surface of a checkpoint to look at; the last is kept in `known`. None if it was not made yet and is not to be."""
+        if digest not in known:
+            found = self.of(digest, drop=False) if draw else self.kept(digest)
+            if found is None:
+                return None
+            known.clear()  # one is enough, and each takes tens of megabytes
+            known[digest] = found
+        return known[digest]
+
     def _name(self, digest: str) -> str:
         return f"delivered-{VERSION}-{self.asked or 0}-{digest}"
 
@@ -303,6 +314,21 @@ class _Twin:
     def _spread(self, values: NDArray[np.floating]) -> Field:
         """Values of the part at the twin's vertices."""
         return np.asarray(self.cut.interpolation @ values.astype(np.float32), np.float32)
+
+
+def notes_on(part: Workpiece, recipe: Recipe, displacement: Field, found: Refined | None) -> tuple[str, ...]:
+    """What a user should know of what is delivered: of how it was refined, and of its walls.
+
+    Args:
+        part: The part.
+        recipe: The recipe in force.
+        displacement: The last checkpoint's [mm], shape [vertex_count].
+        found: The delivered surface, None for that of the checkpoint.
+    """
+    if found is None:
+        return minimum_wall.warnings(part.surface, part.thickness, displacement, recipe.minimum_wall)
+    walls = (found.cut.interpolation @ part.thickness).astype(np.float32)
+    return (*found.notes, *minimum_wall.warnings(found.original, walls, found.displacement, recipe.minimum_wall))
 
 
 FIELDS = ("stress", "envelope", "probability", "contact", "tilted_stress")

@@ -11,15 +11,14 @@ from pathlib import Path
 from typing import Any
 
 import msgspec
-import numpy as np
 
 from mechstyle._files import write_whole
 from mechstyle.errors import BadInput
 from mechstyle.fea.drop import resolve_device
 from mechstyle.fea.explicit import Progress, no_progress
-from mechstyle.loop import minimum_wall
 from mechstyle.loop.engine import Engine
 from mechstyle.loop.events import Event, Finished
+from mechstyle.loop.history import measured_at
 from mechstyle.loop.lock import exclusive
 from mechstyle.loop.objects import read_record, to_json
 from mechstyle.loop.store import Entry, Lane, Store, parse_address
@@ -32,7 +31,7 @@ from mechstyle.runs.export import Exported, exported
 from mechstyle.runs.folders import default_folder, folder_for
 from mechstyle.runs.part_record import PartRecord
 from mechstyle.runs.recipes import changed, draft
-from mechstyle.runs.refine import Refined, Refinement
+from mechstyle.runs.refine import Refined, Refinement, notes_on
 from mechstyle.runs.session import Session
 from mechstyle.runs.stylizers import finished_relief, stylizer_for
 from mechstyle.runs.summary import Clock, Summary, summarise
@@ -143,9 +142,8 @@ class Run:
         """
         state = self.checkpoint(iteration)
         recipe = self.store.recipe(state.recipe)
-        look, stress, restraint = checkpoint_panels(
-            self.part.surface, state, recipe, self.store.allowable(state), self._measured_at(iteration)
-        )
+        measured = measured_at(self.history, self.store.find(iteration, self.lane).digest)
+        look, stress, restraint = checkpoint_panels(self.part.surface, state, recipe, self.store.allowable(state), measured)
         delivered = self.delivered(iteration)
         if delivered is not None:
             look = replace(look, mesh=delivered.styled)
@@ -204,14 +202,7 @@ class Run:
         recipe = self.store.recipe(entry.recipe)
         if not entry.final or recipe.delivered == 0:
             return None
-        if entry.digest not in self._delivered:
-            refinement = self._refinement(self._simulator(recipe))
-            found = refinement.of(entry.digest, drop=False) if draw else refinement.kept(entry.digest)
-            if found is None:
-                return None
-            self._delivered.clear()  # one is enough to look at, and each takes tens of megabytes
-            self._delivered[entry.digest] = found
-        return self._delivered[entry.digest]
+        return self._refinement(self._simulator(recipe)).shown(entry.digest, self._delivered, draw=draw)
 
     def branch(self, iteration: int | None = None, *, lane: str = "", **changes: Any) -> Run:
         """A lane from the checkpoint of an iteration, with other settings; `.go()` carries it on.
@@ -259,19 +250,10 @@ class Run:
         for event in self.clock.timed(engine.run()):
             if isinstance(event, Finished):
                 files = {"run": str(self.store.root)}
-                notes = (*self.part.notes, *notes, *self._of_what_is_delivered(engine, event.digest))
+                found = engine.delivery.of(event.digest, drop=True) if isinstance(engine.delivery, Refinement) else None
+                notes = (*self.part.notes, *notes, *notes_on(self.part, self.recipe, self.checkpoint().displacement, found))
                 self._save(summarise(engine, device=self.device, notes=notes, seconds=self.clock.seconds(), files=files))
             yield event
-
-    def _of_what_is_delivered(self, engine: Engine, digest: str) -> tuple[str, ...]:
-        """Keep what a finished lane delivers; what a user should know of it."""
-        notes: tuple[str, ...] = ()
-        surface, walls, left = self.part.surface, self.part.thickness, self.store.checkpoint(digest).displacement
-        if isinstance(engine.delivery, Refinement):
-            found = engine.delivery.of(digest, drop=True)
-            surface, left, notes = found.original, found.displacement, found.notes
-            walls = (found.cut.interpolation @ walls).astype(np.float32)
-        return (*notes, *minimum_wall.warnings(surface, walls, left, self.recipe.minimum_wall))
 
     def go(self, on_event: OnEvent | None = None, progress: Progress = no_progress) -> Run:
         """Carry the lane on to its end."""
@@ -308,17 +290,6 @@ class Run:
     def _refinement(self, simulator: DropSimulator) -> Refinement:
         """What draws the surface of a lane finer, under the recipe of a simulator."""
         return Refinement(self.store, self.part, simulator, simulator.recipe.delivered or None)
-
-    def _measured_at(self, iteration: int | None) -> int | None:
-        """Iteration of the last drop up to this one that gave an answer, None if there is none."""
-        shown = self.store.find(iteration, self.lane).digest
-        measured = None
-        for entry in self.history:
-            if entry.verdict is not None and entry.verdict.outcome != "UNKNOWN":
-                measured = entry.iteration
-            if entry.digest == shown:
-                break
-        return measured
 
     @property
     def _summary_path(self) -> Path:

@@ -24,6 +24,10 @@ EXAGGERATED = np.float32(2.0)
 LEAST_CARRIED = 0.9
 """Share of a relief that tetrahedra must follow to judge it."""
 
+MORPHED = "morphed"
+AGAIN = "meshed again at half of this relief"
+"""How the tetrahedra of a thorough test came about: those of the run, or others."""
+
 
 class Carried(NamedTuple):
     """How well tetrahedra have the shape of a styled surface.
@@ -43,6 +47,11 @@ class Carried(NamedTuple):
         """Whether a verdict may rest on them."""
         shares = (self.whole, 1.0 if self.base is None else self.base)
         return all(share >= LEAST_CARRIED for share in shares) and abs(self.volume) <= VOLUME_ERROR
+
+    @property
+    def again(self) -> str:
+        """How tetrahedra that were made anew came about, with what they carry where that is not enough."""
+        return AGAIN if self.enough else f"{AGAIN}, but carrying {self.words}"
 
     @property
     def words(self) -> str:

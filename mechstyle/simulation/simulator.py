@@ -25,13 +25,9 @@ from mechstyle.geometry.transfer import Transfer
 from mechstyle.loop.objects import Memo
 from mechstyle.records import Landing, LoadResult, Measures, Recipe, Simulation, Verdict
 from mechstyle.records.mesh import SurfaceMesh, TetMesh, digest_of
-from mechstyle.simulation.carrying import Carried, at_rest, carried, carrying
+from mechstyle.simulation.carrying import MORPHED, Carried, at_rest, carried, carrying
 from mechstyle.simulation.original import raised
 from mechstyle.simulation.physics import PHYSICS_VERSION, memo_key, period_of, physics, prescribed
-
-MORPHED = "morphed"
-AGAIN = "meshed again at half of this relief"
-"""How the tetrahedra of a thorough test came about: those of the run, or others."""
 
 
 class KeptMesh(msgspec.Struct, frozen=True, kw_only=True):
@@ -165,12 +161,12 @@ class DropSimulator:
             return self, MORPHED
         last = self.memo.recall(self._last_mesh, str)
         if last is not None and (there := (again := self._on(last))._carried(displacement)).whole >= here.whole:  # noqa: SLF001
-            return again, _again(there)
+            return again, there.again
         try:
             again = self._meshed_again(displacement)
         except MechStyleError as error:
             return self, f"{MORPHED}, carrying {here.words}, as the part could not be meshed again: {error}"
-        return again, _again(again._carried(displacement))  # noqa: SLF001 — as above
+        return again, again._carried(displacement).again  # noqa: SLF001 — as above
 
     def _meshed_again(self, displacement: NDArray[np.float32]) -> DropSimulator:
         """The same test on tetrahedra made for half of a relief, which are kept for the next."""
@@ -399,8 +395,3 @@ class DropSimulator:
             )
             for name, (x, y, z), weight, stress, one, phases, ended in drops
         )
-
-
-def _again(there: Carried) -> str:
-    """How other tetrahedra came about, with what they carry where that is not enough."""
-    return AGAIN if there.enough else f"{AGAIN}, but carrying {there.words}"
