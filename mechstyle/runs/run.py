@@ -176,18 +176,14 @@ class Run:
             logger.warning("%s: %s", path, warning)
         return Path(path)
 
-    def exported(
-        self, path: str | Path, iteration: int | None = None, *, fine: bool | None = None, texture: bool = False
-    ) -> Exported:
+    def exported(self, path: str | Path, iteration: int | None = None, *, fine: bool | None = None, texture: bool = False) -> Exported:
         """As `export`; returns verdict, quality and warnings of the very surface that was written."""
         entry = self.store.find(iteration, self.lane)
         recipe = self.store.recipe(entry.recipe)
         finer = fine or (fine is None and recipe.delivered != 0 and entry.iteration > 0)
         refinement = self._refinement(self._simulator(recipe)) if finer else None
-        name, drop = self.record.name, bool(fine)
-        return exported(
-            self.store, self.lane, self.part, entry, Path(path), refinement=refinement, drop=drop, name=name, textured=texture
-        )
+        what = self.store, self.lane, self.part, entry, Path(path)
+        return exported(*what, refinement=refinement, drop=bool(fine), name=self.record.name, textured=texture)
 
     def delivered(self, iteration: int | None = None, *, draw: bool = True) -> Refined | None:
         """The surface that was delivered at an iteration, None for the last: drawn finer than the checkpoint, which it is no part of.
@@ -212,9 +208,7 @@ class Run:
         entry = self.store.find(iteration, self.lane)
         recipe = changed(self.store.recipe(entry.recipe), changes)
         if recipe.iterations <= entry.iteration:
-            raise BadInput(
-                f"a branch at iteration {entry.iteration} must go beyond it, not to {recipe.iterations}: ask for more iterations"
-            )
+            raise BadInput(f"a branch at iteration {entry.iteration} must go beyond it, not to {recipe.iterations}: ask for more iterations")
         images.keep(recipe, self.store)
         fork = Lane(recipe=self.store.put_recipe(recipe), head=entry.digest, forked_from=entry.digest)
         with exclusive(self.store.root / "locks" / ".branches.lock", "a new branch", wait=True):  # or two could take one name
@@ -357,8 +351,7 @@ def stylize(
         stage: Told what is being prepared, in words.
         on_event: Told every event.
         settings: Fields of `Recipe`, such as control, schedule, iterations, criterion, protect=["inside", ms.Box(low, high, ramp=2)],
-            image (a PNG, JPEG or SVG file, its bytes, or an array [h, w] or [h, w, 1 to 4]),
-            stylizer (a registered name, or a function as docs/plug-in.md shows).
+            image (a PNG, JPEG or SVG file, or an array), stylizer (a registered name, or a function as docs/plug-in.md shows).
 
     Returns:
         The finished run.
