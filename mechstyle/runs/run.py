@@ -208,7 +208,7 @@ class Run:
         entry = self.store.find(iteration, self.lane)
         recipe = changed(self.store.recipe(entry.recipe), changes)
         if recipe.iterations <= entry.iteration:
-            raise BadInput(f"a branch at iteration {entry.iteration} must go beyond it, not to {recipe.iterations}: ask for more iterations")
+            raise BadInput(f"a branch at iteration {entry.iteration} must go beyond it, not to {recipe.iterations}: ask for more")
         images.keep(recipe, self.store)
         fork = Lane(recipe=self.store.put_recipe(recipe), head=entry.digest, forked_from=entry.digest)
         with exclusive(self.store.root / "locks" / ".branches.lock", "a new branch", wait=True):  # or two could take one name
