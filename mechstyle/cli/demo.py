@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from mechstyle.cli.console import command, err, escape, out, print_json, table, verdict_text
-from mechstyle.cli.options import OPTIONS, Device, Json, Settings, Vertices, help_of, recipe_options
+from mechstyle.cli.options import OPTIONS, Device, Json, Settings, Vertices, recipe_options
 from mechstyle.cli.run import carry_out
 from mechstyle.records.mesh import STANDARD_VERTICES
+from mechstyle.records.recipe import described
 
 if TYPE_CHECKING:
     from mechstyle.study.applications import Pair
@@ -26,7 +27,7 @@ DEMO_VERTICES = 4_000
 def demo_command(
     folder: Annotated[Path, typer.Option("--out", help="Where the runs, pictures and 3MF files go.")] = Path("demo-out"),
     model: Annotated[str, typer.Option(help="What to style.")] = "gallery:pen_holder",
-    prompt: Annotated[str, typer.Option(*OPTIONS["prompt"].flags, help=help_of("prompt"))] = "brick",
+    prompt: Annotated[str, typer.Option(*OPTIONS["prompt"].flags, help=described("prompt"))] = "brick",
     device: Device = "auto",
     vertices: Vertices = DEMO_VERTICES,
     as_json: Json = False,
@@ -71,7 +72,7 @@ def both_ways(model: str, settings: Settings, vertices: int, device: str, folder
         if not as_json:
             err.print(f"[bold]{label}[/]: {escape(model)} as “{escape(settings['prompt'])}”")
         where = folder / label.lower()
-        runs.append(carry_out(model, settings, vertices, None, device, where, freestyle=freestyle, as_json=as_json))
+        runs.append(carry_out(model, settings, vertices, None, "", device, where, freestyle=freestyle, as_json=as_json))
     return Pair(*runs)
 
 

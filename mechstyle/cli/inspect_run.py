@@ -107,6 +107,9 @@ def export_command(
         bool | None,
         typer.Option("--fine/--coarse", help="Draw the style finer and drop the result, or keep the faces of the run; as the run says."),
     ] = None,
+    texture: Annotated[
+        bool, typer.Option("--texture", help="Colours as a texture, as fine as they can be drawn: GLB with it, or OBJ, MTL and PNG.")
+    ] = False,
     device: Device = "auto",
     as_json: Json = False,
 ) -> None:
@@ -119,7 +122,7 @@ def export_command(
     run = Run.open(f"{root}@{lane}", device if fine else "cpu")
     number = run.store.find(iteration, lane).iteration
     place = path or root / f"{run.record.stem}-{lane}-{number}{FINENESS[fine]}.{chosen}"
-    written = run.exported(place, iteration, fine=fine)
+    written = run.exported(place, iteration, fine=fine, texture=texture)
     if as_json:
         print_json({"export": written, "files": {"model": str(place), "quality": str(sidecar(place))}})
         return

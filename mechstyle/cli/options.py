@@ -25,6 +25,9 @@ DEFAULTS_MAY_CHANGE = "Defaults in parentheses are the recipe's; --control, --cr
 Model = Annotated[str, typer.Argument(metavar="MODEL", help="A file (STL, OBJ, PLY, GLB, 3MF) or gallery:NAME.")]
 Vertices = Annotated[int, typer.Option(help="Vertices of the standardised surface.", rich_help_panel=MACHINE)]
 Scale = Annotated[float | None, typer.Option(help="Multiply the file's coordinates to get millimetres.", rich_help_panel=MACHINE)]
+Up = Annotated[
+    str, typer.Option(help="The file's axis that points up: z, -z, y, -y, x or -x; unless told the format's own.", rich_help_panel=MACHINE)
+]
 Device = Annotated[str, typer.Option(help="auto, cpu or cuda.", rich_help_panel=MACHINE)]
 Folder = Annotated[
     Path | None,
@@ -63,7 +66,7 @@ class RecipeOption:
 
 
 OPTIONS = {
-    "prompt": RecipeOption(STYLE, ("--prompt", "-p")),
+    "prompt": RecipeOption(STYLE, ("--prompt", "-p"), hint="Not needed with --image.", default=""),
     "iterations": RecipeOption(STYLE),
     "seed": RecipeOption(STYLE),
     "relief": RecipeOption(STYLE),
@@ -72,6 +75,11 @@ OPTIONS = {
     "feature": RecipeOption(STYLE),
     "nozzle": RecipeOption(STYLE),
     "inside": RecipeOption(STYLE),
+    "image": RecipeOption(STYLE, kind=str),
+    "image_size": RecipeOption(STYLE),
+    "image_as": RecipeOption(STYLE),
+    "image_layout": RecipeOption(STYLE),
+    "projection": RecipeOption(STYLE, ("--project", "--projection")),
     "delivered": RecipeOption(STYLE, hint="--coarse is short for 0."),
     "stylizer": RecipeOption(STYLE),
     "guidance": RecipeOption(STYLE, hint="clip takes any prompt; see `mechstyle weights list`."),

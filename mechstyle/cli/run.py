@@ -19,6 +19,7 @@ from mechstyle.cli.options import (
     Model,
     Scale,
     Settings,
+    Up,
     Vertices,
     recipe_options,
 )
@@ -42,11 +43,11 @@ FREE = tuple(name for name in OPTIONS if name not in RESTRAINED)
 app = typer.Typer()
 
 
-def read_model(model: str, scale: float | None, *, quiet: bool) -> tuple[Any, str]:
+def read_model(model: str, scale: float | None, up: str, *, quiet: bool) -> tuple[Any, str]:
     """The mesh and the name of a model given on the command line; repairs are reported on stderr."""
     from mechstyle.gallery import load  # noqa: PLC0415 — geometry is loaded when a model is wanted
 
-    mesh = load(model, scale=scale)
+    mesh = load(model, scale=scale, up=up)
     if not quiet:
         for note in mesh.notes:
             err.print(f"[dim]{escape(mesh.origin.model)}: {escape(note)}[/]")
@@ -58,6 +59,7 @@ def carry_out(
     settings: Settings,
     vertices: int,
     scale: float | None,
+    up: str,
     device: str,
     folder: Path | None,
     *,
@@ -68,16 +70,16 @@ def carry_out(
     from mechstyle.fea.drop import resolve_device  # noqa: PLC0415 — physics is loaded when something is run
     from mechstyle.runs.recipes import draft  # noqa: PLC0415
     from mechstyle.runs.run import started  # noqa: PLC0415
-    from mechstyle.styling.prompt import read as read_prompt  # noqa: PLC0415
+    from mechstyle.styling.prompt import reading_of  # noqa: PLC0415
 
     deep = settings.get("amplitude") == AUTO
     wanted = draft(**{**settings, "amplitude": None} if deep else settings, freestyle=freestyle)
     device = resolve_device(device)
     if not as_json and not wanted.stylizer and wanted.guidance == "offline":
-        reading = read_prompt(wanted.prompt)
+        reading = reading_of(wanted)
         for note in (f"read as {reading.words}", *reading.notes):
             err.print(f"[dim]prompt: {escape(note)}[/]")
-    mesh, name = read_model(model, scale, quiet=as_json)
+    mesh, name = read_model(model, scale, up, quiet=as_json)
     with telling(wanted.iterations, quiet=as_json) as teller:
         if deep:
             wanted = at_its_deepest(wanted, mesh, settings, vertices, device, folder, teller)
@@ -169,13 +171,14 @@ def run_command(
     coarse: Coarse = False,
     vertices: Vertices = STANDARD_VERTICES,
     scale: Scale = None,
+    up: Up = "",
     device: Device = "auto",
     folder: Folder = None,
     as_json: Json = False,
 ) -> None:
     """Style a part while a drop test watches its strength."""
     settings |= (FINISH_FIRST if finish_first else {}) | (AS_IT_RAN if coarse else {})
-    run = carry_out(model, settings, vertices, scale, device, folder, freestyle=False, as_json=as_json)
+    run = carry_out(model, settings, vertices, scale, up, device, folder, freestyle=False, as_json=as_json)
     report(run, as_json=as_json)
 
 
@@ -188,13 +191,14 @@ def freestyle_command(
     coarse: Coarse = False,
     vertices: Vertices = STANDARD_VERTICES,
     scale: Scale = None,
+    up: Up = "",
     device: Device = "auto",
     folder: Folder = None,
     as_json: Json = False,
 ) -> None:
     """Style a part without feedback; one drop test at the end."""
     settings |= AS_IT_RAN if coarse else {}
-    run = carry_out(model, settings, vertices, scale, device, folder, freestyle=True, as_json=as_json)
+    run = carry_out(model, settings, vertices, scale, up, device, folder, freestyle=True, as_json=as_json)
     report(run, as_json=as_json)
 
 

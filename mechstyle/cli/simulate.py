@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from mechstyle.cli.console import command, err, escape, factor, out, print_json, table, telling, verdict_text
-from mechstyle.cli.options import Device, Json, Model, Scale, Settings, Vertices, recipe_options
+from mechstyle.cli.options import Device, Json, Model, Scale, Settings, Up, Vertices, recipe_options
 from mechstyle.cli.run import read_model
 from mechstyle.records.landings import STANDARDS
 from mechstyle.records.mesh import STANDARD_VERTICES
@@ -27,6 +27,7 @@ def simulate_command(
     settings: Settings,
     vertices: Vertices = STANDARD_VERTICES,
     scale: Scale = None,
+    up: Up = "",
     device: Device = "auto",
     folder: Annotated[Path | None, typer.Option("--out", help="Folder for pictures and files; the current one by default.")] = None,
     vtu: Annotated[bool, typer.Option("--vtu", help="Write displacement, stress and contact for ParaView.")] = False,
@@ -36,7 +37,7 @@ def simulate_command(
     """Drop a part as it is, without any style, and load it if asked to."""
     from mechstyle.simulation.part_test import simulate  # noqa: PLC0415 — physics is loaded when something is run
 
-    mesh, name = read_model(model, scale, quiet=as_json)
+    mesh, name = read_model(model, scale, up, quiet=as_json)
     with telling(1, quiet=as_json) as teller:
         dropped = simulate(mesh, **settings, vertices=vertices, device=device, stage=teller.stage, progress=teller.fraction)
         teller.stage("writing files")

@@ -71,12 +71,13 @@ def make(name: str, **parameters: float) -> SurfaceMesh:
     return mesh
 
 
-def load(model: str | Path, *, scale: float | None = None) -> Model:
+def load(model: str | Path, *, scale: float | None = None, up: str = "") -> Model:
     """Open a part: a file, repaired where needed, or a model of the gallery.
 
     Args:
         model: An STL, OBJ, PLY, GLB or 3MF file, or `gallery:NAME`.
         scale: Factor from the coordinates of a file to millimetres; None for the format's own unit.
+        up: The axis of a file that points up: z, -z, y, -y, x or -x; "" for the format's own.
 
     Returns:
         A closed surface of one body [mm], z up, with its `name`, its `origin` and the repairs it took as `notes`.
@@ -90,11 +91,11 @@ def load(model: str | Path, *, scale: float | None = None) -> Model:
 
     address = str(model)
     if not address.startswith(PREFIX):
-        mesh, notes = read(model, scale=scale)
-        origin = Origin(model=Path(model).name, scale=scale)
+        mesh, notes = read(model, scale=scale, up=up)
+        origin = Origin(model=Path(model).name, scale=scale, up=up)
         return Model(mesh.vertices, mesh.faces, mesh.colours, name=Path(model).stem, origin=origin, notes=notes)
-    if scale is not None:
-        raise BadInput(f"{address}: a scale is for files; gallery models are in millimetres")
+    if scale is not None or up:
+        raise BadInput(f"{address}: a scale and an axis for up are for files; gallery models are in millimetres, and stand")
     name = address.removeprefix(PREFIX)
     mesh = make(name)
     return Model(mesh.vertices, mesh.faces, mesh.colours, name=name, origin=Origin(model=address))

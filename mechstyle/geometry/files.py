@@ -6,6 +6,7 @@ STL, OBJ and PLY have no unit and are taken as millimetres; 3MF names its unit; 
 from __future__ import annotations
 
 import io
+import re
 import struct
 import warnings
 import zipfile
@@ -17,10 +18,13 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from mechstyle._files import write_aside
+from mechstyle._files import file_stem, write_aside
 from mechstyle.errors import BadInput
+from mechstyle.geometry.glb import glb_bytes
 from mechstyle.geometry.repair import repaired
+from mechstyle.geometry.texture import Texture, png
 from mechstyle.geometry.threemf import threemf_bytes
+from mechstyle.geometry.upright import lying, upright
 from mechstyle.records.mesh import Floats, SurfaceMesh
 
 FORMATS = ("stl", "obj", "ply", "glb", "3mf")
@@ -35,8 +39,8 @@ DAMAGED = (
     TypeError, UnboundLocalError, ValueError, struct.error, zipfile.BadZipFile, zlib.error,
 )  # fmt: skip
 """What parsers raise at damaged files: they notice damage where something is missing, too large, or of another kind."""
-Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
-"""Rotation that takes a y-up position to a z-up one."""
+TEXTURED = ("glb", "obj")
+"""Formats that hold a texture."""
 
 
 class ReadPart(NamedTuple):
@@ -46,23 +50,29 @@ class ReadPart(NamedTuple):
     notes: tuple[str, ...]
 
 
-def read(path: str | Path, *, scale: float | None = None) -> ReadPart:
+def read(path: str | Path, *, scale: float | None = None, up: str = "") -> ReadPart:
     """Read one closed body from an STL, OBJ, PLY, GLB or 3MF file; also returns the repairs it took.
 
     Args:
         path: The file.
         scale: Factor from the file's coordinates to millimetres; None for the format's own unit.
+        up: The axis of the file that points up as the part stands, one of UPS; "" for the format's own, y in GLB and z elsewhere.
 
     Raises:
         BadInput: If the file cannot be used, in one sentence that says why and what to do.
     """
     file = Path(path)
+    own = "y" if file.suffix.lower() == ".glb" else "z"
+    axes = upright(up or own)
     if scale is not None and not (np.isfinite(scale) and scale > 0):
         raise BadInput(f"scale is {scale:g}, but must be a positive number, such as 25.4 for inches")
     vertices, faces, unit = _triangles(file)
     factor = unit if scale is None else scale
     _check_size(file.name, vertices[faces].reshape(-1, 3), factor)
-    mesh, notes = repaired(vertices * factor, faces, file.name)
+    mesh, notes = repaired(vertices * factor @ axes.T, faces, file.name)
+    if better := lying(mesh, axes):
+        flat = f"it seems to lie on its side: it has a flat base there, and stands on nothing flat; --up {better} sets it upright"
+        notes = (*notes, flat)
     if factor != 1.0:
         notes = (f"converted to millimetres (times {factor:g})", *notes)
     return ReadPart(mesh, notes)
@@ -119,7 +129,7 @@ def _parsed(name: str, content: bytes, suffix: str) -> tuple[Floats, NDArray[np.
             f"{name} cannot be read as {suffix.upper()}: it is damaged, was cut off, or is something else; export it again"
         ) from error
     if suffix == "glb":
-        return vertices @ Y_UP.T, faces, MILLIMETRES["meter"]
+        return vertices, faces, MILLIMETRES["meter"]
     return vertices, faces, MILLIMETRES.get(str(scene.units), 1.0) if suffix == "3mf" else 1.0
 
 
@@ -142,28 +152,65 @@ def _check_size(name: str, vertices: Floats, factor: float) -> None:
     raise BadInput(f"{name} is {shown} mm long; parts must be {SMALLEST:g} to {LARGEST:g} mm: {hint}")
 
 
-def save(mesh: SurfaceMesh, path: str | Path) -> Path:
+def save(mesh: SurfaceMesh, path: str | Path, *, name: str = "", texture: Texture | None = None) -> Path:
     """Write a surface in the format its suffix names; colours survive in OBJ, PLY, GLB and 3MF. The file appears whole or not at all.
 
+    Args:
+        mesh: The surface [mm].
+        path: The file.
+        name: What the part is called in it, where the format has names; by default as it was loaded.
+        texture: Its colours, finer than its vertices, for GLB and OBJ. Beside `part.obj` lie then `part.mtl` and `part-texture.png`.
+
     Raises:
-        BadInput: If the suffix is not one of FORMATS, or the place cannot be written to.
+        BadInput: If the suffix is not one of FORMATS, cannot hold a texture, or the place cannot be written to.
     """
     file = Path(path)
     suffix = file.suffix.lower().lstrip(".")
     if suffix not in FORMATS:
         raise BadInput(f"{file.name}: cannot write {_kind(suffix)}; use {', '.join(FORMATS)}")
-    content = threemf_bytes(mesh) if suffix == "3mf" else _exported(mesh, suffix)
+    check_texture(file, textured=texture is not None)
+    called = name or getattr(mesh, "name", "") or "part"
     try:
-        write_aside(file, content)
+        if suffix == "obj" and texture is not None:
+            _write_textured(file, mesh, texture, called)
+        else:
+            write_aside(file, _content_of(mesh, suffix, called, texture))
     except OSError as error:
         raise BadInput(f"cannot write {file}: {error.strerror}; choose another place, or make room") from error
     return file
 
 
+def check_texture(path: str | Path, *, textured: bool) -> None:
+    """Refuse a texture, before it is drawn, in a format that holds none, with BadInput."""
+    suffix = Path(path).suffix.lower().lstrip(".")
+    if textured and suffix not in TEXTURED:
+        raise BadInput(f"{Path(path).name}: {suffix.upper()} holds no texture; use {' or '.join(TEXTURED)}, or leave the texture out")
+
+
+def _content_of(mesh: SurfaceMesh, suffix: str, name: str, texture: Texture | None) -> bytes:
+    if suffix == "3mf":
+        return threemf_bytes(mesh, name)
+    return glb_bytes(mesh, name, texture) if suffix == "glb" else _exported(mesh, suffix)
+
+
 def _exported(mesh: SurfaceMesh, suffix: str) -> bytes:
     """The file's content by trimesh."""
-    vertices = mesh.vertices @ Y_UP / MILLIMETRES["meter"] if suffix == "glb" else mesh.vertices
     colours = None if mesh.colours is None else np.round(np.clip(mesh.colours, 0, 1) * 255).astype(np.uint8)
-    written = trimesh.Trimesh(vertices, mesh.faces, vertex_colors=colours, process=False)
+    written = trimesh.Trimesh(mesh.vertices, mesh.faces, vertex_colors=colours, process=False)
     content = written.export(file_type=suffix)
     return content.encode() if isinstance(content, str) else bytes(content)
+
+
+def _write_textured(file: Path, mesh: SurfaceMesh, texture: Texture, name: str) -> None:
+    """An OBJ file, last, and beside it the material and the picture that it names."""
+    plain = re.sub(r"\s+", "_", file_stem(file.stem))  # names in OBJ end at a space
+    material, picture = file.with_name(f"{plain}.mtl"), file.with_name(f"{plain}-texture.png")
+    write_aside(picture, png(texture.pixels))
+    shading = f"newmtl print\nKa 0 0 0\nKd 1 1 1\nKs 0 0 0\nillum 1\nmap_Kd {picture.name}\n"
+    write_aside(material, shading.encode())
+    lines = [f"mtllib {material.name}", "o " + re.sub(r"\s+", "_", file_stem(name)), "usemtl print"]
+    lines += [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in mesh.vertices]
+    lines += [f"vt {u:.7f} {v:.7f}" for u, v in texture.uv.reshape(-1, 2)]
+    corners = zip(range(1, 3 * len(mesh.faces), 3), mesh.faces + 1, strict=True)
+    lines += [f"f {a}/{at} {b}/{at + 1} {c}/{at + 2}" for at, (a, b, c) in corners]
+    write_aside(file, ("\n".join(lines) + "\n").encode())

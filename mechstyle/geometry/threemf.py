@@ -8,6 +8,7 @@ from __future__ import annotations
 import io
 import warnings
 import zipfile
+from xml.sax.saxutils import escape
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,17 +31,23 @@ _RELATIONS = (
 )
 
 
-def threemf_bytes(mesh: SurfaceMesh) -> bytes:
-    """A 3MF package of the mesh in millimetres, its vertex colours reduced to at most MOST_COLOURS; the same mesh gives the same bytes."""
+def threemf_bytes(mesh: SurfaceMesh, name: str = "part") -> bytes:
+    """A 3MF package of the mesh in millimetres, its vertex colours reduced to at most MOST_COLOURS; the same mesh gives the same bytes.
+
+    Args:
+        mesh: The part.
+        name: What slicers call it.
+    """
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as package:
-        for name, content in (("[Content_Types].xml", _TYPES), ("_rels/.rels", _RELATIONS), ("3D/3dmodel.model", _model(mesh))):
-            package.writestr(zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0)), content, zipfile.ZIP_DEFLATED)
+        for part, content in (("[Content_Types].xml", _TYPES), ("_rels/.rels", _RELATIONS), ("3D/3dmodel.model", _model(mesh, name))):
+            package.writestr(zipfile.ZipInfo(part, (1980, 1, 1, 0, 0, 0)), content, zipfile.ZIP_DEFLATED)
     return buffer.getvalue()
 
 
-def _model(mesh: SurfaceMesh) -> str:
+def _model(mesh: SurfaceMesh, name: str) -> str:
     """The model part."""
+    called = escape("".join(sign for sign in name if sign.isprintable()) or "part", {'"': "&quot;"})
     group, corner_colours = _colour_group(mesh)
     attributes = ' pid="2" pindex="0"' if group else ""
     vertices = "".join(f'<vertex x="{x:.9g}" y="{y:.9g}" z="{z:.9g}"/>' for x, y, z in mesh.vertices)
@@ -55,7 +62,8 @@ def _model(mesh: SurfaceMesh) -> str:
         '<?xml version="1.0" encoding="UTF-8"?>\n'
         '<model unit="millimeter" xml:lang="en" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02" '
         'xmlns:m="http://schemas.microsoft.com/3dmanufacturing/material/2015/02">'
-        f'<metadata name="Application">MechStyle</metadata><resources>{group}<object id="1" type="model"{attributes}><mesh>'
+        f'<metadata name="Application">MechStyle</metadata><metadata name="Title">{called}</metadata><resources>{group}'
+        f'<object id="1" type="model" name="{called}"{attributes}><mesh>'
         f"<vertices>{vertices}</vertices><triangles>{triangles}</triangles></mesh></object></resources>"
         '<build><item objectid="1"/></build></model>'
     )

@@ -32,6 +32,7 @@ KEYFRAME_EVERY = 20
 """Iterations between stored stylizer states."""
 STYLE_FIELDS = (
     "prompt", "seed", "relief", "amplitude", "side", "feature", "nozzle", "stylizer", "guidance", "field", "clip", "crops",
+    "image", "image_size", "image_as", "image_layout", "projection",
 )  # fmt: skip
 """Recipe fields that change what the stylizer aims at."""
 

@@ -27,6 +27,9 @@ ELEMENTS = ("tet10", "tet4")
 BASES = ("level", "protected", "free")
 SIDES = ("auto", "outwards", "inwards", "both")
 INSIDES = ("plain", "styled")
+MOTIFS = ("height", "colour", "both")
+LAYOUTS = ("tiled", "placed")
+PROJECTIONS = ("box", "planar", "around")
 Transfer = Literal["barycentric", "nearest"]
 
 CHOICES: Mapping[str, Collection[str]] = {
@@ -40,6 +43,9 @@ CHOICES: Mapping[str, Collection[str]] = {
     "base": BASES,
     "side": SIDES,
     "inside": INSIDES,
+    "image_as": MOTIFS,
+    "image_layout": LAYOUTS,
+    "projection": PROJECTIONS,
     "poses": POSES,
     "standard": ("", *STANDARDS),
     "transfer": get_args(Transfer),
@@ -55,6 +61,7 @@ LIMITS: Mapping[str, tuple[float, float]] = {
     "amplitude": (0.0, 2.0),
     "feature": (0.2, 500.0),
     "nozzle": (0.0, 5.0),
+    "image_size": (0.5, 2000.0),
     "travel": (1e-3, 10.0),
     "delivered": (0, 1_000_000),
     "threshold": (0.01, 100.0),
@@ -98,6 +105,12 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         side: Where the relief goes from the surface, one of SIDES: auto goes to both, but only outwards where walls are too thin to cut.
         feature: Size of the style's feature, such as the height of a brick [mm]; unless told, the prompt's, or what fits the part.
         nozzle: Diameter of the printer's nozzle [mm]: features that are not told are sized for it, and finer ones noted; 0 for no rule.
+        image: A picture of yours as the style, a PNG, JPEG or SVG file. Here the digest of its pixels, which the run keeps; "" for none.
+        image_size: Width of the picture, or of one of its tiles [mm]; unless told, the prompt's, or what fits the part.
+        image_as: What is taken of the picture, one of MOTIFS: light stands out and dark is cut in, its colours, or both.
+        image_layout: How often the picture is laid out, one of LAYOUTS: without end, or once on each side it is seen from.
+        projection: How the picture lies on the part, one of PROJECTIONS: from six sides, from the one that shows most or that the prompt
+            names, or around an upright axis.
         inside: What becomes of the inside of a container, one of INSIDES.
         delivered: Vertices of the surface that is delivered, at least; unless told 100 000, more on large parts; 0 for those of the run.
             The finished style is drawn on it anew, and it is what the last iteration simulates.
@@ -147,6 +160,11 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     side: str = "auto"
     feature: float | None = None
     nozzle: float = 0.4
+    image: str = ""
+    image_size: float | None = None
+    image_as: str = "both"
+    image_layout: str = "tiled"
+    projection: str = "box"
     inside: str = "plain"
     delivered: int | None = None
     control: str = "exponential"
@@ -185,6 +203,8 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
             if value is not None and not low <= value <= high:
                 raise BadInput(f"{field.replace('_', ' ')} is {value:g}, but must lie between {low:g} and {high:g}")
         check_prompt(self.prompt)
+        if self.image and not re.fullmatch("[0-9a-f]{64}", self.image):
+            raise BadInput(f"a recipe names a picture by the digest of its pixels, not {self.image[:60]!r}: draft it from the file")
         if self.build_direction is not None:
             self._check_layers(self.build_direction)
 

@@ -37,7 +37,7 @@ class Depth:
 
 def deepest(
     mesh: SurfaceMesh,
-    prompt: str,
+    prompt: str = "",
     *,
     material: str | Material = "PLA",
     vertices: int = STANDARD_VERTICES,

@@ -8,12 +8,13 @@ import msgspec
 import numpy as np
 
 from mechstyle._files import write_whole
-from mechstyle.geometry.files import save
+from mechstyle.geometry.files import check_texture, save
 from mechstyle.geometry.print_quality import Quality, quality
 from mechstyle.loop.objects import to_json
 from mechstyle.loop.store import Entry, Store
 from mechstyle.records import Recipe, Verdict
 from mechstyle.runs.refine import Refinement
+from mechstyle.runs.texture import Delivered, texture_of
 from mechstyle.simulation.part import Workpiece
 
 COARSE = "what was simulated last is the surface drawn finer, not this one in the faces of the run: leave out --coarse to have that"
@@ -47,7 +48,16 @@ class Exported(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def exported(
-    store: Store, lane: str, part: Workpiece, entry: Entry, path: Path, *, refinement: Refinement | None = None, drop: bool = False
+    store: Store,
+    lane: str,
+    part: Workpiece,
+    entry: Entry,
+    path: Path,
+    *,
+    refinement: Refinement | None = None,
+    drop: bool = False,
+    name: str = "",
+    textured: bool = False,
 ) -> Exported:
     """Write the surface of a checkpoint to a file, and what is known of it beside it.
 
@@ -59,23 +69,27 @@ def exported(
         path: The file; its suffix decides the format.
         refinement: What draws it again on smaller faces, under the checkpoint's recipe; None for the faces of the run.
         drop: Whether to drop what was drawn again, if that was not done by the run.
+        name: What the part is called in the file.
+        textured: Whether its colours are to be a texture, finer than its vertices; in GLB and OBJ.
 
     Raises:
         BadInput: If the file cannot be written, or the style cannot be drawn anew.
     """
     state, recipe = store.checkpoint(entry.digest), store.recipe(entry.recipe)
     was_tested = drawn_finer(recipe, entry)
+    check_texture(path, textured=textured)
+    cut = None
     if refinement is None:
         original, styled = part.surface, part.surface.displaced(state.displacement).coloured(state.colour)
         words = tuple(filter(None, [COARSE if was_tested else unsimulated(store, entry)]))
         verdict = None if words else state.verdict
     else:
         found = refinement.of(entry.digest, drop=drop or was_tested)
-        original, styled = found.original, found.styled
+        original, styled, cut = found.original, found.styled, found.cut
         verdict = state.verdict if was_tested else refinement.verdict(found)
         words = (*(() if was_tested else _of_the_fine_surface(verdict, state.verdict)), *found.notes)
     measured = quality(original, styled, recipe.material.density)
-    save(styled, path)
+    save(styled, path, name=name, texture=texture_of(store, part, entry, Delivered(cut, styled)) if textured else None)
     record = Exported(
         file=path.name,
         lane=lane,

@@ -16,6 +16,7 @@ from mechstyle.records.load_cases import load_cases
 from mechstyle.records.material import Material, material_named
 from mechstyle.records.recipe import DEFAULTS, direction_of
 from mechstyle.records.regions import regions
+from mechstyle.runs.images import digest_of
 from mechstyle.runs.plugins import name_of
 from mechstyle.runs.stylizers import settled
 from mechstyle.simulation.part import Workpiece, fitted
@@ -56,12 +57,12 @@ PLAIN = {
 """Types of settings that are checked here, in words; names are checked by the recipe."""
 
 
-def plan(part: Workpiece, prompt: str, material: str | Material = "PLA", *, freestyle: bool = False, **settings: Any) -> Recipe:
+def plan(part: Workpiece, prompt: str = "", material: str | Material = "PLA", *, freestyle: bool = False, **settings: Any) -> Recipe:
     """The recipe for a part: `draft` fitted to it."""
     return fitted(draft(prompt, material, freestyle=freestyle, **settings), part)
 
 
-def draft(prompt: str, material: str | Material = "PLA", *, freestyle: bool = False, **settings: Any) -> Recipe:
+def draft(prompt: str = "", material: str | Material = "PLA", *, freestyle: bool = False, **settings: Any) -> Recipe:
     """A recipe for any part, so that a bad request is refused before anything slow is done.
 
     Args:
@@ -140,6 +141,8 @@ def _given(settings: dict[str, Any]) -> dict[str, Any]:
         given["loads"] = load_cases(given["loads"])
     if "protect" in given:
         given["protect"] = regions(given["protect"])
+    if "image" in given:
+        given["image"] = digest_of(given["image"])
     if "stylizer" in given:
         given["stylizer"] = name_of(given["stylizer"])
     return given

@@ -24,6 +24,7 @@ from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.subdivision import Subdivided, refined_to
 from mechstyle.loop import minimum_wall
 from mechstyle.loop.engine import STEP_LIMIT, STYLE_FIELDS, Bounds, Stylizer, advanced
+from mechstyle.loop.objects import Objects
 from mechstyle.loop.store import Store
 from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict
 from mechstyle.records.mesh import Field, SurfaceMesh, frozen_array
@@ -33,7 +34,7 @@ from mechstyle.simulation.part import Workpiece, bounds_for
 from mechstyle.simulation.simulator import DropSimulator
 from mechstyle.styling.drawing.fine_canvas import FineCanvas
 from mechstyle.styling.drawn import ProceduralStylizer
-from mechstyle.styling.prompt import read
+from mechstyle.styling.prompt import reading_of
 
 VERSION = 1
 """Counts changes that alter the delivered surface, so that what older code kept is drawn again."""
@@ -197,7 +198,7 @@ class Refinement:
 
     @cached_property
     def _twin(self) -> _Twin:
-        return _Twin(self.part, self.cut)
+        return _Twin(self.part, self.cut, self.store.objects)
 
     def _led_to(self, state: Checkpoint) -> _Twin:
         """The twin led to a state from wherever it stands, which must be in the past of the state or one of its iteration."""
@@ -216,6 +217,7 @@ class _Twin:
     Attributes:
         part: The part.
         cut: The same in smaller faces.
+        objects: Those of the run, which keep its picture; None for cached ones.
         displacement: The twin's [mm], shape [fine_count].
         stands: The state it was led to, None before the first.
         interpolated: Whether a style on the way was.
@@ -223,6 +225,7 @@ class _Twin:
 
     part: Workpiece
     cut: Subdivided
+    objects: Objects | None = None
     displacement: Field = field(init=False)
     stands: Checkpoint | None = None
     interpolated: bool = False
@@ -292,8 +295,8 @@ class _Twin:
             return (plugged, made(self.cut.mesh, self._fine_bounds, recipe)) if isinstance(plugged, ProceduralStylizer) else None
         if recipe.guidance == "clip" or recipe.field == "network":
             return None
-        reading = read(recipe.prompt)
-        coarse = drawing_of(self.part, self._bounds, recipe, reading)
+        reading = reading_of(recipe)
+        coarse = drawing_of(self.part, self._bounds, recipe, reading, self.objects)
         canvases = [FineCanvas(self.cut.mesh, self.cut.interpolation, canvas) for canvas in coarse.canvases]
         fine = drawn(recipe, reading, canvases, self._spread(coarse.shares.T).T.astype(np.float64), self._fine_bounds)
         return ProceduralStylizer(self.part.surface, coarse.target), ProceduralStylizer(self.cut.mesh, fine)

@@ -26,6 +26,7 @@ from mechstyle.pictures.panels import Picture, checkpoint_panels, picture, with_
 from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict
 from mechstyle.records.material import Material
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh
+from mechstyle.runs import images
 from mechstyle.runs.export import Exported, exported
 from mechstyle.runs.folders import default_folder, folder_for
 from mechstyle.runs.part_record import PartRecord
@@ -161,7 +162,7 @@ class Run:
 
         return write_report(self, path)
 
-    def export(self, path: str | Path, iteration: int | None = None, *, fine: bool | None = None) -> Path:
+    def export(self, path: str | Path, iteration: int | None = None, *, fine: bool | None = None, texture: bool = False) -> Path:
         """Write the delivered surface at an iteration to a file, and what is known of it to `FILE.json`; the suffix decides the format.
 
         Args:
@@ -169,18 +170,20 @@ class Run:
             iteration: None for the last.
             fine: True to draw the style again on smaller faces and to drop the result if the run did not, False for the faces of the run;
                 None as the recipe has it.
+            texture: Whether the colours are to be a texture, as fine as the style or the picture can be drawn; in GLB and OBJ.
         """
-        for warning in self.exported(path, iteration, fine=fine).warnings:
+        for warning in self.exported(path, iteration, fine=fine, texture=texture).warnings:
             logger.warning("%s: %s", path, warning)
         return Path(path)
 
-    def exported(self, path: str | Path, iteration: int | None = None, *, fine: bool | None = None) -> Exported:
+    def exported(self, path: str | Path, iteration: int | None = None, *, fine: bool | None = None, texture: bool = False) -> Exported:
         """As `export`; returns verdict, quality and warnings of the very surface that was written."""
         entry = self.store.find(iteration, self.lane)
         recipe = self.store.recipe(entry.recipe)
         finer = fine or (fine is None and recipe.delivered != 0 and entry.iteration > 0)
         refinement = self._refinement(self._simulator(recipe)) if finer else None
-        return exported(self.store, self.lane, self.part, entry, Path(path), refinement=refinement, drop=bool(fine))
+        what = self.store, self.lane, self.part, entry, Path(path)
+        return exported(*what, refinement=refinement, drop=bool(fine), name=self.record.name, textured=texture)
 
     def delivered(self, iteration: int | None = None, *, draw: bool = True) -> Refined | None:
         """The surface that was delivered at an iteration, None for the last: drawn finer than the checkpoint, which it is no part of.
@@ -205,9 +208,8 @@ class Run:
         entry = self.store.find(iteration, self.lane)
         recipe = changed(self.store.recipe(entry.recipe), changes)
         if recipe.iterations <= entry.iteration:
-            raise BadInput(
-                f"a branch at iteration {entry.iteration} must go beyond it, not to {recipe.iterations}: ask for more iterations"
-            )
+            raise BadInput(f"a branch at iteration {entry.iteration} must go beyond it, not to {recipe.iterations}: ask for more")
+        images.keep(recipe, self.store)
         fork = Lane(recipe=self.store.put_recipe(recipe), head=entry.digest, forked_from=entry.digest)
         with exclusive(self.store.root / "locks" / ".branches.lock", "a new branch", wait=True):  # or two could take one name
             return Run(self.store, self._forked(fork, lane), self.device)
@@ -269,7 +271,7 @@ class Run:
 
     def _engine(self, progress: Progress) -> tuple[Engine, tuple[str, ...]]:
         recipe, part = self.recipe, self.part
-        stylizer, notes = stylizer_for(part, recipe, self.device)
+        stylizer, notes = stylizer_for(part, recipe, self.device, self.store.objects)
         bounds, protected = bounds_for(part, recipe)
         simulator = self._simulator(recipe, progress)
         delivery = None if recipe.delivered == 0 else self._refinement(simulator)
@@ -313,6 +315,7 @@ def begin(
     run = Run(store, "main", resolve_device(device))
     if "main" in store.lanes():
         return run
+    images.keep(recipe, store)
     record = PartRecord.kept(part, name, origin or Origin(), store.objects)
     write_whole(store.root / "part.json", msgspec.json.encode(record))
     store.move("main", Lane(recipe=store.put_recipe(recipe)))
@@ -321,7 +324,7 @@ def begin(
 
 def stylize(
     mesh: SurfaceMesh,
-    prompt: str,
+    prompt: str = "",
     *,
     material: str | Material = "PLA",
     freestyle: bool = False,
@@ -337,7 +340,7 @@ def stylize(
 
     Args:
         mesh: A closed surface [mm], z up, as it stands.
-        prompt: The style, in words: "brick", "small blue stones".
+        prompt: The style, in words: "brick", "small blue stones". With a picture (`image`) it says where and in what colour, if anything.
         material: A library name, a .toml/.json file, or a Material.
         freestyle: Whether to stylize without feedback.
         vertices: Vertices of the standardised surface.
@@ -348,7 +351,7 @@ def stylize(
         stage: Told what is being prepared, in words.
         on_event: Told every event.
         settings: Fields of `Recipe`, such as control, schedule, iterations, criterion, protect=["inside", ms.Box(low, high, ramp=2)],
-            stylizer (a registered name, or a function as docs/plug-in.md shows).
+            image (a PNG, JPEG or SVG file, or an array), stylizer (a registered name, or a function as docs/plug-in.md shows).
 
     Returns:
         The finished run.

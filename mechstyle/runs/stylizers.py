@@ -16,17 +16,20 @@ import numpy as np
 from mechstyle._files import clip_folder
 from mechstyle.errors import BadInput
 from mechstyle.loop.engine import Bounds, Stylizer, advanced
+from mechstyle.loop.objects import Objects
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import Field, Floats
+from mechstyle.runs.images import raster_of
 from mechstyle.runs.plugins import made
 from mechstyle.simulation.part import Shape, Workpiece, bounds_for
 from mechstyle.styling.combination import combined, places
 from mechstyle.styling.dimensions import Dimensions
 from mechstyle.styling.drawing.canvas import Canvas
-from mechstyle.styling.drawn import ProceduralStylizer, Target, target
+from mechstyle.styling.drawn import ProceduralStylizer, Target, canvas_for, target
 from mechstyle.styling.learned.extra import need_clip_extra
 from mechstyle.styling.learned.weights import located
-from mechstyle.styling.prompt import Reading, read
+from mechstyle.styling.picture import NAME as PICTURE
+from mechstyle.styling.prompt import Reading, reading_of
 
 
 def settled(recipe: Recipe, *, clip_asked_for: bool) -> Recipe:
@@ -36,13 +39,18 @@ def settled(recipe: Recipe, *, clip_asked_for: bool) -> Recipe:
         BadInput: If a prompt names no style that can be drawn, or settings contradict each other.
         MissingPiece: If libraries or weights are not on this machine.
     """
+    if recipe.image and not recipe.prompt.strip():
+        recipe = msgspec.structs.replace(recipe, prompt=PICTURE)
+    if recipe.image and (recipe.stylizer or recipe.guidance == "clip"):
+        draws = f"the stylizer {recipe.stylizer!r}" if recipe.stylizer else "guidance 'clip'"
+        raise BadInput(f"{draws} draws no pictures: leave it or the image out")
     if recipe.guidance != "clip":
         if clip_asked_for:
             raise BadInput(f"CLIP weights are of no use to guidance {recipe.guidance!r}: ask for guidance 'clip' as well")
         if recipe.field != "vertex":
             need_clip_extra()
         if not recipe.stylizer:  # a stylizer from elsewhere reads prompts its own way
-            read(recipe.prompt)
+            reading_of(recipe)
         return msgspec.structs.replace(recipe, clip="")
     if recipe.stylizer:
         raise BadInput(f"the stylizer {recipe.stylizer!r} has its own guidance: leave out guidance 'clip'")
@@ -52,15 +60,24 @@ def settled(recipe: Recipe, *, clip_asked_for: bool) -> Recipe:
     return msgspec.structs.replace(recipe, clip=located(recipe.clip, clip_folder()).identity)
 
 
-def stylizer_for(part: Workpiece, recipe: Recipe, device: str = "cpu") -> tuple[Stylizer, tuple[str, ...]]:
-    """The stylizer of a recipe, and what its user should know about how the prompt was read and what the mesh can carry."""
+def stylizer_for(
+    part: Workpiece, recipe: Recipe, device: str = "cpu", objects: Objects | None = None
+) -> tuple[Stylizer, tuple[str, ...]]:
+    """The stylizer of a recipe, and what its user should know about how the prompt was read and what the mesh can carry.
+
+    Args:
+        part: The part.
+        recipe: The recipe.
+        device: Where learned styles are learned.
+        objects: Those of the run, which keep its picture; None for cached ones.
+    """
     bounds = bounds_for(part, recipe)[0]
     if recipe.stylizer:
         return made(part.surface, bounds, recipe), ()
     if recipe.guidance == "clip":
         return _towards_prompt(part, bounds, recipe, device), ()
-    reading = read(recipe.prompt)
-    aim = _drawn(part, bounds, recipe, reading)
+    reading = reading_of(recipe)
+    aim = _drawn(part, bounds, recipe, reading, objects)
     notes = (f"prompt read as {reading.words}", *reading.notes, *aim.notes)
     if recipe.field != "network":
         return ProceduralStylizer(part.surface, aim), notes
@@ -75,12 +92,12 @@ def finished_relief(part: Workpiece | Shape, recipe: Recipe) -> Field | None:
     if recipe.stylizer or recipe.guidance == "clip" or recipe.field == "network":
         return None
     bounds = bounds_for(part, recipe)[0]
-    wanted = bounds.freedom * bounds.levelled(_drawn(part, bounds, recipe, read(recipe.prompt)).displacement)
+    wanted = bounds.freedom * bounds.levelled(_drawn(part, bounds, recipe, reading_of(recipe)).displacement)
     return advanced(np.zeros_like(wanted), np.ones_like(wanted), wanted, bounds, recipe)
 
 
-def _drawn(part: Workpiece | Shape, bounds: Bounds, recipe: Recipe, reading: Reading) -> Target:
-    return drawing_of(part, bounds, recipe, reading).target
+def _drawn(part: Workpiece | Shape, bounds: Bounds, recipe: Recipe, reading: Reading, objects: Objects | None = None) -> Target:
+    return drawing_of(part, bounds, recipe, reading, objects).target
 
 
 class Drawing(NamedTuple):
@@ -101,12 +118,23 @@ _last: WeakKeyDictionary[Workpiece | Shape, tuple[str, Drawing]] = WeakKeyDictio
 """The last drawing on each part, by the digest of its recipe: the loop goes towards it, and what is delivered is drawn after it."""
 
 
-def drawing_of(part: Workpiece | Shape, bounds: Bounds, recipe: Recipe, reading: Reading) -> Drawing:
-    """What the prompt of a recipe asks for on a part, within its bounds; the last one on a part is remembered."""
+def drawing_of(
+    part: Workpiece | Shape, bounds: Bounds, recipe: Recipe, reading: Reading, objects: Objects | None = None
+) -> Drawing:
+    """What the prompt of a recipe asks for on a part, within its bounds; the last one on a part is remembered.
+
+    Args:
+        part: The part.
+        bounds: How far the style may go.
+        recipe: The recipe.
+        reading: Its prompt.
+        objects: Those of the run, which keep its picture; None for cached ones.
+    """
     digest, known = _last.get(part, ("", None))
     if known is not None and digest == recipe.digest:
         return known
-    canvases = [Dimensions.of(recipe, wish).canvas(part.surface, part.thickness, wish, recipe.seed) for wish in reading.wishes]
+    raster = raster_of(recipe, objects)
+    canvases = [canvas_for(recipe, wish, part.surface, part.thickness, raster) for wish in reading.wishes]
     where = places(reading, part.surface, part.thickness)
     aim = drawn(recipe, reading, canvases, where.shares, bounds)
     found = Drawing(aim._replace(notes=(*where.notes, *aim.notes)), canvases, where.shares)

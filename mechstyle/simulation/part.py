@@ -25,7 +25,7 @@ from mechstyle.records import Recipe
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh, TetMesh
 from mechstyle.records.regions import Inside, Outside, Region
 from mechstyle.simulation.carrying import at_rest, carrying
-from mechstyle.styling.prompt import read
+from mechstyle.styling.prompt import reading_of
 
 PREPARATION_VERSION = 3
 """Counts changes that alter the prepared part, so that cached parts of older code are not reused."""
@@ -58,11 +58,13 @@ class Origin(msgspec.Struct, frozen=True, kw_only=True):
         model: `gallery:NAME`, or the name of a file without its folder; "" for a mesh from memory.
         vertices: Vertices of the standardised surface asked for.
         scale: Factor on the file's coordinates, None for none.
+        up: The axis of the file that points up, "" for its format's own.
     """
 
     model: str = ""
     vertices: int = STANDARD_VERTICES
     scale: float | None = None
+    up: str = ""
 
     @classmethod
     def of(cls, mesh: SurfaceMesh, vertices: int) -> Origin:
@@ -244,7 +246,7 @@ def _places(recipe: Recipe) -> tuple[Region, ...]:
     """The places that a prompt names, if it is one that is read here."""
     if recipe.stylizer or recipe.guidance == "clip":
         return ()
-    return tuple(region for wish in read(recipe.prompt).wishes for region in (*wish.where, *wish.spared))
+    return tuple(region for wish in reading_of(recipe).wishes for region in (*wish.where, *wish.spared))
 
 
 def _contained(shape: Shape, recipe: Recipe) -> tuple[Region, ...]:

@@ -56,9 +56,20 @@ class Layout:
     span: float | None
     notes: tuple[str, ...]
 
-    def displacement(self, height: Floats, areas: Floats) -> Floats:
-        """The displacement [mm] of a relief as a style draws it, shape [n]; on both sides no volume is gained or lost to first order."""
-        low, high = _range(height, areas)
+    def displacement(self, height: Floats, areas: Floats, cover: Floats | None = None) -> Floats:
+        """The displacement [mm] of a relief as a style draws it, shape [n]; on both sides no volume is gained or lost to first order.
+
+        Args:
+            height: Of the relief, shape [n].
+            areas: Of the vertices, shape [n].
+            cover: As in `Relief`.
+        """
+        if cover is not None:
+            return cover * self._displacement(height, areas * cover, (-1.0, 1.0))
+        return self._displacement(height, areas, _range(height, areas))
+
+    def _displacement(self, height: Floats, areas: Floats, ends: tuple[float, float]) -> Floats:
+        low, high = ends
         span = high - low if self.span is None else self.span
         gain = self.depth / span if span > 0.0 else np.zeros_like(self.depth)
         weight = areas * gain

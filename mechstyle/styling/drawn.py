@@ -7,16 +7,19 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from mechstyle.records import Recipe
 from mechstyle.records.mesh import Floats, SurfaceMesh, frozen_array
 from mechstyle.styling.dimensions import Dimensions
-from mechstyle.styling.drawing.canvas import Canvas
-from mechstyle.styling.drawing.colours import in_recesses
+from mechstyle.styling.drawing.canvas import Canvas, scale_by_area
+from mechstyle.styling.drawing.colours import NEUTRAL, in_recesses
 from mechstyle.styling.drawing.folds import unfolded
+from mechstyle.styling.drawing.raster import Raster
 from mechstyle.styling.library import style_named
+from mechstyle.styling.picture import NAME as PICTURE
+from mechstyle.styling.picture import notes_on, placed_on
 from mechstyle.styling.prompt import Wish
-from mechstyle.styling.style import Proposal
+from mechstyle.styling.style import Proposal, Relief
 
-NEUTRAL = 0.75  # the light grey of an uncoloured part, display value
 COLOUR_WEIGHT = 4.0
 _RATE = 1.0 - float(np.exp(-1.0 / 40.0))  # 40 iterations bring the distance to the target down by e
 _NOTICEABLE, _WORTH_A_NOTE = 0.1, 0.02  # share of the relief lost at a vertex, and of the surface where it is
@@ -70,13 +73,48 @@ def target(
     style = style_named(wish.style)
     canvas = canvas or dimensions.canvas(mesh, thickness, wish, seed)
     relief = style.program(canvas)
+    tint = tinted(relief, wish).astype(np.float32)
+    if not relief.height.any():
+        return Target(np.zeros(len(mesh.vertices), np.float32), tint, tuple(canvas.notes))
     layout = dimensions.layout(canvas.operators, thickness, style.feature_mm * canvas.scale, wish.amount)
-    displacement = layout.displacement(relief.height, mesh.vertex_areas)
-    limited = np.clip(displacement, -np.asarray(inward, dtype=np.float64), np.asarray(outward, dtype=np.float64))
+    raised = layout.depth * relief.height if relief.stands else layout.displacement(relief.height, mesh.vertex_areas, relief.cover)
+    limited = np.clip(raised, -np.asarray(inward, dtype=np.float64), np.asarray(outward, dtype=np.float64))
     smooth = unfolded(canvas.operators, limited)
-    colour = relief.colour if wish.second is None else in_recesses(relief.colour, relief.height, wish.second)
     notes = (*canvas.notes, *layout.notes, *_fold_notes(mesh, np.abs(smooth - limited) > _NOTICEABLE * np.abs(limited)))
-    return Target(smooth.astype(np.float32), np.clip(colour, 0.0, 1.0).astype(np.float32), notes)
+    return Target(smooth.astype(np.float32), tint, notes)
+
+
+def tinted(relief: Relief, wish: Wish) -> Floats:
+    """The colours of a relief as a wish has them, display RGB in [0, 1], shape [n, 3]."""
+    colour = relief.colour if wish.second is None else in_recesses(relief.colour, relief.height, wish.second)
+    return np.clip(colour, 0.0, 1.0)
+
+
+def approached(iterations: int) -> float:
+    """Share of the way to a target that so many iterations come."""
+    return 1.0 - (1.0 - _RATE) ** iterations
+
+
+def canvas_for(recipe: Recipe, wish: Wish, mesh: SurfaceMesh, thickness: ArrayLike, raster: Raster | None) -> Canvas:
+    """What to draw a wish of a recipe on.
+
+    Args:
+        recipe: Says how large, and how a picture lies.
+        wish: What the prompt asks for.
+        mesh: The unstylized part.
+        thickness: Local wall thickness [mm], shape [n].
+        raster: The recipe's picture, None if it has none.
+    """
+    dimensions = Dimensions.of(recipe, wish)
+    if wish.style != PICTURE or raster is None:
+        return dimensions.canvas(mesh, thickness, wish, recipe.seed)
+    width = dimensions.feature if recipe.image_size is None else recipe.image_size
+    placed = placed_on(mesh, raster, recipe, width, wish.size, wish.where)
+    detail = raster.detail * placed.projection.width
+    canvas = Canvas(mesh, recipe.seed, detail / scale_by_area(mesh), wish.colour, wish.shade, nozzle=recipe.nozzle)
+    canvas.picture = placed
+    canvas.notes += notes_on(placed, canvas.edge, recipe.nozzle)
+    return canvas
 
 
 def _plain(wish: Wish, count: int) -> Target:

@@ -9,6 +9,7 @@ LANGUAGES = ("German", "French", "Spanish", "Portuguese", "Italian", "Chinese", 
 """The columns of TABLE after the English word."""
 
 TABLE = """
+picture | Bild Foto | image photo | imagen foto | imagem foto | immagine foto | 图片 照片 | 画像 写真
 bamboo | Bambus Bambusrohr | bambou | bambú bambu caña | bambu cana | bambù canne | 竹 竹子 | 竹 バンブー
 basket_weave | Korbgeflecht Flechtwerk Korb Flechtkorb geflochten Weide Rattan | vannerie osier panier tressage tressé rotin | cesta mimbre cestería trenzado ratán | cesto vime cestaria trançado entrançado | cesto vimini intreccio intrecciato rattan | 编织 藤编 篮子 竹编 | 籠 かご 籠目 編み籠 籐
 brick | Ziegel Backstein Klinker Ziegelstein Ziegelmauer Mauerwerk Backsteine Ziegelsteine | brique briques maçonnerie | ladrillo ladrillos mampostería | tijolo tijolos alvenaria | mattone mattoni laterizio muratura | 砖 砖块 砖墙 红砖 砖头 | レンガ 煉瓦 れんが

@@ -7,7 +7,7 @@ import pkgutil
 from functools import cache
 
 from mechstyle.errors import unknown
-from mechstyle.styling import styles
+from mechstyle.styling import picture, styles
 from mechstyle.styling.style import Style
 
 
@@ -19,7 +19,9 @@ def names() -> tuple[str, ...]:
 
 @cache
 def style_named(name: str) -> Style:
-    """The style of that name; BadInput names the known ones, nearest first."""
+    """The style of that name; BadInput names the known ones, nearest first. A picture of the user's is one, though not in the library."""
+    if name == picture.NAME:
+        return picture.STYLE
     if name not in names():
         raise unknown("style", name, names())
     style: Style = importlib.import_module(f"{styles.__name__}.{name}").STYLE

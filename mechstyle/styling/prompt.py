@@ -11,14 +11,15 @@ from typing import Any
 import msgspec
 
 from mechstyle.errors import BadInput
-from mechstyle.records.recipe import check_prompt
+from mechstyle.records.recipe import Recipe, check_prompt
 from mechstyle.records.regions import End, Region, Rim, region
 from mechstyle.styling import vocabulary as english
 from mechstyle.styling.clauses import NO_PLACE, Clause, clauses_of
 from mechstyle.styling.drawing.colours import rgb, shaded
 from mechstyle.styling.library import library, style_named
 from mechstyle.styling.phrases import NOTHING, Item, Length, Place, is_style, items_of, meaning, without_negated
-from mechstyle.styling.words import Word, quoted, style_words, words
+from mechstyle.styling.picture import NAME as OWN
+from mechstyle.styling.words import PICTURE, Word, quoted, style_words, words
 
 Rgb = tuple[float, float, float]
 
@@ -96,14 +97,26 @@ class Reading(msgspec.Struct, frozen=True):
         return "; ".join(f"{place}: {wish.words}" if place else wish.words for place, wish in zip(places, self.wishes, strict=True))
 
 
-def read(prompt: str) -> Reading:
+def reading_of(recipe: Recipe) -> Reading:
+    """The prompt of a recipe as it is read."""
+    return read(recipe.prompt, picture=bool(recipe.image))
+
+
+def read(prompt: str, *, picture: bool = False) -> Reading:
     """Read a prompt by its words; notes name whatever was guessed or left out.
 
+    Args:
+        prompt: Words.
+        picture: Whether there is a picture of the user's: a prompt may name it, and one that names no style is about it.
+
     Raises:
-        BadInput: If it is too long or names no style; the refusal lists the nearest and all known ones.
+        BadInput: If it is too long or names no style, or leaves out a picture that is there; the refusal lists the nearest and all known
+            styles.
     """
     check_prompt(prompt)
     found, notes = words(prompt)
+    if picture:
+        found = _with_picture(found)
     items = items_of(found, notes)
     kept, unwanted = without_negated(items, adjectives_only=False)
     if not any(is_style(item) for item in kept) and any(is_style(item) for item in unwanted):
@@ -112,7 +125,17 @@ def read(prompt: str) -> Reading:
     if not any(is_style(item) for clause in clauses for item in clause.items):
         raise _unknown_prompt(prompt, found, [item for item in unwanted if is_style(item)])
     wishes = _inherited([_wish(clause, notes) for clause in clauses if clause.named or clause.described])
+    if picture and all(wish.style != OWN for wish in wishes):
+        names = quoted(_spoken(wish.style) for wish in wishes if wish.style)
+        way = "give each its place, such as `outside: picture; rim: brick`"
+        raise BadInput(f"the prompt {prompt!r} names {names}, but not the picture: {way}")
     return Reading(wishes, (*notes, *_left_out(kept, unwanted, wishes)))
+
+
+def _with_picture(found: Sequence[Word]) -> list[Word]:
+    """The words with those that mean a picture read as its style; it stands before them all if they name no style."""
+    told = [word._replace(means=PICTURE) if word.means in english.PICTURES else word for word in found]
+    return told if any(is_style(word) for word in told) else [Word("picture", PICTURE), Word(";", ";"), *told]
 
 
 # --- one wish -----------------------------------------------------------------------------------------------------
@@ -336,6 +359,10 @@ def _spoken(style: str) -> str:
 
 def _unknown_prompt(prompt: str, found: Sequence[Word], unwanted: Sequence[Item]) -> BadInput:
     """The error for a prompt without a style, nearest styles first; it never picks one."""
+    if not prompt.strip():
+        return BadInput("the prompt is empty: say in words what the part is to look like, or give a picture with `--image` or image=")
+    if any(word.means in english.PICTURES - english.FILLERS for word in found):
+        return BadInput(f"the prompt {prompt!r} asks for a picture: give its file, with `--image` or image=")
     by_word = style_words()
     texts = [word.text for word in found if word.text and not word.means]
     near = [close for text in texts for close in difflib.get_close_matches(text, by_word, n=3, cutoff=_NEAR)]

@@ -19,10 +19,16 @@ class Relief(NamedTuple):
     Attributes:
         height: Relief in about [-1, 1.2], inwards to outwards, shape [n].
         colour: Display RGB in [0, 1], shape [n, 3].
+        cover: How much relief there is, 0 where the surface stays as it is, shape [n]; None for all of it everywhere. With it heights
+            are in [-1, 1], whatever of that range the part shows.
+        stands: Whether the height is the displacement itself, as a share of the relief's depth: it stands on the surface around it, or
+            is cut into it.
     """
 
     height: Floats
     colour: Floats
+    cover: Floats | None = None
+    stands: bool = False
 
 
 class Proposal(NamedTuple):

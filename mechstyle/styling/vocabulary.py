@@ -62,6 +62,8 @@ FILLERS = _of("""
     lamp lampshade holder pen phone stand case tray bracket toy figure x z s t d ll
     """)
 """Words that ask for nothing."""
+PICTURES = _of("picture image photo logo")
+"""What a picture of the user's is called, where there is one."""
 NEGATIONS = _of("not no without never except excluding minus instead_of rather_than anything_but everything_but all_but other_than"
                 " apart_from aside_from dont do_not isnt avoid nothing nor neither everywhere_but but_not")  # fmt: skip
 """What stands after one of them, up to a comma or a word of SEPARATORS, is not wanted."""
@@ -106,7 +108,8 @@ BEYOND: Mapping[str, str] = {
     **dict.fromkeys(_of("gradient fade ombre rainbow multicolour multicolor"),
                     "colours do not run into each other: give each place its own, such as `top: blue brick; bottom: red brick`"),
     **dict.fromkeys(_of("perforate perforated hole cutout pierced"), "a style adds relief and makes no holes"),
-    **dict.fromkeys(_of("logo text letter name picture number initial"), "letters and pictures are not drawn from words"),
+    **dict.fromkeys(_of("text letter name number initial"), "letters are not drawn from words"),
+    **dict.fromkeys(_of("logo picture"), "pictures are not drawn from words: give the file with --image"),
     **dict.fromkeys(_of("raised emboss embossed engrave engraved carve carved inward inwards outward outwards"),
                     "whether a relief rises or is cut in is a setting"),
     **dict.fromkeys(_of("stronger sturdy thickness thicker thinner taller shorter"),

@@ -8,6 +8,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from typing import NamedTuple
 
+from mechstyle.styling import picture
 from mechstyle.styling import vocabulary as english
 from mechstyle.styling.languages import LANGUAGES, words_of
 from mechstyle.styling.library import library
@@ -74,11 +75,16 @@ def quoted(texts: Iterable[str]) -> str:
     return ", ".join(repr(text) for text in dict.fromkeys(texts))
 
 
+PICTURE = "own picture"
+"""What stands for a picture of the user's where there is one; no word of a prompt has a space."""
+
+
 @cache
 def style_words() -> dict[str, str]:
     """Name of the style that each style word asks for."""
     styles = library().values()
-    return {word: style.name for style in styles for word in style.words} | {style.name: style.name for style in styles}
+    named = {word: style.name for style in styles for word in style.words} | {style.name: style.name for style in styles}
+    return {**named, PICTURE: picture.NAME}
 
 
 @cache

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
+from PIL import Image
 
 pytestmark = pytest.mark.browser
 
@@ -53,6 +55,19 @@ def test_it_appears_with_the_part_in_it_and_can_be_turned(studio):
     studio.keep("studio-start", whole(studio))
     studio.drag(studio.canvas(), (0.5, 0.5), (0.7, 0.5))
     studio.changed(studio.canvas(), before, 0.005)
+
+
+def test_a_picture_is_chosen_from_a_file_and_left_again(studio, tmp_path):
+    shades = np.add.outer(np.arange(64), np.arange(64)).astype(np.uint8) * 2
+    Image.fromarray(np.dstack([shades, 255 - shades, shades])).save(tmp_path / "mine.png")
+    with studio.page.expect_file_chooser() as asked:
+        whole(studio).locator("button[title^='A PNG, JPEG']").click()
+    asked.value.set_files(str(tmp_path / "mine.png"))
+    studio.until("(studio.prompt_box.prompt, studio.prompt_box.reading.words)", ("picture", "picture"))
+    whole(studio).locator(".widget-image").wait_for()
+    studio.keep("studio-picture", whole(studio))
+    whole(studio).locator("button[title^='Go on without']").click()
+    studio.until("(studio.prompt_box.prompt, studio.prompt_box.image)", ("brick", ""))
 
 
 def test_a_small_run_completes_while_the_kernel_answers(studio):

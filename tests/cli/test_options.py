@@ -23,17 +23,18 @@ from mechstyle.simulation import part_test
 STYLED = (
     "--build-direction "
     "--relief --side --feature --nozzle --inside --delivered --coarse "
+    "--image --image-size --image-as --image-layout --project --projection "
     "--amplitude --criterion --device --field --guidance --iterations --json --load --material -m --minimum-wall --orientations --poses "
     "--prompt -p --protect --seed --set --standard --stylizer --window"
 )
 RESTRAINED = "--base --control --every --normalisation --schedule --threshold"
 NAMES = {
     "": "--version",
-    "run": f"model --out --scale --vertices {STYLED} {RESTRAINED} --finish-first",
-    "freestyle": f"model --out --scale --vertices {STYLED}",
+    "run": f"model --out --scale --up --vertices {STYLED} {RESTRAINED} --finish-first",
+    "freestyle": f"model --out --scale --up --vertices {STYLED}",
     "branch": f"address --lane {STYLED} {RESTRAINED}",
     "simulate": "model --build-direction "
-    "--criterion --device --json --load --material -m --minimum-wall --orientations --out --poses --scale --standard "
+    "--criterion --device --json --load --material -m --minimum-wall --orientations --out --poses --scale --standard --up "
     "--vertices --vtu --vtu-each --window",
     "demo": "--device --json --model --out --prompt --vertices -p",
     "ablation": "models --arm --amplitude --device --iterations --jobs --json --load --material -m --orientations --out --poses --prompt "
@@ -42,8 +43,8 @@ NAMES = {
     "validate": "--case --json --out --page --quick",
     "log": "directory --json",
     "show": "address --json --out",
-    "export": "address --coarse --device --fine --format -f --json --out",
-    "protect": "model --json --out --protect --scale --vertices",
+    "export": "address --coarse --device --fine --format -f --json --out --texture",
+    "protect": "model --json --out --protect --scale --up --vertices",
     "report": "address --json --out",
     "materials": "--json",
     "styles": "--json --sheet",
@@ -86,8 +87,8 @@ def test_every_command_takes_what_it_is_said_to_take():
     assert found == {name: set(flags.split()) for name, flags in NAMES.items()}
 
 
-def test_the_prompt_is_asked_for_where_a_run_begins_and_the_material_is_pla():
-    assert [named(command, "prompt").required for command in ("run", "freestyle", "branch")] == [True, True, False]
+def test_no_prompt_is_needed_where_a_picture_may_stand_for_it_and_the_material_is_pla():
+    assert [named(command, "prompt").default for command in ("run", "freestyle", "branch")] == ["", "", None]
     assert [named(command, "material").default for command in ("run", "freestyle", "simulate", "branch")] == ["PLA"] * 3 + [None]
 
 

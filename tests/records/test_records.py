@@ -43,6 +43,7 @@ LIMITS = {
     "amplitude": (0.0, 2.0),
     "feature": (0.2, 500.0),
     "nozzle": (0.0, 5.0),
+    "image_size": (0.5, 2000.0),
     "travel": (1e-3, 10.0),
     "minimum_wall": (0.0, 100.0),
     "orientations": (1, 512),
@@ -60,6 +61,9 @@ NAMES = {
     "element": ("tet10", "tet4"),
     "side": ("auto", "outwards", "inwards", "both"),
     "inside": ("plain", "styled"),
+    "image_as": ("height", "colour", "both"),
+    "image_layout": ("tiled", "placed"),
+    "projection": ("box", "planar", "around"),
 }
 
 
@@ -148,6 +152,7 @@ def test_every_field_decides_the_digest(field):
         "memory": False, "retraction": False, "base": "free", "guarantee": False,
         "iterations": 7, "seed": 7, "every": 7, "amplitude": 0.7, "travel": 0.7, "orientations": 7, "poses": "tilts", "standard": "en71",
         "relief": 0.7, "side": "outwards", "feature": 7.0, "nozzle": 0.7, "inside": "styled",
+        "image": "9" * 64, "image_size": 7.0, "image_as": "colour", "image_layout": "placed", "projection": "around",
             "delivered": 70_000,
         "tilts": 7, "build_direction": (0.0, 0.0, 1.0), "drop_height": 700.0, "friction": 0.7,
         "window": 0.7, "damping": 0.007, "threshold": 0.7, "guidance": "clip", "field": "network", "clip": "ViT-B-32@7", "crops": 7,

@@ -344,3 +344,39 @@ def test_no_word_means_two_things():
     named = {word for style in library().values() for word in (style.name, *style.words)}
     assert not named & {*SIZES, *AMOUNTS, *FILLERS}
     assert len(words) == len(set(words))
+
+
+# --- a picture of the user's ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("prompt", "words"),
+    [
+        ("", "picture"),
+        ("picture", "picture"),
+        ("my logo", "picture"),
+        ("Bild", "picture"),
+        ("gold", "picture, in #c99a2e"),
+        ("0.8 mm deep", "picture, relief of 0.8 mm"),
+        ("20 mm picture", "picture, features of 20 mm"),
+        ("only the top", "top: picture"),
+        ("outside: picture; rim: gold studs", "outside: picture; rim: studs, in #c99a2e"),
+        ("outside: photo; rim: plain gold", "outside: picture; rim: plain, in #c99a2e"),
+        ("brick; front: picture", "everywhere: brick; front: picture"),
+        ("außen: Bild; Rand: Ziegel", "outside: picture; rim: brick"),
+    ],
+)
+def test_with_a_picture_a_prompt_says_where_it_goes_and_in_what_colour(prompt, words):
+    assert read(prompt, picture=True).words == words
+
+
+@pytest.mark.parametrize("prompt", ["brick", "outside: brick; rim: gold"])
+def test_a_prompt_that_leaves_a_picture_out_is_refused(prompt):
+    with pytest.raises(BadInput, match="but not the picture"):
+        read(prompt, picture=True)
+
+
+def test_without_a_picture_a_prompt_for_one_says_how_to_give_it():
+    with pytest.raises(BadInput, match="--image"):
+        read("a picture of mine")
+    assert any("--image" in note for note in read("brick with my logo").notes)

@@ -15,6 +15,7 @@ from mechstyle.loop.store import parse_address
 from mechstyle.records import SETTINGS, Recipe
 from mechstyle.records.landings import with_drops
 from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.runs.images import remember
 from mechstyle.runs.recipes import FREESTYLE, draft
 from mechstyle.runs.run import Run
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
@@ -190,6 +191,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
 
     def _take(self, run: Run) -> None:
         """Show the settings and the part of a run that was made before."""
+        remember(run.recipe, run.store)  # its picture may come from another machine
         self._take_recipe(run.recipe)
         self.drop_options.vertices = len(run.part.surface.vertices)
         self.part_picker.show(run.part.surface, run.record.name)

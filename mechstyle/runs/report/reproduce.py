@@ -14,13 +14,14 @@ from mechstyle.loop.store import Entry
 from mechstyle.records import SETTINGS, Recipe
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import STANDARD_VERTICES
+from mechstyle.runs.images import file_name
 from mechstyle.runs.recipes import changed, draft
 from mechstyle.runs.report.run_protocol import LaneOfRun
 
 OF_FREESTYLE = frozenset(
     (
-        "amplitude", "criterion", "feature", "field", "guidance", "inside", "iterations", "minimum_wall", "nozzle", "orientations", "poses",
-        "relief", "seed", "side", "standard", "stylizer",
+        "amplitude", "criterion", "feature", "field", "guidance", "image", "image_as", "image_layout", "image_size", "inside", "iterations",
+        "minimum_wall", "nozzle", "orientations", "poses", "projection", "relief", "seed", "side", "standard", "stylizer",
     )
 )
 OPTIONS = OF_FREESTYLE | {"base", "control", "every", "normalisation", "schedule", "threshold"}
@@ -31,7 +32,7 @@ FIRST = ("criterion", "control", "standard", "poses")
 
 ANY_PROMPT = "brick"
 
-AS_THEY_ARE = ("prompt", "stylizer", "guidance", "field", "clip", "crops")
+AS_THEY_ARE = ("prompt", "image", "stylizer", "guidance", "field", "clip", "crops")
 """Settings that bring nothing with them, and whose check may need what is not on this machine."""
 
 
@@ -74,6 +75,8 @@ def options(settings: dict[str, Any], known: Collection[str] = OPTIONS) -> list[
             arguments += ["--material", value.name]
         elif name == "prompt":
             arguments += [f"--prompt={value}"] if value.startswith("-") else ["--prompt", value]
+        elif name == "image":
+            arguments += ["--image", file_name(value)]
         elif name in known and isinstance(value, bool):
             arguments.append(f"--{flag}" if value else f"--no-{flag}")
         elif name in known:
@@ -91,6 +94,7 @@ def _run(run: LaneOfRun, recipe: Recipe, folder: str) -> str:
     model = origin.model or f"{run.record.stem}.stl"
     made = ["--vertices", str(origin.vertices)] if origin.vertices != STANDARD_VERTICES else []
     made += ["--scale", str(origin.scale)] if origin.scale is not None else []
+    made += [f"--up={origin.up}"] if origin.up else []
     model = f"./{model}" if model.startswith("-") else model
     return shlex.join(["mechstyle", verb, model, *options({"prompt": recipe.prompt, **settings}, known), *made, "--out", folder])
 

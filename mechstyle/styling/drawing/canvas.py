@@ -14,6 +14,7 @@ from mechstyle.styling.drawing import noise, scatter
 from mechstyle.styling.drawing.charts import Chart, chart_of
 from mechstyle.styling.drawing.colours import recoloured, shaded
 from mechstyle.styling.drawing.operators import Operators
+from mechstyle.styling.drawing.placed_picture import PlacedPicture
 
 _REFERENCE_AREA = 60_000.0  # surface of a 100 mm cube or pen holder [mm²], on which features have their nominal size
 _SCALES = (0.1, 4.0)
@@ -51,6 +52,7 @@ class Canvas:
         nozzle: Diameter of the nozzle it is printed with [mm], 0 for none: what is finer is noted.
         edge: Edge length of the mesh [mm]; nothing much finer than two of them can be drawn.
         notes: What the user should know of this drawing, in sentences.
+        picture: The picture to draw, None for none.
         found_pieces: What `pieces` has answered so far.
     """
 
@@ -73,6 +75,7 @@ class Canvas:
         self.scale = scale_by_area(mesh) * size
         self.nozzle = nozzle
         self.notes: list[str] = []
+        self.picture: PlacedPicture | None = None
         self.found_pieces: list[Indices] = []
 
     @property

@@ -7,6 +7,8 @@ from numpy.typing import ArrayLike
 
 from mechstyle.records.mesh import Floats
 
+NEUTRAL = 0.75
+"""The light grey of an uncoloured part, display value."""
 _LUMA = np.array([0.2126, 0.7152, 0.0722])  # Rec. 709
 
 

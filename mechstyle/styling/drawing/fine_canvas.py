@@ -29,7 +29,7 @@ class FineCanvas(Canvas):
             coarse: The canvas of the coarse surface.
         """
         super().__init__(mesh, coarse.seed, colour=coarse.colour, shade=coarse.shade)
-        self.scale = coarse.scale
+        self.scale, self.picture = coarse.scale, coarse.picture
         self._coarse, self._interpolation = coarse, interpolation
 
     @cached_property

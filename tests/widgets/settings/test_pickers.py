@@ -12,6 +12,8 @@ from mechstyle.geometry.files import save
 from mechstyle.records.load_cases import read_loads
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.regions import Inside, Sphere
+from mechstyle.runs.images import digest_of
+from mechstyle.styling.image_files.decode import png_of
 from mechstyle.styling.library import names
 from mechstyle_widgets.settings.drop import ONCE, DropOptions
 from mechstyle_widgets.settings.material import MaterialPicker
@@ -146,6 +148,46 @@ def test_every_picture_asks_for_its_style(name):
     box = PromptBox("brick")
     box._chips._press(name)
     assert box.reading.wishes[0].style == name
+
+
+# --- picture ------------------------------------------------------------------------------------------------------
+
+SHADES = np.add.outer(np.arange(0, 128, 8), np.arange(0, 128, 8)).astype(np.uint8)
+
+
+def chosen(content: bytes) -> tuple[dict[str, object], ...]:
+    """What a browser sends when a file is chosen."""
+    when = datetime(2026, 1, 1, tzinfo=UTC)
+    return ({"name": "mine.png", "type": "image/png", "size": len(content), "content": memoryview(content), "last_modified": when},)
+
+
+def test_a_picture_that_is_chosen_becomes_the_style_and_is_shown():
+    box = PromptBox("brick")
+    assert box._image._details.layout.display == "none"
+    box._image._upload.value = chosen(png_of(SHADES[..., None]))
+    assert box.settings["image"] == digest_of(SHADES)
+    assert (box.prompt, box.reading.words, box.trouble) == ("picture", "picture", "")
+    assert bytes(box._image._shown.value).startswith(b"\x89PNG")
+    box._image._way.value, box._image._size.length = "around", 25.0
+    assert (box.settings["projection"], box.settings["image_size"]) == ("around", 25.0)
+    box._image._remove.click()
+    assert (box.settings["image"], box.prompt) == ("", "brick")
+
+
+def test_a_file_that_is_no_picture_is_said_with_its_name_and_the_one_before_stays():
+    box = PromptBox("outside: picture; rim: brick", image=SHADES)
+    assert box.prompt == "outside: picture; rim: brick"
+    box._image._upload.value = chosen(b"nothing")
+    assert "mine.png is no picture that can be read" in box.trouble
+    assert box.image == digest_of(SHADES)
+
+
+def test_a_box_takes_the_picture_of_a_recipe_and_lets_it_go():
+    box = PromptBox("brick")
+    box.take(recipe(prompt="gold", image=digest_of(SHADES), image_as="height"))
+    assert (box.image, box.image_as, box.trouble) == (digest_of(SHADES), "height", "")
+    box.take(recipe(prompt="stone"))
+    assert (box.image, box.prompt, box.trouble) == ("", "stone", "")
 
 
 # --- part ---------------------------------------------------------------------------------------------------------

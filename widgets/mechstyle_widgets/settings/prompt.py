@@ -8,8 +8,11 @@ import ipywidgets
 import traitlets
 
 from mechstyle.errors import BadInput
+from mechstyle.runs.images import digest_of
 from mechstyle.styling.library import library
+from mechstyle.styling.picture import NAME as PICTURE
 from mechstyle.styling.prompt import Reading, read
+from mechstyle_widgets.settings.image import ImageChoice
 from mechstyle_widgets.settings.millimetres import AUTO, Millimetres
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, range_of, setting
 from mechstyle_widgets.settings.thumbnail_buttons import PictureChoice
@@ -33,9 +36,11 @@ class PromptBox(Section):
         seed: Decides everything random in the style.
         guidance: What the style descends to: `offline`, a drawn target, or `clip`, what CLIP takes for the prompt.
         field: What is descended in: `vertex`, values per vertex, or `network`, the X-Mesh style field.
+        image: Digest of the pixels of a picture as the style, "" for none; a file, its bytes or an array may be set. With `image_size`
+            [mm], `image_as`, `image_layout` and `projection` as in `Recipe`.
     """
 
-    FIELDS = ("prompt", "relief", "side", "feature", "inside", "amplitude", "seed", "guidance", "field")
+    FIELDS = ("prompt", *ImageChoice.FIELDS, "relief", "side", "feature", "inside", "amplitude", "seed", "guidance", "field")
 
     prompt = traitlets.Unicode("")
     reading = traitlets.Instance(Reading, None, allow_none=True)
@@ -47,6 +52,11 @@ class PromptBox(Section):
     seed = setting("seed")
     guidance = setting("guidance")
     field = setting("field")
+    image: Any = traitlets.Any("")
+    image_size = setting("image_size")
+    image_as = setting("image_as")
+    image_layout = setting("image_layout")
+    projection = setting("projection")
 
     def __init__(self, prompt: str = "brick", **traits: Any) -> None:
         """Offer the styles; `prompt` is asked for at first, `traits` are any other attributes."""
@@ -66,8 +76,12 @@ class PromptBox(Section):
         carriers = [("values per vertex", "vertex"), ("X-Mesh style field", "network")]
         self._field = ipywidgets.Dropdown(options=carriers, description="carried by", tooltip="What is optimised", **look)
         sizes = [self._relief, self._side, self._feature, self._inside]
-        super().__init__([self._text, self._chips, *sizes, self._seed, self._guidance, self._field])
+        self._image = ImageChoice()
+        super().__init__([self._text, self._chips, self._image, *sizes, self._seed, self._guidance, self._field])
         self._chips.observe(self._choose, "pressed")
+        for name in ImageChoice.FIELDS:
+            traitlets.link((self._image, name), (self, name))
+        self._image.observe(lambda _change: self.complain(self._image.trouble), "trouble")
         traitlets.link((self, "prompt"), (self._text, "value"))
         self.prompt = prompt
         for name, value in traits.items():
@@ -85,10 +99,23 @@ class PromptBox(Section):
         old = _first_style(self.reading).replace("_", " ")
         self.prompt = self.prompt.replace(old, name, 1) if old and old in self.prompt else name
 
-    @traitlets.observe("prompt", "guidance")
+    @traitlets.validate("image")
+    def _known(self, proposal: dict[str, Any]) -> str:
+        return digest_of(proposal["value"])
+
+    @traitlets.observe("image")
+    def _speak_of_it(self, _change: object) -> None:
+        """The prompt is to name the picture while there is one."""
+        try:
+            if self.prompt.strip():
+                read(self.prompt, picture=bool(self.image))
+        except BadInput:
+            self.prompt = PICTURE if self.image else "brick"
+
+    @traitlets.observe("prompt", "guidance", "image")
     def _read(self, _change: object) -> None:
         try:
-            self.reading = read(self.prompt) if self.prompt.strip() else None
+            self.reading = read(self.prompt, picture=bool(self.image)) if self.prompt.strip() or self.image else None
         except BadInput as error:
             self.reading = None
             drawn = self.guidance == "offline"

@@ -1,0 +1,111 @@
+"""Writing binary glTF 2.0: one mesh in metres with y up, a dull material, colours at its vertices or in a texture.
+
+Colours at vertices are linear there (section 3.7.2.1 of the specification), those of a texture are display values (section 3.9.2).
+"""
+
+from __future__ import annotations
+
+import json
+import struct
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mechstyle.geometry.texture import Texture, png
+from mechstyle.geometry.upright import upright
+from mechstyle.records.mesh import Floats, SurfaceMesh
+
+METRES = 1e-3
+ROUGHNESS = 0.8
+"""Of a printed surface, which is no mirror and no metal."""
+PLAIN = 0.8
+"""Linear reflectance of a part without colours."""
+
+_FLOAT, _SHORT, _INT = 5126, 5123, 5125
+_VERTICES, _INDICES = 34962, 34963
+_LINEAR, _CLAMPED = 9729, 33071
+
+
+def glb_bytes(mesh: SurfaceMesh, name: str, texture: Texture | None = None) -> bytes:
+    """A GLB file; the same mesh gives the same bytes.
+
+    Args:
+        mesh: The part [mm], z up.
+        name: What it is called in the scene.
+        texture: Its colours, instead of those at its vertices.
+    """
+    buffer = _Buffer()
+    corners = mesh.vertices if texture is None else mesh.corners.reshape(-1, 3)
+    faces = mesh.faces if texture is None else np.arange(len(corners)).reshape(-1, 3)
+    positions = np.asarray(corners @ upright("y") * METRES, np.float32)
+    limits = {"min": positions.min(axis=0).tolist(), "max": positions.max(axis=0).tolist()}
+    attributes = {"POSITION": buffer.accessor(positions, _FLOAT, "VEC3", _VERTICES, **limits)}
+    shaded: dict[str, Any] = {"metallicFactor": 0.0, "roughnessFactor": ROUGHNESS}
+    document: dict[str, Any] = {"asset": {"version": "2.0", "generator": "MechStyle"}, "scene": 0}
+    if texture is not None:
+        attributes["TEXCOORD_0"] = buffer.accessor(_from_the_top(texture.uv), _FLOAT, "VEC2", _VERTICES)
+        document["images"] = [{"mimeType": "image/png", "bufferView": buffer.view(png(texture.pixels))}]
+        document["samplers"] = [{"magFilter": _LINEAR, "minFilter": _LINEAR, "wrapS": _CLAMPED, "wrapT": _CLAMPED}]
+        document["textures"] = [{"source": 0, "sampler": 0}]
+        shaded["baseColorTexture"] = {"index": 0}
+    elif mesh.colours is not None:
+        attributes["COLOR_0"] = buffer.accessor(_linear(mesh.colours), _SHORT, "VEC4", _VERTICES, normalized=True)
+    else:
+        shaded["baseColorFactor"] = [PLAIN, PLAIN, PLAIN, 1.0]
+    indices = buffer.accessor(faces.astype(np.uint32).ravel(), _INT, "SCALAR", _INDICES)
+    document |= {
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0, "name": name}],
+        "meshes": [{"name": name, "primitives": [{"attributes": attributes, "indices": indices, "material": 0, "mode": 4}]}],
+        "materials": [{"name": "print", "pbrMetallicRoughness": shaded}],
+        "accessors": buffer.accessors,
+        "bufferViews": buffer.views,
+        "buffers": [{"byteLength": len(buffer.content)}],
+    }
+    head, body = _padded(json.dumps(document, separators=(",", ":")).encode(), b" "), _padded(bytes(buffer.content), b"\0")
+    chunks = b"".join(struct.pack("<I4s", len(chunk), kind) + chunk for chunk, kind in ((head, b"JSON"), (body, b"BIN\0")))
+    return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
+
+
+def linear(display: NDArray[np.floating]) -> Floats:
+    """Linear light of display values in [0, 1] (IEC 61966-2-1)."""
+    given = np.clip(np.asarray(display, np.float64), 0.0, 1.0)
+    return np.where(given <= 0.04045, given / 12.92, ((given + 0.055) / 1.055) ** 2.4)
+
+
+def _linear(colours: NDArray[np.floating]) -> NDArray[np.uint16]:
+    """Colours as linear 16-bit RGBA: in 8 bits dark ones would be told apart no more."""
+    opaque = np.column_stack([linear(colours), np.ones(len(colours))])
+    return np.round(opaque * 65535.0).astype(np.uint16)
+
+
+def _from_the_top(uv: Floats) -> NDArray[np.float32]:
+    """Texture coordinates whose v grows downwards, shape [corner_count, 2]."""
+    flat = uv.reshape(-1, 2)
+    return np.column_stack([flat[:, 0], 1.0 - flat[:, 1]]).astype(np.float32)
+
+
+class _Buffer:
+    """The binary part of the file, and what says where in it everything is."""
+
+    def __init__(self) -> None:
+        self.content = bytearray()
+        self.views: list[dict[str, int]] = []
+        self.accessors: list[dict[str, Any]] = []
+
+    def view(self, data: bytes, target: int = 0) -> int:
+        """Add bytes; the number of their view."""
+        self.views.append({"buffer": 0, "byteOffset": len(self.content), "byteLength": len(data)} | ({"target": target} if target else {}))
+        self.content += _padded(data, b"\0")
+        return len(self.views) - 1
+
+    def accessor(self, array: NDArray[Any], component: int, kind: str, target: int, **more: Any) -> int:
+        """Add an array; the number of its accessor."""
+        view = self.view(np.ascontiguousarray(array).tobytes(), target)
+        self.accessors.append({"bufferView": view, "componentType": component, "count": len(array), "type": kind, **more})
+        return len(self.accessors) - 1
+
+
+def _padded(data: bytes, filler: bytes) -> bytes:
+    return data + filler * (-len(data) % 4)

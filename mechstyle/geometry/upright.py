@@ -1,0 +1,65 @@
+"""Which way is up: the axis of a file that points up as the part stands, and whether it seems to be another one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mechstyle.errors import unknown
+from mechstyle.geometry.resting_face import resting_face
+from mechstyle.records.mesh import Floats, SurfaceMesh
+
+UPS = ("z", "-z", "y", "-y", "x", "-x")
+_BASE = 0.2  # share of its footprint that a flat face must have to be taken for the base of a part that lies on its side
+
+
+def upright(up: str) -> Floats:
+    """The rotation that turns an axis of a file up, by the shortest way, shape [3, 3]; for positions as columns.
+
+    Raises:
+        BadInput: If `up` is not one of UPS.
+    """
+    if up not in UPS:
+        raise unknown("axis for up", up, UPS)
+    towards = axis(up)
+    if up[-1] == "z":
+        return np.diag([1.0, towards[2], towards[2]])
+    turn = np.zeros((3, 3))
+    across = np.cross(towards, [0.0, 0.0, 1.0])  # what stays as it is
+    turn += np.outer([0.0, 0.0, 1.0], towards) - np.outer(towards, [0.0, 0.0, 1.0]) + np.outer(across, across)
+    return turn
+
+
+def axis(up: str) -> Floats:
+    """The unit vector of one of UPS, shape [3]."""
+    return np.eye(3)["xyz".index(up[-1])] * (-1.0 if up[0] == "-" else 1.0)
+
+
+def lying(mesh: SurfaceMesh, axes: Floats) -> str:
+    """The axis that is probably up where a part stands on nothing flat, but would as it lies on another side; "" for none.
+
+    Args:
+        mesh: The part as it stands [mm].
+        axes: What turned the axes of its file, as `upright` gives it.
+    """
+    if resting_face(mesh) is not None:
+        return ""
+    shares = {up: _base(mesh, axes @ axis(up)) for up in UPS}
+    best = max(UPS, key=lambda up: shares[up])
+    return best if shares[best] >= _BASE else ""
+
+
+def _base(mesh: SurfaceMesh, up: Floats) -> float:
+    """Area of the flat face a part would stand on with a direction up, over that of its footprint there; 0 if it stood on none."""
+    there = SurfaceMesh(mesh.vertices @ upright(named(up)).T, mesh.faces)
+    found = resting_face(there)
+    if found is None:
+        return 0.0
+    below = there.face_normals[:, 2] < 0.0
+    footprint = float(there.face_areas[below] @ -there.face_normals[below, 2])
+    return found.area / footprint
+
+
+def named(direction: Floats) -> str:
+    """The one of UPS that a direction along an axis is."""
+    at = int(np.abs(direction).argmax())
+    return ("-" if direction[at] < 0.0 else "") + "xyz"[at]

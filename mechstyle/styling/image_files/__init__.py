@@ -1,0 +1,1 @@
+"""A picture file of the user's becomes pixels."""
