@@ -71,6 +71,7 @@ OPTIONS = {
     "inside": RecipeOption(STYLE),
     "stylizer": RecipeOption(STYLE),
     "guidance": RecipeOption(STYLE, hint="clip takes any prompt; see `mechstyle weights list`."),
+    "clip": RecipeOption(STYLE, hint="A name of `mechstyle weights list`, or a folder as transformers saves one."),
     "field": RecipeOption(STYLE),
     "control": RecipeOption(RESTRAINT),
     "normalisation": RecipeOption(RESTRAINT),

@@ -23,8 +23,8 @@ from mechstyle.simulation import part_test
 STYLED = (
     "--build-direction "
     "--relief --side --feature --nozzle --inside "
-    "--amplitude --criterion --device --field --guidance --iterations --json --load --material -m --minimum-wall --orientations --poses "
-    "--prompt -p --protect --seed --set --standard --stylizer --window"
+    "--amplitude --clip --criterion --device --field --guidance --iterations --json --load --material -m --minimum-wall --orientations "
+    "--poses --prompt -p --protect --seed --set --standard --stylizer --window"
 )
 RESTRAINED = "--base --control --every --normalisation --schedule --threshold"
 NAMES = {
@@ -50,6 +50,7 @@ NAMES = {
     "gallery": "--json",
     "doctor": "--json",
     "weights": "",
+    "weights add": "folder --json --name",
     "weights fetch": "name --json",
     "weights list": "--json",
     "weights path": "name --json",

@@ -19,8 +19,8 @@ from mechstyle.runs.report.run_protocol import LaneOfRun
 
 OF_FREESTYLE = frozenset(
     (
-        "amplitude", "criterion", "feature", "field", "guidance", "inside", "iterations", "minimum_wall", "nozzle", "orientations", "poses",
-        "relief", "seed", "side", "standard", "stylizer",
+        "amplitude", "clip", "criterion", "feature", "field", "guidance", "inside", "iterations", "minimum_wall", "nozzle", "orientations",
+        "poses", "relief", "seed", "side", "standard", "stylizer",
     )
 )
 OPTIONS = OF_FREESTYLE | {"base", "control", "every", "normalisation", "schedule", "threshold"}
