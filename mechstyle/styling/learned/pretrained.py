@@ -159,7 +159,7 @@ def _of_the_kind(folder: Path) -> None:
     absent = [*([] if (folder / CONFIG).exists() else [CONFIG]), *words, *([] if _weight_file(folder) else [WHOLE])]
     if absent:
         raise BadInput(
-            f"{folder} holds no CLIP weights: {', '.join(sorted(absent))} missing; save a CLIPModel and its tokenizer there with transformers"
+            f"{folder} holds no CLIP weights: {', '.join(sorted(absent))} missing; save a CLIPModel and tokenizer there with transformers"
         )
 
 

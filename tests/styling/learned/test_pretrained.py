@@ -223,7 +223,7 @@ def test_truncated_text_is_refused(folder, name):
 @pytest.mark.parametrize("name", [CONFIG, WEIGHTS, "vocab.json"])
 def test_a_file_that_is_not_there_is_named(folder, name):
     (folder / name).unlink()
-    refused(folder, f"holds no CLIP weights: .*{re.escape(name)}.* missing; save a CLIPModel and its tokenizer")
+    refused(folder, f"holds no CLIP weights: .*{re.escape(name)}.* missing; save a CLIPModel and tokenizer")
 
 
 def test_numbers_that_are_none_are_refused(folder):
