@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
 from manifold3d import Manifold
 
 from mechstyle.errors import BadInput
+from mechstyle.gallery import make, names
 from mechstyle.geometry.degenerate import heights, without_degenerate
 from mechstyle.geometry.remesh import NO_AREA, _shape, even_edge, standardise, surface_of
 from mechstyle.records.mesh import SurfaceMesh
-from support.degenerate import seamed, twinned
+from support.degenerate import needled, seamed, twinned
 
 LEAST = 1e-3
 
@@ -64,6 +67,58 @@ def test_a_part_with_vertices_in_one_place_is_standardised_to_triangles_with_are
     assert even.vertex_areas.min() > 0
     assert _shape(even) == _shape(part)
     assert even.volume == pytest.approx(solid().volume, rel=0.01)
+
+
+SOLIDS = {
+    "cone": cone,
+    "box": lambda: surface_of(Manifold.cube((30, 20, 10), True)),
+    "fan of needles": lambda: surface_of(Manifold.cylinder(10.0, 15.0, 15.0, 1000)),
+    "thin plate with a fin": lambda: surface_of(Manifold.cube((40, 20, 0.3)) + Manifold.cube((0.3, 20, 15)).translate((20, 0, 0))),
+    "steps no higher than dust": lambda: surface_of(Manifold.cube((20, 20, 10)) + Manifold.cube((20, 20, 10)).translate((15, 3, 1e-6))),
+}
+FLAWS = {
+    "none": lambda mesh, _apart: mesh,
+    "seams": seamed,
+    "twins": lambda mesh, apart: twinned(mesh, range(0, min(60, len(mesh.vertices)), 7), apart),
+    "needles": lambda mesh, apart: needled(mesh, range(0, len(mesh.faces), 3), apart),
+}
+
+
+@settings(max_examples=30)
+@given(
+    solid=st.sampled_from(sorted(SOLIDS)),
+    flaw=st.sampled_from(sorted(FLAWS)),
+    apart=st.floats(-14, -2).map(lambda power: 10.0**power) | st.just(0.0),
+    scale=st.floats(-2, 3).map(lambda power: 10.0**power),
+    far=st.sampled_from([0.0, 1e3, 1e5]),
+)
+@example(solid="cone", flaw="twins", apart=1e-10, scale=1.0, far=0.0)
+def test_no_triangle_without_area_leaves_standardising_whatever_went_in(solid, flaw, apart, scale, far):
+    """Whatever the size of the part and wherever it lies; the flaw is made on the part as it is given."""
+    clean = SOLIDS[solid]()
+    part = SurfaceMesh(clean.vertices * scale + far, clean.faces)
+    part = FLAWS[flaw](part, apart)
+    even = standardise(part, 1200)
+    assert heights(even.corners).min() >= NO_AREA * even_edge(part, 2400)
+    assert even.vertex_areas.min() > 0
+    assert _shape(even) == _shape(part)
+    found, wanted = (mesh.moved(mesh.vertices - far).volume for mesh in (even, part))
+    assert found == pytest.approx(wanted, rel=0.03)
+
+
+@pytest.mark.parametrize("name", names())
+def test_no_triangle_of_the_gallery_is_without_area(name):
+    even = standardise(make(name), 2000)
+    assert heights(even.corners).min() >= NO_AREA * even_edge(even, 4000)
+    assert even.vertex_areas.min() > 0
+
+
+@pytest.mark.parametrize("thick", [1e-3, 1e-2])
+def test_a_part_too_thin_to_hold_a_triangle_is_refused(thick):
+    """A plate with a fin, 60 mm long: nothing is left of it where needless vertices go."""
+    sheets = Manifold.cube((60, 20, thick), True) + Manifold.cube((thick, 20, 30), True).translate((0, 0, 15))
+    with pytest.raises(BadInput, match=r"thinner than .* mm everywhere: "):
+        standardise(surface_of(sheets), 1000)
 
 
 def test_what_cannot_be_had_without_them_is_refused(monkeypatch):

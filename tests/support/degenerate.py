@@ -40,3 +40,15 @@ def twinned(mesh: SurfaceMesh, which: Iterable[int], apart: float = 0.0) -> Surf
             face[face.index(vertex)] = twin
         faces += [[vertex, ring[0], twin], [twin, ring[half], vertex]]
     return SurfaceMesh(np.array(points), np.array(faces))
+
+
+def needled(mesh: SurfaceMesh, which: Iterable[int], apart: float = 0.0) -> SurfaceMesh:
+    """Faces split in three by a vertex beside their first corner, off by that share of their sides: two needles and a triangle."""
+    points, faces = list(mesh.vertices), mesh.faces.tolist()
+    for number in which:
+        a, b, c = faces[number]
+        inner = len(points)
+        points.append((1.0 - 2.0 * apart) * points[a] + apart * points[b] + apart * points[c])
+        faces[number] = [a, b, inner]
+        faces += [[b, c, inner], [c, a, inner]]
+    return SurfaceMesh(np.array(points), np.array(faces))
