@@ -13,7 +13,7 @@ from mechstyle.gallery import make, names
 from mechstyle.geometry.degenerate import heights, without_degenerate
 from mechstyle.geometry.remesh import NO_AREA, _shape, even_edge, standardise, surface_of
 from mechstyle.records.mesh import SurfaceMesh
-from support.degenerate import needled, seamed, twinned
+from support.degenerate import needled, railed, seamed, twinned
 
 LEAST = 1e-3
 
@@ -45,6 +45,18 @@ def test_vertices_in_one_place_become_one_and_the_first_of_them_stays(sphere, ap
     assert heights(mended.corners).min() >= LEAST
     assert _shape(mended) == _shape(sphere)
     assert np.array_equal(mended.vertices, sphere.vertices)
+
+
+@pytest.mark.parametrize("off", [0.5, 0.9, 1.7])
+def test_a_strip_between_two_rows_of_vertices_on_one_line_goes_and_nothing_moves(off):
+    """No side of it is short and none can be turned; a vertex may move along the edge, but never from the corner at its end."""
+    bar = railed(off=off)
+    mended = without_degenerate(bar, LEAST)
+    assert heights(bar.corners).min() == 0.0
+    assert heights(mended.corners).min() >= LEAST
+    assert _shape(mended) == _shape(bar)
+    assert mended.volume == pytest.approx(1200.0, rel=1e-12)
+    assert mended.face_areas.sum() == pytest.approx(2 * 100 + 4 * 120, rel=1e-12)
 
 
 def test_a_handle_as_thin_as_a_hair_is_not_pinched_off():
@@ -111,6 +123,15 @@ def test_no_triangle_of_the_gallery_is_without_area(name):
     even = standardise(make(name), 2000)
     assert heights(even.corners).min() >= NO_AREA * even_edge(even, 4000)
     assert even.vertex_areas.min() > 0
+
+
+@pytest.mark.parametrize("count", [3000, 4000])
+def test_a_part_with_strips_without_width_is_brought_to_any_number_of_vertices(count):
+    """The rounds of the phone stand end in such strips: at these counts it was refused."""
+    part = make("phone_stand")
+    even = standardise(part, count)
+    assert heights(even.corners).min() >= NO_AREA * even_edge(even, 2 * count)
+    assert even.volume == pytest.approx(part.volume, rel=0.015)  # its rounds are narrower than the triangles
 
 
 @pytest.mark.parametrize("thick", [1e-3, 1e-2])
