@@ -83,6 +83,7 @@ OPTIONS = {
     "delivered": RecipeOption(STYLE, hint="--coarse is short for 0."),
     "stylizer": RecipeOption(STYLE),
     "guidance": RecipeOption(STYLE, hint="clip takes any prompt; see `mechstyle weights list`."),
+    "clip": RecipeOption(STYLE, hint="A name of `mechstyle weights list`, or a folder as transformers saves one."),
     "field": RecipeOption(STYLE),
     "control": RecipeOption(RESTRAINT),
     "normalisation": RecipeOption(RESTRAINT),

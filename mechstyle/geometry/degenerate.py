@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -9,7 +11,8 @@ import numpy as np
 from mechstyle.records.mesh import Floats, SurfaceMesh
 
 PASSES = 20
-STEADY = 0.5  # cosine of the angle by which a sound triangle may turn when a corner of it moves
+STEADY = 0.5  # cosine of the angle by which a sound triangle may turn when a corner of it moves by less than the height
+STILL = 0.999  # the same when it moves further, as it may along a straight crease or in a plane
 
 Face = tuple[int, int, int]
 
@@ -29,7 +32,8 @@ def without_degenerate(mesh: SurfaceMesh, least: float) -> SurfaceMesh:
     """The mesh without triangles lower than a height, as far as that keeps its shells and handles.
 
     Where two corners of such a triangle are as near as that, they become one, the first of them; else its longest side is turned
-    towards the vertex across, which moves the surface by less than the height. Sound triangles keep their side.
+    towards the vertex across, which moves the surface by less than the height. Where neither is possible, as between two rows of
+    vertices on one line, the nearest two corners become one if no sound triangle turns by that. Sound triangles keep their side.
 
     Args:
         mesh: A closed surface.
@@ -80,15 +84,18 @@ class _Triangles:
         if self.heights([number])[0] >= least:
             return False
         sides = sorted((_Side(*np.roll(face, -k).tolist()) for k in range(3)), key=self._length)
-        return self._merged(sides[0], least) if self._length(sides[0]) < least else self._turned(number, sides[-1])
+        first, second = sorted(sides[0][:2])  # the first vertices of a standardised surface are on creases
+        if self._length(sides[0]) < least:
+            return self._merged(first, second, partial(self._keeps_its_side, least=least))
+        still = partial(self._stays_where_it_is, least=least)
+        return self._turned(number, sides[-1]) or self._merged(first, second, still) or self._merged(second, first, still)
 
-    def _merged(self, side: _Side, least: float) -> bool:
-        """Make the two ends of a side one: the first of them, since the first vertices of a standardised surface are on creases."""
-        stays, goes = sorted((side.start, side.end))
+    def _merged(self, stays: int, goes: int, allowed: Callable[[int, Face], bool]) -> bool:
+        """Make two neighbours one, if every triangle that gets another corner by that is allowed to."""
         if len(self._neighbours(stays) & self._neighbours(goes)) != 2:
             return False  # a handle or a shell would be pinched off
         changed = {number: self._with(number, goes, stays) for number in self.around[goes] - self.around[stays]}
-        if not all(self._keeps_its_side(number, face, least) for number, face in changed.items()):
+        if not all(allowed(number, face) for number, face in changed.items()):
             return False
         for number in list(self.around[goes]):
             self._replace(number, changed.get(number))
@@ -109,8 +116,16 @@ class _Triangles:
         return True
 
     def _keeps_its_side(self, number: int, becomes: Face, least: float) -> bool:
+        return self.heights([number])[0] < least or self._turn(number, becomes) > STEADY
+
+    def _stays_where_it_is(self, number: int, becomes: Face, least: float) -> bool:
+        low_before, low_after = heights(self.vertices[np.array([self._corners(number), becomes])]) < least
+        return bool(low_after) if low_before else self._turn(number, becomes) > STILL
+
+    def _turn(self, number: int, becomes: Face) -> float:
+        """Cosine of the angle by which a triangle turns that gets another corner."""
         was, new = self._vectors([self._corners(number), becomes])
-        return self.heights([number])[0] < least or float(was @ new) > STEADY * float(np.linalg.norm(was) * np.linalg.norm(new))
+        return float(was @ new) / max(float(np.linalg.norm(was) * np.linalg.norm(new)), 1e-300)
 
     def _vectors(self, faces: list[Face]) -> Floats:
         a, b, c = self.vertices[np.array(faces)].transpose(1, 0, 2)

@@ -104,9 +104,14 @@ def remeshed(body: Any, edge: float, *, tolerance: float, iterations: int = ITER
         edge: Edge length [mm].
         tolerance: Most by which removing needless vertices beforehand may move the surface [mm].
         iterations: Rounds of splits, collapses, flips and smoothing.
+
+    Raises:
+        BadInput: If nothing is left of the part within the tolerance.
     """
-    original = surface_of(body)
-    fine = surface_of(body.simplify(tolerance).refine_to_length(edge))
+    original, simple = surface_of(body), body.simplify(tolerance)
+    if simple.is_empty():
+        raise BadInput(f"this part is thinner than {2.0 * tolerance:.2g} mm everywhere: check its unit (--scale), or ask for more vertices")
+    fine = surface_of(simple.refine_to_length(edge))
     creases, rounds = _fixed(fine, edge)
     fixed = np.concatenate([creases, rounds])
     with warnings.catch_warnings():

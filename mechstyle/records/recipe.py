@@ -94,7 +94,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         stylizer: Name of a plugged-in stylizer to use instead of the built-in styles. "" for those.
         guidance: What the style descends to, one of GUIDANCES: a target drawn offline, or what CLIP takes for the prompt.
         field: What is descended in, one of FIELDS: values per vertex, or the X-Mesh style field.
-        clip: CLIP weights, `NAME@DIGEST`; "" offline.
+        clip: CLIP weights of guidance clip. Kept as `NAME@DIGEST`; "" offline.
         crops: Close looks at each view per iteration of CLIP guidance and loss, 4 as published.
         material: The material of the part. Kept in full, so that a library that changes leaves the recipe as it was.
         iterations: Stylization iterations.

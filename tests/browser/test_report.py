@@ -55,13 +55,20 @@ def differing(one, other):
     return float((np.abs(one - other).max(axis=-1) > 12).mean())
 
 
-def changed(page, before, share):
-    """Wait until at least a share of the pixels differs from before; what it looks like then."""
+def until(page, told):
+    """Pixels as soon as they are what is waited for, else the last that were seen; the caller asserts which."""
     for _ in range(100):
         now = pixels(page)
-        if differing(before, now) > share:
-            return now
-    pytest.fail("the picture stays as it was")
+        if told(now):
+            break
+    return now
+
+
+def changed(page, before, share):
+    """Wait until at least a share of the pixels differs from before; what it looks like then."""
+    now = until(page, lambda now: differing(before, now) > share)
+    assert differing(before, now) > share
+    return now
 
 
 def at(page, iteration):
@@ -133,10 +140,8 @@ def test_dragging_turns_the_part_and_keys_do_it_as_well(opened):
     page.keyboard.press("0")
     page.locator(".ms-canvas").evaluate("canvas => canvas.blur()")  # the ring around it is no part of the picture
     page.mouse.move(0, 0)
-    for _ in range(100):
-        if differing(before, pixels(page)) < 0.02:
-            return
-    pytest.fail("the view is not where it was at first")
+    again = until(page, lambda now: differing(before, now) < 0.02)
+    assert differing(before, again) < 0.02
 
 
 def test_the_original_stands_beside_it_with_the_same_camera(opened):

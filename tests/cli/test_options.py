@@ -24,8 +24,8 @@ STYLED = (
     "--build-direction "
     "--relief --side --feature --nozzle --inside --delivered --coarse "
     "--image --image-size --image-as --image-layout --project --projection "
-    "--amplitude --criterion --device --field --guidance --iterations --json --load --material -m --minimum-wall --orientations --poses "
-    "--prompt -p --protect --seed --set --standard --stylizer --window"
+    "--amplitude --clip --criterion --device --field --guidance --iterations --json --load --material -m --minimum-wall --orientations "
+    "--poses --prompt -p --protect --seed --set --standard --stylizer --window"
 )
 RESTRAINED = "--base --control --every --normalisation --schedule --threshold"
 NAMES = {
@@ -51,6 +51,7 @@ NAMES = {
     "gallery": "--json",
     "doctor": "--json",
     "weights": "",
+    "weights add": "folder --json --name",
     "weights fetch": "name --json",
     "weights list": "--json",
     "weights path": "name --json",

@@ -49,8 +49,13 @@ def test_it_is_free_again_however_the_block_ends(tmp_path):
 
 
 def test_two_locks_do_not_know_each_other(tmp_path):
-    with exclusive(tmp_path / "main.lock", "one"), exclusive(tmp_path / "branch-1.lock", "other"):
-        pass
+    main, branch = tmp_path / "main.lock", tmp_path / "branch-1.lock"
+    with exclusive(main, "one"):
+        with exclusive(branch, "other"):
+            assert str(os.getpid()) in refused(main)
+            assert str(os.getpid()) in refused(branch)
+        assert branch.read_text() == ""
+        assert str(os.getpid()) in main.read_text()
 
 
 def test_another_process_is_refused_and_the_lock_of_a_killed_one_taken_over(tmp_path):
@@ -71,8 +76,10 @@ def test_a_file_system_without_locks_is_used_without(tmp_path, monkeypatch):
         raise OSError(37, "No locks available")
 
     monkeypatch.setattr("fcntl.flock", refuse)
-    with exclusive(tmp_path / "main.lock", "lane"), exclusive(tmp_path / "main.lock", "lane"):
-        pass
+    path = tmp_path / "main.lock"
+    with exclusive(path, "lane"), exclusive(path, "lane"):
+        assert str(os.getpid()) in path.read_text()
+    assert path.read_text() == ""
 
 
 def test_who_waits_comes_after_who_holds(tmp_path):

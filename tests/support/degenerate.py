@@ -40,3 +40,34 @@ def twinned(mesh: SurfaceMesh, which: Iterable[int], apart: float = 0.0) -> Surf
             face[face.index(vertex)] = twin
         faces += [[vertex, ring[0], twin], [twin, ring[half], vertex]]
     return SurfaceMesh(np.array(points), np.array(faces))
+
+
+def needled(mesh: SurfaceMesh, which: Iterable[int], apart: float = 0.0) -> SurfaceMesh:
+    """Faces split in three by a vertex beside their first corner, off by that share of their sides: two needles and a triangle."""
+    points, faces = list(mesh.vertices), mesh.faces.tolist()
+    for number in which:
+        a, b, c = faces[number]
+        inner = len(points)
+        points.append((1.0 - 2.0 * apart) * points[a] + apart * points[b] + apart * points[c])
+        faces[number] = [a, b, inner]
+        faces += [[b, c, inner], [c, a, inner]]
+    return SurfaceMesh(np.array(points), np.array(faces))
+
+
+def railed(steps: int = 6, off: float = 0.5) -> SurfaceMesh:
+    """A square bar 10 x 10 x 12 mm, one edge of which is a strip without width: two rows of vertices on one line, not beside each other.
+
+    Exports of rounds that end in nothing have such strips.
+    """
+    outline = np.array([(0, 0), (10, 0), (10, 10), (10, 10), (0, 10)], float)
+    count, height = len(outline), 12.0 / steps
+    points = np.array([(*corner, level * height) for level in range(steps + 1) for corner in outline])
+    points[count + 3 : -count : count, 2] += off
+    faces = []
+    for level in range(steps):
+        for corner in range(count):
+            a, b = level * count + corner, level * count + (corner + 1) % count
+            faces += [(a, b, b + count), (a, b + count, a + count)]
+    top = steps * count
+    faces += [(0, k + 1, k) for k in range(1, count - 1)] + [(top, top + k, top + k + 1) for k in range(1, count - 1)]
+    return SurfaceMesh(points, np.array(faces))

@@ -20,8 +20,8 @@ from mechstyle.runs.report.run_protocol import LaneOfRun
 
 OF_FREESTYLE = frozenset(
     (
-        "amplitude", "criterion", "feature", "field", "guidance", "image", "image_as", "image_layout", "image_size", "inside", "iterations",
-        "minimum_wall", "nozzle", "orientations", "poses", "projection", "relief", "seed", "side", "standard", "stylizer",
+        "amplitude", "clip", "criterion", "feature", "field", "guidance", "image", "image_as", "image_layout", "image_size", "inside",
+        "iterations", "minimum_wall", "nozzle", "orientations", "poses", "projection", "relief", "seed", "side", "standard", "stylizer",
     )
 )
 OPTIONS = OF_FREESTYLE | {"base", "control", "every", "normalisation", "schedule", "threshold"}

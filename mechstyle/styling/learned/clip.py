@@ -5,16 +5,18 @@ from __future__ import annotations
 from contextlib import nullcontext
 from pathlib import Path
 
+import msgspec
 import torch
-from safetensors import SafetensorError
+from safetensors import safe_open
 from torch import nn
 from torch.nn import functional
 from torch.nn.attention import SDPBackend, sdpa_kernel
-from transformers import CLIPModel, CLIPTokenizer
+from transformers import CLIPConfig, CLIPModel, CLIPTokenizer
 from transformers.activations import QuickGELUActivation
 from transformers.utils import logging
 
 from mechstyle.errors import BadInput
+from mechstyle.styling.learned.pretrained import BEGIN, END, Pretrained, opened
 
 MEAN = (0.48145466, 0.4578275, 0.40821073)
 DEVIATION = (0.26862954, 0.26130258, 0.27577711)
@@ -43,23 +45,20 @@ class Clip:
 
     @classmethod
     def load(cls, folder: Path, device: str = "cpu") -> Clip:
-        """The model and tokenizer saved in a folder, from safetensors only.
+        """The model and tokenizer saved in a folder.
 
         Raises:
             BadInput: If they cannot be read.
         """
+        found = opened(folder)
         shown = logging.is_progress_bar_enabled()
         logging.disable_progress_bar()
         try:
-            model = CLIPModel.from_pretrained(folder, local_files_only=True, use_safetensors=True)
-            tokenizer = CLIPTokenizer.from_pretrained(folder, local_files_only=True)
-        except (OSError, ValueError, RuntimeError, SafetensorError) as error:
-            reason = str(error).strip().splitlines()[0]
-            raise BadInput(f"{folder} cannot be read as a CLIP model ({reason}): save one there with transformers, or fetch it") from error
+            model = CLIPModel.from_pretrained(None, config=_config(found), state_dict=_tensors(found), dtype=torch.float32)
         finally:
             if shown:
                 logging.enable_progress_bar()
-        return cls(model, tokenizer, device)
+        return cls(model, CLIPTokenizer(found.words.vocabulary, found.words.merges), device)
 
     def text(self, prompt: str) -> torch.Tensor:
         """Embedding of a prompt, not normalised, shape [text_size]."""
@@ -81,6 +80,25 @@ class Clip:
         with sdpa_kernel(_ATTENTION) if normalised.is_cuda else nullcontext():
             pooled = self._model.vision_model(pixel_values=normalised).pooler_output
         return self._model.visual_projection(pooled).float()
+
+
+def _config(found: Pretrained) -> CLIPConfig:
+    """Its sizes, and the end of a prompt as its own tokenizer numbers it: what config.json says of that changed between versions."""
+    text, vision = msgspec.structs.asdict(found.config.text), msgspec.structs.asdict(found.config.vision)
+    ends = {"bos_token_id": found.words.vocabulary[BEGIN], "eos_token_id": found.words.vocabulary[END]}
+    return CLIPConfig(text_config={**text, **ends}, vision_config=vision, projection_dim=found.config.projection_dim)
+
+
+def _tensors(found: Pretrained) -> dict[str, torch.Tensor]:
+    """All tensors in float32, whatever they were saved in."""
+    tensors: dict[str, torch.Tensor] = {}
+    for name in sorted(set(found.tensors.values())):
+        with safe_open(found.folder / name, framework="pt") as file:
+            tensors |= {tensor: file.get_tensor(tensor).float() for tensor, place in found.tensors.items() if place == name}
+    for tensor, values in tensors.items():
+        if not values.isfinite().all():
+            raise BadInput(f"the tensor {tensor} in {found.folder / found.tensors[tensor]} holds what is no number: get the folder again")
+    return tensors
 
 
 class Patches(nn.Module):

@@ -29,8 +29,9 @@ AMBIENT = 0.28209479177387814  # Y_00 = 1 / (2 √π)
 DIRECTED = 0.4886025119029199  # Y_1m = √(3 / 4π) times x, y or z
 BACKGROUND = 1.0
 KAOLIN_EPS = 1e-8
-LEAST_AREA = 1e-4
-"""Of the mean around a vertex, below which the direction of its normal is noise, whose gradient would drown all others."""
+LEAST_AREA = 1e-2
+"""Of the mean of all faces, or around all vertices, below which a face or a normal says nothing but noise: its gradient, which goes with
+1 / area, would drown all others."""
 LEAST_BLEND = 1e-3
 """Length of the sum of unit normals below which they cancel each other."""
 
@@ -99,7 +100,7 @@ class Renderer:
         """
         self._check(positions, colours, len(cameras.elevation))
         axes = cameras.axes.to(positions)
-        normals = self._normals(positions)
+        normals, steady = self._normals(positions)
         pixels = cameras.project(positions, self._size)
         hidden = axes[:, 2] @ normals.detach().T < 0 if self._flat else None
         buffer = nearest_faces(pixels, self._faces, self._size, self._size, cull=not self._flat, hidden=hidden)
@@ -107,7 +108,7 @@ class Renderer:
         if not self._flat:
             channels.append(normals.expand_as(pixels))
         surface, light = torch.cat(channels, dim=2), axes.sum(dim=1)
-        picture = self._shaded(surface, normals, light, face_of(buffer).view(-1))
+        picture = self._shaded(surface, normals, steady, light, face_of(buffer).view(-1))
         if self._edges is not None:
             look = partial(_smooth_look, light)
             picture = antialiased(picture, surface, self._edges, buffer, look, static=self._static)
@@ -121,16 +122,21 @@ class Renderer:
         if not 0 <= self._least <= self._most < len(positions):
             raise BadInput(f"the faces name vertices {self._least} to {self._most}, but there are {len(positions)} positions")
 
-    def _normals(self, positions: torch.Tensor) -> torch.Tensor:
-        """Unit normals of the faces if flat, else of the vertices, weighted by area, shape [face_count or n, 3]."""
+    def _normals(self, positions: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
+        """Unit normals of the faces if flat, else of the vertices, by area, shape [face_count or n, 3]; and which faces have an area."""
         a, b, c = taken(positions, self._corners)
         across = torch.linalg.cross(b - a, c - a)
-        if not self._flat:
-            across = added(across.repeat(3, 1), self._corners.reshape(-1), len(positions))
-            return _steady_unit(across, LEAST_AREA * across.detach().norm(dim=1).mean())
-        return functional.normalize(across, dim=1)
+        areas = across.detach().norm(dim=1)
+        steady = areas >= LEAST_AREA * areas.mean()
+        if self._flat:
+            return functional.normalize(across, dim=1), steady
+        across = _held(across, ~steady[:, None])
+        across = added(across.repeat(3, 1), self._corners.reshape(-1), len(positions))
+        return _steady_unit(across, LEAST_AREA * across.detach().norm(dim=1).mean()), steady
 
-    def _shaded(self, surface: torch.Tensor, normals: torch.Tensor, light: torch.Tensor, face: torch.Tensor) -> torch.Tensor:
+    def _shaded(
+        self, surface: torch.Tensor, normals: torch.Tensor, steady: torch.Tensor, light: torch.Tensor, face: torch.Tensor
+    ) -> torch.Tensor:
         """RGB and coverage of all pixels, shape [4, views · size²], that see these faces (-1 for none) under one light per view."""
         count = self._size**2
         pixel = torch.arange(len(face), device=face.device) if self._static else (face >= 0).nonzero()[:, 0]
@@ -144,7 +150,7 @@ class Renderer:
             blended = (_screen_weights(areas, 0.5 * self._size)[..., None] * beside[..., 1:]).sum(dim=0)
             samples = _lit(blended, normals.index_select(0, shown), light.index_select(0, view))
         else:
-            samples = _smooth_look(light, beside, areas, view)
+            samples = _smooth_look(light, beside, _held(areas, ~steady.index_select(0, shown)), view)
         empty = self._empty.to(surface)
         if self._static:
             return torch.where(seen[:, None], samples, empty).T.contiguous()
@@ -174,8 +180,12 @@ def _smooth_look(light: torch.Tensor, corners: torch.Tensor, weights: torch.Tens
 
 def _steady_unit(vectors: torch.Tensor, least: float | torch.Tensor) -> torch.Tensor:
     """Vectors scaled to length 1, shape [k, 3]; what is shorter than `least` gets no gradient, since that goes with 1 / length."""
-    steady = vectors.detach().norm(dim=1, keepdim=True) >= least
-    return functional.normalize(torch.where(steady, vectors, vectors.detach()), dim=1)
+    return functional.normalize(_held(vectors, vectors.detach().norm(dim=1, keepdim=True) < least), dim=1)
+
+
+def _held(values: torch.Tensor, where: torch.Tensor) -> torch.Tensor:
+    """The values, without gradient in some places."""
+    return torch.where(where, values.detach(), values)
 
 
 def _lit(colours: torch.Tensor, normals: torch.Tensor, light: torch.Tensor) -> torch.Tensor:

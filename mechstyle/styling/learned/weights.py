@@ -1,19 +1,23 @@
-"""CLIP weights: fetched once on request, kept with their checksums, verified whenever they are used.
+"""CLIP weights: fetched or added once on request, kept with their checksums, verified whenever they are used.
 
-Only safetensors files are read, never pickled ones. A folder of one's own, as transformers saves it, is named by $MECHSTYLE_CLIP.
+A folder of one's own, as transformers saves it, may also be used where it is; $MECHSTYLE_CLIP names one for every run.
 """
 
 from __future__ import annotations
 
 import hashlib
 import os
+import re
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
+from mechstyle._files import file_stem, write_whole
 from mechstyle.errors import BadInput, MissingPiece, unknown
+from mechstyle.styling.learned.pretrained import CONFIG, MERGES, VOCABULARY, WHOLE, opened
 
 DEFAULT = "ViT-B-32"
 KNOWN = {
@@ -23,9 +27,13 @@ KNOWN = {
     "ViT-L-14-336": "openai/clip-vit-large-patch14-336",
 }
 """Names and where they are on the Hugging Face hub."""
-FILES = ("config.json", "merges.txt", "model.safetensors", "vocab.json")
+FILES = (CONFIG, MERGES, WHOLE, VOCABULARY)
+"""What is fetched of each."""
 SUMS = "SHA256SUMS"
 OWN_FOLDER = "MECHSTYLE_CLIP"
+PLACES = ".places"
+"""Folder within the store: one small file for each folder of somebody's own that was used, so that its run goes on finding it."""
+IDENTITY = re.compile(r"(.*)@([0-9a-f]{64})", re.DOTALL)
 
 Download = Callable[[str, str, Path], str]
 """(repository, file, folder) → the SHA-256 the hub publishes for it, "" if it publishes none."""
@@ -42,64 +50,94 @@ class Weights(NamedTuple):
     folder: Path
     identity: str
 
+    @property
+    def digest(self) -> str:
+        """What of the identity depends on the content alone."""
+        return self.identity.rpartition("@")[2]
+
 
 def located(wanted: str, store: Path) -> Weights:
-    """The weights of a name, of a recipe's identity, or for "" those of $MECHSTYLE_CLIP or else the default, verified.
+    """The weights of a name, a folder, a recipe's identity, or for "" those of $MECHSTYLE_CLIP or else the default, verified.
 
     Args:
-        wanted: `NAME`, `NAME@DIGEST` or "".
-        store: Folder of fetched weights.
+        wanted: `NAME`, a folder, `NAME@DIGEST` or "".
+        store: Folder of fetched and added weights.
 
     Raises:
         MissingPiece: If they are not on this machine.
-        BadInput: If they are damaged, or are others than those of the recipe.
+        BadInput: If they are damaged, no CLIP at all, or others than those of the recipe.
     """
-    name, _, digest = wanted.partition("@")
-    own = os.environ.get(OWN_FOLDER, "")
-    use_own = own and name in {"", Path(own).name}
-    folder = Path(own) if use_own else store / (name or DEFAULT)
-    if not use_own:
-        if not digest and name and name not in KNOWN:
-            raise unknown("CLIP model", name, KNOWN)
-        if not (folder / SUMS).is_file():
-            raise _missing(name or DEFAULT)
-    found = verified(folder)
-    if digest and found.identity != wanted:
-        raise BadInput(
-            f"this run was made with the CLIP weights {wanted}, but {folder} holds {found.identity}: "
-            f"name the right folder with ${OWN_FOLDER}"
-        )
+    recorded = IDENTITY.fullmatch(wanted)
+    if recorded:
+        return _recorded(recorded[1], recorded[2], store)
+    found = verified(_asked_for(wanted, store))
+    if found.folder.parent != store:
+        write_whole(store / PLACES / found.digest, str(found.folder.resolve()).encode())
     return found
 
 
+def _asked_for(wanted: str, store: Path) -> Path:
+    """The folder of what a user named: weights in the store go before a folder of that name, unless it is written as a path."""
+    own = os.environ.get(OWN_FOLDER, "")
+    if own and wanted in {"", Path(own).name}:
+        return Path(own)
+    name = wanted or DEFAULT
+    for folder in stored(store):
+        if folder.name == name:
+            return folder
+    path = Path(wanted).expanduser()
+    if wanted and (path.is_dir() or "/" in wanted or os.sep in wanted):
+        return path
+    if name not in KNOWN:
+        raise unknown("CLIP model", name, {*KNOWN, *(folder.name for folder in stored(store))})
+    raise _missing(name)
+
+
+def _recorded(name: str, digest: str, store: Path) -> Weights:
+    """The weights a recipe recorded, wherever they are and whatever they are called here."""
+    own, place = os.environ.get(OWN_FOLDER, ""), store / PLACES / digest
+    here = [folder for folder in stored(store) if hashlib.sha256((folder / SUMS).read_bytes()).hexdigest() == digest]
+    here += [Path(place.read_text())] if place.is_file() else []
+    others = [Path(own)] if own else [folder for folder in stored(store) if folder.name == name]
+    for folder in (*here, *others):
+        if folder.is_dir() and verified(folder).digest == digest:
+            return Weights(folder, f"{name}@{digest}")
+    if others:
+        raise BadInput(
+            f"this run was made with the CLIP weights {name}@{digest}, but {others[0]} holds {verified(others[0]).identity}: "
+            f"name the right folder with --clip or ${OWN_FOLDER}"
+        )
+    raise _missing(name)
+
+
 def _missing(name: str) -> MissingPiece:
-    fetch = f"fetch them once with `mechstyle weights fetch {name}`" if name in KNOWN else f"name their folder with ${OWN_FOLDER}"
+    once = f"fetch them once with `mechstyle weights fetch {name}`" if name in KNOWN else "add their folder with `mechstyle weights add`"
     return MissingPiece(
-        f"the CLIP weights {name!r} are not on this machine: {fetch}, "
+        f"the CLIP weights {name!r} are not on this machine: {once}, name their folder with --clip, "
         "or take a style that needs none (guidance 'offline', see `mechstyle styles`)"
     )
 
 
 def verified(folder: Path) -> Weights:
-    """A folder whose files are all there and are those that were fetched."""
-    absent = [name for name in FILES if not (folder / name).is_file()]
-    if absent:
-        raise BadInput(
-            f"{folder} holds no CLIP weights: {', '.join(absent)} missing; save a CLIPModel and its tokenizer there with transformers"
-        )
-    found = listing(folder)
-    if (folder / SUMS).is_file():
-        fetched = (folder / SUMS).read_text().splitlines()
-        for line in found.splitlines():
-            if line not in fetched:
-                name = line.split()[1]
-                raise BadInput(f"{folder / name} is not the file that was fetched: run `mechstyle weights fetch {folder.name}` again")
-    return Weights(folder, f"{folder.name}@{hashlib.sha256(found.encode()).hexdigest()}")
+    """A folder that holds a whole CLIP; one of the store, besides, the very files that were fetched or added."""
+    kept = folder / SUMS
+    if kept.is_file():
+        _unchanged(folder, kept.read_text(errors="replace").splitlines())
+    found = listing(folder, opened(folder).files)
+    return Weights(folder, f"{folder.resolve().name}@{hashlib.sha256(found.encode()).hexdigest()}")
 
 
-def listing(folder: Path) -> str:
-    """The files and their checksums as `sha256sum` writes them."""
-    return "".join(f"{_sha256(folder / name)}  {name}\n" for name in FILES)
+def _unchanged(folder: Path, sums: list[str]) -> None:
+    for line in sums:
+        digest, _, name = line.partition("  ")
+        if (folder / name).is_file() and _sha256(folder / name) != digest:
+            again = f"run `mechstyle weights fetch {folder.name}` again" if folder.name in KNOWN else "remove the folder and add it again"
+            raise BadInput(f"{folder / name} is not the file that {SUMS} beside it tells of: {again}")
+
+
+def listing(folder: Path, files: Sequence[str] = FILES) -> str:
+    """Files and their checksums as `sha256sum` writes them."""
+    return "".join(f"{_sha256(folder / name)}  {name}\n" for name in files)
 
 
 def _sha256(path: Path) -> str:
@@ -115,8 +153,33 @@ def _sha256_of_version(path: Path, _size: int, _changed: int) -> str:
 
 
 def stored(store: Path) -> list[Path]:
-    """Folders of fetched weights, by name."""
+    """Folders of fetched and added weights, by name."""
     return sorted(path.parent for path in store.glob(f"*/{SUMS}"))
+
+
+def add(folder: Path, store: Path, name: str = "") -> Weights:
+    """Copy weights into the store, so that they are found by name from then on.
+
+    Args:
+        folder: As transformers saves them.
+        store: Folder of fetched and added weights.
+        name: What to call them; unless told, as the folder is called.
+
+    Raises:
+        BadInput: If the folder holds no whole CLIP, or others have that name.
+    """
+    found = verified(folder)
+    name = file_stem(name or folder.resolve().name)
+    there = store / name
+    if there in stored(store):
+        if verified(there).digest != found.digest:
+            raise BadInput(f"other CLIP weights are called {name!r} already: give these another name with --name")
+        return verified(there)
+    files, aside = opened(folder).files, _aside(there)
+    shutil.rmtree(aside)  # of an interrupted fetch or another folder of that name
+    for file in files:
+        shutil.copyfile(folder / file, _aside(there) / file)
+    return _kept(aside, there, files)
 
 
 def fetch(name: str, store: Path, download: Download | None = None) -> Weights:
@@ -128,16 +191,28 @@ def fetch(name: str, store: Path, download: Download | None = None) -> Weights:
     """
     if name not in KNOWN:
         raise unknown("CLIP model", name, KNOWN)
-    folder, aside = store / name, store / f"{name}.part"
-    if (folder / SUMS).is_file() and listing(folder) == (folder / SUMS).read_text():
-        return verified(folder)
-    aside.mkdir(parents=True, exist_ok=True)
+    folder = store / name
+    if folder in stored(store):
+        with suppress(BadInput):
+            return verified(folder)
+    aside = _aside(folder)
     for file in FILES:
         published = (download or _from_hub)(KNOWN[name], file, aside)
         if published and _sha256(aside / file) != published:
             (aside / file).unlink()
             raise BadInput(f"{file} of {KNOWN[name]} arrived damaged: fetch it again")
-    (aside / SUMS).write_text(listing(aside))
+    return _kept(aside, folder, FILES)
+
+
+def _aside(folder: Path) -> Path:
+    """Where weights are put together before they appear whole."""
+    aside = folder.with_name(f"{folder.name}.part")
+    aside.mkdir(parents=True, exist_ok=True)
+    return aside
+
+
+def _kept(aside: Path, folder: Path, files: Sequence[str]) -> Weights:
+    (aside / SUMS).write_text(listing(aside, files))
     shutil.rmtree(folder, ignore_errors=True)
     aside.rename(folder)
     return verified(folder)
@@ -146,14 +221,15 @@ def fetch(name: str, store: Path, download: Download | None = None) -> Weights:
 def _from_hub(repository: str, file: str, folder: Path) -> str:
     """Download one file; of large files the hub publishes the SHA-256."""
     from huggingface_hub import HfApi, hf_hub_download  # noqa: PLC0415 — part of the optional libraries
-    from huggingface_hub.errors import HfHubHTTPError, LocalEntryNotFoundError  # noqa: PLC0415
 
     try:
         revision = _revision_with(file, repository)
         path = hf_hub_download(repository, file, revision=revision, local_dir=folder)
         (about,) = HfApi().get_paths_info(repository, [file], revision=revision)
-    except (HfHubHTTPError, LocalEntryNotFoundError, OSError) as error:
-        reason = str(error).strip().splitlines()[0]
+    except MissingPiece:
+        raise
+    except Exception as error:  # what a lost connection raises depends on the HTTP library that the hub's client uses
+        reason = (str(error).strip().splitlines() or [type(error).__name__])[0]
         raise MissingPiece(f"{file} of {repository} could not be fetched ({reason}): check the connection and try again") from error
     assert Path(path) == folder / file
     large = getattr(about, "lfs", None)
@@ -171,5 +247,5 @@ def _revision_with(file: str, repository: str) -> str:
     revisions = (each.git_reference for each in proposals if each.git_reference)
     found = next((revision for revision in revisions if hub.file_exists(repository, file, revision=revision)), None)
     if found is None:
-        raise MissingPiece(f"{repository} has no {file}, and no other kind of file is read: name a folder of your own with ${OWN_FOLDER}")
+        raise MissingPiece(f"{repository} has no {file}, and no other kind of file is read: name a folder of your own with --clip")
     return found

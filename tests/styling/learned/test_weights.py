@@ -1,11 +1,13 @@
 """Weights are fetched only when asked to, kept with their checksums, and never used unverified."""
 
+import hashlib
 import shutil
 
+import huggingface_hub
 import pytest
 
 from mechstyle.errors import BadInput, MissingPiece
-from mechstyle.styling.learned.weights import FILES, KNOWN, SUMS, fetch, located, stored, verified
+from mechstyle.styling.learned.weights import FILES, KNOWN, SUMS, add, fetch, listing, located, stored, verified
 
 
 @pytest.fixture(autouse=True)
@@ -90,7 +92,7 @@ def test_weights_are_found_by_name_and_by_what_a_recipe_recorded(tmp_path, hub):
 def test_a_damaged_file_is_named(tmp_path, hub):
     folder = fetch("ViT-B-32", tmp_path, hub).folder
     (folder / "merges.txt").write_text("#version: 0.3\n")
-    with pytest.raises(BadInput, match=r"merges\.txt is not the file that was fetched: run `mechstyle weights fetch ViT-B-32` again"):
+    with pytest.raises(BadInput, match=r"merges\.txt is not the file that .* tells of: run `mechstyle weights fetch ViT-B-32` again"):
         located("ViT-B-32", tmp_path)
 
 
@@ -109,6 +111,96 @@ def test_the_identity_depends_on_the_content_only(tmp_path, tiny_clip):
     assert verified(copy).identity == verified(tiny_clip).identity
     (copy / "config.json").write_text((copy / "config.json").read_text() + "\n")
     assert verified(copy).identity != verified(tiny_clip).identity
+
+
+def test_the_identity_of_a_folder_is_what_it_was_when_only_one_kind_was_read(tiny_clip):
+    """Recipes of earlier runs hold it."""
+    assert verified(tiny_clip).identity == f"tiny@{hashlib.sha256(listing(tiny_clip).encode()).hexdigest()}"
+
+
+def test_a_folder_is_named_in_a_run_and_found_again_without_naming_it(tmp_path, tiny_clip):
+    """A run's folder is opened by other commands and other processes: branch, export, report."""
+    found = located(str(tiny_clip), tmp_path / "store")
+    assert located(found.identity, tmp_path / "store") == found
+    with pytest.raises(MissingPiece, match="name their folder with --clip"):
+        located(found.identity, tmp_path / "another machine")
+
+
+def test_what_a_recipe_recorded_is_found_whatever_it_is_called_here(tmp_path, tiny_clip):
+    recorded = verified(tiny_clip).identity
+    there = add(tiny_clip, tmp_path, "mine").folder
+    assert located(recorded, tmp_path) == (there, recorded)
+
+
+def test_a_folder_that_has_changed_since_is_told(tmp_path, tiny_clip):
+    folder = tmp_path / "clip"
+    shutil.copytree(tiny_clip, folder)
+    recorded = located(str(folder), tmp_path).identity
+    (folder / "config.json").write_text((folder / "config.json").read_text() + "\n")
+    with pytest.raises(MissingPiece, match="are not on this machine"):
+        located(recorded, tmp_path)
+
+
+def test_added_weights_are_found_by_name_when_their_folder_is_gone(tmp_path, tiny_clip):
+    folder = tmp_path / "clip"
+    shutil.copytree(tiny_clip, folder)
+    (folder / "README.md").write_text("not a file of the model")
+    found = add(folder, tmp_path / "store")
+    assert found.identity == verified(folder).identity
+    shutil.rmtree(folder)
+    assert located("clip", tmp_path / "store") == found
+    assert sorted(path.name for path in found.folder.iterdir()) == sorted([*FILES, SUMS])
+
+
+def test_added_weights_may_stand_in_for_those_that_are_fetched(tmp_path, tiny_clip, hub):
+    found = add(tiny_clip, tmp_path, "ViT-B-32")
+    assert located("", tmp_path) == fetch("ViT-B-32", tmp_path, hub) == found
+    assert hub.asked == []
+
+
+def test_adding_twice_is_no_error_but_a_name_is_given_once(tmp_path, tiny_clip):
+    other = tmp_path / "other" / tiny_clip.name
+    shutil.copytree(tiny_clip, other)
+    (other / "config.json").write_text((other / "config.json").read_text() + "\n")
+    first = add(tiny_clip, tmp_path / "store")
+    assert add(tiny_clip, tmp_path / "store") == first
+    with pytest.raises(BadInput, match="other CLIP weights are called 'tiny' already: give these another name with --name"):
+        add(other, tmp_path / "store")
+    assert add(other, tmp_path / "store", "../other").folder.parent == tmp_path / "store"
+
+
+def test_what_an_interrupted_adding_left_is_not_taken_for_part_of_the_model(tmp_path, tiny_clip):
+    (tmp_path / "tiny.part").mkdir()
+    (tmp_path / "tiny.part" / "tokenizer.json").write_text("{}")
+    assert "tokenizer.json" not in {path.name for path in add(tiny_clip, tmp_path).folder.iterdir()}
+
+
+def test_a_damaged_folder_is_neither_added_nor_used(tmp_path, tiny_clip):
+    folder = tmp_path / "clip"
+    shutil.copytree(tiny_clip, folder)
+    (folder / "model.safetensors").write_bytes((folder / "model.safetensors").read_bytes()[:-1])
+    for use in (add, lambda folder, store: located(str(folder), store)):
+        with pytest.raises(BadInput, match="is damaged or was cut off"):
+            use(folder, tmp_path / "store")
+    assert not (tmp_path / "store").exists()
+
+
+class ConnectionLost(Exception):
+    """What the hub's client raises without network is of its HTTP library, and no OSError."""
+
+
+def test_without_network_fetching_says_one_sentence(tmp_path, monkeypatch):
+    def lost(*_args, **_settings):
+        raise ConnectionLost("[Errno -2] Name or service not known\nFor more information, see elsewhere")
+
+    monkeypatch.setattr(huggingface_hub.HfApi, "file_exists", lost)
+    with pytest.raises(MissingPiece) as caught:
+        fetch("ViT-B-32", tmp_path)
+    assert str(caught.value) == (
+        "config.json of openai/clip-vit-base-patch32 could not be fetched ([Errno -2] Name or service not known): "
+        "check the connection and try again"
+    )
+    assert stored(tmp_path) == []
 
 
 def test_a_folder_without_weights_says_what_is_missing(tmp_path):

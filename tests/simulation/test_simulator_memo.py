@@ -1,0 +1,124 @@
+"""What is simulated once and remembered, what is another question, and whom the answers of others may convince."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import msgspec
+import numpy as np
+import pytest
+
+from mechstyle.loop.objects import Memo, Objects
+from mechstyle.records.material import LIBRARY
+from mechstyle.simulation import physics as physics_module
+from support.dropped_block import bumps, discretised, simulator
+
+
+def test_the_same_question_is_simulated_once(block, memo, drops):
+    sim = simulator(block, memo)
+    first = sim.simulate(bumps(block), thorough=False)
+    second = simulator(block, memo).simulate(bumps(block), thorough=False)
+    assert drops == [1]
+    assert np.array_equal(first.stress, second.stress)
+    assert first.as_placed == second.as_placed
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"window": 0.12},
+        {"drop_height": 1000.0},
+        {"damping": 0.2},
+        {"friction": 0.3},
+        {"material": msgspec.structs.replace(LIBRARY["PLA"], youngs_modulus=2000.0)},
+    ],
+)
+def test_anything_that_matters_makes_it_another_question(block, memo, drops, settings):
+    sim = simulator(block, memo)
+    sim.simulate(bumps(block), thorough=False)
+    replace(sim, recipe=msgspec.structs.replace(sim.recipe, **settings)).simulate(bumps(block), thorough=False)
+    assert drops == [1, 1]
+
+
+def test_what_does_not_matter_does_not(block, memo, drops):
+    for settings in ({}, {"control": "linear"}, {"schedule": "never"}, {"iterations": 3}, {"seed": 7}):
+        simulator(block, memo, **settings).simulate(bumps(block), thorough=False)
+    assert drops == [1]
+
+
+def test_the_baseline_is_shared_between_runs(block, memo, tmp_path, drops):
+    shared = Memo(tmp_path / "shared", Objects(tmp_path / "shared-objects"))
+    for name in ("a", "b"):
+        own = Memo(tmp_path / name, Objects(tmp_path / f"{name}-objects"))
+        assert replace(simulator(block, own), shared=shared).baseline.stress.any()
+    assert drops == [2]
+
+
+def forged(sim):
+    """The baseline made ten times as strong as it is, as a stranger could have written it into a run folder."""
+    honest = sim.simulate(np.zeros(len(sim.surface.vertices), np.float32), thorough=True)
+    return replace(honest, as_placed=msgspec.structs.replace(honest.as_placed, peak=0.1 * honest.as_placed.peak))
+
+
+def test_a_forged_baseline_of_a_run_folder_stays_in_that_folder(block, memo, tmp_path, drops):
+    stranger, users = (Memo(tmp_path / name, Objects(tmp_path / f"{name}-objects")) for name in ("stranger", "users"))
+    sim = replace(simulator(block, stranger), shared=users)
+    lie = forged(simulator(block, memo))
+    stranger.remember(sim._key(np.zeros(len(block[0].vertices), np.float32), thorough=True), lie)
+    assert sim.baseline.as_placed == lie.as_placed  # the folder is believed about itself
+    assert not users.folder.exists()
+    assert replace(simulator(block, Memo(tmp_path / "own", memo.objects)), shared=users).baseline.as_placed != lie.as_placed
+    assert drops == [2, 2]
+
+
+def test_what_the_user_computed_before_is_believed_rather_than_a_run_folder(block, memo, tmp_path):
+    stranger, users = (Memo(tmp_path / name, Objects(tmp_path / f"{name}-objects")) for name in ("stranger", "users"))
+    honest = replace(simulator(block, memo), shared=users).baseline
+    sim = replace(simulator(block, stranger), shared=users)
+    stranger.remember(sim._key(honest.displacement, thorough=True), forged(simulator(block, memo)))
+    assert sim.baseline.as_placed == honest.as_placed
+
+
+@pytest.mark.parametrize("other", ["surface", "tetrahedra"])
+def test_the_baseline_of_a_part_that_is_not_the_one_its_recipe_names_is_for_itself(block, memo, tmp_path, other):
+    """A run folder could hold a sturdy part under the recipe of another one."""
+    users = Memo(tmp_path / "users", Objects(tmp_path / "users-objects"))
+    sim = simulator(block, memo)
+    claimed = replace(sim, shared=users, recipe=msgspec.structs.replace(sim.recipe, **{other: "5" * 64}))
+    assert claimed.baseline.stress.any()
+    assert not users.folder.exists()
+
+
+def test_without_a_window_the_impact_ends_by_the_period_of_the_unstylized_part(block, memo, tmp_path, monkeypatch):
+    asked, real = [], physics_module.lowest_period
+
+    def counting(body, material):
+        asked.append(len(body.volumes))
+        return real(body, material)
+
+    monkeypatch.setattr(physics_module, "lowest_period", counting)
+    shared = Memo(tmp_path / "shared", Objects(tmp_path / "shared-objects"))
+    for own in (memo, Memo(tmp_path / "other", Objects(tmp_path / "objects"))):
+        sim = replace(simulator(block, own, window=None, element="tet4"), shared=shared)
+        plain, styled = sim.baseline, sim.simulate(bumps(block), thorough=False)
+        for simulation in (plain, styled):
+            assert simulation.landings
+            for landing in simulation.landings:
+                assert landing.touches[0] == pytest.approx(np.sqrt(2 * 9.81e-3 * 1500.0))
+                assert landing.ended
+    assert asked == [len(block[1].tets)]
+    assert physics_module.period_of(lambda: block[1], sim.recipe, shared) == real(discretised(block), LIBRARY["PLA"])
+    simulator(block, memo).simulate(bumps(block), thorough=False)
+    assert len(asked) == 1, "a window needs no period"
+
+
+def test_a_forged_period_of_a_run_folder_stays_in_that_folder(block, memo, tmp_path):
+    stranger, users = (Memo(tmp_path / name, Objects(tmp_path / f"{name}-objects")) for name in ("stranger", "users"))
+    sim = simulator(block, memo, window=None, element="tet4")
+    honest = physics_module.period_of(lambda: block[1], sim.recipe, memo)
+    (key,) = [path.name for path in memo.folder.iterdir()]
+    stranger.remember(key, 10.0 * honest)
+    assert physics_module.period_of(lambda: block[1], sim.recipe, stranger, users) == 10.0 * honest
+    assert not users.folder.exists()
+    users.remember(key, honest)
+    assert physics_module.period_of(lambda: block[1], sim.recipe, stranger, users) == honest

@@ -1,0 +1,376 @@
+"""Folders as versions of transformers write them are read, all others refused in a sentence that names what is wrong.
+
+The folders hold random numbers under the real names; `Clip` is asked for embeddings, so that what is read is what was saved.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import struct
+from collections.abc import Callable
+from copy import deepcopy
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from safetensors import numpy as tensors_of_numpy
+from safetensors.torch import load_file, save_file
+from transformers import CLIPConfig, CLIPModel, CLIPTokenizer
+from transformers.utils import logging
+
+from mechstyle.errors import BadInput
+from mechstyle.styling.learned.clip import Clip
+from mechstyle.styling.learned.pretrained import Config, TextTower, VisionTower, opened, tensors_of
+
+PROMPT = "a mossy brick, 2 of 3"
+WEIGHTS, INDEX, CONFIG = "model.safetensors", "model.safetensors.index.json", "config.json"
+LAYER = "vision_model.encoder.layers.1.mlp.fc1.weight"
+MERGES = [("b", "r"), ("i", "c"), ("ic", "k</w>"), ("br", "ick</w>")]
+
+
+@pytest.fixture(autouse=True)
+def _without_progress_bars():
+    logging.disable_progress_bar()
+    yield
+    logging.enable_progress_bar()
+
+
+@pytest.fixture
+def folder(tiny_clip, tmp_path) -> Path:
+    """A copy of the tiny CLIP that may be broken."""
+    return Path(shutil.copytree(tiny_clip, tmp_path / "clip"))
+
+
+@pytest.fixture(scope="module")
+def model(tiny_clip) -> CLIPModel:
+    return CLIPModel.from_pretrained(tiny_clip, local_files_only=True, dtype=torch.float32)
+
+
+@pytest.fixture(scope="module")
+def embedded(tiny_clip) -> Callable[[Path], torch.Tensor]:
+    """Cosines between what a folder says of a prompt and a picture, and what the tiny CLIP says of them."""
+    picture = torch.rand(1, 3, 32, 32, generator=torch.Generator().manual_seed(0))
+
+    def both(folder: Path) -> torch.Tensor:
+        clip = Clip.load(folder)
+        return torch.stack([clip.text(PROMPT), clip.pictures(picture)[0]])
+
+    true = both(tiny_clip)
+    return lambda folder: torch.cosine_similarity(both(folder), true)
+
+
+def edited(path: Path, change: Callable[[dict], object]) -> None:
+    """Change a JSON file in place."""
+    record = json.loads(path.read_text())
+    change(record)
+    path.write_text(json.dumps(record))
+
+
+def refused(folder: Path, words: str) -> None:
+    """The folder is refused, by this sentence and in one line."""
+    with pytest.raises(BadInput, match=words) as caught:
+        Clip.load(folder)
+    assert "\n" not in str(caught.value)
+    assert len(str(caught.value)) < 600
+
+
+# --- what is read -------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "towers",
+    [{}, {"text": {"num_hidden_layers": 3, "vocab_size": 600}, "vision": {"patch_size": 5, "image_size": 32, "intermediate_size": 70}}],
+)
+def test_the_tensors_asked_for_are_those_of_transformers(towers):
+    text, vision = towers.get("text", {}), towers.get("vision", {})
+    with torch.device("meta"):
+        model = CLIPModel(CLIPConfig(text_config=text, vision_config=vision, projection_dim=24))
+    asked = dict(tensors_of(Config(text_config=TextTower(**text), vision_config=VisionTower(**vision), projection_dim=24)))
+    assert asked == {name: tuple(value.shape) for name, value in model.state_dict().items()}
+
+
+@pytest.mark.parametrize("sharded", [False, True])
+@pytest.mark.parametrize(("kind", "least"), [(torch.float32, 1 - 1e-6), (torch.float16, 1 - 1e-3), (torch.bfloat16, 1 - 1e-2)])
+@pytest.mark.parametrize("variant", [None, "fp16"])
+def test_weights_are_read_whole_or_in_shards_in_any_precision(folder, model, embedded, kind, least, variant, sharded):
+    (folder / WEIGHTS).unlink()
+    size = {"max_shard_size": "20KB"} if sharded else {}
+    deepcopy(model).to(kind).save_pretrained(folder, variant=variant, **size)
+    assert len(list(folder.glob("*.safetensors"))) == (1 if not sharded else len(set(map_of(folder).values())))
+    if kind == torch.float32:
+        shutil.copy(next(folder.glob("*.safetensors")), folder / "note.safetensors")  # what is not a model's is left alone
+    assert (embedded(folder) > least).all()
+
+
+def map_of(folder: Path) -> dict[str, str]:
+    (index,) = folder.glob("model.safetensors.index*.json")
+    return json.loads(index.read_text())["weight_map"]
+
+
+def test_whole_weights_go_before_a_variant_beside_them(folder, model, embedded):
+    CLIPModel(model.config).half().save_pretrained(folder, variant="fp16")  # other numbers
+    assert opened(folder).files == ("config.json", "merges.txt", WEIGHTS, "vocab.json")
+    assert (embedded(folder) > 1 - 1e-6).all()
+
+
+def test_positions_that_old_versions_saved_are_no_stranger(folder, embedded):
+    tensors = load_file(folder / WEIGHTS)
+    for tower, count in (("text", 77), ("vision", 17)):
+        tensors[f"{tower}_model.embeddings.position_ids"] = torch.arange(count)[None]
+    save_file(tensors, folder / WEIGHTS)
+    assert (embedded(folder) > 1 - 1e-6).all()
+
+
+@pytest.mark.parametrize(
+    "config",
+    [
+        lambda new: {**new, "text_config_dict": None, "vision_config_dict": None, "torch_dtype": "float32", "transformers_version": "4.16"},
+        lambda new: {**new, "text_config": None, "text_config_dict": new["text_config"], "vision_config_dict": new["vision_config"]},
+        lambda new: {**new, "text_config": {**new["text_config"], "eos_token_id": 2, "bos_token_id": 0, "num_beams": 1}},
+        lambda new: {**new, "auto_map": {"AutoModel": "x--model.X"}, "architectures": ["X"], "quantization_config": {"quant_method": "x"}},
+        lambda new: {key: new[key] for key in ("model_type", "projection_dim", "text_config", "vision_config")},
+    ],
+    ids=["nulls", "twice", "old ends", "what is none of its business", "least"],
+)
+def test_configs_of_all_versions_mean_the_same(folder, embedded, config):
+    (folder / CONFIG).write_text(json.dumps(config(json.loads((folder / CONFIG).read_text()))))
+    assert (embedded(folder) > 1 - 1e-6).all()
+
+
+def merging(folder: Path) -> dict[str, int]:
+    """A vocabulary with some of the words that the merges make, in place of tokens that no prompt here uses."""
+    vocabulary = json.loads((folder / "vocab.json").read_text())
+    rare = [token for token in vocabulary if not token.isascii()][: len(MERGES)]
+    return {dict(zip(rare, map("".join, MERGES), strict=True)).get(token, token): number for token, number in vocabulary.items()}
+
+
+@pytest.mark.parametrize("how", ["vocabulary and merges", "tokenizer.json", "merges as pairs", "merges as words", "windows", "both"])
+def test_tokenizers_of_all_versions_give_the_numbers_that_transformers_gives(folder, how):
+    vocabulary = merging(folder)
+    theirs = CLIPTokenizer(vocabulary, MERGES)
+    theirs.save_pretrained(folder)
+    end = "\r\n" if how == "windows" else "\n"
+    (folder / "vocab.json").write_text(json.dumps(vocabulary))
+    (folder / "merges.txt").write_bytes(end.join(["#version: 0.2", *map(" ".join, MERGES), ""]).encode())
+    if how in {"tokenizer.json", "merges as pairs", "merges as words"}:
+        (folder / "merges.txt").unlink()
+        (folder / "vocab.json").unlink()
+        joined = {"merges as pairs": [list(pair) for pair in MERGES], "merges as words": [" ".join(pair) for pair in MERGES]}.get(how)
+        edited(folder / "tokenizer.json", lambda saved: saved["model"].update(merges=joined) if joined else None)
+    elif how != "both":
+        (folder / "tokenizer.json").unlink()
+    mine = Clip.load(folder)._tokenizer
+    assert mine(PROMPT)["input_ids"] == theirs(PROMPT)["input_ids"]
+    assert vocabulary["brick</w>"] in mine(PROMPT)["input_ids"]
+
+
+def test_a_folder_of_the_hubs_cache_is_read_through_its_links(folder, tmp_path, embedded):
+    """As the hub's client keeps what it fetched: snapshots of links to blobs."""
+    snapshot, blobs = tmp_path / "models--me--clip" / "snapshots" / "0abc", tmp_path / "models--me--clip" / "blobs"
+    snapshot.mkdir(parents=True)
+    blobs.mkdir()
+    for number, path in enumerate(sorted(folder.iterdir())):
+        path.rename(blobs / str(number))
+        (snapshot / path.name).symlink_to(f"../../blobs/{number}")
+    assert (embedded(snapshot) > 1 - 1e-6).all()
+
+
+# --- what is missing or cut off -----------------------------------------------------------------------------------
+
+
+def test_every_missing_tensor_is_named(folder, tiny_clip):
+    """What a model lacks must never be filled with random numbers."""
+    tensors = load_file(folder / WEIGHTS)
+    for name in tensors:
+        save_file({other: value for other, value in tensors.items() if other != name}, folder / WEIGHTS)
+        with pytest.raises(BadInput, match=f"the tensor {re.escape(name)} is missing"):
+            opened(folder)
+    assert len(tensors) == len(dict(tensors_of(opened(tiny_clip).config)))
+
+
+def test_a_shard_that_is_missing_or_lacks_what_the_index_promises_is_named(folder, model):
+    (folder / WEIGHTS).unlink()
+    model.save_pretrained(folder, max_shard_size="20KB")
+    shard = folder / map_of(folder)[LAYER]
+    tensors = load_file(shard)
+    del tensors[LAYER]
+    save_file(tensors or {"nothing": torch.zeros(1)}, shard)
+    refused(folder, f"the tensor {re.escape(LAYER)} is missing")
+    shard.unlink()
+    refused(folder, f"'{shard.name}' is missing")
+
+
+@pytest.mark.parametrize("kept", [0, 4, 8, 1000, -1])
+def test_truncated_weights_are_refused(folder, kept):
+    data = (folder / WEIGHTS).read_bytes()
+    (folder / WEIGHTS).write_bytes(data[:kept])
+    refused(folder, f"{WEIGHTS} is damaged or was cut off")
+
+
+@pytest.mark.parametrize("name", [CONFIG, "vocab.json", "merges.txt"])
+def test_truncated_text_is_refused(folder, name):
+    if name == "merges.txt":
+        (folder / name).write_text("#version: 0.2\na b")
+    else:
+        (folder / name).write_bytes((folder / name).read_bytes()[:-50])
+    refused(folder, f"{name} is damaged")
+
+
+@pytest.mark.parametrize("name", [CONFIG, WEIGHTS, "vocab.json"])
+def test_a_file_that_is_not_there_is_named(folder, name):
+    (folder / name).unlink()
+    refused(folder, f"holds no CLIP weights: .*{re.escape(name)}.* missing; save a CLIPModel and tokenizer")
+
+
+def test_numbers_that_are_none_are_refused(folder):
+    tensors = load_file(folder / WEIGHTS)
+    tensors[LAYER][0, 0] = torch.nan
+    save_file(tensors, folder / WEIGHTS)
+    refused(folder, f"{re.escape(LAYER)} .* holds what is no number")
+
+
+# --- what is something else ---------------------------------------------------------------------------------------
+
+
+def test_pickled_weights_are_not_read_and_their_user_is_told_what_to_do(folder, model):
+    (folder / WEIGHTS).unlink()
+    torch.save(model.state_dict(), folder / "pytorch_model.bin")
+    refused(folder, r"pytorch_model\.bin is pickled, .* save the model as model\.safetensors with CLIPModel\.from_pretrained")
+
+
+@pytest.mark.parametrize("kind", ["siglip", "clip_vision_model", ""])
+def test_another_model_is_named(folder, kind):
+    edited(folder / CONFIG, lambda config: config.update(model_type=kind))
+    refused(folder, f"is of a '{kind}' model, not of a whole 'clip'")
+
+
+@pytest.mark.parametrize("tower", ["text_config", "vision_config"])
+def test_a_config_of_another_size_is_refused(folder, tower):
+    edited(folder / CONFIG, lambda config: config[tower].update(intermediate_size=65))
+    refused(folder, "has the shape .* but config.json asks for .*: the two belong to different models")
+
+
+def test_more_layers_than_the_config_says_are_refused(folder):
+    edited(folder / CONFIG, lambda config: config["vision_config"].update(num_hidden_layers=1))
+    refused(folder, "knows no tensor vision_model.encoder.layers.1")
+
+
+def test_whole_numbers_are_no_weights(folder):
+    tensors = tensors_of_numpy.load_file(folder / WEIGHTS)
+    tensors[LAYER] = tensors[LAYER].astype(np.int8)
+    tensors_of_numpy.save_file(tensors, folder / WEIGHTS)
+    refused(folder, f"{re.escape(LAYER)} .* is of the type I8: save the model in float32, float16 or bfloat16")
+
+
+def test_a_tokenizer_of_another_kind_is_refused(folder):
+    CLIPTokenizer(json.loads((folder / "vocab.json").read_text()), []).save_pretrained(folder)
+    (folder / "merges.txt").unlink()
+    edited(folder / "tokenizer.json", lambda saved: saved["model"].update(end_of_word_suffix=None))
+    refused(folder, "tokenizer.json is not of CLIP")
+    edited(folder / "tokenizer.json", lambda saved: saved["model"].update(type="WordPiece"))
+    refused(folder, "tokenizer.json is damaged, or not what transformers saves")
+
+
+def test_a_tokenizer_of_another_model_is_refused(folder):
+    words = json.loads((folder / "vocab.json").read_text())
+    (folder / "vocab.json").write_text(json.dumps({**words, "one more": len(words)}))
+    refused(folder, f"numbers its tokens 0 to {len(words)}, but the model knows {len(words)}")
+    del words["<|endoftext|>"]
+    (folder / "vocab.json").write_text(json.dumps(words))
+    refused(folder, r"is not of CLIP: it knows no <\|endoftext\|>")
+
+
+def test_a_folder_that_is_none_is_told(tmp_path):
+    (tmp_path / "file").touch()
+    for path in (tmp_path / "nowhere", tmp_path / "file"):
+        refused(path, f"{path} is no folder")
+
+
+# --- what somebody forged -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("outside", ["../secret.safetensors", "/etc/passwd", "sub/model.safetensors", "..", "", "a\0b"])
+def test_an_index_that_leads_out_of_the_folder_is_refused(folder, outside):
+    shutil.copy(folder / WEIGHTS, folder.parent / "secret.safetensors")
+    (folder / "sub").mkdir()
+    shutil.move(folder / WEIGHTS, folder / "sub" / WEIGHTS)
+    (folder / INDEX).write_text(json.dumps({"weight_map": {"logit_scale": outside}}))
+    refused(folder, "leads out of .*: put the file itself into the folder|is missing or no file")
+
+
+@pytest.mark.parametrize("name", [CONFIG, WEIGHTS, "vocab.json"])
+def test_a_link_out_of_the_folder_is_refused(folder, tmp_path, name):
+    (folder / name).rename(tmp_path / "elsewhere")
+    (folder / name).symlink_to(tmp_path / "elsewhere")
+    refused(folder, f"'{name}' leads out of .*: put the file itself into the folder")
+
+
+def test_links_in_a_circle_and_what_is_no_file_are_refused(folder):
+    (folder / WEIGHTS).unlink()
+    os.mkfifo(folder / WEIGHTS)  # opened, it would wait for ever
+    refused(folder, "is missing or no file")
+    (folder / WEIGHTS).unlink()
+    (folder / INDEX).write_text(json.dumps({"weight_map": {"logit_scale": "a"}}))
+    (folder / "a").symlink_to("b")
+    (folder / "b").symlink_to("a")
+    refused(folder, "is missing or no file")
+
+
+def header(entries: dict[str, object], length: int | None = None, data: int = 0) -> bytes:
+    """A safetensors file with a header of one's own."""
+    text = json.dumps(entries).encode()
+    return struct.pack("<Q", len(text) if length is None else length) + text + bytes(data)
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        header({}, length=2**63),
+        header({}, length=2**40),
+        header({}, length=16 << 20),
+        header({LAYER: {"dtype": "F32", "shape": [10**6, 10**6], "data_offsets": [0, 4 * 10**12]}}, data=64),
+        header({LAYER: {"dtype": "F32", "shape": [2**40, 2**40], "data_offsets": [0, 64]}}, data=64),
+        header({LAYER: {"dtype": "F32", "shape": [64, 32], "data_offsets": [0, 64]}}, data=64),
+        header({name: {"dtype": "F32", "shape": [4], "data_offsets": [at, at + 16]} for name, at in (("a", 0), ("b", 8))}, data=24),
+        b"\x80\x04pickled" + bytes(2000),
+        b"[" * 100_000,
+    ],
+    ids=["longest", "long", "longer than the file", "gigabytes", "overflow", "too few bytes", "overlapping", "pickle", "brackets"],
+)
+def test_headers_that_lie_are_refused_before_anything_is_allocated(folder, data):
+    (folder / WEIGHTS).write_bytes(data)
+    refused(folder, f"{WEIGHTS} (is damaged or was cut off|is no safetensors file)")
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda config: config["text_config"].update(hidden_size=10**18),
+        lambda config: config["text_config"].update(num_hidden_layers=10**6),
+        lambda config: config["vision_config"].update(patch_size=0),
+        lambda config: config["vision_config"].update(image_size=-32),
+        lambda config: config["vision_config"].update(hidden_size=1 << 20),
+        lambda config: config["vision_config"].update(num_attention_heads=3),
+        lambda config: config["vision_config"].update(hidden_act="__import__"),
+        lambda config: config.update(text_config=[1]),
+    ],
+)
+def test_sizes_that_no_model_has_are_refused(folder, change):
+    edited(folder / CONFIG, change)
+    refused(folder, "is damaged|asks for|is missing")
+
+
+def test_json_that_is_deep_or_long_is_refused(folder):
+    (folder / CONFIG).write_text("[" * 100_000)
+    refused(folder, f"{CONFIG} is damaged")
+    (folder / CONFIG).write_text('{"model_type": ' + '{"a":' * 100_000)
+    refused(folder, f"{CONFIG} is damaged")
+    with (folder / CONFIG).open("wb") as file:
+        file.truncate(1 << 40)  # a file of holes
+    refused(folder, "MiB, which no CLIP's has")
+    (folder / CONFIG).write_bytes(b"\xff\xfe\x00")
+    refused(folder, "it is no text")
