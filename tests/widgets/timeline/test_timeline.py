@@ -217,3 +217,10 @@ def test_a_page_that_is_loaded_anew_gets_what_the_figure_shows(done):
     assert [list(trace.get("x", [])) for trace in sent["_widget_data"]] == [list(trace.x or []) for trace in timeline._figure.data]
     assert sent["_widget_layout"]["shapes"][0]["x0"] == 12
     assert sent["_esm"]
+
+
+def test_the_slider_does_not_leave_a_lane_of_one_iteration(fake):
+    next(fake.session()._events(lambda _fraction: None))
+    timeline = Timeline(StudioState(fake.run))
+    timeline._slider.set_state({"value": 1})  # a slider needs some way to go
+    assert (timeline._slider.value, timeline.iteration) == (0, 0)

@@ -8,7 +8,7 @@ import ipywidgets
 import numpy as np
 import traitlets
 
-from mechstyle.errors import BadInput
+from mechstyle.errors import MechStyleError
 from mechstyle.loop.history import Row
 from mechstyle.records import Checkpoint
 from mechstyle.records.load_cases import LoadCase
@@ -59,7 +59,7 @@ class Branches(Section):
         """
         try:
             changed, wanted = self.controller.differs(), self.controller.wanted().recipe
-        except BadInput as error:
+        except MechStyleError as error:  # CLIP's weights may be missing, too
             self.state.message = str(error)
             return
         if not changed:

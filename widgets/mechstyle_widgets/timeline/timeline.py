@@ -128,6 +128,8 @@ class Timeline(Linked, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # i
 
     def _slid(self, change: dict[str, Any]) -> None:
         self.iteration = change["new"]
+        if self.iteration != change["new"]:  # a lane of one iteration leaves the slider room that the lane has not
+            self._point()
 
     def _clicked(self, trace: Any, points: Any, _modifiers: Any) -> None:
         """Show the lane and the iteration of the first point clicked."""
