@@ -8,11 +8,12 @@ import pytest
 from ipywidgets import Widget
 from ipywidgets.widgets.widget import _instances as alive
 
+from mechstyle_widgets.state.outcomes import LOOKS
 from mechstyle_widgets.state.studio_state import StudioState
-from mechstyle_widgets.timeline.figure import VERDICTS, story
+from mechstyle_widgets.timeline.figure import story
 from mechstyle_widgets.timeline.timeline import Timeline
 
-LANES, STEPS, VIABLE, FAILS, UNKNOWN, OTHER_PEAKS, LIMIT, PEAKS, OTHER_CURVES, CURVE, PLANNED = range(11)
+LANES, STEPS, VIABLE, MARGINAL, FAILS, UNKNOWN, OTHER_PEAKS, LIMIT, PEAKS, OTHER_CURVES, CURVE, PLANNED = range(12)
 
 
 @pytest.fixture
@@ -30,20 +31,21 @@ def trace(timeline, number):
 
 
 def test_every_simulation_is_a_mark_by_its_verdict(timeline, state):
-    for number, outcome in ((VIABLE, "VIABLE"), (FAILS, "FAILS"), (UNKNOWN, "UNKNOWN")):
-        of_this = [row.iteration for row in state.histories["main"] if row.outcome == outcome]
+    for number, word in ((VIABLE, "VIABLE"), (MARGINAL, "MARGINAL"), (FAILS, "FAILS"), (UNKNOWN, "UNKNOWN")):
+        of_this = [row.iteration for row in state.histories["main"] if row.word == word]
         marks = zip(trace(timeline, number).x, trace(timeline, number).y, strict=True)
         assert [x for x, lane in marks if lane == "main"] == of_this
-    assert sum(len(trace(timeline, number).x) for number in (VIABLE, FAILS, UNKNOWN)) == 4 + 2
+    assert sum(len(trace(timeline, number).x) for number in (VIABLE, MARGINAL, FAILS, UNKNOWN)) == 4 + 2
 
 
 def test_verdicts_differ_in_shape_and_not_by_colour_alone():
-    assert len({symbol for symbol, _ in VERDICTS.values()}) == len(VERDICTS) == len({colour for _, colour in VERDICTS.values()})
+    for told_by in ("mark", "symbol", "line", "fill"):
+        assert len({getattr(look, told_by) for look in LOOKS.values()}) == len(LOOKS)
 
 
 def test_hovering_tells_reason_verdict_and_figures(state):
     told = story("a<b", state.row(4))
-    for text in ("a&lt;b · iteration 4", "simulated because: every 4 iterations", state.row(4).outcome, "style loss", "travel 0.00"):
+    for text in ("a&lt;b · iteration 4", "simulated because: every 4 iterations", state.row(4).word, "style loss", "travel 0.00"):
         assert text in told
 
 
