@@ -124,13 +124,32 @@ def test_an_empty_prompt_is_said_and_nothing_begins():
     assert studio.state.session is None
 
 
-@pytest.mark.parametrize(("width", "pages"), [(920, ("Settings", "Mask", "Branches")), (1240, ("Mask", "Branches"))])
-def test_mask_and_branches_have_a_column_of_their_own_where_there_is_room(width, pages):
-    studio = Studio("gallery:wall_hook", width=width)
-    assert studio._tabs.titles == pages
-    columns = studio.children[0].children
-    assert len(columns) == 5 - len(pages)
-    assert sum(int(column.layout.width.removesuffix("px")) for column in columns) + 12 * (len(columns) - 1) == width
+def test_view_and_timeline_take_the_room_that_the_page_has_and_keep_it():
+    studio = Studio("gallery:wall_hook")
+    studio.frame.size = [1100, 560]
+    assert [(view.width, view.height) for view in studio._viewer._views] == [(1100, 560)]
+    assert studio._timeline._figure.layout.width == 1100
+    studio.part_picker._gallery._press("vase")
+    assert [(view.width, view.height) for view in studio._viewer._views] == [(1100, 560)]
+
+
+def test_the_theme_is_the_notebooks_unless_it_is_told(caplog):
+    studio = Studio("gallery:wall_hook", width=920)
+    assert "as wide as its cell" in caplog.text
+    assert (studio._viewer.theme, studio._timeline.theme) == ("light", "light")
+    studio.frame.dark = True
+    assert (studio._viewer.theme, studio._timeline.theme) == ("dark", "dark")
+    studio.theme = "light"
+    assert (studio._viewer.theme, studio._timeline.theme) == ("light", "light")
+
+
+def test_groups_of_settings_tell_what_is_chosen_while_they_are_folded():
+    studio = Studio("gallery:wall_hook")
+    group = studio._groups[2]
+    studio.material_picker._choice.value = "PETG"
+    assert group._head.description == f"Material: PETG, {studio.material_picker.material.yield_strength:g} MPa"
+    group._head.click()
+    assert (group._head.description, group.unfolded, studio.material_picker.layout.display) == ("Material", True, "")
 
 
 # --- a run on disk ------------------------------------------------------------------------------------------------

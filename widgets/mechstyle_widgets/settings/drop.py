@@ -110,6 +110,11 @@ class DropOptions(Section):
         return ipywidgets.HBox([self._file, self._unload], layout=WIDE)
 
     @property
+    def brief(self) -> str:
+        """Height and landings."""
+        return f"{self.drop_height / 1000:g} m, {WAYS[self.way][0]}"
+
+    @property
     def way(self) -> str:
         """Landing orientations, a key of WAYS."""
         return ONCE if self.orientations == 1 else self.poses

@@ -51,6 +51,11 @@ class MaterialPicker(Section):
             widget.observe(lambda change, field=field: self._edit(field, change["new"]), "value")
         self._show()
 
+    @property
+    def brief(self) -> str:
+        """Name and strength."""
+        return f"{self.material.name}, {self.material.yield_strength:g} MPa"
+
     @traitlets.observe("material")
     def _show(self, _change: object = None) -> None:
         """Bring the controls up to date."""

@@ -48,7 +48,7 @@ class PartPicker(Section):
         Raises:
             BadInput: If the part cannot be used.
         """
-        self._gallery = PictureChoice("model", {one: gallery.describe(one) for one in gallery.names()}, height=156)
+        self._gallery = PictureChoice("model", {one: gallery.describe(one) for one in gallery.names()})
         look = {"style": NARROW_LABEL, "layout": WIDE}
         self._path = ipywidgets.Text(description="or a file", placeholder="part.stl", continuous_update=False, **look)
         self._upload = ipywidgets.FileUpload(
@@ -67,6 +67,11 @@ class PartPicker(Section):
             self.show(model, name)
         elif model:
             self.choose(model, scale)
+
+    @property
+    def brief(self) -> str:
+        """Name of the part."""
+        return self.name.replace("_", " ")
 
     def choose(self, model: str, scale: float | None = None) -> None:
         """Take a part by its address.

@@ -79,6 +79,11 @@ class PromptBox(Section):
         for name, widget in pairs.items():
             traitlets.link((self, name), (widget, "value"))
 
+    @property
+    def brief(self) -> str:
+        """The prompt."""
+        return self.prompt
+
     def _choose(self, _change: object) -> None:
         """A picture was pressed: put the name of its style in the place of the one the prompt names."""
         name = self._chips.value.replace("_", " ")
