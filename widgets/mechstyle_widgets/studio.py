@@ -11,7 +11,7 @@ from typing import Any
 import ipywidgets
 import traitlets
 
-from mechstyle.errors import BadInput
+from mechstyle.errors import BadInput, MechStyleError
 from mechstyle.gallery import PREFIX
 from mechstyle.loop.store import parse_address
 from mechstyle.records import SETTINGS, Recipe
@@ -35,8 +35,10 @@ from mechstyle_widgets.settings.prompt import PromptBox
 from mechstyle_widgets.settings.regions import RegionsPicker
 from mechstyle_widgets.settings.schedule import ScheduleSelector
 from mechstyle_widgets.state.controller import Controller, Wanted
+from mechstyle_widgets.state.preview import Preview, Previewer
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.timeline.timeline import Timeline
+from mechstyle_widgets.viewer.part_viewer import PartViewer
 from mechstyle_widgets.viewer.run_viewer import RunViewer
 from mechstyle_widgets.viewer.viewer import Viewer
 
@@ -95,6 +97,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._make_sections("" if run is not None else part, settings)
         self._changed()  # the timeline begins with the plan: what a figure is told before a page shows it may get lost
         self.frame, self._size = Frame(), SIZE
+        self.previewer = Previewer(self._arrived, self._not_drawn)
         self._middle = _box([], "mechstyle-view")
         self.theme = theme
         self._timeline = Timeline(self.state, theme=self.shown_theme, width=SIZE[0])
@@ -116,6 +119,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             self._take(run)
             self.state.open(run)
         self._other_part()
+        self.state.observe(self._preview, "settings")
 
     def __repr__(self) -> str:
         """The run and the iteration shown."""
@@ -143,6 +147,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         """Stop what is going on and close every widget."""
         if self._timeline is not None:  # None if `__init__` raised
             self.controller.stop()
+            self.previewer.cancel()
             self._timeline.close()
             if self._viewer is not None:
                 self._viewer.close()
@@ -219,7 +224,8 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         """A part was picked: show it as it is, unless a run of it is on show."""
         mesh = self.part_picker.mesh
         if mesh is not None and not (isinstance(self._viewer, RunViewer) and mesh is self._opened_mesh):
-            self._show(self._made(Viewer, paintable(mesh)))
+            self._show(self._made(PartViewer, paintable(mesh)))
+            self._preview()
 
     def _other_run(self, change: dict[str, Any]) -> None:
         """Another run directory needs another viewer; another lane of the same shows its settings."""
@@ -231,7 +237,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             self._viewer.let_go()
         if self.state.checkpoint is not None:
             self._show_run()
-        elif new is not None:
+        elif new is not None and not isinstance(self._viewer, PartViewer):  # a preview stays until there is more to see
             self._show(self._made(Viewer, new.part.surface))
 
     def _first_checkpoint(self, change: dict[str, Any]) -> None:
@@ -292,6 +298,45 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             self.branches.pin()
         elif self._viewer is not None and self._viewer.subject.layer(LAYERS[key]) or key == "1":
             self._viewer.layer = LAYERS[key]
+
+    # the style before it is run
+
+    def _preview(self, _change: object = None) -> None:
+        """Ask for the style on the part, if that is what is shown."""
+        mesh = self.part_picker.mesh
+        if mesh is None or not isinstance(self._viewer, PartViewer):
+            self.previewer.cancel()
+            return
+        try:
+            recipe = self.wanted().recipe
+        except MechStyleError:  # what is wrong is said where it is set
+            self.previewer.cancel()
+            self._viewer.take_off()
+            return
+        self.previewer.ask(mesh, self.drop_options.vertices, recipe)
+
+    def _arrived(self, preview: Preview) -> None:
+        """A style was drawn: show it on the part, from where one looks now."""
+        old = self._viewer
+        if not isinstance(old, PartViewer):
+            return
+        if old.at_rest is not preview.shape.surface:
+            viewer = self._made(PartViewer, preview.shape.surface)
+            viewer.look_from(old)
+            self._show(viewer)
+        viewer = self._viewer
+        assert isinstance(viewer, PartViewer), "it was made above, or was one before"
+        if preview.style is None:
+            viewer.take_off()
+            return
+        viewer.put_on(preview.surface, f"Changes as you choose · drawn in {preview.seconds:.1f} s")
+        viewer.protected = preview.style.spared
+
+    def _not_drawn(self, why: str) -> None:
+        """A style cannot be drawn on this part."""
+        if isinstance(self._viewer, PartViewer):
+            self._viewer.take_off()
+            self.prompt_box.complain(why)
 
     def _hatch(self, _change: object = None) -> None:
         """Show on the part what is painted or written as a protected region."""

@@ -71,7 +71,7 @@ class RunControls(Section):
 
 def line_of(state: Any) -> str:
     """Status of a run, in one line."""
-    parts = [state.status]
+    parts = ["ready" if state.status == "idle" else state.status]
     if state.run is not None and state.status != "preparing":
         parts = [f"{state.status}, iteration {state.iterations_done} of {state.run.recipe.iterations}"]
     if state.stage:

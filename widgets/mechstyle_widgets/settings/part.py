@@ -55,7 +55,7 @@ class PartPicker(Section):
             accept=",".join(f".{suffix}" for suffix in FORMATS),
             description="upload",
             tooltip="A file of this computer",
-            layout={"width": "100px"},
+            layout={"width": "116px"},
         )
         self._unit = ipywidgets.Dropdown(options=UNITS, tooltip="Unit of the file", layout={"width": "138px"})
         super().__init__([self._gallery, self._path, ipywidgets.HBox([self._upload, self._unit])])

@@ -23,6 +23,8 @@ TEMPLATES = {"light": "plotly_white", "dark": "plotly_dark"}
 PAPER = {"light": "#ffffff", "dark": "#26272b"}
 INK, FAINT = "#1f7a8c", "rgba(140,140,140,0.45)"
 LANE, STRESS, CURVE, MARGINS = 24, 120, 90, 64  # heights [pixels]
+NARROW = 52
+"""Letters of a line that fit the narrowest timeline."""
 
 Rows = Sequence[Row]
 
@@ -104,9 +106,10 @@ def _prospect(plan: Plan | None) -> list[str]:
     """Text shown before a run, in lines."""
     later = "Verdicts, peak stress against its limit and the style loss will appear here."
     if plan is None:
-        return ["Nothing has run yet.", later]
+        return ["Nothing has run yet.", *textwrap.wrap(later, NARROW)]
     where = "" if plan.certain else ", about there: the run decides"
-    return [f"Nothing has run yet. Hollow marks are to come: the unstylized part, then {plan.count}{where}.", later]
+    told = f"Nothing has run yet. Hollow marks are to come: the unstylized part, then {plan.count}{where}."
+    return [*textwrap.wrap(told, NARROW), *textwrap.wrap(later, NARROW)]
 
 
 def _planned(lane: str, places: Sequence[int]) -> dict[str, Any]:

@@ -87,6 +87,10 @@ class Orbit:
         azimuth = math.degrees(math.atan2(away[0], -away[1])) if level else self.seen.azimuth
         self._take(replace(self.seen, azimuth=azimuth, elevation=elevation, target=(x, y, z), distance=CLOSE * self.home.distance))
 
+    def look_like(self, other: Orbit) -> None:
+        """Stand where another camera stands."""
+        self._take(other.seen)
+
     def _take(self, seen: Camera) -> None:
         target = np.subtract(seen.target, self.home.target).tolist()
         self.three.position = (np.add(self._eye(seen), target)).tolist()

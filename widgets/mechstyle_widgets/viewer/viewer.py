@@ -145,6 +145,11 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             self._share_width()
             self._measure()
 
+    def look_from(self, other: Viewer) -> None:
+        """Look from where another view looks."""
+        self._orbit.look_like(other._orbit)  # noqa: SLF001 — of the same class
+        self._measure()
+
     def key(self, name: str, *, shift: bool = False, ctrl: bool = False) -> None:
         """What a key does while the view has the focus: arrows turn it, + and - come nearer and go farther, Home shows the whole part."""
         step = FINE if ctrl else COARSE
