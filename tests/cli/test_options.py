@@ -24,7 +24,7 @@ STYLED = (
     "--build-direction "
     "--relief --side --feature --nozzle --inside "
     "--amplitude --criterion --device --field --guidance --iterations --json --load --material -m --minimum-wall --orientations --poses "
-    "--prompt -p --protect --seed --set --standard --stylizer --window"
+    "--prompt -p --protect --seed --set --standard --stylizer --tilts --window"
 )
 RESTRAINED = "--base --control --every --normalisation --schedule --threshold"
 NAMES = {

@@ -12,6 +12,7 @@ import pytest
 from ipywidgets.widgets.widget_int import _BoundedInt
 
 from mechstyle_widgets.jupyter.closing import family
+from mechstyle_widgets.panels.take_away import TakeAway
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.studio import Studio
 from mechstyle_widgets.viewer.run_viewer import RunViewer
@@ -24,6 +25,7 @@ REGIONS = ("", "inside", "box 0 0 0 10 10 10", "sphere 900 0 0 1", "a circle", "
 FOLDERS = ("", "mine", "other")
 SMALL = {"vertices": (64, 100), "iterations": (6, 12)}
 """What a run of no time can have."""
+CHOICES = (ipywidgets.Dropdown, ipywidgets.ToggleButtons, ipywidgets.Select, ipywidgets.SelectionSlider)
 Action = tuple[str, Callable[[], None]]
 
 
@@ -31,7 +33,10 @@ Action = tuple[str, Callable[[], None]]
 def studio(tmp_path, monkeypatch, cube) -> Iterator[Studio]:
     monkeypatch.chdir(tmp_path)
     without_physics(monkeypatch)
+    monkeypatch.setattr(TakeAway, "_begin", lambda *_: None)  # a sheet has no volume; what is made is tested elsewhere
     made = Studio(cube, prompt="brick", schedule="every", every=4, iterations=12, vertices=64)
+    for group in made._groups:
+        group.unfolded = True
     yield made
     made.close()
 
@@ -50,35 +55,47 @@ def text_for(widget: Any, rng: random.Random) -> str:
 
 def action_on(widget: Any, rng: random.Random) -> Action | None:
     """What the mouse or the keyboard may do to a control; None for what is none, or is out of reach."""
-    if getattr(widget, "disabled", False) or getattr(getattr(widget, "layout", None), "display", None) == "none":
+    if getattr(widget, "disabled", False) or isinstance(widget, ipywidgets.FileUpload):
         return None
     name = f"{type(widget).__name__} {getattr(widget, 'description', '') or getattr(widget, 'tooltip', '')}"
-    if isinstance(widget, ipywidgets.FileUpload):
-        return None
     if isinstance(widget, ipywidgets.Button):
         return f"press {name}", widget.click
     if isinstance(widget, ipywidgets.ToggleButton | ipywidgets.Checkbox):
         return f"switch {name}", lambda: send(widget, not widget.value)
-    if isinstance(widget, ipywidgets.Dropdown | ipywidgets.ToggleButtons | ipywidgets.Select | ipywidgets.SelectionSlider) and widget.options:
+    if isinstance(widget, CHOICES) and widget.options:
         chosen = rng.randrange(len(widget.options))
         return f"choose {chosen} of {name}", lambda: send(widget, chosen)
+    given = value_for(widget, rng)
+    return None if given is None else (f"set {name} to {given!r}", lambda: send(widget, given))
+
+
+def value_for(widget: Any, rng: random.Random) -> Any:
+    """A text or a number that a control may be given; None for what takes neither."""
     if isinstance(widget, ipywidgets.Text | ipywidgets.Textarea):
-        words = text_for(widget, rng)
-        return f"write {words!r} in {name}", lambda: send(widget, words)
+        return text_for(widget, rng)
+    return number_for(widget, rng) if hasattr(widget, "min") and hasattr(widget, "step") else None
+
+
+def number_for(widget: Any, rng: random.Random) -> float:
     if isinstance(widget, ipywidgets.FloatLogSlider):
-        value = widget.base ** rng.uniform(widget.min, widget.max)
-    elif isinstance(widget, _BoundedInt):
-        value = rng.choice(SMALL.get(widget.description, (widget.min, rng.randint(widget.min, min(widget.max, 40)))))
-    elif hasattr(widget, "min") and hasattr(widget, "step"):
-        value = round(rng.uniform(widget.min, min(widget.max, 2000.0)), 2)
-    else:
-        return None
-    return f"set {name} to {value:g}", lambda: send(widget, value)
+        return widget.base ** rng.uniform(widget.min, widget.max)
+    if isinstance(widget, _BoundedInt):
+        return rng.choice(SMALL.get(widget.description, (widget.min, rng.randint(widget.min, min(widget.max, 40)))))
+    return round(rng.uniform(widget.min, min(widget.max, 2000.0)), 2)
+
+
+def within_reach(widget: Any) -> Iterator[Any]:
+    """The widget and what is in it, but for what is hidden."""
+    look = getattr(widget, "layout", None)
+    if isinstance(look, ipywidgets.Layout) and look.display != "none" and not isinstance(widget, ipywidgets.FloatProgress):
+        yield widget
+        for child in getattr(widget, "children", ()):
+            yield from within_reach(child)
 
 
 def controls(studio: Studio) -> list[Any]:
     """All that can be pressed, chosen or written now; pictures are many and alike, so each grid of them counts as a few."""
-    found = [one for one in family(studio) if isinstance(one, ipywidgets.DOMWidget) and "progress" not in type(one).__name__.lower()]
+    found = list(within_reach(studio))
     pictures = [one for one in found if any("mechstyle-model-" in c or "mechstyle-style-" in c for c in getattr(one, "_dom_classes", ()))]
     return [one for one in found if one not in pictures] + pictures[:2] + pictures[-3:]
 

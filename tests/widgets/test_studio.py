@@ -170,6 +170,20 @@ def test_a_run_opens_with_its_settings_and_its_newest_iteration(done):
 
 
 @pytest.mark.usefixtures("unprotected")
+def test_one_button_is_filled_and_it_leads_on(done):
+    def filled(studio):
+        return studio.run_controls._buttons["run"].button_style, studio.take_away.main.button_style
+
+    assert filled(Studio("gallery:wall_hook")) == ("primary", "")
+    studio = Studio(done)
+    assert filled(studio) == ("", "primary")
+    studio.prompt_box.prompt = "stone"
+    assert filled(studio) == ("primary", "")
+    studio.prompt_box.prompt = "brick"
+    assert filled(studio) == ("", "primary")
+
+
+@pytest.mark.usefixtures("unprotected")
 def test_a_lane_of_it_can_be_named(done):
     studio = Studio(f"{done.store.root}@soft")
     assert studio.run.recipe.control == "linear"

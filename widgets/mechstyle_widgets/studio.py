@@ -25,6 +25,7 @@ from mechstyle_widgets.jupyter.frame import Frame
 from mechstyle_widgets.panels.branches import Branches
 from mechstyle_widgets.panels.mask_inspector import MaskInspector
 from mechstyle_widgets.panels.run_controls import RunControls
+from mechstyle_widgets.panels.take_away import TakeAway
 from mechstyle_widgets.settings.brush import covered, paintable
 from mechstyle_widgets.settings.control import ControlSelector
 from mechstyle_widgets.settings.drop import DropOptions
@@ -97,11 +98,12 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._make_sections("" if run is not None else part, settings)
         self._changed()  # the timeline begins with the plan: what a figure is told before a page shows it may get lost
         self.frame, self._size = Frame(), SIZE
+        self.take_away = TakeAway(self.state, self.frame)
         self.previewer = Previewer(self._arrived, self._not_drawn)
         self._middle = _box([], "mechstyle-view")
         self.theme = theme
         self._timeline = Timeline(self.state, theme=self.shown_theme, width=SIZE[0])
-        super().__init__([_box([self.run_controls, self.frame], "mechstyle-bar"), self._body()])
+        super().__init__([_box([self.run_controls, self.take_away, self.frame], "mechstyle-bar"), self._body()])
         self.add_class("mechstyle-studio")
         self.frame.observe(self._fit, "size")
         self.frame.observe(self._relight, "dark")
@@ -120,6 +122,9 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             self.state.open(run)
         self._other_part()
         self.state.observe(self._preview, "settings")
+        self.state.observe(self._emphasise, ("settings", "status", "run"))
+        self.part_picker.observe(self._emphasise, "mesh")
+        self._emphasise()
 
     def __repr__(self) -> str:
         """The run and the iteration shown."""
@@ -271,6 +276,15 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         width, height = self._size
         return make(what, theme=self.shown_theme, width=width, height=height)
 
+    def _emphasise(self, _change: object = None) -> None:
+        """Fill the one button that leads on: running, or, once the part is done, taking it away."""
+        try:
+            done = self.state.status == "finished" and not self.controller.asks_for_another()
+        except MechStyleError:  # what is wrong is said where it is set
+            done = False
+        self.take_away.main.button_style = "primary" if done else ""
+        self.run_controls.emphasise(not done)
+
     # what the page tells
 
     @property
@@ -280,7 +294,8 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
 
     def _fit(self, _change: object) -> None:
         """Take the room there is."""
-        width, height = self._size = tuple(self.frame.size)
+        width, height = self.frame.size
+        self._size = width, height
         if self._viewer is not None:
             self._viewer.resize(width, height)
         if self._timeline is not None:
@@ -294,9 +309,9 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             self.controller.step()
         elif key == "n":
             self.branches.branch()
-        elif key == "c":
+        elif key == "c" and self.state.checkpoint is not None:
             self.branches.pin()
-        elif self._viewer is not None and self._viewer.subject.layer(LAYERS[key]) or key == "1":
+        elif self._viewer is not None and (key == "1" or self._viewer.subject.layer(LAYERS.get(key, "")) is not None):
             self._viewer.layer = LAYERS[key]
 
     # the style before it is run
@@ -317,15 +332,15 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
 
     def _arrived(self, preview: Preview) -> None:
         """A style was drawn: show it on the part, from where one looks now."""
-        old = self._viewer
-        if not isinstance(old, PartViewer):
-            return
-        if old.at_rest is not preview.shape.surface:
-            viewer = self._made(PartViewer, preview.shape.surface)
-            viewer.look_from(old)
-            self._show(viewer)
         viewer = self._viewer
-        assert isinstance(viewer, PartViewer), "it was made above, or was one before"
+        if not isinstance(viewer, PartViewer):
+            return
+        if viewer.at_rest is not preview.shape.surface:
+            width, height = self._size
+            finer = PartViewer(preview.shape.surface, theme=self.shown_theme, width=width, height=height)
+            finer.look_from(viewer)
+            self._show(finer)
+            viewer = finer
         if preview.style is None:
             viewer.take_off()
             return

@@ -51,7 +51,12 @@ def test_hovering_tells_reason_verdict_and_figures(state):
 
 def test_a_branch_starts_where_it_forks_on_its_parents_line(timeline):
     lines = list(zip(trace(timeline, LANES).x, trace(timeline, LANES).y, strict=True))
-    assert lines == [(0, "main"), (12, "main"), (None, None), (6, "main"), (6, "soft"), (7, "soft"), (12, "soft"), (None, None)]
+    assert lines == [(0, "main"), (12, "main"), (None, "main"), (6, "main"), (6, "soft"), (7, "soft"), (12, "soft"), (None, "soft")]
+
+
+def test_the_axis_of_lanes_is_one_of_names_before_a_run_as_well():
+    timeline = Timeline(StudioState(settings=ASKED))
+    assert set(trace(timeline, LANES).y) == {"main"}, "plotly would take it for an axis of numbers, on which no mark is seen"
 
 
 def test_the_peak_stands_beside_its_limit(timeline, state):
@@ -132,7 +137,7 @@ ASKED = {"schedule": "every", "every": 5, "travel": 0.1, "iterations": 20, "reli
 
 
 def sentence(timeline):
-    return timeline._figure.layout.annotations[0].text
+    return timeline._figure.layout.annotations[0].text.replace("<br>", " ")
 
 
 def test_before_there_is_a_run_it_says_what_will_appear():

@@ -18,7 +18,7 @@ class Frame(anywidget.AnyWidget):
     """Somewhere in a box of the class `mechstyle-studio`: a button for the whole screen, and eyes and ears for the kernel.
 
     Attributes:
-        size: Width of the element of the class `mechstyle-view`, and the height that a view in it should have [pixels]; () until it is known.
+        size: Width of the element of the class `mechstyle-view` and the height for a view in it [pixels]; empty until they are known.
         dark: Whether the notebook's theme is dark.
     """
 
@@ -27,13 +27,17 @@ class Frame(anywidget.AnyWidget):
     dark = traitlets.Bool(False).tag(sync=True)
 
     def on_key(self, place: str, call: Callable[..., None]) -> None:
-        """Call back with the name of every key that is pressed in a place, `view` or `studio`; for a view, with `shift` and `ctrl` as well."""
+        """Call back with the name of every key pressed in a place, `view` or `studio`; for a view, with `shift` and `ctrl`, too."""
 
         def hear(_widget: Any, message: Any, _buffers: Any) -> None:
             if isinstance(message, dict) and message.get("kind") == place:
                 call(str(message.get("key", "")), **{name: bool(message[name]) for name in ("shift", "ctrl") if name in message})
 
         self.on_msg(hear)
+
+    def copy(self, text: str) -> None:
+        """Put a text where the page keeps what was copied, if the browser lets it."""
+        self.send({"kind": "text", "text": text})
 
     def hand_over(self, name: str, data: bytes, media_type: str = "application/octet-stream") -> None:
         """Let the page save a file."""

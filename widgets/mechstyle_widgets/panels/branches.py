@@ -19,7 +19,6 @@ from mechstyle_widgets.state.controller import Controller
 from mechstyle_widgets.state.outcomes import LOOKS
 
 
-
 class Branches(Section):
     """Choose a lane, branch from the iteration on show, compare two iterations.
 

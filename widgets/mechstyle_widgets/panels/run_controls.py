@@ -53,6 +53,10 @@ class RunControls(Section):
         self.state.observe(self._show, ("status", "stage", "step", "fraction", "seconds_left", "message", "iterations_done", "run"))
         self._show()
 
+    def emphasise(self, filled: bool) -> None:
+        """Fill the run button, or leave that to another."""
+        self._buttons["run"].button_style = "primary" if filled else ""
+
     def _button(self, icon: str, words: str, tooltip: str, look: str = "", width: str = "44px") -> ipywidgets.Button:
         return ipywidgets.Button(icon=icon, description=words, tooltip=tooltip, button_style=look, layout={"width": width})
 

@@ -121,10 +121,11 @@ def _planned(lane: str, places: Sequence[int]) -> dict[str, Any]:
 def _lanes(own: Mapping[str, Rows], forks: Mapping[str, tuple[int, str]]) -> list[dict[str, Any]]:
     """The lines of the lanes from where they fork, their iterations, and their simulations by verdict."""
     flat = [(name, row) for name, rows in own.items() for row in rows]
-    lines: list[tuple[float | None, str | None]] = []
+    lines: list[tuple[float | None, str]] = []
     for name, rows in own.items():
         start = [forks[name], (forks[name][0], name)] if name in forks else []
-        lines += start + [(row.iteration, name) for row in (*rows[:1], *rows[-1:])] + [(None, None)]
+        gap = (None, name)  # with its name: plotly tells the kind of an axis anew from the first values it meets, and none are no names
+        lines += [*start, *((row.iteration, name) for row in (*rows[:1], *rows[-1:])), gap]
     traces = [{"x": [x for x, _ in lines], "y": [y for _, y in lines]}, {**_marks(flat), "marker": {"size": 16, "opacity": 0.0}}]
     for word, look in LOOKS.items():
         of_this = _marks([(name, row) for name, row in flat if row.word == word])

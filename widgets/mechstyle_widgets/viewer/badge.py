@@ -18,7 +18,8 @@ from mechstyle_widgets.state.studio_state import StudioState
 SHEET = """<style>
 .mechstyle-stage { position: relative; overflow: hidden; }
 .mechstyle-badge { position: absolute; top: 8px; left: 8px; z-index: 1; max-width: calc(100% - 16px); width: auto; padding: 6px 10px;
-  gap: 2px 12px; overflow: visible; display: flex !important; flex-flow: row wrap; align-items: flex-end; border-radius: 4px; pointer-events: none; background: var(--jp-layout-color0, #fff);
+  gap: 2px 12px; overflow: visible; display: flex !important; flex-flow: row wrap; align-items: flex-end; border-radius: 4px;
+  pointer-events: none; background: var(--jp-layout-color0, #fff);
   border: 1px solid var(--jp-border-color2, #ddd); color: var(--jp-ui-font-color1, #222); }
 .mechstyle-badge[style*="none"] { display: none !important; }
 .mechstyle-badge .widget-html, .mechstyle-badge .widget-html-content { height: auto; margin: 0; line-height: 1.45; font-size: 13px;
@@ -26,9 +27,15 @@ SHEET = """<style>
 .mechstyle-badge b { font-size: 18px; font-variant-numeric: tabular-nums; margin: 0 4px 0 8px; }
 .mechstyle-badge .mechstyle-outcome { display: inline-block; padding: 1px 8px; border-radius: 3px; font-weight: 600; }
 .mechstyle-badge small { font-size: 12px; }
-.mechstyle-badge .widget-button { pointer-events: auto; width: auto; height: 24px; line-height: 22px; margin: 0; padding: 0 8px; font-size: 12px; }
+.mechstyle-badge .widget-button { pointer-events: auto; width: auto; height: 24px; line-height: 22px; margin: 0; padding: 0 8px;
+  font-size: 12px; }
 </style>"""
-RULES = {"as_placed": "dropped as it stands", "tilted": "landing tilted by 3°", "all_orientations": "of all landings", "literal": "as published"}
+RULES = {
+    "as_placed": "dropped as it stands",
+    "tilted": "landing tilted by 3°",
+    "all_orientations": "of all landings",
+    "literal": "as published",
+}
 """Where the tightest of the rules looks."""
 
 

@@ -147,7 +147,7 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
 
     def look_from(self, other: Viewer) -> None:
         """Look from where another view looks."""
-        self._orbit.look_like(other._orbit)  # noqa: SLF001 — of the same class
+        self._orbit.look_like(other._orbit)
         self._measure()
 
     def key(self, name: str, *, shift: bool = False, ctrl: bool = False) -> None:

@@ -6,6 +6,7 @@ const FIELDS = "input:not([type=range], [type=checkbox]), textarea, select, [con
 
 function initialize({ model }) {
   model.on("msg:custom", (message, buffers) => {
+    if (message.kind === "text") navigator.clipboard?.writeText(message.text).catch(() => {}); // the page shows it as well
     if (message.kind !== "file") return;
     const address = URL.createObjectURL(new Blob(buffers, { type: message.type }));
     const link = Object.assign(document.createElement("a"), { href: address, download: message.name });
