@@ -6,6 +6,9 @@ import pytest
 from mechstyle.errors import BadInput
 from mechstyle.records.load_cases import Load, LoadCase, Support
 from mechstyle.runs.run import Run
+from mechstyle.runs.stylizers import FinishedStyle
+from mechstyle.simulation.part import Shape
+from mechstyle_widgets.state.preview import Preview
 from mechstyle_widgets.studio import Studio
 from mechstyle_widgets.viewer.run_viewer import RunViewer
 
@@ -106,6 +109,29 @@ def test_what_is_painted_is_hatched_at_once_and_reaches_the_recipe():
     viewer._clicks(place)
     assert studio.wanted().recipe.protect == ()
     assert not viewer.protected.any()
+
+
+def test_a_preview_is_shown_on_the_part_with_what_stays_plain_until_it_cannot_be_drawn():
+    studio = Studio("gallery:wall_hook")
+    surface = studio.part_picker.mesh
+    count = len(surface.vertices)
+    spared = np.arange(count) < 9
+    style = FinishedStyle(np.full(count, 0.5, np.float32), np.full((count, 3), 0.2), spared, ())
+    studio._viewer.fit("top")
+    studio._arrived(Preview(Shape(surface, np.full(count, 8.0, np.float32)), style, 0.4))
+    viewer = studio._viewer
+    assert viewer.at_rest is surface
+    assert viewer._orbit.seen.elevation == pytest.approx(90.0, abs=0.1)
+    np.testing.assert_allclose(viewer.subject.mesh.vertices, surface.displaced(style.relief).vertices)
+    np.testing.assert_array_equal(viewer.protected, spared)
+    assert "NOT TESTED" in viewer.badge._words.value
+    viewer.beside = True
+    np.testing.assert_allclose(viewer.original.mesh.vertices, surface.vertices)
+    studio.prompt_box.prompt = "nonsense"
+    assert viewer.subject.mesh is surface
+    assert viewer.badge.layout.display == "none"
+    studio._not_drawn("ask for 500 vertices")
+    assert "ask for 500 vertices" in viewer.badge._words.value
 
 
 def test_a_place_off_the_part_is_said():

@@ -342,7 +342,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             self._show(finer)
             viewer = finer
         if preview.style is None:
-            viewer.take_off()
+            viewer.take_off("Only running it tells what this comes to")
             return
         viewer.put_on(preview.surface, f"Changes as you choose · drawn in {preview.seconds:.1f} s")
         viewer.protected = preview.style.spared
@@ -350,8 +350,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     def _not_drawn(self, why: str) -> None:
         """A style cannot be drawn on this part."""
         if isinstance(self._viewer, PartViewer):
-            self._viewer.take_off()
-            self.prompt_box.complain(why)
+            self._viewer.take_off(why)
 
     def _hatch(self, _change: object = None) -> None:
         """Show on the part what is painted or written as a protected region."""

@@ -28,7 +28,7 @@ class PartViewer(Viewer):
         self.subject, self.original = Subject(styled), Subject(self._rest)
         self.badge.say(untested("Preview", more))
 
-    def take_off(self) -> None:
-        """Show the part as it came."""
+    def take_off(self, why: str = "") -> None:
+        """Show the part as it came, and say why if there is a reason."""
         self.subject, self.original = Subject(self._rest), None
-        self.badge.say("")
+        self.badge.say(untested("No preview", why) if why else "")
