@@ -25,7 +25,11 @@ def ablation_command(
     ] = None,
     amplitudes: Annotated[
         list[float] | None,
-        typer.Option("--amplitude", help="Relief height over local wall thickness. May be given several times.", rich_help_panel=STYLE),
+        typer.Option(
+            "--amplitude",
+            help="Half the relief's depth over local wall thickness; unless told, the default depth. May be given several times.",
+            rich_help_panel=STYLE,
+        ),
     ] = None,
     arms: Annotated[
         list[str] | None, typer.Option("--arm", help="freestyle, static, masks, full or finish-first; all of them unless told.")
@@ -43,7 +47,7 @@ def ablation_command(
     with telling(len(models) * len(wanted) * len(amplitudes or [0]), quiet=as_json) as teller:
         teller.stage("running")
         found = ablation(
-            models, wanted, folder, amplitudes=amplitudes or [0.15], arms=arms or list(ARMS), vertices=vertices, device=device, jobs=jobs,
+            models, wanted, folder, amplitudes=amplitudes or [None], arms=arms or list(ARMS), vertices=vertices, device=device, jobs=jobs,
             tell=lambda words: teller.step(escape(words)), **settings,
         )  # fmt: skip
     files = found.save(folder)

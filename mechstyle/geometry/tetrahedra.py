@@ -16,12 +16,14 @@ from scipy.sparse.csgraph import connected_components, reverse_cuthill_mckee
 
 from mechstyle._files import write_whole
 from mechstyle.errors import BadInput, MechStyleError, SimulationFailed
+from mechstyle.geometry.degenerate import without_degenerate
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.geometry.remesh import even_edge, manifold_of, remeshed
+from mechstyle.geometry.tet_improvement import improved
 from mechstyle.geometry.tetwild import Settings, tetwild
 from mechstyle.records.mesh import Floats, Indices, SurfaceMesh, TetMesh, digest_of
 
-VERSION = "6"  # of what is cached: raise it when the result for the same input may change
+VERSION = "7"  # of what is cached: raise it when the result for the same input may change
 FEWEST, MOST = 500, 400_000
 RUNS = 3
 LEAST_COUNT, MOST_COUNT = 0.6, 1.6  # of the target
@@ -29,23 +31,24 @@ VOLUME_ERROR = 0.03
 PINCHED = 1e-3  # of the boundary's edges, at which it may touch itself
 # The rest in walls, a wall being 2 V / A: what a part is thick on average.
 LOOSE = 0.08  # the input may leave the surface by this (99.9th percentile) ...
-ENVELOPE, WIDEST = 0.04, 6e-4  # ... and fTetWild's boundary its input by this, or by 0.6 ‰ of the diagonal if that is less
+ENVELOPE, WIDEST = 0.04, 6e-4  # ... and fTetWild's boundary its input by this, or 0.6 ‰ of the diagonal if that is less; improving as much
 DEVIATION = 0.3  # together they may lose no detail larger than this
 FINEST = 20_000  # faces, about, of the finest input; thin parts of much detail would ask for more than can be meshed in a minute
-KEPT = 24_000  # faces, at most, of an input that keeps its triangles: with 16 000 a wall hook's bricks are carried to 0.85, so to 0.92
+LOW = 0.2  # of an even triangle's edge: triangles lower than that make slivers, which cost steps, and carry no relief
+KEPT = 24_000  # faces, at most, of an input that keeps its triangles: with 18 000 a wall hook's bricks are carried to 0.87, so to 0.91
 FLAT = 0.05  # mm above the floor within which a vertex on a flat base is set down onto it
 
 
 def tetrahedralise(
-    surface: SurfaceMesh, target: int = 16_000, *, keep: bool = False, timeout: float = 300.0, cache: Path | None = None
+    surface: SurfaceMesh, target: int = 16_000, *, keep: SurfaceMesh | None = None, timeout: float = 300.0, cache: Path | None = None
 ) -> TetMesh:
     """Tetrahedra of about the wished number inside a closed surface.
 
     Args:
         surface: A closed surface.
         target: Tetrahedra wanted, 500 to 400 000; -40 % to +60 % is accepted, and fine detail may ask for more.
-        keep: Whether to keep the triangles of the surface, which carry its relief, up to KEPT of them; else they become as large as the
-            target asks for and the detail allows.
+        keep: The surface with its relief exaggerated, vertex by vertex. Its triangles are kept, those that this one needs most if there
+            are more than KEPT of them; without it they become as large as the target asks for and the detail allows.
         timeout: Most time for one run of fTetWild [s]; there are one or two, three at most.
         cache: Folder of earlier results by content, or None. fTetWild gives another mesh every time, so that only a kept one
             makes a run repeatable.
@@ -58,7 +61,7 @@ def tetrahedralise(
         SimulationFailed: If no mesh that passes the checks was found, saying what the last one failed.
     """
     _check(surface, target)
-    digest = digest_of(surface.vertices, surface.faces, np.array([target, *([1] if keep else [])]))
+    digest = digest_of(surface.vertices, surface.faces, np.array([target]), *([] if keep is None else [keep.vertices]))
     file = None if cache is None else Path(cache) / f"{digest[:32]}-{VERSION}.npz"
     if file is not None and (kept := _read(file)) is not None:
         return kept
@@ -93,7 +96,7 @@ class Attempt(NamedTuple):
     detailed: bool
 
 
-def _meshed(surface: SurfaceMesh, target: int, timeout: float, *, keep: bool) -> TetMesh:
+def _meshed(surface: SurfaceMesh, target: int, timeout: float, *, keep: SurfaceMesh | None) -> TetMesh:
     """Run fTetWild until count and checks are met, aiming lower or higher or sharpening the tolerances, at most RUNS times.
 
     A mesh of the wrong size is better than none: after one correction the nearest count is taken, and at once if the surface's detail is
@@ -115,14 +118,17 @@ def _meshed(surface: SurfaceMesh, target: int, timeout: float, *, keep: bool) ->
     return min(sound, key=lambda tets: abs(math.log(len(tets.tets) / target)))
 
 
-def _attempt(surface: SurfaceMesh, aim: float, sharpness: float, timeout: float, *, keep: bool) -> Attempt:
+def _attempt(surface: SurfaceMesh, aim: float, sharpness: float, timeout: float, *, keep: SurfaceMesh | None) -> Attempt:
     wall = 2.0 * surface.volume / float(surface.face_areas.sum())
-    epsilon = (0.5 if keep else 1.0) * sharpness * min(ENVELOPE * wall, WIDEST * surface.size)
-    even = _kept(surface) if keep else _evened(surface, _first_edge(surface, aim), sharpness * LOOSE * wall)
+    tolerance = sharpness * min(ENVELOPE * wall, WIDEST * surface.size)
+    epsilon = (1.0 if keep is None else 0.5) * tolerance
+    even = _evened(surface, _first_edge(surface, aim), sharpness * LOOSE * wall) if keep is None else _kept(surface, keep)
     edge = _edge(surface.volume, len(even.faces), aim)
     found = _tidied(*tetwild(even.vertices, even.faces, Settings(edge, epsilon / surface.size), timeout=timeout))
     settled = _set_down(surface, found, max(FLAT, 1.5 * epsilon))
-    return Attempt(settled, _fault(surface, settled, DEVIATION * wall), detailed=0.5 * len(even.faces) > aim)
+    better = improved(settled, reach=tolerance, floor=float(surface.vertices[:, 2].min()))
+    tets = _tidied(better.vertices, better.tets)
+    return Attempt(tets, _fault(surface, tets, DEVIATION * wall), detailed=0.5 * len(even.faces) > aim)
 
 
 def _edge(volume: float, faces: int, aim: float) -> float:
@@ -140,19 +146,26 @@ def _first_edge(surface: SurfaceMesh, aim: float) -> float:
     return float(roots[np.isreal(roots)].real.max())
 
 
-def _kept(surface: SurfaceMesh) -> SurfaceMesh:
-    """The surface in its own triangles, of too many those that its relief needs least given up (Garland and Heckbert 1997).
+def _kept(surface: SurfaceMesh, exaggerated: SurfaceMesh) -> SurfaceMesh:
+    """The surface in its own triangles; of too many, those that its exaggerated relief needs least are given up. Low ones go in any case.
 
     Even triangles of the same number round the edges of a relief off.
     """
-    if len(surface.faces) <= KEPT:
-        return surface
+    fewer = _decimated(surface, exaggerated) if len(surface.faces) > KEPT else surface
+    edge = math.sqrt(4.0 / math.sqrt(3.0) * float(fewer.face_areas.mean()))
+    return without_degenerate(fewer, LOW * edge)
+
+
+def _decimated(surface: SurfaceMesh, exaggerated: SurfaceMesh) -> SurfaceMesh:
+    """The surface in KEPT triangles, chosen by quadrics (Garland and Heckbert 1997), or itself if it does not stay closed in them."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         from gpytoolbox import decimate  # noqa: PLC0415 (importing it warns of its own use of SciPy)
 
-        vertices, faces, _, _ = decimate(surface.vertices.copy(), surface.faces.copy(), num_faces=KEPT, method="qslim")
-    fewer = SurfaceMesh(vertices, faces)
+        vertices, faces, _, _ = decimate(exaggerated.vertices.copy(), exaggerated.faces.copy(), num_faces=KEPT, method="qslim")
+    there = TriangleTree(exaggerated.vertices, exaggerated.faces).nearest(vertices)
+    stretch = (exaggerated.vertices - surface.vertices)[surface.faces[there.face]]
+    fewer = SurfaceMesh(vertices - np.einsum("vi,vij->vj", there.weights, stretch), faces)
     return fewer if fewer.is_closed else surface
 
 

@@ -19,6 +19,8 @@ TETS_PER_KEPT_VERTEX = 2.0
 and a half."""
 HALF = np.float32(0.5)
 """Share of the relief that tetrahedra are made for: from there the way to none and to all of it turns the fewest inside out."""
+EXAGGERATED = np.float32(2.0)
+"""Share of the relief by which triangles are chosen to be kept: as many then carry 0.915 instead of 0.90 of a pen holder's bricks."""
 LEAST_CARRIED = 0.9
 """Share of a relief that tetrahedra must follow to judge it."""
 
@@ -55,8 +57,8 @@ def carrying(surface: SurfaceMesh, relief: NDArray[np.float32]) -> tuple[TetMesh
     Raises:
         SimulationFailed: If the surface with half of the relief cannot be meshed.
     """
-    half = (HALF * relief).astype(np.float32)
-    return tetrahedralise(surface.displaced(half), _count(surface), keep=True, cache=cache_folder() / "tets"), half
+    half, exaggerated = (HALF * relief).astype(np.float32), surface.displaced(EXAGGERATED * relief)
+    return tetrahedralise(surface.displaced(half), _count(surface), keep=exaggerated, cache=cache_folder() / "tets"), half
 
 
 def at_rest(surface: SurfaceMesh) -> TetMesh:

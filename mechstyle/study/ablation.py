@@ -63,7 +63,7 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
     Attributes:
         part: The model.
         prompt: The style.
-        amplitude: Relief height over local wall thickness.
+        amplitude: Half the relief's depth over local wall thickness; None for the depth that is the default.
         arm: One of `ARMS`.
         verdict: VIABLE, FAILS, UNKNOWN, or "" for a run that was refused.
         marginal: Whether a rule that counts is too close to its limit to be sure.
@@ -78,7 +78,7 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
 
     part: str
     prompt: str
-    amplitude: float
+    amplitude: float | None
     arm: str
     verdict: str = ""
     marginal: bool = False
@@ -102,7 +102,7 @@ class Cell(msgspec.Struct, frozen=True, kw_only=True):
     Attributes:
         model: A file or `gallery:NAME`.
         prompt: The style.
-        amplitude: Relief height over local wall thickness.
+        amplitude: Half the relief's depth over local wall thickness; None for the depth that is the default.
         arms: Names of `ARMS`.
         out: Folder of the runs.
         vertices: Vertices of the standardised surface.
@@ -112,7 +112,7 @@ class Cell(msgspec.Struct, frozen=True, kw_only=True):
 
     model: str
     prompt: str
-    amplitude: float
+    amplitude: float | None
     arms: tuple[str, ...]
     out: str
     vertices: int
@@ -126,8 +126,9 @@ class Cell(msgspec.Struct, frozen=True, kw_only=True):
     def _row(self, arm: str) -> Row:
         part = Path(self.model.removeprefix("gallery:")).stem
         known: dict[str, Any] = {"prompt": self.prompt, "amplitude": self.amplitude, "arm": arm}
-        folder = Path(self.out) / f"{part}-{'-'.join(self.prompt.split())}-{self.amplitude:g}" / arm
-        settings = {**self.settings, "amplitude": self.amplitude, **ARMS[arm].settings}
+        folder = Path(self.out) / f"{part}-{'-'.join(self.prompt.split())}-{depth_of(self.amplitude)}" / arm
+        deep = {} if self.amplitude is None else {"amplitude": self.amplitude}
+        settings = {**self.settings, **deep, **ARMS[arm].settings}
         try:
             run = stylize(
                 load(self.model), self.prompt, name=part, out=folder, vertices=self.vertices, device=self.device, **settings
@@ -135,6 +136,16 @@ class Cell(msgspec.Struct, frozen=True, kw_only=True):
         except MechStyleError as error:
             return Row(part=part, **known, refused=str(error))
         return row_of(run, part=part, **known)
+
+
+def depth_of(amplitude: float | None) -> str:
+    """A depth in words: "default", or half of it over the wall."""
+    return "default" if amplitude is None else f"{amplitude:g}"
+
+
+def _depths(rows: Iterable[Row]) -> list[float | None]:
+    """The depths of rows, the default first."""
+    return sorted({row.amplitude for row in rows}, key=lambda amplitude: -1.0 if amplitude is None else amplitude)
 
 
 def row_of(run: Run, **known: Any) -> Row:
@@ -172,11 +183,11 @@ class Ablation:
         lines: list[tuple[str, ...]] = [
             ("depth", "arm", "runs", "viable", "as placed", "tilted", "all orientations", "marginal", "kept", "least", "simulations")
         ]
-        for amplitude in sorted({row.amplitude for row in self.rows}):
+        for amplitude in _depths(self.rows):
             for arm in ARMS:
                 told = [row for row in self.rows if (row.amplitude, row.arm) == (amplitude, arm) and not row.refused]
                 if told:
-                    lines.append((f"{amplitude:g}", arm, *_counted(told)))
+                    lines.append((depth_of(amplitude), arm, *_counted(told)))
         return lines
 
     def table(self) -> str:
@@ -192,11 +203,12 @@ class Ablation:
         from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415 — loaded when a picture is wanted
         from matplotlib.figure import Figure  # noqa: PLC0415
 
-        depths = sorted({row.amplitude for row in self.rows})
+        depths = _depths(self.rows)
         sheet = Figure(figsize=(2.0 + 4.2 * len(depths), 4.4), dpi=110, facecolor="white", layout="constrained")
         FigureCanvasAgg(sheet)
         for axes, depth in zip(sheet.subplots(1, len(depths), sharey=True, squeeze=False)[0], depths, strict=True):
-            _draw(axes, [row for row in self.rows if row.amplitude == depth and not row.refused], f"relief {depth:g} of the wall")
+            title = "default relief" if depth is None else f"relief {depth:g} of the wall"
+            _draw(axes, [row for row in self.rows if row.amplitude == depth and not row.refused], title)
         buffer = io.BytesIO()
         sheet.savefig(buffer, format="png", metadata={"Software": "MechStyle"})
         return Picture(buffer.getvalue())
@@ -214,7 +226,7 @@ def ablation(
     prompts: Iterable[str],
     out: str | Path,
     *,
-    amplitudes: Iterable[float] = (0.15,),
+    amplitudes: Iterable[float | None] = (None,),
     arms: Iterable[str] = tuple(ARMS),
     vertices: int = STANDARD_VERTICES,
     device: str = "auto",
@@ -228,7 +240,7 @@ def ablation(
         models: Files or `gallery:NAME`.
         prompts: Styles, in words.
         out: Folder for the runs.
-        amplitudes: Depths of the relief over local wall thickness.
+        amplitudes: Half the relief's depth over local wall thickness, for each depth; None is the depth that is the default.
         arms: Names of `ARMS`.
         vertices: Vertices of the standardised surface.
         device: `auto`, `cpu` or `cuda`.
@@ -251,9 +263,10 @@ def ablation(
     rows = []
     for cell, found in _carried_out(cells, jobs):
         outcomes = ", ".join(f"{row.arm} {row.verdict or row.refused}" for row in found)
-        tell(f"{cell.model} as {cell.prompt!r}, {cell.amplitude:g}: {outcomes}")
+        tell(f"{cell.model} as {cell.prompt!r}, depth {depth_of(cell.amplitude)}: {outcomes}")
         rows += found
-    return Ablation(sorted(rows, key=lambda row: (row.amplitude, row.part, row.prompt, list(ARMS).index(row.arm))))
+    depths = _depths(rows)
+    return Ablation(sorted(rows, key=lambda row: (depths.index(row.amplitude), row.part, row.prompt, list(ARMS).index(row.arm))))
 
 
 def _carried_out(cells: Sequence[Cell], jobs: int) -> Iterator[tuple[Cell, list[Row]]]:
@@ -300,7 +313,7 @@ def _counted(told: Sequence[Row]) -> tuple[str, ...]:
 
 
 def _line(row: Row) -> tuple[str, ...]:
-    known = (row.part, row.prompt, f"{row.amplitude:g}", row.arm)
+    known = (row.part, row.prompt, depth_of(row.amplitude), row.arm)
     if row.refused:
         return (*known, f"refused: {row.refused}", "", "", "", "", "")
     tilted, turned = (("–" if value is None else f"{value:.2f}") for value in (row.tilted, row.all_orientations))

@@ -122,7 +122,7 @@ def tile():
     """A 24 × 16 × 6 mm slab in even triangles, a brick-like relief all over it, and tetrahedra made for half of that."""
     slab = standardise(surface_of(Manifold.cube((24.0, 16.0, 6.0))), 1500)
     relief = bricks(slab)
-    return slab, relief, tetrahedralise(slab.displaced(0.5 * relief), 4000, keep=True)
+    return slab, relief, tetrahedralise(slab.displaced(0.5 * relief), 4000, keep=slab.displaced(2.0 * relief))
 
 
 def bricks(surface, height=0.6):
@@ -156,8 +156,8 @@ def test_without_relief_they_are_the_original(tile):
     result = Morph(slab, tets, 0.5 * relief).morphed(np.zeros_like(relief))
     outer = np.unique(tets.boundary_faces)
     off = TriangleTree(slab.vertices, slab.faces).nearest(result.tets.vertices[outer]).distance
-    assert np.quantile(off, 0.9) < 0.02
-    assert off.max() <= result.deviation + 0.02
+    assert np.quantile(off, 0.9) < 0.04, "fTetWild's envelope of 0.01 mm, and what vertices may be moved to make tetrahedra higher"
+    assert off.max() <= result.deviation + 0.05
 
 
 def test_what_is_reduced_is_reduced_towards_what_they_were_made_for(tile):

@@ -166,8 +166,8 @@ def test_too_many_for_the_detail_of_the_surface_are_not_corrected_but_too_few_ar
 
 
 def test_detail_is_more_faces_than_twice_the_tetrahedra_wished(cup):
-    assert module._attempt(cup, 600.0, 1.0, 300.0, keep=False).detailed
-    assert not module._attempt(cup, 3000.0, 1.0, 300.0, keep=False).detailed
+    assert module._attempt(cup, 600.0, 1.0, 300.0, keep=None).detailed
+    assert not module._attempt(cup, 3000.0, 1.0, 300.0, keep=None).detailed
 
 
 def test_a_correction_that_makes_it_worse_is_not_taken(cup, monkeypatch):
@@ -256,12 +256,14 @@ def test_the_first_edge_length_is_the_root_with_faces_of_that_edge(cup):
 
 def test_triangles_that_are_to_be_kept_are_kept_or_given_up_where_they_are_needed_least(block, monkeypatch):
     x, _, z = block.vertices.T
-    ridged = block.displaced(np.where(z > 19.9, 0.4 * np.sin(1.5 * x), 0.0))
-    assert module._kept(ridged) is ridged
+    relief = np.where(z > 19.9, 0.2 * np.sin(1.5 * x), 0.0)
+    ridged, exaggerated = block.displaced(0.5 * relief), block.displaced(4.0 * relief)
+    assert len(module._kept(ridged, exaggerated).faces) == len(ridged.faces)
     monkeypatch.setattr(module, "KEPT", len(ridged.faces) // 2)
-    fewer = module._kept(ridged)
+    fewer = module._kept(ridged, exaggerated)
     assert fewer.is_closed
     assert len(fewer.faces) <= module.KEPT
     assert fewer.volume == pytest.approx(ridged.volume, rel=0.01)
+    assert fewer.vertices[:, 2].max() == pytest.approx(ridged.vertices[:, 2].max(), abs=0.05), "as high as the surface, not as exaggerated"
     high = np.mean(fewer.vertices[:, 2] > 19.0), np.mean(ridged.vertices[:, 2] > 19.0)
     assert high[0] > 1.5 * high[1], "the flat sides can spare theirs"

@@ -46,6 +46,17 @@ def test_all_arms_get_the_same_part_style_depth_and_settings(monkeypatch, tmp_pa
     assert [(one.part, one.arm) for one in found.rows] == [("wall_hook", name) for name in ARMS]
 
 
+def test_unless_told_the_depth_is_the_default_one(monkeypatch, tmp_path):
+    asked = []
+    monkeypatch.setattr(module, "stylize", lambda *_, **settings: asked.append(settings) or lane_on_a_sheet(tmp_path / "sheet"))
+    found = ablation(["gallery:wall_hook"], ["brick"], tmp_path, arms=["static"])
+    assert "amplitude" not in asked[0]
+    assert asked[0]["out"] == tmp_path / "wall_hook-brick-default" / "static"
+    deeper = Ablation([row(amplitude=0.5), *found.rows])
+    assert [line[0] for line in deeper.summary()[1:]] == ["default", "0.5"]
+    assert "| brick | default | static |" in deeper.table()
+
+
 def test_a_refused_part_is_a_row_with_its_reason(tmp_path):
     found = ablation([str(tmp_path / "none.stl")], ["brick"], tmp_path / "out", arms=["static"])
     assert "none.stl" in found.rows[0].refused

@@ -1,0 +1,173 @@
+"""Tetrahedra made kinder to the time step of explicit integration: flat ones are peeled off the boundary, low ones made higher.
+
+The highest frequency of a linear tetrahedron grows with Σ 1/h² over its four heights (Σ |∇N|²), so that a few low ones among tens of
+thousands set the step for all. They lie at the boundary, where fTetWild has to follow the triangles it was given. Moving some hundred
+vertices by no more than the tolerance it worked to doubles the step (Freitag and Ollivier-Gooch 1997 improve meshes in the same way).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from mechstyle.records.mesh import Floats, Indices, TetMesh
+
+ACROSS = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
+"""Corners of the face across from each corner of a tetrahedron, counterclockwise from outside."""
+LOWEST = 0.03  # share of the tetrahedra that is made higher
+PASSES = (1.0, 0.5)  # reaches of a vertex, in turn: after the first pass others are the lowest
+INSIDE = 5.0  # reaches for a vertex inside, which no surface asks to stay
+ROUNDS = 150  # of the minimiser in a pass: it has converged, or wins no more than rounding does
+PEELED = 10  # rounds of peeling: a flat tetrahedron may lie under another one
+LEANING = 0.5  # cosine between the two boundary faces of a tetrahedron up to which peeling would cut an edge of the part off
+TURNED_OVER = 1e3  # the value of a mesh in which a tetrahedron has no volume; values are logarithms of a height over another one
+POWER = 2.0  # of Σ 1/h² in the mean that is made small: the higher, the more the very lowest count
+
+
+def improved(tets: TetMesh, *, reach: float, floor: float) -> TetMesh:
+    """Tetrahedra with the same connections, but for flat ones that are gone, whose lowest are higher.
+
+    Args:
+        tets: Positively oriented tetrahedra.
+        reach: Most a coordinate of a boundary vertex moves in the first pass [mm], half of it again in the second; of tetrahedra lower than
+            twice this, those are peeled off that lie flat under the boundary.
+        floor: Height [mm] of the plane that the part stands on; vertices in it stay in it.
+    """
+    peeled = _peeled(tets, 2.0 * reach)
+    for share in PASSES:
+        peeled = peeled.moved(_moved(peeled, share * reach, floor))
+    return peeled
+
+
+def heights(vertices: Floats, tets: Indices) -> Floats:
+    """Least height of tetrahedra [mm], shape [tet_count].
+
+    Args:
+        vertices: Vertices [mm], shape [vertex_count, 3].
+        tets: Positively oriented tetrahedra, shape [tet_count, 4].
+    """
+    volumes, normals = _volumes_and_normals(vertices[tets])
+    return np.asarray(6.0 * volumes / np.sqrt(_squares(normals)).max(axis=1))
+
+
+def _peeled(tets: TetMesh, low: float) -> TetMesh:
+    """Without tetrahedra lower than `low` [mm] of which two faces lie side by side, almost flat, in the boundary."""
+    kept = tets.tets
+    for _ in range(PEELED):
+        gone = _to_peel(tets.vertices, kept, low)
+        if not gone:
+            break
+        kept = np.delete(kept, gone, axis=0)
+    used, index = np.unique(kept, return_inverse=True)
+    return TetMesh(tets.vertices[used], index.reshape(-1, 4).astype(np.int32))
+
+
+def _to_peel(vertices: Floats, tets: Indices, low: float) -> list[int]:
+    """Tetrahedra that can be taken off together: no two share a vertex, and the edge that appears is not in the boundary yet."""
+    outer, edges = _boundary(tets)
+    height = heights(vertices, tets)
+    candidates = np.flatnonzero((outer.sum(axis=1) == 2) & (height < low))
+    _, normals = _volumes_and_normals(vertices[tets[candidates]])
+    gone: list[int] = []
+    touched: set[int] = set()
+    for number in np.argsort(height[candidates]):
+        corners = tets[candidates[number]]
+        across = np.flatnonzero(outer[candidates[number]])
+        one, other = normals[number, across]
+        if one @ other <= LEANING * np.linalg.norm(one) * np.linalg.norm(other):
+            continue
+        if tuple(sorted(corners[across].tolist())) in edges or touched & set(corners.tolist()):
+            continue
+        touched |= set(corners.tolist())
+        gone.append(int(candidates[number]))
+    return gone
+
+
+def _boundary(tets: Indices) -> tuple[NDArray[np.bool_], set[tuple[int, int]]]:
+    """Which faces of tetrahedra, by the corner across, are boundary, shape [tet_count, 4], and the boundary's edges, lower number first."""
+    faces = np.sort(tets[:, ACROSS].reshape(-1, 3), axis=1)
+    _, first, index, count = np.unique(faces, axis=0, return_index=True, return_inverse=True, return_counts=True)
+    outer = faces[first[count == 1]]
+    edges = outer[:, [0, 1, 1, 2, 0, 2]].reshape(-1, 2)
+    return (count[index.ravel()] == 1).reshape(-1, 4), {(int(a), int(b)) for a, b in edges}
+
+
+def _moved(tets: TetMesh, reach: float, floor: float) -> Floats:
+    """Vertices [mm] after the lowest tetrahedra were made higher, shape [vertex_count, 3]."""
+    height = heights(tets.vertices, tets.tets)
+    wanted = float(np.quantile(height, LOWEST))
+    free = np.unique(tets.tets[height <= wanted])
+    around = tets.tets[np.isin(tets.tets, free).any(axis=1)]
+    on_boundary = np.isin(free, tets.boundary_faces)
+    reaches = np.repeat(np.where(on_boundary, reach, INSIDE * reach)[:, None], 3, axis=1)
+    bounds = np.ones_like(reaches)
+    bounds[tets.vertices[free, 2] <= floor, 2] = 0.0
+    patch = _Patch(tets.vertices, around, free, reaches, wanted)
+    found = minimize(
+        patch.value, np.zeros(bounds.size), jac=True, method="L-BFGS-B",
+        bounds=np.stack([-bounds.ravel(), bounds.ravel()], axis=1), options={"maxiter": ROUNDS, "maxfun": 2 * ROUNDS},
+    )
+    return patch.moved(found.x)
+
+
+class _Patch(NamedTuple):
+    """Tetrahedra around vertices that may move.
+
+    Attributes:
+        vertices: All vertices [mm], shape [vertex_count, 3].
+        tets: The tetrahedra, shape [k, 4].
+        free: Vertices that may move, shape [m].
+        reaches: The unit in which their coordinates are counted [mm], shape [m, 3].
+        wanted: The height against which theirs are counted [mm].
+    """
+
+    vertices: Floats
+    tets: Indices
+    free: Indices
+    reaches: Floats
+    wanted: float
+
+    def moved(self, shift: Floats) -> Floats:
+        """All vertices [mm] with the free ones shifted, shape [vertex_count, 3]."""
+        vertices = self.vertices.copy()
+        vertices[self.free] += shift.reshape(-1, 3) * self.reaches
+        return vertices
+
+    def value(self, shift: Floats) -> tuple[float, Floats]:
+        """Logarithm of a power mean of Σ (wanted/h)² over the tetrahedra, and its gradient by the shift, shape [3 m]."""
+        vertices = self.moved(shift)
+        corners = vertices[self.tets]
+        volumes, normals = _volumes_and_normals(corners)
+        if volumes.min() <= 0.0:
+            return TURNED_OVER, np.zeros_like(shift)
+        inverse = self.wanted**2 / (36.0 * volumes**2)  # the normals are twice the faces' areas, and h = 3 V / A
+        squares = inverse * _squares(normals).sum(axis=1)
+        powers = squares**POWER
+        weights = powers / (squares * powers.sum())
+        gradient = np.zeros_like(corners)
+        for corner, (a, b, c) in enumerate(ACROSS):
+            normal = normals[:, corner]
+            scale = (2.0 * weights * inverse)[:, None]
+            by_b, by_c = scale * np.cross(corners[:, c] - corners[:, a], normal), scale * np.cross(normal, corners[:, b] - corners[:, a])
+            gradient[:, b] += by_b
+            gradient[:, c] += by_c
+            gradient[:, a] -= by_b + by_c
+            gradient[:, corner] += (weights * squares / (3.0 * volumes))[:, None] * normal  # dV = -n/6 for an outward normal n
+        total = np.zeros_like(vertices)
+        np.add.at(total, self.tets.ravel(), gradient.reshape(-1, 3))
+        return float(np.log(powers.sum()) / POWER), (total[self.free] * self.reaches).ravel()
+
+
+def _volumes_and_normals(corners: Floats) -> tuple[Floats, Floats]:
+    """Volumes [mm³], shape [k], and outward normals of the faces across, twice as long as these are large [mm²], shape [k, 4, 3]."""
+    sides = corners[:, 1:] - corners[:, :1]
+    volumes = np.einsum("ij,ij->i", np.cross(sides[:, 0], sides[:, 1]), sides[:, 2]) / 6.0
+    faces = corners[:, ACROSS]
+    return volumes, np.cross(faces[:, :, 1] - faces[:, :, 0], faces[:, :, 2] - faces[:, :, 0])
+
+
+def _squares(vectors: Floats) -> Floats:
+    return np.asarray(np.einsum("...i,...i->...", vectors, vectors))

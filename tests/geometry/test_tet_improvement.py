@@ -1,0 +1,68 @@
+import numpy as np
+import pytest
+from numpy.testing import assert_array_equal
+
+from mechstyle.geometry import tet_improvement as module
+from mechstyle.geometry.tet_improvement import heights, improved
+from mechstyle.records.mesh import TetMesh
+
+REGULAR = np.array([(1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)], np.float64)
+
+
+def test_the_height_of_a_tetrahedron_is_its_least():
+    flat = np.array([(0, 0, 0), (2, 0, 0), (0, 3, 0), (0.5, 0.5, 0.1)])
+    tets = np.array([(0, 1, 2, 3), (4, 6, 5, 7)])
+    both = TetMesh(np.vstack([flat, REGULAR]), tets)
+    assert heights(both.vertices, tets) == pytest.approx([0.1, 4 / np.sqrt(3)])
+
+
+@pytest.fixture
+def fan():
+    """Tetrahedra around a vertex that lies almost in a face across: a lattice cell with its centre moved."""
+    corners = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)], np.float64)
+    sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    tets = [(8, *three) for a, b, c, d in sides for three in ((a, b, c), (a, c, d))]
+    mesh = TetMesh(np.vstack([corners, (0.5, 0.5, 0.03)]), np.array(tets, np.int32))
+    upright = np.where((mesh.volumes < 0)[:, None], mesh.tets[:, [0, 2, 1, 3]], mesh.tets)
+    return TetMesh(mesh.vertices, upright)
+
+
+def test_low_tetrahedra_become_higher_and_the_rest_stays_where_it_is(fan):
+    before = heights(fan.vertices, fan.tets)
+    better = improved(fan, reach=0.05, floor=0.0)
+    after = heights(better.vertices, better.tets)
+    assert after.min() > 3.0 * before.min()
+    assert np.abs(better.vertices - fan.vertices)[:8].max() <= 0.075 + 1e-12, "within one and a half reaches on the boundary"
+    assert_array_equal(better.tets, fan.tets)
+    assert better.volumes.min() > 0.0
+
+
+def test_vertices_of_the_plane_it_stands_on_stay_in_it(fan):
+    better = improved(fan, reach=0.2, floor=0.0)
+    assert (better.vertices[fan.vertices[:, 2] == 0.0, 2] == 0.0).all()
+
+
+@pytest.mark.parametrize(("rise", "gone"), [(0.05, [2]), (2.0, [])])
+def test_a_flat_tetrahedron_under_the_boundary_is_peeled_off_but_an_edge_of_the_part_is_not(rise, gone, monkeypatch):
+    vertices = np.array([(0, 0, 0), (4, 0, rise), (4, 4, 0), (0, 4, rise), (2, 2, -20)], np.float64)
+    tets = np.array([(0, 1, 2, 4), (0, 2, 3, 4), (0, 1, 2, 3)], np.int32)  # a ridge from 1 to 3 on a deep wedge
+    upright = np.where((TetMesh(vertices, tets).volumes < 0)[:, None], tets[:, [0, 2, 1, 3]], tets)
+    assert module._to_peel(vertices, upright, 4.0) == gone
+    assert len(module._peeled(TetMesh(vertices, upright), 4.0).tets) == 3 - len(gone)
+    monkeypatch.setattr(module, "LEANING", -1.0)
+    assert module._to_peel(vertices, upright, 4.0), "it is low, and only leans too much"
+
+
+def test_the_gradient_is_that_of_differences(fan):
+    rng = np.random.default_rng(0)
+    free = np.arange(9)
+    patch = module._Patch(fan.vertices, fan.tets, free.astype(np.int32), rng.uniform(0.5, 2.0, (9, 3)), 0.3)
+    at = rng.normal(size=27) * 1e-3
+    _, gradient = patch.value(at)
+    step = 1e-7 * np.eye(27)
+    differences = [(patch.value(at + one)[0] - patch.value(at - one)[0]) / 2e-7 for one in step]
+    assert gradient == pytest.approx(differences, rel=1e-4, abs=1e-4 * np.abs(gradient).max())
+
+
+def test_the_same_mesh_gives_the_same_bytes(fan):
+    assert improved(fan, reach=0.05, floor=0.0).digest == improved(fan, reach=0.05, floor=0.0).digest
