@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from mechstyle.geometry.files import save
 from mechstyle.loop.engine import Bounds, Engine
 from mechstyle.records.mesh import SurfaceMesh, TetMesh
 from mechstyle.runs.run import Run
@@ -46,4 +47,5 @@ def without_physics(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(controller_module, "prepare_aside", prepared)
     patch.setattr("mechstyle.runs.run.refilled", lambda part, *_: part)  # a sheet cannot be meshed
     patch.setattr(impact_player, "impact_of", impact_of)
+    patch.setattr(Run, "export", lambda run, path, iteration=None: save(run.surface(iteration), path))  # nor has it a volume to measure
     patch.setattr("mechstyle_widgets.panels.mask_inspector._freedom", lambda run, _recipe: np.ones_like(run.part.thickness))
