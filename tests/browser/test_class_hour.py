@@ -30,6 +30,7 @@ AGAIN = f"""{WITHOUT_PHYSICS}
 studio = Studio("hour")
 studio
 """
+SETTLING = 20_000  # a width and all that follows it [ms]
 CELLS = "() => window.jupyterapp.shell.currentWidget.content.widgets.length"
 MARKS = "() => document.querySelectorAll('.mechstyle-studio .js-plotly-plot path.point').length"
 UNRULY = """() => {
@@ -164,7 +165,7 @@ def test_it_fits_whatever_width_it_has(hour, width):
     hour.page.set_viewport_size({"width": width, "height": 1200})
     hour.page.wait_for_function("""() => { const view = document.querySelector('.mechstyle-view'), drawn = view.querySelector('canvas');
         return Math.abs(view.clientWidth - drawn.clientWidth) <= 2; }""")
-    assert hour.page.evaluate(UNRULY) == []
+    hour.page.wait_for_function(f"({UNRULY})().length === 0", timeout=SETTLING)
     hour.keep(f"hour-{width}", studio(hour))
 
 

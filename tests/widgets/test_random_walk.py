@@ -136,6 +136,8 @@ def assert_agrees(studio: Studio) -> None:
     assert timeline.iteration == timeline._slider.value == state.iteration <= state.iterations_done
     assert timeline.lane == studio.branches.lane == state.lane
     assert studio.run_controls._bar.value == state.fraction
+    closed = [type(one).__name__ for one in family(studio) if one.comm is None]
+    assert closed == [], "a page that is loaded anew does not find what refers to them"
     if state.run is None:
         assert state.checkpoint is None
         return
