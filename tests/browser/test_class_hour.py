@@ -160,17 +160,7 @@ def test_another_part_in_the_same_studio(hour, cube, part):
     hour.drawn()
 
 
-@pytest.mark.parametrize("width", [760, 900, 1280, 1400, 1900, 2500])
-def test_it_fits_whatever_width_it_has(hour, width):
-    hour.page.set_viewport_size({"width": width, "height": 1200})
-    hour.page.wait_for_function("""() => { const view = document.querySelector('.mechstyle-view'), drawn = view.querySelector('canvas');
-        return Math.abs(view.clientWidth - drawn.clientWidth) <= 2; }""")
-    hour.page.wait_for_function(f"({UNRULY})().length === 0", timeout=SETTLING)
-    hour.keep(f"hour-{width}", studio(hour))
-
-
 def test_after_a_reload_it_is_what_the_kernel_has(hour):
-    hour.page.set_viewport_size({"width": 1280, "height": 1200})
     told, now = badge(hour).inner_text(), hour.python("print(studio.state.lane, studio.state.iteration)")
     hour.page.evaluate("() => window.jupyterapp.commands.execute('docmanager:save')")
     hour.page.reload(wait_until="domcontentloaded")
@@ -179,6 +169,15 @@ def test_after_a_reload_it_is_what_the_kernel_has(hour):
     hour.drawn()
     hour.page.wait_for_function(f"({MARKS})() >= 3")
     assert hour.python("print(studio.state.lane, studio.state.iteration)") == now
+
+
+@pytest.mark.parametrize("width", [760, 900, 1280, 1400, 1900, 2500])
+def test_it_fits_whatever_width_it_has(hour, width):
+    hour.page.set_viewport_size({"width": width, "height": 1200})
+    hour.page.wait_for_function("""() => { const view = document.querySelector('.mechstyle-view'), drawn = view.querySelector('canvas');
+        return Math.abs(view.clientWidth - drawn.clientWidth) <= 2; }""")
+    hour.page.wait_for_function(f"({UNRULY})().length === 0", timeout=SETTLING)
+    hour.keep(f"hour-{width}", studio(hour))
 
 
 def test_a_run_of_that_hour_is_opened_again(hour):
