@@ -32,9 +32,28 @@ def test_low_tetrahedra_become_higher_and_the_rest_stays_where_it_is(fan):
     better = improved(fan, reach=0.05, floor=0.0)
     after = heights(better.vertices, better.tets)
     assert after.min() > 3.0 * before.min()
-    assert np.abs(better.vertices - fan.vertices)[:8].max() <= 0.075 + 1e-12, "within one and a half reaches on the boundary"
+    assert np.linalg.norm(better.vertices - fan.vertices, axis=1)[:8].max() <= 0.075 * np.sqrt(3.0), "along each of three axes"
     assert_array_equal(better.tets, fan.tets)
     assert better.volumes.min() > 0.0
+
+
+def test_no_vertex_stands_out_where_the_part_would_land(cup_tets):
+    rough = cup_tets
+    outer, reach = np.unique(rough.boundary_faces), 0.4
+    better = improved(rough, reach=reach, floor=float(rough.vertices[:, 2].min()))
+    assert better.vertices[:, 2].min() == rough.vertices[:, 2].min()
+    moved = np.linalg.norm(better.vertices[outer] - rough.vertices[outer], axis=1)
+    assert len(better.vertices) == len(rough.vertices), "none was peeled off, so that they can be compared one by one"
+    moved = better.vertices[outer] - rough.vertices[outer]
+    assert np.linalg.norm(moved, axis=1).max() > 0.5 * reach
+    normals = rough.vertices[rough.boundary_faces]
+    normals = np.cross(normals[:, 1] - normals[:, 0], normals[:, 2] - normals[:, 0])
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    shift = np.zeros_like(rough.vertices)
+    shift[outer] = moved
+    beyond = np.einsum("fi,fci->fc", normals, shift[rough.boundary_faces])  # how far every corner has gone out of the plane of its face
+    assert beyond.max() < 0.15 * reach, "a twentieth along each of two axes in each of two passes, the second half as far"
+    assert beyond.min() < -0.5 * reach, "inwards they may go"
 
 
 def test_vertices_of_the_plane_it_stands_on_stay_in_it(fan):
@@ -56,7 +75,7 @@ def test_a_flat_tetrahedron_under_the_boundary_is_peeled_off_but_an_edge_of_the_
 def test_the_gradient_is_that_of_differences(fan):
     rng = np.random.default_rng(0)
     free = np.arange(9)
-    patch = module._Patch(fan.vertices, fan.tets, free.astype(np.int32), rng.uniform(0.5, 2.0, (9, 3)), 0.3)
+    patch = module._Patch(fan.vertices, fan.tets, free.astype(np.int32), rng.normal(size=(9, 3, 3)), 0.3)
     at = rng.normal(size=27) * 1e-3
     _, gradient = patch.value(at)
     step = 1e-7 * np.eye(27)
