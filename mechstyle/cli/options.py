@@ -96,6 +96,7 @@ OPTIONS = {
     "orientations": RecipeOption(DROP_TEST),
     "poses": RecipeOption(DROP_TEST),
     "standard": RecipeOption(DROP_TEST),
+    "tilts": RecipeOption(DROP_TEST),
     "build_direction": RecipeOption(DROP_TEST, kind=str),
     "criterion": RecipeOption(DROP_TEST),
     "window": RecipeOption(DROP_TEST),

@@ -102,6 +102,11 @@ class Row(Entry, frozen=True, kw_only=True):
         return "" if self.verdict is None else self.verdict.outcome
 
     @property
+    def word(self) -> str:
+        """The outcome in one word, MARGINAL where it is not sure, "" if it was not simulated."""
+        return "" if self.verdict is None else self.verdict.word
+
+    @property
     def words(self) -> str:
         """The verdict in one sentence, "" if it was not simulated."""
         return "" if self.verdict is None else self.verdict.words

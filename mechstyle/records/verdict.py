@@ -45,7 +45,6 @@ def doubtful(judgements: Sequence[Judgement]) -> bool:
     return any(rule.marginal for rule in judgements) and not any(rule.outcome == "FAILS" and not rule.marginal for rule in judgements)
 
 
-
 class Verdict(msgspec.Struct, frozen=True, kw_only=True):
     """Whether the part survives, with the figures behind it.
 
@@ -74,14 +73,24 @@ class Verdict(msgspec.Struct, frozen=True, kw_only=True):
         return tuple(rule for rule in rules if rule is not None)
 
     @property
+    def tightest(self) -> Judgement:
+        """The judgement that counts and has the least safety factor."""
+        return min(self.counting, key=lambda rule: rule.safety_factor)
+
+    @property
     def safety_factor(self) -> float:
         """The least of the safety factors of the judgements that count."""
-        return min(rule.safety_factor for rule in self.counting)
+        return self.tightest.safety_factor
 
     @property
     def marginal(self) -> bool:
         """Whether the outcome is not sure; see `doubtful`."""
         return doubtful(self.counting)
+
+    @property
+    def word(self) -> str:
+        """The outcome in one word: MARGINAL where it is not sure."""
+        return "MARGINAL" if self.marginal else self.outcome
 
     @property
     def deciding(self) -> Judgement:

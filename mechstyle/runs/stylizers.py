@@ -12,6 +12,7 @@ from weakref import WeakKeyDictionary
 
 import msgspec
 import numpy as np
+from numpy.typing import NDArray
 
 from mechstyle._files import clip_folder
 from mechstyle.errors import BadInput
@@ -25,6 +26,7 @@ from mechstyle.simulation.part import Shape, Workpiece, bounds_for
 from mechstyle.styling.combination import combined, places
 from mechstyle.styling.dimensions import Dimensions
 from mechstyle.styling.drawing.canvas import Canvas
+from mechstyle.styling.drawing.colours import NEUTRAL
 from mechstyle.styling.drawn import ProceduralStylizer, Target, canvas_for, target
 from mechstyle.styling.learned.extra import need_clip_extra
 from mechstyle.styling.learned.weights import located
@@ -87,13 +89,37 @@ def stylizer_for(
     return towards_target(part.surface, bounds, recipe, aim, device), notes
 
 
-def finished_relief(part: Workpiece | Shape, recipe: Recipe) -> Field | None:
-    """The relief that a recipe's style comes to if nothing restrains it [mm], shape [vertex_count]; None where only running it tells."""
+class FinishedStyle(NamedTuple):
+    """What a recipe's style comes to if nothing restrains it.
+
+    Attributes:
+        relief: Relief along the normals [mm], shape [vertex_count].
+        colour: Display RGB in [0, 1], shape [vertex_count, 3].
+        spared: Whether each vertex is protected and stays where it is, shape [vertex_count].
+        notes: What the user should know of it, one sentence each.
+    """
+
+    relief: Field
+    colour: Field
+    spared: NDArray[np.bool_]
+    notes: tuple[str, ...]
+
+
+def finished_style(part: Workpiece | Shape, recipe: Recipe) -> FinishedStyle | None:
+    """The finished style of a recipe; None where only running it tells."""
     if recipe.stylizer or recipe.guidance == "clip" or recipe.field == "network":
         return None
     bounds = bounds_for(part, recipe)[0]
-    wanted = bounds.freedom * bounds.levelled(_drawn(part, bounds, recipe, reading_of(recipe)).displacement)
-    return advanced(np.zeros_like(wanted), np.ones_like(wanted), wanted, bounds, recipe)
+    aim = _drawn(part, bounds, recipe, reading_of(recipe))
+    wanted = bounds.freedom * bounds.levelled(aim.displacement)
+    relief = advanced(np.zeros_like(wanted), np.ones_like(wanted), wanted, bounds, recipe)
+    return FinishedStyle(relief, np.where(bounds.uncoloured, NEUTRAL, aim.colour), bounds.freedom == 0.0, aim.notes)
+
+
+def finished_relief(part: Workpiece | Shape, recipe: Recipe) -> Field | None:
+    """The relief of the finished style [mm], shape [vertex_count]; None where only running it tells."""
+    style = finished_style(part, recipe)
+    return None if style is None else style.relief
 
 
 def _drawn(part: Workpiece | Shape, bounds: Bounds, recipe: Recipe, reading: Reading, objects: Objects | None = None) -> Target:

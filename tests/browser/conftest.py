@@ -10,6 +10,7 @@ import asyncio
 import contextlib
 import io
 import os
+import re
 import secrets
 import shutil
 import signal
@@ -67,6 +68,8 @@ UNTIL = """async (execute, code, wanted, patience) => {
         await new Promise(done => setTimeout(done, 50));
     }
 }"""
+OURS = re.compile("THREE|anywidget|mechstyle", re.IGNORECASE)
+"""What an error in a page's console names if it comes from a widget."""
 SETTLED = "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
 
 
@@ -254,7 +257,7 @@ def notebook(chromium: Browser, lab: Lab, request: pytest.FixtureRequest) -> Ite
     local = (lab.address, lab.address.replace("http", "ws"), "data:", "blob:")
     page.on("request", lambda asked: None if asked.url.startswith(local) else opened.asked_outside.append(asked.url))
     page.on("pageerror", lambda error: opened.errors.append(str(error)))
-    page.on("console", lambda said: opened.errors.append(said.text) if said.type == "error" and "THREE" in said.text else None)
+    page.on("console", lambda said: opened.errors.append(said.text) if said.type == "error" and OURS.search(said.text) else None)
     yield opened
     page.evaluate("() => window.jupyterapp?.shell?.currentWidget?.sessionContext?.shutdown()")
     context.close()

@@ -25,7 +25,7 @@ STYLED = (
     "--relief --side --feature --nozzle --inside --delivered --coarse "
     "--image --image-size --image-as --image-layout --project --projection "
     "--amplitude --clip --criterion --device --field --guidance --iterations --json --load --material -m --minimum-wall --orientations "
-    "--poses --prompt -p --protect --seed --set --standard --stylizer --window"
+    "--poses --prompt -p --protect --seed --set --standard --stylizer --tilts --window"
 )
 RESTRAINED = "--base --control --every --normalisation --schedule --threshold"
 NAMES = {

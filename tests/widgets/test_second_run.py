@@ -9,44 +9,15 @@ import numpy as np
 import pytest
 
 from mechstyle.errors import BadInput
-from mechstyle.loop.engine import Bounds, Engine
 from mechstyle.pictures.fields import MOMENT
-from mechstyle.records.mesh import SurfaceMesh, TetMesh
+from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.run import Run
-from mechstyle.simulation.impact import Impact
-from mechstyle.simulation.part import Workpiece
 from mechstyle_widgets.state import controller as controller_module
 from mechstyle_widgets.studio import Studio
-from mechstyle_widgets.viewer import impact_player
 from mechstyle_widgets.viewer.run_viewer import RunViewer
-from support.bench import BumpStylizer, LeverSimulator, grid
-from support.lanes import CORNER
+from support.sheet_studio import engine_of, sheet_of, without_physics
 
 PATIENCE = 30.0
-
-
-def sheet_of(mesh: SurfaceMesh, vertices: int) -> SurfaceMesh:
-    """What a part is standardised to here: a sheet whose size tells the part and whose vertices tell the resolution."""
-    return grid(int(np.sqrt(vertices)), step=float(mesh.extents[0]))
-
-
-def prepared(mesh, *, vertices, stage, go_on, **_):
-    stage("standardising the surface")
-    surface = sheet_of(mesh, vertices)
-    return Workpiece(surface, TetMesh(CORNER.vertices, CORNER.tets), np.full(len(surface.vertices), 4.0, np.float32), stands=True)
-
-
-def engine_of(run: Run) -> Engine:
-    surface = run.part.surface
-    count = len(surface.vertices)
-    thick = np.full(count, 4.0, np.float32)
-    bounds = Bounds(thickness=thick, inward=0.25 * thick, outward=thick, freedom=np.ones(count, np.float32))
-    return Engine(run.recipe, surface, bounds, BumpStylizer(count), LeverSimulator(count, run.recipe), run.store, run.lane)
-
-
-def impact_of(part, _recipe, _displacement, _memo, _progress) -> Impact:
-    count = len(part.surface.vertices)
-    return Impact(np.linspace(0.0, 1.0, 3), np.zeros((3, count, 3), np.float32), np.ones((3, count), np.float32))
 
 
 @pytest.fixture
@@ -60,11 +31,8 @@ def studio(tmp_path, monkeypatch, cube) -> Iterator[Studio]:
         yield from engine_of(run).run()
 
     monkeypatch.chdir(tmp_path)
+    without_physics(monkeypatch)
     monkeypatch.setattr(Run, "events", events)
-    monkeypatch.setattr(controller_module, "prepare_aside", prepared)
-    monkeypatch.setattr("mechstyle.runs.run.refilled", lambda part, *_: part)  # a sheet cannot be meshed
-    monkeypatch.setattr(impact_player, "impact_of", impact_of)
-    monkeypatch.setattr("mechstyle_widgets.panels.mask_inspector._freedom", lambda run, _recipe: np.ones_like(run.part.thickness))
     made = Studio(cube, prompt="brick", schedule="every", every=4, iterations=12, vertices=64)
 
     def go(*, early: bool = False) -> None:

@@ -6,6 +6,9 @@ import pytest
 from mechstyle.errors import BadInput
 from mechstyle.records.load_cases import Load, LoadCase, Support
 from mechstyle.runs.run import Run
+from mechstyle.runs.stylizers import FinishedStyle
+from mechstyle.simulation.part import Shape
+from mechstyle_widgets.state.preview import Preview
 from mechstyle_widgets.studio import Studio
 from mechstyle_widgets.viewer.run_viewer import RunViewer
 
@@ -108,6 +111,29 @@ def test_what_is_painted_is_hatched_at_once_and_reaches_the_recipe():
     assert not viewer.protected.any()
 
 
+def test_a_preview_is_shown_on_the_part_with_what_stays_plain_until_it_cannot_be_drawn():
+    studio = Studio("gallery:wall_hook")
+    surface = studio.part_picker.mesh
+    count = len(surface.vertices)
+    spared = np.arange(count) < 9
+    style = FinishedStyle(np.full(count, 0.5, np.float32), np.full((count, 3), 0.2), spared, ())
+    studio._viewer.fit("top")
+    studio._arrived(Preview(Shape(surface, np.full(count, 8.0, np.float32)), style, 0.4))
+    viewer = studio._viewer
+    assert viewer.at_rest is surface
+    assert viewer._orbit.seen.elevation == pytest.approx(90.0, abs=0.1)
+    np.testing.assert_allclose(viewer.subject.mesh.vertices, surface.displaced(style.relief).vertices)
+    np.testing.assert_array_equal(viewer.protected, spared)
+    assert "NOT TESTED" in viewer.badge._words.value
+    viewer.beside = True
+    np.testing.assert_allclose(viewer.original.mesh.vertices, surface.vertices)
+    studio.prompt_box.prompt = "nonsense"
+    assert viewer.subject.mesh is surface
+    assert viewer.badge.layout.display == "none"
+    studio._not_drawn("ask for 500 vertices")
+    assert "ask for 500 vertices" in viewer.badge._words.value
+
+
 def test_a_place_off_the_part_is_said():
     studio = Studio("gallery:wall_hook")
     studio.regions_picker.protect = ["sphere 900 0 0 1"]
@@ -124,13 +150,32 @@ def test_an_empty_prompt_is_said_and_nothing_begins():
     assert studio.state.session is None
 
 
-@pytest.mark.parametrize(("width", "pages"), [(920, ("Settings", "Mask", "Branches")), (1240, ("Mask", "Branches"))])
-def test_mask_and_branches_have_a_column_of_their_own_where_there_is_room(width, pages):
-    studio = Studio("gallery:wall_hook", width=width)
-    assert studio._tabs.titles == pages
-    columns = studio.children[0].children
-    assert len(columns) == 5 - len(pages)
-    assert sum(int(column.layout.width.removesuffix("px")) for column in columns) + 12 * (len(columns) - 1) == width
+def test_view_and_timeline_take_the_room_that_the_page_has_and_keep_it():
+    studio = Studio("gallery:wall_hook")
+    studio.frame.size = [1100, 560]
+    assert [(view.width, view.height) for view in studio._viewer._views] == [(1100, 560)]
+    assert studio._timeline._figure.layout.width == 1100
+    studio.part_picker._gallery._press("vase")
+    assert [(view.width, view.height) for view in studio._viewer._views] == [(1100, 560)]
+
+
+def test_the_theme_is_the_notebooks_unless_it_is_told(caplog):
+    studio = Studio("gallery:wall_hook", width=920)
+    assert "as wide as its cell" in caplog.text
+    assert (studio._viewer.theme, studio._timeline.theme) == ("light", "light")
+    studio.frame.dark = True
+    assert (studio._viewer.theme, studio._timeline.theme) == ("dark", "dark")
+    studio.theme = "light"
+    assert (studio._viewer.theme, studio._timeline.theme) == ("light", "light")
+
+
+def test_groups_of_settings_tell_what_is_chosen_while_they_are_folded():
+    studio = Studio("gallery:wall_hook")
+    group = studio._groups[2]
+    studio.material_picker._choice.value = "PETG"
+    assert group._head.description == f"Material: PETG, {studio.material_picker.material.yield_strength:g} MPa"
+    group._head.click()
+    assert (group._head.description, group.unfolded, studio.material_picker.layout.display) == ("Material", True, "")
 
 
 # --- a run on disk ------------------------------------------------------------------------------------------------
@@ -148,6 +193,20 @@ def test_a_run_opens_with_its_settings_and_its_newest_iteration(done):
     assert studio.wanted().mesh is None  # the part of the run is at hand
     studio.drop_options.vertices = 700
     assert studio.wanted().mesh is studio.part_picker.mesh
+
+
+@pytest.mark.usefixtures("unprotected")
+def test_one_button_is_filled_and_it_leads_on(done):
+    def filled(studio):
+        return studio.run_controls._buttons["run"].button_style, studio.take_away.main.button_style
+
+    assert filled(Studio("gallery:wall_hook")) == ("primary", "")
+    studio = Studio(done)
+    assert filled(studio) == ("", "primary")
+    studio.prompt_box.prompt = "stone"
+    assert filled(studio) == ("primary", "")
+    studio.prompt_box.prompt = "brick"
+    assert filled(studio) == ("", "primary")
 
 
 @pytest.mark.usefixtures("unprotected")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import logging
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -9,7 +11,7 @@ from typing import Any
 import ipywidgets
 import traitlets
 
-from mechstyle.errors import BadInput
+from mechstyle.errors import BadInput, MechStyleError
 from mechstyle.gallery import PREFIX
 from mechstyle.loop.store import parse_address
 from mechstyle.records import SETTINGS, Recipe
@@ -20,27 +22,36 @@ from mechstyle.runs.recipes import FREESTYLE, draft
 from mechstyle.runs.run import Run
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
 from mechstyle_widgets.jupyter.closing import close_family
+from mechstyle_widgets.jupyter.frame import Frame
 from mechstyle_widgets.panels.branches import Branches
 from mechstyle_widgets.panels.mask_inspector import MaskInspector
 from mechstyle_widgets.panels.run_controls import RunControls
+from mechstyle_widgets.panels.take_away import TakeAway
 from mechstyle_widgets.settings.brush import covered, paintable
 from mechstyle_widgets.settings.control import ControlSelector
 from mechstyle_widgets.settings.drop import DropOptions
+from mechstyle_widgets.settings.group import Group
 from mechstyle_widgets.settings.material import MaterialPicker
 from mechstyle_widgets.settings.part import PartPicker
 from mechstyle_widgets.settings.prompt import PromptBox
 from mechstyle_widgets.settings.regions import RegionsPicker
 from mechstyle_widgets.settings.schedule import ScheduleSelector
 from mechstyle_widgets.state.controller import Controller, Wanted
+from mechstyle_widgets.state.preview import Preview, Previewer
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.timeline.timeline import Timeline
+from mechstyle_widgets.viewer.part_viewer import PartViewer
 from mechstyle_widgets.viewer.run_viewer import RunViewer
 from mechstyle_widgets.viewer.viewer import Viewer
 
-COLUMN, GAP = 288, 12  # widths of a column beside the view, and between them [pixels]
-THREE_COLUMNS = 1160  # from this width on mask and branches have a column of their own [pixels]
-HEIGHT = 590  # of the columns [pixels]
-VIEW = 430  # height of the view [pixels]
+logger = logging.getLogger(__name__)
+
+SIZE = (640, 430)  # width and height of the view until the page has told how much room there is [pixels]
+LAYERS = {"1": "style", "2": "stress", "3": "demand", "4": "restraint"}
+"""Layers by the keys that show them."""
+TITLES = ("Part", "Style", "Material", "Restraint", "Schedule", "Protected", "Drop test")
+OPEN = ("Part", "Style")
+"""Groups of settings that are open at first: what decides the look."""
 SECTIONS = (PromptBox, MaterialPicker, ControlSelector, ScheduleSelector, RegionsPicker, DropOptions)
 SHOWN = {field for section in SECTIONS for field in section.FIELDS}
 UNSEEN = tuple(name for name in SETTINGS if name not in SHOWN)
@@ -56,10 +67,10 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     Attributes:
         state: What is shown and what is going on.
         controller: What the buttons do.
-        theme: `light` or `dark`, for the viewer and the timeline; all else follows the notebook's theme.
+        theme: `light` or `dark`, or `auto`, which follows the notebook's.
     """
 
-    theme = traitlets.Enum(("light", "dark"), "light")
+    theme = traitlets.Enum(("auto", "light", "dark"), "auto")
     _viewer: Viewer | None = None
     _timeline: Timeline | None = None
 
@@ -67,33 +78,38 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self,
         part: str | Path | SurfaceMesh | Run = "gallery:pen_holder",
         *,
-        theme: str = "light",
-        width: int = 920,
+        theme: str = "auto",
         **settings: Any,
     ) -> None:
-        """Open a part, or a run that was made before.
+        """Open a part, or a run that was made before. The Studio is as wide as its cell.
 
         Args:
             part: `gallery:NAME`, a file, a surface, a run, or a run directory, which may be written DIR@LANE.
-            theme: `light` or `dark`.
-            width: Of the whole [pixels]; 920 fits a window of 1100, from 1160 on there is a third column.
+            theme: `light` or `dark`, or `auto`, which follows the notebook's.
             settings: Any of `prompt`, `material`, `freestyle`, `vertices`, `device`, `folder`, `scale`, and fields of `Recipe`.
 
         Raises:
             BadInput: If the part or a setting cannot be used, in one sentence.
         """
+        if settings.pop("width", None) is not None:
+            logger.warning("the Studio is as wide as its cell now: leave out width")
         run = _run_in(part, settings.get("device", "auto"))
         self.state = StudioState()
         self.controller = Controller(self.state, self.wanted)
         self._make_sections("" if run is not None else part, settings)
         self._changed()  # the timeline begins with the plan: what a figure is told before a page shows it may get lost
-        self._three_columns = width >= THREE_COLUMNS
-        beside = (2 if self._three_columns else 1) * (COLUMN + GAP)
-        self._middle = ipywidgets.VBox(layout={"width": f"{max(width - beside, 360)}px"})
-        self._timeline = Timeline(self.state, theme=theme, width=width)
-        super().__init__([self._row(), self._timeline], layout={"width": f"{width}px", "max_width": "100%"})
-        self.add_class("mechstyle-studio")
+        self.frame, self._size = Frame(), SIZE
+        self.take_away = TakeAway(self.state, self.frame)
+        self.previewer = Previewer(self._arrived, self._not_drawn)
+        self._middle = _box([], "mechstyle-view")
         self.theme = theme
+        self._timeline = Timeline(self.state, theme=self.shown_theme, width=SIZE[0])
+        super().__init__([_box([self.run_controls, self.take_away, self.frame], "mechstyle-bar"), self._body()])
+        self.add_class("mechstyle-studio")
+        self.frame.observe(self._fit, "size")
+        self.frame.observe(self._relight, "dark")
+        self.frame.on_key("view", lambda key, **held: self._viewer.key(key, **held) if self._viewer is not None else None)
+        self.frame.on_key("studio", self._key)
         self.state.observe(self._other_run, "run")
         self.state.observe(self._first_checkpoint, "checkpoint")
         self.part_picker.observe(self._other_part, "mesh")
@@ -106,6 +122,10 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             self._take(run)
             self.state.open(run)
         self._other_part()
+        self.state.observe(self._preview, "settings")
+        self.state.observe(self._emphasise, ("settings", "status", "run"))
+        self.part_picker.observe(self._emphasise, "mesh")
+        self._emphasise()
 
     def __repr__(self) -> str:
         """The run and the iteration shown."""
@@ -133,6 +153,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         """Stop what is going on and close every widget."""
         if self._timeline is not None:  # None if `__init__` raised
             self.controller.stop()
+            self.previewer.cancel()
             self._timeline.close()
             if self._viewer is not None:
                 self._viewer.close()
@@ -176,18 +197,13 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             else:
                 setattr(owner, name, value)
 
-    def _row(self) -> ipywidgets.HBox:
-        """The columns: three where there is room, else mask and branches share the left one with the settings."""
-        titles = ("Part", "Style", "Material", "Restraint", "Schedule", "Protected", "Drop test")
-        fill = {"flex": "1 1 auto", "min_height": "0", "overflow": "auto"}
-        self._accordion = ipywidgets.Accordion([self.part_picker, *self._sections], titles=titles, selected_index=1, layout=fill)
-        inspectors = {"Mask": self.mask_inspector, "Branches": self.branches}
-        pages = inspectors if self._three_columns else {"Settings": self._accordion, **inspectors}
-        self._tabs = ipywidgets.Tab(list(pages.values()), titles=tuple(pages), layout=fill)
-        left = [self.run_controls, self._accordion if self._three_columns else self._tabs]
-        columns = [_column(left), self._middle, *([_column([self._tabs])] if self._three_columns else [])]
-        # Where the notebook is narrower still, columns go below each other.
-        return ipywidgets.HBox(columns, layout={"width": "100%", "flex_flow": "row wrap", "grid_gap": f"{GAP}px"})
+    def _body(self) -> ipywidgets.Box:
+        """Settings, view with timeline, and what looks into them; the sheet of the frame says which stand beside each other."""
+        sections = zip(TITLES, (self.part_picker, *self._sections), strict=True)
+        self._groups = [Group(title, section, unfolded=title in OPEN) for title, section in sections]
+        self._tabs = ipywidgets.Tab([self.mask_inspector, self.branches], titles=("Mask", "Branches"))
+        setup, middle = _box(self._groups, "mechstyle-setup"), _box([self._middle, self._timeline], "mechstyle-middle")
+        return _box([setup, middle, _box([self._tabs], "mechstyle-inspect")], "mechstyle-body")
 
     def _take(self, run: Run) -> None:
         """Show the settings and the part of a run that was made before."""
@@ -215,7 +231,8 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         """A part was picked: show it as it is, unless a run of it is on show."""
         mesh = self.part_picker.mesh
         if mesh is not None and not (isinstance(self._viewer, RunViewer) and mesh is self._opened_mesh):
-            self._show(Viewer(paintable(mesh), theme=self.theme, width=self._middle_width, height=VIEW))
+            self._show(self._made(PartViewer, paintable(mesh)))
+            self._preview()
 
     def _other_run(self, change: dict[str, Any]) -> None:
         """Another run directory needs another viewer; another lane of the same shows its settings."""
@@ -227,15 +244,15 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             self._viewer.let_go()
         if self.state.checkpoint is not None:
             self._show_run()
-        elif new is not None:
-            self._show(Viewer(new.part.surface, theme=self.theme, width=self._middle_width, height=VIEW))
+        elif new is not None and not isinstance(self._viewer, PartViewer):  # a preview stays until there is more to see
+            self._show(self._made(Viewer, new.part.surface))
 
     def _first_checkpoint(self, change: dict[str, Any]) -> None:
         if change["old"] is None and self.state.checkpoint is not None and not isinstance(self._viewer, RunViewer):
             self._show_run()
 
     def _show_run(self) -> None:
-        self._show(RunViewer(self.state, theme=self.theme, width=self._middle_width, height=VIEW))
+        self._show(self._made(RunViewer, self.state))
         self._derive()
 
     def _stand_beside(self, change: dict[str, Any]) -> None:
@@ -256,9 +273,86 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         if old is not None:
             old.close()
 
+    def _made(self, make: Callable[..., Viewer], what: Any) -> Viewer:
+        """A viewer of the size and in the theme that the others had."""
+        width, height = self._size
+        return make(what, theme=self.shown_theme, width=width, height=height)
+
+    def _emphasise(self, _change: object = None) -> None:
+        """Fill the one button that leads on: running, or, once the part is done, taking it away."""
+        try:
+            done = self.state.status == "finished" and not self.controller.asks_for_another()
+        except MechStyleError:  # what is wrong is said where it is set
+            done = False
+        self.take_away.main.button_style = "primary" if done else ""
+        self.run_controls.emphasise(not done)
+
+    # what the page tells
+
     @property
-    def _middle_width(self) -> int:
-        return int(str(self._middle.layout.width).removesuffix("px"))
+    def shown_theme(self) -> str:
+        """`light` or `dark`, as it is shown."""
+        return self.theme if self.theme != "auto" else "dark" if self.frame.dark else "light"
+
+    def _fit(self, _change: object) -> None:
+        """Take the room there is."""
+        width, height = self.frame.size
+        self._size = width, height
+        if self._viewer is not None:
+            self._viewer.resize(width, height)
+        if self._timeline is not None:
+            self._timeline.resize(width)
+
+    def _key(self, key: str) -> None:
+        """Carry out what a single key stands for."""
+        if key == "r":
+            self.controller.run()
+        elif key == ".":
+            self.controller.step()
+        elif key == "n":
+            self.branches.branch()
+        elif key == "c" and self.state.checkpoint is not None:
+            self.branches.pin()
+        elif self._viewer is not None and (key == "1" or self._viewer.subject.layer(LAYERS.get(key, "")) is not None):
+            self._viewer.layer = LAYERS[key]
+
+    # the style before it is run
+
+    def _preview(self, _change: object = None) -> None:
+        """Ask for the style on the part, if that is what is shown."""
+        mesh = self.part_picker.mesh
+        if mesh is None or not isinstance(self._viewer, PartViewer):
+            self.previewer.cancel()
+            return
+        try:
+            recipe = self.wanted().recipe
+        except MechStyleError:  # what is wrong is said where it is set
+            self.previewer.cancel()
+            self._viewer.take_off()
+            return
+        self.previewer.ask(mesh, self.drop_options.vertices, recipe)
+
+    def _arrived(self, preview: Preview) -> None:
+        """A style was drawn: show it on the part, from where one looks now."""
+        viewer = self._viewer
+        if not isinstance(viewer, PartViewer):
+            return
+        if viewer.at_rest is not preview.shape.surface:
+            width, height = self._size
+            finer = PartViewer(preview.shape.surface, theme=self.shown_theme, width=width, height=height)
+            finer.look_from(viewer)
+            self._show(finer)
+            viewer = finer
+        if preview.style is None:
+            viewer.take_off("Only running it tells what this comes to")
+            return
+        viewer.put_on(preview.surface, f"Changes as you choose · drawn in {preview.seconds:.1f} s")
+        viewer.protected = preview.style.spared
+
+    def _not_drawn(self, why: str) -> None:
+        """A style cannot be drawn on this part."""
+        if isinstance(self._viewer, PartViewer):
+            self._viewer.take_off(why)
 
     def _hatch(self, _change: object = None) -> None:
         """Show on the part what is painted or written as a protected region."""
@@ -272,14 +366,17 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             picker.complain(str(error))
 
     @traitlets.observe("theme")
-    def _relight(self, change: dict[str, Any]) -> None:
+    def _relight(self, _change: object) -> None:
         for view in (self._viewer, self._timeline):
             if view is not None:
-                view.theme = change["new"]
+                view.theme = self.shown_theme
 
 
-def _column(children: list[Any]) -> ipywidgets.VBox:
-    return ipywidgets.VBox(children, layout={"width": f"{COLUMN}px", "height": f"{HEIGHT}px"})
+def _box(children: Sequence[Any], name: str) -> ipywidgets.VBox:
+    """A box that the sheet of the frame lays out."""
+    box = ipywidgets.VBox(list(children))
+    box.add_class(name)
+    return box
 
 
 def _run_in(part: Any, device: str) -> Run | None:

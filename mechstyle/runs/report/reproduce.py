@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shlex
 from collections.abc import Callable, Collection, Sequence
 from functools import partial
@@ -12,8 +13,9 @@ import msgspec
 
 from mechstyle.loop.store import Entry
 from mechstyle.records import SETTINGS, Recipe
-from mechstyle.records.material import LIBRARY
+from mechstyle.records.material import LIBRARY, Material
 from mechstyle.records.mesh import STANDARD_VERTICES
+from mechstyle.records.regions import Region
 from mechstyle.runs.images import file_name
 from mechstyle.runs.recipes import changed, draft
 from mechstyle.runs.report.run_protocol import LaneOfRun
@@ -22,6 +24,7 @@ OF_FREESTYLE = frozenset(
     (
         "amplitude", "clip", "criterion", "feature", "field", "guidance", "image", "image_as", "image_layout", "image_size", "inside",
         "iterations", "minimum_wall", "nozzle", "orientations", "poses", "projection", "relief", "seed", "side", "standard", "stylizer",
+        "tilts",
     )
 )
 OPTIONS = OF_FREESTYLE | {"base", "control", "every", "normalisation", "schedule", "threshold"}
@@ -31,6 +34,8 @@ FIRST = ("criterion", "control", "standard", "poses")
 """Settings that bring others with them, so they are compared first."""
 
 ANY_PROMPT = "brick"
+RECORDS = re.compile(r"\b(LoadCase|Load|Support)\(")
+"""Records that a setting may hold, as they are written."""
 
 AS_THEY_ARE = ("prompt", "image", "stylizer", "guidance", "field", "clip", "crops")
 """Settings that bring nothing with them, and whose check may need what is not on this machine."""
@@ -38,9 +43,7 @@ AS_THEY_ARE = ("prompt", "image", "stylizer", "guidance", "field", "clip", "crop
 
 def command_for(run: LaneOfRun, history: Sequence[Entry]) -> str:
     """The command line that makes a lane again: `mechstyle run`, then one `mechstyle branch` for each recipe it went on with."""
-    recipes = [run.store.recipe(digest) for digest in dict.fromkeys(entry.recipe for entry in history)]
-    if run.recipe.digest not in {recipe.digest for recipe in recipes}:
-        recipes.append(run.recipe)  # branched, but not carried on yet
+    recipes = _recipes(run, history)
     folder = f"again-{run.record.stem}"
     steps = [_run(run, recipes[0], folder)]
     parent = "main"
@@ -50,6 +53,43 @@ def command_for(run: LaneOfRun, history: Sequence[Entry]) -> str:
         steps.append(shlex.join(["mechstyle", "branch", f"{folder}@{parent}:{at}", "--lane", lane, *_branch_options(old, new)]))
         parent = lane
     return " && ".join(steps)
+
+
+def cell_for(run: LaneOfRun, history: Sequence[Entry]) -> str:
+    """The same as lines of Python for a notebook."""
+    recipes = _recipes(run, history)
+    origin = run.record.origin
+    given = settings_for(recipes[0], partial(draft, ANY_PROMPT)) | {"prompt": recipes[0].prompt}
+    scale = f", scale={origin.scale!r}" if origin.scale is not None else ""
+    made = {"vertices": origin.vertices} if origin.vertices != STANDARD_VERTICES else {}
+    model = f"ms.load({origin.model or f'{run.record.stem}.stl'!r}{scale})"
+    lines = ["import mechstyle as ms", f"run = ms.stylize({', '.join([model, *_arguments(given | made)])})"]
+    for old, new in pairwise(recipes):
+        at = max(entry.iteration for entry in history if entry.recipe == old.digest)
+        changes = settings_for(new, lambda old=old, **settings: changed(old, settings))
+        lines.append(f"run = run.branch({', '.join([str(at), *_arguments(changes)])}).go()")
+    return "\n".join([*lines, "run"])
+
+
+def _arguments(settings: dict[str, Any]) -> list[str]:
+    """Settings as Python writes them."""
+    return [f"{name}={_literal(value)}" for name, value in settings.items()]
+
+
+def _literal(value: Any) -> str:
+    if isinstance(value, Material):
+        return repr(value.name) if LIBRARY.get(value.name) == value else f"ms.{value!r}"
+    if isinstance(value, tuple) and all(isinstance(one, Region) for one in value):
+        return repr([one.words for one in value])
+    return RECORDS.sub(r"ms.\1(", repr(value))
+
+
+def _recipes(run: LaneOfRun, history: Sequence[Entry]) -> list[Recipe]:
+    """The recipes of a lane, one after the other."""
+    recipes = [run.store.recipe(digest) for digest in dict.fromkeys(entry.recipe for entry in history)]
+    if run.recipe.digest not in {recipe.digest for recipe in recipes}:
+        recipes.append(run.recipe)  # branched, but not carried on yet
+    return recipes
 
 
 def settings_for(recipe: Recipe, start: Callable[..., Recipe]) -> dict[str, Any]:

@@ -6,15 +6,18 @@ import msgspec
 import pytest
 from typer.main import get_command
 
+import mechstyle
 from mechstyle.cli import run
+from mechstyle.records.load_cases import Load, LoadCase, Support
 from mechstyle.records.material import LIBRARY, Material
 from mechstyle.records.regions import Box
 from mechstyle.runs.recipes import draft
-from mechstyle.runs.report.reproduce import OF_FREESTYLE, OPTIONS, command_for
+from mechstyle.runs.report.reproduce import OF_FREESTYLE, OPTIONS, cell_for, command_for
 from mechstyle.simulation.part import Origin
 
 PARSER = get_command(run.app)
 OWN = Material(name="my own", youngs_modulus=1000.0, poisson_ratio=0.3, density=1e-3, yield_strength=20.0)
+HELD = LoadCase(name="heavy coat", supports=(Support(at="resting face"),), loads=(Load(gravity=1.0),))
 CASES = [
     {},
     {"prompt": "brick; rm -rf ~ 'quoted' \"and\" $HOME"},
@@ -31,6 +34,7 @@ CASES = [
     {"standard": "astm-f963", "poses": "tilts", "drop_height": 500.0},
     {"relief": 0.6, "feature": 5.0, "side": "outwards"},
     {"amplitude": 0.15, "side": "both", "nozzle": 0.0, "inside": "styled"},
+    {"tilts": 0},
     {"base": "free", "drop_height": 800.0, "window": 2.5, "guarantee": False},
 ]
 
@@ -63,6 +67,52 @@ class FakeLane:
 
     def __init__(self, lane, recipe):
         self.store, self.lane, self.record, self.recipe = lane.store, "main", lane.record, recipe
+
+
+class Notebook:
+    """Stands for `mechstyle` in a cell: notes what a run is asked for, and branches."""
+
+    def __init__(self):
+        self.asked, self.branches = None, []
+
+    def __getattr__(self, name):
+        return getattr(mechstyle, name)
+
+    def load(self, *address, **scale):
+        return (address, scale)
+
+    def stylize(self, part, prompt, material="PLA", vertices=None, **settings):
+        self.asked = (part, draft(prompt, material, **settings), vertices)
+        return self
+
+    def branch(self, at, **changes):
+        self.branches.append((at, changes))
+        return self
+
+    def go(self):
+        return self
+
+
+def typed_in(cell):
+    ms = Notebook()
+    exec(cell.removeprefix("import mechstyle as ms\n"), {"ms": ms})
+    return ms
+
+
+@pytest.mark.parametrize("settings", [*CASES, {"loads": [HELD]}], ids=lambda settings: ",".join(settings) or "defaults")
+def test_the_cell_makes_the_same_recipe(lane, settings):
+    wanted = draft(**{"prompt": "brick", **settings})
+    part, made, _ = typed_in(cell_for(FakeLane(lane, wanted), [])).asked
+    assert made.differences(wanted) == ()
+    assert part == (("gallery:pen_holder",), {})
+
+
+def test_the_cell_of_a_branch_branches(sheet):
+    run = sheet(iterations=20, origin=Origin(model="my cup.stl", vertices=4000, scale=25.4))
+    branch = run.branch(10, lane="other", control="frozen", material="PETG")
+    ms = typed_in(cell_for(branch, branch.history))
+    assert (ms.asked[0], ms.asked[2]) == ((("my cup.stl",), {"scale": 25.4}), 4000)
+    assert ms.branches == [(10, {"material": "PETG", "control": "frozen"})]
 
 
 def test_the_command_of_a_plain_run_is_short(lane):

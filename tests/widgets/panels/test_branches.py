@@ -3,6 +3,7 @@
 import msgspec
 import pytest
 
+from mechstyle.errors import MissingPiece
 from mechstyle.records.load_cases import Load, LoadCase, Support
 from mechstyle.records.regions import Inside
 from mechstyle_widgets.panels.branches import Branches, said
@@ -94,3 +95,12 @@ CASE = LoadCase(name="heavy coat", supports=(Support(at="resting face"),), loads
 ])  # fmt: skip
 def test_values_for_a_table(value, words):
     assert said(value) == words
+
+
+def test_what_is_missing_for_a_branch_is_said(branches, done):
+    def refuse():
+        raise MissingPiece("the CLIP weights are not there; fetch them")
+
+    branches.controller.wanted = refuse
+    branches.branch()
+    assert branches.state.message == "the CLIP weights are not there; fetch them"

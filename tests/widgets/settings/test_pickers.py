@@ -43,6 +43,14 @@ def test_figures_may_be_edited_in_units_people_know():
     assert "edited by hand" in picker._note.value
 
 
+def test_another_material_can_be_chosen_after_figures_were_edited():
+    picker = MaterialPicker("PLA")
+    picker._figures["density"].value = 1.3
+    picker._choice.set_state({"index": 1})  # as a browser sends it
+    assert picker.material == LIBRARY["PETG"]
+    assert picker._choice.label == "PETG"
+
+
 def test_a_figure_no_solid_has_is_refused_and_the_last_one_stays():
     picker = MaterialPicker("PLA")
     picker._figures["poisson_ratio"].value = 0.7

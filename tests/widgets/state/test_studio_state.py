@@ -179,3 +179,9 @@ def test_an_older_session_has_nothing_more_to_say(fake):
     old.stop()
     state.pump()
     assert state.status == "idle"
+
+
+def test_a_run_that_ends_while_it_is_opened_is_not_looked_for_in_an_empty_history(fake, monkeypatch):
+    monkeypatch.setattr(type(fake.run), "finished", property(lambda _run: True))
+    state = StudioState(fake.run)
+    assert (state.status, state.message, state.history) == ("idle", "", [])

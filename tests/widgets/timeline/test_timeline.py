@@ -8,11 +8,12 @@ import pytest
 from ipywidgets import Widget
 from ipywidgets.widgets.widget import _instances as alive
 
+from mechstyle_widgets.state.outcomes import LOOKS
 from mechstyle_widgets.state.studio_state import StudioState
-from mechstyle_widgets.timeline.figure import VERDICTS, story
+from mechstyle_widgets.timeline.figure import story
 from mechstyle_widgets.timeline.timeline import Timeline
 
-LANES, STEPS, VIABLE, FAILS, UNKNOWN, OTHER_PEAKS, LIMIT, PEAKS, OTHER_CURVES, CURVE, PLANNED = range(11)
+LANES, STEPS, VIABLE, MARGINAL, FAILS, UNKNOWN, OTHER_PEAKS, LIMIT, PEAKS, OTHER_CURVES, CURVE, PLANNED = range(12)
 
 
 @pytest.fixture
@@ -30,26 +31,32 @@ def trace(timeline, number):
 
 
 def test_every_simulation_is_a_mark_by_its_verdict(timeline, state):
-    for number, outcome in ((VIABLE, "VIABLE"), (FAILS, "FAILS"), (UNKNOWN, "UNKNOWN")):
-        of_this = [row.iteration for row in state.histories["main"] if row.outcome == outcome]
+    for number, word in ((VIABLE, "VIABLE"), (MARGINAL, "MARGINAL"), (FAILS, "FAILS"), (UNKNOWN, "UNKNOWN")):
+        of_this = [row.iteration for row in state.histories["main"] if row.word == word]
         marks = zip(trace(timeline, number).x, trace(timeline, number).y, strict=True)
         assert [x for x, lane in marks if lane == "main"] == of_this
-    assert sum(len(trace(timeline, number).x) for number in (VIABLE, FAILS, UNKNOWN)) == 4 + 2
+    assert sum(len(trace(timeline, number).x) for number in (VIABLE, MARGINAL, FAILS, UNKNOWN)) == 4 + 2
 
 
 def test_verdicts_differ_in_shape_and_not_by_colour_alone():
-    assert len({symbol for symbol, _ in VERDICTS.values()}) == len(VERDICTS) == len({colour for _, colour in VERDICTS.values()})
+    for told_by in ("mark", "symbol", "line", "fill"):
+        assert len({getattr(look, told_by) for look in LOOKS.values()}) == len(LOOKS)
 
 
 def test_hovering_tells_reason_verdict_and_figures(state):
     told = story("a<b", state.row(4))
-    for text in ("a&lt;b · iteration 4", "simulated because: every 4 iterations", state.row(4).outcome, "style loss", "travel 0.00"):
+    for text in ("a&lt;b · iteration 4", "simulated because: every 4 iterations", state.row(4).word, "style loss", "travel 0.00"):
         assert text in told
 
 
 def test_a_branch_starts_where_it_forks_on_its_parents_line(timeline):
     lines = list(zip(trace(timeline, LANES).x, trace(timeline, LANES).y, strict=True))
-    assert lines == [(0, "main"), (12, "main"), (None, None), (6, "main"), (6, "soft"), (7, "soft"), (12, "soft"), (None, None)]
+    assert lines == [(0, "main"), (12, "main"), (None, "main"), (6, "main"), (6, "soft"), (7, "soft"), (12, "soft"), (None, "soft")]
+
+
+def test_the_axis_of_lanes_is_one_of_names_before_a_run_as_well():
+    timeline = Timeline(StudioState(settings=ASKED))
+    assert set(trace(timeline, LANES).y) == {"main"}, "plotly would take it for an axis of numbers, on which no mark is seen"
 
 
 def test_the_peak_stands_beside_its_limit(timeline, state):
@@ -130,7 +137,7 @@ ASKED = {"schedule": "every", "every": 5, "travel": 0.1, "iterations": 20, "reli
 
 
 def sentence(timeline):
-    return timeline._figure.layout.annotations[0].text
+    return timeline._figure.layout.annotations[0].text.replace("<br>", " ")
 
 
 def test_before_there_is_a_run_it_says_what_will_appear():
@@ -217,3 +224,10 @@ def test_a_page_that_is_loaded_anew_gets_what_the_figure_shows(done):
     assert [list(trace.get("x", [])) for trace in sent["_widget_data"]] == [list(trace.x or []) for trace in timeline._figure.data]
     assert sent["_widget_layout"]["shapes"][0]["x0"] == 12
     assert sent["_esm"]
+
+
+def test_the_slider_does_not_leave_a_lane_of_one_iteration(fake):
+    next(fake.session()._events(lambda _fraction: None))
+    timeline = Timeline(StudioState(fake.run))
+    timeline._slider.set_state({"value": 1})  # a slider needs some way to go
+    assert (timeline._slider.value, timeline.iteration) == (0, 0)

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import ipywidgets
 import numpy as np
 import traitlets
 
-from mechstyle.errors import BadInput
-from mechstyle.loop.history import Row
+from mechstyle.errors import MechStyleError
+from mechstyle.loop.history import Branch, Row
 from mechstyle.records import Checkpoint
 from mechstyle.records.load_cases import LoadCase
 from mechstyle.records.material import Material
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, Words, table
 from mechstyle_widgets.state.controller import Controller
-
-SIGN = {"VIABLE": "✓", "FAILS": "✗", "UNKNOWN": "?", "": "·"}
+from mechstyle_widgets.state.outcomes import LOOKS
 
 
 class Branches(Section):
@@ -59,7 +59,7 @@ class Branches(Section):
         """
         try:
             changed, wanted = self.controller.differs(), self.controller.wanted().recipe
-        except BadInput as error:
+        except MechStyleError as error:  # CLIP's weights may be missing, too
             self.state.message = str(error)
             return
         if not changed:
@@ -90,7 +90,7 @@ class Branches(Section):
 
     def _list(self, _change: object = None) -> None:
         self._choice.unobserve(self._choose, "value")
-        self._choice.options = [(_line(branch), branch.lane) for branch in self.state.branches]
+        self._choice.options = [(_line(branch, self.state.histories[branch.lane]), branch.lane) for branch in self.state.branches]
         names = [branch.lane for branch in self.state.branches]
         self._choice.value = self.lane if self.lane in names else None
         self._choice.rows = min(max(len(names), 2), 6)
@@ -126,11 +126,12 @@ class Branches(Section):
         self.note("nothing to branch from yet: run something first" if nothing else "")
 
 
-def _line(branch: Any) -> str:
-    """A lane in one line."""
+def _line(branch: Branch, rows: Sequence[Row]) -> str:
+    """A lane in one line, with the mark of its newest verdict."""
+    word = next((row.word for row in reversed(rows) if row.word), "")
     where = f"{branch.iteration} of {branch.iterations}" if branch.iteration < branch.iterations else f"{branch.iterations} iterations"
     origin = f", from {branch.parent} at {branch.forked_at}" if branch.forked_at is not None else ""
-    return f"{SIGN[branch.outcome]} {branch.lane}: {where}{origin}"
+    return f"{LOOKS[word].mark if word else '·'} {branch.lane}: {where}{origin}"
 
 
 def results(row: Row, checkpoint: Checkpoint) -> dict[str, str]:
@@ -138,7 +139,7 @@ def results(row: Row, checkpoint: Checkpoint) -> dict[str, str]:
     return {
         "iteration": str(row.iteration),
         "simulated because": row.reason or "not simulated",
-        "verdict": row.outcome or "–",
+        "verdict": row.word or "–",
         "peak stress": "–" if row.peak is None else f"{row.peak:.1f} MPa",
         "limit": "–" if row.limit is None else f"{row.limit:.1f} MPa",
         "style loss": f"{row.style_loss:.3g}",

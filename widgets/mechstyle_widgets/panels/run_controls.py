@@ -19,7 +19,8 @@ MAY = {
     "stop": ("preparing", "running", "paused"),
 }
 """In which states each button does something."""
-LOOKS = {"preparing": "info", "running": "info", "paused": "warning", "stopped": "warning", "finished": "success", "failed": "danger"}
+GOES_ON = ("paused", "stopped", "failed")
+"""In which states running is going on."""
 
 
 class RunControls(Section):
@@ -35,7 +36,7 @@ class RunControls(Section):
         """Bind the buttons to a controller."""
         self.controller, self.state = controller, controller.state
         self._buttons = {
-            "run": self._button("play", "Run", "Run to the end, or go on", "success", "72px"),
+            "run": self._button("play", "Run", "Run to the end, or go on", "primary", "84px"),
             "pause": self._button("pause", "", "Pause after the iteration in hand"),
             "step": self._button("step-forward", "", "One iteration, then pause"),
             "step_to_simulation": self._button("fast-forward", "", "On to the next simulation, then pause"),
@@ -45,9 +46,16 @@ class RunControls(Section):
             button.on_click(lambda _, name=name: getattr(self.controller, name)())
         self._bar = ipywidgets.FloatProgress(min=0.0, max=1.0, layout=WIDE)
         self._line = ipywidgets.HTML()
-        super().__init__([ipywidgets.HBox(list(self._buttons.values())), self._bar, self._line])
+        super().__init__([ipywidgets.HBox(list(self._buttons.values())), self._line, self._bar])
+        self.add_class("mechstyle-run")
+        for wide in (self._note, self._trouble):
+            wide.add_class("mechstyle-wide")
         self.state.observe(self._show, ("status", "stage", "step", "fraction", "seconds_left", "message", "iterations_done", "run"))
         self._show()
+
+    def emphasise(self, filled: bool) -> None:
+        """Fill the run button, or leave that to another."""
+        self._buttons["run"].button_style = "primary" if filled else ""
 
     def _button(self, icon: str, words: str, tooltip: str, look: str = "", width: str = "44px") -> ipywidgets.Button:
         return ipywidgets.Button(icon=icon, description=words, tooltip=tooltip, button_style=look, layout={"width": width})
@@ -56,7 +64,8 @@ class RunControls(Section):
         state = self.state
         for name, button in self._buttons.items():
             button.disabled = state.status not in MAY[name]
-        self._bar.value, self._bar.bar_style = state.fraction, LOOKS.get(state.status, "")
+        self._buttons["run"].description = "Go on" if state.status in GOES_ON and state.run is not None else "Run"
+        self._bar.value, self._bar.bar_style = state.fraction, "info"  # green, amber and red belong to verdicts
         self.words = line_of(state)
         self._line.value = f'<div class="mechstyle-note" role="status" aria-live="polite">{escape(self.words)}</div>'
         failed = state.status == "failed" or (state.status not in ("finished", "running", "preparing") and bool(state.message))
@@ -66,7 +75,7 @@ class RunControls(Section):
 
 def line_of(state: Any) -> str:
     """Status of a run, in one line."""
-    parts = [state.status]
+    parts = ["ready" if state.status == "idle" else state.status]
     if state.run is not None and state.status != "preparing":
         parts = [f"{state.status}, iteration {state.iterations_done} of {state.run.recipe.iterations}"]
     if state.stage:

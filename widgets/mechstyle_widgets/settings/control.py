@@ -80,6 +80,11 @@ class ControlSelector(Section):
         if recipe.feedback:
             super().take(recipe)
 
+    @property
+    def brief(self) -> str:
+        """The strategy."""
+        return "Freestyle" if self.freestyle else f"{self.control}, stops at {self.threshold:.2g}"
+
     def _make_controls(self) -> None:
         self._mode = ipywidgets.ToggleButtons(
             options=[("MechStyle", False), ("Freestyle", True)],

@@ -40,6 +40,7 @@ class DropOptions(Section):
         orientations: Drops in the final test, the first as placed.
         poses: How the others land, one of `POSES`; of no account with one drop.
         standard: Drop standard whose orientations and height are simulated, a key of `STANDARDS`, or "". Choosing one by hand brings them.
+        tilts: Landings tilted by 3° that are judged together with the drop as placed.
         loads: Load cases the part must carry besides the drop, as records; a load file or a list of records may be set.
         criterion: What viable means, `robust` or `paper`.
         guarantee: Whether the finished relief is corrected until it is viable.
@@ -49,13 +50,14 @@ class DropOptions(Section):
         folder: Run directory, "" for one named by prompt and recipe.
     """
 
-    FIELDS = ("standard", "drop_height", "orientations", "poses", "loads", "criterion", "guarantee", "minimum_wall")
+    FIELDS = ("standard", "drop_height", "orientations", "poses", "tilts", "loads", "criterion", "guarantee", "minimum_wall")
     OWN = ("vertices", "device", "folder")
 
     drop_height = setting("drop_height")
     orientations = setting("orientations")
     poses = setting("poses")
     standard = setting("standard")
+    tilts = setting("tilts")
     loads = traitlets.Any(())
     criterion = setting("criterion")
     guarantee = setting("guarantee")
@@ -71,6 +73,10 @@ class DropOptions(Section):
             "drop_height": ipywidgets.BoundedFloatText(description="drop [mm]", step=100.0, **range_of("drop_height"), **look),
             "orientations": ipywidgets.BoundedIntText(
                 description="drops", tooltip="Drops of the final test, the first as the part stands", **range_of("orientations"), **look
+            ),
+            "tilts": ipywidgets.BoundedIntText(
+                description="tilted by 3°", tooltip="Drops tilted to all sides, judged with the one as placed; 0 takes flat at its word",
+                **range_of("tilts"), **look,
             ),
             "criterion": ipywidgets.Dropdown(options=CRITERIA, description="criterion", **look),
             "guarantee": ipywidgets.Checkbox(description="correct until it is viable", indent=False, layout=WIDE),
@@ -108,6 +114,11 @@ class DropOptions(Section):
         self._unload = ipywidgets.Button(icon="times", tooltip="Nothing to carry but the drop", layout={"width": "32px"})
         self._unload.on_click(lambda _: self._carry(""))
         return ipywidgets.HBox([self._file, self._unload], layout=WIDE)
+
+    @property
+    def brief(self) -> str:
+        """Height and landings."""
+        return f"{self.drop_height / 1000:g} m, {WAYS[self.way][0]}"
 
     @property
     def way(self) -> str:

@@ -39,6 +39,7 @@ class MaterialPicker(Section):
         """Offer the library; `material` is chosen at first."""
         look = {"style": NARROW_LABEL, "layout": WIDE}
         self._choice = ipywidgets.Dropdown(description="material", **look)
+        self._choice.observe(self._choose, "value")
         self._figures = {
             field: ipywidgets.FloatText(description=name, step=step, continuous_update=False, **look)
             for field, (name, step) in FIGURES.items()
@@ -46,18 +47,23 @@ class MaterialPicker(Section):
         grid = ipywidgets.VBox(list(self._figures.values()))
         super().__init__([self._choice, grid])
         self.material = material_named(material)
-        self._choice.observe(self._choose, "value")
         for field, widget in self._figures.items():
             widget.observe(lambda change, field=field: self._edit(field, change["new"]), "value")
         self._show()
+
+    @property
+    def brief(self) -> str:
+        """Name and strength."""
+        return f"{self.material.name}, {self.material.yield_strength:g} MPa"
 
     @traitlets.observe("material")
     def _show(self, _change: object = None) -> None:
         """Bring the controls up to date."""
         edited = [] if LIBRARY.get(self.material.name) == self.material else [(f"{self.material.name} (edited)", "")]
-        with self.hold_trait_notifications():
-            self._choice.options = [*[(name, name) for name in LIBRARY], *edited]
-            self._choice.value = "" if edited else self.material.name
+        self._choice.unobserve(self._choose, "value")  # other options choose their first one, which nobody asked for
+        self._choice.options = [*[(name, name) for name in LIBRARY], *edited]
+        self._choice.value = "" if edited else self.material.name
+        self._choice.observe(self._choose, "value")
         for field, widget in self._figures.items():
             widget.value = round(getattr(self.material, field) * SHOWN_IN.get(field, 1.0), 6)
         self.note(f"source: {self.material.source}")

@@ -48,14 +48,14 @@ class PartPicker(Section):
         Raises:
             BadInput: If the part cannot be used.
         """
-        self._gallery = PictureChoice("model", {one: gallery.describe(one) for one in gallery.names()}, height=156)
+        self._gallery = PictureChoice("model", {one: gallery.describe(one) for one in gallery.names()})
         look = {"style": NARROW_LABEL, "layout": WIDE}
         self._path = ipywidgets.Text(description="or a file", placeholder="part.stl", continuous_update=False, **look)
         self._upload = ipywidgets.FileUpload(
             accept=",".join(f".{suffix}" for suffix in FORMATS),
             description="upload",
             tooltip="A file of this computer",
-            layout={"width": "100px"},
+            layout={"width": "116px"},
         )
         self._unit = ipywidgets.Dropdown(options=UNITS, tooltip="Unit of the file", layout={"width": "138px"})
         super().__init__([self._gallery, self._path, ipywidgets.HBox([self._upload, self._unit])])
@@ -67,6 +67,11 @@ class PartPicker(Section):
             self.show(model, name)
         elif model:
             self.choose(model, scale)
+
+    @property
+    def brief(self) -> str:
+        """Name of the part."""
+        return self.name.replace("_", " ")
 
     def choose(self, model: str, scale: float | None = None) -> None:
         """Take a part by its address.

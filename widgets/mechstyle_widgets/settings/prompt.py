@@ -31,6 +31,7 @@ class PromptBox(Section):
         relief: Depth of the relief [mm], None for what can be seen and the walls bear.
         side: Where it goes from the surface.
         feature: Size of the style's feature [mm], None for what fits the part.
+        nozzle: Diameter of the printer's nozzle [mm], for which features are made large enough; 0 for no rule.
         inside: What becomes of a container's inside.
         amplitude: Half the depth over wall thickness instead; a run that was opened may have it.
         seed: Decides everything random in the style.
@@ -40,13 +41,14 @@ class PromptBox(Section):
             [mm], `image_as`, `image_layout` and `projection` as in `Recipe`.
     """
 
-    FIELDS = ("prompt", *ImageChoice.FIELDS, "relief", "side", "feature", "inside", "amplitude", "seed", "guidance", "field")
+    FIELDS = ("prompt", *ImageChoice.FIELDS, "relief", "side", "feature", "nozzle", "inside", "amplitude", "seed", "guidance", "field")
 
     prompt = traitlets.Unicode("")
     reading = traitlets.Instance(Reading, None, allow_none=True)
     relief = setting("relief")
     side = setting("side")
     feature = setting("feature")
+    nozzle = setting("nozzle")
     inside = setting("inside")
     amplitude = setting("amplitude")
     seed = setting("seed")
@@ -68,6 +70,8 @@ class PromptBox(Section):
         self._feature = Millimetres(SIZES, description="feature", tooltip="Size of the style's feature, such as a course of bricks", **look)
         sides = [("out of thin walls, else both ways", "auto"), ("outwards", "outwards"), ("inwards", "inwards"), ("both ways", "both")]
         self._side = ipywidgets.Dropdown(options=sides, description="goes", tooltip="Where the relief goes from the surface", **look)
+        fine = "Diameter of the printer's nozzle: features that are not told are made for it; 0 for no rule"
+        self._nozzle = ipywidgets.BoundedFloatText(description="nozzle [mm]", step=0.1, tooltip=fine, **range_of("nozzle"), **look)
         insides = [("plain", "plain"), ("styled as well", "styled")]
         self._inside = ipywidgets.Dropdown(options=insides, description="inside", tooltip="The inside of a cup, a tray, a case", **look)
         self._seed = ipywidgets.BoundedIntText(description="seed", **range_of("seed"), **look)
@@ -75,7 +79,7 @@ class PromptBox(Section):
         self._guidance = ipywidgets.Dropdown(options=guides, description="guided by", tooltip="CLIP needs its weights on disk", **look)
         carriers = [("values per vertex", "vertex"), ("X-Mesh style field", "network")]
         self._field = ipywidgets.Dropdown(options=carriers, description="carried by", tooltip="What is optimised", **look)
-        sizes = [self._relief, self._side, self._feature, self._inside]
+        sizes = [self._relief, self._side, self._feature, self._nozzle, self._inside]
         self._image = ImageChoice()
         super().__init__([self._text, self._chips, self._image, *sizes, self._seed, self._guidance, self._field])
         self._chips.observe(self._choose, "pressed")
@@ -89,9 +93,15 @@ class PromptBox(Section):
         traitlets.link((self, "relief"), (self._relief, "length"))
         traitlets.link((self, "feature"), (self._feature, "length"))
         traitlets.dlink((self, "amplitude"), (self._relief, "auto"), lambda share: AUTO if share is None else f"{share:g} of wall")
-        pairs = {"side": self._side, "inside": self._inside, "seed": self._seed, "guidance": self._guidance, "field": self._field}
+        pairs = {"side": self._side, "nozzle": self._nozzle}
+        pairs |= {"inside": self._inside, "seed": self._seed, "guidance": self._guidance, "field": self._field}
         for name, widget in pairs.items():
             traitlets.link((self, name), (widget, "value"))
+
+    @property
+    def brief(self) -> str:
+        """The prompt."""
+        return self.prompt
 
     def _choose(self, _change: object) -> None:
         """A picture was pressed: put the name of its style in the place of the one the prompt names."""

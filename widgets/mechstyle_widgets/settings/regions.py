@@ -60,6 +60,12 @@ class RegionsPicker(Section):
         self._lines.observe(self._write, "value")
         self._clicked.on_click(lambda _: self._protect_clicked())
 
+    @property
+    def brief(self) -> str:
+        """How many regions."""
+        count = len(self.protect)
+        return UNDERSIDES[self.base] if not count else f"{count} region{'s' * (count > 1)}"
+
     def click(self, place: Point) -> None:
         """Handle a click on the part at a position [mm]."""
         self.place = place

@@ -68,6 +68,11 @@ class ScheduleSelector(Section):
         self.relief, self.amplitude = recipe.relief, recipe.amplitude
 
     @property
+    def brief(self) -> str:
+        """How many iterations, and when they are simulated."""
+        return f"{self.iterations} iterations, {self.schedule}"
+
+    @property
     def plan(self) -> Plan:
         """Iterations it would simulate."""
         return plan(self.schedule, self.every, self.travel, self.iterations, self.relief, self.amplitude)

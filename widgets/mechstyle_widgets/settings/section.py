@@ -25,9 +25,6 @@ _SHEET = """<style>
 .mechstyle-table th { text-align: left; font-weight: 600; color: var(--jp-ui-font-color2, #666); }
 .mechstyle-table td, .mechstyle-table th { padding: 2px 8px 2px 0; border-bottom: 1px solid var(--jp-border-color2, #e0e0e0);
   vertical-align: top; line-height: 1.35; }
-.mechstyle-studio .jupyter-widget-Collapse-header { padding: 4px 8px; }
-.mechstyle-studio .jupyter-widget-Collapse-contents { padding: 6px 10px; }
-.mechstyle-studio .jupyter-widget-tab > .widget-tab-contents { padding: 6px 10px; }
 </style>"""
 
 WIDE = {"width": "auto"}
@@ -87,6 +84,11 @@ class Section(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         """Choose what a recipe has."""
         for name in self.FIELDS:
             setattr(self, name, getattr(recipe, name))
+
+    @property
+    def brief(self) -> str:
+        """What is chosen, in a few words; "" where there is nothing to tell."""
+        return ""
 
     def note(self, words: str) -> None:
         """Say something beside the matter, "" for nothing."""

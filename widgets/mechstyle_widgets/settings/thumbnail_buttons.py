@@ -13,6 +13,8 @@ from mechstyle_widgets.jupyter.throttle import running_loop
 from mechstyle_widgets.settings import thumbnails
 
 WIDTH, HEIGHT, LABEL = 72, 68, 16  # of a button, and of the words under its picture [pixels]
+FEW = 3
+"""Pictures that are shown before all are asked for."""
 
 
 class PictureChoice(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
@@ -21,24 +23,29 @@ class PictureChoice(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no
     Attributes:
         value: The name chosen, "" for none.
         pressed: Counts the presses of a button, so that choosing the same again can be told.
+        all: Whether all are shown, or a few with the chosen one among them.
     """
 
     value = traitlets.Unicode("")
     pressed = traitlets.Int(0)
+    all = traitlets.Bool(False)
 
-    def __init__(self, kind: str, names: Mapping[str, str], height: int = 156) -> None:
+    def __init__(self, kind: str, names: Mapping[str, str]) -> None:
         """Offer names.
 
         Args:
             kind: What the pictures are of, a key of `thumbnails.DRAWN`.
             names: What can be chosen, with a sentence about each.
-            height: Of the whole, which scrolls [pixels].
         """
         self._kind, self._pictures = kind, {name: thumbnails.cached(kind, name) for name in names}
         self._sheet = ipywidgets.HTML(layout={"display": "none"})
         self._buttons = {name: self._button(name, words) for name, words in names.items()}
-        flow = {"display": "flex", "flex_flow": "row wrap", "overflow": "auto", "max_height": f"{height}px", "width": "auto"}
-        super().__init__([self._sheet, ipywidgets.Box(list(self._buttons.values()), layout=flow)])
+        grid = ipywidgets.Box(list(self._buttons.values()), layout={"display": "flex", "flex_flow": "row wrap", "width": "auto"})
+        grid.add_class("mechstyle-pictures")
+        self._more = ipywidgets.Button(tooltip="More to choose from, or fewer", layout={"width": "auto", "height": "24px"})
+        self._more.on_click(lambda _: setattr(self, "all", not self.all))
+        super().__init__([self._sheet, grid, self._more])
+        self._fold()
         self._paint()
         self._loop = running_loop()
         self._work = None if self._loop is None else thumbnails.draw_aside(kind, names, self._arrived)
@@ -59,6 +66,19 @@ class PictureChoice(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no
     def _press(self, name: str) -> None:
         self.value = name
         self.pressed += 1
+
+    @traitlets.observe("value", "all")
+    def _fold(self, _change: object = None) -> None:
+        """Show all, or the chosen one among a few; the tab key stops at one of them, from which arrow keys lead on."""
+        few = list(self._buttons)[:FEW]
+        if self.value in self._buttons and self.value not in few:
+            few = [self.value, *few[: FEW - 1]]
+        stop = self.value if self.value in self._buttons else few[0]
+        for name, button in self._buttons.items():
+            button.layout.display = "" if self.all or name in few else "none"
+            button.tabbable = name == stop
+        self._more.description = "fewer" if self.all else f"all {len(self._buttons)} {self._kind}s"
+        self._more.layout.display = "" if len(self._buttons) > FEW else "none"
 
     @traitlets.observe("value")
     def _mark(self, change: dict[str, Any]) -> None:

@@ -98,6 +98,11 @@ class Controller:
         run = self.state.run
         return {} if run is None else {name: value for name, _, value in run.recipe.differences(self.wanted().recipe)}
 
+    def asks_for_another(self) -> bool:
+        """Whether the settings ask for another run than the one on show; BadInput if they cannot be used."""
+        wanted, run = self.wanted(), self.state.run
+        return run is None or not self._of_the_same_part(wanted) or bool(run.recipe.differences(wanted.recipe))
+
     # how it does it
 
     def _with_session(self, act: Callable[[Session], None]) -> None:
@@ -115,12 +120,16 @@ class Controller:
         if self.busy and state.session is not None:
             return state.session
         wanted = self.wanted()
-        same_part = wanted.mesh is None or (state.run is not None and self._asked(wanted, state.run) == self._begun_with)
+        same_part = self._of_the_same_part(wanted)
         if state.run is None or not same_part or state.run.recipe.differences(wanted.recipe):
             return self._begin(wanted, state.run if same_part else None)
         if state.run.finished:
             raise BadInput("this lane is finished: change a setting to begin another run, or branch from an earlier iteration")
         return self._carry_on(state.run)
+
+    def _of_the_same_part(self, wanted: Wanted) -> bool:
+        run = self.state.run
+        return wanted.mesh is None or (run is not None and self._asked(wanted, run) == self._begun_with)
 
     def _asked(self, wanted: Wanted, run: Run) -> tuple[Any, ...]:
         """What tells whether a run was begun here with a part; () for the part of the run on show."""

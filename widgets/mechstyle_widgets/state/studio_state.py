@@ -158,7 +158,7 @@ class StudioState(traitlets.HasTraits):
         run = self.run
         if run is None or (self.session is not None and self.session.state in ("running", "paused")):
             return
-        self.status = "finished" if run.finished else "stopped" if self.history else "idle"
+        self.status = "idle" if not self.history else "finished" if run.finished else "stopped"  # it may have ended since it was read
         self.fraction = self.iterations_done / run.recipe.iterations
         self.message = self.history[-1].words if self.status == "finished" else ""
 

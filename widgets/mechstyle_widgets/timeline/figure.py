@@ -14,15 +14,17 @@ from typing import Any
 from plotly.subplots import make_subplots
 
 from mechstyle.loop.history import Branch, Row
+from mechstyle_widgets.state.outcomes import LOOKS
 from mechstyle_widgets.state.schedule_forecast import Plan
 
 CURVES = {"style_loss": "style loss", "travel": "travel", "seconds": "seconds"}
 UNITS = {"style_loss": "style loss", "travel": "travel / threshold", "seconds": "seconds"}
 TEMPLATES = {"light": "plotly_white", "dark": "plotly_dark"}
 PAPER = {"light": "#ffffff", "dark": "#26272b"}
-VERDICTS = {"VIABLE": ("circle", "#1f7a8c"), "FAILS": ("x", "#d1495b"), "UNKNOWN": ("diamond", "#8d8d8d")}
 INK, FAINT = "#1f7a8c", "rgba(140,140,140,0.45)"
 LANE, STRESS, CURVE, MARGINS = 24, 120, 90, 64  # heights [pixels]
+NARROW = 52
+"""Letters of a line that fit the narrowest timeline."""
 
 Rows = Sequence[Row]
 
@@ -33,10 +35,10 @@ def empty() -> Any:
     line = {"mode": "lines", "hoverinfo": "skip", "showlegend": False}
     figure.add_scatter(row=1, col=1, line={"color": FAINT, "width": 2}, **line)
     figure.add_scatter(row=1, col=1, mode="markers", showlegend=False)
-    for outcome in VERDICTS:
-        figure.add_scatter(row=1, col=1, mode="markers", name=outcome)
+    for word in LOOKS:
+        figure.add_scatter(row=1, col=1, mode="markers", name=word)
     figure.add_scatter(row=2, col=1, line={"color": FAINT, "width": 1.5}, **line)
-    figure.add_scatter(row=2, col=1, line={"color": VERDICTS["FAILS"][1], "width": 1.5, "dash": "dash"}, **line)
+    figure.add_scatter(row=2, col=1, line={"color": LOOKS["FAILS"].line, "width": 1.5, "dash": "dash"}, **line)
     figure.add_scatter(row=2, col=1, mode="lines+markers", line={"color": INK, "width": 1.5}, showlegend=False)
     figure.add_scatter(row=3, col=1, line={"color": FAINT, "width": 1.5}, **line)
     figure.add_scatter(row=3, col=1, mode="lines", line={"color": INK, "width": 1.8}, showlegend=False)
@@ -104,13 +106,14 @@ def _prospect(plan: Plan | None) -> list[str]:
     """Text shown before a run, in lines."""
     later = "Verdicts, peak stress against its limit and the style loss will appear here."
     if plan is None:
-        return ["Nothing has run yet.", later]
+        return ["Nothing has run yet.", *textwrap.wrap(later, NARROW)]
     where = "" if plan.certain else ", about there: the run decides"
-    return [f"Nothing has run yet. Hollow marks are to come: the unstylized part, then {plan.count}{where}.", later]
+    told = f"Nothing has run yet. Hollow marks are to come: the unstylized part, then {plan.count}{where}."
+    return [*textwrap.wrap(told, NARROW), *textwrap.wrap(later, NARROW)]
 
 
 def _planned(lane: str, places: Sequence[int]) -> dict[str, Any]:
-    marker = {"symbol": "circle-open", "color": VERDICTS["UNKNOWN"][1], "size": 9}
+    marker = {"symbol": "circle-open", "color": LOOKS["UNKNOWN"].line, "size": 9}
     told = {"hovertemplate": "simulation planned at iteration %{x}<extra></extra>"}
     return {"x": list(places), "y": [lane] * len(places), "marker": marker, **told}
 
@@ -118,14 +121,15 @@ def _planned(lane: str, places: Sequence[int]) -> dict[str, Any]:
 def _lanes(own: Mapping[str, Rows], forks: Mapping[str, tuple[int, str]]) -> list[dict[str, Any]]:
     """The lines of the lanes from where they fork, their iterations, and their simulations by verdict."""
     flat = [(name, row) for name, rows in own.items() for row in rows]
-    lines: list[tuple[float | None, str | None]] = []
+    lines: list[tuple[float | None, str]] = []
     for name, rows in own.items():
         start = [forks[name], (forks[name][0], name)] if name in forks else []
-        lines += start + [(row.iteration, name) for row in (*rows[:1], *rows[-1:])] + [(None, None)]
+        gap = (None, name)  # with its name: plotly tells the kind of an axis anew from the first values it meets, and none are no names
+        lines += [*start, *((row.iteration, name) for row in (*rows[:1], *rows[-1:])), gap]
     traces = [{"x": [x for x, _ in lines], "y": [y for _, y in lines]}, {**_marks(flat), "marker": {"size": 16, "opacity": 0.0}}]
-    for outcome, (symbol, colour) in VERDICTS.items():
-        of_this = _marks([(name, row) for name, row in flat if row.outcome == outcome])
-        traces.append({**of_this, "marker": {"symbol": symbol, "color": colour, "size": 9}})
+    for word, look in LOOKS.items():
+        of_this = _marks([(name, row) for name, row in flat if row.word == word])
+        traces.append({**of_this, "marker": {"symbol": look.symbol, "color": look.line, "size": 9}})
     return traces
 
 
@@ -152,8 +156,8 @@ def _lines(lanes: Mapping[str, Rows], value: Any) -> dict[str, Any]:
 
 def _peaks(lane: str, rows: Rows) -> dict[str, Any]:
     simulated = [row for row in rows if row.peak is not None]
-    looks = [VERDICTS[row.outcome] for row in simulated]
-    marker = {"symbol": [symbol for symbol, _ in looks], "color": [colour for _, colour in looks], "size": 8}
+    looks = [LOOKS[row.word] for row in simulated]
+    marker = {"symbol": [look.symbol for look in looks], "color": [look.line for look in looks], "size": 8}
     return {**_marks([(lane, row) for row in simulated]), "y": [row.peak for row in simulated], "marker": marker}
 
 
@@ -165,8 +169,8 @@ def _curve(lane: str, rows: Rows, curve: str) -> dict[str, Any]:
 def story(lane: str, row: Row) -> str:
     """Hover text of an iteration."""
     lines = [f"<b>{escape(lane)} · iteration {row.iteration}</b>"]
-    if row.outcome:
-        lines.append(f"{row.outcome}, simulated because: {escape(row.reason)}")
+    if row.word:
+        lines.append(f"{row.word}, simulated because: {escape(row.reason)}")
         lines += textwrap.wrap(escape(row.words), 70)
     figures = [f"style loss {row.style_loss:.3g}"]
     if row.travel is not None:
@@ -178,7 +182,7 @@ def story(lane: str, row: Row) -> str:
 
 def _limit_note(limit: float) -> dict[str, Any]:
     place = {"x": 0.0, "xref": "paper", "xanchor": "left", "y": limit, "yref": "y2", "yanchor": "top"}
-    return {"text": f"limit {limit:.3g} MPa", "showarrow": False, "font": {"size": 10, "color": VERDICTS["FAILS"][1]}, **place}
+    return {"text": f"limit {limit:.3g} MPa", "showarrow": False, "font": {"size": 10, "color": LOOKS["FAILS"].line}, **place}
 
 
 def _layout(lanes: Sequence[str], lane: str, curve: str, theme: str, iterations: int) -> dict[str, Any]:

@@ -50,7 +50,9 @@ class Timeline(Linked, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # i
         self._slider = ipywidgets.IntSlider(description="iteration", tooltip="Arrow keys step", continuous_update=True)
         choice = ipywidgets.ToggleButtons(options=[(label, name) for name, label in CURVES.items()], tooltips=list(CURVES.values()))
         choice.style.button_width = "auto"
-        super().__init__([self._bar(choice, width), self._figure])
+        self._slider.layout.flex = "1 1 240px"
+        bar = ipywidgets.HBox([self._slider, choice], layout={"justify_content": "space-between", "flex_flow": "row wrap"})
+        super().__init__([bar, self._figure])
         self.add_class("mechstyle-timeline")
         self._redraw, self._point = Paced(self._draw), Paced(self._move_line)
         self.link(state)
@@ -65,6 +67,12 @@ class Timeline(Linked, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # i
         """Lane and iteration."""
         return f"Timeline(lane={self.lane!r}, iteration={self.iteration})"
 
+    def resize(self, width: int) -> None:
+        """Take another width [pixels]."""
+        if width != self._width:
+            self._width = width
+            self._redraw()
+
     def close(self) -> None:
         """Close it and every widget it is made of, but for its figure, which the next timeline shows; the state is followed no longer."""
         self._redraw.cancel()
@@ -77,10 +85,6 @@ class Timeline(Linked, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # i
         close_family(self, keep=self._figure)
         super().close()
         self.children = ()  # detach the pooled figure so that closing a parent does not close it
-
-    def _bar(self, choice: ipywidgets.ToggleButtons, width: int) -> ipywidgets.HBox:
-        self._slider.layout.width = f"{max(width - 430, 240)}px"
-        return ipywidgets.HBox([self._slider, choice], layout={"justify_content": "space-between", "width": f"{width}px"})
 
     # what is drawn
 
@@ -128,6 +132,8 @@ class Timeline(Linked, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # i
 
     def _slid(self, change: dict[str, Any]) -> None:
         self.iteration = change["new"]
+        if self.iteration != change["new"]:  # a lane of one iteration leaves the slider room that the lane has not
+            self._point()
 
     def _clicked(self, trace: Any, points: Any, _modifiers: Any) -> None:
         """Show the lane and the iteration of the first point clicked."""

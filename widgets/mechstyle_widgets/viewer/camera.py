@@ -4,14 +4,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pythreejs
+from numpy.typing import ArrayLike
 
 from mechstyle.pictures.camera import Camera
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle_widgets.viewer.scene import floor_corners
+
+STEEPEST = 85.0
+"""Elevation up to which keys and flights go [degrees]: straight from above there is no upright."""
+CLOSE = 0.55
+"""Distance a flight ends at, as a share of that from which the whole part is seen."""
+FLAT = 0.2
+"""A normal that points sideways less than this share of upwards does not tell from which side to look."""
 
 
 class Orbit:
@@ -58,6 +67,31 @@ class Orbit:
             seen = Camera.named(view, self._points, aspect=aspect)
         else:
             seen = Camera.fitted(self._points, now.azimuth, now.elevation, aspect=aspect)
+        self._take(seen)
+
+    def turn(self, azimuth: float, elevation: float) -> None:
+        """Go round what is in the middle of the view [degrees]."""
+        now = self.seen
+        self._take(replace(now, azimuth=now.azimuth + azimuth, elevation=_upright(now.elevation + elevation)))
+
+    def near(self, factor: float) -> None:
+        """Come nearer by a factor, or go farther by one below 1."""
+        self._take(replace(self.seen, distance=self.seen.distance / factor))
+
+    def look_at(self, place: ArrayLike, outwards: ArrayLike) -> None:
+        """Look at a place [mm] from where its outward normal points, near enough to see what is around it."""
+        x, y, z = np.asarray(place, np.float64).tolist()
+        away = np.asarray(outwards, np.float64)
+        elevation = _upright(math.degrees(math.atan2(away[2], math.hypot(away[0], away[1]))))
+        level = math.hypot(away[0], away[1]) > FLAT * abs(away[2])
+        azimuth = math.degrees(math.atan2(away[0], -away[1])) if level else self.seen.azimuth
+        self._take(replace(self.seen, azimuth=azimuth, elevation=elevation, target=(x, y, z), distance=CLOSE * self.home.distance))
+
+    def look_like(self, other: Orbit) -> None:
+        """Stand where another camera stands."""
+        self._take(other.seen)
+
+    def _take(self, seen: Camera) -> None:
         target = np.subtract(seen.target, self.home.target).tolist()
         self.three.position = (np.add(self._eye(seen), target)).tolist()
         for control in self._controls:
@@ -92,3 +126,8 @@ class Orbit:
     @staticmethod
     def _eye(camera: Camera) -> list[float]:
         return np.subtract(camera.eye, camera.target).tolist()
+
+
+def _upright(elevation: float) -> float:
+    """An elevation from which up stays up [degrees]."""
+    return min(max(elevation, -STEEPEST), STEEPEST)

@@ -9,18 +9,21 @@ import traitlets
 
 from mechstyle.errors import BadInput
 from mechstyle.pictures.fields import MOMENT
-from mechstyle.records import Checkpoint
+from mechstyle.records import Checkpoint, Simulation
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.run import Run
 from mechstyle_widgets.jupyter.throttle import Paced
 from mechstyle_widgets.state.linked import Linked
 from mechstyle_widgets.state.studio_state import StudioState
+from mechstyle_widgets.viewer import badge
 from mechstyle_widgets.viewer.impact_player import ImpactPlayer
 from mechstyle_widgets.viewer.layers import STYLE, Layer, subject_of
 from mechstyle_widgets.viewer.viewer import Viewer
 
 FOLLOWED = ("checkpoint", "status")
 """Traits of the state that change what is to be seen: what a run delivers is drawn after its last checkpoint."""
+JUDGED = ("history", "checkpoint", "status")
+"""Traits of a state that its badge tells of."""
 Derived = Callable[[Run, Checkpoint], Layer]
 
 
@@ -66,8 +69,10 @@ class RunViewer(Linked, Viewer):
         self.layer = state.layer = wanted
         self.link(state, "layer")
         state.observe(self._follow, FOLLOWED)
+        state.observe(self._judge, JUDGED)
         self.observe(self._follow, "derived")
         self.observe(self._stand_beside, "compared")
+        self._judge()
 
     def let_go(self) -> None:
         """Follow the state no longer, which may come to show a part with other faces."""
@@ -75,6 +80,7 @@ class RunViewer(Linked, Viewer):
             self._catch_up.cancel()
             self.unlink()
             self._state.unobserve(self._follow, FOLLOWED)
+            self._state.unobserve(self._judge, JUDGED)
             self.player.close()
 
     def close(self) -> None:
@@ -96,6 +102,20 @@ class RunViewer(Linked, Viewer):
             other = Run(run.store, lane, run.device)
             self.names = ("on show", f"{lane}, iteration {iteration}") if self.compared else ("styled", "original")
             self.original, self.beside = subject_of(other, other.checkpoint(iteration)), self.compared is not None
+
+    def _judge(self, _change: Any = None) -> None:
+        """Bring the badge up to date."""
+        if self._state.run is None or self._state.run.store.root != self._root:
+            return
+        words, verdict = badge.of_state(self._state)
+        self.badge.say(words, None if verdict is None or verdict.outcome == "UNKNOWN" else self.fly_to_worst)
+
+    def fly_to_worst(self) -> None:
+        """Look at the place that decides."""
+        run, shown = self._state.run, self._state.checkpoint
+        _, verdict = badge.of_state(self._state)
+        if run is not None and shown is not None and verdict is not None:
+            self.fly(badge.worst_place(verdict, run.store.objects.get_record(shown.simulation, Simulation)))
 
     def _follow(self, _change: Any) -> None:
         self._catch_up()

@@ -26,9 +26,17 @@ from mechstyle_widgets.jupyter.cell_output import OncePerCell
 from mechstyle_widgets.jupyter.closing import close_family
 from mechstyle_widgets.jupyter.throttle import Paced
 from mechstyle_widgets.viewer import legend, probe
+from mechstyle_widgets.viewer.badge import Badge
 from mechstyle_widgets.viewer.camera import Orbit
 from mechstyle_widgets.viewer.layers import STYLE, Layer, Subject
 from mechstyle_widgets.viewer.scene import BACKGROUNDS, Scene, floor_cell
+
+COARSE, FINE = 15.0, 1.0
+"""How far an arrow key turns the part, and with Ctrl [degrees]."""
+ARROWS = {"ArrowLeft": (-1, 0), "ArrowRight": (1, 0), "ArrowUp": (0, 1), "ArrowDown": (0, -1)}
+NEARER = {"+": 1.25, "=": 1.25, "-": 0.8}
+SHIFTED = {"1": "front", "2": "side", "3": "top", "4": "below", "5": "three_quarter"}
+"""Standard views by the digits that, with Shift, call them."""
 
 
 class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
@@ -46,6 +54,7 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         probed: The vertex asked about, None for none.
         protected: Whether the style must leave each vertex as it is, which is hatched, shape [vertex_count]; None for nothing.
         theme: `light` or `dark`.
+        badge: What is said over the view.
     """
 
     subject = traitlets.Instance(Subject)
@@ -95,11 +104,14 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._picker = probe.Picker(self._scenes[0].part, self._orbit.three, self._pick)
         self._views = [self._renderer(self._scenes[0], [*self._orbit.controls, self._picker.three])]
         self._stage = ipywidgets.HBox(self._views)
+        self.badge = Badge()
+        window = ipywidgets.Box([self._stage, self.badge])
+        window.add_class("mechstyle-stage")
         self._legend, self._scale, self._table = ipywidgets.HTML(), ipywidgets.HTML(), ipywidgets.HTML()
-        self._legend.layout.width = f"{max(width // 2, legend.BAR_WIDTH + 36)}px"
-        self._titles = ipywidgets.HTML(layout={"display": "none", "width": f"{width}px"})
-        foot = ipywidgets.HBox([self._legend, ipywidgets.VBox([self._scale, self._table])])
-        super().__init__([self._toolbar(), self._titles, self._stage, foot])
+        self._titles = ipywidgets.HTML(layout={"display": "none"})
+        wrap = {"flex_flow": "row wrap", "justify_content": "space-between", "overflow": "hidden"}
+        foot = ipywidgets.HBox([self._legend, ipywidgets.VBox([self._scale, self._table])], layout=wrap)
+        super().__init__([self._toolbar(), self._titles, window, foot])
         self.add_class("mechstyle-viewer")
         self.subject, self.original, self.theme = subject, original, theme
         self._refresh = Paced(self._draw)
@@ -124,6 +136,40 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         if view and view not in VIEWS:
             raise unknown("view", view, VIEWS)
         self._orbit.fit(view)
+        self._measure()
+
+    def resize(self, width: int, height: int) -> None:
+        """Take another width and height [pixels]."""
+        if (width, height) != self._size:
+            self._size = width, height
+            self._share_width()
+            self._measure()
+
+    def look_from(self, other: Viewer) -> None:
+        """Look from where another view looks."""
+        self._orbit.look_like(other._orbit)
+        self._measure()
+
+    def key(self, name: str, *, shift: bool = False, ctrl: bool = False) -> None:
+        """What a key does while the view has the focus: arrows turn it, + and - come nearer and go farther, Home shows the whole part."""
+        step = FINE if ctrl else COARSE
+        across, up = ARROWS.get(name, (0, 0))
+        if name == "Home":
+            self.fit()
+        elif name in NEARER:
+            self._orbit.near(NEARER[name])
+        elif shift and name in SHIFTED:
+            self.fit(SHIFTED[name])
+        elif (across, up) != (0, 0):
+            self._orbit.turn(across * step, up * step)
+        self._measure()
+
+    def fly(self, place: Point) -> None:
+        """Look at a place of the part at rest [mm] from close by, and tell what is known of it."""
+        vertex = int(np.linalg.norm(self.at_rest.vertices - np.asarray(place), axis=1).argmin())
+        mesh = self.subject.mesh
+        self._orbit.look_at(mesh.vertices[vertex], mesh.vertex_normals[vertex])
+        self.probed = vertex
         self._measure()
 
     @property
@@ -229,12 +275,17 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             self._views.append(self._renderer(self._scenes[1], [self._orbit.share()]))
         shown = tuple(self._views) if wanted else tuple(self._views[:1])
         if self._stage.children != shown:
-            width, height = self._size
-            for view in shown:
-                view.width = width // len(shown)
-            self._orbit.resize(width / len(shown) / height)
             self._stage.children = shown
+            self._share_width()
             self._titles.layout.display = "" if wanted else "none"
+
+    def _share_width(self) -> None:
+        """Give each view its share of the width."""
+        (width, height), shown = self._size, self._stage.children
+        for view in shown:
+            with view.hold_sync():
+                view.width, view.height = width // len(shown), height
+        self._orbit.resize(width / len(shown) / height)
 
     @contextmanager
     def _at_once(self) -> Iterator[None]:
@@ -284,7 +335,8 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._view.observe(lambda change: self.fit(change["new"]), "value")
         fit.on_click(lambda _: self.fit())
         shot.on_click(lambda _: self._offer_picture())
-        return ipywidgets.HBox([self._choice, self._view, fit, self._both, marks, shot, self._download])
+        tools = [self._choice, self._view, fit, self._both, marks, shot, self._download]
+        return ipywidgets.HBox(tools, layout={"flex_flow": "row wrap"})
 
     def _offer_picture(self) -> None:
         data = base64.b64encode(self.picture().png).decode("ascii")

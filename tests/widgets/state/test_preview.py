@@ -1,0 +1,130 @@
+"""The preview of a style: the latest wish counts, another part overtakes the one before, and what is wanted no longer leaves nothing."""
+
+import asyncio
+
+import numpy as np
+import pytest
+
+from mechstyle.runs.recipes import draft
+from mechstyle.runs.stylizers import finished_relief
+from mechstyle.simulation.part import Shape
+from mechstyle_widgets.state import preview as module
+from mechstyle_widgets.state.preview import Previewer, shape_aside
+
+PATIENCE = 30.0
+FEW = 600
+
+
+@pytest.fixture
+def prepared(monkeypatch):
+    """The parts that were made ready, each at once and as it is."""
+    seen = []
+
+    def at_once(mesh, vertices, go_on):
+        seen.append((mesh, vertices))
+        go_on()
+        return Shape(mesh, np.full(len(mesh.vertices), 8.0, np.float32))
+
+    monkeypatch.setattr(module, "shape_aside", at_once)
+    monkeypatch.setattr(module, "WAIT", 0.01)
+    return seen
+
+
+class Asker:
+    """A previewer in an event loop, and what came of it."""
+
+    def __init__(self):
+        self.shown, self.failed, self._news = [], [], asyncio.Event()
+        self.previewer = Previewer(lambda one: self._note(self.shown, one), lambda why: self._note(self.failed, why))
+
+    def _note(self, where, what):
+        where.append(what)
+        self._news.set()
+
+    async def news(self):
+        await asyncio.wait_for(self._news.wait(), PATIENCE)
+        self._news.clear()
+
+    async def rest(self):
+        while self.previewer._busy or self.previewer._timer is not None:  # noqa: ASYNC110 — a thread is waited for, too
+            await asyncio.sleep(0.01)
+
+
+def test_the_style_is_that_of_the_run_unrestrained(prepared, sphere):
+    async def main():
+        asker, recipe = Asker(), draft("brick", relief=1.0)
+        asker.previewer.ask(sphere, 25_000, recipe)
+        await asker.news()
+        made = asker.shown[0]
+        np.testing.assert_array_equal(made.style.relief, finished_relief(made.shape, recipe))
+        np.testing.assert_allclose(made.surface.vertices, sphere.displaced(made.style.relief).vertices)
+        assert np.ptp(made.surface.colours, axis=0).max() > 0.1
+
+    asyncio.run(main())
+    assert [vertices for _, vertices in prepared] == [module.VERTICES]
+
+
+def test_the_latest_of_quick_changes_is_drawn_and_the_part_made_ready_once(prepared, sphere):
+    async def main():
+        asker = Asker()
+        for relief in (0.2, 0.4, 0.6):
+            asker.previewer.ask(sphere, FEW, draft("brick", relief=relief))
+        await asker.news()
+        asker.previewer.ask(sphere, FEW, draft("brick", relief=1.2))
+        await asker.news()
+        await asker.rest()
+        depths = [float(np.ptp(one.style.relief)) for one in asker.shown]
+        assert len(depths) == 2
+        assert depths[1] > 1.5 * depths[0]
+
+    asyncio.run(main())
+    assert len(prepared) == 1
+
+
+def test_a_part_that_is_wanted_no_longer_is_not_shown(prepared, sphere, cube):
+    async def main():
+        asker = Asker()
+        asker.previewer.ask(sphere, FEW, draft("brick"))
+        await asyncio.sleep(0.05)
+        asker.previewer.cancel()
+        await asker.rest()
+        assert asker.shown == asker.failed == []
+        asker.previewer.ask(sphere, FEW, draft("brick"))
+        await asyncio.sleep(0.05)
+        half = sphere.moved(0.5 * sphere.vertices)
+        asker.previewer.ask(half, FEW, draft("brick"))
+        await asker.news()
+        await asker.rest()
+        assert {id(one.shape.surface) for one in asker.shown} == {id(half)}
+
+    asyncio.run(main())
+
+
+def test_where_only_running_tells_the_part_is_shown_as_it_came(prepared, sphere):
+    async def main():
+        asker = Asker()
+        asker.previewer.ask(sphere, FEW, draft("brick", field="network"))
+        await asker.news()
+        assert asker.shown[0].style is None
+        assert asker.shown[0].surface is sphere
+
+    asyncio.run(main())
+
+
+def test_without_an_event_loop_nothing_is_drawn(prepared, sphere):
+    Previewer(lambda _: pytest.fail("drawn"), pytest.fail).ask(sphere, FEW, draft("brick"))
+    assert prepared == []
+
+
+def test_a_part_is_made_ready_in_another_process_that_ends_when_told(cube):
+    class Enough(Exception):
+        pass
+
+    def enough():
+        raise Enough
+
+    with pytest.raises(Enough):
+        shape_aside(cube, FEW, enough)
+    shape = shape_aside(cube, FEW, lambda: None)
+    assert abs(len(shape.surface.vertices) - FEW) < 0.2 * FEW
+    assert not shape.is_container

@@ -1,0 +1,44 @@
+"""What only a page knows or can do: the room there is, the theme, keys, the whole screen, handing over a file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib.resources import files
+from typing import Any
+
+import anywidget
+import traitlets
+
+
+def _static(name: str) -> str:
+    return files("mechstyle_widgets.jupyter").joinpath("static", name).read_text(encoding="utf-8")
+
+
+class Frame(anywidget.AnyWidget):
+    """Somewhere in a box of the class `mechstyle-studio`: a button for the whole screen, and eyes and ears for the kernel.
+
+    Attributes:
+        size: Width of the element of the class `mechstyle-view` and the height for a view in it [pixels]; empty until they are known.
+        dark: Whether the notebook's theme is dark.
+    """
+
+    _esm, _css = _static("frame.js"), _static("frame.css")
+    size = traitlets.List(traitlets.Int(), []).tag(sync=True)
+    dark = traitlets.Bool(False).tag(sync=True)
+
+    def on_key(self, place: str, call: Callable[..., None]) -> None:
+        """Call back with the name of every key pressed in a place, `view` or `studio`; for a view, with `shift` and `ctrl`, too."""
+
+        def hear(_widget: Any, message: Any, _buffers: Any) -> None:
+            if isinstance(message, dict) and message.get("kind") == place:
+                call(str(message.get("key", "")), **{name: bool(message[name]) for name in ("shift", "ctrl") if name in message})
+
+        self.on_msg(hear)
+
+    def copy(self, text: str) -> None:
+        """Put a text where the page keeps what was copied, if the browser lets it."""
+        self.send({"kind": "text", "text": text})
+
+    def hand_over(self, name: str, data: bytes, media_type: str = "application/octet-stream") -> None:
+        """Let the page save a file."""
+        self.send({"kind": "file", "name": name, "type": media_type}, [data])

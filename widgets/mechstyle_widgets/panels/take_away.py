@@ -1,0 +1,112 @@
+"""Taking away what a run made: files for the printer and for others, a picture, the lines of code that make it again."""
+
+from __future__ import annotations
+
+import tempfile
+import threading
+from collections.abc import Callable
+from functools import partial
+from html import escape
+from pathlib import Path
+
+import ipywidgets
+
+from mechstyle.errors import MechStyleError
+from mechstyle.runs.report.reproduce import cell_for
+from mechstyle.runs.run import Run
+from mechstyle_widgets.jupyter.frame import Frame
+from mechstyle_widgets.jupyter.throttle import running_loop
+from mechstyle_widgets.settings.section import Section
+from mechstyle_widgets.state.studio_state import StudioState
+
+MEDIA = {".3mf": "model/3mf", ".glb": "model/gltf-binary", ".html": "text/html", ".png": "image/png"}
+
+
+class TakeAway(Section):
+    """Buttons that let the page save what the iteration on show is."""
+
+    def __init__(self, state: StudioState, frame: Frame) -> None:
+        """Offer what a state shows; files go by way of a frame."""
+        self.state, self._frame, self._loop = state, frame, running_loop()
+        kinds = {
+            "3MF": (".3mf", "download", "The part in colour, for the slicer", self._exported),
+            "GLB": (".glb", "cube", "The part in colour, to look at and to share", self._exported),
+            "Report": (".html", "file-text-o", "The whole run as one page that opens offline", self._reported),
+            "Picture": (".png", "picture-o", "Style, stress and mask as a picture", self._pictured),
+        }
+        self._buttons = {name: self._button(name, icon, tooltip) for name, (_, icon, tooltip, _) in kinds.items()}
+        for name, (suffix, _, _, make) in kinds.items():
+            self._buttons[name].on_click(partial(self._begin, suffix, make))
+        self._code = self._button("Copy as code", "code", "The lines of Python that make this run again")
+        self._code.on_click(lambda _: self._copy())
+        row = ipywidgets.HBox([*self._buttons.values(), self._code], layout={"flex_flow": "row wrap"})
+        super().__init__([row])
+        self.add_class("mechstyle-take")
+        state.observe(self._offer, ("run", "checkpoint", "status"))
+        self._offer()
+
+    @property
+    def main(self) -> ipywidgets.Button:
+        """What one does with a finished part."""
+        return self._buttons["3MF"]
+
+    def _button(self, name: str, icon: str, tooltip: str) -> ipywidgets.Button:
+        return ipywidgets.Button(description=name, icon=icon, tooltip=tooltip, layout={"width": "auto"})
+
+    def _offer(self, _change: object = None) -> None:
+        """There is nothing to take before there is an iteration."""
+        self.layout.display = "none" if self.state.checkpoint is None else ""
+        self.note("")
+        self.complain("")
+
+    def _begin(self, suffix: str, make: Callable[[Run, int, Path], object], _button: object = None) -> None:
+        """Make a file, in a thread where there is an event loop to bring it back, and let the page save it."""
+        run, iteration = self.state.run, self.state.iteration
+        if run is None or self.state.checkpoint is None:
+            return
+        name = f"{run.record.stem}-{iteration}{suffix}"
+        self.complain("")
+        self.note(f"making {name} …")
+        if self._loop is None:
+            self._work(run, iteration, name, make, lambda act, *given: act(*given))
+        else:
+            thread = threading.Thread(target=self._work, args=(run, iteration, name, make, self._loop.call_soon_threadsafe), daemon=True)
+            thread.start()
+
+    def _work(self, run: Run, iteration: int, name: str, make: Callable[[Run, int, Path], object], bring: Callable[..., object]) -> None:
+        """In the thread: make the file somewhere, and bring its bytes."""
+        try:
+            with tempfile.TemporaryDirectory() as folder:
+                path = Path(folder) / name
+                make(run, iteration, path)
+                bring(self._hand_over, name, path.read_bytes())
+        except MechStyleError as error:
+            bring(self._refuse, str(error))
+
+    def _hand_over(self, name: str, data: bytes) -> None:
+        self._frame.hand_over(name, data, MEDIA[Path(name).suffix])
+        self.note(f"{name} is saved where the browser puts downloads")
+
+    def _refuse(self, why: str) -> None:
+        self.note("")
+        self.complain(why)
+
+    @staticmethod
+    def _exported(run: Run, iteration: int, path: Path) -> None:
+        run.export(path, iteration)
+
+    @staticmethod
+    def _reported(run: Run, _iteration: int, path: Path) -> None:
+        run.report(path)
+
+    @staticmethod
+    def _pictured(run: Run, iteration: int, path: Path) -> None:
+        run.show(iteration).save(path)
+
+    def _copy(self) -> None:
+        """Show the lines, and put them where the page keeps what was copied."""
+        run = self.state.run
+        assert run is not None, "the buttons are hidden before there is an iteration"
+        code = cell_for(run, run.history)
+        self._frame.copy(code)
+        self._note.say(f'<div class="mechstyle-note">copied:<pre style="white-space:pre-wrap;margin:4px 0">{escape(code)}</pre></div>')

@@ -1,0 +1,44 @@
+"""A group of settings under a heading that tells what is chosen, folded away until it is pressed."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import ipywidgets
+import traitlets
+
+from mechstyle_widgets.settings.section import Section
+
+
+class Group(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
+    """A heading and a section.
+
+    Attributes:
+        unfolded: Whether the section is shown.
+    """
+
+    unfolded = traitlets.Bool(False)
+
+    def __init__(self, title: str, section: Section, *, unfolded: bool = False) -> None:
+        """Put a section under a heading."""
+        self._title, self._section = title, section
+        self._head = ipywidgets.Button(icon="angle-right")
+        self._head.add_class("mechstyle-group-head")
+        super().__init__([self._head, section])
+        self.add_class("mechstyle-group")
+        self._head.on_click(lambda _: self._turn())
+        section.observe(self._tell, (*section.FIELDS, *section.OWN) or ("name",))  # a part has a name and no setting
+        self.unfolded = unfolded
+        self._tell()
+
+    def _turn(self) -> None:
+        self.unfolded = not self.unfolded
+
+    @traitlets.observe("unfolded")
+    def _tell(self, _change: Any = None) -> None:
+        """Show what is chosen where the section itself does not."""
+        brief = "" if self.unfolded else self._section.brief
+        self._head.description = f"{self._title}: {brief}" if brief else self._title
+        self._head.icon = "angle-down" if self.unfolded else "angle-right"
+        (self._head.add_class if self.unfolded else self._head.remove_class)("mechstyle-open")
+        self._section.layout.display = "" if self.unfolded else "none"

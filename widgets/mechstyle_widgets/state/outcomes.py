@@ -1,0 +1,35 @@
+"""Looks of the outcomes, told by colour, by shape and by word wherever one is shown; green, amber and red mean nothing else."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Look:
+    """Look of an outcome.
+
+    Attributes:
+        mark: A letter of its shape.
+        symbol: The same shape, as plotly calls it.
+        line: Colour of a mark on the ground of either theme, 3:1 at least.
+        fill: Colour of a badge.
+        ink: Colour of words on the badge, 4.5:1 at least.
+    """
+
+    mark: str
+    symbol: str
+    line: str
+    fill: str
+    ink: str
+
+
+UNTOLD = Look("◆", "diamond", "#7d8188", "#5f6368", "#ffffff")
+"""Look of no answer, and of no test."""
+LOOKS = {
+    "VIABLE": Look("●", "circle", "#2a8a52", "#1b6e3c", "#ffffff"),
+    "MARGINAL": Look("▲", "triangle-up", "#b67a0c", "#f5b82e", "#1a1a1a"),
+    "FAILS": Look("✕", "x", "#d1453b", "#b3261e", "#ffffff"),
+    "UNKNOWN": UNTOLD,
+}
+"""By the word of a verdict."""

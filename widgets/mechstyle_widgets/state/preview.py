@@ -1,0 +1,154 @@
+"""Preview of a style on a part before it is run: drawn off the kernel's own thread, the latest wish counts, nothing waits for it."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from mechstyle.errors import MechStyleError, SimulationFailed
+from mechstyle.geometry.thickness import local_thickness
+from mechstyle.records import Recipe
+from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.runs.stylizers import FinishedStyle, finished_style
+from mechstyle.simulation.part import Shape, standardised
+from mechstyle_widgets.jupyter.throttle import running_loop
+from mechstyle_widgets.jupyter.worker_process import Aside
+
+WAIT = 0.2
+"""After the last change of a setting [s]."""
+VERTICES = 8000
+"""As many show a style and are drawn in half a second; a run of fewer is shown with its own."""
+
+
+@dataclass(frozen=True, eq=False)
+class Preview:
+    """A style on a part, not tested.
+
+    Attributes:
+        shape: The part it was drawn on.
+        style: The finished style; None where only running it tells.
+        seconds: How long the drawing took [s].
+    """
+
+    shape: Shape
+    style: FinishedStyle | None
+    seconds: float
+
+    @property
+    def surface(self) -> SurfaceMesh:
+        """The styled, coloured surface; the part as it came where only running tells."""
+        if self.style is None:
+            return self.shape.surface
+        return self.shape.surface.displaced(self.style.relief).coloured(self.style.colour)
+
+
+@dataclass(frozen=True, eq=False)
+class _Wish:
+    mesh: SurfaceMesh
+    vertices: int
+    recipe: Recipe
+
+
+class _Overtaken(Exception):
+    """Another part was asked for, or nobody waits any longer."""
+
+
+class Previewer:
+    """Draws what is asked for last."""
+
+    def __init__(self, arrived: Callable[[Preview], None], failed: Callable[[str], None]) -> None:
+        """Call `arrived` with previews, `failed` with a sentence, both on the event loop; without one nothing is drawn."""
+        self._arrived, self._failed = arrived, failed
+        self._loop = running_loop()
+        self._wish: _Wish | None = None
+        self._timer: object = None
+        self._busy = False
+        self._shape: tuple[tuple[str, int], Shape] | None = None
+
+    def ask(self, mesh: SurfaceMesh, vertices: int, recipe: Recipe) -> None:
+        """Draw a style on a part, a moment after the last wish.
+
+        Args:
+            mesh: The part [mm].
+            vertices: Of the run that is to come.
+            recipe: Its recipe, as `draft` makes it.
+        """
+        self.cancel()
+        if self._loop is not None:
+            self._wish = _Wish(mesh, min(vertices, VERTICES), recipe)
+            self._timer = self._loop.call_later(WAIT, self._begin)
+
+    def cancel(self) -> None:
+        """Want nothing any more: what is being drawn is not shown, and what prepares a part for it ends."""
+        self._wish = None
+        if self._timer is not None:
+            self._timer.cancel()  # type: ignore[attr-defined]  # a handle of the loop
+            self._timer = None
+
+    def _begin(self) -> None:
+        self._timer = None
+        if self._wish is not None and not self._busy:
+            self._busy = True
+            threading.Thread(target=self._work, args=(self._wish,), name="mechstyle-preview", daemon=True).start()
+
+    def _work(self, wish: _Wish) -> None:
+        """In the thread: draw, and bring the answer to the event loop."""
+        answer: Callable[[], None] = lambda: None  # noqa: E731 — nothing to tell
+        try:
+            answer = partial(self._arrived, self._drawn(wish))
+        except _Overtaken:
+            pass
+        except MechStyleError as error:
+            answer = partial(self._failed, str(error))
+        assert self._loop is not None, "only a loop begins the work"
+        if not self._loop.is_closed():
+            self._loop.call_soon_threadsafe(self._end, wish, answer)
+
+    def _end(self, wish: _Wish, answer: Callable[[], None]) -> None:
+        self._busy = False
+        if self._wish is not None and self._wish.mesh is wish.mesh:  # of an earlier setting, perhaps: the newest follows
+            answer()
+        if self._wish is not wish and self._timer is None:
+            self._begin()
+
+    def _drawn(self, wish: _Wish) -> Preview:
+        shape = self._prepared(wish)
+        began = time.monotonic()
+        return Preview(shape, finished_style(shape, wish.recipe), time.monotonic() - began)
+
+    def _prepared(self, wish: _Wish) -> Shape:
+        key = (wish.mesh.digest, wish.vertices)
+        if self._shape is None or self._shape[0] != key:
+            self._shape = key, shape_aside(wish.mesh, wish.vertices, lambda: self._go_on(wish))
+        return self._shape[1]
+
+    def _go_on(self, wish: _Wish) -> None:
+        if self._wish is None or self._wish.mesh is not wish.mesh:
+            raise _Overtaken
+
+
+def shape_aside(mesh: SurfaceMesh, vertices: int, go_on: Callable[[], None]) -> Shape:
+    """A part as far as a style needs it ready, made in another process: remeshing would keep the kernel from answering.
+
+    Args:
+        mesh: A closed surface [mm].
+        vertices: Vertices of the standardised surface.
+        go_on: Called ten times a second; what it raises ends the work.
+    """
+    for shape in Aside(_prepare, mesh, vertices).said(go_on):
+        if isinstance(shape, Shape):
+            return shape
+    raise SimulationFailed("making the part ready for a preview ended without an answer: it may need more memory")
+
+
+def _prepare(say: Callable[[object], None], mesh: SurfaceMesh, vertices: int) -> None:
+    """Work of the other process."""
+    surface = standardised(mesh, vertices)
+    shape = Shape(surface, local_thickness(surface).astype(np.float32))
+    _ = shape.level_base, shape.is_container
+    say(shape)

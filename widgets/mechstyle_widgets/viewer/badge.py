@@ -1,0 +1,113 @@
+"""Badge over the view: whether the part holds, by how much, how much of the style is left, and where it is hardest pressed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from html import escape
+
+import ipywidgets
+
+from mechstyle.errors import MechStyleError
+from mechstyle.loop.history import Row
+from mechstyle.records import Simulation, Verdict
+from mechstyle.records.regions import Point
+from mechstyle_widgets.state.outcomes import LOOKS, UNTOLD, Look
+from mechstyle_widgets.state.studio_state import StudioState
+
+SHEET = """<style>
+.mechstyle-stage { position: relative; overflow: hidden; }
+.mechstyle-badge { position: absolute; top: 8px; left: 8px; z-index: 1; max-width: calc(100% - 16px); width: auto; padding: 6px 10px;
+  gap: 2px 12px; overflow: visible; display: flex !important; flex-flow: row wrap; align-items: flex-end; border-radius: 4px;
+  pointer-events: none; background: var(--jp-layout-color0, #fff);
+  border: 1px solid var(--jp-border-color2, #ddd); color: var(--jp-ui-font-color1, #222); }
+.mechstyle-badge[style*="none"] { display: none !important; }
+.mechstyle-badge .widget-html, .mechstyle-badge .widget-html-content { height: auto; margin: 0; line-height: 1.45; font-size: 13px;
+  white-space: normal; }
+.mechstyle-badge b { font-size: 18px; font-variant-numeric: tabular-nums; margin: 0 4px 0 8px; }
+.mechstyle-badge .mechstyle-outcome { display: inline-block; padding: 1px 8px; border-radius: 3px; font-weight: 600; }
+.mechstyle-badge small { font-size: 12px; }
+.mechstyle-badge .widget-button { pointer-events: auto; width: auto; height: 24px; line-height: 22px; margin: 0; padding: 0 8px;
+  font-size: 12px; }
+</style>"""
+RULES = {
+    "as_placed": "dropped as it stands",
+    "tilted": "landing tilted by 3°",
+    "all_orientations": "of all landings",
+    "literal": "as published",
+}
+"""Where the tightest of the rules looks."""
+
+
+class Badge(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
+    """Verdict of the iteration on show; of a preview, that it was not tested."""
+
+    def __init__(self) -> None:
+        """Say nothing yet."""
+        self._words = ipywidgets.HTML(SHEET)
+        self._worst = ipywidgets.Button(description="worst place", icon="crosshairs", tooltip="Look at the place where most is asked of it")
+        self._fly: Callable[[], None] = lambda: None
+        self._worst.on_click(lambda _: self._fly())
+        super().__init__([self._words, self._worst])
+        self.add_class("mechstyle-badge")
+        self.say("")
+
+    def say(self, html: str, fly: Callable[[], None] | None = None) -> None:
+        """Show a few words, and a button that flies somewhere if there is anywhere to fly to; nothing for ""."""
+        self._words.value = SHEET + html
+        self._fly = fly or (lambda: None)
+        self._worst.layout.display = "" if fly is not None else "none"
+        self.layout.display = "" if html else "none"
+
+
+def untested(name: str, more: str) -> str:
+    """HTML for what was not dropped."""
+    return f"<div>{escape(name)} {_sign(UNTOLD, 'NOT TESTED')}</div><small>{escape(more)}</small>"
+
+
+def of_state(state: StudioState) -> tuple[str, Verdict | None]:
+    """HTML for the iteration a state shows, and the verdict it tells of: its own, or that of the last drop before it."""
+    rows = [row for row in state.history if row.iteration <= state.iteration and row.verdict is not None]
+    if not rows or state.run is None:
+        return "", None
+    verdict = rows[-1].verdict
+    assert verdict is not None
+    return told(verdict, _when(state, rows[-1]), _kept(state)), verdict
+
+
+def told(verdict: Verdict, when: str = "", kept: str = "") -> str:
+    """HTML for a verdict: its word, the least safety factor of the rules that count, value and limit of that rule."""
+    head = _sign(LOOKS[verdict.word], verdict.word)
+    lines = [when, kept]
+    if verdict.outcome != "UNKNOWN":
+        rule = verdict.tightest
+        where = next(words for name, words in RULES.items() if getattr(verdict, name) is rule)
+        head += f"<b>{rule.safety_factor:.2f}</b>safety factor"
+        lines = [f"{rule.short}, {where}", kept, when]
+    return f"<div>{head}</div><small>{escape(' · '.join(filter(None, lines)))}</small>"
+
+
+def worst_place(verdict: Verdict, simulation: Simulation) -> Point:
+    """Place of the largest stress in the test whose rule leaves least [mm, of the part at rest]."""
+    rule = verdict.tightest
+    tested = {id(verdict.tilted): simulation.tilted, id(verdict.all_orientations): simulation.overall}.get(id(rule))
+    return (tested or simulation.as_placed).where
+
+
+def _sign(look: Look, word: str) -> str:
+    style = f"background:{look.fill};color:{look.ink}"
+    return f'<span class="mechstyle-outcome" style="{style}"><span aria-hidden="true">{look.mark}</span> {word}</span>'
+
+
+def _when(state: StudioState, row: Row) -> str:
+    """When it was tested, where that was not at the end."""
+    return f"tested at iteration {row.iteration}" if state.run is not None and row.iteration < state.run.recipe.iterations else ""
+
+
+def _kept(state: StudioState) -> str:
+    """How much of the style is left, which is known at the end."""
+    run = state.run
+    with suppress(MechStyleError):  # there is no summary before the end
+        if run is not None and state.iteration == state.iterations_done:
+            return f"{run.summary.kept:.0%} of the relief kept"
+    return ""
