@@ -51,8 +51,9 @@ class Morphed:
 class Morph:
     """Moves one set of tetrahedra with one surface; built once per part.
 
-    Boundary nodes take the displacement of the surface point they lie on. Inner nodes follow harmonically:
-    the Laplace equation on the tetrahedra as they were made, linear elements, factored once.
+    Boundary nodes take the displacement of the surface point they lie on, but go no lower than the surface does: they lie a little beside
+    it, and a node 0.03 mm below the floor would land alone. Inner nodes follow harmonically: the Laplace equation on the tetrahedra as
+    they were made, linear elements, factored once.
 
     Tetrahedra of the surface at rest cannot carry a relief: on flat faces they are larger than it. Made for half of a relief they keep its
     triangles, and neither the way back to none nor the way on to all of it is long enough to turn many of them inside out.
@@ -107,6 +108,8 @@ class Morph:
         """Node positions [mm] under a surface displacement, shape [k, 3]."""
         vectors = self.surface.vertex_normals * (displacement.astype(np.float64) - self.at)[:, None]
         outer = self._onto_nodes @ vectors
+        floor = float(self.surface.displaced(displacement).vertices[:, 2].min())
+        outer[:, 2] = np.maximum(outer[:, 2], floor - self.tets.vertices[self._outer, 2])
         vertices = self.tets.vertices.copy()
         vertices[self._outer] += outer
         if self._factored is not None:

@@ -151,6 +151,15 @@ def test_the_way_to_none_and_to_all_of_the_relief_turns_nothing_inside_out(tile)
         assert np.array_equal(morph.morphed(result.displacement).tets.vertices, result.tets.vertices)
 
 
+def test_no_node_goes_below_the_floor_of_the_surface_it_follows(tile):
+    slab, relief, tets = tile
+    morph = Morph(slab, tets, 0.5 * relief)
+    for share in (0.0, 0.07, 0.15, 0.9, 1.0):
+        result = morph.morphed(share * relief)
+        floor = slab.displaced(result.displacement).vertices[:, 2].min()
+        assert result.tets.vertices[:, 2].min() >= floor - 1e-9, f"a node stands out at {share:.0%} of the relief"
+
+
 def test_without_relief_they_are_the_original(tile):
     slab, relief, tets = tile
     result = Morph(slab, tets, 0.5 * relief).morphed(np.zeros_like(relief))
