@@ -37,14 +37,18 @@ class Recorded(Generic[Given, Found]):
         self._graph: torch.cuda.CUDAGraph | None = None
 
     def __call__(self, given: Given) -> Found:
-        """The function of this."""
+        """The function of this, on the GPU that holds it."""
+        with torch.cuda.device(given.tensors[0].device):
+            return self._called(given)
+
+    def _called(self, given: Given) -> Found:
         if self._calls < WARM_UP:
             self._calls += 1
             return self._aside(given)
         if self._graph is None:
             self._given = given  # whose memory the graph reads; what is given later is copied there
             self._graph = torch.cuda.CUDAGraph()
-            with torch.cuda.graph(self._graph, stream=_side()):  # records, without running anything
+            with torch.cuda.graph(self._graph, stream=_side(torch.cuda.current_device())):  # records, without running anything
                 self._found = self._function(given)
         for place, value in zip(self._given.tensors, given.tensors, strict=True):
             place.copy_(value)
@@ -53,7 +57,7 @@ class Recorded(Generic[Given, Found]):
 
     def _aside(self, given: Given) -> Found:
         """Call the function on another stream than the default one, on which nothing can be recorded afterwards."""
-        stream, before = _side(), torch.cuda.current_stream()
+        stream, before = _side(torch.cuda.current_device()), torch.cuda.current_stream()
         stream.wait_stream(before)
         with torch.cuda.stream(stream):
             found = self._function(given)
@@ -62,6 +66,6 @@ class Recorded(Generic[Given, Found]):
 
 
 @cache
-def _side() -> torch.cuda.Stream:
-    """The stream of all that is recorded: autograd wants a gradient where the values came from, and one function's may reach another's."""
-    return torch.cuda.Stream()
+def _side(device: int) -> torch.cuda.Stream:
+    """The stream of all that is recorded on a GPU: autograd wants a gradient where values came from, and one function's may reach another's."""
+    return torch.cuda.Stream(device)
