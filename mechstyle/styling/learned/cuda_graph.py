@@ -67,5 +67,5 @@ class Recorded(Generic[Given, Found]):
 
 @cache
 def _side(device: int) -> torch.cuda.Stream:
-    """The stream of all that is recorded on a GPU: autograd wants a gradient where values came from, and one function's may reach another's."""
+    """The stream of all that is recorded on a GPU: autograd wants a gradient where the values came from, another function's, maybe."""
     return torch.cuda.Stream(device)
