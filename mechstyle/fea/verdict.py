@@ -157,8 +157,10 @@ def _use(judgement: Judgement) -> float:
 def _stress(what: str, judgement: Judgement, drop: Measures, before: float, material: Material, *, bending: bool) -> str:
     """A judgement on a stress in words."""
     limit = _strength(material)
-    if judgement.limit > material.yield_strength:
+    if before > material.yield_strength:
         limit = f"the original's own {before:.1f} MPa, which itself exceeds {limit}"
+    elif judgement.limit > material.yield_strength:
+        limit = f"{judgement.limit:.1f} MPa, {judgement.limit / before:.2f} times the original's own {before:.1f} MPa"
     where = drop.surface_where if bending else drop.contact_where
     told = f"{what} is {judgement.value:.1f} MPa at {_place(where or drop.where)}, {_side(judgement)} {limit}"
     if judgement.outcome == "VIABLE" and judgement.marginal and before >= (1.0 - SURFACE_BAND) * judgement.limit:

@@ -237,6 +237,12 @@ def test_words_hold_figures_place_limit_and_doubt():
     assert "within the original's own 80.0 MPa, which itself exceeds the 45.6 MPa" in words
 
 
+def test_an_original_below_the_yield_strength_is_not_said_to_exceed_it():
+    words = judge(simulation(contact=60.0), simulation(contact=43.1), PLA, "robust").words
+    assert "above 47.4 MPa, 1.10 times the original's own 43.1 MPa" in words
+    assert "itself exceeds" not in words
+
+
 def test_a_wall_is_said_to_yield_through_only_where_the_material_is_ductile():
     brittle, ductile = (judge(simulation(90.0), simulation(), material, "robust").words for material in (PLA, PETG))
     assert "yields through" not in brittle
