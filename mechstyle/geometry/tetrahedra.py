@@ -122,7 +122,8 @@ def _attempt(surface: SurfaceMesh, aim: float, sharpness: float, timeout: float,
     wall = 2.0 * surface.volume / float(surface.face_areas.sum())
     tolerance = sharpness * min(ENVELOPE * wall, WIDEST * surface.size)
     epsilon = (1.0 if keep is None else 0.5) * tolerance
-    even = _evened(surface, _first_edge(surface, aim), sharpness * LOOSE * wall) if keep is None else _kept(surface, keep)
+    loose = sharpness * LOOSE * wall
+    even = _evened(surface, _first_edge(surface, aim), loose) if keep is None else _kept(surface, keep, loose)
     edge = _edge(surface.volume, len(even.faces), aim)
     found = _tidied(*tetwild(even.vertices, even.faces, Settings(edge, epsilon / surface.size), timeout=timeout))
     settled = _set_down(surface, found, max(FLAT, 1.5 * epsilon))
@@ -146,14 +147,15 @@ def _first_edge(surface: SurfaceMesh, aim: float) -> float:
     return float(roots[np.isreal(roots)].real.max())
 
 
-def _kept(surface: SurfaceMesh, exaggerated: SurfaceMesh) -> SurfaceMesh:
-    """The surface in its own triangles; of too many, those that its exaggerated relief needs least are given up. Low ones go in any case.
+def _kept(surface: SurfaceMesh, exaggerated: SurfaceMesh, deviation: float) -> SurfaceMesh:
+    """The surface in its own triangles; of too many, those that its exaggerated relief needs least are given up.
 
-    Even triangles of the same number round the edges of a relief off.
+    Low ones go in any case, as far as that moves the surface by no more than `deviation` [mm]. Even triangles of the same number round
+    the edges of a relief off.
     """
     fewer = _decimated(surface, exaggerated) if len(surface.faces) > KEPT else surface
     edge = math.sqrt(4.0 / math.sqrt(3.0) * float(fewer.face_areas.mean()))
-    return without_degenerate(fewer, LOW * edge)
+    return without_degenerate(fewer, min(LOW * edge, deviation))
 
 
 def _decimated(surface: SurfaceMesh, exaggerated: SurfaceMesh) -> SurfaceMesh:

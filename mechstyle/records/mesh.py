@@ -6,7 +6,7 @@ Both are frozen, their arrays write-protected; methods named with a participle r
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any, TypeVar
 
@@ -66,6 +66,10 @@ class SurfaceMesh:
             object.__setattr__(self, "colours", frozen_array(self.colours, np.float32, (len(self.vertices), 3), "colours"))
         if self.faces.size and not (self.faces.min() >= 0 and self.faces.max() < len(self.vertices)):
             raise ValueError(f"faces must index the {len(self.vertices)} vertices")
+
+    def __getstate__(self) -> dict[str, object]:
+        """The arrays alone: what was derived from them may be added to by another thread while this one is pickled."""
+        return {one.name: getattr(self, one.name) for one in fields(self)}
 
     def __repr__(self) -> str:
         """Counts and size; never the arrays."""
@@ -193,6 +197,10 @@ class TetMesh:
         object.__setattr__(self, "tets", frozen_array(self.tets, np.int32, (None, 4), "tets"))
         if self.tets.size and not (self.tets.min() >= 0 and self.tets.max() < len(self.vertices)):
             raise ValueError(f"tets must index the {len(self.vertices)} vertices")
+
+    def __getstate__(self) -> dict[str, object]:
+        """The arrays alone: what was derived from them may be added to by another thread while this one is pickled."""
+        return {one.name: getattr(self, one.name) for one in fields(self)}
 
     def __repr__(self) -> str:
         """Counts and volume; never the arrays."""

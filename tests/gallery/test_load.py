@@ -31,7 +31,7 @@ def test_a_file_is_loaded_by_its_path_with_what_was_done_to_it(tmp_path, cube, k
     ("address", "scale", "said"),
     [
         ("gallery:vse", None, "unknown gallery model 'vse': did you mean 'vase'"),
-        ("gallery:vase", 25.4, "gallery:vase: a scale is for files; gallery models are in millimetres"),
+        ("gallery:vase", 25.4, "gallery:vase: a scale and an axis for up are for files; gallery models are in millimetres"),
         ("vase", None, "vase: cannot read files without a suffix"),
     ],
 )

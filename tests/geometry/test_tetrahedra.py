@@ -258,9 +258,9 @@ def test_triangles_that_are_to_be_kept_are_kept_or_given_up_where_they_are_neede
     x, _, z = block.vertices.T
     relief = np.where(z > 19.9, 0.2 * np.sin(1.5 * x), 0.0)
     ridged, exaggerated = block.displaced(0.5 * relief), block.displaced(4.0 * relief)
-    assert len(module._kept(ridged, exaggerated).faces) == len(ridged.faces)
+    assert len(module._kept(ridged, exaggerated, 0.2).faces) == len(ridged.faces)
     monkeypatch.setattr(module, "KEPT", len(ridged.faces) // 2)
-    fewer = module._kept(ridged, exaggerated)
+    fewer = module._kept(ridged, exaggerated, 0.2)
     assert fewer.is_closed
     assert len(fewer.faces) <= module.KEPT
     assert fewer.volume == pytest.approx(ridged.volume, rel=0.01)

@@ -1,6 +1,7 @@
 """The two meshes: frozen arrays, closedness, normals, volumes, digests."""
 
 import itertools
+import pickle
 
 import numpy as np
 import pytest
@@ -359,3 +360,14 @@ def test_tets_are_frozen_checked_and_named_by_content():
     assert kuhn_cube().digest == tets.digest
     assert tets.moved(tets.vertices * 2.0).digest != tets.digest
     assert tets.moved(tets.vertices * 2.0).volumes.sum() == pytest.approx(8000.0)
+
+
+def test_a_mesh_is_pickled_as_its_arrays_alone():
+    """What is derived may be added to by another thread meanwhile, which would stop the pickling."""
+    mesh = SurfaceMesh(np.eye(4)[:, :3], [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)])
+    bare = pickle.dumps(mesh)
+    assert np.isfinite(mesh.vertex_normals).all()
+    assert pickle.dumps(mesh) == bare
+    back = pickle.loads(bare)
+    assert back.digest == mesh.digest
+    assert back.colours is None

@@ -1,6 +1,7 @@
 """The preview of a style: the latest wish counts, another part overtakes the one before, and what is wanted no longer leaves nothing."""
 
 import asyncio
+import threading
 
 import numpy as np
 import pytest
@@ -15,13 +16,27 @@ PATIENCE = 30.0
 FEW = 600
 
 
+class Seen(list):
+    """The parts of this, and the gate that holds them up."""
+
+    def __init__(self):
+        super().__init__()
+        self.gate = threading.Event()
+        self.gate.set()
+
+    async def until(self, count):
+        while len(self) < count:  # noqa: ASYNC110 — a thread is waited for
+            await asyncio.sleep(0.01)
+
+
 @pytest.fixture
 def prepared(monkeypatch):
-    """The parts that were made ready, each at once and as it is."""
-    seen = []
+    """The parts that were made ready, each as it is, once the gate is open; it is open unless a test closes it."""
+    seen = Seen()
 
     def at_once(mesh, vertices, go_on):
         seen.append((mesh, vertices))
+        assert seen.gate.wait(PATIENCE)
         go_on()
         return Shape(mesh, np.full(len(mesh.vertices), 8.0, np.float32))
 
@@ -84,15 +99,19 @@ def test_the_latest_of_quick_changes_is_drawn_and_the_part_made_ready_once(prepa
 def test_a_part_that_is_wanted_no_longer_is_not_shown(prepared, sphere, cube):
     async def main():
         asker = Asker()
+        prepared.gate.clear()
         asker.previewer.ask(sphere, FEW, draft("brick"))
-        await asyncio.sleep(0.05)
+        await prepared.until(1)
         asker.previewer.cancel()
+        prepared.gate.set()
         await asker.rest()
         assert asker.shown == asker.failed == []
-        asker.previewer.ask(sphere, FEW, draft("brick"))
-        await asyncio.sleep(0.05)
-        half = sphere.moved(0.5 * sphere.vertices)
+        half, most = sphere.moved(0.5 * sphere.vertices), sphere.moved(0.9 * sphere.vertices)
+        prepared.gate.clear()
+        asker.previewer.ask(most, FEW, draft("brick"))
+        await prepared.until(2)
         asker.previewer.ask(half, FEW, draft("brick"))
+        prepared.gate.set()
         await asker.news()
         await asker.rest()
         assert {id(one.shape.surface) for one in asker.shown} == {id(half)}

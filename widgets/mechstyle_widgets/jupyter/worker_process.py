@@ -67,13 +67,15 @@ class Aside:
         way_in, way_out = self._process.stdin, self._process.stdout
         assert way_in is not None
         assert way_out is not None
-        with way_out, suppress(EOFError, OSError, pickle.UnpicklingError):  # it has ended, or was stopped in the middle of a word
-            with way_in:
-                pickle.dump(task, way_in)
-            while True:
-                self._said.put(pickle.load(way_out))  # noqa: S301 — from a process of our own
-        self._process.wait()
-        self._said.put(_END)
+        try:
+            with way_out, suppress(EOFError, OSError, pickle.UnpicklingError):  # it has ended, or was stopped in the middle of a word
+                with way_in:
+                    pickle.dump(task, way_in)
+                while True:
+                    self._said.put(pickle.load(way_out))  # noqa: S301 — from a process of our own
+            self._process.wait()
+        finally:  # whoever waits must not wait for ever
+            self._said.put(_END)
 
 
 def _work() -> None:
