@@ -31,7 +31,7 @@ VOLUME_ERROR = 0.03
 PINCHED = 1e-3  # of the boundary's edges, at which it may touch itself
 # The rest in walls, a wall being 2 V / A: what a part is thick on average.
 LOOSE = 0.08  # the input may leave the surface by this (99.9th percentile) ...
-ENVELOPE, WIDEST = 0.04, 6e-4  # ... and fTetWild's boundary its input by this, or 0.6 ‰ of the diagonal if that is less; improving as much
+ENVELOPE, WIDEST = 0.04, 6e-4  # ... and fTetWild's boundary its input by this or 0.6 ‰ of the diagonal, and improvement that
 DEVIATION = 0.3  # together they may lose no detail larger than this
 FINEST = 20_000  # faces, about, of the finest input; thin parts of much detail would ask for more than can be meshed in a minute
 LOW = 0.2  # of an even triangle's edge: triangles lower than that make slivers, which cost steps, and carry no relief
