@@ -3,7 +3,8 @@
     python benchmarks/lab.py
 
 Says what running the Studio's cell over and over leaves behind in the page and in the kernel, garbage collected before each reading;
-and how long a new field takes from the kernel to the finished picture of a part of 25k vertices. Software WebGL draws far slower than any
+how long a new field takes from the kernel to the finished picture of a part of 25k vertices; and how many of its iterations a second
+a slider passes that is dragged. Software WebGL draws far slower than any
 graphics card, and everything here shares the machine's cores: the figures are upper bounds.
 """
 
@@ -21,6 +22,7 @@ from playwright.sync_api import sync_playwright
 from rich.console import Console
 from rich.table import Table
 
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 _SPEC = importlib.util.spec_from_file_location("browser", Path(__file__).parents[1] / "tests" / "browser" / "conftest.py")
 assert _SPEC is not None
 assert _SPEC.loader is not None
@@ -29,6 +31,7 @@ sys.modules[_SPEC.name] = browser  # dataclasses look their module up
 _SPEC.loader.exec_module(browser)
 
 RERUNS, BETWEEN = 50, 10
+SIDE, ITERATIONS = 158, 200  # of the sheet that is dragged through: 25k vertices
 UPDATES = 30
 STUDIO = """
 from mechstyle_widgets import Studio
@@ -51,6 +54,37 @@ values = np.roll(values, 500)
 viewer.put(Layer("field", values, "field", "", (0.0, 1.0), None, ""))
 print(sent)
 """
+SCRUB = f"""
+import sys
+sys.path.insert(0, {str(Path(__file__).parents[1] / "tests")!r})
+from pathlib import Path
+from support.lanes import lane_on_a_sheet
+from mechstyle_widgets import Studio
+studio = Studio(lane_on_a_sheet(Path("scrubbed"), side={SIDE}, iterations={ITERATIONS}))
+studio.state.layer = "stress"
+studio
+"""
+PACKED = f"document.querySelector('.mechstyle-scrubber')?.dataset.ready === '{ITERATIONS + 1}'"
+DRAG = """async last => {
+    const slider = document.querySelector('.mechstyle-scrubber input'), passed = [], messages = [], send = WebSocket.prototype.send;
+    document.addEventListener('mechstyle-scrubbed', event => passed.push([performance.now(), event.detail.took]));
+    WebSocket.prototype.send = function (data) { messages.push(data); return send.call(this, data); };
+    slider.dispatchEvent(new Event('pointerdown'));
+    const began = performance.now();
+    for (let at = last; at >= 0; at--) {
+        slider.value = String(at);
+        slider.dispatchEvent(new Event('input'));
+        await new Promise(done => requestAnimationFrame(done));
+    }
+    WebSocket.prototype.send = send;
+    slider.dispatchEvent(new Event('pointerup'));
+    const middle = values => values.sort((a, b) => a - b)[values.length >> 1];
+    const gaps = passed.slice(1).map(([time], k) => time - passed[k][0]);
+    return {count: passed.length, messages: messages.length, gap: middle(gaps), work: middle(passed.map(([, took]) => took))};
+}"""
+UNDRAWN = """() => { for (const gl of [WebGLRenderingContext.prototype, WebGL2RenderingContext.prototype])
+    for (const name of ['drawElements', 'drawArrays']) gl[name] = () => {}; }"""
+"""A graphics card that takes no time."""
 WIDGETS = "from ipywidgets.widgets.widget import _instances; print(len(_instances))"
 WATCH = """() => {
     window.drawn = [];
@@ -104,7 +138,8 @@ def main() -> None:
         notebooks.mkdir()
         chromium = playwright.chromium.launch(executable_path=path, args=browser.ARGUMENTS)
         with browser.jupyter_lab(home, notebooks) as lab:
-            rows = [*of_viewer(Page(chromium, lab, "viewer", VIEWER)), *of_studio(Page(chromium, lab, "studio", STUDIO))]
+            rows = [*of_scrubbing(Page(chromium, lab, "scrub", SCRUB))]
+            rows += [*of_viewer(Page(chromium, lab, "viewer", VIEWER)), *of_studio(Page(chromium, lab, "studio", STUDIO))]
         chromium.close()
     table = Table("what", "measured")
     for row in rows:
@@ -124,6 +159,19 @@ def of_viewer(shown: Page) -> list[tuple[str, str]]:
     shown.page.context.close()
     times.sort()
     return [("Viewer: a new field, from the kernel to the picture", f"median {median(times):.0f} ms, 95 % within {times[-2]:.0f} ms")]
+
+
+def of_scrubbing(shown: Page) -> list[tuple[str, str]]:
+    """How long an iteration takes that a dragged slider passes, with software WebGL and with a graphics card that takes no time."""
+    shown.page.wait_for_function(PACKED)
+    rows = []
+    for how in ("software WebGL", "nothing rasterised"):
+        found = shown.page.evaluate(DRAG, ITERATIONS)
+        told = f"one each {found['gap']:.0f} ms, {found['work']:.1f} ms of it the page's own work (medians); {found['messages']} messages to the kernel"
+        rows.append((f"Studio: {found['count']} iterations passed while dragging, {how}", told))
+        shown.page.evaluate(UNDRAWN)
+    shown.page.context.close()
+    return rows
 
 
 def of_studio(shown: Page) -> list[tuple[str, str]]:

@@ -129,6 +129,10 @@ class Notebook:
         self.page.evaluate(SETTLED)
         return np.asarray(Image.open(io.BytesIO(what.screenshot(animations="disabled"))).convert("RGB"))
 
+    def difference(self, one: np.ndarray, other: np.ndarray) -> float:
+        """Share of the pixels of two pictures that differ visibly."""
+        return difference(one, other)
+
     def changed(self, what: Locator, before: np.ndarray, share: float = 0.01) -> np.ndarray:
         """Wait until at least a share of the pixels differs from before; what it looks like then."""
         for _ in range(300):

@@ -65,7 +65,7 @@ def test_a_click_on_another_lane_shows_that_lane(shown):
 
 
 def test_arrow_keys_step(shown):
-    shown.page.locator(".mechstyle-timeline .noUi-handle").focus()
+    shown.page.locator(".mechstyle-scrubber input").focus()
     shown.page.keyboard.press("ArrowLeft")
     shown.until(where(shown), "('frozen', 8, 8, 8, 8)")
     shown.page.keyboard.press("ArrowRight")

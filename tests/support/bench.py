@@ -120,10 +120,11 @@ class Bench:
     gain: float = 50.0
     broken_above: float = np.inf
     freedom: np.ndarray | None = None
+    side: int = 8
 
     @property
     def surface(self) -> SurfaceMesh:
-        return grid()
+        return grid(self.side, step=80.0 / self.side)
 
     def recipe(self, **settings: object) -> Recipe:
         defaults = {"surface": "s", "tetrahedra": "t", "prompt": "bump", "material": LIBRARY["PLA"], "iterations": 60, "delivered": 0}

@@ -17,16 +17,18 @@ from support.bench import Bench
 CORNER = TetMesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 1, 2, 3]])
 
 
-def lane_on_a_sheet(root: Path, *, name: str = "sheet", origin: Origin | None = None, gain: float = 50.0, **settings: object) -> Run:
-    """A finished lane in `root`; stress = 20 MPa + gain · |relief|."""
-    bench = Bench(root, gain=gain)
+def lane_on_a_sheet(  # one call, all keywords
+    root: Path, *, name: str = "sheet", origin: Origin | None = None, gain: float = 50.0, side: int = 8, **settings: object
+) -> Run:
+    """A finished lane in `root`, of `side`² vertices; stress = 20 MPa + gain · |relief|."""
+    bench = Bench(root, gain=gain, side=side)
     engine = bench.engine(bench.recipe(**{"prompt": "brick", "schedule": "every", "every": 10, **settings}))
     for _ in engine.run():
         pass
     objects = engine.store.objects
     record = PartRecord(
         name=name, surface=objects.put_mesh(bench.surface), tets=objects.put_mesh(CORNER),
-        thickness=objects.put_array(np.full(64, 4.0, np.float32)), stands=True, notes=(), origin=origin or Origin(),
+        thickness=objects.put_array(np.full(side * side, 4.0, np.float32)), stands=True, notes=(), origin=origin or Origin(),
     )  # fmt: skip
     (root / "part.json").write_bytes(msgspec.json.encode(record))
     run = Run(engine.store, "main", "cpu")

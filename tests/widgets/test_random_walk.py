@@ -133,7 +133,7 @@ def assert_agrees(studio: Studio) -> None:
     """What is shown is what the state holds."""
     state, viewer, timeline = studio.state, studio._viewer, studio._timeline
     assert studio._middle.children[0] is viewer
-    assert timeline.iteration == timeline._slider.value == state.iteration <= state.iterations_done
+    assert timeline.iteration == timeline.scrubber.value == state.iteration <= state.iterations_done
     assert timeline.lane == studio.branches.lane == state.lane
     assert studio.run_controls._bar.value == state.fraction
     closed = [type(one).__name__ for one in family(studio) if one.comm is None]

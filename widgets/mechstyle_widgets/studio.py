@@ -270,6 +270,8 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._middle.children = [viewer]
         viewer.on_click(self.regions_picker.click)
         self._hatch()
+        if self._timeline is not None:
+            self._timeline.scrubber.serve(viewer if isinstance(viewer, RunViewer) else None)
         if old is not None:
             old.close()
 

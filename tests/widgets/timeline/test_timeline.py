@@ -76,12 +76,12 @@ def test_the_curve_can_be_chosen(timeline, state):
 
 def test_the_line_stands_at_the_iteration(timeline, state):
     state.iteration = 5
-    assert timeline.iteration == timeline._slider.value == 5
+    assert timeline.iteration == timeline.scrubber.value == 5
     assert timeline._figure.layout.shapes[0].x0 == timeline._figure.layout.shapes[0].x1 == 5
 
 
 def test_the_slider_and_the_trait_move_the_state(timeline, state):
-    timeline._slider.value = 3
+    timeline.scrubber.value = 3
     assert (timeline.iteration, state.iteration) == (3, 3)
     timeline.iteration = 99
     assert (timeline.iteration, state.iteration) == (12, 12)
@@ -95,8 +95,8 @@ def test_a_run_is_followed_however_late_the_curves_are_drawn(fake):
     fake.go()
     state.tell(stale=True)
     state.pump()
-    assert (state.iteration, timeline.iteration, timeline._slider.value, state.follow) == (12, 12, 12, True)
-    timeline._slider.value = 5
+    assert (state.iteration, timeline.iteration, timeline.scrubber.value, state.follow) == (12, 12, 12, True)
+    timeline.scrubber.value = 5
     assert (state.iteration, state.follow) == (5, False)
 
 
@@ -104,7 +104,7 @@ def test_the_browser_is_told_the_end_of_the_slider_before_a_value_beyond_it(fake
     """Told both at once, its slider may set the value first, cut it off and send it back as if the user had chosen it."""
     state = StudioState(fake.run)
     timeline, told = Timeline(state), []
-    monkeypatch.setattr(timeline._slider, "send_state", lambda key=None: told.append(key))
+    monkeypatch.setattr(timeline.scrubber, "send_state", lambda key=None: told.append(key))
     fake.go()
     state.tell(stale=True)
     state.pump()
@@ -229,5 +229,5 @@ def test_a_page_that_is_loaded_anew_gets_what_the_figure_shows(done):
 def test_the_slider_does_not_leave_a_lane_of_one_iteration(fake):
     next(fake.session()._events(lambda _fraction: None))
     timeline = Timeline(StudioState(fake.run))
-    timeline._slider.set_state({"value": 1})  # a slider needs some way to go
-    assert (timeline._slider.value, timeline.iteration) == (0, 0)
+    timeline.scrubber.set_state({"value": 1})  # a slider needs some way to go
+    assert (timeline.scrubber.value, timeline.iteration) == (0, 0)

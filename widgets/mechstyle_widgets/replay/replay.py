@@ -20,7 +20,8 @@ from mechstyle.runs.run import Run
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
 
 
-def _own(name: str) -> str:
+def own(name: str) -> str:
+    """The text of a file of this room."""
     return files("mechstyle_widgets.replay").joinpath("static", name).read_text(encoding="utf-8")
 
 
@@ -33,8 +34,8 @@ class Replay(OncePerCell, anywidget.AnyWidget):
         threshold: Values above it are set apart [unit of the layer]; None for no threshold.
     """
 
-    _esm = bundle(_own("replay.js"))
-    _css = static("player.css") + _own("replay.css")
+    _esm = bundle(own("replay.js"))
+    _css = static("player.css") + own("replay.css")
 
     iteration = traitlets.Int(0).tag(sync=True)
     layer = traitlets.Unicode("style").tag(sync=True)

@@ -10,6 +10,7 @@ import traitlets
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
 from mechstyle_widgets.jupyter.closing import close_family
 from mechstyle_widgets.jupyter.throttle import Paced
+from mechstyle_widgets.replay.scrubber import Scrubber
 from mechstyle_widgets.state.linked import Linked
 from mechstyle_widgets.state.schedule_forecast import plan_of
 from mechstyle_widgets.state.studio_state import StudioState
@@ -26,6 +27,7 @@ class Timeline(Linked, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # i
     `iteration` and `lane` are those of the state, both ways.
 
     Attributes:
+        scrubber: The slider, which may draw in a view what it passes.
         curve: What the lowest row shows, one of `CURVES`.
         theme: `light` or `dark`.
     """
@@ -47,11 +49,11 @@ class Timeline(Linked, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # i
         self._figure._config = {"displayModeBar": False, "responsive": False}  # noqa: SLF001 — plotly offers no other way
         for trace in self._figure.data:
             trace.on_click(self._clicked)
-        self._slider = ipywidgets.IntSlider(description="iteration", tooltip="Arrow keys step", continuous_update=True)
+        self.scrubber = Scrubber(state)
         choice = ipywidgets.ToggleButtons(options=[(label, name) for name, label in CURVES.items()], tooltips=list(CURVES.values()))
         choice.style.button_width = "auto"
-        self._slider.layout.flex = "1 1 240px"
-        bar = ipywidgets.HBox([self._slider, choice], layout={"justify_content": "space-between", "flex_flow": "row wrap"})
+        self.scrubber.layout.flex = "1 1 300px"
+        bar = ipywidgets.HBox([self.scrubber, choice], layout={"justify_content": "space-between", "flex_flow": "row wrap"})
         super().__init__([bar, self._figure])
         self.add_class("mechstyle-timeline")
         self._redraw, self._point = Paced(self._draw), Paced(self._move_line)
@@ -123,10 +125,10 @@ class Timeline(Linked, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # i
 
     def _set_slider(self) -> None:
         """Show the iteration on the slider; its end goes first, in a message of its own: browsers send a value beyond it back cut off."""
-        self._slider.unobserve(self._slid, "value")  # a shorter lane cuts the value off as well
-        self._slider.max = max(self._state.iterations_done, self.iteration, 1)
-        self._slider.value = self.iteration
-        self._slider.observe(self._slid, "value")
+        self.scrubber.unobserve(self._slid, "value")  # a shorter lane cuts the value off as well
+        self.scrubber.max = max(self._state.iterations_done, self.iteration, 1)
+        self.scrubber.value = self.iteration
+        self.scrubber.observe(self._slid, "value")
 
     # what the user does
 

@@ -24,6 +24,8 @@ FOLLOWED = ("checkpoint", "status")
 """Traits of the state that change what is to be seen: what a run delivers is drawn after its last checkpoint."""
 JUDGED = ("history", "checkpoint", "status")
 """Traits of a state that its badge tells of."""
+PASSED = (STYLE, "stress", "demand", "restraint", "displacement")
+"""Layers a page can draw by itself: those of `quantities`, which a replay holds."""
 Derived = Callable[[Run, Checkpoint], Layer]
 
 
@@ -58,6 +60,7 @@ class RunViewer(Linked, Viewer):
         if state.run is None or state.checkpoint is None:
             raise BadInput("there is no iteration to show yet: start a run, or open one with Run.open")
         self._catch_up, self._root = Paced(self._show_checkpoint), state.run.store.root
+        self._drawn = state.checkpoint.iteration
         subject = subject_of(state.run, state.checkpoint)
         original = subject_of(state.run, state.run.checkpoint(0))
         wanted = state.layer if subject.layer(state.layer) else STYLE
@@ -87,6 +90,13 @@ class RunViewer(Linked, Viewer):
         """Close the view; the state is followed no longer."""
         self.let_go()
         super().close()
+
+    @property
+    def page(self) -> dict[str, Any]:
+        """What a page needs to show other iterations in this view by itself; empty for a layer or a moment it does not hold."""
+        if self.layer not in PASSED or self.player.impact is not None:
+            return {}
+        return {**self._scenes[0].page, "view": self._views[0].model_id, "layer": self.layer, "drawn": self._drawn}
 
     @property
     def at_rest(self) -> SurfaceMesh:
@@ -127,6 +137,7 @@ class RunViewer(Linked, Viewer):
         subject = subject_of(run, state)
         for layer in self.derived:
             subject = subject.with_layer(layer(run, state))
+        self._drawn = state.iteration
         self.subject = self.player.at_the_moment(subject, run.store.allowable(state))
 
     def _show_stress(self, change: Any) -> None:

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from mechstyle.pictures.colormap import PLAIN
 from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.runs.report.replay_data import NO_NUMBER
 from mechstyle_widgets.viewer.layers import Layer
 from mechstyle_widgets.viewer.shaders import (
     FLOOR_FRAGMENT,
@@ -24,6 +25,8 @@ from mechstyle_widgets.viewer.shaders import (
     MARKER_VERTEX,
     MAXIMUM,
     MINIMUM,
+    NOTHING,
+    OPEN,
     OWN,
     PART_FRAGMENT,
     PART_VERTEX,
@@ -102,6 +105,19 @@ class Scene:
         self._spots.array = np.stack([self._vertices.array[vertex or 0] for vertex in vertices])
         kinds = zip(vertices, (MAXIMUM, MINIMUM, PICKED), strict=True)
         self._kinds.array = np.array([HIDDEN if vertex is None else kind for vertex, kind in kinds], np.float32)
+
+    @property
+    def page(self) -> dict[str, Any]:
+        """Ids of what a page has to fill to show another frame of the part by itself, and the codes it paints with."""
+        buffers = {
+            "position": self._vertices, "normal": self._normals, "colour": self._colours, "place": self._places, "kind": self._kinds,
+        }  # fmt: skip
+        return {
+            "buffers": {name: buffer.model_id for name, buffer in buffers.items()},
+            "material": self.part.material.model_id,
+            "looks": [three.model_id for _, three in self._looks.values()],
+            "codes": {"nothing": NOTHING, "open": OPEN, "hidden": HIDDEN, "noNumber": NO_NUMBER},
+        }
 
     def relight(self, theme: str) -> None:
         """Change the background."""

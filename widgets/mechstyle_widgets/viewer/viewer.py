@@ -55,6 +55,7 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         protected: Whether the style must leave each vertex as it is, which is hatched, shape [vertex_count]; None for nothing.
         theme: `light` or `dark`.
         badge: What is said over the view.
+        drawings: How many times it was drawn.
     """
 
     subject = traitlets.Instance(Subject)
@@ -66,6 +67,7 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     probed = traitlets.Int(None, allow_none=True)
     protected = traitlets.Instance(np.ndarray, None, allow_none=True)
     theme = traitlets.Enum(tuple(BACKGROUNDS), "light")
+    drawings = traitlets.Int(0)
     _built = False  # `close()` also runs, from `__del__`, on a viewer whose `__init__` raised
 
     def __init__(
@@ -265,6 +267,7 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._legend.value = (legend.colour_bar(layer, mesh) if layer else "") + key
         self._table.value = "" if self.probed is None else probe.table(self.subject, self.probed)
         self._measure()
+        self.drawings += 1
 
     def _arrange(self) -> None:
         """Lay out one view, or two of half the width that share the camera."""

@@ -38,3 +38,34 @@ export function plane(replay, name, frame) {
   const channel = replay.channels[name];
   return channel.data[channel.frames[frame]];
 }
+
+// Angles of the faces at their corners, by which vertex normals are weighted; those of the base surface serve every frame.
+function anglesOf(p, faces) {
+  return Float32Array.from(faces, (a, i) => {
+    const first = i - (i % CORNERS), b = 3 * faces[first + ((i + 1) % CORNERS)], c = 3 * faces[first + ((i + 2) % CORNERS)];
+    a *= 3;
+    const ux = p[b] - p[a], uy = p[b + 1] - p[a + 1], uz = p[b + 2] - p[a + 2], vx = p[c] - p[a], vy = p[c + 1] - p[a + 1], vz = p[c + 2] - p[a + 2];
+    return Math.atan2(Math.hypot(uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx), ux * vx + uy * vy + uz * vz);
+  });
+}
+
+// The vertices of a frame, moved along the normals of the base surface, and their own unit normals.
+export function pose(replay, frame, positions, normals) {
+  const { positions: base, normals: along, faces } = replay, { low, step } = replay.channels.displacement, raw = plane(replay, "displacement", frame);
+  for (let i = 0; i < base.length; i++) positions[i] = base[i] + along[i] * (low + step * raw[(i / 3) | 0]);
+  const angles = (replay.angles ??= anglesOf(base, faces)), p = positions, n = normals;
+  n.fill(0);
+  for (let i = 0; i < faces.length; i += CORNERS) {
+    const a = 3 * faces[i], b = 3 * faces[i + 1], c = 3 * faces[i + 2];
+    const ux = p[b] - p[a], uy = p[b + 1] - p[a + 1], uz = p[b + 2] - p[a + 2], vx = p[c] - p[a], vy = p[c + 1] - p[a + 1], vz = p[c + 2] - p[a + 2];
+    const x = uy * vz - uz * vy, y = uz * vx - ux * vz, z = ux * vy - uy * vx, length = Math.sqrt(x * x + y * y + z * z) || 1;
+    const wa = angles[i] / length, wb = angles[i + 1] / length, wc = angles[i + 2] / length;
+    n[a] += wa * x; n[a + 1] += wa * y; n[a + 2] += wa * z;
+    n[b] += wb * x; n[b + 1] += wb * y; n[b + 2] += wb * z;
+    n[c] += wc * x; n[c + 1] += wc * y; n[c + 2] += wc * z;
+  }
+  for (let i = 0; i < n.length; i += 3) {
+    const length = Math.sqrt(n[i] * n[i] + n[i + 1] * n[i + 1] + n[i + 2] * n[i + 2]) || 1;
+    n[i] /= length; n[i + 1] /= length; n[i + 2] /= length;
+  }
+}

@@ -1,6 +1,6 @@
 // WebGL 2: one or two bodies with their buffers, drawn with one program.
 
-import { plane } from "./replay_data.js";
+import { pose, plane } from "./replay_data.js";
 import { FRAGMENT, VERTEX } from "./shaders.js";
 
 function compiled(gl) {
@@ -14,18 +14,6 @@ function compiled(gl) {
   gl.linkProgram(program);
   if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program) || "the shaders do not link");
   return program;
-}
-
-// Area-weighted vertex normals of moved positions; the shader brings them to unit length.
-function normalsOf(p, faces, out) {
-  out.fill(0);
-  for (let i = 0; i < faces.length; i += 3) {
-    const a = 3 * faces[i], b = 3 * faces[i + 1], c = 3 * faces[i + 2];
-    const ux = p[b] - p[a], uy = p[b + 1] - p[a + 1], uz = p[b + 2] - p[a + 2];
-    const vx = p[c] - p[a], vy = p[c + 1] - p[a + 1], vz = p[c + 2] - p[a + 2];
-    const x = uy * vz - uz * vy, y = uz * vx - ux * vz, z = ux * vy - uy * vx;
-    for (const corner of [a, b, c]) { out[corner] += x; out[corner + 1] += y; out[corner + 2] += z; }
-  }
 }
 
 // The part at one frame, in buffers that are made once and then filled anew.
@@ -61,10 +49,7 @@ class Body {
 
   show(frame, layer) {
     if (frame !== this.frame) {
-      const { positions, normals, faces, channels } = this.replay, raw = plane(this.replay, "displacement", frame);
-      const { low, step } = channels.displacement;
-      for (let i = 0; i < positions.length; i++) this.positions[i] = positions[i] + normals[i] * (low + step * raw[(i / 3) | 0]);
-      normalsOf(this.positions, faces, this.normals);
+      pose(this.replay, frame, this.positions, this.normals);
       this.fill("position", this.positions);
       this.fill("normal", this.normals);
       this.fill("colour", plane(this.replay, "colour", frame));
