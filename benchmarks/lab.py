@@ -167,7 +167,8 @@ def of_scrubbing(shown: Page) -> list[tuple[str, str]]:
     rows = []
     for how in ("software WebGL", "nothing rasterised"):
         found = shown.page.evaluate(DRAG, ITERATIONS)
-        told = f"one each {found['gap']:.0f} ms, {found['work']:.1f} ms of it the page's own work (medians); {found['messages']} messages to the kernel"
+        work = f"{found['work']:.1f} ms of it the page's own work (medians)"
+        told = f"one each {found['gap']:.0f} ms, {work}; {found['messages']} messages to the kernel"
         rows.append((f"Studio: {found['count']} iterations passed while dragging, {how}", told))
         shown.page.evaluate(UNDRAWN)
     shown.page.context.close()

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import ipywidgets
+import numpy as np
 import traitlets
 
 from mechstyle.errors import BadInput, MechStyleError
@@ -114,7 +115,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self.state.observe(self._first_checkpoint, "checkpoint")
         self.part_picker.observe(self._other_part, "mesh")
         self.mask_inspector.observe(self._derive, "would_be")
-        self.branches.observe(self._stand_beside, "pinned")
+        self.state.observe(self._stand_beside, ("pinned", "third"))
         self.regions_picker.observe(self._hatch, "protect")
         for section in self._sections:
             section.observe(self._changed, (*section.FIELDS, *section.OWN))
@@ -253,12 +254,19 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
 
     def _show_run(self) -> None:
         self._show(self._made(RunViewer, self.state))
+        self._stand_beside()
         self._derive()
 
-    def _stand_beside(self, change: dict[str, Any]) -> None:
-        """An iteration was pinned: what is shown from now on stands beside it."""
-        if isinstance(self._viewer, RunViewer):
-            self._viewer.compared = change["new"]
+    def _stand_beside(self, _change: object = None) -> None:
+        """What is compared stands beside what is shown from now on, and the place that decides is marked."""
+        viewer = self._viewer
+        if isinstance(viewer, RunViewer):
+            viewer.also, viewer.compared = self.state.third, self.state.pinned
+            decisive = self.branches.decisive()
+            if decisive is None:
+                viewer.probed = None
+            else:
+                viewer.probed = int(np.linalg.norm(viewer.at_rest.vertices - np.asarray(decisive[0]), axis=1).argmin())
 
     def _derive(self, _change: object = None) -> None:
         """Let the viewer work out anew the mask that would be."""

@@ -144,13 +144,13 @@ def test_buttons_can_be_pressed_when_they_do_something(controller, settle):
     def able():
         return {name for name, button in controls._buttons.items() if not button.disabled}
 
-    assert able() == {"run", "step", "step_to_simulation"}
+    assert able() == {"run", "both", "step", "step_to_simulation"}
     controls._buttons["step"].click()
     settle(controller)
     assert able() == {"run", "step", "step_to_simulation", "stop"}
     controls._buttons["run"].click()
     settle(controller)
-    assert able() == {"run"}
+    assert able() == {"run", "both"}
     assert "finished, iteration 12 of 12" in controls.words
     assert controls._bar.value == 1.0
     assert escape(controller.state.message) in controls._note.value

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
+from html import escape
 from typing import Any
 
 import ipywidgets
@@ -11,12 +13,15 @@ import traitlets
 
 from mechstyle.errors import MechStyleError
 from mechstyle.loop.history import Branch, Row
-from mechstyle.records import Checkpoint
+from mechstyle.records import Checkpoint, Simulation
 from mechstyle.records.load_cases import LoadCase
 from mechstyle.records.material import Material
+from mechstyle.records.regions import Point
+from mechstyle.runs.run import Run
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, Words, table
 from mechstyle_widgets.state.controller import Controller
 from mechstyle_widgets.state.outcomes import LOOKS
+from mechstyle_widgets.viewer.badge import worst_place
 
 
 class Branches(Section):
@@ -24,11 +29,13 @@ class Branches(Section):
 
     Attributes:
         lane: Lane on show, the state's.
-        pinned: Lane and iteration to compare with, as (lane, iteration); None for none.
+        pinned: Lane and iteration to compare with, as (lane, iteration), the state's; None for none.
+        third: The same for a third pane.
     """
 
     lane = traitlets.Unicode("main")
     pinned: Any = traitlets.Tuple(None, allow_none=True)
+    third: Any = traitlets.Tuple(None, allow_none=True)
 
     def __init__(self, controller: Controller) -> None:
         """Show the lanes of what a controller's state shows."""
@@ -40,16 +47,19 @@ class Branches(Section):
             icon="code-fork", layout=WIDE, tooltip="A new lane from this iteration, with the settings at the left"
         )
         self._pin = ipywidgets.Button(icon="thumb-tack", layout=WIDE, tooltip="Remember this iteration and compare others with it")
+        self._also = ipywidgets.Button(icon="plus", layout=WIDE, tooltip="A third pane, which stays as it is")
         self._comparison = Words()
-        super().__init__([self._choice, self._changes, self._name, self._branch, self._pin, self._comparison])
-        traitlets.link((self.state, "lane"), (self, "lane"))
+        super().__init__([self._choice, self._changes, self._name, self._branch, self._pin, self._also, self._comparison])
+        for name in ("lane", "pinned", "third"):
+            traitlets.link((self.state, name), (self, name))
         self._choice.observe(self._choose, "value")
         self._branch.on_click(lambda _: self.branch())
         self._pin.on_click(lambda _: self.pin())
+        self._also.on_click(lambda _: self.keep_beside())
         self.state.observe(self._list, ("branches", "lane"))
         self.state.observe(self._redraw, ("checkpoint", "status", "settings"))
         self.state.observe(self._forget, "run")
-        self.observe(self._redraw, "pinned")
+        self.observe(self._redraw, ("pinned", "third"))
         self._list()
 
     def branch(self) -> None:
@@ -66,27 +76,61 @@ class Branches(Section):
             self.complain("change a setting at the left first: this lane would be the same again")
             return
         self.complain("")
+        if self.pinned is not None and self.third is None and self.pinned[0] != self.lane:
+            self.third = (self.lane, self.state.iterations_done)  # what is branched from stays in sight
         self.controller.branch(self.state.iteration, self._name.value.strip(), **wanted.settings)
         self._name.value = ""
 
     def pin(self) -> None:
         """Remember the iteration on show, so that what is shown afterwards is compared with it; once more, forget it."""
         here = (self.state.lane, self.state.iteration)
-        self.pinned = None if self.pinned == here else here
+        self.pinned, self.third = (None if self.pinned == here else here), None
 
-    def comparison(self) -> list[tuple[str, str, str]]:
-        """Differences between the pinned and the current iteration: name, there, here; settings first."""
-        if self.pinned is None or self.state.run is None:
-            return []
-        lane, iteration = self.pinned
-        sides = [(self.state.row(iteration, lane), self.state.checkpoint_at(iteration, lane)), (self.state.row(), self.state.checkpoint)]
-        if any(row is None or checkpoint is None for row, checkpoint in sides):
+    def keep_beside(self) -> None:
+        """Let the iteration on show stand in a third pane from now on; once more, no longer."""
+        self.third = (self.state.lane, self.state.iteration) if self.third is None else None
+
+    def comparison(self) -> list[tuple[str, ...]]:
+        """Differences of the pinned, the third and the current iteration: name, there, here; results first."""
+        sides = self.sides()
+        if len(sides) < 2 or self.state.run is None:
             return []
         store = self.state.run.store
-        theirs, ours = (store.recipe(store.lane(name).recipe) for name in (lane, self.state.lane))
-        settings = [(name.replace("_", " "), said(a), said(b)) for name, a, b in theirs.differences(ours, by_figure=True)]
-        there, here = (results(row, checkpoint) for row, checkpoint in sides if row is not None and checkpoint is not None)
-        return settings + [(name, there[name], here[name]) for name in here]
+        told = [results(*side) for side in sides]
+        recipes = [store.recipe(store.lane(lane).recipe) for lane, _ in self.places]
+        other = [{name: (theirs, ours) for name, theirs, ours in recipe.differences(recipes[-1], by_figure=True)} for recipe in recipes]
+        ours = {name: here for differing in other for name, (_, here) in differing.items()}
+        settings = [(name, *(differing.get(name, (here,))[0] for differing in other)) for name, here in ours.items()]
+        rows = [(name, *(one[name] for one in told)) for name in told[0] if any(one[name] != "–" for one in told)]
+        return rows + [(name.replace("_", " "), *map(said, values)) for name, *values in settings]
+
+    @property
+    def places(self) -> list[tuple[str, int]]:
+        """Lane and iteration of each that is compared: the pinned one, the third, the one on show."""
+        beside = [place for place in (self.pinned, self.third) if place is not None]
+        return [*beside, (self.state.lane, self.state.iteration)] if self.pinned is not None else []
+
+    def sides(self) -> list[tuple[Run, Row, Checkpoint]]:
+        """What is compared; nothing if any of it is not there."""
+        state, found = self.state, []
+        for lane, iteration in self.places:
+            row, checkpoint = state.row(iteration, lane), state.checkpoint_at(iteration, lane)
+            if row is None or checkpoint is None or state.run is None:
+                return []
+            found.append((Run(state.run.store, lane, state.run.device), row, checkpoint))
+        return found
+
+    def decisive(self) -> tuple[Point, str] | None:
+        """The place that decides in the one of the compared that has least left [mm, of the part at rest], and a sentence on it."""
+        sides = [(side, side[1].verdict) for side in self.sides()]
+        judged = [(side, verdict) for side, verdict in sides if verdict is not None and verdict.outcome != "UNKNOWN"]
+        if len(judged) < 2:
+            return None
+        (run, _, checkpoint), verdict = min(judged, key=lambda one: one[1].safety_factor)
+        place = worst_place(verdict, run.store.objects.get_record(checkpoint.simulation, Simulation))
+        vertex = int(np.linalg.norm(run.part.surface.vertices - np.asarray(place), axis=1).argmin())
+        there = ", ".join(f"{one.lane} {state.stress[vertex]:.0f} MPa" for (one, _, state), _ in judged)
+        return place, f"✕ marks where {run.lane} has least left ({verdict.tightest.short}); stress there as it stands: {there}."
 
     def _list(self, _change: object = None) -> None:
         self._choice.unobserve(self._choose, "value")
@@ -103,7 +147,7 @@ class Branches(Section):
     def _forget(self, change: dict[str, Any]) -> None:
         """Unpin: a pinned iteration belongs to the run it was pinned in."""
         if change["old"] is not None and change["new"] is not None and change["old"].store.root != change["new"].store.root:
-            self.pinned = None
+            self.pinned = self.third = None
 
     def _choose(self, change: dict[str, Any]) -> None:
         if change["new"]:
@@ -117,12 +161,12 @@ class Branches(Section):
         again = self.pinned == (state.lane, state.iteration)
         self._pin.description = "compare no longer" if again else f"compare others with iteration {state.iteration}"
         self._pin.disabled = nothing
-        rows = self.comparison()
-        if rows and self.pinned is not None:
-            head = ("", f"{self.pinned[0]} · {self.pinned[1]}", f"{state.lane} · {state.iteration}")
-            self._comparison.say(table(head, rows))
-        else:
-            self._comparison.say("")
+        self._also.description = "two panes again" if self.third else f"keep {state.lane} · {state.iteration} in a third pane"
+        self._also.layout.display = "" if self.pinned is not None else "none"
+        rows, decisive = self.comparison(), self.decisive()
+        head = ("", *(f"{lane} · {iteration}" for lane, iteration in self.places))
+        why = f'<div class="mechstyle-note">{escape(decisive[1])}</div>' if decisive else ""
+        self._comparison.say(why + table(head, rows) if rows else "")
         self.note("nothing to branch from yet: run something first" if nothing else "")
 
 
@@ -134,18 +178,29 @@ def _line(branch: Branch, rows: Sequence[Row]) -> str:
     return f"{LOOKS[word].mark if word else '·'} {branch.lane}: {where}{origin}"
 
 
-def results(row: Row, checkpoint: Checkpoint) -> dict[str, str]:
-    """Results of an iteration, as table cells."""
+def results(run: Run, row: Row, checkpoint: Checkpoint) -> dict[str, str]:
+    """Results of an iteration of a lane, as table cells."""
+    known = row.verdict is not None and row.verdict.outcome != "UNKNOWN"
     return {
         "iteration": str(row.iteration),
         "simulated because": row.reason or "not simulated",
-        "verdict": row.word or "–",
+        "verdict": f"{LOOKS[row.word].mark} {row.word}" if row.word else "–",
+        "safety factor": f"{row.verdict.safety_factor:.2f}" if known and row.verdict is not None else "–",
+        "relief kept": _kept(run, row),
         "peak stress": "–" if row.peak is None else f"{row.peak:.1f} MPa",
         "limit": "–" if row.limit is None else f"{row.limit:.1f} MPa",
         "style loss": f"{row.style_loss:.3g}",
         "largest relief": f"{float(np.abs(checkpoint.displacement).max()):.2f} mm",
         "held back by more than half": f"{row.share:.1%}",
     }
+
+
+def _kept(run: Run, row: Row) -> str:
+    """Share of the relief that is left at the end of a lane, which its summary knows."""
+    with suppress(MechStyleError):  # there is none before the end
+        if row.iteration == run.recipe.iterations:
+            return f"{run.summary.kept:.0%}"
+    return "–"
 
 
 def said(value: Any) -> str:

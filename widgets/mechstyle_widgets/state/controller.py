@@ -14,10 +14,14 @@ from mechstyle.fea.explicit import Progress
 from mechstyle.loop.events import Checkpointed, Event
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.runs.recipes import FREESTYLE
 from mechstyle.runs.run import Run, started
 from mechstyle.runs.session import Session
 from mechstyle_widgets.jupyter.prepare import prepare_aside
 from mechstyle_widgets.state.studio_state import StudioState
+
+FREE = "freestyle"
+"""Lane of the whole style, which nothing holds back, beside the lane on show."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,6 +63,10 @@ class Controller:
     def run(self) -> None:
         """Go on to the end: what is paused or unfinished if the settings are still its own, else a new run."""
         self._with_session(lambda session: session.run())
+
+    def both(self) -> None:
+        """Go on to the end as `run` does, then stylize the same part freely, and show the two side by side."""
+        self._tried(lambda: self._session(then_freely=True).run())
 
     def step(self) -> None:
         """Go on to the next checkpoint, then pause."""
@@ -114,18 +122,20 @@ class Controller:
         except MechStyleError as error:
             self.state.message = str(error)
 
-    def _session(self) -> Session:
-        """The session under way, or a new one for what is wanted."""
+    def _session(self, *, then_freely: bool = False) -> Session:
+        """The session under way, or a new one for what is wanted, which may stylize the part freely afterwards."""
         state = self.state
         if self.busy and state.session is not None:
             return state.session
         wanted = self.wanted()
+        if then_freely and wanted.recipe.control == "none":
+            raise BadInput("this is Freestyle already: choose MechStyle under Restraint to see one beside the other")
         same_part = self._of_the_same_part(wanted)
         if state.run is None or not same_part or state.run.recipe.differences(wanted.recipe):
-            return self._begin(wanted, state.run if same_part else None)
-        if state.run.finished:
+            return self._begin(wanted, state.run if same_part else None, then_freely=then_freely)
+        if state.run.finished and not then_freely:
             raise BadInput("this lane is finished: change a setting to begin another run, or branch from an earlier iteration")
-        return self._carry_on(state.run)
+        return self._carry_on(state.run, then_freely=then_freely)
 
     def _of_the_same_part(self, wanted: Wanted) -> bool:
         run = self.state.run
@@ -135,7 +145,7 @@ class Controller:
         """What tells whether a run was begun here with a part; () for the part of the run on show."""
         return () if wanted.mesh is None else (run.store.root, wanted.mesh.digest, wanted.vertices)
 
-    def _begin(self, wanted: Wanted, earlier: Run | None) -> Session:
+    def _begin(self, wanted: Wanted, earlier: Run | None, *, then_freely: bool = False) -> Session:
         """A session that prepares the part, unless an earlier run has it, begins the run and carries it on."""
         device = resolve_device(wanted.device)  # refused at once, not in the session
         part, origin = (wanted.mesh, None) if earlier is None else (earlier.part, earlier.record.origin)
@@ -151,29 +161,39 @@ class Controller:
             self.state.tell(opened=run)
             if wanted.folder and run.store.root != Path(wanted.folder):
                 self.state.tell(message=f"{wanted.folder} holds a run with other settings: this one is in {run.store.root}")
-            yield from self._told(run, progress)
+            yield from self._told(run, progress, then_freely=then_freely)
 
         return self._followed(Session(events), wanted.recipe.iterations)
 
-    def _carry_on(self, run: Run) -> Session:
+    def _carry_on(self, run: Run, *, then_freely: bool = False) -> Session:
         """A session that carries a lane on."""
         self.state.open(run)
-        return self._followed(Session(lambda progress: self._told(run, progress)), run.recipe.iterations)
+        return self._followed(Session(lambda progress: self._told(run, progress, then_freely=then_freely)), run.recipe.iterations)
 
     def _followed(self, session: Session, iterations: int) -> Session:
         self.state.message = ""
         self.state.watch(session, iterations)
         return session
 
-    def _told(self, run: Run, progress: Progress) -> Generator[Event, None, None]:
-        """The events of a run; how far a drop test has come is told, too."""
+    def _told(self, run: Run, progress: Progress, *, then_freely: bool) -> Generator[Event, None, None]:
+        """The events of a run, and of its free twin if that is to follow; how far a drop test has come is told, too."""
+        if not run.finished:
+            yield from self._events(run, progress)
+        if then_freely:
+            free = run.branch(0, lane=FREE, **FREESTYLE)
+            if not free.finished:
+                self.state.tell(opened=free, fraction=0.0)
+                yield from self._events(free, progress)
+            self.state.tell(opened=run, pinned=(free.lane, free.recipe.iterations), layer="stress")
+
+    def _events(self, run: Run, progress: Progress) -> Generator[Event, None, None]:
         self.state.tell(stage="drawing the style, simulating the unstylized part", step=0.0)
 
         def told(fraction: float) -> None:
             self.state.tell(step=fraction)
             progress(fraction)
 
-        return run.events(told)
+        yield from run.events(told)
 
 
 def _simulated(event: Event) -> bool:

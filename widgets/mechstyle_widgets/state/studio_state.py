@@ -48,6 +48,8 @@ class StudioState(traitlets.HasTraits):
         seconds_left: Estimate of what is left of it [s], None while there is none.
         message: One sentence for the user: what went wrong, or what to do next.
         layer: Name of the viewer's layer on show.
+        pinned: Lane and iteration that what is on show is compared with, None for none.
+        third: Lane and iteration that stand beside those two, None for none.
         settings: Fields of the recipe that the next run is to have.
     """
 
@@ -68,6 +70,8 @@ class StudioState(traitlets.HasTraits):
     seconds_left = traitlets.Float(None, allow_none=True)
     message = traitlets.Unicode("")
     layer = traitlets.Unicode("style")
+    pinned: Any = traitlets.Tuple(None, allow_none=True)
+    third: Any = traitlets.Tuple(None, allow_none=True)
     settings = traitlets.Dict()
 
     def __init__(self, run: Run | None = None, **traits: Any) -> None:

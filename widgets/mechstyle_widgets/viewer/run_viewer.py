@@ -17,7 +17,7 @@ from mechstyle_widgets.state.linked import Linked
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.viewer import badge
 from mechstyle_widgets.viewer.impact_player import ImpactPlayer
-from mechstyle_widgets.viewer.layers import STYLE, Layer, subject_of
+from mechstyle_widgets.viewer.layers import STYLE, Layer, Subject, subject_of
 from mechstyle_widgets.viewer.viewer import Viewer
 
 FOLLOWED = ("checkpoint", "status")
@@ -39,10 +39,12 @@ class RunViewer(Linked, Viewer):
     Attributes:
         player: Shows the impact moment by moment.
         compared: Lane and iteration that may stand beside it, None for the unstylized part.
+        also: Lane and iteration that stand beside those two, None for none.
         derived: Functions of run and checkpoint, each of which gives one more layer, such as a mask that would be.
     """
 
     compared = traitlets.Tuple(None, allow_none=True)
+    also = traitlets.Tuple(None, allow_none=True)
     derived = traitlets.Tuple()
 
     def __init__(self, state: StudioState, *, theme: str = "light", width: int = 640, height: int = 440) -> None:
@@ -74,7 +76,7 @@ class RunViewer(Linked, Viewer):
         state.observe(self._follow, FOLLOWED)
         state.observe(self._judge, JUDGED)
         self.observe(self._follow, "derived")
-        self.observe(self._stand_beside, "compared")
+        self.observe(self._stand_beside, ("compared", "also"))
         self._judge()
 
     def let_go(self) -> None:
@@ -106,12 +108,21 @@ class RunViewer(Linked, Viewer):
 
     def _stand_beside(self, _change: Any) -> None:
         """Let what is compared stand beside it."""
+        if self._state.run is not None:
+            also = self.also if self.compared else None
+            places = [self.compared or (self._state.lane, 0), *([also] if also else [])]
+            with self.hold_trait_notifications():
+                beside = [f"{lane}, iteration {iteration}" for lane, iteration in places]
+                self.names = ("on show", *beside) if self.compared else ("styled", "original")
+                self.original, self.third = self._subject_at(*places[0]), self._subject_at(*also) if also else None
+                self.beside = self.compared is not None
+
+    def _subject_at(self, lane: str, iteration: int) -> Subject:
+        """An iteration of a lane of the run on show."""
         run = self._state.run
-        if run is not None:
-            lane, iteration = self.compared or (self._state.lane, 0)
-            other = Run(run.store, lane, run.device)
-            self.names = ("on show", f"{lane}, iteration {iteration}") if self.compared else ("styled", "original")
-            self.original, self.beside = subject_of(other, other.checkpoint(iteration)), self.compared is not None
+        assert run is not None, "asked for while there is one"
+        other = Run(run.store, lane, run.device)
+        return subject_of(other, other.checkpoint(iteration))
 
     def _judge(self, _change: Any = None) -> None:
         """Bring the badge up to date."""

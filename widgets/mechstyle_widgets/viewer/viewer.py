@@ -39,6 +39,10 @@ SHIFTED = {"1": "front", "2": "side", "3": "top", "4": "below", "5": "three_quar
 """Standard views by the digits that, with Shift, call them."""
 
 
+REDRAWN = ("subject", "original", "third", "layer", "markers", "probed", "beside", "names", "protected")
+"""Traits that change what is seen."""
+
+
 class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     """A part one can orbit with the mouse, coloured by its style or by a field over it.
 
@@ -47,9 +51,10 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     Attributes:
         subject: The part and its fields; may be replaced by one with the same faces.
         original: What may be shown beside it, None for nothing.
+        third: What stands beside those two, None for nothing.
         layer: Name of what is shown: `style`, or one of the fields.
         beside: Whether the original is shown beside it, moving along with the mouse.
-        names: What the two are called where they stand side by side.
+        names: What they are called where they stand side by side.
         markers: Whether the greatest (ring) and the least value (triangle) are marked.
         probed: The vertex asked about, None for none.
         protected: Whether the style must leave each vertex as it is, which is hatched, shape [vertex_count]; None for nothing.
@@ -60,9 +65,10 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
 
     subject = traitlets.Instance(Subject)
     original = traitlets.Instance(Subject, None, allow_none=True)
+    third = traitlets.Instance(Subject, None, allow_none=True)
     layer = traitlets.Unicode(STYLE)
     beside = traitlets.Bool(False)
-    names = traitlets.Tuple(traitlets.Unicode(), traitlets.Unicode(), default_value=("styled", "original"))
+    names = traitlets.Tuple(default_value=("styled", "original"))
     markers = traitlets.Bool(True)
     probed = traitlets.Int(None, allow_none=True)
     protected = traitlets.Instance(np.ndarray, None, allow_none=True)
@@ -119,7 +125,7 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._refresh = Paced(self._draw)
         self.layer = layers[0].name if layers else STYLE
         self._orbit.observe(self._measure)
-        self.observe(lambda _: self._refresh(), ("subject", "original", "layer", "markers", "probed", "beside", "names", "protected"))
+        self.observe(lambda _: self._refresh(), REDRAWN)
         self._built = True
         self._draw()
 
@@ -185,9 +191,9 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
 
     def picture(self) -> Picture:
         """The view without the hatching of protected regions, rendered in the kernel: `.save(path)` writes the PNG."""
-        shown = [(self.subject, self.names[0]), (self.original, self.names[1])] if self.beside else [(self.subject, "")]
-        panels = [self._panel(subject, title) for subject, title in shown if subject is not None]
-        return picture(panels)
+        shown = self._shown
+        names = self.names if len(shown) > 1 else ("",)
+        return picture([self._panel(subject, title) for subject, title in zip(shown, names, strict=False)])
 
     def close(self) -> None:
         """Close the view and every widget it is made of; nothing stays behind in the kernel."""
@@ -198,7 +204,7 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
 
     # traits
 
-    @traitlets.validate("subject", "original")
+    @traitlets.validate("subject", "original", "third")
     def _same_faces(self, proposal: dict[str, Any]) -> Subject | None:
         if proposal["value"] is not None:
             self._check_faces(proposal["value"])
@@ -256,9 +262,8 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         layer = self.subject.layer(self.layer)
         self._arrange()
         with self._at_once():
-            for scene, subject in zip(self._scenes, (self.subject, self.original), strict=False):
-                if subject is not None:
-                    _fill(scene, subject, self.layer, self.probed, markers=self.markers)
+            for scene, subject in zip(self._scenes, self._shown, strict=False):
+                _fill(scene, subject, self.layer, self.probed, markers=self.markers)
             self._scenes[0].hatch(self.protected)
             if self.protected is not None:
                 self._scenes[0].stand_in(None)  # the hatch is on the part
@@ -269,18 +274,23 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._measure()
         self.drawings += 1
 
+    @property
+    def _shown(self) -> list[Subject]:
+        """What stands side by side."""
+        return [self.subject, *(one for one in (self.original, self.third) if self.beside and one is not None)]
+
     def _arrange(self) -> None:
-        """Lay out one view, or two of half the width that share the camera."""
-        wanted = self.beside and self.original is not None
+        """Lay out one view, or two or three that share the width and the camera."""
+        shown = self._shown
         self._titles.value, self._both.description = legend.titles(*self.names), self.names[1].split(",")[0]
-        if self.original is not None and wanted and len(self._views) == 1:
-            self._scenes.append(Scene(self.original.mesh, self._orbit.home.target, self.theme))
-            self._views.append(self._renderer(self._scenes[1], [self._orbit.share()]))
-        shown = tuple(self._views) if wanted else tuple(self._views[:1])
-        if self._stage.children != shown:
-            self._stage.children = shown
+        for subject in shown[len(self._views) :]:
+            self._scenes.append(Scene(subject.mesh, self._orbit.home.target, self.theme))
+            self._views.append(self._renderer(self._scenes[-1], [self._orbit.share()]))
+        views = tuple(self._views[: len(shown)])
+        if self._stage.children != views:
+            self._stage.children = views
             self._share_width()
-            self._titles.layout.display = "" if wanted else "none"
+            self._titles.layout.display = "" if len(views) > 1 else "none"
 
     def _share_width(self) -> None:
         """Give each view its share of the width."""

@@ -1,0 +1,103 @@
+"""Freestyle beside MechStyle in one press, in two panes or three, with what differs and where it was decided."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mechstyle.runs.recipes import FREESTYLE
+from mechstyle_widgets.panels.branches import Branches
+from mechstyle_widgets.state.controller import Wanted
+from mechstyle_widgets.state.studio_state import StudioState
+from mechstyle_widgets.viewer.run_viewer import RunViewer
+
+
+def table(branches):
+    return {name: cells for name, *cells in branches.comparison()}
+
+
+def test_one_press_runs_both_and_compares_them(controller, settle):
+    branches, state = Branches(controller), controller.state
+    controller.both()
+    settle(controller)
+    assert (state.lane, state.status, state.layer, state.pinned) == ("main", "finished", "stress", ("freestyle", 12))
+    free = next(branch for branch in state.branches if branch.lane == "freestyle")
+    assert (free.parent, free.forked_at, free.finished) == ("main", 0, True)
+    recipe = state.run.store.recipe(state.run.store.lane("freestyle").recipe)
+    assert {name: getattr(recipe, name) for name in FREESTYLE} == FREESTYLE
+    assert table(branches)["control"] == ["none", "exponential"]
+    assert [cell.split()[-1] for cell in table(branches)["verdict"]] == [state.row(12, lane).word for lane in ("freestyle", "main")]
+
+
+def test_pressed_again_it_finds_what_it_made(controller, settle):
+    controller.both()
+    settle(controller)
+    heads = {lane: controller.state.run.store.lane(lane).head for lane in ("main", "freestyle")}
+    controller.state.pinned = None
+    controller.both()
+    settle(controller)
+    assert {lane: controller.state.run.store.lane(lane).head for lane in heads} == heads
+    assert controller.state.pinned == ("freestyle", 12)
+
+
+def test_beside_freestyle_there_is_no_freestyle(controller, fake_run, tmp_path):
+    free = fake_run(tmp_path / "free", **FREESTYLE).run
+    controller.wanted = lambda: Wanted(free.recipe, None, 500, "sheet")
+    controller.both()
+    assert controller.state.message.startswith("this is Freestyle already")
+    assert controller.state.session is None
+
+
+def test_the_place_that_decides_is_that_of_the_one_with_least_left(controller, settle):
+    branches, state = Branches(controller), controller.state
+    controller.both()
+    settle(controller)
+    place, words = branches.decisive()
+    factors = {lane: state.row(12, lane).verdict.safety_factor for lane in ("main", "freestyle")}
+    worst = min(factors, key=factors.get)
+    assert f"where {worst} has least left" in words
+    assert np.isfinite(place).all()
+    assert words in branches._comparison.value
+
+
+def test_a_third_pane_for_what_is_branched_from(controller, settle):
+    branches, state = Branches(controller), controller.state
+    controller.both()
+    settle(controller)
+    state.iteration = 6
+    branches.controller.branch(6, control="frozen")
+    branches.third = ("main", 12)
+    settle(controller)
+    assert (state.lane, branches.places) == ("branch-1", [("freestyle", 12), ("main", 12), ("branch-1", 12)])
+    assert table(branches)["control"] == ["none", "exponential", "frozen"]
+    assert len(table(branches)["verdict"]) == 3
+    branches._pin.click()
+    assert (branches.pinned, branches.third) == (("branch-1", 12), None)
+
+
+def test_three_views_share_the_camera_and_the_width(done):
+    viewer = RunViewer(StudioState(done), width=900)
+    viewer.also, viewer.compared = ("soft", 12), ("main", 4)
+    assert [view.width for view in viewer._stage.children] == [300, 300, 300]
+    assert len({view.camera for view in viewer._stage.children}) == 1
+    assert viewer.names == ("on show", "main, iteration 4", "soft, iteration 12")
+    assert np.allclose(viewer.third.mesh.vertices, done.surface().vertices) is False
+    assert len(viewer.picture().png) > 0
+    viewer.also = None
+    assert [view.width for view in viewer._stage.children] == [450, 450]
+    viewer.compared = None
+    assert viewer.names == ("styled", "original")
+    viewer.close()
+
+
+@pytest.mark.usefixtures("controller")
+def test_forgetting_what_is_compared_takes_the_cross_away(done, monkeypatch):
+    from mechstyle_widgets.studio import Studio  # noqa: PLC0415 — after the controller's patches
+
+    monkeypatch.setattr("mechstyle_widgets.panels.mask_inspector._freedom", lambda run, _recipe: np.ones_like(run.part.thickness))
+    studio = Studio(done)
+    studio.state.pinned = ("soft", 12)
+    assert studio._viewer.probed is not None
+    studio.state.pinned = None
+    assert (studio._viewer.probed, studio._viewer.beside) == (None, False)
+    studio.close()
