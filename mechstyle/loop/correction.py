@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array
 from scipy.spatial import cKDTree
 
-from mechstyle.records.mesh import Field
+from mechstyle.records.mesh import Field, SurfaceMesh
 
 AIM = 0.85
 """Demand to be reached; nearer to 1 it takes more rounds, because what is taken from one place is carried by the next."""
@@ -25,7 +25,9 @@ GAIN = 2.5
 MOST = 0.6
 """… and the most that is taken at once."""
 REACH = 3.0
-"""How far around an overloaded vertex relief is lowered, and over what the lowering is smoothed [mm]."""
+"""How far around an overloaded vertex relief is lowered, and over what the lowering is smoothed [mm] …"""
+EDGES = 2.0
+"""… but never less than so many edges: on coarser triangles nothing but the overloaded vertex itself would be within reach."""
 LOCAL_ROUNDS = 4
 """Lowerings here and there before the whole relief is lowered."""
 WHOLE = (0.6, 0.5, 0.0)
@@ -41,13 +43,13 @@ class Correction:
     """The search for the shares of a finished relief with which a part is viable.
 
     Attributes:
-        vertices: Vertices of the unstylized surface [mm], shape [vertex_count, 3].
+        surface: The unstylized surface.
         kept: Share of the relief that given shares of it keep.
         viable: The largest shares known to be viable, shape [vertex_count]; None as long as none are.
         failing: The smallest shares known not to be, shape [vertex_count]; None as long as none are.
     """
 
-    vertices: NDArray[np.float64]
+    surface: SurfaceMesh
     kept: Callable[[Field], float]
     viable: Field | None = None
     failing: Field | None = None
@@ -94,7 +96,7 @@ class Correction:
 
     def _neighbours(self) -> csr_array:
         if not self._near:
-            self._near.append(neighbours(self.vertices, REACH))
+            self._near.append(neighbours(self.surface.vertices, max(REACH, EDGES * self.surface.edge_length)))
         return self._near[0]
 
 

@@ -319,7 +319,7 @@ class Engine:
         """Correct the finished relief until it is viable (if the recipe asks for it), then mark the best as final."""
         assert state.verdict is not None, "the last iteration is always simulated"
         finished, best = state.displacement, state
-        search = correction.Correction(self.surface.vertices, lambda share: self._kept(share * finished, finished))
+        search = correction.Correction(self.surface, lambda share: self._kept(share * finished, finished))
         tried = self._tested(search, np.ones_like(finished), state) if self.recipe.guarantee else None
         while tried is not None:
             share, words = tried

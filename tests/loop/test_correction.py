@@ -5,12 +5,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mechstyle.loop.correction import GIVE_BACK, LOCAL_ROUNDS, MOST, REACH, WHOLE, Correction, lowering, nearness, neighbours
+from mechstyle.loop.correction import EDGES, GIVE_BACK, LOCAL_ROUNDS, MOST, REACH, WHOLE, Correction, lowering, nearness, neighbours
+from mechstyle.records.mesh import SurfaceMesh
+from tests.support.bench import grid
 
 COUNT = 60
 LINE = np.zeros((COUNT, 3))
 LINE[:, 0] = np.arange(COUNT)  # [mm]: one vertex every millimetre, so that distances can be read off
 NEAR = neighbours(LINE, REACH + 1e-9)
+STRIP = SurfaceMesh(LINE, np.arange(COUNT - 2)[:, None] + np.arange(3))  # without any area, hence with edges of no length
 WHOLE_RELIEF = np.ones(COUNT, np.float32)
 
 
@@ -22,7 +25,7 @@ def peak(*places, height=1.2, elsewhere=0.2):
 
 
 def correction():
-    return Correction(LINE, lambda share: float(share.mean()))
+    return Correction(STRIP, lambda share: float(share.mean()))
 
 
 def search(viable, demand, limit=40):
@@ -120,6 +123,19 @@ def test_whatever_the_demand_the_search_ends_with_shares_between_none_and_all(se
     assert all(share.min() >= 0.0 and share.max() <= 1.0 for share in tested)
     assert found.viable is not None
     assert found.viable.mean() <= bound
+
+
+@pytest.mark.parametrize("edge", [1.0, 4.0, 15.0])
+def test_on_coarse_triangles_too_more_than_the_overloaded_vertex_is_lowered(edge):
+    surface = grid(12, edge)
+    middle = int(np.argmin(np.linalg.norm(surface.vertices - surface.vertices.mean(axis=0), axis=1)))
+    demand = np.full(len(surface.vertices), 0.2, np.float32)
+    demand[middle] = 1.3
+    share, _ = Correction(surface, lambda share: float(share.mean())).tested(np.ones_like(demand), viable=False, demand=demand)
+    beside = surface.edges[(surface.edges == middle).any(axis=1)]
+    assert np.all(share[beside] < 0.75), "a vertex that stands alone is not relieved by being lowered alone"
+    away = np.linalg.norm(surface.vertices - surface.vertices[middle], axis=1)
+    assert np.all(share[away > 2.0 * max(REACH, EDGES * surface.edge_length)] == 1.0)
 
 
 # --- nearness -------------------------------------------------------------------------------------------------------
