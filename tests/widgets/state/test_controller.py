@@ -1,6 +1,7 @@
 """What the buttons do, on a run without physics."""
 
 import shlex
+import threading
 from html import escape
 from itertools import pairwise
 
@@ -9,7 +10,9 @@ import pytest
 
 from mechstyle.errors import BadInput
 from mechstyle.geometry.files import save
+from mechstyle.loop.events import SimulationStarted
 from mechstyle.runs.report.reproduce import command_for
+from mechstyle.runs.run import Run
 from mechstyle.simulation.part import Origin
 from mechstyle_widgets.panels.run_controls import RunControls, duration
 from mechstyle_widgets.settings.part import PartPicker
@@ -154,6 +157,29 @@ def test_buttons_can_be_pressed_when_they_do_something(controller, settle):
     assert "finished, iteration 12 of 12" in controls.words
     assert controls._bar.value == 1.0
     assert escape(controller.state.message) in controls._note.value
+
+
+def test_a_pause_that_waits_for_what_is_in_hand_says_so(controller, settle, fake, monkeypatch):
+    controls, go_on, under_way = RunControls(controller), threading.Event(), threading.Event()
+
+    def slow(run, _progress):
+        for event in fake.bench.engine(run.recipe, run.lane).run():
+            yield event
+            if isinstance(event, SimulationStarted) and event.iteration > 0:
+                under_way.set()
+                go_on.wait(30)
+
+    monkeypatch.setattr(Run, "events", slow)
+    controls._buttons["run"].click()
+    assert under_way.wait(30)
+    controller.state.pump()
+    controls._buttons["pause"].click()
+    assert "pausing … when this drop test has ended" in controls.words
+    assert controls._buttons["pause"].disabled
+    go_on.set()
+    settle(controller)
+    assert controller.state.status == "paused"
+    assert "pausing" not in controls.words
 
 
 def test_what_is_being_done_is_told(controller):

@@ -52,7 +52,7 @@ class RunControls(Section):
         self.add_class("mechstyle-run")
         for wide in (self._note, self._trouble):
             wide.add_class("mechstyle-wide")
-        self.state.observe(self._show, ("status", "stage", "step", "fraction", "seconds_left", "message", "iterations_done", "run"))
+        self.state.observe(self._show, ("status", "pausing", "stage", "step", "fraction", "seconds_left", "message", "iterations_done", "run"))
         self._show()
 
     def emphasise(self, filled: bool) -> None:
@@ -65,7 +65,7 @@ class RunControls(Section):
     def _show(self, _change: Any = None) -> None:
         state = self.state
         for name, button in self._buttons.items():
-            button.disabled = state.status not in MAY[name]
+            button.disabled = state.status not in MAY[name] or (name == "pause" and state.pausing)
         self._buttons["run"].description = "Go on" if state.status in GOES_ON and state.run is not None else "Run"
         self._bar.value, self._bar.bar_style = state.fraction, "info"  # green, amber and red belong to verdicts
         self.words = line_of(state)
@@ -80,6 +80,8 @@ def line_of(state: Any) -> str:
     parts = ["ready" if state.status == "idle" else state.status]
     if state.run is not None and state.status != "preparing":
         parts = [f"{state.status}, iteration {state.iterations_done} of {state.run.recipe.iterations}"]
+    if state.pausing:
+        parts.append(f"pausing … when this {'drop test' if state.stage.startswith('drop test') else 'iteration'} has ended")
     if state.stage:
         parts.append(f"{state.stage}, {state.step:.0%}" if state.stage.startswith("drop test") and state.step > 0 else state.stage)
     if state.seconds_left is not None:

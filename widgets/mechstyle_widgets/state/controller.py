@@ -77,9 +77,14 @@ class Controller:
         self._with_session(lambda session: session.run_until(_simulated))
 
     def pause(self) -> None:
-        """Pause after the event in hand."""
-        if self.busy and self.state.session is not None:
-            self.state.session.pause()
+        """Pause after the event in hand, until when the state says that it is going to."""
+        session = self.state.session
+        if session is not None and session.state == "running":
+            self.state.tell(pausing=True)
+            session.pause()
+            if session.state != "running":  # it was over before it heard of it
+                self.state.tell(pausing=False)
+            self.state.pump()
 
     def stop(self) -> None:
         """End the work; what was checkpointed is kept, and running again goes on from there."""

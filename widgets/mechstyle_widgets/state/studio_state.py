@@ -42,6 +42,7 @@ class StudioState(traitlets.HasTraits):
         histories: The same for every lane, by its name.
         branches: One `Branch` for each lane.
         status: One of STATUSES.
+        pausing: Whether a pause was asked for that waits for what is in hand.
         stage: What is being done, in words; "" while nothing is.
         fraction: How much of the run is done, 0 to 1.
         step: How much of the drop test in hand is done, 0 to 1.
@@ -64,6 +65,7 @@ class StudioState(traitlets.HasTraits):
     histories = traitlets.Dict()
     branches = traitlets.List(traitlets.Instance(Branch))
     status = traitlets.Enum(STATUSES, "idle")
+    pausing = traitlets.Bool(False)
     stage = traitlets.Unicode("")
     fraction = traitlets.Float(0.0)
     step = traitlets.Float(0.0)
@@ -258,7 +260,7 @@ class StudioState(traitlets.HasTraits):
             self.tell(message=_sentence(session.error))
         if state != "running":
             self.tell(stage="", seconds_left=None)
-        self.tell(status="idle" if state == "ready" else state)
+        self.tell(status="idle" if state == "ready" else state, pausing=False)
 
 
 def _checkpoint(store: Any, digest: str) -> Checkpoint:
