@@ -24,6 +24,10 @@ GOES_ON = ("paused", "stopped", "failed")
 """In which states running is going on."""
 
 
+FOLLOWED = ("status", "pausing", "stage", "step", "fraction", "seconds_left", "message", "iterations_done", "run")
+"""Traits of the state they tell of."""
+
+
 class RunControls(Section):
     """Buttons for a controller, a bar and a line that says what is being done and how long it will take.
 
@@ -52,7 +56,7 @@ class RunControls(Section):
         self.add_class("mechstyle-run")
         for wide in (self._note, self._trouble):
             wide.add_class("mechstyle-wide")
-        self.state.observe(self._show, ("status", "pausing", "stage", "step", "fraction", "seconds_left", "message", "iterations_done", "run"))
+        self.state.observe(self._show, FOLLOWED)
         self._show()
 
     def emphasise(self, filled: bool) -> None:

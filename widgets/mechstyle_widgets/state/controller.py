@@ -82,7 +82,7 @@ class Controller:
         if session is not None and session.state == "running":
             self.state.tell(pausing=True)
             session.pause()
-            if session.state != "running":  # it was over before it heard of it
+            if session.wait(0.0) != "running":  # it was over before it heard of it
                 self.state.tell(pausing=False)
             self.state.pump()
 
