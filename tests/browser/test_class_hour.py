@@ -132,6 +132,19 @@ def test_it_is_branched_and_compared(hour):
     hour.python("studio.branches.pinned = None")
 
 
+def test_freestyle_stands_beside_it_in_one_press(hour):
+    hour.python("studio.state.lane = 'main'; studio.control_selector.threshold = studio.run.recipe.threshold")
+    hour.python("studio._take_recipe(studio.run.recipe)")
+    press(hour, "MechStyle to the end, then Freestyle")
+    hour.until("(studio.state.status, studio.state.lane, studio.state.pinned)", "('finished', 'main', ('freestyle', 8))")
+    hour.page.get_by_text("where freestyle has least left").wait_for()
+    hour.page.locator(".mechstyle-viewer canvas").nth(1).wait_for()
+    assert hour.drawn(0).shape == hour.drawn(1).shape
+    hour.drag(hour.canvas(0), (0.5, 0.6), (0.7, 0.6))
+    hour.keep("hour-both", studio(hour))
+    hour.python("studio.branches.pinned = None")
+
+
 def test_the_part_is_taken_away(hour, tmp_path):
     with hour.page.expect_download() as saved:
         press(hour, "The part in colour, for the slicer")
@@ -184,4 +197,4 @@ def test_a_run_of_that_hour_is_opened_again(hour):
     hour.open(AGAIN)
     hour.drawn()
     badge(hour).get_by_text("safety factor").wait_for()
-    hour.until("(studio.state.status, studio.state.iteration, len(studio.state.branches))", "('finished', 8, 2)")
+    hour.until("(studio.state.status, studio.state.iteration, len(studio.state.branches))", "('finished', 8, 3)")

@@ -42,7 +42,7 @@ class RunControls(Section):
         self.controller, self.state = controller, controller.state
         self._buttons = {
             "run": self._button("play", "Run", "Run to the end, or go on", "primary", "84px"),
-            "both": self._button("columns", "Both", "Run to the end, then Freestyle beside it", width="76px"),
+            "both": self._button("columns", "Both", "MechStyle to the end, then Freestyle beside it", width="76px"),
             "pause": self._button("pause", "", "Pause after the iteration in hand"),
             "step": self._button("step-forward", "", "One iteration, then pause"),
             "step_to_simulation": self._button("fast-forward", "", "On to the next simulation, then pause"),

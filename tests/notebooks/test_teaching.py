@@ -1,0 +1,61 @@
+"""What teachers are given beside the notebooks: words for every figure, slides that load nothing, answers to every exercise."""
+
+from __future__ import annotations
+
+import re
+
+import nbformat
+import pytest
+from nbconvert import SlidesExporter
+from nbformat.v4 import new_code_cell, new_markdown_cell, new_notebook, new_output
+
+from support import ROOT
+
+NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
+DRAWS = re.compile(r"subplots\(|^picture\(|\.show\(\)\)?$", re.MULTILINE)
+LEAST = 40  # letters that say something of a figure
+PIXEL = "iVBORw0KGgo="
+
+
+def cells_of(path):
+    return nbformat.read(path, as_version=4).cells
+
+
+def slides(notebook) -> str:
+    exporter = SlidesExporter(template_name="offline", extra_template_basedirs=[str(ROOT / "notebooks" / "slides")], exclude_input=True)
+    return exporter.from_notebook_node(notebook)[0]
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_every_figure_has_words_and_every_cell_its_place_in_the_slides(path):
+    cells = cells_of(path)
+    drawn = [cell for cell in cells if cell.cell_type == "code" and DRAWS.search(cell.source)]
+    assert [cell.source for cell in drawn if len(cell.metadata.get("alt", "")) < LEAST] == []
+    assert all("slide_type" in cell.metadata.get("slideshow", {}) for cell in cells)
+    assert sum("print" in cell.metadata.get("tags", []) and "alt" in cell.metadata for cell in cells) <= 1
+
+
+def test_slides_load_nothing_and_keep_the_words_of_a_figure():
+    figure = new_code_cell("secret = 1", metadata={"alt": "a front that runs up", "slideshow": {"slide_type": "-"}})
+    figure.outputs = [new_output("display_data", {"image/png": PIXEL})]
+    told = [new_output("stream", name="stdout", text="not for slides")]
+    setup = new_code_cell("", metadata={"slideshow": {"slide_type": "skip"}}, outputs=told)
+    title = new_markdown_cell(r"# Title $\rho c v$", metadata={"slideshow": {"slide_type": "slide"}})
+    page = slides(new_notebook(cells=[title, setup, figure]))
+    assert re.findall(r"""(?:src|href|from)=?\s*["']https?:""", page) == []
+    assert 'alt="a front that runs up"' in page
+    assert "secret" not in page
+    assert "not for slides" not in page
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_every_exercise_has_an_answer(path):
+    asked = re.findall(r"^(\d)\. ", cells_of(path)[-1].source, re.MULTILINE)
+    answers = (ROOT / "notebooks" / "solutions" / f"{path.stem}.md").read_text(encoding="utf-8")
+    assert re.findall(r"^(\d)\. ", answers, re.MULTILINE) == asked
+
+
+def test_the_lesson_plan_adds_up_to_90_minutes():
+    plan = (ROOT / "docs" / "lesson-plan.md").read_text(encoding="utf-8")
+    minutes = [int(number) for number in re.findall(r"^\| \d+–\d+ \| (\d+) min", plan, re.MULTILINE)]
+    assert sum(minutes) == 90
