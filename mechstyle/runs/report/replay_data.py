@@ -199,7 +199,7 @@ def _layer(quantity: Quantity, channel: Channel) -> dict[str, Any]:
     """A field as the table of quantities has it, with colours that show it in every frame."""
     low, high = quantity.limits(channel.extremes) or channel.extremes
     return {
-        "key": quantity.name, "title": quantity.name.capitalize(), "label": quantity.label, "unit": quantity.unit,
+        "key": quantity.name, "title": quantity.title.capitalize(), "label": quantity.label, "unit": quantity.unit,
         "low": low, "high": high, "threshold": quantity.threshold,
     }  # fmt: skip
 

@@ -26,7 +26,7 @@ def colour_bar(layer: Layer, mesh: SurfaceMesh) -> str:
     lines = [f"<div><b>{escape(layer.caption)}</b></div>"]
     lines.append(f'<div style="width:{BAR_WIDTH}px;height:12px;border-radius:2px;background:{_gradient(scale)}"></div>')
     lines.append(f'<div style="position:relative;width:{BAR_WIDTH}px;height:1.5em">{"".join(ticks)}</div>')
-    said = (_extremes(layer), _share_above(layer, mesh), escape(layer.note))
+    said = (_extremes(layer), _share_beyond(layer, mesh), escape(layer.note))
     lines += [f'<div style="color:{FAINT}">{line}</div>' for line in said if line]
     return _block("".join(lines))
 
@@ -70,12 +70,12 @@ def _extremes(layer: Layer) -> str:
     return "" if found is None else escape(f"○ max {layer.at(found[0])}   ▽ min {layer.at(found[1])}").replace("   ", " &emsp; ")
 
 
-def _share_above(layer: Layer, mesh: SurfaceMesh) -> str:
+def _share_beyond(layer: Layer, mesh: SurfaceMesh) -> str:
     if layer.threshold is None:
         return ""
-    above = layer.scale.above(layer.values)
-    share = f"{mesh.vertex_areas[above].sum() / mesh.vertex_areas.sum():.1%} of the surface is" if above.any() else "nothing is"
-    return escape(f"{share} above the limit of {layer.threshold:.3g} {layer.unit}".rstrip())
+    beyond = layer.scale.beyond(layer.values)
+    share = f"{mesh.vertex_areas[beyond].sum() / mesh.vertex_areas.sum():.1%} of the surface is" if beyond.any() else "nothing is"
+    return escape(f"{share} {'below' if layer.scale.falls else 'above'} the limit of {layer.threshold:.3g} {layer.unit}".rstrip())
 
 
 def _gradient(scale: Scale) -> str:

@@ -2,7 +2,7 @@
 
 One number per vertex says how it is painted, so that one small buffer is all that changes with a layer or a threshold:
 `OWN` for the part's own colour, `NOTHING` where a field is not known, else the place on the ramp, 0 to 1. Beyond 1 lies what
-exceeds the threshold, hatched and outlined. A field without one has its places from `OPEN` to `OPEN` + 1, far from any hatch.
+is beyond the threshold, hatched and outlined. A field without one has its places from `OPEN` to `OPEN` + 1, far from any hatch.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ MAXIMUM, MINIMUM, PICKED, HIDDEN = 0.0, 1.0, 2.0, -1.0  # kinds of markers
 def paint(values: NDArray[np.float32], scale: Scale) -> NDArray[np.float32]:
     """Paint code of each vertex under a field, shape [vertex_count]."""
     place = (np.asarray(values, dtype=np.float64) - scale.low) / (scale.top - scale.low)
-    shown = np.clip(place, 0.0, 10.0) if scale.top < scale.high else OPEN + np.clip(place, 0.0, 1.0)
+    shown = np.clip(place, 0.0, 10.0) if scale.split else OPEN + np.clip(place, 0.0, 1.0)
     return np.where(np.isfinite(place), shown, NOTHING).astype(np.float32)
 
 

@@ -231,7 +231,7 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     def _offer_layers(self, _change: object) -> None:
         """Keep the layer if there still is one of its name."""
         shown = self.layer if self.subject.layer(self.layer) else STYLE
-        options = [("style", STYLE), *((layer.name.replace("_", " "), layer.name) for layer in self.subject.layers)]
+        options = [("style", STYLE), *((layer.title, layer.name) for layer in self.subject.layers)]
         if tuple(self._choice.options) != tuple(options):
             self._choice.options = options
             self._choice.value = shown

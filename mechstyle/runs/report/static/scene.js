@@ -134,7 +134,7 @@ export class Scene {
 
   colour(layer, threshold) {
     const gl = this.gl, field = this.replay.channels[layer.key] ?? { low: 0, step: 1 };
-    const split = threshold !== null, inside = split && layer.low < threshold && threshold < layer.high;
+    const split = threshold !== null, inside = split && (threshold - layer.low) * (layer.high - threshold) > 0;
     gl.uniform1f(this.place("low"), field.low);
     gl.uniform1f(this.place("stride"), field.step);
     gl.uniform1i(this.place("styled"), layer.key === "style" ? 1 : 0);
