@@ -120,8 +120,8 @@ def safety_factor(limit: float) -> Quantity:
         return np.minimum(limit / np.maximum(stress, limit / AMPLE), AMPLE).astype(np.float32)
 
     return Quantity(
-        "safety_factor", "safety factor as it stands: limit over stress", least=(SPARE, 0.0), threshold=1.0, note=f"{AMPLE:.0f} stands for that and more",
-        bounded=True, stored="stress", formed=factor,
+        "safety_factor", "safety factor as it stands: limit over stress", least=(SPARE, 0.0), threshold=1.0,
+        note=f"{AMPLE:.0f} stands for that and more", bounded=True, stored="stress", formed=factor,
     )  # fmt: skip
 
 
@@ -212,9 +212,9 @@ def known(
         verdict: The newest verdict there, None before the first.
     """
     when = "" if state.simulated_at == state.iteration else f"simulated at iteration {state.simulated_at}"
-    aged = {quantity: when for quantity in ("stress", "safety_factor", "demand")}
+    aged, seen = dict.fromkeys(("stress", "safety_factor", "demand"), when), {DISPLACEMENT.name: [newest.displacement]}
     held = [
-        Known.of(quantity, quantity.of(state), *([quantity.of(newest)] if quantity is DISPLACEMENT else []), note=aged.get(quantity.name, ""))
+        Known.of(quantity, quantity.of(state), *seen.get(quantity.name, ()), note=aged.get(quantity.name, ""))
         for quantity in quantities(recipe, limit)
     ]
     return (*held, Known.of(THICKNESS, thickness), *(() if simulation is None else _of_simulation(recipe, limit, simulation, verdict)))

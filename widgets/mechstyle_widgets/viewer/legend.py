@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from html import escape
 
 import numpy as np
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 
 from mechstyle.pictures.colormap import ABOVE, ABSENT, STRIPE, Scale, linear_to_srgb
 from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.records.regions import Point
 from mechstyle_widgets.viewer.layers import Layer
 from mechstyle_widgets.viewer.scene import round_length
 
@@ -52,6 +54,25 @@ def protected(vertices: NDArray[np.bool_], mesh: SurfaceMesh) -> str:
     grey = f"repeating-linear-gradient(45deg,{_css(ABSENT)} 0 2px,transparent 2px 5px)"
     box = f"display:inline-block;width:24px;height:10px;margin-right:8px;border:1px solid {_css(ABSENT)};background:{grey}"
     return _block(f'<span style="{box}"></span>protected: {share:.1%} of the surface')
+
+
+def ruler(ends: Sequence[Point]) -> str:
+    """HTML of the distance between two places [mm], and how it lies."""
+    along = np.subtract(ends[1], ends[0])
+    x, y, z = (f"{value:+.2f}" for value in along)
+    return f"<span><b>{np.linalg.norm(along):.2f} mm</b> &ensp;along x {x}, y {y}, z {z}</span>"
+
+
+def said(tool: str, ends: Sequence[Point]) -> str:
+    """HTML of what is measured between places [mm], else of what the tool in hand is for."""
+    if len(ends) == 2:
+        return ruler(ends)
+    which = "a second place" if ends else "a place"
+    words = {
+        "measure": f"Click {which} on the part to measure; Enter takes the cross, Esc leaves",
+        "places": "A click keeps the place in the list; Enter takes the cross, Esc leaves",
+    }
+    return f"<span>{words[tool]}</span>" if tool else ""
 
 
 def titles(*names: str) -> str:
