@@ -29,10 +29,14 @@ function line(kind, cells) {
 function render({ model, el }) {
   const draw = () => {
     const rows = model.get("rows"), table = document.createElement("table");
+    const at = [...el.querySelectorAll("button")].indexOf(document.activeElement);
     el.replaceChildren();
     el.classList.toggle("mechstyle-places", true);
     el.hidden = !rows.length;
-    if (!rows.length) return;
+    if (!rows.length) {
+      if (at >= 0) el.closest(".mechstyle-viewer")?.querySelector("canvas")?.focus(); // else keys would go to the page
+      return;
+    }
     table.createCaption().append("Places", button("CSV", "Save the places as CSV", () => save(model.get("table"))),
       button("clear", "Take all places away", () => model.send({ kind: "remove" })));
     table.createTHead().append(line("th", [...model.get("head"), ""]));
@@ -43,6 +47,7 @@ function render({ model, el }) {
       body.append(line("td", [pin, ...cells, button("✕", `Take place ${number + 1} away`, () => model.send({ kind: "remove", number }))]));
     });
     el.append(table);
+    if (at >= 0) [...el.querySelectorAll("button")].slice(0, at + 1).at(-1).focus();
   };
   model.on("change:rows", draw);
   draw();
