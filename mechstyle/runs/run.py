@@ -159,11 +159,14 @@ class Run:
 
         return mimebundle(self)
 
-    def report(self, path: str | Path) -> Path:
-        """Write a report of the lane as one HTML file that opens offline: verdicts, replay, timeline, settings, how to make it again."""
+    def report(self, path: str | Path, *, impact: bool = False) -> Path:
+        """Write a report of the lane as one HTML file that opens offline: verdicts, replay, timeline, settings, how to make it again.
+
+        Impacts that were looked at are in it; `impact` drops the part for it as placed and in its worst landing.
+        """
         from mechstyle.runs.report.page import write_report  # noqa: PLC0415 — loaded when a report is wanted
 
-        return write_report(self, path)
+        return write_report(self, path, impact=impact)
 
     def export(self, path: str | Path, iteration: int | None = None, *, fine: bool | None = None, texture: bool = False) -> Path:
         """Write the delivered surface at an iteration to a file, and what is known of it to `FILE.json`; the suffix decides the format.

@@ -52,23 +52,43 @@ class Impact:
             frame: The moment, counted from 0.
             exaggeration: Factor on what is left of the displacement once the rigid motion nearest to it is taken out.
         """
-        moved = mesh.vertices + self.displacement[frame]
-        rigid = nearest_rigid(mesh.vertices, moved)
-        return mesh.moved(self._on_the_floor(rigid + exaggeration * (moved - rigid), mesh.vertices))
+        return mesh.moved(self.motion(mesh.vertices, frame).moved(mesh.vertices, exaggeration))
 
-    def _on_the_floor(self, points: Floats, before: Floats) -> Floats:
-        """Points [mm] turned as a whole so that the floor is level, where the part stood before, shape [n, 3] each."""
+    def motion(self, before: Floats, frame: int) -> Motion:
+        """How points [mm], shape [n, 3], have moved since first touch, in a frame in which the floor is level and as high as they stood."""
+        moved = before + self.displacement[frame]
+        turn, shift = rigid_motion(before, moved)
+        deformation = moved - (before @ turn.T + shift)
         if self.normal == UP:
-            return points
-        turn, _ = Rotation.align_vectors([UP], [self.normal])
+            return Motion(turn, shift, deformation)
+        levelled = Rotation.align_vectors([UP], [self.normal])[0].as_matrix()
         middle = 0.5 * (before.min(axis=0) + before.max(axis=0))
-        turned = turn.apply(before - middle)
-        lift = before[:, 2].min() - turned[:, 2].min()
-        return np.asarray(turn.apply(points - middle) + (middle[0], middle[1], lift))
+        lowest = ((before - middle) @ levelled.T)[:, 2].min()
+        stands = np.array([middle[0], middle[1], before[:, 2].min() - lowest])
+        return Motion(levelled @ turn, levelled @ (shift - middle) + stands, deformation @ levelled.T)
 
 
-def nearest_rigid(points: Floats, moved: Floats) -> Floats:
-    """Points rotated and shifted as a whole to where they are nearest to others, in the sense of least squares (Kabsch 1976).
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A motion as a whole and what is left of it.
+
+    Attributes:
+        turn: Rotation, shape [3, 3].
+        shift: Translation after it [mm], shape [3].
+        deformation: What is left [mm], shape [n, 3].
+    """
+
+    turn: Floats
+    shift: Floats
+    deformation: Floats
+
+    def moved(self, points: Floats, exaggeration: float = 1.0) -> Floats:
+        """Points [mm], shape [n, 3], moved, their deformation exaggerated."""
+        return np.asarray(points @ self.turn.T + self.shift + exaggeration * self.deformation)
+
+
+def rigid_motion(points: Floats, moved: Floats) -> tuple[Floats, Floats]:
+    """Rotation [3, 3] and translation after it [mm] that bring points nearest to others, in the sense of least squares (Kabsch 1976).
 
     Args:
         points: Where they were [mm], shape [n, 3].
@@ -77,7 +97,14 @@ def nearest_rigid(points: Floats, moved: Floats) -> Floats:
     centre, middle = points.mean(axis=0), moved.mean(axis=0)
     left, _, right = np.linalg.svd((points - centre).T @ (moved - middle))
     flip = np.diag([1.0, 1.0, np.sign(np.linalg.det(left @ right))])
-    return np.asarray((points - centre) @ left @ flip @ right + middle)
+    turn = (left @ flip @ right).T
+    return turn, middle - turn @ centre
+
+
+def nearest_rigid(points: Floats, moved: Floats) -> Floats:
+    """Points rotated and shifted as a whole to where they are nearest to others; arguments as for `rigid_motion`."""
+    turn, shift = rigid_motion(points, moved)
+    return np.asarray(points @ turn.T + shift)
 
 
 def impact_of(

@@ -105,7 +105,8 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         if self.impact is None:
             return subject
         stress = self.impact.stress
-        note = f"{self._which.label.split(' · ')[0]}, at {1e3 * self.impact.time[self.frame]:.0f} µs, deformed × {self.exaggeration:g}"
+        name = next((label for label, normal in self._which.options if normal == self.impact.normal), "").split(" · ")[0]
+        note = f"{name}, at {1e3 * self.impact.time[self.frame]:.0f} µs, deformed × {self.exaggeration:g}"
         layer = layer_of(moment(limit), stress[self.frame], stress, note)
         return Subject(self.impact.shape(subject.mesh, self.frame, self.exaggeration), (*subject.layers, layer))
 

@@ -4,7 +4,6 @@ import { Camera, steer } from "./camera.js";
 import { plane } from "./replay_data.js";
 import { Scene } from "./scene.js";
 
-const FRAMES_PER_SECOND = 24;
 const KEYS_HELP = "Drag to turn, shift-drag to move, click and scroll to zoom. Keys: arrows turn or scrub, + and − zoom, 0 resets, " +
   "space plays, n and p go to the next and previous simulation, 1 to 6 choose the layer, o shows the original beside it.";
 
@@ -59,6 +58,8 @@ export class Player {
     this.refresh();
   }
 
+  get framesPerSecond() { return 24; }
+  get end() { return this.replay.frames.length - 1; } // where playing stops
   get iteration() { return this.replay.frames[this.frame].iteration; }
 
   // ---- elements
@@ -107,8 +108,10 @@ export class Player {
     return element("div", { class: "ms-scrub" }, this.play, this.slider, this.count);
   }
 
+  get keysHelp() { return KEYS_HELP; }
+
   help() {
-    return element("details", { class: "ms-help" }, element("summary", {}, "Mouse and keys"), element("p", {}, KEYS_HELP));
+    return element("details", { class: "ms-help" }, element("summary", {}, "Mouse and keys"), element("p", {}, this.keysHelp));
   }
 
   // ---- what a person does
@@ -147,12 +150,12 @@ export class Player {
 
   toggle() {
     if (this.playing) return this.pause();
-    if (this.frame === this.replay.frames.length - 1) this.to(0);
+    if (this.frame >= this.end) this.to(0);
     const start = performance.now(), from = this.frame;
     const tick = (now) => {
-      const frame = from + Math.floor(((now - start) * FRAMES_PER_SECOND) / 1000);
-      if (frame > this.frame) this.to(frame);
-      this.playing = this.frame < this.replay.frames.length - 1 ? requestAnimationFrame(tick) : 0;
+      const frame = from + Math.floor(((now - start) * this.framesPerSecond) / 1000);
+      if (frame > this.frame) this.to(Math.min(frame, this.end));
+      this.playing = this.frame < this.end ? requestAnimationFrame(tick) : 0;
       this.refresh();
     };
     this.playing = requestAnimationFrame(tick);
@@ -204,10 +207,10 @@ export class Player {
   }
 
   describe() {
-    const frame = this.replay.frames[this.frame], last = this.replay.frames.at(-1);
+    const frame = this.replay.frames[this.frame];
     this.slider.value = String(this.frame);
-    this.slider.setAttribute("aria-valuetext", `iteration ${frame.iteration}`);
-    this.count.textContent = `${frame.iteration} / ${last.iteration}`;
+    this.slider.setAttribute("aria-valuetext", this.named(frame));
+    this.count.textContent = this.counted(frame);
     this.play.textContent = this.playing ? "❚❚" : "▶";
     this.play.setAttribute("aria-label", this.playing ? "Pause" : "Play");
     this.beside.setAttribute("aria-pressed", String(this.compare));
@@ -216,6 +219,9 @@ export class Player {
     this.caption.textContent = this.sentence(frame);
     this.describeScale();
   }
+
+  named(frame) { return `iteration ${frame.iteration}`; }
+  counted(frame) { return `${frame.iteration} / ${this.replay.frames.at(-1).iteration}`; }
 
   sentence(frame) {
     if (frame.outcome === undefined) return `Iteration ${frame.iteration}: not simulated; stress and mask are those of iteration ${frame.simulatedAt}.`;
