@@ -37,7 +37,8 @@ class Orbit:
 
     def __init__(self, mesh: SurfaceMesh, aspect: float, view: str = "three_quarter") -> None:
         """Look at a part from one of `VIEWS`, through a window of `aspect` = width over height."""
-        self._points = np.concatenate([mesh.vertices, floor_corners(mesh)])
+        self._floor = floor_corners(mesh)
+        self.follow(mesh)
         self.home = Camera.named(view, self._points, aspect=aspect)
         self.three = pythreejs.PerspectiveCamera(position=self._eye(self.home), up=[0.0, 0.0, 1.0], aspect=aspect, **self._lens())
         self._controls = [self.control()]
@@ -55,6 +56,10 @@ class Orbit:
         """A control for another view of the same camera."""
         self._controls.append(self.control())
         return self._controls[-1]
+
+    def follow(self, mesh: SurfaceMesh) -> None:
+        """Take it that the part looks so now: that is what is fitted into view."""
+        self._points = np.concatenate([mesh.vertices, self._floor])
 
     def fit(self, view: str = "") -> None:
         """Bring the whole part into view, from one of `VIEWS` or from where one looks now."""

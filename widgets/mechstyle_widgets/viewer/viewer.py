@@ -216,6 +216,7 @@ class Viewer(OncePerCell, Tools, ipywidgets.VBox):  # type: ignore[misc]  # ipyw
     def _draw(self) -> None:
         """Bring the scenes, the legend and the table up to date with the traits."""
         layer = self.subject.layer(self.layer)
+        self._orbit.follow(self.subject.mesh)
         self._arrange()
         with self._at_once():
             for scene, subject in zip(self._scenes, (self.subject, self.original), strict=False):

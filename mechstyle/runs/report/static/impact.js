@@ -22,6 +22,11 @@ export class ImpactPlayer extends Player {
     this.frame = impact.peak;
   }
 
+  outline() {
+    const out = new Float32Array(this.replay.positions.length);
+    struck(this.replay, this.replay.peak, out);
+    return out;
+  }
   get framesPerSecond() { return 8; }
   get end() { return this.replay.peak; }
   get keysHelp() { return IMPACT_KEYS; }
@@ -63,6 +68,6 @@ export class ImpactPlayer extends Player {
   counted(frame) { return `${(1000 * frame.time).toFixed(0)} µs`; }
   sentence(frame) {
     const at = this.frame === this.end ? ", the moment of the peak" : "";
-    return `Landing ${this.replay.name}: ${(1000 * frame.time).toFixed(0)} µs after first touch${at}. Deformed × ${this.replay.exaggeration}; the floor is level.`;
+    return `Landing ${this.replay.name}: ${(1000 * frame.time).toFixed(0)} µs after first touch${at}. Deformed × ${this.replay.exaggeration}; the floor lies level below.`;
   }
 }

@@ -45,7 +45,7 @@ export class Player {
     Object.assign(this, { root, replay, changed, frame: replay.frames.length - 1, layer: replay.layers[0], threshold: null, compare: false });
     Object.assign(this, { pending: 0, playing: 0, areas: vertexAreas(replay), watchers: [] });
     this.build();
-    const { centre, size } = boxOf(replay.positions);
+    const { centre, size } = boxOf(this.outline());
     this.camera = new Camera(centre, size);
     try {
       this.scene = new Scene(this.canvas, replay);
@@ -58,6 +58,7 @@ export class Player {
     this.refresh();
   }
 
+  outline() { return this.replay.positions; } // what is brought into view
   get framesPerSecond() { return 24; }
   get end() { return this.replay.frames.length - 1; } // where playing stops
   get iteration() { return this.replay.frames[this.frame].iteration; }
