@@ -100,7 +100,7 @@ def stress(limit: float) -> Quantity:
 
 def envelope(limit: float) -> Quantity:
     """Largest stress of all orientations against what it may at most be [MPa]."""
-    return _against(limit, "envelope", "worst stress of all orientations", "MPa")
+    return _against(limit, "envelope", "worst stress of all landings", "MPa")
 
 
 def moment(limit: float) -> Quantity:

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from ipywidgets.widgets.widget import _instances as alive
 
 from mechstyle.errors import BadInput
 from mechstyle.geometry.subdivision import subdivided
@@ -27,6 +28,11 @@ def stress(sphere):
 @pytest.fixture
 def viewer(sphere, stress):
     return Viewer(sphere, [stress, Layer("safety_factor", 45.0 / stress.values)])
+
+
+@pytest.fixture
+def painted_sphere(sphere):
+    return sphere.coloured(np.full((len(sphere.vertices), 3), 0.5))
 
 
 def click(viewer, place):
@@ -102,6 +108,18 @@ def test_on_a_solid_cut_one_measures_in_its_plane(viewer):
     ends = np.array(viewer.measured)
     assert np.abs(ends[:, 1]).max() < 1e-6
     assert ends[1, 0] - ends[0, 0] > 6.0, "the plane is farther away than where the mouse would have met the sphere"
+
+
+def test_the_picture_is_cut_open_as_the_view_is(viewer, painted_sphere):
+    viewer.section.on, viewer.section.axis, viewer.section.at = True, "x", 2.0
+    mesh, values = viewer.section.applied(painted_sphere, painted_sphere.vertices[:, 0])
+    assert mesh.vertices[:, 0].max() == pytest.approx(2.0)
+    assert values == pytest.approx(mesh.vertices[:, 0], abs=1e-6), "values between vertices are between theirs"
+    assert mesh.face_areas.sum() == pytest.approx(0.6 * painted_sphere.face_areas.sum(), rel=0.002)  # of a sphere areas go by height
+    assert mesh.colours.shape == mesh.vertices.shape
+    whole = viewer.picture().png
+    viewer.section.on = False
+    assert viewer.picture().png != whole
 
 
 def test_a_line_of_sight_meets_the_nearest_face_that_is_left():
@@ -202,15 +220,26 @@ def test_the_table_holds_all_that_is_known_of_each_place(viewer, sphere, stress)
 
 def test_a_place_is_flown_to_taken_away_and_the_list_cleared(viewer):
     viewer.places = (3, 70, 200)
-    hear = viewer._list._hear
-    hear(None, {"kind": "fly", "number": 1}, [])
+    lines = viewer._list._lines
+    lines[1][0].click()
     assert viewer.probed == 70
-    hear(None, {"kind": "remove", "number": 1}, [])
+    lines[1][-1].click()
     assert viewer.places == (3, 200)
-    hear(None, {"kind": "remove", "number": 9}, [])  # a click that comes late
+    lines[2][-1].click()  # a click that comes late, on a line that is gone
     assert viewer.places == (3, 200)
-    hear(None, {"kind": "remove"}, [])
-    assert (viewer.places, viewer._list.rows, viewer._list.table) == ((), [], "")
+    viewer.places = (3, 200, 5)
+    assert len(viewer._list._lines) == 3, "lines are used again"
+    viewer._list.children[0].children[2].click()
+    assert (viewer.places, viewer._list.rows, viewer._list.table, viewer._list.layout.display) == ((), [], "", "none")
+
+
+def test_a_viewer_with_places_leaves_nothing_behind(sphere):
+    before = set(alive)
+    viewer = Viewer(sphere)
+    viewer.places = (1, 2, 3)
+    viewer.places = (1,)
+    viewer.close()
+    assert set(alive) == before
 
 
 def test_there_are_no_more_places_than_numbers_and_none_off_the_part(viewer):

@@ -38,6 +38,14 @@ SHEET = """<style>
 .mechstyle-section-plane > .widget-toggle-buttons { width: auto; flex: 0 0 auto; }
 .mechstyle-section-plane .widget-toggle-buttons > div { flex-wrap: nowrap; }
 .mechstyle-section-plane > .widget-label { width: auto; min-width: 0; }
+.mechstyle-places { margin: 4px 8px; }
+.mechstyle-places .widget-html, .mechstyle-places .widget-html-content { height: auto; margin: 0; line-height: 28px; font-size: 13px; }
+.mechstyle-places .widget-gridbox { align-items: center; gap: 0 8px; font-variant-numeric: tabular-nums; }
+.mechstyle-places .widget-gridbox .widget-html-content { text-align: right; width: 100%; white-space: nowrap; }
+.mechstyle-places .widget-button { height: 26px; line-height: 24px; margin: 1px 0 1px 8px; padding: 0 6px; }
+.mechstyle-places a { font-size: 13px; margin-left: 12px; text-decoration: underline; }
+.mechstyle-places .mechstyle-pin { width: 26px; margin: 1px 0; padding: 0; border-radius: 13px; background: #171717; color: #fff;
+  font-weight: 700; border: 1px solid #fff; }
 .mechstyle-said { position: absolute; left: 8px; bottom: 8px; width: auto; max-width: calc(100% - 16px); padding: 4px 8px;
   border-radius: 4px; pointer-events: none; background: var(--jp-layout-color0, #fff); border: 1px solid var(--jp-border-color2, #ddd); }
 .mechstyle-said.widget-html, .mechstyle-said .widget-html-content { height: auto; margin: 0; line-height: 1.45; font-size: 13px;

@@ -2,59 +2,82 @@
 
 from __future__ import annotations
 
+import base64
 import csv
 import io
 from collections.abc import Callable, Sequence
-from importlib.resources import files
-from typing import Any
+from functools import partial
 
-import anywidget
+import ipywidgets
 import numpy as np
-import traitlets
 
+from mechstyle_widgets.jupyter.closing import close_family
 from mechstyle_widgets.viewer.layers import Subject
 
 COLUMNS = (("stress", "stress [MPa]"), ("safety_factor", "safety factor"), ("thickness", "wall [mm]"))
 """Layers the list shows, and what it calls them."""
+WIDTHS = "32px 152px repeat(3, 96px) 36px"
+BOM = "\ufeff"
+"""Spreadsheets take a file without it for Latin-1."""
 
 
-def _static(name: str) -> str:
-    return files("mechstyle_widgets.viewer").joinpath("static", name).read_text(encoding="utf-8")
-
-
-class Places(anywidget.AnyWidget):
-    """The list under the view.
+class Places(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
+    """The list under the view; nothing while it is empty.
 
     Attributes:
-        head: Titles of the columns.
-        rows: Text of each cell, a row for each place.
+        rows: Text of each cell: place and a value for each of COLUMNS.
         table: All that is known of the places, as CSV.
     """
 
-    _esm, _css = _static("places.js"), _static("places.css")
-    head = traitlets.List().tag(sync=True)
-    rows = traitlets.List().tag(sync=True)
-    table = traitlets.Unicode("").tag(sync=True)
-
     def __init__(self, fly: Callable[[int], None], remove: Callable[[int | None], None]) -> None:
         """An empty list; `fly` is told which place, counted from 0, to look at, `remove` which to take away, None for all."""
-        super().__init__(head=["", "place [mm]", *(title for _, title in COLUMNS)])
+        self.rows: list[list[str]] = []
+        self.table = ""
         self._fly, self._remove = fly, remove
-        self.on_msg(self._hear)
+        self._save = ipywidgets.HTML()
+        clear = ipywidgets.Button(description="clear", tooltip="Take all places away", layout={"width": "auto"})
+        clear.on_click(lambda _: remove(None))
+        self._head = [ipywidgets.HTML(title) for title in ("", "place [mm]", *(title for _, title in COLUMNS), "")]
+        self._lines: list[list[ipywidgets.Widget]] = []  # made when they are first wanted and kept, so that none is made twice
+        self._grid = ipywidgets.GridBox(self._head, layout={"grid_template_columns": WIDTHS, "overflow": "auto"})
+        above = ipywidgets.HBox([ipywidgets.HTML("<b>Places</b>"), self._save, clear])
+        super().__init__([above, self._grid], layout={"display": "none"})
+        self.add_class("mechstyle-places")
 
     def show(self, subject: Subject, vertices: Sequence[int]) -> None:
         """List vertices of a subject with their values in it."""
+        fewer = len(vertices) < len(self.rows)
         self.rows = [[_place(subject, vertex), *(_value(subject, name, vertex) for name, _ in COLUMNS)] for vertex in vertices]
         self.table = as_csv(subject, vertices) if vertices else ""
+        while len(self._lines) < len(self.rows):
+            self._lines.append(self._line(len(self._lines)))
+        for line, row in zip(self._lines, self.rows, strict=False):
+            for cell, text in zip(line[1:-1], row, strict=True):
+                cell.value = text
+        self._grid.children = [*self._head, *(widget for line in self._lines[: len(vertices)] for widget in line)]
+        data = base64.b64encode((BOM + self.table).encode()).decode("ascii")
+        link = f'<a download="mechstyle-places.csv" title="Save the places as CSV" href="data:text/csv;base64,{data}">save CSV</a>'
+        self._save.value = link if vertices else ""
+        self.layout.display = "" if vertices else "none"
+        if fewer and vertices:
+            self._lines[len(vertices) - 1][-1].focus()  # what had the focus may be gone, and keys would go to the page
 
-    def _hear(self, _widget: Any, message: Any, _buffers: Any) -> None:
-        number = message.get("number")
-        if number is not None and not 0 <= number < len(self.rows):  # a click on a row that is gone by now
-            return
-        if message.get("kind") == "fly" and number is not None:
-            self._fly(number)
-        elif message.get("kind") == "remove":
-            self._remove(number)
+    def close(self) -> None:
+        """Close it and the lines that are out of sight."""
+        close_family(self, *(widget for line in self._lines for widget in line))
+        super().close()
+
+    def _pressed(self, act: Callable[[int], None], number: int, _button: object) -> None:
+        if number < len(self.rows):  # the line may be gone by now
+            act(number)
+
+    def _line(self, number: int) -> list[ipywidgets.Widget]:
+        pin = ipywidgets.Button(description=str(number + 1), tooltip=f"Look at place {number + 1}")
+        pin.add_class("mechstyle-pin")
+        away = ipywidgets.Button(icon="times", tooltip=f"Take place {number + 1} away", layout={"width": "28px"})
+        for button, act in ((pin, self._fly), (away, self._remove)):
+            button.on_click(partial(self._pressed, act, number))
+        return [pin, *(ipywidgets.HTML() for _ in range(1 + len(COLUMNS))), away]
 
 
 def as_csv(subject: Subject, vertices: Sequence[int]) -> str:

@@ -8,7 +8,9 @@ import ipywidgets
 import numpy as np
 import traitlets
 from numpy.typing import ArrayLike, NDArray
+from trimesh.intersections import slice_faces_plane
 
+from mechstyle.records.mesh import SurfaceMesh
 from mechstyle_widgets.viewer.scene import Plane
 from mechstyle_widgets.viewer.shaders import WHOLE
 
@@ -81,6 +83,18 @@ class Section(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
         """Whether points [mm], shape [..., 3], are left."""
         *normal, reach = self.plane
         return np.asarray(np.asarray(points) @ np.asarray(normal) <= reach)
+
+    def applied(self, mesh: SurfaceMesh, values: NDArray[Any] | None = None) -> tuple[SurfaceMesh, NDArray[Any] | None]:
+        """What is left of a surface, open where it is cut, and of values over its vertices; all of it if nothing would be left."""
+        if not self.on or not self.keeps(mesh.vertices).any():
+            return mesh, values
+        *normal, reach = self.plane
+        carried = [*([] if mesh.colours is None else [mesh.colours]), *([] if values is None else [np.asarray(values)[:, None]])]
+        given = np.hstack(carried) if carried else np.zeros((len(mesh.vertices), 1))
+        inwards = -np.asarray(normal)
+        vertices, faces, found = slice_faces_plane(mesh.vertices, mesh.faces, inwards, -reach * inwards, uv=given)
+        colours = None if mesh.colours is None else np.clip(found[:, :3], 0.0, 1.0)
+        return SurfaceMesh(vertices, faces, colours), None if values is None else found[:, -1]
 
     @traitlets.observe("axis")
     def _measure_out(self, _change: Any = None) -> None:

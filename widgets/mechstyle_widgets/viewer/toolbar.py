@@ -84,6 +84,10 @@ class Toolbar(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
         self.both.layout.display = "" if there else "none"
         self.both.description = name
 
+    def rest(self) -> None:
+        """Take the focus."""
+        self._places.focus()
+
     @property
     def _tools(self) -> dict[str, ipywidgets.ToggleButton]:
         return {"measure": self._measure, "places": self._places}

@@ -17,7 +17,7 @@ from mechstyle_widgets.viewer.camera import Orbit
 from mechstyle_widgets.viewer.layers import STYLE
 from mechstyle_widgets.viewer.section import Section
 from mechstyle_widgets.viewer.shaders import MOST_PINS
-from mechstyle_widgets.viewer.toolbar import TOOLS
+from mechstyle_widgets.viewer.toolbar import TOOLS, Toolbar
 
 COARSE, FINE = 15.0, 1.0
 """How far an arrow key turns the part, and with Ctrl [degrees]."""
@@ -51,6 +51,7 @@ class Tools(traitlets.HasTraits):
     subject: Any
     section: Section
     _orbit: Orbit
+    _toolbar: Toolbar
     _clicks: ipywidgets.CallbackDispatcher
 
     @property
@@ -165,6 +166,8 @@ class Tools(traitlets.HasTraits):
     def _remove(self, number: int | None) -> None:
         """Take a place from the list, counted from 0, or all."""
         self.places = () if number is None else (*self.places[:number], *self.places[number + 1 :])
+        if not self.places:
+            self._toolbar.rest()  # the list had the focus, and keys would go to the page
 
     def _pick(self, point: tuple[float, float, float], face: int) -> None:
         """A click on the part, as if nothing were cut off."""

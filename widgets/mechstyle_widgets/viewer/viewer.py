@@ -156,7 +156,7 @@ class Viewer(OncePerCell, Tools, ipywidgets.VBox):  # type: ignore[misc]  # ipyw
         self._measure()
 
     def picture(self) -> Picture:
-        """The view without the hatching of protected regions, rendered in the kernel: `.save(path)` writes the PNG."""
+        """The view, cut open as it is, without the hatching of protected regions, rendered in the kernel: `.save(path)` writes the PNG."""
         shown = [(self.subject, self.names[0]), (self.original, self.names[1])] if self.beside else [(self.subject, "")]
         panels = [self._panel(subject, title) for subject, title in shown if subject is not None]
         return picture(panels)
@@ -165,6 +165,7 @@ class Viewer(OncePerCell, Tools, ipywidgets.VBox):  # type: ignore[misc]  # ipyw
         """Close the view and every widget it is made of; nothing stays behind in the kernel."""
         if self._built:
             self._refresh.cancel()
+            self._list.close()
             close_family(self, *self._views)
         super().close()
 
@@ -277,8 +278,9 @@ class Viewer(OncePerCell, Tools, ipywidgets.VBox):  # type: ignore[misc]  # ipyw
     def _panel(self, subject: Subject, title: str) -> Panel:
         layer, seen = subject.layer(self.layer), self._orbit.seen
         if layer is None:
-            return Panel(subject.look or subject.mesh, title, view=seen)
-        return Panel(subject.mesh, title, layer.values, layer.unit, layer.label, layer.limits, layer.threshold, seen, layer.note)
+            return Panel(self.section.applied(subject.look or subject.mesh)[0], title, view=seen)
+        mesh, values = self.section.applied(subject.mesh, layer.values)
+        return Panel(mesh, title, values, layer.unit, layer.label, layer.limits, layer.threshold, seen, layer.note)
 
     def _add_under_view(self, widget: ipywidgets.Widget) -> None:
         """Show one more widget between the view and what is written under it."""

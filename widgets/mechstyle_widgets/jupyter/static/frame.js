@@ -92,6 +92,7 @@ function label(root) {
     if (one.tagName === "BUTTON") set(one, "aria-pressed", one.classList.contains("mechstyle-chosen"));
   }
   for (const one of root.querySelectorAll("button.widget-toggle-button")) set(one, "aria-pressed", one.classList.contains("mod-active"));
+  for (const one of root.querySelectorAll("button.mechstyle-pin")) set(one, "aria-label", one.title);
   for (const one of root.querySelectorAll("button[title]:not([aria-label])")) if (!one.textContent.trim()) one.setAttribute("aria-label", one.title);
   for (const handle of root.querySelectorAll(".noUi-handle:not([aria-label])")) {
     const words = handle.closest(".widget-slider, .jupyter-widgets")?.querySelector("label, .widget-label")?.textContent;
