@@ -13,7 +13,7 @@ from mechstyle.errors import MechStyleError
 from mechstyle.fea.explicit import Progress
 from mechstyle.fea.orientations import AS_PLACED, UP
 from mechstyle.pictures.fields import moment
-from mechstyle.records import Simulation
+from mechstyle.records import Landing, Simulation
 from mechstyle.simulation.impact import Impact, impact_of
 from mechstyle_widgets.jupyter.closing import close_family
 from mechstyle_widgets.jupyter.throttle import running_loop
@@ -162,8 +162,9 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
     def _offer(self) -> None:
         """Offer the landings of the last simulation."""
         run, checkpoint = self._state.run, self._state.checkpoint
-        known = run is not None and checkpoint is not None and checkpoint.simulation
-        found = run.store.objects.get_record(checkpoint.simulation, Simulation).landings if known else ()
+        found: tuple[Landing, ...] = ()
+        if run is not None and checkpoint is not None and checkpoint.simulation:
+            found = run.store.objects.get_record(checkpoint.simulation, Simulation).landings
         others = [(f"{one.name or 'landing'} · {one.measures.peak:.0f} MPa", one.normal) for one in found]
         options = others or [(AS_PLACED, UP)]
         if tuple(self._which.options) != tuple(options):

@@ -72,8 +72,8 @@ def struck(mesh: SurfaceMesh, eye: Any, towards: Any, keeps: Callable[[Any], NDA
         far = np.einsum("ij,ij->i", turned, along[:, 1]) / size
         met = np.flatnonzero((u >= 0.0) & (v >= 0.0) & (u + v <= 1.0) & (far > 0.0))
     points = eye + far[met, None] * np.asarray(towards)
-    left = np.flatnonzero(keeps(points)) if len(met) else []
-    if not len(left):
+    left = np.flatnonzero(keeps(points))
+    if not left.size:
         return None
     first = left[far[met][left].argmin()]
     return points[first], int(met[first])

@@ -92,7 +92,8 @@ class Section(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
         carried = [*([] if mesh.colours is None else [mesh.colours]), *([] if values is None else [np.asarray(values)[:, None]])]
         given = np.hstack(carried) if carried else np.zeros((len(mesh.vertices), 1))
         inwards = -np.asarray(normal)
-        vertices, faces, found = slice_faces_plane(mesh.vertices, mesh.faces, inwards, -reach * inwards, uv=given)
+        cut: Any = slice_faces_plane
+        vertices, faces, found = cut(mesh.vertices, mesh.faces, inwards, -reach * inwards, uv=given)
         colours = None if mesh.colours is None else np.clip(found[:, :3], 0.0, 1.0)
         return SurfaceMesh(vertices, faces, colours), None if values is None else found[:, -1]
 

@@ -8,6 +8,7 @@ is beyond the threshold, hatched and outlined. A field without one has its place
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,7 +44,7 @@ def numbers() -> NDArray[np.uint8]:
     from matplotlib.figure import Figure  # noqa: PLC0415 — as above
 
     sheet = Figure(figsize=(COLUMNS, ROWS), dpi=CELL)
-    canvas = FigureCanvasAgg(sheet)
+    canvas: Any = FigureCanvasAgg(sheet)
     for number in range(MOST_PINS):
         row, column = divmod(number, COLUMNS)
         place = ((column + 0.5) / COLUMNS, 1 - (row + 0.53) / ROWS)
