@@ -8,6 +8,12 @@ import pytest
 
 pytestmark = pytest.mark.browser
 
+WITHIN = """() => {
+    const edge = document.querySelector('.mechstyle-view').getBoundingClientRect().right + 1;
+    return [...document.querySelectorAll('.mechstyle-places button')].every(one => one.getBoundingClientRect().right <= edge);
+}"""
+"""Whether the list of places ends where the view does."""
+
 
 @pytest.fixture(scope="module")
 def studio(notebook, finished_run):
@@ -84,7 +90,10 @@ def test_places_are_kept_flown_to_saved_and_taken_away(studio):
     with download.value.path().open(encoding="utf-8-sig") as saved:
         (row,) = csv.DictReader(saved)
     assert float(row["stress [MPa]"]) > 0.0
-    studio.keep("tools-places")
+    for width in (900, 1400):
+        studio.page.set_viewport_size({"width": width, "height": 1200})
+        studio.page.wait_for_function(WITHIN)
+        studio.keep(f"tools-places-{width}")
     studio.page.get_by_role("button", name="Take place 1 away").click()
     studio.until("studio._viewer.places", "()")
     studio.page.wait_for_function("document.activeElement.title.startsWith('Keep the places')")  # else keys would go to the notebook

@@ -84,6 +84,8 @@ def test_any_landing_that_was_tested_can_be_seen(state, viewer, monkeypatch):
     player.landing = (1.0, 0.0, 0.0)
     assert player.impact.normal == (1.0, 0.0, 0.0), "another landing is worked out at once"
     assert "on its side, at" in viewer._legend.value
+    within = np.abs(viewer._orbit.seen.project(viewer.subject.mesh.vertices)[:, :2])
+    assert within.max() < 1.0, "all of it is in view, where it stands now"
     state.iteration = 4
     assert player.landing == (0.0, 0.0, 1.0), "which was tested in no other way"
 

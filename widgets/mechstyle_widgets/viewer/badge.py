@@ -42,6 +42,8 @@ SHEET = """<style>
 .mechstyle-places .widget-html, .mechstyle-places .widget-html-content { height: auto; margin: 0; line-height: 28px; font-size: 13px; }
 .mechstyle-places .widget-gridbox { align-items: center; gap: 0 8px; font-variant-numeric: tabular-nums; }
 .mechstyle-places .widget-gridbox .widget-html-content { text-align: right; width: 100%; white-space: nowrap; }
+.mechstyle-places .mechstyle-place-head .widget-html-content { line-height: 1.3; font-size: 12px; white-space: normal; }
+.mechstyle-places .widget-gridbox > * { min-width: 0; width: auto; }
 .mechstyle-places .widget-button { height: 26px; line-height: 24px; margin: 1px 0 1px 8px; padding: 0 6px; }
 .mechstyle-places a { font-size: 13px; margin-left: 12px; text-decoration: underline; }
 .mechstyle-places .mechstyle-pin { width: 26px; margin: 1px 0; padding: 0; border-radius: 13px; background: #171717; color: #fff;

@@ -16,7 +16,7 @@ from mechstyle_widgets.viewer.layers import Subject
 
 COLUMNS = (("stress", "stress [MPa]"), ("safety_factor", "safety factor"), ("thickness", "wall [mm]"))
 """Layers the list shows, and what it calls them."""
-WIDTHS = "32px 152px repeat(3, 96px) 36px"
+WIDTHS = "30px minmax(104px, 152px) repeat(3, minmax(44px, 96px)) 40px"
 BOM = "\ufeff"
 """Spreadsheets take a file without it for Latin-1."""
 
@@ -38,8 +38,10 @@ class Places(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         clear = ipywidgets.Button(description="clear", tooltip="Take all places away", layout={"width": "auto"})
         clear.on_click(lambda _: remove(None))
         self._head = [ipywidgets.HTML(title) for title in ("", "place [mm]", *(title for _, title in COLUMNS), "")]
+        for title in self._head:
+            title.add_class("mechstyle-place-head")
         self._lines: list[list[ipywidgets.Widget]] = []  # made when they are first wanted and kept, so that none is made twice
-        self._grid = ipywidgets.GridBox(self._head, layout={"grid_template_columns": WIDTHS, "overflow": "auto"})
+        self._grid = ipywidgets.GridBox(self._head, layout={"grid_template_columns": WIDTHS, "overflow": "visible"})
         above = ipywidgets.HBox([ipywidgets.HTML("<b>Places</b>"), self._save, clear])
         super().__init__([above, self._grid], layout={"display": "none"})
         self.add_class("mechstyle-places")

@@ -136,4 +136,5 @@ class RunViewer(Linked, Viewer):
         if change["new"] is not None:
             self.layer = MOMENT
             if change["new"].normal != UP:  # it does not stand where it stood
+                self._orbit.follow(self.subject.mesh)
                 self.fit()
