@@ -115,6 +115,12 @@ class Viewer(OncePerCell, Tools, ipywidgets.VBox):  # type: ignore[misc]  # ipyw
         self.subject, self.original, self.theme = subject, original, theme
         self._refresh = Paced(self._draw)
         self.layer = layers[0].name if layers else STYLE
+        self._wire()
+        self._built = True
+        self._draw()
+
+    def _wire(self) -> None:
+        """Let the toolbar, the cut and the camera be heard."""
         for name in ("layer", "beside", "markers", "parallel", "tool"):
             traitlets.link((self, name), (self._toolbar, name))
         self.section.observe(lambda change: setattr(self._toolbar, "cut", change["new"]), "on")
@@ -122,8 +128,6 @@ class Viewer(OncePerCell, Tools, ipywidgets.VBox):  # type: ignore[misc]  # ipyw
         self.section.observe(self._cut, ("on", "axis", "at", "flipped", "filled"))
         self._orbit.observe(self._measure)
         self.observe(lambda _: self._refresh(), DRAWN)
-        self._built = True
-        self._draw()
 
     def __repr__(self) -> str:
         """Layer and subject; never the arrays."""
