@@ -315,9 +315,9 @@ class Engine:
         left = np.where(under, np.float32(0.0), 1.0 - np.float32(RETRACT_BY) * near)
         return replace(state, displacement=state.displacement * left, share=state.share * left)
 
-    def _demand(self, simulation: Simulation) -> Field:
+    def _demand(self, simulation: Simulation, failing: Verdict | None = None) -> Field:
         original = self.simulator.baseline_of(simulation)
-        return control.demand(simulation, original, self.recipe.material, self.recipe.normalisation)
+        return control.demand(simulation, original, self.recipe.material, self.recipe.normalisation, failing)
 
     def _mask(self, demand: Field, ceiling: Field) -> Field:
         """The control's mask under a ceiling: the freedom that protection leaves, or with memory the mask so far."""
@@ -353,8 +353,10 @@ class Engine:
     def _tested(self, search: correction.Correction, share: Field, state: Checkpoint) -> tuple[Field, str] | None:
         """What a correction is to try after `share` of the finished relief was found to be what `state` says."""
         assert state.verdict is not None, "what is corrected was simulated"
-        known = state.verdict.outcome != "UNKNOWN"
-        return search.tested(share, viable=state.viable, demand=state.demand if known else None)
+        if state.verdict.outcome == "UNKNOWN":
+            return search.tested(share, viable=False, demand=None)
+        demand = self._demand(self.store.objects.get_record(state.simulation, Simulation), state.verdict)
+        return search.tested(share, viable=state.viable, demand=demand)
 
     def _kept(self, displacement: Field, reference: Field) -> float:
         return kept(displacement, reference, self.surface.vertex_areas)

@@ -52,7 +52,7 @@ class Body {
       pose(this.replay, frame, this.positions, this.normals);
       this.fill("position", this.positions);
       this.fill("normal", this.normals);
-      this.fill("colour", plane(this.replay, "colour", frame));
+      if (this.replay.channels.colour) this.fill("colour", plane(this.replay, "colour", frame));
     }
     if (layer !== "style" && (frame !== this.frame || layer !== this.layer)) this.fill("raw", plane(this.replay, layer, frame));
     Object.assign(this, { frame, layer });
@@ -119,7 +119,7 @@ export class Scene {
 
   colour(layer, threshold) {
     const gl = this.gl, field = this.replay.channels[layer.key] ?? { low: 0, step: 1 };
-    const split = threshold !== null, inside = split && layer.low < threshold && threshold < layer.high;
+    const split = threshold !== null, inside = split && (threshold - layer.low) * (layer.high - threshold) > 0;
     gl.uniform1f(this.place("low"), field.low);
     gl.uniform1f(this.place("stride"), field.step);
     gl.uniform1i(this.place("styled"), layer.key === "style" ? 1 : 0);

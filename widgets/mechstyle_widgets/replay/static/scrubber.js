@@ -47,7 +47,7 @@ class Loan {
     for (let i = 0; i < bytes.length; i++) colours[i] = bytes[i] / 255;
     this.fill("colour", colours);
     if (this.page.layer !== "style") this.fill("place", placed(replay, this.page.layer, frame, codes, this.own("place", () => new Float32Array(replay.vertices))));
-    this.fill("kind", this.own("kind", () => new Float32Array(3).fill(codes.hidden))); // marks belong to what the kernel drew
+    this.fill("kind", this.own("kind", () => new Float32Array(this.models.kind.obj.array.length).fill(codes.hidden))); // marks belong to what the kernel drew
     this.models.material.obj.visible = true;
     for (const name of Object.keys(this.models)) if (name.startsWith("look")) this.models[name].obj.visible = false;
     this.taken = true;
