@@ -7,7 +7,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-import anywidget
+import ipywidgets
 import traitlets
 
 from mechstyle.errors import MechStyleError
@@ -21,10 +21,13 @@ GROWTH, LEAST = 1.5, 10
 FOLLOWED = ("histories", "lane", "run", "status")
 
 
-class Cache(anywidget.AnyWidget):
-    """A packed lane in the page. It is never changed: servers drop changes of more than some megabytes, but let what is made pass."""
+class Cache(ipywidgets.Widget):  # type: ignore[misc]  # ipywidgets has no types
+    """A packed lane in the page. It is never changed: servers drop changes of more than some megabytes, but let what is made pass.
 
-    _esm = "export default {};"
+    It is no anywidget: those give up, and take the whole Studio with them, if a page that is loaded anew has no time for them within
+    two seconds.
+    """
+
     _header = traitlets.Dict().tag(sync=True)
     _payload = traitlets.Bytes().tag(sync=True)
 
