@@ -2,7 +2,8 @@
 
     python benchmarks/fuzz.py [--seed N] [--cases N]
 
-Exit code 1 if one case is wrong; it is named by kind and number, and `python -m support.hostile` with the tests' folder on the path does it again.
+Exit code 1 if one case is wrong; it is named by kind and number, and `python -m support.hostile` with the tests' folder on the path does
+it again.
 """
 
 from __future__ import annotations
@@ -30,7 +31,8 @@ def main() -> int:
     counts, wrong, cpu, megabytes = Counter(), [], 0.0, 0
     for part in range(given.seed, given.seed + -(-given.cases // AT_ONCE)):
         with tempfile.TemporaryDirectory(prefix="mechstyle-fuzz-") as folder:
-            environment = {**os.environ, "MECHSTYLE_CACHE": f"{folder}/cache", "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "tests")])}
+            paths = os.pathsep.join([str(ROOT), str(ROOT / "tests")])
+            environment = {**os.environ, "MECHSTYLE_CACHE": f"{folder}/cache", "PYTHONPATH": paths}
             command = [sys.executable, "-m", "support.hostile", f"{folder}/cases", str(part), str(min(AT_ONCE, given.cases))]
             done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
         if done.returncode:
@@ -44,7 +46,8 @@ def main() -> int:
         print(f"  {count:>6}  {what}")
     for line in wrong:
         print(f"WRONG: {line}")
-    print(f"{counts['read'] + counts['refused']} cases read or refused in a sentence, {len(wrong)} wrong; {cpu:.0f} CPU s, {megabytes} MB at most")
+    sound = counts["read"] + counts["refused"]
+    print(f"{sound} cases read or refused in a sentence, {len(wrong)} wrong; {cpu:.0f} CPU s, {megabytes} MB at most")
     return 1 if wrong else 0
 
 

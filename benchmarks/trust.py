@@ -26,7 +26,8 @@ def main() -> int:
     asked.add_argument("--block", type=int, default=30, help="kills of real runs of a small block")
     given = asked.parse_args()
     with tempfile.TemporaryDirectory(prefix="mechstyle-trust-") as folder:
-        environment = {**os.environ, "MECHSTYLE_CACHE": f"{folder}/cache", "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "tests")])}
+        paths = os.pathsep.join([str(ROOT), str(ROOT / "tests")])
+        environment = {**os.environ, "MECHSTYLE_CACHE": f"{folder}/cache", "PYTHONPATH": paths}
         command = [sys.executable, "-m", "support.kills", f"{folder}/runs", *map(str, (given.seed, given.sheet, given.block))]
         told = json.loads(subprocess.run(command, env=environment, stdout=subprocess.PIPE, check=True).stdout)
     wrong = [line for kind in ("sheet", "block") for line in told.get(kind, {}).get("wrong", [])]

@@ -116,7 +116,8 @@ def _content(file: Path) -> bytes:
         raise BadInput(f"{file} is not a file; name the mesh file itself")
     try:
         if (size := file.stat().st_size) > MOST_BYTES:
-            raise BadInput(f"{file.name} has {size / 1e6:.0f} MB, more than {MOST_BYTES / 1e6:.0f}: simplify it in the program it was made with")
+            too_large = f"has {size / 1e6:.0f} MB, more than {MOST_BYTES / 1e6:.0f}"
+            raise BadInput(f"{file.name} {too_large}: simplify it in the program it was made with")
         content = file.read_bytes()
     except OSError as error:
         raise BadInput(f"{file} cannot be opened: {error.strerror}; check its permissions") from error
@@ -130,7 +131,8 @@ def _parsed(name: str, content: bytes, suffix: str) -> tuple[Floats, NDArray[np.
     try:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")  # a reader's remarks; what matters is checked afterwards
-            bare = {"skip_materials": True} if suffix in ("glb", "obj", "ply") else {}  # a texture may be a small file of huge pixels
+            # A texture may be a small file of huge pixels, and is of no use here.
+            bare: dict[str, Any] = {"skip_materials": True} if suffix in ("glb", "obj", "ply") else {}
             scene: Any = trimesh.load_scene(io.BytesIO(content), file_type=suffix, process=False, **bare)
             mesh = scene.to_mesh()
             vertices, faces = np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64)

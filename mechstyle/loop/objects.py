@@ -46,7 +46,9 @@ def from_json(data: bytes, kind: type[T], dec_hook: Callable[[type, Any], Any] |
     return msgspec.json.decode(data, type=kind, dec_hook=dec_hook, strict=False)
 
 
-UNREADABLE = (msgspec.DecodeError, ValueError, KeyError, EOFError, OverflowError, MemoryError, RecursionError, SyntaxError, tokenize.TokenError)
+UNREADABLE = (
+    msgspec.DecodeError, ValueError, KeyError, EOFError, OverflowError, MemoryError, RecursionError, SyntaxError, tokenize.TokenError,
+)  # fmt: skip
 """What reading JSON, an array or a mesh raises if the bytes are no such thing, or are one that somebody forged."""
 
 
@@ -182,6 +184,10 @@ class Memo:
         """Keep the index in `folder`, results in `objects`."""
         self.folder = folder
         self.objects = objects
+
+    def named(self, beginning: str = "") -> list[str]:
+        """Names of what is remembered that begin so, in order."""
+        return sorted(path.name for path in self.folder.glob(f"{beginning}*") if not path.name.startswith("."))
 
     def recall(self, key: str, kind: type[T]) -> T | None:
         """The stored result for `key`, or None if there is none that can be read."""

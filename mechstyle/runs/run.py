@@ -52,12 +52,14 @@ class Run:
         lane: Name of the lane.
         device: `cpu` or `cuda`: where it is simulated when it goes on.
         clock: Seconds spent on it in this process.
+        trusting: Whether simulations of the unstylized part that other runs remember are taken for this one.
     """
 
     store: Store
     lane: str = "main"
     device: str = "cpu"
     clock: Clock = field(default_factory=Clock, repr=False)
+    trusting: bool = True
     _delivered: dict[str, Refined] = field(default_factory=dict, repr=False)
 
     @classmethod
@@ -278,8 +280,8 @@ class Run:
         return Engine(recipe, part.surface, bounds, stylizer, simulator, self.store, self.lane, delivery), (*protected, *notes)
 
     def _simulator(self, recipe: Recipe, progress: Progress = no_progress) -> DropSimulator:
-        part = self.part
-        return DropSimulator(part.surface, part.tets, recipe, self.store.memo, cached_memo(), self.device, progress, at=part.at)
+        part, shared = self.part, cached_memo() if self.trusting else None
+        return DropSimulator(part.surface, part.tets, recipe, self.store.memo, shared, self.device, progress, at=part.at)
 
     def _refinement(self, simulator: DropSimulator) -> Refinement:
         """What draws the surface of a lane finer, under the recipe of a simulator."""

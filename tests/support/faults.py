@@ -1,6 +1,7 @@
 """A disk that fails: the steps by which `mechstyle._files` puts a file in its place, each of which can be the last or be refused.
 
-Every file of a run directory is written by `_files.write_aside`: a file is created beside its place, filled, and renamed. `failing_at` counts these steps and
+Every file of a run directory is written by `_files.write_aside`: a file is created beside its place, filled, and renamed. `failing_at`
+counts these steps and
 lets one of them go wrong: the process dies there (SIGKILL, half of the bytes written), or the system refuses (ENOSPC, EIO, EROFS).
 """
 
@@ -16,7 +17,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, Self
 from unittest import mock
 
 from mechstyle import _files
@@ -53,7 +54,7 @@ class _Torn:
     def __init__(self, file: Any, steps: Steps) -> None:
         self._file, self._steps = file, steps
 
-    def __enter__(self) -> _Torn:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -97,7 +98,7 @@ def clocks_going_backwards() -> Iterator[None]:
     ticks = itertools.count(1)
     with contextlib.ExitStack() as patches:
         for name in ("time", "monotonic", "perf_counter", "process_time"):
-            patches.enter_context(mock.patch.object(time, name, lambda: 2e9 - 3600.0 * next(ticks)))
+            patches.enter_context(mock.patch.object(time, name, lambda: 2e9 - 3600.0 * next(ticks)))  # noqa: PT008 — each call another
         for name in ("time_ns", "monotonic_ns", "perf_counter_ns"):
-            patches.enter_context(mock.patch.object(time, name, lambda: 2_000_000_000_000_000_000 - 3_600_000_000_000 * next(ticks)))
+            patches.enter_context(mock.patch.object(time, name, lambda: int(1e9) * (2_000_000_000 - 3600 * next(ticks))))  # noqa: PT008
         yield

@@ -1,7 +1,10 @@
-"""Files and command lines as nobody should write them: `python -m support.hostile FOLDER SEED COUNT` reads that many and prints what came of them as JSON.
+"""Files and command lines as nobody should write them.
 
-Each case is one seeded change of something sound: bytes flipped, cut out, doubled or swapped, numbers made huge, names made into paths, records pointed
-at the wrong thing, packages that unpack to gigabytes. What reads them may answer, or refuse in one sentence; it may not crash, hang, show a traceback, or
+`python -m support.hostile FOLDER SEED COUNT` tries that many cases and prints what came of them as JSON.
+Each case is one seeded change of something sound: bytes flipped, cut out, doubled or swapped, numbers made huge, names made into paths,
+records pointed
+at the wrong thing, packages that unpack to gigabytes. What reads them may answer, or refuse in one sentence; it may not crash, hang,
+show a traceback, or
 take memory that the file does not account for. A case is named by its kind and number, and the same in every process.
 """
 
@@ -47,8 +50,9 @@ MEMORY = 600_000_000
 Case = Callable[[random.Random, Path], None]
 
 WORDS = (b"nan", b"inf", b"-1", b"0", b"99999999999999999999", b"1e400", b"4294967295", b"-2147483648", b"9" * 5000, b"../../etc/passwd", b"file:///etc/passwd",
-         b"http://127.0.0.1:9/x", b"\x1b]0;x\x07", b"[" * 3000, b"{" * 3000, b'"', b"'", b"<", b"&lol;", b"<!DOCTYPE x [<!ENTITY a 'b'>]>", b"[/red]", b"\x00", b"\xff\xfe",
-         "größe".encode(), b"1000000000", b"true", b"null", b"[]", b"{}")  # fmt: skip
+         b"http://127.0.0.1:9/x", b"\x1b]0;x\x07",
+         b"[" * 3000, b"{" * 3000, b'"', b"'", b"<", b"&lol;", b"<!DOCTYPE x [<!ENTITY a 'b'>]>", b"[/red]",
+         b"\x00", b"\xff\xfe", "größe".encode(), b"1000000000", b"true", b"null", b"[]", b"{}")  # fmt: skip
 """What a number or a name is replaced by."""
 
 
@@ -95,8 +99,10 @@ def _swap_a_word(draw: random.Random, data: bytearray) -> None:
 def sound(kind: str) -> bytes:
     """A file of a kind that can be read."""
     texts = {
-        "material.toml": 'name = "x"\nyoungs_modulus = 2000.0\npoisson_ratio = 0.35\ndensity = 1.2e-3\nyield_strength = 40.0\nlayer_ratio = 0.5\nsource = "me"\n',
-        "loads.toml": '[[case]]\nname = "hand"\n[[case.supports]]\nat = "resting face"\n[[case.loads]]\nat = {centre = [1.0, 2.0, 3.0], radius = 4.0}\nforce = [0.0, 0.0, -10.0]\n',
+        "material.toml": 'name = "x"\nyoungs_modulus = 2000.0\npoisson_ratio = 0.35\ndensity = 1.2e-3\n'
+        'yield_strength = 40.0\nlayer_ratio = 0.5\nsource = "me"\n',
+        "loads.toml": '[[case]]\nname = "hand"\n[[case.supports]]\nat = "resting face"\n'
+        "[[case.loads]]\nat = {centre = [1.0, 2.0, 3.0], radius = 4.0}\nforce = [0.0, 0.0, -10.0]\n",
     }  # fmt: skip
     if kind in texts:
         return texts[kind].encode()
@@ -161,10 +167,13 @@ def _nested(draw: random.Random, model: bytes) -> bytes:
     """Objects each made of two of the one before: the last of them of more than there are atoms."""
     depth, twice = draw.choice((3, 30, 60)), draw.choice((1, 2))
     layers = "".join(
-        f'<object id="{9 + i}" type="model"><components>' + f'<component objectid="{1 if i == 1 else 8 + i}"/>' * twice + "</components></object>"
+        f'<object id="{9 + i}" type="model"><components>'
+        + f'<component objectid="{1 if i == 1 else 8 + i}"/>' * twice
+        + "</components></object>"
         for i in range(1, depth)
     )
-    return model.replace(b"</resources>", layers.encode() + b"</resources>").replace(b'item objectid="1"', f'item objectid="{8 + depth}"'.encode())
+    model = model.replace(b"</resources>", layers.encode() + b"</resources>")
+    return model.replace(b'item objectid="1"', f'item objectid="{8 + depth}"'.encode())
 
 
 def _document_changed(draw: random.Random, content: bytes) -> bytes:
@@ -181,7 +190,8 @@ def _document_changed(draw: random.Random, content: bytes) -> bytes:
     return b"glTF" + struct.pack("<II", 2, 20 + len(words) + len(rest)) + struct.pack("<I", len(words)) + b"JSON" + words + rest
 
 
-STRANGE = (None, True, -1, 0, 1, 2**31, 10**12, 10**30, 1e308, float("nan"), "", "x", "../../x", "/etc/passwd", "file:///etc/passwd", "http://127.0.0.1:9/", "\x1b[2J", "<script>",
+STRANGE = (None, True, -1, 0, 1, 2**31, 10**12, 10**30, 1e308, float("nan"), "", "x", "../../x", "/etc/passwd",
+           "file:///etc/passwd", "http://127.0.0.1:9/", "\x1b[2J", "<script>",
            [], {}, [[]], [1] * 40, {"a": 1}, "9" * 5000)  # fmt: skip
 """What a value of a record is replaced by."""
 
@@ -296,13 +306,18 @@ def _strange_array(draw: random.Random) -> bytes:
     return b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header)) + header + draw.randbytes(draw.choice((0, 256, 768)))
 
 
-VERBS = ("run", "freestyle", "branch", "simulate", "log", "show", "export", "report", "protect", "gallery", "materials", "styles", "doctor", "weights", "ablation", "application",
+VERBS = ("run", "freestyle", "branch", "simulate", "log", "show", "export", "report", "protect", "gallery", "materials", "styles",
+         "doctor", "weights", "ablation", "application",
          "rerun", "gc")  # fmt: skip
 ARGUMENTS = (
-    "--prompt", "--material", "--iterations", "--vertices", "--scale", "--up", "--out", "--set", "--load", "--protect", "--amplitude", "--relief", "--seed", "--json", "--format", "--fine",
-    "--texture", "--lane", "--control", "--schedule", "--criterion", "--image", "--device", "-p", "-h", "--version", "--nonsense", "--", "-", "gallery:pen_holder", "gallery:nothing", "gallery:../x",
-    "run", "run@2", "run@main:1", "run@999999999999", "run@other", "run@-1", "@", "x@y@z", "", " ", "nan", "-1", "1e400", "9" * 400, "x" * 5000, "[/red]", "x\\[/red].stl", "\x1b[2J", "größe", "brick",
-    "outside: brick; rim: gold", "travel=nan", "protect=[1]", "loads=[]", "material={}", "image=1", "a=b=c", "=", "/dev/null", "/nowhere/x.stl", "..", "binary.stl", "PLA", "wood.toml", "list", "path",
+    "--prompt", "--material", "--iterations", "--vertices", "--scale", "--up", "--out", "--set", "--load", "--protect",
+    "--amplitude", "--relief", "--seed", "--json", "--format", "--fine",
+    "--texture", "--lane", "--control", "--schedule", "--criterion", "--image", "--device", "-p", "-h", "--version", "--nonsense", "--",
+    "-", "gallery:pen_holder", "gallery:nothing", "gallery:../x",
+    "run", "run@2", "run@main:1", "run@999999999999", "run@other", "run@-1", "@", "x@y@z", "", " ", "nan", "-1", "1e400", "9" * 400,
+    "x" * 5000, "[/red]", "x\\[/red].stl", "\x1b[2J", "größe", "brick",
+    "outside: brick; rim: gold", "travel=nan", "protect=[1]", "loads=[]", "material={}", "image=1", "a=b=c", "=",
+    "/dev/null", "/nowhere/x.stl", "..", "binary.stl", "PLA", "wood.toml", "list", "path",
 )  # fmt: skip
 """Words of a command line; `run` is a folder with a run."""
 
@@ -326,8 +341,10 @@ def _command_line(draw: random.Random, folder: Path) -> None:
     import mechstyle.study.ablation  # noqa: PLC0415
 
     slow = [
-        (mechstyle.runs.run, "started"), (mechstyle.simulation.part_test, "simulate"), (mechstyle.runs.run.Run, "go"), (mechstyle.runs.run.Run, "exported"),
-        (mechstyle.runs.run.Run, "report"), (mechstyle.runs.run.Run, "show"), (mechstyle.study.ablation, "ablation"), (mechstyle.gallery.style_sheet, "contact_sheet"),
+        (mechstyle.runs.run, "started"), (mechstyle.simulation.part_test, "simulate"), (mechstyle.runs.run.Run, "go"),
+        (mechstyle.runs.run.Run, "exported"),
+        (mechstyle.runs.run.Run, "report"), (mechstyle.runs.run.Run, "show"), (mechstyle.study.ablation, "ablation"),
+        (mechstyle.gallery.style_sheet, "contact_sheet"),
         (mechstyle.simulation.part, "standardised"), (mechstyle.runs.protection, "protect"),
     ]  # fmt: skip
     words = [draw.choice(VERBS), *draw.choices(ARGUMENTS, k=draw.randrange(6))]
@@ -372,7 +389,7 @@ def tried(kind: str, number: int, folder: Path) -> str:
     def too_long(*_: object) -> None:
         raise Hangs
 
-    draw = random.Random(f"{kind} {number}")  # noqa: S311 — seeded cases, no secrets
+    draw = random.Random(f"{kind} {number}")
     before, children, handler = _fullest(), os.times().children_user, signal.signal(signal.SIGVTALRM, too_long)
     signal.setitimer(signal.ITIMER_VIRTUAL, SECONDS)
     said = io.StringIO()
@@ -411,7 +428,7 @@ def main(folder: Path, seed: int, count: int) -> dict[str, object]:
     _ = _bomb(sound("part.3mf")), _packed_zeros()  # what makes cases is no case
     for number in range(seed * count, (seed + 1) * count):
         kind = names[number % len(names)]
-        print(f"{kind} {number}", file=sys.stderr)
+        sys.stderr.write(f"{kind} {number}\n")
         outcome = tried(kind, number, folder)
         counts[outcome if outcome in ("read", "refused") else "wrong"] += 1
         counts[kind] += 1
@@ -421,4 +438,4 @@ def main(folder: Path, seed: int, count: int) -> dict[str, object]:
 
 
 if __name__ == "__main__":
-    print(json.dumps(main(Path(sys.argv[1]), *map(int, sys.argv[2:4]))))
+    sys.stdout.write(json.dumps(main(Path(sys.argv[1]), *map(int, sys.argv[2:4]))) + "\n")

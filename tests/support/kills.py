@@ -1,6 +1,7 @@
-"""Runs that are killed: `python -m support.kills FOLDER SEED SHEET REAL` kills that many runs of each kind and prints what became of them as JSON.
+"""Runs that are killed: `python -m support.kills FOLDER SEED SHEET REAL` prints what became of that many of each kind as JSON.
 
-In a process of its own, because each run is a fork of it: two kinds are killed, lanes on a sheet, which are quick, and a real run of a small block with
+In a process of its own, because each run is a fork of it: two kinds are killed, lanes on a sheet, which are quick, and a real run of a
+small block with
 its tetrahedra and drops. What counts is that the folder ends with the bytes of one that nobody killed.
 """
 
@@ -27,12 +28,12 @@ LEFT_BEHIND = ".new-"
 
 
 def contents(root: Path) -> dict[str, bytes]:
-    """The bytes of a run folder that two equal runs share: not what was left behind, who holds a lock, nor seconds and places in a summary."""
-    files = {str(path.relative_to(root)): path for path in sorted(root.rglob("*")) if path.is_file() and not path.name.startswith(LEFT_BEHIND)}
-    found = {name: path.read_bytes() for name, path in files.items() if not name.startswith("locks")}
-    for name in found:
+    """The bytes that two equal runs share: not what was left behind, who holds a lock, nor seconds and places in a summary."""
+    files = [path for path in sorted(root.rglob("*")) if path.is_file() and not path.name.startswith(LEFT_BEHIND)]
+    found = {str(path.relative_to(root)): path.read_bytes() for path in files if path.parent.name != "locks"}
+    for name, content in found.items():
         if name.startswith("summaries"):
-            found[name] = json.dumps({**json.loads(found[name]), "seconds": None, "files": None}).encode()
+            found[name] = json.dumps({**json.loads(content), "seconds": None, "files": None}).encode()
     return found
 
 
@@ -48,8 +49,8 @@ def on_a_block(root: Path) -> object:
     from mechstyle.runs.run import started  # noqa: PLC0415
     from support.part_files import PART  # noqa: PLC0415
 
-    settings = {"iterations": 8, "schedule": "every", "every": 3, "element": "tet4", "window": 0.1, "tilts": 0, "orientations": 2, "delivered": 0}
-    wanted = draft("bumps", **settings)
+    drops = {"element": "tet4", "window": 0.1, "tilts": 0, "orientations": 2, "delivered": 0}
+    wanted = draft("bumps", iterations=8, schedule="every", every=3, **drops)
     return started(wanted, SurfaceMesh(PART.vertices, PART.faces), vertices=1000, out=root, device="cpu").go()
 
 
@@ -70,7 +71,7 @@ def forked(work: Callable[[], object]) -> int:
         except MechStyleError:
             status = 2
         except BaseException as error:  # noqa: BLE001 — a fork must not go on as its parent
-            print(f"{type(error).__name__}: {error}", file=sys.stderr, flush=True)
+            sys.stderr.write(f"{type(error).__name__}: {error}\n")
         finally:
             os._exit(status)
     return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
@@ -129,7 +130,7 @@ def survives(carry: Carry, folder: Path, seed: int, moments: int, *, refusals: i
         Counts, and how every run that did not end in the bytes of a whole one was treated.
     """
     begun = cpu_seconds()
-    draw, counts, wrong = random.Random(seed), Counter[str](), []  # noqa: S311 — seeded moments, no secrets
+    draw, counts, wrong = random.Random(seed), Counter[str](), []
     whole = folder / "whole"
     total = steps_of(carry, whole)
     wanted = contents(whole)
@@ -190,7 +191,8 @@ def side_by_side(folder: Path) -> dict[str, int]:
     statuses = sorted(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) for child in children)
     on_a_block(on)
     on_a_block(folder / "alone")
-    return {"first": statuses[0], "second": statuses[1], "equal": int(contents(on) == contents(folder / "alone")), "lanes": len(Store(on).lanes())}
+    equal = contents(on) == contents(folder / "alone")
+    return {"first": statuses[0], "second": statuses[1], "equal": int(equal), "lanes": len(Store(on).lanes())}
 
 
 def main(folder: Path, seed: int, sheet: int, real: int) -> dict[str, object]:
@@ -207,4 +209,4 @@ def main(folder: Path, seed: int, sheet: int, real: int) -> dict[str, object]:
 
 
 if __name__ == "__main__":
-    print(json.dumps(main(Path(sys.argv[1]), *map(int, sys.argv[2:5]))))
+    sys.stdout.write(json.dumps(main(Path(sys.argv[1]), *map(int, sys.argv[2:5]))))

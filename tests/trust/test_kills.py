@@ -21,7 +21,8 @@ from support.kills import contents, on_a_sheet
 
 
 def test_runs_that_are_killed_or_refused_the_disk_end_in_the_bytes_of_a_whole_one(tmp_path):
-    environment = {**os.environ, "MECHSTYLE_CACHE": str(tmp_path / "cache"), "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "tests")])}
+    paths = os.pathsep.join([str(ROOT), str(ROOT / "tests")])
+    environment = {**os.environ, "MECHSTYLE_CACHE": str(tmp_path / "cache"), "PYTHONPATH": paths}
     command = [sys.executable, "-m", "support.kills", str(tmp_path / "runs"), "7", "9", "1"]
     told = json.loads(subprocess.run(command, env=environment, stdout=subprocess.PIPE, check=True).stdout)
     for kind in ("sheet", "block"):
@@ -74,6 +75,7 @@ def test_a_folder_on_a_disk_that_cannot_be_written_to_is_read_all_the_same(tmp_p
 
 
 def test_what_is_refused_by_the_disk_is_one_sentence_and_leaves_no_scraps(halfway):
-    with failing_at(Steps("ENOSPC", 1)), pytest.raises(MechStyleError, match=r"the disk is full; everything saved before is intact, free some space"):
+    full = r"the disk is full; everything saved before is intact, free some space"
+    with failing_at(Steps("ENOSPC", 1)), pytest.raises(MechStyleError, match=full):
         on_a_sheet(halfway)
     assert not list(halfway.rglob(".new-*"))
