@@ -42,7 +42,7 @@ def main(request: str, answer: str) -> None:
 
 
 def _end_with_parent() -> None:
-    """Have the system end this process as soon as the one that started it ends, however it ends; Linux only, elsewhere there is the limit."""
+    """Have the system end this process as soon as its parent ends, in whatever way; Linux only, elsewhere there is the limit."""
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
 

@@ -15,7 +15,7 @@ from mechstyle.loop.events import Checkpointed, Event
 from mechstyle.loop.store import Entry, Lane, Store
 from mechstyle.runs import images
 from mechstyle.runs.run import Run
-from mechstyle.simulation.simulator import AT_REST, MESH_FOR, KeptMesh
+from mechstyle.simulation.carrying import AT_REST, MESH_FOR, KeptMesh
 
 CLOSE = 1e-5
 """Relative difference of a peak stress that another processor may make."""

@@ -52,7 +52,7 @@ class Run:
         lane: Name of the lane.
         device: `cpu` or `cuda`: where it is simulated when it goes on.
         clock: Seconds spent on it in this process.
-        trusting: Whether simulations of the unstylized part that other runs remember are taken for this one.
+        trusting: Whether what other runs remember of the unstylized part is taken for this one.
     """
 
     store: Store
@@ -74,8 +74,7 @@ class Run:
 
     def __repr__(self) -> str:
         """Folder, lane, prompt and progress."""
-        history = self.history
-        where = f"iteration {history[-1].iteration} of {self.recipe.iterations}" if history else "not started"
+        where = f"iteration {history[-1].iteration} of {self.recipe.iterations}" if (history := self.history) else "not started"
         return f"Run({str(self.store.root)!r}, lane {self.lane!r}, {self.recipe.prompt!r}, {where})"
 
     # what it is
@@ -267,8 +266,7 @@ class Run:
         """Name more files in the summary, and what a user should know of them."""
         known = self.summary
         named = {**known.files, **{what: str(path) for what, path in files.items()}}
-        summary = msgspec.structs.replace(known, files=named, notes=tuple(dict.fromkeys((*known.notes, *notes))))
-        self._save(summary)
+        self._save(summary := msgspec.structs.replace(known, files=named, notes=tuple(dict.fromkeys((*known.notes, *notes)))))
         return summary
 
     def _engine(self, progress: Progress) -> tuple[Engine, tuple[str, ...]]:

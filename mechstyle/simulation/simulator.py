@@ -25,19 +25,9 @@ from mechstyle.geometry.transfer import Transfer
 from mechstyle.loop.objects import Memo
 from mechstyle.records import Landing, LoadResult, Measures, Recipe, Simulation, Verdict
 from mechstyle.records.mesh import SurfaceMesh, TetMesh, digest_of
-from mechstyle.simulation.carrying import MORPHED, Carried, at_rest, carried, carrying
+from mechstyle.simulation.carrying import AT_REST, MESH_FOR, MORPHED, Carried, KeptMesh, at_rest, carried, carrying
 from mechstyle.simulation.original import raised
 from mechstyle.simulation.physics import PHYSICS_VERSION, memo_key, period_of, physics, prescribed
-
-AT_REST, MESH_FOR = "rest-", "mesh-for-"
-"""What memos call the tetrahedra of an unstylized surface, and those made for a relief, before the digest of either."""
-
-
-class KeptMesh(msgspec.Struct, frozen=True, kw_only=True):
-    """Tetrahedra a test was run on besides those of the run, and what they were made for: digests of stored objects."""
-
-    tets: str
-    at: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -272,8 +262,7 @@ class DropSimulator:
     def _at_rest(self) -> DropSimulator:
         """The same test on tetrahedra of the unstylized part.
 
-        It belongs to the part and not to the run, and is remembered for all; but a run folder keeps these tetrahedra as well, so that it
-        comes to the same on another machine. Those that another machine made are for this run only.
+        It is the part's and remembered for all; a run folder keeps these tetrahedra, too, and comes to the same on other machines.
         """
         claimed = self.surface.digest != self.recipe.surface  # by a run folder, which may hold another part under the name of a known one
         shared = None if claimed else self.shared
@@ -286,7 +275,7 @@ class DropSimulator:
         tets = (self.memo if own else memo).objects.get_mesh(kept, TetMesh)
         for one in (self.memo, memo):
             one.remember(name, one.objects.put_mesh(tets))
-        recipe = msgspec.structs.replace(self.recipe, tetrahedra=tets.digest)
+        recipe = msgspec.structs.replace(self.recipe, tetrahedra=tets.digest)  # those of another machine are for this run only
         return replace(self, tets=tets, at=None, recipe=recipe, memo=memo, settled=True)
 
     def _told(self, morphed: Morphed, result: Drop) -> Simulation:
