@@ -260,10 +260,7 @@ class DropSimulator:
 
     @cached_property
     def _at_rest(self) -> DropSimulator:
-        """The same test on tetrahedra of the unstylized part.
-
-        It is the part's and remembered for all; a run folder keeps these tetrahedra, too, and comes to the same on other machines.
-        """
+        """The same test on tetrahedra of the unstylized part; remembered for all, and by the run folder for other machines."""
         claimed = self.surface.digest != self.recipe.surface  # by a run folder, which may hold another part under the name of a known one
         shared = None if claimed else self.shared
         name = f"{AT_REST}{self.surface.digest}"
