@@ -1,6 +1,7 @@
 """Parametric printable models, in millimetres, standing as they are used.
 
-`names()` lists them, `entry(name)` is what is known of one, `make(name, **parameters)` builds it; `load` opens one by its address, or a file.
+`names()` lists them, `entry(name)` is what is known of one, `make(name, **parameters)` builds it; `load` opens one by its address,
+or a file.
 """
 
 from __future__ import annotations

@@ -104,6 +104,7 @@ def book_end(
     body = body ^ _solids.through(front, -1.0, depth + thickness).rotate((90.0, 0.0, 90.0))
     body = body ^ _solids.through(plan, -1.0, height + 1.0)
     sill, spring = 0.3 * height, 0.82 * height - window / 2
-    arch = CrossSection.batch_hull([_solids.disc(window / 2).translate((0.0, spring)), _solids.box(window, 12.0, 5.0).translate((0.0, sill))])
+    head, foot = _solids.disc(window / 2).translate((0.0, spring)), _solids.box(window, 12.0, 5.0).translate((0.0, sill))
+    arch = CrossSection.batch_hull([head, foot])
     body -= _solids.through(arch, -1.0, 1.5 * thickness).rotate((90.0, 0.0, 90.0))
     return _solids.standing(body.rotate((0.0, 0.0, 90.0)))

@@ -29,7 +29,8 @@ def cable_clip(
     cables = _solids.count("cables", cables, 1, 8)
     _solids.within(cable=(cable, 3, 12), pitch=(pitch, cable + 6, 40), height=(height, cable + 5, 30), depth=(depth, 10, 60))
     length = cables * pitch + 5.0
-    block = _solids.box(length, 2 * height, 0.62 * height) - CrossSection.square((length + 2, height + 2), center=True).translate((0.0, -height / 2 - 1))
+    below = CrossSection.square((length + 2, height + 2), center=True).translate((0.0, -height / 2 - 1))
+    block = _solids.box(length, 2 * height, 0.62 * height) - below
     for number in range(cables):
         x = (number - (cables - 1) / 2) * pitch
         block -= _solids.disc(cable / 2).translate((x, 2.6 + cable / 2))

@@ -133,10 +133,11 @@ def planter(
     mouth = diameter / 2 - band
     foot = mouth - taper
     at_band = foot + taper * (1.0 - collar / height)
-    outer = [(0.0, 0.0), (foot, 0.0), (at_band, height - collar - band), (mouth + band, height - collar), (mouth + band, height), (0.0, height)]
+    outer = [(0.0, 0.0), (foot, 0.0), (at_band, height - collar - band), (mouth + band, height - collar)]
+    outer += [(mouth + band, height), (0.0, height)]
     lean = math.hypot(1.0, taper / height)
-    hollow = [(0.0, base), (foot - wall * lean + taper * base / height, base), (mouth - wall * lean, height), (mouth - wall * lean, height + 9)]
-    inside = _solids.polygon([*hollow, (0.0, height + 9.0)])
+    low, high = foot - wall * lean + taper * base / height, mouth - wall * lean
+    inside = _solids.polygon([(0.0, base), (low, base), (high, height), (high, height + 9.0), (0.0, height + 9.0)])
     inside = _solids.softened(inside + inside.mirror((1.0, 0.0)), 6.0, 0.5)
     pot = _solids.revolved(_solids.polygon(outer) - inside, soft=0.42 * wall)
     hole = _solids.through(_solids.disc(drain / 2), -1.0, base + 1.0)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from manifold3d import CrossSection
 
 from mechstyle.gallery import _solids
 from mechstyle.records.mesh import SurfaceMesh
@@ -135,7 +134,8 @@ def drawer_knob(
     dome = np.sqrt((1.0 - ((share - 0.72) / 0.28).clip(0, 1) ** 2).clip(0.0))
     outer = np.column_stack([(waist + swell) * dome, height * share])
     section = _solids.polygon([(0.0, 0.0), *outer[:-1], (0.0, height)])
-    screw = _solids.polygon([(-bore / 2, -1.0), (bore / 2, -1.0), (bore / 2, 0.6 * height), (0.0, 0.6 * height + bore / 2), (-bore / 2, 0.6 * height)])
+    deep, side = 0.6 * height, bore / 2
+    screw = _solids.polygon([(-side, -1.0), (side, -1.0), (side, deep), (0.0, deep + side), (-side, deep)])
     return _solids.standing(_solids.revolved(section - screw, soft=0.7))
 
 

@@ -74,7 +74,8 @@ def bag_carrier(
         depth: How thick it lies, which is what the hand closes around [mm].
         bow: How far the grip is bowed upwards [mm].
     """
-    _solids.within(grip=(grip, 80, 150), bend=(bend, 12, 40), thickness=(thickness, 7, 18), depth=(depth, 12, 34), bow=(bow, 0, 0.12 * grip))
+    _solids.within(grip=(grip, 80, 150), bend=(bend, 12, 40), thickness=(thickness, 7, 18))
+    _solids.within(depth=(depth, 12, 34), bow=(bow, 0, 0.12 * grip))
     radius, end = (bend + thickness) / 2, grip / 2
     share = np.linspace(-1.0, 1.0, 33)[1:-1]
     arch = np.column_stack([end * share, bow * (1.0 - share**2)])

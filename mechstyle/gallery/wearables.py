@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from manifold3d import CrossSection
+from manifold3d import CrossSection, Manifold
 
 from mechstyle.gallery import _solids
 from mechstyle.records.mesh import SurfaceMesh
@@ -69,7 +69,8 @@ def key_tag(
     outline = CrossSection.batch_hull([_solids.box(length, width, corner), _solids.disc(width / 2).translate(place)])
     hole = _solids.disc(eye / 2).translate((place[0] - 0.18 * width, 0.0))
     edge = outline - _solids.offset(outline, -2.6) + _solids.offset(hole, 2.6)
-    tag = _solids.slab(outline, thickness, foot=0.5, top=0.0) + _solids.slab(_solids.softened(edge, 0.9, 0.9), thickness + border, foot=0.5, top=0.8)
+    face, frame = (outline, thickness, 0.0), (_solids.softened(edge, 0.9, 0.9), thickness + border, 0.8)
+    tag = sum((_solids.slab(section, high, foot=0.5, top=top) for section, high, top in (face, frame)), Manifold())
     return _solids.standing(tag - _solids.through(hole, -1.0, thickness + border + 1.0))
 
 
