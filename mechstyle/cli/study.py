@@ -76,7 +76,7 @@ Arms = Annotated[
     list[str] | None,
     typer.Option(
         "--arms",
-        help="freestyle, static, masks, full, finish-first; unless told static, masks and full.",
+        help="freestyle, static, masks, full, finish-first, strengthened; unless told static, masks and full.",
         rich_help_panel=CROSSED,
     ),
 ]

@@ -109,6 +109,7 @@ RESTRAINT = Quantity(
     "restraint", "share of movement held back", least=(0.0, 1.0), note="1 = may not move any further", complement_of="mask"
 )
 DISPLACEMENT = Quantity("displacement", "displacement along the normal", "mm", note="positive is outwards", mirrored=True)
+ADDED = Quantity("added", "added along the normal", "mm", least=(0.0, 0.1), note="what strengthening put on")
 THICKNESS = Quantity("thickness", "wall thickness", "mm")
 CONTACT = Quantity("contact", "touched the floor", least=(0.0, 1.0), note="1 = touched the floor as placed")
 

@@ -37,6 +37,7 @@ from mechstyle.runs.stylizers import finished_relief, stylizer_for
 from mechstyle.runs.summary import Clock, Summary, summarise
 from mechstyle.simulation.part import Origin, Stage, Workpiece, bounds_for, cached_memo, fitted, prepare, refilled, say_nothing
 from mechstyle.simulation.simulator import DropSimulator
+from mechstyle.simulation.strengthen import strengthened
 
 OnEvent = Callable[[Event], None]
 
@@ -389,10 +390,16 @@ def started(
     relief = partial(finished_relief, recipe=wanted)
     with clock.stages(stage) as begun:
         if isinstance(part, SurfaceMesh):
-            origin = Origin.of(part, vertices)
+            origin = origin or Origin.of(part, vertices)
+        thicker = strengthened(part, wanted, vertices=vertices, device=device, stage=begun) if wanted.strengthen else None
+        if thicker is not None and thicker.added.any():
+            part = thicker.surface
+        if isinstance(part, SurfaceMesh):
             part = prepare(part, vertices=vertices, stage=begun, relief=relief)
         else:
             part = refilled(part, relief, begun)
+        if thicker is not None:
+            part = replace(part, notes=(*part.notes, thicker.words), mass_gained=thicker.mass_gained)
     recipe = fitted(wanted, part)
     place = default_folder(recipe) if out is None else out
     run = begin(part, recipe, place, name=name, device=device, origin=origin, beside=beside)

@@ -257,6 +257,7 @@ def figures_of(run: Run) -> Mapping[str, Any]:
         "simulations": len(summary.simulations),
         "original": summary.baseline.peak_stress / run.recipe.material.yield_strength,
         "tetrahedra": len(run.part.tets.volumes),
+        "mass_gained": run.part.mass_gained,
         "device": summary.device,
     }
 

@@ -48,6 +48,12 @@ ARMS: Mapping[str, Arm] = MappingProxyType(
 """The arms by name; `static` is the twin without feedback of all that follow it."""
 
 
+STUDY_ARMS: Mapping[str, Arm] = MappingProxyType(
+    {**ARMS, "strengthened": Arm("as full, the part first thickened by up to 2 mm where it does not hold", {"strengthen": 2.0})}
+)
+"""The arms a study knows."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Factors:
     """What is crossed in a study.
@@ -57,7 +63,7 @@ class Factors:
         styles: Prompts.
         controls: Of an evaluation.
         schedules: Of an evaluation.
-        arms: Of an ablation, names of `ARMS`.
+        arms: Of an ablation, names of `STUDY_ARMS`.
         amplitudes: Of an ablation: half the relief's depth over local wall thickness; None is the depth that is the default.
         seeds: Seeds of the style.
         loaded: Whether an ablation is run once more under the loads of the gallery's models, where they have one.
@@ -128,13 +134,13 @@ def _evaluation(factors: Factors) -> list[Cell]:
 def _ablation(factors: Factors) -> list[Cell]:
     """Mechanisms taken away, at each depth, under the drop alone and under the load of the model's use."""
     for arm in factors.arms:
-        if arm not in ARMS:
-            raise unknown("arm", arm, ARMS)
+        if arm not in STUDY_ARMS:
+            raise unknown("arm", arm, STUDY_ARMS)
     cells = []
     for model, style, seed, depth in product(factors.addresses, factors.styles, factors.seeds, factors.amplitudes):
         deep = {} if depth is None else {"amplitude": depth}
         for loads in _loads(model, loaded=factors.loaded):
-            cells += [factors.cell(model, style, seed, arm, **{**deep, **loads, **ARMS[arm].settings}) for arm in factors.arms]
+            cells += [factors.cell(model, style, seed, arm, **{**deep, **loads, **STUDY_ARMS[arm].settings}) for arm in factors.arms]
     return cells
 
 

@@ -138,15 +138,17 @@ def _ways(done: Sequence[Row], pictures: dict[str, str]) -> str:
     ways = _grouped([row for row in done if _is_way(row)])
     if not ways:
         return ""
-    lines = [("schedule × control", "viable", "95 % Wilson interval", "published rule", "kept, median", "simulations, mean")]
+    lines: list[tuple[str, ...]] = [
+        ("schedule × control", "viable", "95 % Wilson interval", "published rule", "kept, median", "simulations, mean")
+    ]
     for arm, told in ways.items():
         viable = sum(row.viable for row in told)
-        interval = _range(*(100 * end for end in wilson(viable, len(told))), "%")
+        interval = _interval(viable, len(told))
         literal = _share(sum(row.literally_viable for row in told), len(told))
         kept, times = np.median([row.kept for row in told]), np.mean([row.simulations for row in told])
         lines.append((arm, _share(viable, len(told)), interval, literal, f"{kept:.2f}", f"{times:.1f}"))
-    words = [_cochran_words(ways), *_mcnemar_words(done, ways)]
-    return f"## Control and schedule\n\n{_markdown(lines)}\n![viable, way by way]({pictures['viable']})\n\n" + "\n".join(filter(None, words))
+    words = "\n".join([_cochran_words(ways), *_mcnemar_words(done, ways)])
+    return f"## Control and schedule\n\n{_markdown(lines)}\n![viable, way by way]({pictures['viable']})\n\n{words}"
 
 
 def _cochran_words(ways: dict[str, list[Row]]) -> str:
@@ -191,7 +193,8 @@ def _times(done: Sequence[Row], pictures: dict[str, str]) -> str:
     if blocked is not None:
         words.append(f"* Friedman over {len(table)} blocks of part and style: {blocked[0]:.2f}, p {_p(blocked[1])}.")
     shown = f"![processor time, way by way]({pictures['time']})"
-    return f"## Time\n\nProcessor time, since wall time on shared machines says little.\n\n{_markdown(lines)}\n{shown}\n\n" + "\n".join(words)
+    head = "## Time\n\nProcessor time, since wall time on shared machines says little."
+    return f"{head}\n\n{_markdown(lines)}\n{shown}\n\n" + "\n".join(words)
 
 
 def _losses(done: Sequence[Row], pictures: dict[str, str]) -> str:
@@ -200,14 +203,14 @@ def _losses(done: Sequence[Row], pictures: dict[str, str]) -> str:
     if not found:
         return ""
     lines = [
-        ("schedule × control", "pairs", "loss less freestyle's [%]", "90 % interval", f"within ±{MARGIN:g} %", "drawn over models", "Wilcoxon p")
+        ("schedule × control", "pairs", "loss less freestyle's", "90 % interval", f"within ±{MARGIN:g} %", "over models", "Wilcoxon p")
     ]
     for arm, one in found.items():
         pairs = _pairs(done, arm)
         over = bootstrap_over([free.part for free, _ in pairs], _differences(pairs))
         p = wilcoxon([fed.style_loss for _, fed in pairs], [free.style_loss for free, _ in pairs])
         shown = f"shown, p {_p(one.p)}" if one.shown else "not shown"
-        lines.append((arm, str(len(pairs)), f"{one.difference:+.1f}", _range(one.low, one.high, "%"), shown, _range(*over, "%"), _p(p)))
+        lines.append((arm, str(len(pairs)), f"{one.difference:+.1f} %", _range(one.low, one.high, "%"), shown, _range(*over, "%"), _p(p)))
     words = "That no difference is found would not show that there is none; two one-sided tests against a margin fixed beforehand do."
     return f"## Style loss\n\n{words}\n\n{_markdown(lines)}\n![differences in style loss]({pictures['loss']})"
 
@@ -223,7 +226,7 @@ def _arms(done: Sequence[Row], pictures: dict[str, str]) -> str:
     lines = [("arm", "viable", "95 % Wilson interval", "kept, median", "simulations, mean")]
     for arm, told in groups.items():
         viable = sum(row.viable for row in told)
-        interval = _range(*(100 * end for end in wilson(viable, len(told))), "%")
+        interval = _interval(viable, len(told))
         kept, times = np.median([row.kept for row in told]), np.mean([row.simulations for row in told])
         lines.append((arm, _share(viable, len(told)), interval, f"{kept:.2f}", f"{times:.1f}"))
     shown = f"![viable, arm by arm]({pictures['arms']})\n\n![style kept, arm by arm]({pictures['kept']})"
@@ -283,6 +286,11 @@ def _equivalences(done: Sequence[Row]) -> dict[str, Equivalence]:
 def _arm_name(row: Row) -> str:
     depth = "default depth" if row.amplitude is None else f"depth {row.amplitude:g}"
     return f"{row.arm}, {depth}, {'drop and load' if row.loaded else 'drop'}"
+
+
+def _interval(count: int, total: int) -> str:
+    low, high = wilson(count, total)
+    return _range(100 * low, 100 * high, "%")
 
 
 def _share(count: int, total: int) -> str:

@@ -11,7 +11,6 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
-from queue import Empty
 from typing import Any
 
 import msgspec
@@ -69,11 +68,16 @@ def _models_in_turn(cells: Iterable[Cell]) -> list[Cell]:
 
 
 def _side_by_side(cells: Sequence[Cell], rows: Rows, jobs: int) -> Iterator[Row]:
-    """Carry cells out in processes; a process that dies takes the pool with it, which is begun anew for what is left."""
+    """Carry cells out in processes; a process that dies takes the pool with it, which is begun anew for what is left.
+
+    What was in hand then is tried alone, so that the cell that ends its process is found and its neighbours are not blamed.
+    """
     left, deaths = {cell.key: cell for cell in cells}, Counter[str]()
     while left:
+        suspects = [cell for key, cell in left.items() if deaths[key]]
+        batch, width = (suspects[:1], 1) if suspects else (list(left.values()), jobs)
         try:
-            for row, cell in _in_a_pool(list(left.values()), rows, jobs, deaths):
+            for row, cell in _in_a_pool(batch, rows, width, deaths):
                 del left[cell.key]
                 yield row
         except BrokenProcessPool:
@@ -85,25 +89,21 @@ def _in_a_pool(cells: Sequence[Cell], rows: Rows, jobs: int, deaths: Counter[str
     """Rows as they come; a death is counted against every cell that was in hand."""
     context = multiprocessing.get_context("spawn")
     coming = iter(cells)
-    with context.Manager() as manager:
-        places = manager.Queue()
-        for place in range(jobs):
-            places.put(place)
-        with ProcessPoolExecutor(jobs, mp_context=context, initializer=_begin_process, initargs=(places, jobs, os.getpid())) as pool:
-            hand: dict[Future[Row], Cell] = {}
-            while True:
-                for cell in coming:  # no more than there are processes, so that a death is blamed on few
-                    hand[pool.submit(carry_out, cell, rows.folder)] = cell
-                    if len(hand) == jobs:
-                        break
-                if not hand:
-                    return
-                done = wait(hand, return_when=FIRST_COMPLETED).done
-                if any(isinstance(future.exception(), BrokenProcessPool) for future in done):
-                    deaths.update(cell.key for cell in hand.values() if rows.of(cell) is None)
-                for future in done:
-                    yield future.result(), hand[future]
-                    del hand[future]
+    begun = context.Value("i", 0)
+    with ProcessPoolExecutor(jobs, mp_context=context, initializer=_begin_process, initargs=(begun, jobs, os.getpid())) as pool:
+        hand: dict[Future[Row], Cell] = {}
+        while True:
+            for cell in coming:  # no more than there are processes, so that a death is blamed on few
+                hand[pool.submit(carry_out, cell, rows.folder)] = cell
+                if len(hand) == jobs:
+                    break
+            if not hand:
+                return
+            done = wait(hand, return_when=FIRST_COMPLETED).done
+            if any(isinstance(future.exception(), BrokenProcessPool) for future in done):
+                deaths.update(cell.key for cell in hand.values() if rows.of(cell) is None)
+            for future in done:
+                yield future.result(), hand.pop(future)
 
 
 def _given_up(cell: Cell, rows: Rows) -> Row:
@@ -112,7 +112,7 @@ def _given_up(cell: Cell, rows: Rows) -> Row:
     return row
 
 
-def _begin_process(places: Any, jobs: int, parent: int) -> None:
+def _begin_process(begun: Any, jobs: int, parent: int) -> None:
     """Take a share of the cores, where the system lets it, and end when whoever started this process ends, however that is.
 
     Threads of several processes on all cores are slower; a process left behind by a study that was killed would hold its run.
@@ -120,10 +120,8 @@ def _begin_process(places: Any, jobs: int, parent: int) -> None:
     threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
     if not hasattr(os, "sched_setaffinity"):
         return
-    try:
-        place = places.get_nowait()
-    except Empty:  # a process that replaces one that died runs anywhere
-        return
+    with begun.get_lock():
+        place, begun.value = begun.value % jobs, begun.value + 1
     os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[place::jobs] or os.sched_getaffinity(0))
 
 
