@@ -389,17 +389,14 @@ def started(
     device, clock = resolve_device(device), Clock()
     relief = partial(finished_relief, recipe=wanted)
     with clock.stages(stage) as begun:
-        if isinstance(part, SurfaceMesh):
-            origin = origin or Origin.of(part, vertices)
+        origin = origin or (Origin.of(part, vertices) if isinstance(part, SurfaceMesh) else None)
         thicker = strengthened(part, wanted, vertices=vertices, device=device, stage=begun) if wanted.strengthen else None
-        if thicker is not None and thicker.added.any():
-            part = thicker.surface
+        part = part if thicker is None else thicker.result
         if isinstance(part, SurfaceMesh):
             part = prepare(part, vertices=vertices, stage=begun, relief=relief)
         else:
             part = refilled(part, relief, begun)
-        if thicker is not None:
-            part = replace(part, notes=(*part.notes, thicker.words), mass_gained=thicker.mass_gained)
+        part = part if thicker is None else thicker.noted(part)
     recipe = fitted(wanted, part)
     place = default_folder(recipe) if out is None else out
     run = begin(part, recipe, place, name=name, device=device, origin=origin, beside=beside)

