@@ -29,9 +29,8 @@ Thirty things people print, each with measures to change (`gallery.make("wall_ho
 standing as printed. `mechstyle gallery` lists them with what one learns from each; `--load gallery:NAME` puts the load of its use on a part
 beside the drop, and the regions are suggestions for `--protect`.
 
-Made by `python benchmarks/gallery.py`. The peak is that of the unstyled part in PLA, dropped from 1.5 m as placed and, where it has one, under
-the load, whose own peak stands in the next column. A dash was not measured yet.
-
+Made by `python benchmarks/gallery.py`. The peak is that of the unstyled part in PLA, dropped from 1.5 m as placed and, where it has one,
+under the load, whose own peak stands in the next column. A dash was not measured yet.
 """
 COLUMNS = (
     "model", "what it teaches", "`--protect`", "load", "vertices", "tetrahedra", "processor time [s]", "peak [MPa]", "under the load [MPa]",

@@ -29,7 +29,7 @@ class SeveralWords(TyperCommand):
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Repeat the option before each of its words."""
-        lists = {flag for parameter in self.params if parameter.multiple for flag in parameter.opts}  # type: ignore[attr-defined]
+        lists = {flag for parameter in self.params if parameter.multiple for flag in parameter.opts}
         spread, flag = list[str](), ""
         for number, word in enumerate(args):
             if word.startswith("--"):

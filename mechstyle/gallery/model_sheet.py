@@ -10,6 +10,8 @@ from mechstyle.pictures.panels import Picture
 
 SIDE, COLUMNS = 230, 6
 """Side of a picture [pixels], pictures beside each other."""
+SHADES = 128
+"""Levels of a channel: plain grey shows bands with fewer."""
 
 
 def model_sheet() -> Picture:
@@ -27,5 +29,5 @@ def model_sheet() -> Picture:
         camera = Camera.named("three_quarter", mesh.vertices)
         page[top + LINE : top + LINE + SIDE, left : left + SIDE] = render(mesh, camera=camera, width=SIDE, height=SIDE)
         places.append((left, top))
-        labels.append((name.replace("_", " "), " × ".join(f"{extent:.0f}" for extent in mesh.extents) + " mm"))
-    return Picture(png(lettered(page, places, labels)))
+        labels.append((name.replace("_", " "), f"{mesh.extents.max():.0f} mm"))
+    return Picture(png(lettered(page, places, labels), SHADES))

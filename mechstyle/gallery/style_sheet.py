@@ -145,14 +145,14 @@ def lettered(page: Pixels, places: Sequence[tuple[int, int]], labels: Sequence[t
     return sheet
 
 
-def png(sheet: Figure) -> bytes:
+def png(sheet: Figure, shades: int = SHADES) -> bytes:
     """A figure as a PNG of few shades, which packs well."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415 — as above
     from matplotlib.image import imsave  # noqa: PLC0415
 
     canvas: Any = FigureCanvasAgg(sheet)
     canvas.draw()
-    step = 256 // SHADES
+    step = 256 // shades
     pixels = np.minimum(np.asarray(canvas.buffer_rgba())[..., :3].astype(np.int16) + step // 2, 255) // step * step
     buffer = io.BytesIO()
     imsave(buffer, pixels.astype(np.uint8), format="png", pil_kwargs={"optimize": True})

@@ -154,6 +154,6 @@ def door_stop(
     _solids.within(eye=(eye, 6, 0.55 * height))
     share = np.linspace(0.0, 1.0, 25)
     ramp = np.column_stack([length * share, toe + (height - toe) * share**1.15])
-    wedge = _solids.softened(_solids.polygon([(0.0, 0.0), (length, 0.0), *ramp[::-1]]), 0.42 * toe, 1.0)
+    wedge = _solids.softened(_solids.polygon(np.concatenate([[(0.0, 0.0), (length, 0.0)], ramp[::-1]])), 0.42 * toe, 1.0)
     hole = _solids.disc(eye / 2).translate((length - 0.5 * height, 0.48 * height))
     return _solids.standing(_solids.bar(wedge - hole, width, min(1.6, 0.4 * toe)).rotate((0.0, 0.0, 90.0)))

@@ -96,7 +96,8 @@ class Strengthened:
         """What was done, in one sentence."""
         before, after = self.verdicts
         if not self.added.any():
-            return f"it was not thickened: {'it holds as it is' if before.outcome == 'VIABLE' else 'there is nothing that may be'}"
+            why = {"VIABLE": "it holds as it is", "FAILS": "there is nothing that may be"}.get(before.outcome, "its test gave no answer")
+            return f"it was not thickened: {why}"
         share = self.mass_gained / (self.part.surface.volume * self.recipe.material.density)
         held = "it holds now" if after.outcome == "VIABLE" else f"it still does not hold within {self.recipe.strengthen:g} mm"
         stress = f"from {self.before.as_placed.peak:.1f} to {self.after.as_placed.peak:.1f} MPa"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -65,7 +65,7 @@ class Pairwise:
     p: float
 
 
-def games_howell(groups: dict[str, ArrayLike]) -> list[Pairwise]:
+def games_howell(groups: Mapping[str, ArrayLike]) -> list[Pairwise]:
     """Every pair of groups by Games and Howell (1976), which does not ask for equal variances; groups without spread are left out."""
     samples = {name: np.asarray(group, dtype=np.float64) for name, group in groups.items()}
     samples = {name: sample for name, sample in samples.items() if len(sample) > 1 and np.ptp(sample) > 0.0}
