@@ -86,6 +86,11 @@ class LevelBase:
             share[face.vertices] = face.resting
         return share
 
+    @property
+    def standing(self) -> Bools:
+        """Whether a vertex belongs to the flat faces, their rims included, shape [vertex_count]."""
+        return self.resting > 0.0
+
     def levelled(self, displacement: ArrayLike) -> Field:
         """A relief [mm], shape [vertex_count], shifted inwards on every flat face and then kept above the floor.
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from mechstyle.errors import unknown
-from mechstyle.records import CONTROLS, NORMALISATIONS, Simulation
+from mechstyle.records import CONTROLS, NORMALISATIONS, Simulation, Verdict
 from mechstyle.records.limits import Limits
 from mechstyle.records.material import Material
 from mechstyle.records.mesh import Field
@@ -19,7 +19,9 @@ RESERVE = 0.01
 """Share of a limit that counts as reserve where the original itself stands at the limit, so that no division is by zero."""
 
 
-def demand(simulation: Simulation, original: Simulation, material: Material, normalisation: str) -> Field:
+def demand(
+    simulation: Simulation, original: Simulation, material: Material, normalisation: str, failing: Verdict | None = None
+) -> Field:
     """Normalised stress s_norm(v) ≥ 0, at or above 1 where a vertex has no reserve left, shape [vertex_count].
 
     `headroom` is the largest over all rules that count: of the part as placed and under its loads, of the tilted landings and, where it
@@ -31,17 +33,21 @@ def demand(simulation: Simulation, original: Simulation, material: Material, nor
         original: The unstylized part.
         material: The material.
         normalisation: One of NORMALISATIONS.
+        failing: A verdict on it, of which only the rules that fail are to be met; all rules without it or where none of these fails.
     """
     limits = Limits.of(original, material)
     largest = float(original.stress.max())
-    used = normalised(simulation.stress, original.stress, limits.of_stress(original.stress), largest, material, normalisation)
+    placed = normalised(simulation.stress, original.stress, limits.of_stress(original.stress), largest, material, normalisation)
     if normalisation != "headroom":
-        return used
+        return placed
+    fields = {"as_placed": placed}
     if simulation.tilted is not None and original.tilted is not None:
-        used = np.maximum(used, headroom(simulation.tilted_stress, original.tilted_stress, np.float32(limits.tilted)))
+        fields["tilted"] = headroom(simulation.tilted_stress, original.tilted_stress, np.float32(limits.tilted))
     if simulation.overall is not None and original.overall is not None:
-        used = np.maximum(used, headroom(simulation.envelope, original.envelope, limits.of_envelope(original.envelope)))
-    return used
+        fields["all_orientations"] = headroom(simulation.envelope, original.envelope, limits.of_envelope(original.envelope))
+    broken = [] if failing is None else [rule for rule in failing.counting if rule.outcome == "FAILS"]
+    to_meet = [field for name, field in fields.items() if getattr(failing, name, None) in broken]
+    return np.maximum.reduce(to_meet or list(fields.values()))
 
 
 def normalised(

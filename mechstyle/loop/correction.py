@@ -1,9 +1,10 @@
 """When the finished relief is not viable: lower it where it is overloaded, and give back what was lowered too far.
 
-Every vertex has a share of the finished relief. Where a rule's limit is nearly used up, the shares around are lowered; once the part
-is viable, half of the last lowering is given back, as often as that is worth a drop. The shares are only ever lowered in between,
-because raising some while lowering others was seen to creep up to the limit. If lowering here and there is not enough, the whole relief
-is halved and at last removed: no relief is the original part, which is viable by definition.
+Every vertex has a share of the finished relief. Where a rule's limit is nearly used up, the shares around are lowered, and to nothing
+on the faces the part stands on: a gap under it carries no load, however low it is. Once the part is viable, half of the last lowering is
+given back, as often as that is worth a drop. The shares are only ever lowered in between, because raising some while lowering others
+was seen to creep up to the limit. If lowering here and there is not enough, the whole relief is halved and at last removed: no relief is
+the original part, which is viable by definition.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array
 from scipy.spatial import cKDTree
 
-from mechstyle.records.mesh import Field
+from mechstyle.records.mesh import Bools, Field, SurfaceMesh
 
 AIM = 0.85
 """Demand to be reached; nearer to 1 it takes more rounds, because what is taken from one place is carried by the next."""
@@ -25,9 +26,13 @@ GAIN = 2.5
 MOST = 0.6
 """… and the most that is taken at once."""
 REACH = 3.0
-"""How far around an overloaded vertex relief is lowered, and over what the lowering is smoothed [mm]."""
+"""How far around an overloaded vertex relief is lowered, and over what the lowering is smoothed [mm] …"""
+EDGES = 2.0
+"""… but never less than so many edges: on coarser triangles nothing but the overloaded vertex itself would be within reach."""
 LOCAL_ROUNDS = 4
 """Lowerings here and there before the whole relief is lowered."""
+PATCH_ROUNDS = 2
+"""Of these, those that widen what the part stands on here and there; then it is laid flat, because the impact goes from bump to bump."""
 WHOLE = (0.6, 0.5, 0.0)
 """Factors on the whole relief after that."""
 GIVE_BACK = 2
@@ -41,14 +46,16 @@ class Correction:
     """The search for the shares of a finished relief with which a part is viable.
 
     Attributes:
-        vertices: Vertices of the unstylized surface [mm], shape [vertex_count, 3].
+        surface: The unstylized surface.
         kept: Share of the relief that given shares of it keep.
+        standing: Whether a vertex belongs to the faces the part stands on, shape [vertex_count].
         viable: The largest shares known to be viable, shape [vertex_count]; None as long as none are.
         failing: The smallest shares known not to be, shape [vertex_count]; None as long as none are.
     """
 
-    vertices: NDArray[np.float64]
+    surface: SurfaceMesh
     kept: Callable[[Field], float]
+    standing: Bools
     viable: Field | None = None
     failing: Field | None = None
     _lowered: int = 0
@@ -82,7 +89,7 @@ class Correction:
     def _half_back(self) -> tuple[Field, str] | None:
         if self.failing is None or self.viable is None or self._given_back == GIVE_BACK:
             return None
-        half = (0.5 * (self.viable + self.failing)).astype(np.float32)
+        half = np.where(self.standing, self.viable, 0.5 * (self.viable + self.failing)).astype(np.float32)
         if self.kept(half) - self.kept(self.viable) < WORTH:
             return None
         self._given_back += 1
@@ -90,28 +97,42 @@ class Correction:
 
     def _lowered_locally(self, share: Field, demand: Field) -> tuple[Field, str]:
         taken = lowering(demand, self._neighbours())
+        under = self.standing & (overload(demand, self._neighbours()) > 0.0)
+        if under.any():
+            taken[under if self._lowered <= PATCH_ROUNDS else self.standing] = 1.0
         return (share * (1.0 - taken)).astype(np.float32), f"relief lowered around {int((demand >= 1.0).sum())} overloaded vertices"
 
     def _neighbours(self) -> csr_array:
         if not self._near:
-            self._near.append(neighbours(self.vertices, REACH))
+            self._near.append(neighbours(self.surface.vertices, max(REACH, EDGES * self.surface.edge_length)))
         return self._near[0]
 
 
 def lowering(demand: Field, near: csr_array) -> Field:
     """Share of the relief that is taken at each vertex, in [0, MOST], shape [vertex_count].
 
-    min(GAIN o / (1 + 0.3 o), MOST) of the largest demand above the aim o within reach, smoothed over the reach. Where no demand exceeds
-    the aim although a rule is broken, as a percentile may be, the aim is nine tenths of the largest.
+    min(GAIN o / (1 + 0.3 o), MOST) of the overload o within reach, smoothed over the reach.
+
+    Args:
+        demand: Demand, shape [vertex_count].
+        near: Who lies within reach of whom, itself included, shape [vertex_count, vertex_count].
+    """
+    around = overload(demand, near)
+    taken = np.minimum(GAIN * around / (1.0 + 0.3 * around), MOST)
+    return np.asarray((near @ taken) / np.diff(near.indptr), np.float32)
+
+
+def overload(demand: Field, near: csr_array) -> Field:
+    """The largest demand above the aim within reach of each vertex, 0 where there is none, shape [vertex_count].
+
+    Where no demand exceeds the aim although a rule is broken, as a percentile may be, the aim is nine tenths of the largest.
 
     Args:
         demand: Demand, shape [vertex_count].
         near: Who lies within reach of whom, itself included, shape [vertex_count, vertex_count].
     """
     over = np.maximum(demand - min(AIM, 0.9 * float(demand.max())), 0.0)
-    around = np.maximum.reduceat(over[near.indices], near.indptr[:-1])
-    taken = np.minimum(GAIN * around / (1.0 + 0.3 * around), MOST)
-    return np.asarray((near @ taken) / np.diff(near.indptr), np.float32)
+    return np.asarray(np.maximum.reduceat(over[near.indices], near.indptr[:-1]), np.float32)
 
 
 def neighbours(vertices: NDArray[np.float64], reach: float) -> csr_array:

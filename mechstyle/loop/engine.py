@@ -18,7 +18,7 @@ from mechstyle.loop import control, correction, minimum_wall, schedule
 from mechstyle.loop.events import Checkpointed, Corrected, Event, Finished, Simulated, SimulationStarted, Stylized
 from mechstyle.loop.store import Lane, Store
 from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict
-from mechstyle.records.mesh import Field, SurfaceMesh
+from mechstyle.records.mesh import Bools, Field, SurfaceMesh
 
 STEP_LIMIT = 0.01
 """A vertex moves at most this share of the part's size per iteration (Faruqi et al. 2025)."""
@@ -27,7 +27,7 @@ RETRACT_ABOVE = 0.9
 RETRACT_RADIUS = 4.0
 """… reaches this far [mm] …"""
 RETRACT_BY = 0.5
-"""… and takes away up to this share of the relief."""
+"""… and takes away up to this share of the relief; all of it where the part stands, for a gap of any height carries nothing."""
 KEYFRAME_EVERY = 20
 """Iterations between stored stylizer states."""
 STYLE_FIELDS = (
@@ -102,6 +102,10 @@ class Delivery(Protocol):
 class Base(Protocol):
     """How a part stands: a relief is levelled there, and never goes below the floor."""
 
+    @property
+    def standing(self) -> Bools:
+        """Whether a vertex belongs to the faces the part stands on, shape [vertex_count]."""
+
     def levelled(self, displacement: Field) -> Field:
         """A relief [mm], shape [vertex_count], shifted so that the part stands level."""
 
@@ -130,6 +134,11 @@ class Bounds:
     uncoloured: NDArray[np.bool_] | bool = False
     base: Base | None = None
     plain: NDArray[np.bool_] | bool = False
+
+    @property
+    def standing(self) -> Bools:
+        """Whether a vertex belongs to the faces the part stands on and has a relief there, shape [vertex_count]."""
+        return np.zeros(len(self.thickness), bool) if self.base is None else self.base.standing
 
     def levelled(self, displacement: Field) -> Field:
         """A proposal [mm], shape [vertex_count], as the base lets it be."""
@@ -301,12 +310,14 @@ class Engine:
         state = replace(state, stress=simulation.stress, demand=demand, mask=mask)
         if not retract:
             return state
-        left = 1.0 - np.float32(RETRACT_BY) * correction.nearness(self.surface.vertices, demand > RETRACT_ABOVE, RETRACT_RADIUS)
+        near = correction.nearness(self.surface.vertices, demand > RETRACT_ABOVE, RETRACT_RADIUS)
+        under = self.bounds.standing & (near > np.exp(-1.0))
+        left = np.where(under, np.float32(0.0), 1.0 - np.float32(RETRACT_BY) * near)
         return replace(state, displacement=state.displacement * left, share=state.share * left)
 
-    def _demand(self, simulation: Simulation) -> Field:
+    def _demand(self, simulation: Simulation, failing: Verdict | None = None) -> Field:
         original = self.simulator.baseline_of(simulation)
-        return control.demand(simulation, original, self.recipe.material, self.recipe.normalisation)
+        return control.demand(simulation, original, self.recipe.material, self.recipe.normalisation, failing)
 
     def _mask(self, demand: Field, ceiling: Field) -> Field:
         """The control's mask under a ceiling: the freedom that protection leaves, or with memory the mask so far."""
@@ -319,7 +330,7 @@ class Engine:
         """Correct the finished relief until it is viable (if the recipe asks for it), then mark the best as final."""
         assert state.verdict is not None, "the last iteration is always simulated"
         finished, best = state.displacement, state
-        search = correction.Correction(self.surface.vertices, lambda share: self._kept(share * finished, finished))
+        search = correction.Correction(self.surface, lambda share: self._kept(share * finished, finished), self.bounds.standing)
         tried = self._tested(search, np.ones_like(finished), state) if self.recipe.guarantee else None
         while tried is not None:
             share, words = tried
@@ -342,8 +353,10 @@ class Engine:
     def _tested(self, search: correction.Correction, share: Field, state: Checkpoint) -> tuple[Field, str] | None:
         """What a correction is to try after `share` of the finished relief was found to be what `state` says."""
         assert state.verdict is not None, "what is corrected was simulated"
-        known = state.verdict.outcome != "UNKNOWN"
-        return search.tested(share, viable=state.viable, demand=state.demand if known else None)
+        if state.verdict.outcome == "UNKNOWN":
+            return search.tested(share, viable=False, demand=None)
+        demand = self._demand(self.store.objects.get_record(state.simulation, Simulation), state.verdict)
+        return search.tested(share, viable=state.viable, demand=demand)
 
     def _kept(self, displacement: Field, reference: Field) -> float:
         return kept(displacement, reference, self.surface.vertex_areas)

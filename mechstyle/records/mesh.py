@@ -125,6 +125,11 @@ class SurfaceMesh:
         return np.unique(pairs, axis=0)
 
     @cached_property
+    def edge_length(self) -> float:
+        """Edge of an equilateral triangle of the mean face area [mm]."""
+        return float(np.sqrt(self.face_areas.mean() * 4.0 / np.sqrt(3.0)))
+
+    @cached_property
     def extents(self) -> Floats:
         """Side lengths of the bounding box [mm], shape [3]."""
         return np.ptp(self.vertices, axis=0)

@@ -66,7 +66,7 @@ def _blended(surface: SurfaceMesh, owner: Indices, count: int) -> Floats:
     """Share of each of `count` owners, of whom -1 is none, with smooth transitions of about BLEND to both sides, shape [count, n]."""
     operators = Operators(surface)
     sharp = (owner[:, None] == np.arange(-1, count)).astype(np.float64)
-    diffused = operators.diffused(sharp, max(BLEND, operators.edge_length))
+    diffused = operators.diffused(sharp, max(BLEND, operators.mesh.edge_length))
     ended = smoothstep(*_TAIL, diffused)  # a diffused share falls off exponentially, and never ends
     total = ended.sum(axis=1, keepdims=True)
     return np.where(total > 0.0, ended / np.maximum(total, 1e-12), sharp)[:, 1:].T

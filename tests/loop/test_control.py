@@ -175,6 +175,19 @@ def test_the_rule_that_is_nearest_to_its_limit_demands():
     assert demand(styled, original, PLA, "headroom") == pytest.approx([0.5, 0.5, 28.0 / nearly], rel=1e-4)
 
 
+def test_a_correction_is_asked_for_where_a_rule_fails_and_not_where_another_is_nearly_used_up():
+    original = simulated(field(10.0, 10.0, 10.0), tilted=field(60.0, 10.0, 10.0), envelope=field(20.0, 20.0, 20.0), p99=20.0)
+    styled = simulated(field(10.0, 50.0, 10.0), tilted=field(60.0, 10.0, 38.0), envelope=field(21.9, 20.0, 20.0), p99=20.0)
+    verdict = judge(styled, original, PLA, "robust")
+    assert verdict.as_placed.outcome == "FAILS"
+    everything, only_what_fails = (demand(styled, original, PLA, "headroom", failing) for failing in (None, verdict))
+    assert only_what_fails[1] == everything[1] > 1.0
+    assert np.all(everything[[0, 2]] > 0.4)
+    assert not only_what_fails[[0, 2]].any()
+    viable = judge(original, original, PLA, "robust")
+    assert np.array_equal(demand(styled, original, PLA, "headroom", viable), everything)
+
+
 def test_an_envelope_of_fewer_orientations_demands_nothing():
     """A part dropped as placed only is not compared with an original dropped in all orientations."""
     original = simulated(field(10.0), envelope=field(20.0))

@@ -5,12 +5,27 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mechstyle.loop.correction import GIVE_BACK, LOCAL_ROUNDS, MOST, REACH, WHOLE, Correction, lowering, nearness, neighbours
+from mechstyle.loop.correction import (
+    EDGES,
+    GIVE_BACK,
+    LOCAL_ROUNDS,
+    MOST,
+    PATCH_ROUNDS,
+    REACH,
+    WHOLE,
+    Correction,
+    lowering,
+    nearness,
+    neighbours,
+)
+from mechstyle.records.mesh import SurfaceMesh
+from tests.support.bench import grid
 
 COUNT = 60
 LINE = np.zeros((COUNT, 3))
 LINE[:, 0] = np.arange(COUNT)  # [mm]: one vertex every millimetre, so that distances can be read off
 NEAR = neighbours(LINE, REACH + 1e-9)
+STRIP = SurfaceMesh(LINE, np.arange(COUNT - 2)[:, None] + np.arange(3))  # without any area, hence with edges of no length
 WHOLE_RELIEF = np.ones(COUNT, np.float32)
 
 
@@ -21,13 +36,13 @@ def peak(*places, height=1.2, elsewhere=0.2):
     return demand
 
 
-def correction():
-    return Correction(LINE, lambda share: float(share.mean()))
+NOWHERE = np.zeros(COUNT, bool)
+UNDER = np.arange(COUNT) < 40  # as if the first 40 mm were what the part stands on
 
 
-def search(viable, demand, limit=40):
+def search(viable, demand, limit=40, standing=NOWHERE):
     """The shares that were tested, the correction at its end; `viable` and `demand` are functions of the shares."""
-    found, share, tested = correction(), WHOLE_RELIEF, []
+    found, share, tested = Correction(STRIP, lambda share: float(share.mean()), standing), WHOLE_RELIEF, []
     while True:
         tested.append(share)
         assert len(tested) < limit
@@ -120,6 +135,51 @@ def test_whatever_the_demand_the_search_ends_with_shares_between_none_and_all(se
     assert all(share.min() >= 0.0 and share.max() <= 1.0 for share in tested)
     assert found.viable is not None
     assert found.viable.mean() <= bound
+
+
+@pytest.mark.parametrize("edge", [1.0, 4.0, 15.0])
+def test_on_coarse_triangles_too_more_than_the_overloaded_vertex_is_lowered(edge):
+    surface = grid(12, edge)
+    middle = int(np.argmin(np.linalg.norm(surface.vertices - surface.vertices.mean(axis=0), axis=1)))
+    demand = np.full(len(surface.vertices), 0.2, np.float32)
+    demand[middle] = 1.3
+    search = Correction(surface, lambda share: float(share.mean()), demand < 0.0)
+    share, _ = search.tested(np.ones_like(demand), viable=False, demand=demand)
+    beside = surface.edges[(surface.edges == middle).any(axis=1)]
+    assert np.all(share[beside] < 0.75), "a vertex that stands alone is not relieved by being lowered alone"
+    away = np.linalg.norm(surface.vertices - surface.vertices[middle], axis=1)
+    assert np.all(share[away > 2.0 * max(REACH, EDGES * surface.edge_length)] == 1.0)
+
+
+# --- what the part stands on ----------------------------------------------------------------------------------------
+
+
+def test_where_the_part_stands_relief_is_taken_away_around_what_is_overloaded_because_a_lower_gap_carries_no_more():
+    tested, _ = search(lambda share: share[20] == 0.0, lambda _: peak(20), standing=UNDER)
+    lowered = tested[1]
+    assert np.array_equal(np.flatnonzero(lowered == 0.0), np.arange(17, 24)), "it stands on more, 3 mm around"
+    assert np.all(lowered[:11] == 1.0), "and has its relief elsewhere"
+
+
+def test_a_part_that_is_overloaded_elsewhere_keeps_its_relief_where_it_stands():
+    tested, _ = search(lambda share: share[55] < 0.6, lambda _: peak(55), standing=UNDER)
+    assert all(np.all(share[UNDER] == 1.0) for share in tested)
+
+
+def test_when_wider_patches_do_not_help_it_is_laid_flat_before_anything_is_lowered_as_a_whole():
+    tested, found = search(lambda share: not share[UNDER].any(), lambda share: peak(*np.flatnonzero(share > 0.0)[:1]), standing=UNDER)
+    assert len(tested) == 2 + PATCH_ROUNDS
+    assert found.viable is not None
+    assert not found.viable[UNDER].any()
+    assert found.viable[50:].all(), "nothing overloads it there"
+
+
+def test_what_was_laid_flat_is_not_given_back_by_halves():
+    tested, found = search(lambda share: share[30] == 0.0, lambda _: peak(*range(25, 45)), standing=UNDER)
+    given_back = tested[2:]
+    assert given_back
+    assert all(np.array_equal(share == 0.0, tested[1] == 0.0) for share in given_back)
+    assert found.viable.mean() > tested[1].mean()
 
 
 # --- nearness -------------------------------------------------------------------------------------------------------

@@ -14,6 +14,7 @@ from mechstyle.loop.engine import STEP_LIMIT, Engine, kept
 from mechstyle.loop.events import Checkpointed, Corrected, Finished, Simulated, SimulationStarted, Stylized
 from mechstyle.loop.store import Lane
 from mechstyle.records import Simulation
+from tests.support.bench import LooseBase
 
 
 def states(events):
@@ -121,6 +122,15 @@ def test_retraction_takes_back_relief_where_stress_nears_the_limit(bench):
     simulated = next(state for state in with_it if state.iteration == 20)
     before = next(state for state in with_it if state.iteration == 19)
     assert simulated.displacement[-1] < before.displacement[-1]
+
+
+def test_where_the_part_stands_retraction_leaves_no_relief_and_none_grows_again(bench):
+    bench.base = LooseBase(np.arange(64) >= 60)
+    saved = states(bench.engine(bench.recipe(schedule="every", every=20, control="frozen", normalisation="yield", guarantee=False)).run())
+    overloaded = np.flatnonzero((saved[20].demand > 0.9) & bench.base.standing)
+    assert len(overloaded)
+    assert all(not state.displacement[overloaded].any() for state in saved[20:])
+    assert saved[-1].displacement[55] > 0.0
 
 
 def test_a_vertex_moves_at_most_one_percent_of_the_size_per_iteration(bench):

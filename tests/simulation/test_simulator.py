@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from mechstyle.errors import SimulationFailed
+from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.tetrahedra import VOLUME_ERROR
 from mechstyle.records.material import LIBRARY
 from mechstyle.simulation import simulator as module
@@ -111,6 +112,21 @@ def test_what_the_tets_could_not_follow_is_taken_out(block, memo):
     assert result.backed_off > 0
     assert np.abs(result.displacement).max() <= 4.0
     assert np.abs(result.displacement - wild).max() == pytest.approx(result.deviation, abs=1e-3)
+
+
+def test_a_lower_gap_under_a_part_carries_no_more_but_standing_on_more_does(block, memo):
+    """Why the relief a part stands on is taken away where it is overloaded, and not lowered."""
+    surface = block[0]
+    base, middle = LevelBase(surface), np.hypot(surface.vertices[:, 0], surface.vertices[:, 1])
+    gap = np.where(base.standing & (middle > 5.0), -0.3, 0.0).astype(np.float32)
+    tets, half = carrying(surface, gap)
+    sim = simulator((surface, tets), memo)
+    sim = replace(sim, at=half, settled=True)
+    gaps = (gap, 0.25 * gap, np.where(middle < 9.0, 0.0, gap))
+    whole, quarter, wider = (sim.simulate(displacement.astype(np.float32), thorough=False) for displacement in gaps)
+    assert whole.level_share < wider.level_share < 0.5
+    assert quarter.as_placed.peak > 0.85 * whole.as_placed.peak
+    assert wider.as_placed.peak < 0.75 * whole.as_placed.peak
 
 
 def test_a_relief_that_the_tets_carry_is_judged_on_them(block, memo):

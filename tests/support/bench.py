@@ -111,6 +111,19 @@ class LeverSimulator:
         )
 
 
+@dataclass(frozen=True)
+class LooseBase:
+    """Says what the part stands on, and lets every relief be."""
+
+    standing: np.ndarray
+
+    def levelled(self, displacement: np.ndarray) -> np.ndarray:
+        return displacement
+
+    def clipped(self, displacement: np.ndarray) -> np.ndarray:
+        return displacement
+
+
 @dataclass
 class Bench:
     """Everything needed to run the loop on the sheet, anew or from where a store stands."""
@@ -120,6 +133,7 @@ class Bench:
     gain: float = 50.0
     broken_above: float = np.inf
     freedom: np.ndarray | None = None
+    base: LooseBase | None = None
 
     @property
     def surface(self) -> SurfaceMesh:
@@ -138,6 +152,6 @@ class Bench:
             store.move(lane, Lane(recipe=digest))
         thick = np.full(count, 4.0, np.float32)
         freedom = np.ones(count, np.float32) if self.freedom is None else self.freedom
-        bounds = Bounds(thickness=thick, inward=np.float32(0.25) * thick, outward=thick, freedom=freedom)
+        bounds = Bounds(thickness=thick, inward=np.float32(0.25) * thick, outward=thick, freedom=freedom, base=self.base)
         simulator = LeverSimulator(count, recipe, self.gain, self.broken_above)
         return Engine(recipe, surface, bounds, BumpStylizer(count, self.height), simulator, store, lane)

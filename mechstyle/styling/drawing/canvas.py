@@ -71,7 +71,7 @@ class Canvas:
         self.mesh = mesh
         self.seed = seed
         self.operators = Operators(mesh)
-        self.edge = self.operators.edge_length
+        self.edge = self.operators.mesh.edge_length
         self.scale = scale_by_area(mesh) * size
         self.nozzle = nozzle
         self.notes: list[str] = []

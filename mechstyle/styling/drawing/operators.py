@@ -29,14 +29,12 @@ class Operators:
         mesh: The surface.
         tail: First vertex of each edge, shape [edge_count].
         head: Second vertex of each edge, shape [edge_count].
-        edge_length: Edge of an equilateral triangle of the mean face area [mm].
     """
 
     def __init__(self, mesh: SurfaceMesh) -> None:
         self.mesh = mesh
         self.tail: Indices = mesh.edges[:, 0]
         self.head: Indices = mesh.edges[:, 1]
-        self.edge_length = float(np.sqrt(mesh.face_areas.mean() * 4.0 / np.sqrt(3.0)))
 
     @cached_property
     def edge_vectors(self) -> Floats:

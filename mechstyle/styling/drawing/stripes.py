@@ -36,7 +36,7 @@ def horizontal_lines(operators: Operators) -> Floats:
     wanted[flat] = axis - (normal[flat] @ axis)[:, None] * normal[flat]
     # The square of the tangent of the slope: a wall knows where the horizontal is, a gentle dome hardly.
     steepness = np.where(flat, 1.0, slope**2 / (1.02 - slope**2))
-    trust = steepness * areas / (_ALIGNMENT_LENGTH * operators.edge_length) ** 2
+    trust = steepness * areas / (_ALIGNMENT_LENGTH * operators.mesh.edge_length) ** 2
 
     x, y = operators.frames
     square = (np.einsum("ij,ij->i", wanted, x) + 1j * np.einsum("ij,ij->i", wanted, y)) ** 2

@@ -31,14 +31,14 @@ class Recorded(Generic[Given, Found]):
     returns is overwritten by the next call.
     """
 
-    def __init__(self, function: Callable[[Given], Found]) -> None:
-        self._function = function
+    def __init__(self, function: Callable[[Given], Found], gpu: torch.device) -> None:
+        self._function, self._gpu = function, gpu
         self._calls = 0
         self._graph: torch.cuda.CUDAGraph | None = None
 
     def __call__(self, given: Given) -> Found:
-        """The function of this, on the GPU that holds it."""
-        with torch.cuda.device(given.tensors[0].device):
+        """The function of this, on its GPU."""
+        with torch.cuda.device(self._gpu):
             return self._called(given)
 
     def _called(self, given: Given) -> Found:

@@ -79,7 +79,8 @@ class NeuralStylizer:
         self._shape, self._guidance, self._rate, self._seed = shape, guidance, rate, seed
         self._field = field.to(shape.positions.device)
         self._first = {name: value.clone() for name, value in self._field.state_dict().items()}
-        self._distance = Recorded(self._distant) if shape.positions.is_cuda else self._distant
+        gpu = shape.positions.device
+        self._distance = Recorded(self._distant, gpu) if shape.positions.is_cuda else self._distant
         count = len(shape.positions)
         self.start_from(np.zeros(count), np.full((count, 3), 0.5))
 
@@ -148,10 +149,10 @@ class NeuralStylizer:
 
     def _begin(self, parameters: dict[str, torch.Tensor], iteration: int) -> None:
         self._field.load_state_dict(parameters)
-        on_gpu = self._shape.positions.is_cuda
+        on_gpu, gpu = self._shape.positions.is_cuda, self._shape.positions.device
         self._adam = torch.optim.Adam(self._field.parameters(), lr=self._tensor(self._rate), fused=on_gpu, capturable=on_gpu)
-        self._descend: Callable[[Draws], None] = Recorded(self._descended) if on_gpu else self._descended
-        self._look: Callable[[NoDraws], Look] = Recorded(self._looked) if on_gpu else self._looked
+        self._descend: Callable[[Draws], None] = Recorded(self._descended, gpu) if on_gpu else self._descended
+        self._look: Callable[[NoDraws], Look] = Recorded(self._looked, gpu) if on_gpu else self._looked
         self._iteration = iteration
         with torch.no_grad():  # computed once: neither the points nor the frequencies change from here
             self._features = self._field.features(standardised(self._shape.positions))
