@@ -46,11 +46,11 @@ def utensil_grip(
 def key_turner(
     *,
     length: float = 104.0,
-    width: float = 38.0,
-    thickness: float = 13.0,
-    slot_width: float = 25.0,
+    width: float = 40.0,
+    thickness: float = 16.0,
+    slot_width: float = 23.0,
     slot_height: float = 3.2,
-    slot_depth: float = 26.0,
+    slot_depth: float = 24.0,
     pin: float = 3.4,
 ) -> SurfaceMesh:
     """A wide handle for a key, for hands that cannot pinch; it lies flat, its slot to the right.
@@ -64,7 +64,7 @@ def key_turner(
         slot_depth: How far the slot reaches in [mm].
         pin: Diameter of the hole for the screw through the eye of the key [mm].
     """
-    _solids.within(length=(length, 70, 160), width=(width, 26, 60), thickness=(thickness, slot_height + 4, 20))
+    _solids.within(length=(length, 70, 160), width=(width, 26, 60), thickness=(thickness, slot_height + 4, 26))
     _solids.within(slot_width=(slot_width, 10, width - 8), slot_height=(slot_height, 2, 6), slot_depth=(slot_depth, 12, 0.4 * length))
     _solids.within(pin=(pin, 2, 6))
     end = length / 2 - width / 2

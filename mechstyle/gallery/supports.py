@@ -121,7 +121,7 @@ def tablet_stand(
     _solids.within(thickness=(thickness, 4, 10), window=(window, 20, width - 36))
     along = np.array([math.cos(math.radians(angle)), math.sin(math.radians(angle))])
     across = np.array([-along[1], along[0]])
-    core = _solids.polygon([(0.0, 0.0), (0.72 * height, 0.0), height * along])
+    core = _solids.polygon([(0.0, 0.0), (0.72 * height, 0.0), (height * float(along[0]), height * float(along[1]))])
     loop = _solids.offset(core, 9.0) - _solids.offset(core, 9.0 - thickness)
     heel = 26.0 * along + (9.0 - thickness / 2) * across
     tip = heel + (ledge + thickness) * across

@@ -90,6 +90,9 @@ def spread(rows: Sequence[Row], field: str, label: str, *, log: bool = False) ->
     _named(axes[0], arms)
     if log:
         axes[0].set_xscale("log")
+        axes[0].xaxis.set_major_formatter("{x:g}")
+        axes[0].xaxis.set_minor_formatter("{x:g}")
+        axes[0].tick_params(axis="x", which="minor", labelsize=7)
     axes[0].set_xlabel(f"{label}; bar: median", size=8)
     return _png(sheet)
 

@@ -21,7 +21,7 @@ DESIGN = {
     "spectacle_frame": (2, (139.0, 49.5, 4.4)),  # two lenses
     "pill_box": (0, (142.0, 30.0, 17.2)),
     "utensil_grip": (0, (34.0, 112.0, 27.0)),
-    "key_turner": (2, (104.0, 38.0, 13.0)),  # slot and pin hole meet
+    "key_turner": (2, (104.0, 40.0, 16.0)),  # slot and pin hole meet
     "bottle_opener": (2, (122.0, 54.0, 8.0)),  # mouth and eye
     "lampshade": (4, (136.0, 134.0, 110.0)),  # open at both ends, a ring, and three ways from the ring to the wall
     "vase": (0, (101.0, 101.0, 150.0)),

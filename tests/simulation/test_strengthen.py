@@ -30,7 +30,7 @@ class Bent:
 
     def simulate(self, displacement, **_):
         along = self.surface.vertices[:, 0] / np.ptp(self.surface.vertices[:, 0])
-        stress = (self.load * YIELD * np.exp(-((along / 0.2) ** 2)) * (4.0 / (4.0 + 2.0 * displacement)) ** 2).astype(np.float32)
+        stress = (self.load * YIELD * np.exp(-((along / 0.2) ** 2)) * (4.0 / (4.0 + 2.0 * displacement.max())) ** 2).astype(np.float32)
         peak = float(stress.max())
         measures = Measures(peak=peak, surface=peak, p999=peak, p99=peak, maximum=peak, where=(0.0, 0.0, 0.0), volume=1.0)
         fields = {name: np.zeros(len(stress), np.float32) for name in ("envelope", "probability")}
