@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from statistics import median
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -204,7 +205,7 @@ def _print_counts(rows: list[Row]) -> None:
         told = [row for row in rows if row.arm == arm and row.status == "done"]
         if told:
             viable, (low, high) = sum(row.viable for row in told), wilson(sum(row.viable for row in told), len(told))
-            kept, seconds = (sorted(values)[len(told) // 2] for values in ([row.kept for row in told], [row.cpu_seconds for row in told]))
+            kept, seconds = median(row.kept for row in told), median(row.cpu_seconds for row in told)
             counts.add_row(arm, str(len(told)), str(viable), f"{low:.0%} to {high:.0%}", f"{kept:.2f}", f"{seconds:.0f}")
     out.print(counts)
     for row in rows:
