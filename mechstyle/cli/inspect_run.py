@@ -61,24 +61,33 @@ def lane_title(lane: LaneSummary) -> str:
 def show_command(
     address: Address,
     picture: Annotated[Path | None, typer.Option("--out", help="PNG to write; by default beside the run's objects.")] = None,
+    fields: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--field",
+            help="Show this instead of stress and mask: safety_factor, envelope (worst of all landings), thickness, probability, …; may be"
+            " given several times.",
+        ),
+    ] = None,
     as_json: Json = False,
 ) -> None:
-    """Picture of a checkpoint: styled, stress, mask, side by side."""
+    """Picture of a checkpoint: styled, stress, mask, or other fields, side by side."""
     from mechstyle.runs.run import Run  # noqa: PLC0415 — loaded when wanted
 
     root, lane, iteration = parse_address(address)
     run = Run.open(f"{root}@{lane}", "cpu")
     state = run.checkpoint(iteration)
-    path = run.show(iteration).save(picture or root / f"{run.record.stem}-{lane}-{state.iteration}.png")
+    which = "".join(f"-{name}" for name in fields or ())
+    path = run.show(iteration, fields=fields or ()).save(picture or root / f"{run.record.stem}-{lane}-{state.iteration}{which}.png")
     if as_json:
-        fields = {
+        told = {
             "iteration": state.iteration,
             "reason": state.reason,
             "verdict": state.verdict,
             "style_loss": state.style_loss,
             "simulated_at": state.simulated_at,
         }
-        print_json({**fields, "lane": lane, "files": {"picture": str(path)}})
+        print_json({**told, "lane": lane, "files": {"picture": str(path)}})
         return
     out.print(escape(str(path)))
 

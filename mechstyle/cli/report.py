@@ -18,13 +18,16 @@ app = typer.Typer()
 def report_command(
     address: Annotated[str, typer.Argument(metavar="DIR", help="A run directory: DIR, or DIR@lane.")],
     path: Annotated[Path | None, typer.Option("--out", help="HTML file to write; by default in the run directory.")] = None,
+    impact: Annotated[
+        bool, typer.Option("--impact", help="Drop the part once more, as placed and in its worst landing, to play both in the report.")
+    ] = False,
     as_json: Json = False,
 ) -> None:
     """Write a report as one HTML file that opens offline: verdicts, replay, timeline, settings, how to make it again."""
     from mechstyle.runs.run import Run  # noqa: PLC0415 — loaded when wanted
 
     run = Run.open(address, "cpu")
-    written = run.report(path or run.store.root / f"{run.record.stem}-{run.lane}.html")
+    written = run.report(path or run.store.root / f"{run.record.stem}-{run.lane}.html", impact=impact)
     if as_json:
         print_json({"lane": run.lane, "files": {"report": str(written)}})
         return

@@ -1,4 +1,4 @@
-"""A drop as placed with the displacement of every vertex: at moments through all its phases, or at one."""
+"""One drop with the displacement of every vertex: at moments through all its phases, or at one."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from mechstyle.fea.discretisation import Discretisation, discretise
 from mechstyle.fea.drop import DropTest, tracks_for
 from mechstyle.fea.elements import ElementMesh, element_named
 from mechstyle.fea.explicit import Progress, no_progress
+from mechstyle.fea.orientations import UP
 from mechstyle.fea.phases import Camera, follow
 from mechstyle.records.material import Material
 from mechstyle.records.mesh import Bools, Floats, Indices, TetMesh
 
-UPRIGHT = np.array([[0.0, 0.0, 1.0]])
 DROP = DropTest()
 
 
 @dataclass(frozen=True, eq=False)
 class Snapshots:
-    """A drop as placed at moments of its phases, the first at first touch.
+    """A drop at moments of its phases, the first at first touch, in the frame of the body as it was then.
 
     Attributes:
         time: Time since first touch, flights included, of which there are no moments [ms], shape [frames].
@@ -63,16 +63,18 @@ def snapshots(
     material: Material,
     test: DropTest = DROP,
     *,
+    normal: tuple[float, float, float] = UP,
     frames: int = 50,
     progress: Progress = no_progress,
     period: float | None = None,
 ) -> Snapshots:
-    """Drop a body as it stands, on the CPU, and keep at most so many moments.
+    """Drop a body, as it stands unless told, on the CPU, and keep at most so many moments.
 
     Args:
         tets: The body [mm].
         material: Its material.
         test: Height, window and numerical settings.
+        normal: Of the floor, out of it, in the frame of the body; of length one.
         frames: Most moments, at least 4; there are more than half as many unless the drop has fewer looks at it.
         progress: Called with the fraction done; may raise to cancel.
         period: As for `drop.drop`.
@@ -83,7 +85,7 @@ def snapshots(
     """
     discretisation = discretise(tets, material, test.added_mass, element_named(test.element))
     film = _Film(frames - 1)
-    touched = _filmed(discretisation, material, test, film, progress, period)
+    touched = _filmed(discretisation, material, test, film, progress, period, np.array([normal]))
     places, count, tet_count = discretisation.place[: len(discretisation.vertices)], len(film.times) + 1, len(tets.tets)
     displacement = np.zeros((count, len(tets.vertices), 3), np.float32)
     von_mises, corners = (np.zeros((count, tet_count, width), np.float32) for width in (discretisation.mesh.element.points, 4))
@@ -112,7 +114,7 @@ def snapshot(tets: TetMesh, material: Material, test: DropTest, time: float, per
     """
     discretisation = discretise(tets, material, test.added_mass, element_named(test.element))
     still = _Still(time, np.zeros_like(discretisation.positions, dtype=np.float32))
-    _filmed(discretisation, material, test, still, no_progress, period)
+    _filmed(discretisation, material, test, still, no_progress, period, np.array([UP]))
     return Snapshot(discretisation.mesh, discretisation.vertices, still.time, still.moved[discretisation.place])
 
 
@@ -182,10 +184,16 @@ class _Still:
 
 
 def _filmed(
-    discretisation: Discretisation, material: Material, test: DropTest, camera: Camera, progress: Progress, period: float | None
+    discretisation: Discretisation,
+    material: Material,
+    test: DropTest,
+    camera: Camera,
+    progress: Progress,
+    period: float | None,
+    normals: Floats,
 ) -> Bools:
-    """Drop a body as it stands before a camera; whether each node met the floor, shape [node_count]."""
-    tracks, scheme = tracks_for(discretisation, material, UPRIGHT, test, period)
+    """Drop a body on the floor of one normal, shape [1, 3], before a camera; whether each node met the floor, shape [node_count]."""
+    tracks, scheme = tracks_for(discretisation, material, normals, test, period)
     follow(CoreBody(discretisation), scheme, tracks, progress, camera)
     if tracks[0].failed:
         raise SimulationFailed(f"the drop test broke down at {tracks[0].time:.3f} ms: mesh the part again")

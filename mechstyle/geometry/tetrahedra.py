@@ -23,7 +23,7 @@ from mechstyle.geometry.tet_improvement import improved
 from mechstyle.geometry.tetwild import Settings, tetwild
 from mechstyle.records.mesh import Floats, Indices, SurfaceMesh, TetMesh, digest_of
 
-VERSION = "7"  # of what is cached: raise it when the result for the same input may change
+VERSION = "8"  # of what is cached: raise it when the result for the same input may change
 FEWEST, MOST = 500, 400_000
 RUNS = 3
 LEAST_COUNT, MOST_COUNT = 0.6, 1.6  # of the target
@@ -32,10 +32,11 @@ PINCHED = 1e-3  # of the boundary's edges, at which it may touch itself
 # The rest in walls, a wall being 2 V / A: what a part is thick on average.
 LOOSE = 0.08  # the input may leave the surface by this (99.9th percentile) ...
 ENVELOPE, WIDEST = 0.04, 6e-4  # ... and fTetWild's boundary its input by this or 0.6 ‰ of the diagonal, and improvement that
-DEVIATION = 0.3  # together they may lose no detail larger than this
+DEVIATION = 0.3  # together they may lose no detail larger than this, the input half of it
 FINEST = 20_000  # faces, about, of the finest input; thin parts of much detail would ask for more than can be meshed in a minute
 LOW = 0.2  # of an even triangle's edge: triangles lower than that make slivers, which cost steps, and carry no relief
 KEPT = 24_000  # faces, at most, of an input that keeps its triangles: with 18 000 a wall hook's bricks are carried to 0.87, so to 0.91
+EXAGGERATION = (1.0, 0.3, 0.0)  # shares of the exaggeration wished for, at which triangles are chosen to be kept
 FLAT = 0.05  # mm above the floor within which a vertex on a flat base is set down onto it
 
 
@@ -123,7 +124,7 @@ def _attempt(surface: SurfaceMesh, aim: float, sharpness: float, timeout: float,
     tolerance = sharpness * min(ENVELOPE * wall, WIDEST * surface.size)
     epsilon = (1.0 if keep is None else 0.5) * tolerance
     loose = sharpness * LOOSE * wall
-    even = _evened(surface, _first_edge(surface, aim), loose) if keep is None else _kept(surface, keep, loose)
+    even = _evened(surface, _first_edge(surface, aim), loose) if keep is None else _kept(surface, keep, loose, 0.5 * DEVIATION * wall)
     edge = _edge(surface.volume, len(even.faces), aim)
     found = _tidied(*tetwild(even.vertices, even.faces, Settings(edge, epsilon / surface.size), timeout=timeout))
     settled = _set_down(surface, found, max(FLAT, 1.5 * epsilon))
@@ -147,19 +148,33 @@ def _first_edge(surface: SurfaceMesh, aim: float) -> float:
     return float(roots[np.isreal(roots)].real.max())
 
 
-def _kept(surface: SurfaceMesh, exaggerated: SurfaceMesh, deviation: float) -> SurfaceMesh:
+def _kept(surface: SurfaceMesh, exaggerated: SurfaceMesh, deviation: float, detail: float) -> SurfaceMesh:
     """The surface in its own triangles; of too many, those that its exaggerated relief needs least are given up.
 
     Low ones go in any case, as far as that moves the surface by no more than `deviation` [mm]. Even triangles of the same number round
-    the edges of a relief off.
+    the edges of a relief off. The more a relief is exaggerated, the less is left for the shape of the part: less exaggerated where a
+    detail larger than `detail` [mm] would be lost.
     """
-    fewer = _decimated(surface, exaggerated) if len(surface.faces) > KEPT else surface
+    fewer = _decimated(surface, exaggerated, detail) if len(surface.faces) > KEPT else surface
     edge = math.sqrt(4.0 / math.sqrt(3.0) * float(fewer.face_areas.mean()))
     return without_degenerate(fewer, min(LOW * edge, deviation))
 
 
-def _decimated(surface: SurfaceMesh, exaggerated: SurfaceMesh) -> SurfaceMesh:
-    """The surface in KEPT triangles, chosen by quadrics (Garland and Heckbert 1997), or itself if it does not stay closed in them."""
+def _decimated(surface: SurfaceMesh, exaggerated: SurfaceMesh, detail: float) -> SurfaceMesh:
+    """The surface in KEPT triangles that lose no detail larger than `detail` [mm], or the least; itself if none stay closed."""
+    losses: list[tuple[float, SurfaceMesh]] = []
+    for share in EXAGGERATION:
+        fewer = _by_quadrics(surface, surface.moved(surface.vertices + share * (exaggerated.vertices - surface.vertices)))
+        lost = float(TriangleTree(fewer.vertices, fewer.faces).nearest(surface.vertices).distance.max())
+        if fewer.is_closed:
+            losses.append((lost, fewer))
+            if lost <= detail:
+                break
+    return min(losses, key=lambda found: found[0])[1] if losses else surface
+
+
+def _by_quadrics(surface: SurfaceMesh, exaggerated: SurfaceMesh) -> SurfaceMesh:
+    """The surface in KEPT triangles, chosen on the exaggerated one by quadrics (Garland and Heckbert 1997)."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         from gpytoolbox import decimate  # noqa: PLC0415 (importing it warns of its own use of SciPy)
@@ -167,8 +182,7 @@ def _decimated(surface: SurfaceMesh, exaggerated: SurfaceMesh) -> SurfaceMesh:
         vertices, faces, _, _ = decimate(exaggerated.vertices.copy(), exaggerated.faces.copy(), num_faces=KEPT, method="qslim")
     there = TriangleTree(exaggerated.vertices, exaggerated.faces).nearest(vertices)
     stretch = (exaggerated.vertices - surface.vertices)[surface.faces[there.face]]
-    fewer = SurfaceMesh(vertices - np.einsum("vi,vij->vj", there.weights, stretch), faces)
-    return fewer if fewer.is_closed else surface
+    return SurfaceMesh(vertices - np.einsum("vi,vij->vj", there.weights, stretch), faces)
 
 
 def _evened(surface: SurfaceMesh, edge: float, deviation: float) -> SurfaceMesh:

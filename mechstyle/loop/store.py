@@ -134,11 +134,16 @@ class Store:
 
     def allowable(self, state: Checkpoint | Entry) -> float:
         """Allowable stress [MPa]: the limit of the newest verdict, before the first the material's yield strength."""
+        verdict = self.verdict(state)
+        return self.recipe(state.recipe).material.yield_strength if verdict is None else verdict.deciding.limit
+
+    def verdict(self, state: Checkpoint | Entry) -> Verdict | None:
+        """The newest verdict there, None before the first."""
         verdict, parent = state.verdict, state.parent
         while verdict is None and parent:
             entry = self.entry(parent)
             verdict, parent = entry.verdict, entry.parent
-        return self.recipe(state.recipe).material.yield_strength if verdict is None else verdict.deciding.limit
+        return verdict
 
     def find(self, iteration: int | None, lane: str = "main") -> Entry:
         """The newest checkpoint of an iteration in a lane (None: its head); BadInput says which iterations there are."""

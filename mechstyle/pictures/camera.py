@@ -18,6 +18,8 @@ Floats = NDArray[np.float64]
 VIEWS: Mapping[str, tuple[float, float]] = MappingProxyType(
     {"front": (0.0, 0.0), "three_quarter": (35.0, 28.0), "side": (90.0, 0.0), "top": (0.0, 90.0), "below": (35.0, -38.0)}
 )
+OPENING = 24.0
+"""Opening angle over the height of a picture, unless told [degrees]."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +39,7 @@ class Camera:
     elevation: float
     target: tuple[float, float, float]
     distance: float
-    field_of_view: float = 24.0
+    field_of_view: float = OPENING
     aspect: float = 1.0
 
     def __post_init__(self) -> None:
@@ -46,7 +48,10 @@ class Camera:
             raise BadInput(f"{self}: distance and aspect must be positive, the opening 0 to 170, the elevation -90 to 90 degrees")
 
     @classmethod
-    def fitted(cls, points: ArrayLike, azimuth: float, elevation: float, *, aspect: float = 1.0, margin: float = 0.06) -> Camera:
+    def fitted(
+        cls, points: ArrayLike, azimuth: float, elevation: float, *,
+        aspect: float = 1.0, margin: float = 0.06, field_of_view: float = OPENING,
+    ) -> Camera:  # fmt: skip
         """The nearest camera in a direction from which all points are in the picture, `margin` of it left free on each side.
 
         A point (x, y, z) in camera axes around a target shifted by (s, t) is inside when |x - s| <= k (d - z) and |y - t| <= h (d - z);
@@ -58,22 +63,22 @@ class Camera:
         middle = 0.5 * (cloud.min(axis=0) + cloud.max(axis=0))
         axes = _axes(azimuth, elevation)
         x, y, z = ((cloud - middle) @ axes.T).T
-        high = math.tan(math.radians(cls.field_of_view / 2)) * (1 - 2 * margin)
+        high = math.tan(math.radians(field_of_view / 2)) * (1 - 2 * margin)
         wide = high * aspect
         spans = [(float((u + k * z).max()), float((u - k * z).min()), k) for u, k in ((x, wide), (y, high))]
         distance = max((top - bottom) / (2 * k) for top, bottom, k in spans)
         shift = [(top + bottom) / 2 for top, bottom, _ in spans]
         near = float(z.max()) + 1e-3 * float(np.ptp(cloud, axis=0).max()) + 1e-9
         target = middle + shift[0] * axes[0] + shift[1] * axes[1]
-        return cls(azimuth, elevation, (float(target[0]), float(target[1]), float(target[2])), max(distance, near), aspect=aspect)
+        return cls(azimuth, elevation, (float(target[0]), float(target[1]), float(target[2])), max(distance, near), field_of_view, aspect)
 
     @classmethod
-    def named(cls, view: str, points: ArrayLike, *, aspect: float = 1.0) -> Camera:
+    def named(cls, view: str, points: ArrayLike, *, aspect: float = 1.0, field_of_view: float = OPENING) -> Camera:
         """A camera of `VIEWS`, fitted to the points [mm], shape [n, 3]."""
         if view not in VIEWS:
             raise unknown("view", view, VIEWS)
         azimuth, elevation = VIEWS[view]
-        return cls.fitted(points, azimuth, elevation, aspect=aspect)
+        return cls.fitted(points, azimuth, elevation, aspect=aspect, field_of_view=field_of_view)
 
     @property
     def axes(self) -> Floats:

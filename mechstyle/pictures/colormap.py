@@ -35,12 +35,12 @@ def linear_to_srgb(intensities: ArrayLike) -> Colours:
 
 @dataclass(frozen=True)
 class Scale:
-    """A colour scale: from values to colours.
+    """A colour scale: from values to colours. It rises, or falls where less is worse, as with a safety factor.
 
     Attributes:
-        low: Value at the pale end [unit of the field].
-        high: Value at the dark end, or at the top of the scale where a threshold lies below it.
-        threshold: Values above it are set apart, None for none.
+        low: Value at the pale end [unit of the field]; above `high` on a scale that falls.
+        high: Value at the dark end, or at the top of the scale where a threshold lies before it.
+        threshold: Values beyond it are set apart, None for none.
     """
 
     low: float
@@ -49,21 +49,32 @@ class Scale:
 
     def __post_init__(self) -> None:
         """Refuse a scale without extent."""
-        if not (np.isfinite([self.low, self.high]).all() and self.low < self.high):
-            raise BadInput(f"a colour scale must rise from low to high, but low is {self.low:g} and high is {self.high:g}")
+        if not (np.isfinite([self.low, self.high]).all() and self.low != self.high):
+            raise BadInput(f"a colour scale needs two different ends, but they are {self.low:g} and {self.high:g}")
         if self.threshold is not None and not np.isfinite(self.threshold):
             raise BadInput(f"the threshold of a colour scale must be a number, not {self.threshold}")
 
     @property
     def top(self) -> float:
         """Value at which the ramp ends: the threshold if it lies inside the scale, else `high`."""
-        inside = self.threshold is not None and self.low < self.threshold < self.high
-        return float(self.threshold) if inside and self.threshold is not None else self.high
+        return float(self.threshold) if self.split and self.threshold is not None else self.high
 
-    def above(self, values: ArrayLike) -> NDArray[np.bool_]:
-        """Whether values lie above the threshold, same shape."""
+    @property
+    def falls(self) -> bool:
+        """Whether less is worse."""
+        return self.low > self.high
+
+    @property
+    def split(self) -> bool:
+        """Whether the threshold lies inside the scale."""
+        return self.threshold is not None and min(self.low, self.high) < self.threshold < max(self.low, self.high)
+
+    def beyond(self, values: ArrayLike) -> NDArray[np.bool_]:
+        """Whether values lie beyond the threshold, above it or on a scale that falls below it, same shape."""
         given = np.asarray(values)
-        return np.zeros(given.shape, bool) if self.threshold is None else np.asarray(given > self.threshold)
+        if self.threshold is None:
+            return np.zeros(given.shape, bool)
+        return np.asarray(given < self.threshold if self.falls else given > self.threshold)
 
     def colours(self, values: ArrayLike) -> Colours:
         """Linear RGB in [0, 1], to be lit, of values of any shape, shape [..., 3]; grey where a value is not a number."""
@@ -71,7 +82,7 @@ class Scale:
         place = np.clip((given - self.low) / (self.top - self.low), 0.0, 1.0)
         known = np.isfinite(place)
         colours = np.array(_RAMP[np.rint(np.where(known, place, 0.0) * (STEPS - 1)).astype(np.intp)])
-        colours[self.above(given)] = srgb_to_linear(ABOVE)
+        colours[self.beyond(given)] = srgb_to_linear(ABOVE)
         colours[~known] = srgb_to_linear(UNKNOWN)
         return colours
 
@@ -83,13 +94,13 @@ def field_colours(values: ArrayLike, low: float, high: float, threshold: float |
         values: The field [any unit], any shape.
         low: Value at the pale end.
         high: Value at the dark end.
-        threshold: Values above it get a colour of their own.
+        threshold: Values beyond it get a colour of their own.
 
     Returns:
         Display RGB in [0, 1], shape [..., 3], float32.
 
     Raises:
-        BadInput: If low is not below high.
+        BadInput: If both ends are the same.
     """
     return linear_to_srgb(Scale(low, high, threshold).colours(values))
 

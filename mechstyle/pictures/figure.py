@@ -285,7 +285,7 @@ def _draw_bar(axes: Axes, label: str, unit: str, scale: Scale) -> None:
     width, height = _pixels(axes)
     values = np.tile(np.linspace(scale.low, scale.high, width), (height, 1))
     colours = linear_to_srgb(scale.colours(values))
-    colours[scale.above(values) & hatch(height, width, 9)] = STRIPE
+    colours[scale.beyond(values) & hatch(height, width, 9)] = STRIPE
     axes.imshow(colours, extent=(scale.low, scale.high, 0, 1), aspect="auto", interpolation="none")
     axes.set_yticks([])
     axes.xaxis.set_major_locator(MaxNLocator(6))
@@ -294,8 +294,8 @@ def _draw_bar(axes: Axes, label: str, unit: str, scale: Scale) -> None:
         side.set_visible(False)
     name = f"{label} [{unit}]" if unit else label
     axes.text(0, 2.6, name, transform=axes.transAxes, size=9.5, color=INK, va="bottom")
-    if scale.threshold is not None and scale.low < scale.threshold < scale.high:
-        axes.axvline(scale.threshold, ymin=-0.3, ymax=1.35, color=INK, linewidth=1.4, clip_on=False)
-        place = (scale.threshold - scale.low) / (scale.high - scale.low)
-        axes.text(min(place, 1.0), 1.35, f"limit {scale.threshold:.3g}", transform=axes.transAxes, size=9.5, weight="bold", color=INK,
+    if scale.split:
+        axes.axvline(scale.top, ymin=-0.3, ymax=1.35, color=INK, linewidth=1.4, clip_on=False)
+        place = (scale.top - scale.low) / (scale.high - scale.low)
+        axes.text(min(place, 1.0), 1.35, f"limit {scale.top:.3g}", transform=axes.transAxes, size=9.5, weight="bold", color=INK,
                   va="bottom", ha="right" if place > 0.5 else "left")

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mechstyle._files import write_whole
+from mechstyle.errors import unknown
 from mechstyle.pictures import fields
-from mechstyle.pictures.fields import Quantity
+from mechstyle.pictures.fields import Known, Quantity
 from mechstyle.records import Checkpoint, Recipe, Verdict
 from mechstyle.records.mesh import SurfaceMesh
 
@@ -82,6 +83,21 @@ def checkpoint_panels(original: SurfaceMesh, state: Checkpoint, recipe: Recipe, 
             note=f"{state.restrained.mean():.0%} restrained",
         ),
     ]
+
+
+def chosen_panels(styled: SurfaceMesh, found: Sequence[Known], wanted: Sequence[str]) -> list[Panel]:
+    """The fields of some names, in their order, of all that are known.
+
+    Raises:
+        BadInput: If one is not known there.
+    """
+    by_name = {known.quantity.name: known for known in found}
+    for name in wanted:
+        if name not in by_name:
+            raise unknown("field", name, list(by_name))
+    chosen = [by_name[name] for name in wanted]
+    panels = [field_panel(styled, known.quantity, known.values, title=known.quantity.title, note=known.note) for known in chosen]
+    return [replace(panel, limits=known.quantity.limits(known.seen)) for panel, known in zip(panels, chosen, strict=True)]
 
 
 def with_protected(panel: Panel, protected: np.ndarray) -> Panel:

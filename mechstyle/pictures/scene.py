@@ -116,7 +116,7 @@ def _field_paint(mesh: SurfaceMesh, seen: Visibility, hit: NDArray[np.bool_], fi
     here = _across(mesh, seen, hit, values[:, None])[:, 0]
     paint = field.scale.colours(here)
     above = np.zeros(hit.shape, bool)
-    above[hit] = field.scale.above(here)
+    above[hit] = field.scale.beyond(here)
     paint[(above & hatch(hit.shape[0], hit.shape[1], 9 * supersampling))[hit]] = srgb_to_linear(STRIPE)
     absent = np.zeros(hit.shape, bool)
     absent[hit] = np.isnan(here)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
@@ -22,13 +22,14 @@ from mechstyle.loop.history import measured_at
 from mechstyle.loop.lock import exclusive
 from mechstyle.loop.objects import read_record, to_json
 from mechstyle.loop.store import Entry, Lane, Store, parse_address
-from mechstyle.pictures.panels import Picture, checkpoint_panels, picture, with_protected
+from mechstyle.pictures.panels import Picture, checkpoint_panels, chosen_panels, picture, with_protected
 from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict
 from mechstyle.records.material import Material
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh
 from mechstyle.runs import images
 from mechstyle.runs.export import Exported, exported
 from mechstyle.runs.folders import default_folder, folder_for
+from mechstyle.runs.known_fields import known_fields
 from mechstyle.runs.part_record import PartRecord
 from mechstyle.runs.recipes import changed, draft
 from mechstyle.runs.refine import Refined, Refinement, notes_on
@@ -136,20 +137,22 @@ class Run:
 
     # what can be done with it
 
-    def show(self, iteration: int | None = None) -> Picture:
-        """Styled part, stress and mask side by side: a notebook displays it, `.save(path)` writes the PNG.
+    def show(self, iteration: int | None = None, *, fields: Sequence[str] = ()) -> Picture:
+        """Styled part, stress and mask, or the `fields` named, side by side: a notebook displays it, `.save(path)` writes the PNG.
 
-        At the end the styled part is the surface that is delivered; stress and mask stay at the vertices of the loop, which they restrain.
+        At the end the styled part is the surface that is delivered; fields stay at the vertices of the loop, which they restrain.
         """
         state = self.checkpoint(iteration)
         recipe = self.store.recipe(state.recipe)
         measured = measured_at(self.history, self.store.find(iteration, self.lane).digest)
         look, stress, restraint = checkpoint_panels(self.part.surface, state, recipe, self.store.allowable(state), measured)
+        shown = [stress, with_protected(restraint, bounds_for(self.part, recipe)[0].freedom == 0.0)]
+        if fields:
+            shown = chosen_panels(look.mesh, known_fields(self.store, self.lane, self.part, state), fields)
         delivered = self.delivered(iteration)
         if delivered is not None:
             look = replace(look, mesh=delivered.styled)
-        protected = bounds_for(self.part, recipe)[0].freedom == 0.0
-        return picture([look, stress, with_protected(restraint, protected)], title=f"{self.record.name}, iteration {state.iteration}")
+        return picture([look, *shown], title=f"{self.record.name}, iteration {state.iteration}")
 
     def _repr_mimebundle_(self, **_: Any) -> dict[str, str]:
         """A picture and a table in a notebook, also where no kernel runs; the one-line form elsewhere."""
@@ -157,11 +160,14 @@ class Run:
 
         return mimebundle(self)
 
-    def report(self, path: str | Path) -> Path:
-        """Write a report of the lane as one HTML file that opens offline: verdicts, replay, timeline, settings, how to make it again."""
+    def report(self, path: str | Path, *, impact: bool = False) -> Path:
+        """Write a report of the lane as one HTML file that opens offline: verdicts, replay, timeline, settings, how to make it again.
+
+        Impacts that were looked at are in it; `impact` drops the part for it as placed and in its worst landing.
+        """
         from mechstyle.runs.report.page import write_report  # noqa: PLC0415 — loaded when a report is wanted
 
-        return write_report(self, path)
+        return write_report(self, path, impact=impact)
 
     def export(self, path: str | Path, iteration: int | None = None, *, fine: bool | None = None, texture: bool = False) -> Path:
         """Write the delivered surface at an iteration to a file, and what is known of it to `FILE.json`; the suffix decides the format.
@@ -295,15 +301,9 @@ class Run:
 
 
 def begin(
-    part: Workpiece,
-    recipe: Recipe,
-    out: str | Path,
-    *,
-    name: str = "part",
-    device: str = "auto",
-    origin: Origin | None = None,
-    beside: bool = True,
-) -> Run:
+    part: Workpiece, recipe: Recipe, out: str | Path, *,
+    name: str = "part", device: str = "auto", origin: Origin | None = None, beside: bool = True,
+) -> Run:  # fmt: skip
     """A run directory for a part and a recipe: new, or an earlier one of the same recipe, which then goes on where it stopped.
 
     The earlier one keeps its tetrahedra: those of a part that was meshed anew are others, without anything else being other.

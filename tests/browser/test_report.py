@@ -19,7 +19,7 @@ PATIENCE = 60_000  # [ms]
 
 @pytest.fixture(scope="module")
 def report(finished_run, tmp_path_factory):
-    return finished_run.report(tmp_path_factory.mktemp("reports") / "report.html")
+    return finished_run.report(tmp_path_factory.mktemp("reports") / "report.html", impact=True)
 
 
 @pytest.fixture
@@ -47,7 +47,7 @@ def opened(chromium, report):
 
 
 def pixels(page):
-    shot = page.locator(".ms-canvas").screenshot()
+    shot = page.locator("#replay .ms-canvas").screenshot()
     return np.asarray(Image.open(io.BytesIO(shot)).convert("RGB")).astype(int)
 
 
@@ -72,7 +72,7 @@ def changed(page, before, share):
 
 
 def at(page, iteration):
-    expect(page.locator(".ms-count")).to_have_text(f"{iteration} / 12")
+    expect(page.locator("#replay .ms-count")).to_have_text(f"{iteration} / 12")
 
 
 def keep(page, name):
@@ -97,17 +97,17 @@ def test_arrow_keys_scrub_through_the_iterations(opened):
 def test_layers_are_chosen_by_key_and_by_mouse_and_the_threshold_moves_the_picture(opened):
     page = opened()
     style = pixels(page)
-    page.locator(".ms-canvas").focus()
+    page.locator("#replay .ms-canvas").focus()
     page.keyboard.press("2")
     page.get_by_role("radio", name="Stress", checked=True).wait_for()
     stress = changed(page, style, 0.1)
-    expect(page.locator(".ms-label")).to_contain_text("von Mises stress")
-    knob = page.get_by_label("Threshold")
+    expect(page.locator("#replay .ms-label")).to_contain_text("von Mises stress")
+    knob = page.locator("#replay").get_by_label("Threshold")
     knob.fill("5")
-    expect(page.locator(".ms-label")).to_contain_text("above 5 MPa")
+    expect(page.locator("#replay .ms-label")).to_contain_text("above 5 MPa")
     changed(page, stress, 0.05)
     page.get_by_role("radio", name="Displacement").click()
-    expect(page.locator(".ms-label")).to_contain_text("[mm]")
+    expect(page.locator("#replay .ms-label")).to_contain_text("[mm]")
     expect(knob).to_be_hidden()
 
 
@@ -115,7 +115,7 @@ def test_the_timeline_moves_the_replay_and_the_replay_moves_the_timeline(opened)
     page = opened()
     page.locator(".mark[data-iteration='4']").first.click()
     at(page, 4)
-    expect(page.locator(".ms-caption")).to_contain_text("every 4 iterations")
+    expect(page.locator("#replay .ms-caption")).to_contain_text("every 4 iterations")
     assert page.locator("tr[data-current]").first.get_attribute("data-iteration") == "4"
     place = page.locator(".cursor").get_attribute("transform")
     page.locator("svg.timeline").focus()
@@ -129,7 +129,7 @@ def test_the_timeline_moves_the_replay_and_the_replay_moves_the_timeline(opened)
 
 def test_dragging_turns_the_part_and_keys_do_it_as_well(opened):
     page = opened()
-    before, box = pixels(page), page.locator(".ms-canvas").bounding_box()
+    before, box = pixels(page), page.locator("#replay .ms-canvas").bounding_box()
     page.mouse.move(box["x"] + 0.4 * box["width"], box["y"] + 0.5 * box["height"])
     page.mouse.down()
     page.mouse.move(box["x"] + 0.6 * box["width"], box["y"] + 0.4 * box["height"], steps=5)
@@ -138,7 +138,7 @@ def test_dragging_turns_the_part_and_keys_do_it_as_well(opened):
     page.keyboard.press("+")
     changed(page, turned, 0.03)
     page.keyboard.press("0")
-    page.locator(".ms-canvas").evaluate("canvas => canvas.blur()")  # the ring around it is no part of the picture
+    page.locator("#replay .ms-canvas").evaluate("canvas => canvas.blur()")  # the ring around it is no part of the picture
     page.mouse.move(0, 0)
     again = until(page, lambda now: differing(before, now) < 0.02)
     assert differing(before, again) < 0.02
@@ -170,3 +170,29 @@ def test_print_shows_the_pictures_instead_of_the_replay(opened):
     page.emulate_media(media="print")
     assert page.locator(".still").is_visible()
     assert not page.locator("#replay").is_visible()
+
+
+def test_the_impact_opens_at_its_peak_and_plays_up_to_it(opened):
+    page = opened()
+    impact = page.locator("#impact")
+    impact.scroll_into_view_if_needed()
+    expect(impact.locator(".ms-caption")).to_contain_text("the moment of the peak")
+    slider = impact.get_by_label("Moment", exact=True)
+    peak, last = slider.input_value(), slider.get_attribute("max")
+
+    def seen():
+        return np.asarray(Image.open(io.BytesIO(impact.locator(".ms-canvas").screenshot())).convert("RGB")).astype(int)
+
+    at_peak = seen()
+    assert differing(at_peak, np.broadcast_to(at_peak[2, 2], at_peak.shape)) > 0.03, "the part is there"
+    page.locator("section.played").screenshot(path=SCREENSHOTS / "report-impact.png")
+    impact.get_by_role("combobox").select_option("100")
+    until(page, lambda _: differing(seen(), at_peak) > 0.01)
+    assert differing(seen(), at_peak) > 0.01, "deformed five times as much"
+    slider.focus()
+    page.keyboard.press("End")
+    expect(slider).to_have_value(last)
+    expect(impact.locator(".ms-caption")).not_to_contain_text("the moment of the peak")
+    impact.get_by_role("button", name="Play").click()
+    expect(slider).to_have_value(peak)
+    expect(impact.get_by_role("button", name="Play")).to_be_visible()

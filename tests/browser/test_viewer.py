@@ -94,8 +94,10 @@ def test_the_impact_can_be_watched_and_exaggerated(shown):
     shown.page.get_by_role("button", name="see the impact").click()
     shown.until("(viewer.player.impact is not None, viewer.layer)", "(True, 'moment')")
     before = shown.drawn()
-    handle = shown.page.locator(".mechstyle-viewer .noUi-handle").first
-    handle.focus()
+    assert shown.python("print(viewer.player.frame == viewer.player.impact.peak)") == "True"
+    shown.keep("viewer-impact-peak")
+    shown.page.locator(".mechstyle-viewer .noUi-handle:visible").first.focus()
+    shown.page.keyboard.press("Home")
     for _ in range(4):
         shown.page.keyboard.press("ArrowRight")
     shown.until("viewer.player.frame", 4)

@@ -56,14 +56,22 @@ def test_the_ramp_ends_at_the_threshold_and_beyond_it_one_colour_rules():
     scale = Scale(0.0, 60.0, 45.6)
     assert scale.top == 45.6
     assert scale.colours(45.6) == pytest.approx(RAMP[-1])
-    assert scale.above([45.6, 45.7, np.nan]).tolist() == [False, True, False]
+    assert scale.beyond([45.6, 45.7, np.nan]).tolist() == [False, True, False]
     assert (scale.colours(46.0) == scale.colours(60.0)).all()
     assert np.abs(scale.colours(46.0) - RAMP).sum(axis=1).min() > 0.5
 
 
 def test_a_threshold_outside_the_scale_leaves_the_ramp_alone():
     assert Scale(0.0, 10.0, 45.6).top == 10.0
-    assert Scale(0.0, 10.0).above([1e9]).tolist() == [False]
+    assert Scale(0.0, 10.0).beyond([1e9]).tolist() == [False]
+
+
+def test_a_scale_that_falls_is_its_mirror_image():
+    falling, rising = Scale(4.0, 0.0, 1.0), Scale(-4.0, 0.0, -1.0)
+    values = np.array([5.0, 4.0, 2.5, 1.0, 0.99, 0.0])
+    assert falling.colours(values) == pytest.approx(rising.colours(-values))
+    assert falling.beyond(values).tolist() == [False, False, False, False, True, True]
+    assert (falling.top, Scale(4.0, 2.0, 1.0).top) == (1.0, 2.0)
 
 
 def test_a_value_that_is_not_a_number_is_grey():
@@ -71,9 +79,9 @@ def test_a_value_that_is_not_a_number_is_grey():
     assert r == g == b
 
 
-@pytest.mark.parametrize("limits", [(1.0, 1.0), (2.0, 1.0), (0.0, np.nan), (-np.inf, 1.0)])
+@pytest.mark.parametrize("limits", [(1.0, 1.0), (0.0, np.nan), (-np.inf, 1.0)])
 def test_a_scale_without_extent_is_refused(limits):
-    with pytest.raises(BadInput, match="must rise from low to high"):
+    with pytest.raises(BadInput, match="two different ends"):
         field_colours([0.0], *limits)
 
 

@@ -6,6 +6,7 @@ import msgspec
 import numpy as np
 import pytest
 
+from mechstyle.errors import BadInput
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import TetMesh
 from mechstyle.runs import run as module
@@ -70,3 +71,15 @@ def test_between_drops_the_limit_is_that_of_the_last_verdict(run, shown):
 
 def test_a_picture_can_be_made_of_a_failed_drop(run, tmp_path):
     assert run.show(40).save(tmp_path / "failed.png").read_bytes()[:4] == b"\x89PNG"
+
+
+def test_other_fields_are_shown_instead_if_they_are_asked_for(run, monkeypatch):
+    panels = []
+    monkeypatch.setattr(module, "picture", lambda shown, **_: panels.extend(shown))
+    run.show(20, fields=["safety_factor", "thickness"])
+    assert [panel.title for panel in panels[1:]] == ["safety factor", "wall thickness"]
+    factor = panels[1]
+    assert (factor.limits, factor.threshold) == ((4.0, 0.0), 1.0)
+    assert factor.values.min() == pytest.approx(run.checkpoint(20).verdict.as_placed.safety_factor, rel=1e-5)
+    with pytest.raises(BadInput, match="unknown field 'safety'"):
+        run.show(20, fields=["safety"])

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import msgspec
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from mechstyle.fea.orientations import UP
 from mechstyle.fea.snapshots import Snapshots
 from mechstyle.fea.surface_stress import SurfaceStress
 from mechstyle.geometry.transfer import Transfer
@@ -52,7 +55,11 @@ def impact(part, seen, tmp_path):
     """Makes the impact of the unstylized part under a recipe with given settings."""
     plain = Recipe(surface=part.surface.digest, tetrahedra=part.tets.digest, prompt="", material=LIBRARY["PLA"])
     memo, flat = Memo(tmp_path / "memo", Objects(tmp_path / "objects")), np.zeros(len(part.surface.vertices), np.float32)
-    return lambda **settings: impact_of(part, msgspec.structs.replace(plain, **settings), flat, memo)
+
+    def made(landing=UP, **settings):
+        return impact_of(part, msgspec.structs.replace(plain, **settings), flat, memo, normal=landing)
+
+    return made
 
 
 @pytest.mark.parametrize("transfer", ["barycentric", "nearest"])
@@ -65,6 +72,26 @@ def test_stress_comes_to_the_surface_as_that_of_the_verdict_does(part, seen, imp
 
 def test_the_deformed_surface_is_the_same_whatever_brings_its_stress(impact):
     assert np.array_equal(impact(transfer="nearest").displacement, impact(transfer="barycentric").displacement)
+
+
+def test_the_floor_is_level_below_whatever_way_it_lands(part, impact):
+    """A block that lands on its side: what is below is what was at that side, at the height at which it stood."""
+    fallen = replace(impact(), normal=(1.0, 0.0, 0.0), displacement=np.zeros((1, len(part.surface.vertices), 3), np.float32))
+    shape = fallen.shape(part.surface, 0)
+    assert np.allclose(np.sort(shape.extents), np.sort(part.surface.extents), atol=1e-6)
+    side = part.surface.vertices[:, 0] == part.surface.vertices[:, 0].min()
+    assert np.allclose(shape.vertices[side, 2], part.surface.vertices[:, 2].min(), atol=1e-6)
+    assert shape.extents[2] == pytest.approx(part.surface.extents[0])
+
+
+def test_each_landing_is_remembered_as_its_own(part, seen, impact):
+    _, asked = seen
+    first = impact()
+    assert first.normal == (0.0, 0.0, 1.0)
+    tipped = impact(landing=(0.0, 1.0, 0.0))
+    assert (tipped.normal, len(asked)) == ((0.0, 1.0, 0.0), 2)
+    assert impact(landing=(0.0, 1.0, 0.0)).normal == (0.0, 1.0, 0.0)
+    assert (impact().normal, len(asked)) == ((0.0, 0.0, 1.0), 2)
 
 
 @pytest.mark.parametrize(("setting", "drops"), [({"transfer": "nearest"}, 2), ({"friction": 0.3}, 2), ({"seed": 7}, 1)])

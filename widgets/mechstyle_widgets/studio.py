@@ -47,7 +47,7 @@ from mechstyle_widgets.viewer.viewer import Viewer
 logger = logging.getLogger(__name__)
 
 SIZE = (640, 430)  # width and height of the view until the page has told how much room there is [pixels]
-LAYERS = {"1": "style", "2": "stress", "3": "demand", "4": "restraint"}
+LAYERS = {"1": "style", "2": "stress", "3": "safety_factor", "4": "restraint", "5": "demand", "6": "displacement"}
 """Layers by the keys that show them."""
 TITLES = ("Part", "Style", "Material", "Restraint", "Schedule", "Protected", "Drop test")
 OPEN = ("Part", "Style")
@@ -313,7 +313,9 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             self.branches.branch()
         elif key == "c" and self.state.checkpoint is not None:
             self.branches.pin()
-        elif self._viewer is not None and (key == "1" or self._viewer.subject.layer(LAYERS.get(key, "")) is not None):
+        elif self._viewer is not None and key not in LAYERS:
+            self._viewer.key(key)
+        elif self._viewer is not None and (key == "1" or self._viewer.subject.layer(LAYERS[key]) is not None):
             self._viewer.layer = LAYERS[key]
 
     # the style before it is run

@@ -9,6 +9,9 @@ from importlib.resources import files
 MODULES = ("replay_data", "shaders", "camera", "scene", "player")
 """ES modules of the replay, each importing only earlier ones."""
 
+IN_A_REPORT = (*MODULES, "impact")
+"""Those of a report."""
+
 _IMPORT = re.compile(r'^import \{[^}]*\} from "\./(\w+)\.js";\n', re.MULTILINE)
 _EXPORT = re.compile(r"^export (?=(?:async )?(?:function|class|const) )", re.MULTILINE)
 

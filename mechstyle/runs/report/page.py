@@ -18,7 +18,8 @@ from mechstyle.records.landings import STANDARDS
 from mechstyle.records.material import SPREAD, Material
 from mechstyle.records.recipe import described
 from mechstyle.runs.report import texts
-from mechstyle.runs.report.bundle import bundle, static
+from mechstyle.runs.report.bundle import IN_A_REPORT, bundle, static
+from mechstyle.runs.report.impact_data import impacts, work_out
 from mechstyle.runs.report.markup import Markup, cells, fill, joined, script_json, table
 from mechstyle.runs.report.replay_data import ReplayData, replay_data
 from mechstyle.runs.report.reproduce import command_for
@@ -30,8 +31,8 @@ TOOLS = ("numpy", "scipy", "trimesh", "manifold3d", "gpytoolbox", "pytetwild", "
 """Libraries whose version can change a figure."""
 
 
-def write_report(run: LaneOfRun, path: str | Path) -> Path:
-    """Write the report of a lane to a file.
+def write_report(run: LaneOfRun, path: str | Path, *, impact: bool = False) -> Path:
+    """Write the report of a lane to a file; `impact` drops the part once more where that has not been done, to show how it lands.
 
     Raises:
         BadInput: If the path is no `.html` file, or the lane has no checkpoint yet.
@@ -39,6 +40,9 @@ def write_report(run: LaneOfRun, path: str | Path) -> Path:
     target = Path(path)
     if target.suffix.lower() not in {".html", ".htm"} or target.is_dir():
         raise BadInput(f"a report is an HTML file: give {target.with_suffix('.html').name} instead of {target.name}")
+    if impact:
+        begun(run)
+        work_out(run)
     write_whole(target, report_page(run).encode("utf-8"))
     return target
 
@@ -50,7 +54,7 @@ def report_page(run: LaneOfRun) -> str:
         BadInput: If the lane has no checkpoint yet.
     """
     history = begun(run)
-    told, played = steps(run.store, history), replay_data(run)
+    told, played, struck = steps(run.store, history), replay_data(run), impacts(run)
     return fill(
         static("page.html"),
         title=f"{run.record.name}, “{run.recipe.prompt}”",
@@ -69,14 +73,42 @@ def report_page(run: LaneOfRun) -> str:
         command=command_for(run, history),
         missing=_missing(run),
         versions=_versions(run),
+        impact=_impact(struck),
+        impact_payloads=_impact_payloads(struck),
         replay_header=script_json(played.header),
         replay_payload=_payload(played),
-        script=Markup(bundle(static("report.js"))),
+        script=Markup(bundle(static("report.js"), IN_A_REPORT)),
     )
 
 
 def _payload(played: ReplayData) -> Markup:
     return Markup(base64.b64encode(played.payload).decode("ascii"))
+
+
+def _impact(struck: Sequence[ReplayData]) -> Markup:
+    """The section of the impacts, "" if there is none to show."""
+    if not struck:
+        return Markup("")
+    names = enumerate(one.header["name"] for one in struck)
+    options = joined(fill('<option value="{number}">{name}</option>', number=number, name=name) for number, name in names)
+    return fill(
+        '<section aria-labelledby="h-impact" class="played"><h2 id="h-impact">The impact</h2>'
+        '<p><label>Landing <select id="impact-choice">{options}</select></label></p>'
+        '<div id="impact" role="group" aria-label="Impact"></div></section>',
+        options=options,
+    )  # fmt: skip
+
+
+def _impact_payloads(struck: Sequence[ReplayData]) -> Markup:
+    """What the impacts are made of, as scripts that are none."""
+    if not struck:
+        return Markup("")
+    headers = fill('<script type="application/json" id="impact-headers">{all}</script>', all=script_json([one.header for one in struck]))
+    payloads = [
+        fill('<script type="text/plain" id="impact-payload-{number}">{payload}</script>', number=number, payload=_payload(one))
+        for number, one in enumerate(struck)
+    ]
+    return joined([headers, *payloads])
 
 
 def _head(run: LaneOfRun, told: Sequence[Step], last: int) -> Markup:

@@ -135,10 +135,10 @@ def replay_data(run: LaneOfRun) -> ReplayData:
         "vertices": len(surface.vertices),
         "faces": len(surface.faces),
         "frames": [_frame(row) for row in rows],
-        "layers": [STYLE, *(_layer(quantity, fields[quantity.name]) for quantity in shown)],
+        "layers": [STYLE, *(layer_entry(quantity, fields[quantity.name]) for quantity in shown)],
         "channels": [channel.spec for channel in channels],
-        "colours": _palette(),
-        "light": _light(),
+        "colours": palette(),
+        "light": light(),
     }
     packed = b"".join([_surface_bytes(surface), *(channel.packed() for channel in channels)])
     return ReplayData(header, gzip.compress(packed, 6, mtime=0))
@@ -165,6 +165,14 @@ def _channel(objects: Objects, digests: Sequence[Digests], quantity: Quantity) -
     high = max((float(array.max()) for array in known if array.size), default=0.0)
     step = (high - low) / LEVELS or 1.0
     return Channel(quantity.name, [_quantised(array, low, step) for array in arrays], frames, low, step)
+
+
+def channel_of(name: str, arrays: Sequence[NDArray[Any]]) -> Channel:
+    """Frames of a field, shape [vertex_count] or [vertex_count, width], all quantised to LEVELS steps between their extremes."""
+    low, high = (float(pick([end(array) for array in arrays])) for pick, end in ((min, np.min), (max, np.max)))
+    step = (high - low) / LEVELS or 1.0
+    width = 1 if arrays[0].ndim == 1 else arrays[0].shape[1]
+    return Channel(name, [_quantised(np.ravel(array), low, step) for array in arrays], list(range(len(arrays))), low, step, width)
 
 
 def _quantised(values: NDArray[np.float32], low: float, step: float) -> Plane:
@@ -195,16 +203,16 @@ def _verdict_words(verdict: Verdict) -> dict[str, Any]:
     return {"outcome": verdict.outcome, "peak": decides.value, "limit": decides.limit}
 
 
-def _layer(quantity: Quantity, channel: Channel) -> dict[str, Any]:
+def layer_entry(quantity: Quantity, channel: Channel) -> dict[str, Any]:
     """A field as the table of quantities has it, with colours that show it in every frame."""
     low, high = quantity.limits(channel.extremes) or channel.extremes
     return {
-        "key": quantity.name, "title": quantity.name.capitalize(), "label": quantity.label, "unit": quantity.unit,
+        "key": quantity.name, "title": quantity.title.capitalize(), "label": quantity.label, "unit": quantity.unit,
         "low": low, "high": high, "threshold": quantity.threshold,
     }  # fmt: skip
 
 
-def _light() -> dict[str, Any]:
+def light() -> dict[str, Any]:
     """The lamps of the figures, by the names the shaders give them."""
     return {
         "key": list(shading.KEY), "keyLight": shading.KEY_LIGHT, "fill": list(shading.FILL), "fillLight": shading.FILL_LIGHT,
@@ -212,7 +220,7 @@ def _light() -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _palette() -> dict[str, Any]:
+def palette() -> dict[str, Any]:
     """The colours of the figures, as display RGB in 0 to 255, so that report, notebook and pictures agree."""
     ramp = np.rint(255 * linear_to_srgb(Scale(0.0, 1.0).colours(np.linspace(0.0, 1.0, 256)))).astype(int)
     named = {"above": ABOVE, "stripe": STRIPE, "line": LINE, "unknown": UNKNOWN}

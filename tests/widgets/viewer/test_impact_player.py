@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import asyncio
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from ipywidgets.widgets.widget import _instances as alive
 
 from mechstyle.errors import SimulationFailed
+from mechstyle.loop.objects import Objects
+from mechstyle.records import Landing, Simulation
 from mechstyle.simulation.impact import Impact
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.viewer import impact_player
@@ -31,9 +34,9 @@ def impact(done):
 
 @pytest.fixture
 def viewer(state, impact, monkeypatch):
-    def worked_out(_part, _recipe, _displacement, _memo, progress):
+    def worked_out(_part, _recipe, _displacement, _memo, progress, normal):
         progress(0.5)
-        return impact
+        return replace(impact, normal=normal)
 
     monkeypatch.setattr(impact_player, "impact_of", worked_out)
     return RunViewer(state)
@@ -50,13 +53,50 @@ def test_an_impact_shows_the_stress_of_the_moment_on_the_deformed_part(viewer, i
     assert np.allclose(viewer.subject.mesh.vertices, impact.shape(viewer._state.run.surface(12), 2, 1.0).vertices)
 
 
+def test_it_opens_at_the_peak_and_plays_up_to_it(viewer, impact, monkeypatch):
+    early = replace(impact, stress=impact.stress[[0, 2, 1]])
+    monkeypatch.setattr(impact_player, "impact_of", lambda *_: early)
+    viewer.player.play()
+    player = viewer.player
+    assert (player.frame, player._play.max, player._slider.max) == (1, 1, 2)
+    assert player._time.value == "500 µs · peak"
+    player.frame = 2  # the slider goes on to the end
+    assert np.allclose(viewer.subject.layer("moment").values, early.stress[2])
+    player._peak.click()
+    assert player.frame == 1
+
+
+def test_any_landing_that_was_tested_can_be_seen(state, viewer, monkeypatch):
+    tested, read = state.run.simulation(12), Objects.get_record
+    ways = {"as placed": (0.0, 0.0, 1.0), "on its side": (1.0, 0.0, 0.0)}
+    landings = tuple(Landing(name=name, normal=normal, weight=0.5, measures=tested.as_placed) for name, normal in ways.items())
+
+    def with_landings(objects, digest, kind):
+        found = read(objects, digest, kind)
+        return replace(found, landings=landings) if kind is Simulation and digest == state.run.checkpoint(12).simulation else found
+
+    monkeypatch.setattr(Objects, "get_record", with_landings)
+    state.iteration = 4
+    state.iteration = 12
+    player = viewer.player
+    assert [normal for _, normal in player._which.options] == list(ways.values())
+    player.play()
+    player.landing = (1.0, 0.0, 0.0)
+    assert player.impact.normal == (1.0, 0.0, 0.0), "another landing is worked out at once"
+    assert "on its side, at" in viewer._legend.value
+    within = np.abs(viewer._orbit.seen.project(viewer.subject.mesh.vertices)[:, :2])
+    assert within.max() < 1.0, "all of it is in view, where it stands now"
+    state.iteration = 4
+    assert player.landing == (0.0, 0.0, 1.0), "which was tested in no other way"
+
+
 def test_put_away_the_part_is_at_rest_again(viewer):
     viewer.player.play()
     viewer.player.frame = 2
     viewer.player.put_away()
     assert viewer.subject.layer("moment") is None
     assert np.allclose(viewer.subject.mesh.vertices, viewer._state.run.surface(12).vertices)
-    assert viewer.player.children == (viewer.player._button,)
+    assert viewer.player.children == (viewer.player._start,)
 
 
 def test_another_iteration_puts_the_impact_away(viewer, state):
@@ -72,7 +112,7 @@ def test_a_drop_that_fails_says_so_in_one_sentence(viewer, monkeypatch):
 
     monkeypatch.setattr(impact_player, "impact_of", fails)
     viewer.player.play()
-    assert viewer.player.children == (viewer.player._button, viewer.player._said)
+    assert viewer.player.children == (viewer.player._start, viewer.player._said)
     assert viewer.player._said.value == "the drop test broke down"
 
 
@@ -85,7 +125,7 @@ def test_in_a_notebook_it_is_worked_out_in_a_thread_and_brought_back(viewer, imp
         await asyncio.wait_for(arrived.wait(), 30)
 
     asyncio.run(click())
-    assert viewer.player.impact is impact
+    assert viewer.player.impact.stress is impact.stress
 
 
 def test_closing_leaves_nothing_behind(state):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from mechstyle.pictures.fields import safety_factor
 from mechstyle.runs import run as module
 from mechstyle.runs.report.replay_data import replay_data
 from mechstyle_widgets.viewer.layers import subject_of
@@ -26,9 +27,9 @@ def test_figures_viewer_and_replay_read_a_field_alike(growing, monkeypatch):
     header = {layer["key"]: layer for layer in replay_data(growing).header["layers"]}
     layers = {layer.name: layer for layer in subject_of(growing, growing.checkpoint()).layers}
     drawn = {panel.title: panel for panel in panels if panel.values is not None}
-    assert [name for name in header if name != "style"] == list(layers)[:4]
+    assert [name for name in header if name != "style"] == list(layers)[:5]
     assert header["demand"]["threshold"] == 0.5
-    for name in ("stress", "demand", "restraint", "displacement"):
+    for name in ("stress", "safety_factor", "restraint", "demand", "displacement"):
         played, layer = header[name], layers[name]
         assert (played["label"], played["unit"], played["threshold"]) == (layer.label, layer.unit, layer.threshold)
         assert (played["low"], played["high"]) == pytest.approx(layer.limits, rel=1e-5)
@@ -42,13 +43,24 @@ def test_figures_viewer_and_replay_read_a_field_alike(growing, monkeypatch):
 def test_a_checkpoint_shows_every_field_that_is_known_there(done):
     state = done.checkpoint(12)
     subject = subject_of(done, state)
-    of_any, of_several = ["stress", "demand", "restraint", "displacement", "thickness", "contact"], ["envelope", "probability"]
+    of_any = ["stress", "safety_factor", "restraint", "demand", "displacement", "thickness", "contact"]
+    of_several = ["envelope", "probability"]
     assert [layer.name for layer in subject.layers] == of_any + of_several
     assert np.array_equal(subject.layer("stress").values, state.stress)
     assert np.allclose(subject.layer("restraint").values, 1.0 - state.mask)
     assert np.array_equal(subject.layer("displacement").values, state.displacement)
     assert np.allclose(subject.mesh.vertices, done.part.surface.displaced(state.displacement).vertices)
     assert subject.mesh.colours is not None
+
+
+def test_the_least_safety_factor_is_that_of_the_rule_and_what_is_below_one_is_set_apart(done):
+    layer = subject_of(done, done.checkpoint(12)).layer("safety_factor")
+    assert layer.values.min() == pytest.approx(done.history[-1].verdict.as_placed.safety_factor, rel=1e-5)
+    assert layer.values.max() <= 10.0
+    assert (layer.limits, layer.threshold, layer.title) == ((4.0, 0.0), 1.0, "safety factor")
+    over = done.store.allowable(done.checkpoint(12)) * np.array([0.25, 0.99, 1.01])
+    factors = safety_factor(done.store.allowable(done.checkpoint(12))).made(over)
+    assert layer.scale.beyond(factors).tolist() == [False, False, True]
 
 
 def test_all_orientations_are_shown_only_where_they_were_run(done):

@@ -1,4 +1,4 @@
-"""Badge over the view: whether the part holds, by how much, how much of the style is left, and where it is hardest pressed."""
+"""Badge above the view: whether the part holds, by how much, how much of the style is left, and where it is hardest pressed."""
 
 from __future__ import annotations
 
@@ -16,19 +16,46 @@ from mechstyle_widgets.state.outcomes import LOOKS, UNTOLD, Look
 from mechstyle_widgets.state.studio_state import StudioState
 
 SHEET = """<style>
-.mechstyle-stage { position: relative; overflow: hidden; }
-.mechstyle-badge { position: absolute; top: 8px; left: 8px; z-index: 1; max-width: calc(100% - 16px); width: auto; padding: 6px 10px;
-  gap: 2px 12px; overflow: visible; display: flex !important; flex-flow: row wrap; align-items: flex-end; border-radius: 4px;
-  pointer-events: none; background: var(--jp-layout-color0, #fff);
-  border: 1px solid var(--jp-border-color2, #ddd); color: var(--jp-ui-font-color1, #222); }
+.mechstyle-stage { position: relative; overflow: hidden; margin-top: 4px; border-radius: 4px;
+  border: 1px solid var(--jp-border-color2, #ddd); }
+.mechstyle-badge { width: auto; min-height: 44px; padding: 4px 10px; box-sizing: border-box; gap: 2px 16px; overflow: visible;
+  display: flex !important; flex-flow: row wrap; align-items: center; justify-content: space-between;
+  background: var(--jp-layout-color0, #fff); border-bottom: 1px solid var(--jp-border-color2, #ddd);
+  color: var(--jp-ui-font-color1, #222); }
 .mechstyle-badge[style*="none"] { display: none !important; }
 .mechstyle-badge .widget-html, .mechstyle-badge .widget-html-content { height: auto; margin: 0; line-height: 1.45; font-size: 13px;
   white-space: normal; }
 .mechstyle-badge b { font-size: 18px; font-variant-numeric: tabular-nums; margin: 0 4px 0 8px; }
 .mechstyle-badge .mechstyle-outcome { display: inline-block; padding: 1px 8px; border-radius: 3px; font-weight: 600; }
 .mechstyle-badge small { font-size: 12px; }
-.mechstyle-badge .widget-button { pointer-events: auto; width: auto; height: 24px; line-height: 22px; margin: 0; padding: 0 8px;
+.mechstyle-badge .widget-button { width: auto; height: 24px; line-height: 22px; margin: 0; padding: 0 8px;
   font-size: 12px; }
+.mechstyle-viewer .mechstyle-toolbar .widget-toggle-button, .mechstyle-viewer .mechstyle-toolbar .widget-button { padding: 0 8px; }
+.mechstyle-toolbar :is(.widget-toggle-button, .widget-button) .fa { margin-right: 0; }
+.mechstyle-toolbar .mechstyle-worded .fa { margin-right: 4px; }
+.mechstyle-section-plane { display: flex; flex-flow: row wrap; align-items: center; gap: 0 8px; }
+.mechstyle-section-plane > .widget-toggle-button { width: auto; padding: 0 10px; flex: 0 0 auto; overflow: visible; }
+.mechstyle-section-plane > .widget-toggle-buttons { width: auto; flex: 0 0 auto; }
+.mechstyle-section-plane .widget-toggle-buttons > div { flex-wrap: nowrap; }
+.mechstyle-section-plane > .widget-label { width: auto; min-width: 0; }
+.mechstyle-places { margin: 4px 8px; }
+.mechstyle-places .widget-html, .mechstyle-places .widget-html-content { height: auto; margin: 0; line-height: 28px; font-size: 13px; }
+.mechstyle-places .widget-gridbox { align-items: center; gap: 0 8px; font-variant-numeric: tabular-nums; }
+.mechstyle-places .widget-gridbox .widget-html-content { text-align: right; width: 100%; white-space: nowrap; }
+.mechstyle-places .mechstyle-place-head .widget-html-content { line-height: 1.3; font-size: 12px; white-space: normal; }
+.mechstyle-places .widget-gridbox > * { min-width: 0; width: auto; }
+.mechstyle-places .widget-button { height: 26px; line-height: 24px; margin: 1px 0 1px 8px; padding: 0 6px; }
+.mechstyle-places a { font-size: 13px; margin-left: 12px; text-decoration: underline; }
+.mechstyle-places .mechstyle-pin { width: 26px; margin: 1px 0; padding: 0; border-radius: 13px; background: #171717; color: #fff;
+  font-weight: 700; border: 1px solid #fff; }
+.mechstyle-said { position: absolute; left: 8px; bottom: 8px; width: auto; max-width: calc(100% - 16px); padding: 4px 8px;
+  border-radius: 4px; pointer-events: none; background: var(--jp-layout-color0, #fff); border: 1px solid var(--jp-border-color2, #ddd); }
+.mechstyle-said.widget-html, .mechstyle-said .widget-html-content { height: auto; margin: 0; line-height: 1.45; font-size: 13px;
+  color: var(--jp-ui-font-color1, #222); }
+.mechstyle-said:not(:has(.widget-html-content > *)) { display: none; }
+.mechstyle-stage .widget-hbox > * { position: relative; }
+.mechstyle-stage .widget-hbox > :has(canvas:focus-visible)::after { content: "+"; position: absolute; inset: 0; display: grid;
+  place-items: center; pointer-events: none; font: 22px/1 monospace; color: #000; text-shadow: 0 0 2px #fff, 0 0 2px #fff; }
 </style>"""
 RULES = {
     "as_placed": "dropped as it stands",

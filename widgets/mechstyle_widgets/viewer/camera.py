@@ -11,7 +11,7 @@ import numpy as np
 import pythreejs
 from numpy.typing import ArrayLike
 
-from mechstyle.pictures.camera import Camera
+from mechstyle.pictures.camera import OPENING, Camera
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle_widgets.viewer.scene import floor_corners
 
@@ -19,6 +19,10 @@ STEEPEST = 85.0
 """Elevation up to which keys and flights go [degrees]: straight from above there is no upright."""
 CLOSE = 0.55
 """Distance a flight ends at, as a share of that from which the whole part is seen."""
+PARALLEL = 1.0
+"""Opening angle of a parallel view [degrees]: from so far away that across a part nothing is drawn smaller by more than 2 %."""
+NEAREST, FARTHEST = {False: 100.0, True: 30.0}, 20.0
+"""Where what is seen begins and ends, as a divisor and a factor of the distance from which the whole part is seen; by `parallel`."""
 FLAT = 0.2
 """A normal that points sideways less than this share of upwards does not tell from which side to look."""
 
@@ -33,17 +37,10 @@ class Orbit:
 
     def __init__(self, mesh: SurfaceMesh, aspect: float, view: str = "three_quarter") -> None:
         """Look at a part from one of `VIEWS`, through a window of `aspect` = width over height."""
-        self._points = np.concatenate([mesh.vertices, floor_corners(mesh)])
+        self._floor = floor_corners(mesh)
+        self.follow(mesh)
         self.home = Camera.named(view, self._points, aspect=aspect)
-        distance = self.home.distance
-        self.three = pythreejs.PerspectiveCamera(
-            position=self._eye(self.home),
-            up=[0.0, 0.0, 1.0],
-            fov=self.home.field_of_view,
-            aspect=aspect,
-            near=distance / 100.0,
-            far=distance * 20.0,
-        )
+        self.three = pythreejs.PerspectiveCamera(position=self._eye(self.home), up=[0.0, 0.0, 1.0], aspect=aspect, **self._lens())
         self._controls = [self.control()]
 
     def control(self) -> Any:
@@ -60,14 +57,35 @@ class Orbit:
         self._controls.append(self.control())
         return self._controls[-1]
 
+    def follow(self, mesh: SurfaceMesh) -> None:
+        """Take it that the part looks so now: that is what is fitted into view."""
+        self._points = np.concatenate([mesh.vertices, self._floor])
+
     def fit(self, view: str = "") -> None:
         """Bring the whole part into view, from one of `VIEWS` or from where one looks now."""
         now, aspect = self.seen, self.three.aspect
         if view:
-            seen = Camera.named(view, self._points, aspect=aspect)
+            seen = Camera.named(view, self._points, aspect=aspect, field_of_view=now.field_of_view)
         else:
-            seen = Camera.fitted(self._points, now.azimuth, now.elevation, aspect=aspect)
+            seen = Camera.fitted(self._points, now.azimuth, now.elevation, aspect=aspect, field_of_view=now.field_of_view)
         self._take(seen)
+
+    @property
+    def parallel(self) -> bool:
+        """Whether lines that are parallel on the part are so in the view."""
+        return self.home.field_of_view == PARALLEL
+
+    def project(self, *, parallel: bool) -> None:
+        """Look in parallel, or in perspective, with what is in the middle as large as it is."""
+        if parallel == self.parallel:
+            return
+        now, opening = self.seen, PARALLEL if parallel else OPENING
+        away = math.tan(math.radians(now.field_of_view / 2)) / math.tan(math.radians(opening / 2))
+        self.home = replace(self.home, field_of_view=opening, distance=away * self.home.distance)
+        with self.three.hold_sync():
+            self._take(replace(now, field_of_view=opening, distance=away * now.distance))
+            for name, value in self._lens().items():
+                setattr(self.three, name, value)
 
     def turn(self, azimuth: float, elevation: float) -> None:
         """Go round what is in the middle of the view [degrees]."""
@@ -89,6 +107,7 @@ class Orbit:
 
     def look_like(self, other: Orbit) -> None:
         """Stand where another camera stands."""
+        self.project(parallel=other.parallel)
         self._take(other.seen)
 
     def _take(self, seen: Camera) -> None:
@@ -122,6 +141,11 @@ class Orbit:
     def observe(self, moved: Callable[[Any], None]) -> None:
         """Call `moved` when the mouse has let go of the camera."""
         self.three.observe(moved, "position")
+
+    def _lens(self) -> dict[str, float]:
+        """Opening, and where what is seen begins and ends."""
+        distance = self.home.distance
+        return {"fov": self.home.field_of_view, "near": distance / NEAREST[self.parallel], "far": distance * FARTHEST}
 
     @staticmethod
     def _eye(camera: Camera) -> list[float]:

@@ -11,7 +11,9 @@ import traitlets
 
 from mechstyle.errors import MechStyleError
 from mechstyle.fea.explicit import Progress
+from mechstyle.fea.orientations import AS_PLACED, UP
 from mechstyle.pictures.fields import moment
+from mechstyle.records import Landing, Simulation
 from mechstyle.simulation.impact import Impact, impact_of
 from mechstyle_widgets.jupyter.closing import close_family
 from mechstyle_widgets.jupyter.throttle import running_loop
@@ -28,13 +30,17 @@ class _Cancelled(Exception):
 class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     """A button that drops the part of the iteration on show once more, and then a slider through what happened.
 
+    It opens at the moment of the peak; playing it begins at first touch and ends at the peak, and the slider goes on from there.
+
     Attributes:
+        landing: Floor normal of the landing, one of those of the last simulation; as it stands at first.
         impact: The impact on show, None while there is none.
         frame: Which of its moments, counted from 0.
         exaggeration: Factor on the deformation; the motion of the part as a whole is shown as it is.
     """
 
     impact = traitlets.Instance(Impact, None, allow_none=True)
+    landing = traitlets.Tuple(UP)
     frame = traitlets.Int(0)
     exaggeration = traitlets.Float(20.0)
     _built = False
@@ -43,20 +49,29 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         """Play impacts of whatever iteration a state shows."""
         self._state, self._cancelled = state, False
         self._button = ipywidgets.Button(description="see the impact", icon="play-circle", tooltip="Drop this part and watch")
+        self._which = ipywidgets.Dropdown(
+            options=[(AS_PLACED, UP)], tooltip="Which landing, and its largest stress", layout={"width": "auto", "max_width": "280px"}
+        )
         self._away = ipywidgets.Button(icon="times", tooltip="Back to the part at rest", layout={"width": "36px"})
         self._progress = ipywidgets.FloatProgress(value=0.0, max=1.0, description="dropping", layout={"width": "260px"})
         self._said = ipywidgets.HTML()
-        self._play = ipywidgets.Play(interval=250, tooltip="Play the impact")
+        self._play = ipywidgets.Play(interval=250, show_repeat=False, tooltip="Play from first touch to the peak")
+        self._peak = ipywidgets.Button(description="peak", tooltip="To the moment of the largest stress", layout={"width": "auto"})
         self._slider = ipywidgets.IntSlider(readout=False, tooltip="Arrow keys step", layout={"width": "220px"})
-        self._time = ipywidgets.HTML(layout={"width": "64px"})
+        self._time = ipywidgets.HTML(layout={"width": "112px"})
         factors = [(f"× {factor}", float(factor)) for factor in FACTORS]
         factor = ipywidgets.SelectionSlider(options=factors, value=self.exaggeration, description="deformed", layout={"width": "230px"})
-        self._moments = ipywidgets.HBox([self._play, self._slider, self._time, factor, self._away])
-        super().__init__([self._button])
-        self._link = ipywidgets.jslink((self._play, "value"), (self._slider, "value"))
+        moments = [self._play, self._slider, self._time, self._peak, factor, self._which, self._away]
+        self._moments = ipywidgets.HBox(moments, layout={"flex_flow": "row wrap", "align_items": "center"})
+        self._start = ipywidgets.HBox([self._button, self._which], layout={"flex_flow": "row wrap"})
+        super().__init__([self._start])
+        self._link = ipywidgets.jsdlink((self._play, "value"), (self._slider, "value"))  # beyond the peak there is no playing
         traitlets.link((self._slider, "value"), (self, "frame"))
+        traitlets.link((self, "landing"), (self._which, "value"))
+        self._offer()
         traitlets.link((factor, "value"), (self, "exaggeration"))
         self._button.on_click(lambda _: self.play())
+        self._peak.on_click(lambda _: self._go_to_the_peak())
         self._away.on_click(lambda _: self.put_away())
         state.observe(self._other_part, "checkpoint")
         self._built = True
@@ -68,10 +83,10 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
             return
         self._progress.value, self._cancelled = 0.0, False
         self._say(self._progress)
-        part, recipe, memo = run.part, run.store.recipe(checkpoint.recipe), run.store.memo
+        part, recipe, memo, landing = run.part, run.store.recipe(checkpoint.recipe), run.store.memo, self.landing
 
         def drop(progress: Progress) -> Impact:
-            return impact_of(part, recipe, checkpoint.displacement, memo, progress)
+            return impact_of(part, recipe, checkpoint.displacement, memo, progress, landing)
 
         loop = running_loop()
         if loop is None:
@@ -83,14 +98,15 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         """Show the part at rest again."""
         self._cancelled, self._play.playing = True, False
         self.impact = None
-        self._say(self._button)
+        self._say(self._start)
 
     def at_the_moment(self, subject: Subject, limit: float) -> Subject:
         """A subject as the impact has it now, with the stress of the moment against a limit [MPa]; as it is without an impact."""
         if self.impact is None:
             return subject
         stress = self.impact.stress
-        note = f"at {1e3 * self.impact.time[self.frame]:.0f} µs, deformed × {self.exaggeration:g}"
+        name = next((label for label, normal in self._which.options if normal == self.impact.normal), "").split(" · ")[0]
+        note = f"{name}, at {1e3 * self.impact.time[self.frame]:.0f} µs, deformed × {self.exaggeration:g}"
         layer = layer_of(moment(limit), stress[self.frame], stress, note)
         return Subject(self.impact.shape(subject.mesh, self.frame, self.exaggeration), (*subject.layers, layer))
 
@@ -99,7 +115,7 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         if self._built:
             self._built, self._cancelled = False, True
             self._state.unobserve(self._other_part, "checkpoint")
-            close_family(self, self._button, self._progress, self._moments, self._said, self._link)
+            close_family(self, self._start, self._progress, self._moments, self._said, self._link)
         super().close()
 
     def _work(self, drop: Callable[[Progress], Impact], bring: Callable[..., Any]) -> None:
@@ -127,23 +143,50 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
 
     def _fail(self, why: str) -> None:
         self._said.value = why
-        self._say(self._button, self._said)
+        self._say(self._start, self._said)
 
     def _show(self, impact: Impact) -> None:
         if self._cancelled:
             return
-        self._slider.max = self._play.max = len(impact.time) - 1
-        self._slider.value = 0
+        self._slider.max, self._play.max = len(impact.time) - 1, impact.peak
+        self._slider.value = self._play.value = impact.peak
         self.impact = impact
         self._say(self._moments)
         self._tell_time()
 
+    def _go_to_the_peak(self) -> None:
+        if self.impact is not None:
+            self._play.playing = False
+            self._slider.value = self._play.value = self.impact.peak
+
+    def _offer(self) -> None:
+        """Offer the landings of the last simulation."""
+        run, checkpoint = self._state.run, self._state.checkpoint
+        found: tuple[Landing, ...] = ()
+        if run is not None and checkpoint is not None and checkpoint.simulation:
+            found = run.store.objects.get_record(checkpoint.simulation, Simulation).landings
+        others = [(f"{one.name or 'landing'} · {one.measures.peak:.0f} MPa", one.normal) for one in found]
+        options = others or [(AS_PLACED, UP)]
+        if tuple(self._which.options) != tuple(options):
+            kept = self.landing if self.landing in [normal for _, normal in options] else options[0][1]
+            self._which.options = options
+            self._which.value = kept
+
+    @traitlets.observe("landing")
+    def _other_landing(self, _change: object) -> None:
+        """What is on show, or being worked out, is another landing's."""
+        if self._built and (self.impact is not None or self.children == (self._progress,)):
+            self.put_away()
+            self.play()
+
     @traitlets.observe("frame")
     def _tell_time(self, _change: object = None) -> None:
         if self.impact is not None:
-            self._time.value = f"{1e3 * self.impact.time[self.frame]:.0f} µs"
+            at_peak = " · peak" if self.frame == self.impact.peak else ""
+            self._time.value = f"{1e3 * self.impact.time[self.frame]:.0f} µs{at_peak}"
 
     def _other_part(self, _change: object) -> None:
         """Another iteration is another part: what is on show would not be its impact."""
+        self._offer()
         if self.impact is not None or self.children == (self._progress,):
             self.put_away()

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mechstyle.errors import BadInput
-from mechstyle.pictures import fields
 from mechstyle.pictures.colormap import Scale
 from mechstyle.pictures.fields import Quantity
-from mechstyle.records import Checkpoint, Simulation
+from mechstyle.records import Checkpoint
 from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.runs.known_fields import known_fields
 from mechstyle.runs.run import Run
 
 STYLE = "style"
@@ -25,13 +25,14 @@ class Layer:
     """A field over a surface and how it is to be read.
 
     Attributes:
-        name: What it is called in code and in the menu, and by which it is selected.
+        name: What it is called in code, and by which it is selected.
         values: The field [unit], shape [vertex_count]; not a number where it is not known.
         label: What the legend calls it; the name by default.
         unit: Its unit, "" for none.
-        limits: Values at the two ends of the colours; None takes them from the values.
-        threshold: Values above it are set apart by colour, hatch and outline; None for none.
+        limits: Values at the pale and the dark end of the colours; None takes them from the values.
+        threshold: Values beyond it are set apart by colour, hatch and outline; None for none.
         note: What a reader should know about it, "" for nothing.
+        title: What the menu calls it; the name by default.
     """
 
     name: str
@@ -41,6 +42,7 @@ class Layer:
     limits: tuple[float, float] | None = None
     threshold: float | None = None
     note: str = ""
+    title: str = ""
 
     def __post_init__(self) -> None:
         """Freeze the values and refuse a scale that is none."""
@@ -48,6 +50,7 @@ class Layer:
         values.setflags(write=False)
         object.__setattr__(self, "values", values)
         object.__setattr__(self, "label", self.label or self.name)
+        object.__setattr__(self, "title", self.title or self.name.replace("_", " "))
         if self.name == STYLE:
             raise BadInput(f"a layer cannot be called {STYLE!r}, which is the part's own look; give it another name")
         if values.ndim != 1:
@@ -125,38 +128,13 @@ def layer_of(quantity: Quantity, values: NDArray[Any], seen: NDArray[Any] | None
         note: What a reader should know of these values, the quantity's own note by default.
     """
     limits = quantity.limits(values if seen is None else seen)
-    return Layer(quantity.name, values, quantity.label, quantity.unit, limits, quantity.threshold, note or quantity.note)
+    return Layer(quantity.name, values, quantity.label, quantity.unit, limits, quantity.threshold, note or quantity.note, quantity.title)
 
 
 def subject_of(run: Run, state: Checkpoint) -> Subject:
     """A checkpoint of a run, styled and coloured, with every field that is known there."""
     mesh = run.part.surface.displaced(state.displacement).coloured(state.colour)
-    simulation = run.store.objects.get_record(state.simulation, Simulation) if state.simulation else None
-    simulated = () if simulation is None else simulation_layers(run, state, simulation)
+    found = known_fields(run.store, run.lane, run.part, state)
+    layers = tuple(layer_of(field.quantity, field.values, field.seen, field.note) for field in found)
     delivered = run.delivered(state.iteration, draw=False) if state.final else None
-    return Subject(mesh, (*checkpoint_layers(run, state), *simulated), None if delivered is None else delivered.styled)
-
-
-def checkpoint_layers(run: Run, state: Checkpoint) -> tuple[Layer, ...]:
-    """The fields a checkpoint holds: stress, demand, restraint, displacement; and the wall thickness."""
-    when = "" if state.simulated_at == state.iteration else f"simulated at iteration {state.simulated_at}"
-    stress, demand, restraint, displacement = fields.quantities(run.store.recipe(state.recipe), run.store.allowable(state))
-    newest = run.store.checkpoint(run.store.lane(run.lane).head)
-    return (
-        layer_of(stress, state.stress, note=when),
-        layer_of(demand, state.demand, note=when),
-        layer_of(restraint, restraint.of(state)),
-        layer_of(displacement, state.displacement, np.stack([state.displacement, newest.displacement])),
-        layer_of(fields.THICKNESS, run.part.thickness),
-    )
-
-
-def simulation_layers(run: Run, state: Checkpoint, simulation: Simulation) -> tuple[Layer, ...]:
-    """The fields only a simulation holds: contact, and the worst of all orientations if they were run."""
-    shown = [fields.CONTACT]
-    if simulation.overall is not None:
-        recipe = run.store.recipe(state.recipe)
-        shown.append(fields.envelope(run.store.allowable(state)))
-        if recipe.random_drops:
-            shown.append(fields.probability(recipe.material.yield_strength))
-    return tuple(layer_of(quantity, quantity.of(simulation)) for quantity in shown)
+    return Subject(mesh, layers, None if delivered is None else delivered.styled)

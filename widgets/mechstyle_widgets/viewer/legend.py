@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from html import escape
 
 import numpy as np
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 
 from mechstyle.pictures.colormap import ABOVE, ABSENT, STRIPE, Scale, linear_to_srgb
 from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.records.regions import Point
 from mechstyle_widgets.viewer.layers import Layer
 from mechstyle_widgets.viewer.scene import round_length
 
@@ -26,7 +28,7 @@ def colour_bar(layer: Layer, mesh: SurfaceMesh) -> str:
     lines = [f"<div><b>{escape(layer.caption)}</b></div>"]
     lines.append(f'<div style="width:{BAR_WIDTH}px;height:12px;border-radius:2px;background:{_gradient(scale)}"></div>')
     lines.append(f'<div style="position:relative;width:{BAR_WIDTH}px;height:1.5em">{"".join(ticks)}</div>')
-    said = (_extremes(layer), _share_above(layer, mesh), escape(layer.note))
+    said = (_extremes(layer), _share_beyond(layer, mesh), escape(layer.note))
     lines += [f'<div style="color:{FAINT}">{line}</div>' for line in said if line]
     return _block("".join(lines))
 
@@ -54,6 +56,25 @@ def protected(vertices: NDArray[np.bool_], mesh: SurfaceMesh) -> str:
     return _block(f'<span style="{box}"></span>protected: {share:.1%} of the surface')
 
 
+def ruler(ends: Sequence[Point]) -> str:
+    """HTML of the distance between two places [mm], and how it lies."""
+    along = np.subtract(ends[1], ends[0])
+    x, y, z = (f"{value:+.2f}" for value in along)
+    return f"<span><b>{np.linalg.norm(along):.2f} mm</b> &ensp;along x {x}, y {y}, z {z}</span>"
+
+
+def said(tool: str, ends: Sequence[Point]) -> str:
+    """HTML of what is measured between places [mm], else of what the tool in hand is for."""
+    if len(ends) == 2:
+        return ruler(ends)
+    which = "a second place" if ends else "a place"
+    words = {
+        "measure": f"Click {which} on the part to measure; Enter takes the cross, Esc leaves",
+        "places": "A click keeps the place in the list; Enter takes the cross, Esc leaves",
+    }
+    return f"<span>{words[tool]}</span>" if tool else ""
+
+
 def titles(*names: str) -> str:
     """HTML of names side by side, each in the middle of its share of the width."""
     cells = "".join(f'<div style="flex:1;text-align:center">{escape(name)}</div>' for name in names)
@@ -70,12 +91,12 @@ def _extremes(layer: Layer) -> str:
     return "" if found is None else escape(f"○ max {layer.at(found[0])}   ▽ min {layer.at(found[1])}").replace("   ", " &emsp; ")
 
 
-def _share_above(layer: Layer, mesh: SurfaceMesh) -> str:
+def _share_beyond(layer: Layer, mesh: SurfaceMesh) -> str:
     if layer.threshold is None:
         return ""
-    above = layer.scale.above(layer.values)
-    share = f"{mesh.vertex_areas[above].sum() / mesh.vertex_areas.sum():.1%} of the surface is" if above.any() else "nothing is"
-    return escape(f"{share} above the limit of {layer.threshold:.3g} {layer.unit}".rstrip())
+    beyond = layer.scale.beyond(layer.values)
+    share = f"{mesh.vertex_areas[beyond].sum() / mesh.vertex_areas.sum():.1%} of the surface is" if beyond.any() else "nothing is"
+    return escape(f"{share} {'below' if layer.scale.falls else 'above'} the limit of {layer.threshold:.3g} {layer.unit}".rstrip())
 
 
 def _gradient(scale: Scale) -> str:

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 import pythreejs
 import trimesh
+from numpy.typing import NDArray
 
-from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.records.mesh import Floats, SurfaceMesh
 from mechstyle.records.regions import Point
 from mechstyle_widgets.viewer.layers import Subject
 from mechstyle_widgets.viewer.legend import FAINT, INK
@@ -47,6 +48,35 @@ class Picker:
         if time.monotonic() - self._moved > DRAG:
             self._picked(point, self.three.faceIndex)
         self.three.point = NOWHERE
+
+
+def struck(mesh: SurfaceMesh, eye: Any, towards: Any, keeps: Callable[[Any], NDArray[np.bool_]]) -> tuple[Floats, int] | None:
+    """The first place on a surface that a line of sight meets where it is left by a cut, and the face; None if it misses it.
+
+    Where the line meets the face from within, as through a cut, it is told of the face all the same.
+
+    Args:
+        mesh: The surface [mm].
+        eye: Where the line begins [mm].
+        towards: Its direction.
+        keeps: Whether points, shape [n, 3], are left.
+    """
+    corner, along = mesh.corners[:, 0], mesh.corners[:, 1:] - mesh.corners[:, :1]
+    across = np.cross(towards, along[:, 1])
+    size = np.einsum("ij,ij->i", along[:, 0], across)
+    with np.errstate(divide="ignore", invalid="ignore"):  # faces that are seen edge on are not met (Möller and Trumbore 1997)
+        away = eye - corner
+        u = np.einsum("ij,ij->i", away, across) / size
+        turned = np.cross(away, along[:, 0])
+        v = turned @ np.asarray(towards) / size
+        far = np.einsum("ij,ij->i", turned, along[:, 1]) / size
+        met = np.flatnonzero((u >= 0.0) & (v >= 0.0) & (u + v <= 1.0) & (far > 0.0))
+    points = eye + far[met, None] * np.asarray(towards)
+    left = np.flatnonzero(keeps(points))
+    if not left.size:
+        return None
+    first = left[far[met][left].argmin()]
+    return points[first], int(met[first])
 
 
 def nearest_corner(subject: Subject, face: int, point: Any) -> int:

@@ -8,6 +8,7 @@ from typing import Any
 import traitlets
 
 from mechstyle.errors import BadInput
+from mechstyle.fea.orientations import UP
 from mechstyle.pictures.fields import MOMENT
 from mechstyle.records import Checkpoint, Simulation
 from mechstyle.records.mesh import SurfaceMesh
@@ -134,3 +135,6 @@ class RunViewer(Linked, Viewer):
         self._show_checkpoint()
         if change["new"] is not None:
             self.layer = MOMENT
+            if change["new"].normal != UP:  # it does not stand where it stood
+                self._orbit.follow(self.subject.mesh)
+                self.fit()

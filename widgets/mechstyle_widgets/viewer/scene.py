@@ -6,6 +6,7 @@ Replacing a buffer, or adding to a scene on show, leaks memory in the browser.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from mechstyle.pictures.colormap import PLAIN
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle_widgets.viewer.layers import Layer
 from mechstyle_widgets.viewer.shaders import (
+    END,
     FLOOR_FRAGMENT,
     FLOOR_VERTEX,
     HIDDEN,
@@ -24,22 +26,30 @@ from mechstyle_widgets.viewer.shaders import (
     MARKER_VERTEX,
     MAXIMUM,
     MINIMUM,
+    MOST_PINS,
     OWN,
     PART_FRAGMENT,
     PART_VERTEX,
     PICKED,
+    PIN,
+    WHOLE,
+    numbers,
     paint,
     ramp,
 )
 
 BACKGROUNDS = {"light": "#f6f6f4", "dark": "#1e1f22"}
+RULER = "#d9480f"
+"""Colour of the line that is measured along: told from both backgrounds and from every ramp."""
 AXES = {"x": "#b4483c", "y": "#3d7d3a", "z": "#3b5fa8"}
 
 Floats32 = NDArray[np.float32]
+Plane = tuple[float, float, float, float]
+"""A normal and how far along it a plane lies [mm]: what lies beyond it is cut off."""
 
 
 class Scene:
-    """A part, the floor it stands on, its axes and three markers.
+    """A part, perhaps cut open, the floor it stands on, its axes, markers, numbered pins, and a line that is measured along.
 
     Attributes:
         three: The scene pythreejs draws.
@@ -51,7 +61,16 @@ class Scene:
         self._vertices, self._normals = _attribute(mesh.vertices), _attribute(mesh.vertex_normals)
         self._colours, self._places = _attribute(_own_colours(mesh)), _attribute(np.full(len(mesh.vertices), OWN))
         self._protected = _attribute(np.zeros(len(mesh.vertices)))
-        self._spots, self._kinds = _attribute(np.zeros((3, 3))), _attribute(np.full(3, HIDDEN))
+        count = 5 + MOST_PINS
+        self._spots, self._kinds = _attribute(np.zeros((count, 3))), _attribute(np.full(count, HIDDEN))
+        self._cut: tuple[Plane, bool] = (WHOLE, False)
+        self._marked: tuple[Any, ...] = (None, None)
+        self._ruler_ends = _attribute(np.zeros((2, 3)))
+        self._ruler = pythreejs.LineSegments(
+            pythreejs.BufferGeometry(attributes={"position": self._ruler_ends}),
+            pythreejs.LineBasicMaterial(color=RULER, linewidth=2, depthTest=False, transparent=True),
+            frustumCulled=False, renderOrder=1, visible=False,
+        )  # fmt: skip
         self._geometry = pythreejs.BufferGeometry(
             attributes={
                 "position": self._vertices,
@@ -63,7 +82,8 @@ class Scene:
             }
         )
         self.part = pythreejs.Mesh(self._geometry, _part_material(PART_VERTEX))
-        self._stage = pythreejs.Group(children=[self.part, *_floor(mesh), self._markers()], position=(-np.asarray(centre)).tolist())
+        children = [self.part, *_floor(mesh), self._ruler, self._markers()]
+        self._stage = pythreejs.Group(children=children, position=(-np.asarray(centre)).tolist())
         self._looks: dict[int, tuple[SurfaceMesh, Any]] = {}
         self.three = pythreejs.Scene(children=[self._stage], background=BACKGROUNDS[theme])
 
@@ -91,17 +111,48 @@ class Scene:
         """
         if look is not None and id(look) not in self._looks:
             self._looks[id(look)] = look, _look(look)
+            _cut_open(self._looks[id(look)][1], self._cut[0], filled=self._cut[1])
             self._stage.add(self._looks[id(look)][1])
         for known, three in self._looks.values():
             three.visible = known is look
         self.part.material.visible = look is None
 
-    def mark(self, extremes: tuple[int, int] | None, picked: int | None) -> None:
-        """Put the markers on the vertices of the greatest and least value and on the picked one; None takes one away."""
-        vertices = [*(extremes or (None, None)), picked]
-        self._spots.array = np.stack([self._vertices.array[vertex or 0] for vertex in vertices])
-        kinds = zip(vertices, (MAXIMUM, MINIMUM, PICKED), strict=True)
-        self._kinds.array = np.array([HIDDEN if vertex is None else kind for vertex, kind in kinds], np.float32)
+    def cut(self, plane: Plane = WHOLE, *, filled: bool = False) -> None:
+        """Cut off what lies beyond a plane; `filled` shows the cut as if the part were solid there, else one looks inside."""
+        if (plane, filled) != self._cut:
+            self._cut = plane, filled
+            for three in (self.part, *(three for _, three in self._looks.values())):
+                _cut_open(three, plane, filled=filled)
+            self.mark(*self._marked)
+
+    def mark(
+        self,
+        extremes: tuple[int, int] | None,
+        picked: int | None,
+        pins: Sequence[int] = (),
+        ends: Sequence[ArrayLike] = (),
+    ) -> None:
+        """Put the markers where they belong; what is None, missing or cut off is taken away.
+
+        Args:
+            extremes: Vertices of the greatest and least value.
+            picked: The vertex asked about.
+            pins: Vertices that are numbered, in order, at most MOST_PINS.
+            ends: What is measured between, two places at most [mm].
+        """
+        self._marked, (*normal, reach) = (extremes, picked, pins, ends), self._cut[0]
+        spots, kinds = np.zeros((5 + MOST_PINS, 3), np.float32), np.full(5 + MOST_PINS, HIDDEN, np.float32)
+        marked = zip((0, 1, 2), (*(extremes or (None, None)), picked), (MAXIMUM, MINIMUM, PICKED), strict=True)
+        numbered = ((5 + number, vertex, PIN + 1 + number) for number, vertex in enumerate(pins))
+        for place, vertex, kind in (*marked, *numbered):
+            if vertex is not None and self._vertices.array[vertex] @ normal <= reach:
+                spots[place], kinds[place] = self._vertices.array[vertex], kind
+        for place, end in enumerate(ends, start=3):
+            spots[place], kinds[place] = end, END
+        self._spots.array, self._kinds.array = spots, kinds
+        if len(ends) == 2:
+            self._ruler_ends.array = _single(np.stack([np.asarray(end) for end in ends]))
+        self._ruler.visible = len(ends) == 2
 
     def relight(self, theme: str) -> None:
         """Change the background."""
@@ -110,8 +161,9 @@ class Scene:
     def _markers(self) -> Any:
         geometry = pythreejs.BufferGeometry(attributes={"position": self._spots, "kind": self._kinds})
         material = pythreejs.ShaderMaterial(
-            vertexShader=MARKER_VERTEX, fragmentShader=MARKER_FRAGMENT, depthTest=False, depthWrite=False, transparent=True
-        )
+            vertexShader=MARKER_VERTEX, fragmentShader=MARKER_FRAGMENT, depthTest=False, depthWrite=False, transparent=True,
+            uniforms={"numbers": {"value": _texture(numbers())}},
+        )  # fmt: skip
         return pythreejs.Points(geometry, material, frustumCulled=False, renderOrder=2)
 
 
@@ -175,13 +227,26 @@ def _look(mesh: SurfaceMesh) -> Any:
     return pythreejs.Mesh(geometry, _part_material(LOOK_VERTEX))
 
 
-def _part_material(vertex_shader: str) -> Any:
+def _texture(pixels: NDArray[np.uint8]) -> Any:
     smooth = {"magFilter": "LinearFilter", "minFilter": "LinearFilter"}
-    texture = pythreejs.DataTexture(ramp(), format="RGBAFormat", type="UnsignedByteType", **smooth)
+    return pythreejs.DataTexture(pixels, format="RGBAFormat", type="UnsignedByteType", **smooth)
+
+
+def _cut_open(three: Any, plane: Plane, *, filled: bool) -> None:
+    """Tell the material of a part what to leave out."""
+    three.material.uniforms = _uniforms(three.material.uniforms["ramp"]["value"], plane, filled=filled)
+
+
+def _uniforms(texture: Any, plane: Plane, *, filled: bool) -> dict[str, dict[str, Any]]:
+    """What the shader of a part is told; the texture comes last, because pythreejs gives it the name of whichever does."""
+    return {"cut": {"value": [float(value) for value in plane]}, "filled": {"value": float(filled)}, "ramp": {"value": texture}}
+
+
+def _part_material(vertex_shader: str) -> Any:
     return pythreejs.ShaderMaterial(
         vertexShader=vertex_shader,
         fragmentShader=PART_FRAGMENT,
-        uniforms={"ramp": {"value": texture}},
+        uniforms=_uniforms(_texture(ramp()), WHOLE, filled=False),
         extensions={"derivatives": True},
         side="DoubleSide",
     )

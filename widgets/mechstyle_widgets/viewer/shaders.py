@@ -2,25 +2,32 @@
 
 One number per vertex says how it is painted, so that one small buffer is all that changes with a layer or a threshold:
 `OWN` for the part's own colour, `NOTHING` where a field is not known, else the place on the ramp, 0 to 1. Beyond 1 lies what
-exceeds the threshold, hatched and outlined. A field without one has its places from `OPEN` to `OPEN` + 1, far from any hatch.
+is beyond the threshold, hatched and outlined. A field without one has its places from `OPEN` to `OPEN` + 1, far from any hatch.
 """
 
 from __future__ import annotations
 
+from functools import lru_cache
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
-from mechstyle.pictures.colormap import ABOVE, ABSENT, LINE, STEPS, STRIPE, UNKNOWN, Scale, linear_to_srgb
+from mechstyle.pictures.colormap import ABOVE, ABSENT, LINE, PLAIN, STEPS, STRIPE, UNKNOWN, Scale, linear_to_srgb
 from mechstyle.pictures.shading import FILL, FILL_LIGHT, FLATNESS, GROUND_LIGHT, KEY, KEY_LIGHT, SKY_LIGHT
 
 OWN, NOTHING, OPEN = 1000.0, -1000.0, -3.0
-MAXIMUM, MINIMUM, PICKED, HIDDEN = 0.0, 1.0, 2.0, -1.0  # kinds of markers
+MAXIMUM, MINIMUM, PICKED, END, PIN, HIDDEN = 0.0, 1.0, 2.0, 3.0, 10.0, -1.0  # kinds of markers; PIN + 1 is number 1
+COLUMNS, ROWS, CELL = 6, 4, 32  # of the numbers of pins in their texture, and their size [pixels]
+MOST_PINS = COLUMNS * ROWS
+WHOLE = (0.0, 0.0, 0.0, 1.0)
+"""The plane (normal, distance) that cuts nothing off."""
 
 
 def paint(values: NDArray[np.float32], scale: Scale) -> NDArray[np.float32]:
     """Paint code of each vertex under a field, shape [vertex_count]."""
     place = (np.asarray(values, dtype=np.float64) - scale.low) / (scale.top - scale.low)
-    shown = np.clip(place, 0.0, 10.0) if scale.top < scale.high else OPEN + np.clip(place, 0.0, 1.0)
+    shown = np.clip(place, 0.0, 10.0) if scale.split else OPEN + np.clip(place, 0.0, 1.0)
     return np.where(np.isfinite(place), shown, NOTHING).astype(np.float32)
 
 
@@ -28,6 +35,23 @@ def ramp() -> NDArray[np.uint8]:
     """The colours of fields as a texture, sRGB and opaque, shape [1, STEPS, 4]."""
     colours = linear_to_srgb(Scale(0.0, 1.0).colours(np.linspace(0.0, 1.0, STEPS)))
     return np.rint(255 * np.insert(colours, 3, 1.0, axis=1)).astype(np.uint8)[None]
+
+
+@lru_cache(maxsize=1)
+def numbers() -> NDArray[np.uint8]:
+    """The numbers of pins, white on nothing, a cell each, as a texture, shape [ROWS * CELL, COLUMNS * CELL, 4]."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415 — matplotlib is loaded when it is wanted
+    from matplotlib.figure import Figure  # noqa: PLC0415 — as above
+
+    sheet = Figure(figsize=(COLUMNS, ROWS), dpi=CELL)
+    canvas: Any = FigureCanvasAgg(sheet)
+    for number in range(MOST_PINS):
+        row, column = divmod(number, COLUMNS)
+        place = ((column + 0.5) / COLUMNS, 1 - (row + 0.53) / ROWS)
+        sheet.text(*place, str(number + 1), size=33, weight="bold", ha="center", va="center_baseline")
+    canvas.draw()
+    ink = 255 - np.asarray(canvas.buffer_rgba())[..., 0]
+    return np.ascontiguousarray(np.stack([ink] * 4, axis=-1))
 
 
 def _vec(values: tuple[float, ...]) -> str:
@@ -42,7 +66,9 @@ varying vec3 v_colour;
 varying vec3 v_normal;
 varying float v_place;
 varying float v_protected;
+varying vec3 v_at;
 void main() {
+    v_at = position;
     v_colour = colour;
     v_place = place;
     v_protected = is_protected;
@@ -57,7 +83,9 @@ varying vec3 v_colour;
 varying vec3 v_normal;
 varying float v_place;
 varying float v_protected;
+varying vec3 v_at;
 void main() {{
+    v_at = position;
     v_colour = colour;
     v_place = {OWN:.1f};
     v_protected = 0.0;
@@ -68,6 +96,9 @@ void main() {{
 
 PART_FRAGMENT = f"""
 uniform sampler2D ramp;
+uniform vec4 cut;  // what lies beyond this plane is cut off
+uniform float filled;
+varying vec3 v_at;
 varying vec3 v_colour;
 varying vec3 v_normal;
 varying float v_place;
@@ -106,7 +137,13 @@ bool hatched() {{  // what is protected: grey stripes that lean the other way th
     return v_protected > 0.5 && mod(gl_FragCoord.x - gl_FragCoord.y, 8.0) < 3.0;
 }}
 
+vec3 inside() {{  // what is seen of the surface from within, as if the cut were solid: hatched as in a drawing
+    return mod(gl_FragCoord.x + gl_FragCoord.y, 12.0) < 1.5 ? {_vec(ABSENT)} : {_vec(PLAIN)};
+}}
+
 void main() {{
+    if (dot(cut.xyz, v_at) > cut.w) discard;
+    if (filled > 0.5 && !gl_FrontFacing) {{ gl_FragColor = vec4(inside(), 1.0); return; }}
     bool own = v_place > {OWN / 2:.1f};
     float shade = own ? light() : mix(light(), 1.0, {FLATNESS:.4f});
     vec3 colour = hatched() ? {_vec(ABSENT)} : own ? v_colour : field();
@@ -131,20 +168,31 @@ varying float v_kind;
 void main() {
     v_kind = kind;
     gl_Position = kind < 0.0 ? vec4(2.0, 2.0, 2.0, 1.0) : projectionMatrix * modelViewMatrix * vec4(position, 1.0);
-    gl_PointSize = 22.0;
+    gl_PointSize = kind > 9.0 ? 26.0 : 22.0;
 }
 """
 
-MARKER_FRAGMENT = """
+MARKER_FRAGMENT = f"""
+uniform sampler2D numbers;
 varying float v_kind;
-float ring(vec2 p) { return abs(length(p) - 0.62); }
-float triangle(vec2 p) { return abs(max(p.y, abs(p.x) * 0.866 - p.y * 0.5) - 0.36); }
-float star(vec2 p) { return max(min(abs(p.x), abs(p.y)), length(p) - 0.8); }
-void main() {
+float ring(vec2 p) {{ return abs(length(p) - 0.62); }}
+float triangle(vec2 p) {{ return abs(max(p.y, abs(p.x) * 0.866 - p.y * 0.5) - 0.36); }}
+float star(vec2 p) {{ return max(min(abs(p.x), abs(p.y)), length(p) - 0.8); }}
+float dot_(vec2 p) {{ return length(p) - 0.16; }}
+vec4 pin(float number, vec2 p) {{  // a disc with its number
+    float away = length(p);
+    if (away > 0.92) discard;
+    float row = floor(number / {COLUMNS}.0);
+    vec2 cell = vec2(number - {COLUMNS}.0 * row, row) + gl_PointCoord;
+    float ink = texture2D(numbers, cell / vec2({COLUMNS}.0, {ROWS}.0)).a;
+    return vec4(vec3(away > 0.78 ? 1.0 : mix(0.09, 1.0, ink)), 1.0);
+}}
+void main() {{
     vec2 p = 2.0 * gl_PointCoord - 1.0;
     p.y = -p.y;
-    float away = v_kind < 0.5 ? ring(p) : v_kind < 1.5 ? triangle(p) : star(p);
+    if (v_kind > {PIN + 0.5:.1f}) {{ gl_FragColor = pin(floor(v_kind - {PIN + 0.5:.1f}), p); return; }}
+    float away = v_kind < 0.5 ? ring(p) : v_kind < 1.5 ? triangle(p) : v_kind < 2.5 ? star(p) : dot_(p);
     if (away > 0.2) discard;
     gl_FragColor = vec4(vec3(away > 0.09 ? 1.0 : 0.07), 1.0);
-}
+}}
 """

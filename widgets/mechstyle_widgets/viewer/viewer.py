@@ -5,8 +5,7 @@ All of pythreejs stays behind `Viewer`.
 
 from __future__ import annotations
 
-import base64
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from typing import Any
 
@@ -21,7 +20,6 @@ from mechstyle.pictures.camera import VIEWS
 from mechstyle.pictures.figure import Panel
 from mechstyle.pictures.panels import Picture, picture
 from mechstyle.records.mesh import SurfaceMesh
-from mechstyle.records.regions import Point
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
 from mechstyle_widgets.jupyter.closing import close_family
 from mechstyle_widgets.jupyter.throttle import Paced
@@ -29,29 +27,27 @@ from mechstyle_widgets.viewer import legend, probe
 from mechstyle_widgets.viewer.badge import Badge
 from mechstyle_widgets.viewer.camera import Orbit
 from mechstyle_widgets.viewer.layers import STYLE, Layer, Subject
+from mechstyle_widgets.viewer.places import Places
 from mechstyle_widgets.viewer.scene import BACKGROUNDS, Scene, floor_cell
+from mechstyle_widgets.viewer.section import Section
+from mechstyle_widgets.viewer.toolbar import Toolbar
+from mechstyle_widgets.viewer.tools import Tools
 
-COARSE, FINE = 15.0, 1.0
-"""How far an arrow key turns the part, and with Ctrl [degrees]."""
-ARROWS = {"ArrowLeft": (-1, 0), "ArrowRight": (1, 0), "ArrowUp": (0, 1), "ArrowDown": (0, -1)}
-NEARER = {"+": 1.25, "=": 1.25, "-": 0.8}
-SHIFTED = {"1": "front", "2": "side", "3": "top", "4": "below", "5": "three_quarter"}
-"""Standard views by the digits that, with Shift, call them."""
+DRAWN = ("subject", "original", "layer", "markers", "probed", "places", "measured", "tool", "beside", "names", "protected")
+"""Traits that change what is drawn."""
 
 
-class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
+class Viewer(OncePerCell, Tools, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     """A part one can orbit with the mouse, coloured by its style or by a field over it.
 
-    Drag turns it, the right button moves it, the wheel comes nearer, a click asks what is known of the place.
+    Drag turns it, the right button moves it, the wheel comes nearer, a click asks what is known of the place; `Tools` has the rest.
 
     Attributes:
         subject: The part and its fields; may be replaced by one with the same faces.
         original: What may be shown beside it, None for nothing.
-        layer: Name of what is shown: `style`, or one of the fields.
         beside: Whether the original is shown beside it, moving along with the mouse.
         names: What the two are called where they stand side by side.
         markers: Whether the greatest (ring) and the least value (triangle) are marked.
-        probed: The vertex asked about, None for none.
         protected: Whether the style must leave each vertex as it is, which is hatched, shape [vertex_count]; None for nothing.
         theme: `light` or `dark`.
         badge: What is said over the view.
@@ -59,11 +55,9 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
 
     subject = traitlets.Instance(Subject)
     original = traitlets.Instance(Subject, None, allow_none=True)
-    layer = traitlets.Unicode(STYLE)
     beside = traitlets.Bool(False)
     names = traitlets.Tuple(traitlets.Unicode(), traitlets.Unicode(), default_value=("styled", "original"))
     markers = traitlets.Bool(True)
-    probed = traitlets.Int(None, allow_none=True)
     protected = traitlets.Instance(np.ndarray, None, allow_none=True)
     theme = traitlets.Enum(tuple(BACKGROUNDS), "light")
     _built = False  # `close()` also runs, from `__del__`, on a viewer whose `__init__` raised
@@ -105,21 +99,35 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._views = [self._renderer(self._scenes[0], [*self._orbit.controls, self._picker.three])]
         self._stage = ipywidgets.HBox(self._views)
         self.badge = Badge()
-        window = ipywidgets.Box([self._stage, self.badge])
+        self._said = ipywidgets.HTML()
+        self._said.add_class("mechstyle-said")
+        window = ipywidgets.VBox([self.badge, self._stage, self._said])
         window.add_class("mechstyle-stage")
+        self.section = Section(mesh.vertices.min(axis=0), mesh.vertices.max(axis=0))
+        self._toolbar = Toolbar(self.fit, self.picture)
+        self._list = Places(lambda number: self._fly_to(self.places[number]), self._remove)
         self._legend, self._scale, self._table = ipywidgets.HTML(), ipywidgets.HTML(), ipywidgets.HTML()
         self._titles = ipywidgets.HTML(layout={"display": "none"})
         wrap = {"flex_flow": "row wrap", "justify_content": "space-between", "overflow": "hidden"}
         foot = ipywidgets.HBox([self._legend, ipywidgets.VBox([self._scale, self._table])], layout=wrap)
-        super().__init__([self._toolbar(), self._titles, window, foot])
+        super().__init__([self._toolbar, self.section, self._titles, window, foot, self._list])
         self.add_class("mechstyle-viewer")
         self.subject, self.original, self.theme = subject, original, theme
         self._refresh = Paced(self._draw)
         self.layer = layers[0].name if layers else STYLE
-        self._orbit.observe(self._measure)
-        self.observe(lambda _: self._refresh(), ("subject", "original", "layer", "markers", "probed", "beside", "names", "protected"))
+        self._wire()
         self._built = True
         self._draw()
+
+    def _wire(self) -> None:
+        """Let the toolbar, the cut and the camera be heard."""
+        for name in ("layer", "beside", "markers", "parallel", "tool"):
+            traitlets.link((self, name), (self._toolbar, name))
+        self.section.observe(lambda change: setattr(self._toolbar, "cut", change["new"]), "on")
+        self._toolbar.observe(lambda change: self.cut_open(on=change["new"]), "cut")
+        self.section.observe(self._cut, ("on", "axis", "at", "flipped", "filled"))
+        self._orbit.observe(self._measure)
+        self.observe(lambda _: self._refresh(), DRAWN)
 
     def __repr__(self) -> str:
         """Layer and subject; never the arrays."""
@@ -148,41 +156,11 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     def look_from(self, other: Viewer) -> None:
         """Look from where another view looks."""
         self._orbit.look_like(other._orbit)
+        self.parallel = self._orbit.parallel
         self._measure()
-
-    def key(self, name: str, *, shift: bool = False, ctrl: bool = False) -> None:
-        """What a key does while the view has the focus: arrows turn it, + and - come nearer and go farther, Home shows the whole part."""
-        step = FINE if ctrl else COARSE
-        across, up = ARROWS.get(name, (0, 0))
-        if name == "Home":
-            self.fit()
-        elif name in NEARER:
-            self._orbit.near(NEARER[name])
-        elif shift and name in SHIFTED:
-            self.fit(SHIFTED[name])
-        elif (across, up) != (0, 0):
-            self._orbit.turn(across * step, up * step)
-        self._measure()
-
-    def fly(self, place: Point) -> None:
-        """Look at a place of the part at rest [mm] from close by, and tell what is known of it."""
-        vertex = int(np.linalg.norm(self.at_rest.vertices - np.asarray(place), axis=1).argmin())
-        mesh = self.subject.mesh
-        self._orbit.look_at(mesh.vertices[vertex], mesh.vertex_normals[vertex])
-        self.probed = vertex
-        self._measure()
-
-    @property
-    def at_rest(self) -> SurfaceMesh:
-        """The part to which the places of clicks belong."""
-        return self.subject.mesh
-
-    def on_click(self, call: Callable[[Point], None]) -> None:
-        """Call back with the position [mm] of every click, repeated clicks included."""
-        self._clicks.register_callback(call)
 
     def picture(self) -> Picture:
-        """The view without the hatching of protected regions, rendered in the kernel: `.save(path)` writes the PNG."""
+        """The view, cut open as it is, without the hatching of protected regions, rendered in the kernel: `.save(path)` writes the PNG."""
         shown = [(self.subject, self.names[0]), (self.original, self.names[1])] if self.beside else [(self.subject, "")]
         panels = [self._panel(subject, title) for subject, title in shown if subject is not None]
         return picture(panels)
@@ -191,6 +169,7 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         """Close the view and every widget it is made of; nothing stays behind in the kernel."""
         if self._built:
             self._refresh.cancel()
+            self._list.close()
             close_family(self, *self._views)
         super().close()
 
@@ -213,13 +192,6 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             raise unknown("layer", proposal["value"], names)
         return proposal["value"]
 
-    @traitlets.validate("probed")
-    def _known_vertex(self, proposal: dict[str, Any]) -> int | None:
-        count = len(self.subject.mesh.vertices)
-        if proposal["value"] is not None and not 0 <= proposal["value"] < count:
-            raise BadInput(f"there is no vertex {proposal['value']}: the part has {count}, counted from 0")
-        return proposal["value"]
-
     @traitlets.validate("protected")
     def _one_for_each(self, proposal: dict[str, Any]) -> NDArray[np.bool_] | None:
         given, count = proposal["value"], len(self.subject.mesh.vertices)
@@ -231,15 +203,12 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     def _offer_layers(self, _change: object) -> None:
         """Keep the layer if there still is one of its name."""
         shown = self.layer if self.subject.layer(self.layer) else STYLE
-        options = [("style", STYLE), *((layer.name.replace("_", " "), layer.name) for layer in self.subject.layers)]
-        if tuple(self._choice.options) != tuple(options):
-            self._choice.options = options
-            self._choice.value = shown
+        self._toolbar.offer(self.subject.layers, shown)
         self.layer = shown
 
     @traitlets.observe("original")
     def _offer_original(self, _change: object) -> None:
-        self._both.layout.display = "none" if self.original is None else ""
+        self._toolbar.offer_beside(self.names[1].split(",")[0], there=self.original is not None)
         self.beside = self.beside and self.original is not None
 
     @traitlets.observe("theme")
@@ -252,11 +221,14 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     def _draw(self) -> None:
         """Bring the scenes, the legend and the table up to date with the traits."""
         layer = self.subject.layer(self.layer)
+        self._orbit.follow(self.subject.mesh)
         self._arrange()
         with self._at_once():
             for scene, subject in zip(self._scenes, (self.subject, self.original), strict=False):
                 if subject is not None:
-                    _fill(scene, subject, self.layer, self.probed, markers=self.markers)
+                    _fill(scene, subject, self.layer)
+                    scene.cut(self.section.plane, filled=self.section.filled)
+                    scene.mark(_extremes(subject, self.layer) if self.markers else None, self.probed, self.places, self.measured)
             self._scenes[0].hatch(self.protected)
             if self.protected is not None:
                 self._scenes[0].stand_in(None)  # the hatch is on the part
@@ -264,12 +236,15 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         key = "" if self.protected is None else legend.protected(self.protected, mesh)
         self._legend.value = (legend.colour_bar(layer, mesh) if layer else "") + key
         self._table.value = "" if self.probed is None else probe.table(self.subject, self.probed)
+        self._said.value = legend.said(self.tool, self.measured)
+        self._list.show(self.subject, self.places)
         self._measure()
 
     def _arrange(self) -> None:
         """Lay out one view, or two of half the width that share the camera."""
         wanted = self.beside and self.original is not None
-        self._titles.value, self._both.description = legend.titles(*self.names), self.names[1].split(",")[0]
+        self._titles.value = legend.titles(*self.names)
+        self._toolbar.offer_beside(self.names[1].split(",")[0], there=self.original is not None)
         if self.original is not None and wanted and len(self._views) == 1:
             self._scenes.append(Scene(self.original.mesh, self._orbit.home.target, self.theme))
             self._views.append(self._renderer(self._scenes[1], [self._orbit.share()]))
@@ -307,52 +282,27 @@ class Viewer(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     def _panel(self, subject: Subject, title: str) -> Panel:
         layer, seen = subject.layer(self.layer), self._orbit.seen
         if layer is None:
-            return Panel(subject.look or subject.mesh, title, view=seen)
-        return Panel(subject.mesh, title, layer.values, layer.unit, layer.label, layer.limits, layer.threshold, seen, layer.note)
+            return Panel(self.section.applied(subject.look or subject.mesh)[0], title, view=seen)
+        mesh, values = self.section.applied(subject.mesh, layer.values)
+        return Panel(mesh, title, values, layer.unit, layer.label, layer.limits, layer.threshold, seen, layer.note)
 
     def _add_under_view(self, widget: ipywidgets.Widget) -> None:
         """Show one more widget between the view and what is written under it."""
         self.children: tuple[ipywidgets.Widget, ...] = (*self.children[:-1], widget, self.children[-1])
 
-    # what the mouse does
-
-    def _toolbar(self) -> ipywidgets.HBox:
-        self._choice = ipywidgets.Dropdown(options=[("style", STYLE)], tooltip="What is shown on the part", layout={"width": "190px"})
-        views = [(view.replace("_", " "), view) for view in VIEWS]
-        self._view = ipywidgets.Dropdown(options=views, value="three_quarter", tooltip="Where from", layout={"width": "120px"})
-        fit = ipywidgets.Button(icon="arrows-alt", tooltip="Bring the whole part into view", layout={"width": "36px"})
-        self._both = ipywidgets.ToggleButton(
-            description="original", icon="columns", tooltip="Show the original beside it", layout={"width": "96px", "display": "none"}
-        )
-        marks = ipywidgets.ToggleButton(
-            description="extremes", icon="dot-circle-o", tooltip="Mark the greatest and the least value", layout={"width": "108px"}
-        )
-        shot = ipywidgets.Button(icon="camera", tooltip="Make a picture of this to save", layout={"width": "36px"})
-        self._download = ipywidgets.HTML()
-        traitlets.link((self, "layer"), (self._choice, "value"))
-        traitlets.link((self, "beside"), (self._both, "value"))
-        traitlets.link((self, "markers"), (marks, "value"))
-        self._view.observe(lambda change: self.fit(change["new"]), "value")
-        fit.on_click(lambda _: self.fit())
-        shot.on_click(lambda _: self._offer_picture())
-        tools = [self._choice, self._view, fit, self._both, marks, shot, self._download]
-        return ipywidgets.HBox(tools, layout={"flex_flow": "row wrap"})
-
-    def _offer_picture(self) -> None:
-        data = base64.b64encode(self.picture().png).decode("ascii")
-        name = f"mechstyle-{self.layer}.png"
-        self._download.value = f'<a download="{name}" href="data:image/png;base64,{data}" style="font-size:12px">save {name}</a>'
-
-    def _pick(self, point: tuple[float, float, float], face: int) -> None:
-        where = np.add(point, self._orbit.home.target)
-        self.probed = probe.nearest_corner(self.subject, face, where)
-        self._clicks(probe.carried_over(face, where, self.subject.mesh, self.at_rest))
+    def _cut(self, _change: object) -> None:
+        for scene in self._scenes:
+            scene.cut(self.section.plane, filled=self.section.filled)
 
 
-def _fill(scene: Scene, subject: Subject, name: str, probed: int | None, *, markers: bool) -> None:
+def _fill(scene: Scene, subject: Subject, name: str) -> None:
     """Put a subject into a scene, painted with the layer of a name."""
     layer = subject.layer(name)
     scene.move(subject.mesh)
     scene.paint(layer)
     scene.stand_in(subject.look if layer is None else None)
-    scene.mark(layer.extremes() if layer and markers else None, probed)
+
+
+def _extremes(subject: Subject, name: str) -> tuple[int, int] | None:
+    layer = subject.layer(name)
+    return None if layer is None else layer.extremes()

@@ -4,9 +4,8 @@ import { Camera, steer } from "./camera.js";
 import { plane } from "./replay_data.js";
 import { Scene } from "./scene.js";
 
-const FRAMES_PER_SECOND = 24;
 const KEYS_HELP = "Drag to turn, shift-drag to move, click and scroll to zoom. Keys: arrows turn or scrub, + and − zoom, 0 resets, " +
-  "space plays, n and p go to the next and previous simulation, 1 to 5 choose the layer, o shows the original beside it.";
+  "space plays, n and p go to the next and previous simulation, 1 to 6 choose the layer, o shows the original beside it.";
 
 export function element(name, attributes = {}, ...children) {
   const made = document.createElement(name);
@@ -46,7 +45,7 @@ export class Player {
     Object.assign(this, { root, replay, changed, frame: replay.frames.length - 1, layer: replay.layers[0], threshold: null, compare: false });
     Object.assign(this, { pending: 0, playing: 0, areas: vertexAreas(replay), watchers: [] });
     this.build();
-    const { centre, size } = boxOf(replay.positions);
+    const { centre, size } = boxOf(this.outline());
     this.camera = new Camera(centre, size);
     try {
       this.scene = new Scene(this.canvas, replay);
@@ -59,6 +58,9 @@ export class Player {
     this.refresh();
   }
 
+  outline() { return this.replay.positions; } // what is brought into view
+  get framesPerSecond() { return 24; }
+  get end() { return this.replay.frames.length - 1; } // where playing stops
   get iteration() { return this.replay.frames[this.frame].iteration; }
 
   // ---- elements
@@ -107,8 +109,10 @@ export class Player {
     return element("div", { class: "ms-scrub" }, this.play, this.slider, this.count);
   }
 
+  get keysHelp() { return KEYS_HELP; }
+
   help() {
-    return element("details", { class: "ms-help" }, element("summary", {}, "Mouse and keys"), element("p", {}, KEYS_HELP));
+    return element("details", { class: "ms-help" }, element("summary", {}, "Mouse and keys"), element("p", {}, this.keysHelp));
   }
 
   // ---- what a person does
@@ -147,12 +151,12 @@ export class Player {
 
   toggle() {
     if (this.playing) return this.pause();
-    if (this.frame === this.replay.frames.length - 1) this.to(0);
+    if (this.frame >= this.end) this.to(0);
     const start = performance.now(), from = this.frame;
     const tick = (now) => {
-      const frame = from + Math.floor(((now - start) * FRAMES_PER_SECOND) / 1000);
-      if (frame > this.frame) this.to(frame);
-      this.playing = this.frame < this.replay.frames.length - 1 ? requestAnimationFrame(tick) : 0;
+      const frame = from + Math.floor(((now - start) * this.framesPerSecond) / 1000);
+      if (frame > this.frame) this.to(Math.min(frame, this.end));
+      this.playing = this.frame < this.end ? requestAnimationFrame(tick) : 0;
       this.refresh();
     };
     this.playing = requestAnimationFrame(tick);
@@ -204,10 +208,10 @@ export class Player {
   }
 
   describe() {
-    const frame = this.replay.frames[this.frame], last = this.replay.frames.at(-1);
+    const frame = this.replay.frames[this.frame];
     this.slider.value = String(this.frame);
-    this.slider.setAttribute("aria-valuetext", `iteration ${frame.iteration}`);
-    this.count.textContent = `${frame.iteration} / ${last.iteration}`;
+    this.slider.setAttribute("aria-valuetext", this.named(frame));
+    this.count.textContent = this.counted(frame);
     this.play.textContent = this.playing ? "❚❚" : "▶";
     this.play.setAttribute("aria-label", this.playing ? "Pause" : "Play");
     this.beside.setAttribute("aria-pressed", String(this.compare));
@@ -216,6 +220,9 @@ export class Player {
     this.caption.textContent = this.sentence(frame);
     this.describeScale();
   }
+
+  named(frame) { return `iteration ${frame.iteration}`; }
+  counted(frame) { return `${frame.iteration} / ${this.replay.frames.at(-1).iteration}`; }
 
   sentence(frame) {
     if (frame.outcome === undefined) return `Iteration ${frame.iteration}: not simulated; stress and mask are those of iteration ${frame.simulatedAt}.`;
@@ -229,21 +236,23 @@ export class Player {
     this.knob.classList.toggle("ms-away", !split);
     if (key === "style") return;
     const place = split ? Math.min(Math.max((this.threshold - low) / (high - low), 0), 1) : 1;
-    Object.assign(this.knob, { min: low, max: high, value: this.threshold ?? high });
+    Object.assign(this.knob, { min: Math.min(low, high), max: Math.max(low, high), value: this.threshold ?? high });
+    this.knob.dir = low > high ? "rtl" : "ltr"; // the bar runs to what is worse
     this.knob.setAttribute("aria-valuetext", split ? withUnit(this.threshold, unit) : "none");
-    this.label.textContent = (unit ? `${label} [${unit}]` : label) + (split ? ` · ${this.shareAbove()} above ${withUnit(this.threshold, unit)}` : "");
+    const side = low > high ? "below" : "above";
+    this.label.textContent = (unit ? `${label} [${unit}]` : label) + (split ? ` · ${this.shareBeyond()} ${side} ${withUnit(this.threshold, unit)}` : "");
     this.bar.style.background = this.gradient(place);
     this.ticks.replaceChildren(element("span", {}, shown(low)), element("span", {}, shown(high)));
   }
 
-  shareAbove() {
-    const { low, step } = this.replay.channels[this.layer.key], raw = plane(this.replay, this.layer.key, this.frame);
-    let [above, all] = [0, 0];
+  shareBeyond() {
+    const way = Math.sign(this.layer.high - this.layer.low), { low, step } = this.replay.channels[this.layer.key], raw = plane(this.replay, this.layer.key, this.frame);
+    let [beyond, all] = [0, 0];
     for (let i = 0; i < raw.length; i++) {
       all += this.areas[i];
-      if (raw[i] < 65535 && low + step * raw[i] > this.threshold) above += this.areas[i];
+      if (raw[i] < 65535 && way * (low + step * raw[i] - this.threshold) > 0) beyond += this.areas[i];
     }
-    return `${((100 * above) / all).toFixed(1)} % of the surface`;
+    return `${((100 * beyond) / all).toFixed(1)} % of the surface`;
   }
 
   // The ramp up to the threshold, then the hatch the surface has above it.

@@ -1,7 +1,8 @@
 // Starts the replay of a report and links the timeline and the tables with it.
 
-import { unpack } from "./replay_data.js";
+import { unpack, unpackImpact } from "./replay_data.js";
 import { Player } from "./player.js";
+import { ImpactPlayer } from "./impact.js";
 
 const text = (id) => document.getElementById(id).textContent;
 const bytesOf = (base64) => Uint8Array.fromBase64?.(base64) ?? Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
@@ -36,12 +37,28 @@ function link(player) {
   });
 }
 
+// The impacts take turns in one player: a browser gives few contexts.
+async function showImpacts(replay) {
+  const root = document.getElementById("impact"), choice = document.getElementById("impact-choice");
+  if (!root) return;
+  const headers = JSON.parse(text("impact-headers")), payloads = headers.map((_, number) => text(`impact-payload-${number}`));
+  let shown = null;
+  const show = async () => {
+    const impact = await unpackImpact(headers[choice.value], bytesOf(payloads[choice.value]), replay);
+    shown?.dispose();
+    shown = new ImpactPlayer(root, impact);
+  };
+  choice.onchange = show;
+  await show();
+}
+
 async function start() {
   const replay = await unpack(JSON.parse(text("replay-header")), bytesOf(text("replay-payload")));
   document.getElementById("replay-payload").remove(); // the unpacked replay is kept, the text need not be
   const player = new Player(document.getElementById("replay"), replay);
   link(player);
   player.watchers.push(() => { document.body.dataset.ready = player.scene ? "replay" : "still"; });
+  await showImpacts(replay);
 }
 
 start().catch((problem) => {

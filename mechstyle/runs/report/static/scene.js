@@ -1,6 +1,6 @@
 // WebGL 2: one or two bodies with their buffers, drawn with one program.
 
-import { plane } from "./replay_data.js";
+import { displaced, plane } from "./replay_data.js";
 import { FRAGMENT, VERTEX } from "./shaders.js";
 
 function compiled(gl) {
@@ -61,13 +61,11 @@ class Body {
 
   show(frame, layer) {
     if (frame !== this.frame) {
-      const { positions, normals, faces, channels } = this.replay, raw = plane(this.replay, "displacement", frame);
-      const { low, step } = channels.displacement;
-      for (let i = 0; i < positions.length; i++) this.positions[i] = positions[i] + normals[i] * (low + step * raw[(i / 3) | 0]);
-      normalsOf(this.positions, faces, this.normals);
+      (this.replay.shape ?? displaced)(this.replay, frame, this.positions);
+      normalsOf(this.positions, this.replay.faces, this.normals);
       this.fill("position", this.positions);
       this.fill("normal", this.normals);
-      this.fill("colour", plane(this.replay, "colour", frame));
+      if (this.replay.channels.colour) this.fill("colour", plane(this.replay, "colour", frame));
     }
     if (layer !== "style" && (frame !== this.frame || layer !== this.layer)) this.fill("raw", plane(this.replay, layer, frame));
     Object.assign(this, { frame, layer });
@@ -134,7 +132,7 @@ export class Scene {
 
   colour(layer, threshold) {
     const gl = this.gl, field = this.replay.channels[layer.key] ?? { low: 0, step: 1 };
-    const split = threshold !== null, inside = split && layer.low < threshold && threshold < layer.high;
+    const split = threshold !== null, inside = split && (threshold - layer.low) * (layer.high - threshold) > 0;
     gl.uniform1f(this.place("low"), field.low);
     gl.uniform1f(this.place("stride"), field.step);
     gl.uniform1i(this.place("styled"), layer.key === "style" ? 1 : 0);

@@ -2,6 +2,7 @@
 // and what only a page can do: hand a file over.
 
 const QUIET = 120; // a size counts when it has stood still for so long [ms]
+const IN_VIEW = ["+", "-", "=", "Home", "Enter", "PageUp", "PageDown"], ANYWHERE = [..."rn.c123456amxol"];
 const FIELDS = "input:not([type=range], [type=checkbox]), textarea, select, [contenteditable]";
 
 function initialize({ model }) {
@@ -84,12 +85,14 @@ function label(root) {
   for (const canvas of root.querySelectorAll(".mechstyle-stage canvas:not([tabindex])")) {
     canvas.tabIndex = 0;
     canvas.setAttribute("role", "application");
-    canvas.setAttribute("aria-label", "The part: arrow keys turn it, plus and minus come nearer and go farther, Home shows all of it");
+    canvas.setAttribute("aria-label", "The part: arrow keys turn it, plus and minus come nearer and go farther, Home shows all of it, Enter asks about the place in the middle");
   }
   for (const head of root.querySelectorAll(".mechstyle-group-head")) set(head, "aria-expanded", head.classList.contains("mechstyle-open"));
   for (const one of root.querySelectorAll("[class*=mechstyle-model-], [class*=mechstyle-style-]")) {
     if (one.tagName === "BUTTON") set(one, "aria-pressed", one.classList.contains("mechstyle-chosen"));
   }
+  for (const one of root.querySelectorAll("button.widget-toggle-button")) set(one, "aria-pressed", one.classList.contains("mod-active"));
+  for (const one of root.querySelectorAll("button.mechstyle-pin")) set(one, "aria-label", one.title);
   for (const one of root.querySelectorAll("button[title]:not([aria-label])")) if (!one.textContent.trim()) one.setAttribute("aria-label", one.title);
   for (const handle of root.querySelectorAll(".noUi-handle:not([aria-label])")) {
     const words = handle.closest(".widget-slider, .jupyter-widgets")?.querySelector("label, .widget-label")?.textContent;
@@ -108,7 +111,7 @@ function pressed(model, root, event) {
   event.stopPropagation();
   if (target.closest(FIELDS) || event.defaultPrevented) return;
   const digit = /^Digit([1-9])$/.exec(event.code)?.[1];
-  if (target.tagName === "CANVAS" && (event.key.startsWith("Arrow") || "+-=".includes(event.key) || event.key === "Home" || (event.shiftKey && digit))) {
+  if (target.tagName === "CANVAS" && (event.key.startsWith("Arrow") || IN_VIEW.includes(event.key) || (event.shiftKey && digit))) {
     event.preventDefault();
     model.send({ kind: "view", key: event.shiftKey && digit ? digit : event.key, shift: event.shiftKey, ctrl: event.ctrlKey });
   } else if (event.key.startsWith("Arrow") && target.closest(".mechstyle-pictures")) {
@@ -116,8 +119,8 @@ function pressed(model, root, event) {
     step(target, ["ArrowRight", "ArrowDown"].includes(event.key) ? 1 : -1);
   } else if (!event.ctrlKey && !event.shiftKey && event.key.toLowerCase() === "f") {
     full(root);
-  } else if (!event.ctrlKey && "rn.c1234".includes(event.key.toLowerCase()) && event.key.length === 1) {
-    model.send({ kind: "studio", key: event.key.toLowerCase() });
+  } else if (!event.ctrlKey && (event.key === "Escape" || ANYWHERE.includes(event.key.toLowerCase()))) {
+    model.send({ kind: "studio", key: event.key === "Escape" ? event.key : event.key.toLowerCase() });
   }
 }
 

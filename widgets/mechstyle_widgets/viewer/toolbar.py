@@ -1,0 +1,118 @@
+"""The toolbar of a view: what is shown, where from, and the tools; each button has a name that a screen reader tells, and most a key."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import ipywidgets
+import traitlets
+
+from mechstyle.pictures.camera import VIEWS
+from mechstyle.pictures.panels import Picture
+from mechstyle_widgets.viewer.layers import STYLE, Layer
+
+TOOLS = ("", "measure", "places")
+"""What a click does besides asking about a place: nothing, measure, or keep the place."""
+
+
+class Toolbar(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
+    """Menus and buttons above the view.
+
+    Attributes:
+        layer: Name of what is shown.
+        beside: Whether the original is shown beside it.
+        markers: Whether the greatest and the least value are marked.
+        parallel: Whether one looks in parallel.
+        cut: Whether the part is cut open.
+        tool: One of TOOLS.
+    """
+
+    layer = traitlets.Unicode(STYLE)
+    beside = traitlets.Bool(False)
+    markers = traitlets.Bool(True)
+    parallel = traitlets.Bool(False)
+    cut = traitlets.Bool(False)
+    tool = traitlets.Enum(TOOLS, "")
+
+    def __init__(self, fit: Callable[[str], None], picture: Callable[[], Picture]) -> None:
+        """`fit` is told a view, or "" for all of the part from where one looks; `picture` makes one to save."""
+        self.choice = ipywidgets.Dropdown(
+            options=[("style", STYLE)], tooltip="What is shown on the part (1 to 6, L for the next)", layout={"width": "176px"}
+        )
+        views = [(view.replace("_", " "), view) for view in VIEWS]
+        self._view = ipywidgets.Dropdown(
+            options=views, value="three_quarter", tooltip="Where from (Shift with 1 to 5)", layout={"width": "120px"}
+        )
+        self._fit = _button("arrows-alt", "Bring the whole part into view (Home)")
+        self.both = _toggle("columns", "Show the original beside it", "original")
+        self.both.layout.display = "none"
+        self._marks = _toggle("dot-circle-o", "Mark the greatest and the least value", "extremes")
+        self._parallel = _toggle("cube", "Look in parallel, without perspective (O)")
+        self._cut = _toggle("scissors", "Cut the part open along a plane (X)")
+        self._measure = _toggle("arrows-h", "Measure between two clicks, or Enter at the cross (M)")
+        self._places = _toggle("map-marker", "Keep the places one clicks on in a list (A)")
+        self._shot = _button("camera", "Make a picture of this to save")
+        self._download = ipywidgets.HTML()
+        groups = [
+            [self.choice, self._view, self._fit, self.both, self._marks],
+            [self._parallel, self._cut, self._measure, self._places, self._shot, self._download],
+        ]
+        super().__init__([ipywidgets.HBox(group, layout={"flex_flow": "row wrap"}) for group in groups])
+        self.layout.flex_flow = "row wrap"
+        self.add_class("mechstyle-toolbar")
+        self._picture = picture
+        linked = {"layer": self.choice, "beside": self.both, "markers": self._marks, "parallel": self._parallel, "cut": self._cut}
+        for name, widget in linked.items():
+            traitlets.link((self, name), (widget, "value"))
+        self._view.observe(lambda change: fit(change["new"]), "value")
+        self._fit.on_click(lambda _: fit(""))
+        self._shot.on_click(lambda _: self._offer_picture())
+        for name, button in self._tools.items():
+            button.observe(lambda change, name=name: self._take(name, taken=change["new"]), "value")
+
+    def offer(self, layers: Sequence[Layer], shown: str) -> None:
+        """Offer the style and these layers, with one of them shown."""
+        options = [("style", STYLE), *((layer.title, layer.name) for layer in layers)]
+        if tuple(self.choice.options) != tuple(options):
+            self.choice.options = options
+            self.choice.value = shown
+
+    def offer_beside(self, name: str, *, there: bool) -> None:
+        """Offer what may stand beside, by its name, if it is there."""
+        self.both.layout.display = "" if there else "none"
+        self.both.description = name
+
+    def rest(self) -> None:
+        """Take the focus."""
+        self._places.focus()
+
+    @property
+    def _tools(self) -> dict[str, ipywidgets.ToggleButton]:
+        return {"measure": self._measure, "places": self._places}
+
+    def _take(self, name: str, *, taken: bool) -> None:
+        if taken or self.tool == name:
+            self.tool = name if taken else ""
+
+    @traitlets.observe("tool")
+    def _press(self, _change: Any = None) -> None:
+        for name, button in self._tools.items():
+            button.value = self.tool == name
+
+    def _offer_picture(self) -> None:
+        data = base64.b64encode(self._picture().png).decode("ascii")
+        name = f"mechstyle-{self.layer}.png"
+        self._download.value = f'<a download="{name}" href="data:image/png;base64,{data}" style="font-size:12px">save {name}</a>'
+
+
+def _button(icon: str, tooltip: str) -> ipywidgets.Button:
+    return ipywidgets.Button(icon=icon, tooltip=tooltip, layout={"width": "36px"})
+
+
+def _toggle(icon: str, tooltip: str, description: str = "") -> ipywidgets.ToggleButton:
+    made = ipywidgets.ToggleButton(description=description, icon=icon, tooltip=tooltip, layout={"width": "auto" if description else "36px"})
+    if description:
+        made.add_class("mechstyle-worded")
+    return made
