@@ -7,7 +7,7 @@ they were picked at on the part as it came.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -27,7 +27,7 @@ from mechstyle.records.load_cases import LoadCase, load_cases
 from mechstyle.records.material import Material, material_named
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh
 from mechstyle.records.regions import Region, regions
-from mechstyle.simulation.part import Stage, Workpiece, cached_memo, fitted, prepare, say_nothing
+from mechstyle.simulation.part import Relief, Stage, Workpiece, cached_memo, fitted, prepare, refilled, say_nothing
 from mechstyle.simulation.part_test import judge_alone
 from mechstyle.simulation.simulator import DropSimulator
 
@@ -193,6 +193,30 @@ def strengthened(
         stage(f"thickening it, round {turn + 1}")
         after = simulator.simulate(added, thorough=True)
     return Strengthened(part, plain, added, before, after, turn)
+
+
+def made_ready(
+    mesh: SurfaceMesh | Workpiece, recipe: Recipe, relief: Relief, *,
+    prepare: Callable[..., Workpiece], vertices: int, device: str, stage: Stage,
+) -> Workpiece:  # fmt: skip
+    """A part made ready for a style: thickened first, if the recipe asks for it, with tetrahedra that carry the style's relief.
+
+    Args:
+        mesh: A closed surface [mm], or a part that is prepared.
+        recipe: What it is made ready for.
+        relief: The finished relief on a part.
+        prepare: What prepares a surface, `simulation.part.prepare` or a function like it.
+        vertices: Vertices of the standardised surface.
+        device: Where it is tested.
+        stage: Told what is being done, in words.
+    """
+    thicker = strengthened(mesh, recipe, vertices=vertices, device=device, stage=stage) if recipe.strengthen else None
+    rough = mesh if thicker is None else thicker.result
+    if isinstance(rough, SurfaceMesh):
+        part = prepare(rough, vertices=vertices, stage=stage, relief=relief)
+    else:
+        part = refilled(rough, relief, stage)
+    return part if thicker is None else thicker.noted(part)
 
 
 def _freedom(part: Workpiece, recipe: Recipe) -> NDArray[np.float64]:

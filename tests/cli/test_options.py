@@ -28,7 +28,8 @@ STYLED = (
     "--poses --prompt -p --protect --seed --set --standard --stylizer --tilts --window"
 )
 STUDIED = (
-    "--criterion --device --iterations --jobs --json --material -m --models --orientations --out --scheduler --seeds --set --styles --vertices"
+    "--criterion --device --iterations --jobs --json --material -m --models --orientations --out --scheduler --seeds --set --styles "
+    "--vertices"
 )
 RESTRAINED = "--base --control --every --normalisation --schedule --threshold"
 NAMES = {
