@@ -214,6 +214,8 @@ def carry(jobs: Sequence[Job], told: Callable[[], None]) -> None:
 def _places(workers: int) -> SimpleQueue[int]:
     """One core per worker if the workers fill the machine: Linux was seen to put two threads on one core and leave another idle."""
     places: SimpleQueue[int] = SimpleQueue()
+    if os.environ.get(THREADS):  # others share the machine: they would all be put on the first cores
+        return places
     if hasattr(os, "sched_getaffinity") and workers == len(os.sched_getaffinity(0)) > 1:
         for core in sorted(os.sched_getaffinity(0)):
             places.put(core)
