@@ -36,8 +36,9 @@ from mechstyle.runs.refine import Refined, Refinement, notes_on
 from mechstyle.runs.session import Session
 from mechstyle.runs.stylizers import finished_relief, stylizer_for
 from mechstyle.runs.summary import Clock, Summary, summarise
-from mechstyle.simulation.part import Origin, Stage, Workpiece, bounds_for, cached_memo, fitted, prepare, refilled, say_nothing
+from mechstyle.simulation.part import Origin, Stage, Workpiece, bounds_for, cached_memo, fitted, prepare, say_nothing
 from mechstyle.simulation.simulator import DropSimulator
+from mechstyle.simulation.strengthen import made_ready
 
 OnEvent = Callable[[Event], None]
 
@@ -388,11 +389,8 @@ def started(
     device, clock = resolve_device(device), Clock()
     relief = partial(finished_relief, recipe=wanted)
     with clock.stages(stage) as begun:
-        if isinstance(part, SurfaceMesh):
-            origin = Origin.of(part, vertices)
-            part = prepare(part, vertices=vertices, stage=begun, relief=relief)
-        else:
-            part = refilled(part, relief, begun)
+        origin = Origin.of(part, vertices) if isinstance(part, SurfaceMesh) else origin
+        part = made_ready(part, wanted, relief, prepare=prepare, vertices=vertices, device=device, stage=begun)
     recipe = fitted(wanted, part)
     place = default_folder(recipe) if out is None else out
     run = begin(part, recipe, place, name=name, device=device, origin=origin, beside=beside)
