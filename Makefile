@@ -8,7 +8,7 @@ PINS := pyproject.toml constraints.txt
 export OMP_NUM_THREADS ?= 1
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
-.PHONY: help demo test lab lint mutants bench bench-widgets clean
+.PHONY: help demo test test-trust fuzz lab lint mutants bench bench-widgets clean
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
 
@@ -20,6 +20,12 @@ demo: .venv/core.stamp ## stylize a pen holder as brick, drop it, write demo-out
 
 test: lint ## everything that must pass: lint, types, import directions, all tests
 	$(BIN)/python -m pytest -n 2
+
+test-trust: .venv/dev.stamp ## kill 155 runs at seeded moments and compare what they come to, carried on
+	$(BIN)/python benchmarks/trust.py
+
+fuzz: .venv/dev.stamp ## read 10 000 damaged and hostile files and command lines
+	$(BIN)/python benchmarks/fuzz.py
 
 lab: .venv/dev.stamp ## open the notebooks in JupyterLab
 	$(BIN)/jupyter lab --notebook-dir=notebooks

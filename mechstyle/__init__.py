@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from mechstyle.simulation.part import Model, Workpiece, prepare
     from mechstyle.simulation.part_test import PartTest, simulate
     from mechstyle.simulation.simulator import DropSimulator
+    from mechstyle.simulation.strengthen import Strengthened, strengthen
     from mechstyle.styling.drawn import ProceduralStylizer, Target
 
 __version__ = "0.1.0"
@@ -51,6 +52,7 @@ _WHERE = {
     "Run": "runs.run",
     "Session": "runs.session",
     "Store": "loop.store",
+    "Strengthened": "simulation.strengthen",
     "Stylizer": "loop.engine",
     "Target": "styling.drawn",
     "Workpiece": "simulation.part",
@@ -64,6 +66,7 @@ _WHERE = {
     "register_stylizer": "runs.plugins",
     "save": "geometry.files",
     "simulate": "simulation.part_test",
+    "strengthen": "simulation.strengthen",
     "styles": "gallery.style_swatches",
     "stylize": "runs.run",
 }
@@ -105,6 +108,7 @@ __all__ = [
     "SimulationFailed",
     "Sphere",
     "Store",
+    "Strengthened",
     "Stylizer",
     "Support",
     "SurfaceMesh",
@@ -124,6 +128,7 @@ __all__ = [
     "register_stylizer",
     "save",
     "simulate",
+    "strengthen",
     "styles",
     "stylize",
 ]

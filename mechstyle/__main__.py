@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 from typing import Annotated, Any
 
 import typer
@@ -9,7 +10,7 @@ from rich.markup import escape
 from typer.core import TyperGroup
 
 from mechstyle import __version__
-from mechstyle.cli import ablation, demo, doctor, inspect_run, lists, protect, report, run, simulate, validate, weights
+from mechstyle.cli import ablation, demo, doctor, inspect_run, keep, lists, protect, report, run, simulate, study, validate, weights
 
 
 class PlainHelp(TyperGroup):
@@ -40,7 +41,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode="rich",
 )
-for family in (run, simulate, demo, ablation, validate, inspect_run, protect, report, lists, doctor, weights):
+for family in (run, simulate, demo, ablation, study, validate, inspect_run, keep, protect, report, lists, doctor, weights):
     app.add_typer(family.app)
 
 
@@ -59,7 +60,8 @@ def of_all_commands(
 
 
 def main() -> None:
-    """Run the command line."""
+    """Run the command line. What asks it to end (SIGTERM, as of a queue or a container) ends it as Ctrl-C does, and its workers with it."""
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     app()
 
 

@@ -23,7 +23,7 @@ TRACKED = [ROOT / line for line in _GIT.stdout.splitlines()]
 SOURCES = [path for folder in ("mechstyle", "widgets", "benchmarks") for path in sorted((ROOT / folder).rglob("*.py"))]
 IMPORTS = re.compile(r"^(?:from|import) (mechstyle[\w.]*)", re.MULTILINE)
 HEAVY = {"gpytoolbox", "lxml", "manifold3d", "matplotlib", "networkx", "pytetwild", "rich", "scipy", "trimesh", "typer", "warp"}
-HEAVY |= {"IPython", "PIL", "ipywidgets", "pandas", "plotly", "pythreejs", "skimage", "torch", "transformers"}
+HEAVY |= {"IPython", "PIL", "distributed", "ipywidgets", "pandas", "plotly", "pyarrow", "pythreejs", "skimage", "torch", "transformers"}
 
 
 def loaded_by(program: str) -> set[str]:
@@ -208,7 +208,7 @@ def test_no_file_names_a_package_registry_or_a_place_on_somebodys_machine():
     hosts = r"\b(?:pypi|pythonhosted|npmjs|unpkg|jsdelivr|anaconda|debian)\.(?:org|com|net)\b"
     forbidden = re.compile(hosts + r"|(?<![\w.:/])/(?:home|root|work)/\w")
     for path in TRACKED:
-        if path.is_file() and path.suffix not in {".png", ".stl", ".npz", ".3mf", ".zip"}:
+        if path.is_file() and path.suffix not in {".png", ".stl", ".npz", ".3mf", ".zip", ".parquet"}:
             found = forbidden.search(path.read_text(encoding="utf-8"))
             assert found is None, f"{named(path)}: {found[0]}"
 

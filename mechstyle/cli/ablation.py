@@ -41,14 +41,15 @@ def ablation_command(
     as_json: Json = False,
 ) -> None:
     """Stylize parts with mechanisms taken away one after the other, and count what each is worth."""
-    from mechstyle.study.ablation import ARMS, ablation  # noqa: PLC0415 — physics is loaded when something is run
+    from mechstyle.study.ablation import ablation  # noqa: PLC0415 — physics is loaded when something is run
+    from mechstyle.study.grids import ARMS  # noqa: PLC0415
 
     wanted = prompts or ["brick"]
-    with telling(len(models) * len(wanted) * len(amplitudes or [0]), quiet=as_json) as teller:
+    with telling(len(models) * len(wanted) * len(amplitudes or [0]) * len(arms or ARMS), quiet=as_json) as teller:
         teller.stage("running")
         found = ablation(
             models, wanted, folder, amplitudes=amplitudes or [None], arms=arms or list(ARMS), vertices=vertices, device=device, jobs=jobs,
-            tell=lambda words: teller.step(escape(words)), **settings,
+            tell=lambda row: teller.step(escape(f"{row.part} as {row.prompt!r}, {row.arm}: {row.verdict or row.refused}")), **settings,
         )  # fmt: skip
     files = found.save(folder)
     if as_json:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import functools
 import sys
+import unicodedata
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, NoReturn, ParamSpec, TypeVar
 
 import msgspec
+from rich import markup
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
@@ -68,8 +70,8 @@ def fail(sentence: str, code: int, *, as_json: bool) -> NoReturn:
 
 
 def escape(text: str) -> str:
-    """Text that rich prints as it is."""
-    return text.replace("[", r"\[")
+    """Text that rich prints as it is; signs that would command a terminal, as names in somebody else's file can hold them, become �."""
+    return markup.escape("".join("�" if unicodedata.category(sign) == "Cc" and sign not in "\n\t" else sign for sign in text))
 
 
 def verdict_text(outcome: str, *, marginal: bool = False) -> str:

@@ -19,7 +19,7 @@ app = typer.Typer()
 EXTRAS = {
     "jupyter": ("jupyterlab", "ipywidgets", "pythreejs", "plotly", "anywidget"),
     "clip": ("torch", "transformers", "safetensors"),
-    "study": ("pandas", "pingouin", "dask"),
+    "study": ("distributed", "pyarrow"),
 }
 
 
@@ -70,7 +70,7 @@ def missing_pieces(devices: list[str]) -> list[dict[str, str]]:
     reasons = {
         "jupyter": "the notebook interface",
         "clip": "styles from any prompt (guidance clip) and the X-Mesh network",
-        "study": "parameter studies, which a later version brings",
+        "study": "studies on many machines (--scheduler) and tables as Parquet",
     }
     missing = []
     for extra, modules in EXTRAS.items():

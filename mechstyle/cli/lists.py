@@ -68,22 +68,42 @@ def _draw_sheet(path: Path, *, quiet: bool) -> Path:
     from mechstyle.gallery.style_sheet import PARTS, contact_sheet  # noqa: PLC0415 — loaded when wanted
     from mechstyle.styling.library import names  # noqa: PLC0415
 
-    if path.suffix.lower() != ".png" or not path.absolute().parent.is_dir():
-        raise BadInput(f"the sheet of styles cannot be written to {path}: name a .png file in a folder that exists")
     with telling(len(PARTS) + len(names()), quiet=quiet) as teller:
-        return contact_sheet(stage=teller.step).save(path)
+        return contact_sheet(stage=teller.step).save(_a_png(path, "the sheet of styles"))
+
+
+def _a_png(path: Path, what: str) -> Path:
+    """The path, if a picture can be written there."""
+    if path.suffix.lower() != ".png" or not path.absolute().parent.is_dir():
+        raise BadInput(f"{what} cannot be written to {path}: name a .png file in a folder that exists")
+    return path
 
 
 @app.command("gallery")
 @command
-def gallery_command(as_json: Json = False) -> None:
-    """List the built-in parametric models."""
-    from mechstyle.gallery import describe, names  # noqa: PLC0415 — loaded when wanted
+def gallery_command(
+    sheet: Annotated[Path | None, typer.Option(help="PNG to write: a picture of every model.")] = None, as_json: Json = False
+) -> None:
+    """List the built-in parametric models, what one learns from each, what to protect of it and what it carries."""
+    from mechstyle.gallery import entry, names  # noqa: PLC0415 — loaded when wanted
 
-    if as_json:
-        print_json({"models": [{"name": name, "description": describe(name)} for name in names()]})
+    if sheet is not None:
+        from mechstyle.gallery.model_sheet import model_sheet  # noqa: PLC0415
+
+        written = model_sheet().save(_a_png(sheet, "the sheet of models"))
+        print_json({"files": {"sheet": str(written)}}) if as_json else out.print(escape(str(written)))
         return
-    rows = table("model", "what it is")
-    for name in names():
-        rows.add_row(f"gallery:{name}", escape(describe(name)))
+    known = {name: entry(name) for name in names()}
+    if as_json:
+        models = [
+            {"name": name, "description": one.about, "teaches": one.teaches, "protect": one.protect, "use": one.use}
+            for name, one in known.items()
+        ]
+        print_json({"models": models})
+        return
+    rows = table("model", "what it is", "what it teaches", "--protect", "--load")
+    for name, one in known.items():
+        use = one.use.name if one.use else "–"
+        rows.add_row(f"gallery:{name}", escape(one.about), escape(one.teaches), escape("; ".join(one.protect)), use)
     out.print(rows)
+    out.print("\nThe load of its use: --load gallery:NAME. Regions are suggestions, one --protect for each.")

@@ -14,6 +14,7 @@ from typing import Annotated, Any
 import msgspec
 import typer
 
+from mechstyle.gallery import PREFIX, use_of
 from mechstyle.records.recipe import DEFAULTS, Recipe, described
 from mechstyle.records.regions import KINDS
 
@@ -100,8 +101,9 @@ OPTIONS = {
     "build_direction": RecipeOption(DROP_TEST, kind=str),
     "criterion": RecipeOption(DROP_TEST),
     "window": RecipeOption(DROP_TEST),
-    "loads": RecipeOption(LOADS, ("--load",), Path, "A .toml file."),
+    "loads": RecipeOption(LOADS, ("--load",), Path, "A .toml file, or gallery:NAME for the load of that model's use."),
     "minimum_wall": RecipeOption(LOADS),
+    "strengthen": RecipeOption(LOADS),
     "base": RecipeOption(LOADS),
     "protect": RecipeOption(
         LOADS,
@@ -168,6 +170,8 @@ def _joined(signature: Signature, options: list[Parameter]) -> Signature:
 def _used(others: list[str] | None = None, **settings: Any) -> Settings:
     """The settings that were given, those of --set last."""
     used = {name: value for name, value in settings.items() if value not in (None, [])}
+    if str(used.get("loads", "")).startswith(PREFIX):
+        used["loads"] = [use_of(str(used["loads"]))]
     with suppress(KeyError, ValueError):  # what is neither a number nor auto is refused where settings are
         used["amplitude"] = float(used["amplitude"])
     if others:

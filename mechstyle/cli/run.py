@@ -204,7 +204,7 @@ def freestyle_command(
 
 @app.command("branch")
 @command
-@recipe_options(*OPTIONS, begins=False, others=True)
+@recipe_options(*(name for name in OPTIONS if name != "strengthen"), begins=False, others=True)
 def branch_command(
     address: Annotated[str, typer.Argument(metavar="DIR@ITERATION", help="Where to branch: DIR@120 or DIR@lane:120.")],
     settings: Settings,

@@ -16,6 +16,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from mechstyle.errors import BadInput
 from mechstyle.fea.elasticity import LAWS, ElasticLaw, StableNeoHookean
 from mechstyle.records.mesh import Floats
 
@@ -174,8 +175,17 @@ class Job(Protocol):
         """The jobs that go on from here; called in the thread of `carry`."""
 
 
+THREADS = "MECHSTYLE_THREADS"
+"""The environment variable that limits the threads of a process, for several that share a machine."""
+
+
 def cores() -> int:
-    """CPU cores this process may use."""
+    """CPU cores this process may use: those it is allowed, or as many as MECHSTYLE_THREADS says; BadInput if that is no whole number."""
+    given = os.environ.get(THREADS)
+    if given:
+        if not given.isdecimal() or int(given) < 1:
+            raise BadInput(f"{THREADS} is {given!r}, but must be a whole number of threads, 1 or more: unset it to use all cores")
+        return int(given)
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
@@ -204,6 +214,8 @@ def carry(jobs: Sequence[Job], told: Callable[[], None]) -> None:
 def _places(workers: int) -> SimpleQueue[int]:
     """One core per worker if the workers fill the machine: Linux was seen to put two threads on one core and leave another idle."""
     places: SimpleQueue[int] = SimpleQueue()
+    if os.environ.get(THREADS):  # others share the machine: they would all be put on the first cores
+        return places
     if hasattr(os, "sched_getaffinity") and workers == len(os.sched_getaffinity(0)) > 1:
         for core in sorted(os.sched_getaffinity(0)):
             places.put(core)

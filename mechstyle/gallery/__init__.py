@@ -1,47 +1,68 @@
 """Parametric printable models, in millimetres, standing as they are used.
 
-`names()` lists them, `describe(name)` says what one is, `make(name, **parameters)` builds it; `load` opens one by its address, or a file.
+`names()` lists them, `entry(name)` is what is known of one, `make(name, **parameters)` builds it; `load` opens one by its address,
+or a file.
 """
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Mapping
+from functools import cache
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING
+
+import msgspec
+
+from mechstyle.records.load_cases import LoadCase
 
 if TYPE_CHECKING:
     from mechstyle.records.mesh import SurfaceMesh
     from mechstyle.simulation.part import Model
 
-__all__ = ["PREFIX", "describe", "load", "make", "names"]
+__all__ = ["PREFIX", "Entry", "describe", "entry", "load", "make", "names", "use_of"]
 
 PREFIX = "gallery:"
 """What the address of a gallery model begins with, where a file could be meant as well."""
 
-# Name: (module that builds it, what it is).
-_MODELS: Mapping[str, tuple[str, str]] = MappingProxyType(
-    {
-        "pen_holder": ("containers", "round cup for pens with a rounded rim"),
-        "vase": ("containers", "bellied vase with lobes that wind around it"),
-        "pill_box": ("containers", "tray with a row of rounded cells, one for each day"),
-        "phone_stand": ("supports", "desk stand with a leaning back, a lip and a cable slot"),
-        "wall_hook": ("supports", "coat hook on a screw plate, lying on the plate"),
-        "spectacle_frame": ("wearables", "front of a pair of spectacles, lying flat"),
-        "utensil_grip": ("handles", "thick handle for a spoon or fork, lying on its flat"),
-        "lampshade": ("lighting", "fluted shade with a ring for the socket on three spokes"),
-    }
-)
+
+
+class Entry(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A model as the catalogue knows it.
+
+    Attributes:
+        module: The module of this package that builds it.
+        about: What it is, in one line.
+        teaches: What one learns from it, in one sentence.
+        protect: The regions of its function, as they are written after `--protect`.
+        use: A load it carries in life, for its default measures; None for what carries nothing.
+    """
+
+    module: str
+    about: str
+    teaches: str
+    protect: tuple[str, ...]
+    use: LoadCase | None = None
 
 
 def names() -> tuple[str, ...]:
     """The models there are."""
-    return tuple(_MODELS)
+    return tuple(_catalogue())
 
 
 def describe(name: str) -> str:
     """Description of a model in one line; BadInput for a name that is not in the gallery."""
-    return _entry(name)[1]
+    return entry(name).about
+
+
+def entry(name: str) -> Entry:
+    """What is known of a model; BadInput for a name that is not in the gallery."""
+    from mechstyle.errors import unknown  # noqa: PLC0415 — rooms load nothing by themselves
+
+    if name not in _catalogue():
+        raise unknown("gallery model", name, _catalogue())
+    return _catalogue()[name]
 
 
 def make(name: str, **parameters: float) -> SurfaceMesh:
@@ -62,7 +83,7 @@ def make(name: str, **parameters: float) -> SurfaceMesh:
 
     from mechstyle.errors import unknown  # noqa: PLC0415
 
-    build = getattr(import_module(f"mechstyle.gallery.{_entry(name)[0]}"), name)
+    build = getattr(import_module(f"mechstyle.gallery.{entry(name).module}"), name)
     known = inspect.signature(build).parameters
     for given in parameters:
         if given not in known:
@@ -101,9 +122,20 @@ def load(model: str | Path, *, scale: float | None = None, up: str = "") -> Mode
     return Model(mesh.vertices, mesh.faces, mesh.colours, name=name, origin=Origin(model=address))
 
 
-def _entry(name: str) -> tuple[str, str]:
-    from mechstyle.errors import unknown  # noqa: PLC0415
+def use_of(address: str) -> LoadCase:
+    """The load of its use of a model given as `gallery:NAME`; BadInput if there is no such model, or it carries nothing."""
+    from mechstyle.errors import BadInput  # noqa: PLC0415
 
-    if name not in _MODELS:
-        raise unknown("gallery model", name, _MODELS)
-    return _MODELS[name]
+    name = address.removeprefix(PREFIX)
+    use = entry(name).use
+    if use is None:
+        carrying = ", ".join(other for other, known in _catalogue().items() if known.use is not None)
+        raise BadInput(f"{name} carries nothing in its use: write a load file, or choose one of {carrying}")
+    return use
+
+
+@cache
+def _catalogue() -> Mapping[str, Entry]:
+    """The models by name, in order."""
+    text = Path(__file__).with_name("models.toml").read_text(encoding="utf-8")
+    return MappingProxyType(msgspec.convert(tomllib.loads(text), dict[str, Entry]))

@@ -190,6 +190,29 @@ def turned(profile: ArrayLike) -> Manifold:
     return skinned(line[:, None, :1] * ring + line[:, None, 1:] * (0.0, 0.0, 1.0))
 
 
+def revolved(section: CrossSection, *, soft: float) -> Manifold:
+    """A solid of revolution about z from the half of a section (radius, height) at positive radii, its edges rounded to a radius."""
+    whole = softened(section + section.mirror((1.0, 0.0)), soft, soft)
+    return Manifold.revolve(whole, segments(whole.bounds()[2]))
+
+
+def through(section: CrossSection, low: float, high: float) -> Manifold:
+    """The body to subtract for a straight opening of this section along z."""
+    return Manifold.extrude(section, high - low).translate((0.0, 0.0, low))
+
+
+def screw_hole(diameter: float, depth: float) -> Manifold:
+    """The body to subtract for a countersunk screw hole down from z = 0 through a wall of this thickness."""
+    sink = 0.55 * diameter
+    return turned([(diameter / 2, -depth - 1.0), (diameter / 2, -sink), (diameter / 2 + sink + 1.0, 1.0)])
+
+
+def arc(centre: tuple[float, float], radius: float, start: float, end: float, steps: int = 33) -> Floats:
+    """Points on a circle from one angle to another [degrees], shape [steps, 2]."""
+    turn = np.radians(np.linspace(start, end, steps))
+    return np.asarray(centre) + radius * np.column_stack([np.cos(turn), np.sin(turn)])
+
+
 def _mitres(contour: Floats) -> Floats:
     """Outward moves of a polygon's corners that shift its edges by 1, shape [n, 2]."""
     edge = np.roll(contour, -1, axis=0) - contour

@@ -1,10 +1,11 @@
-"""Models that hold things: pen holder, vase, pill box."""
+"""Models that hold things: pen holder, vase, pill box, planter, toothbrush holder."""
 
 from __future__ import annotations
 
 import math
 
 import numpy as np
+from manifold3d import CrossSection
 
 from mechstyle.errors import BadInput
 from mechstyle.gallery import _shells, _solids
@@ -105,6 +106,73 @@ def pill_box(
     for number in range(cells):
         tray -= cell.translate(((number - (cells - 1) / 2) * (width + wall), 0.0, base + depth))
     return _solids.standing(tray)
+
+
+def planter(
+    *,
+    diameter: float = 106.0,
+    height: float = 92.0,
+    wall: float = 3.0,
+    base: float = 4.0,
+    taper: float = 12.0,
+    drain: float = 7.0,
+) -> SurfaceMesh:
+    """A flower pot with a collar and drain holes.
+
+    Args:
+        diameter: Diameter of the collar [mm].
+        height: Height [mm].
+        wall: Thickness of the wall [mm].
+        base: Thickness of the floor [mm].
+        taper: How much narrower the foot is than the mouth, on each side [mm].
+        drain: Diameter of the five holes in the floor [mm].
+    """
+    _solids.within(diameter=(diameter, 50, 220), height=(height, 40, 200), wall=(wall, 2.0, 8), base=(base, 2.0, 10))
+    _solids.within(taper=(taper, 0, 0.22 * diameter), drain=(drain, 3, 0.14 * (diameter - 2 * taper)))
+    collar, band = 0.22 * height, 0.9 * wall
+    mouth = diameter / 2 - band
+    foot = mouth - taper
+    at_band = foot + taper * (1.0 - collar / height)
+    outer = [(0.0, 0.0), (foot, 0.0), (at_band, height - collar - band), (mouth + band, height - collar)]
+    outer += [(mouth + band, height), (0.0, height)]
+    lean = math.hypot(1.0, taper / height)
+    low, high = foot - wall * lean + taper * base / height, mouth - wall * lean
+    inside = _solids.polygon([(0.0, base), (low, base), (high, height), (high, height + 9.0), (0.0, height + 9.0)])
+    inside = _solids.softened(inside + inside.mirror((1.0, 0.0)), 6.0, 0.5)
+    pot = _solids.revolved(_solids.polygon(outer) - inside, soft=0.42 * wall)
+    hole = _solids.through(_solids.disc(drain / 2), -1.0, base + 1.0)
+    for turn in range(5):
+        pot -= hole.translate((0.55 * foot, 0.0, 0.0)).rotate((0.0, 0.0, 72.0 * turn))
+    return _solids.standing(pot)
+
+
+def toothbrush_holder(
+    *,
+    height: float = 84.0,
+    brush: float = 21.0,
+    tube: float = 46.0,
+    wall: float = 2.4,
+    base: float = 3.0,
+) -> SurfaceMesh:
+    """Three wells for brushes grown together with a wide one for the tube.
+
+    Args:
+        height: Height [mm].
+        brush: Diameter of the well of a brush [mm].
+        tube: Inner width of the well of the tube [mm].
+        wall: Thickness of the walls [mm].
+        base: Thickness of the floor [mm].
+    """
+    _solids.within(height=(height, 40, 140), brush=(brush, 14, 32), wall=(wall, 1.6, 5), base=(base, 1.6, 8))
+    _solids.within(tube=(tube, 1.2 * brush, 2.9 * brush))
+    step, deep = brush + wall, 0.62 * tube
+    wells = [(_solids.disc(brush / 2), x, brush / 2 + wall) for x in (-step, 0.0, step)]
+    wells.append((_solids.box(tube, deep, 0.42 * deep), 0.0, -deep / 2))
+    outline = sum((_solids.offset(well, wall).translate((x, y)) for well, x, y in wells), CrossSection())
+    body = _solids.slab(_solids.softened(outline, wall, 9.0), height, foot=FOOT, top=0.45 * wall)
+    for well, x, y in wells:
+        body -= _solids.pocket(well, height - base, floor=0.25 * brush, flare=0.4 * wall).translate((x, y, height))
+    return _solids.standing(body)
 
 
 def _belly(up: Floats) -> Floats:

@@ -1,4 +1,4 @@
-"""Models one grips: utensil grip."""
+"""Models one grips: utensil grip, key turner, bottle opener, drawer knob."""
 
 from __future__ import annotations
 
@@ -41,6 +41,108 @@ def utensil_grip(
     mouth = _solids.box(slot_width, slot_height, 0.35 * slot_height)
     slot = _solids.pocket(mouth, slot_depth, floor=0.3 * slot_height, flare=1.2).rotate((90.0, 0.0, 0.0))
     return _solids.standing(body - slot.translate((0.0, -length / 2, 0.0)))
+
+
+def key_turner(
+    *,
+    length: float = 104.0,
+    width: float = 40.0,
+    thickness: float = 16.0,
+    slot_width: float = 23.0,
+    slot_height: float = 3.2,
+    slot_depth: float = 24.0,
+    pin: float = 3.4,
+) -> SurfaceMesh:
+    """A wide handle for a key, for hands that cannot pinch; it lies flat, its slot to the right.
+
+    Args:
+        length: Length [mm].
+        width: Width of both ends [mm].
+        thickness: Thickness [mm].
+        slot_width: Width of the slot for the head of the key [mm].
+        slot_height: Height of that slot [mm].
+        slot_depth: How far the slot reaches in [mm].
+        pin: Diameter of the hole for the screw through the eye of the key [mm].
+    """
+    _solids.within(length=(length, 70, 160), width=(width, 26, 60), thickness=(thickness, slot_height + 4, 26))
+    _solids.within(slot_width=(slot_width, 10, width - 8), slot_height=(slot_height, 2, 6), slot_depth=(slot_depth, 12, 0.4 * length))
+    _solids.within(pin=(pin, 2, 6))
+    end = length / 2 - width / 2
+    outline = _solids.disc(width / 2).translate((-end, 0.0)) + _solids.box(width, width, 4.2).translate((end, 0.0))
+    outline = _solids.softened(outline + _solids.stroke([(-end, 0.0), (end, 0.0)], 0.58 * width), 4.0, 0.7 * width)
+    body = _solids.lofted(outline, _pillow(thickness, 0.2 * thickness))
+    mouth = _solids.box(slot_height, slot_width, 0.4 * slot_height)
+    slot = _solids.pocket(mouth, slot_depth, floor=0.35 * slot_height, flare=0.8).rotate((0.0, 90.0, 0.0))
+    hole = _solids.through(_solids.disc(pin / 2), -1.0, thickness + 1.0)
+    body -= slot.translate((length / 2, 0.0, thickness / 2))
+    return _solids.standing(body - hole.translate((length / 2 - 0.55 * slot_depth, 0.0, 0.0)))
+
+
+def bottle_opener(
+    *,
+    length: float = 122.0,
+    head: float = 54.0,
+    grip: float = 26.0,
+    thickness: float = 8.0,
+    mouth: float = 31.0,
+    tooth: float = 6.0,
+) -> SurfaceMesh:
+    """A flat opener for crown caps with a tooth in its ring; it lies flat.
+
+    Args:
+        length: Length [mm].
+        head: Diameter of the ring [mm].
+        grip: Width of the grip [mm].
+        thickness: Thickness [mm].
+        mouth: Width of the opening [mm].
+        tooth: How far the tooth reaches into the opening [mm].
+    """
+    _solids.within(length=(length, 80, 180), head=(head, 44, 80), grip=(grip, 16, 0.7 * head), thickness=(thickness, 5, 14))
+    _solids.within(mouth=(mouth, 26, head - 16), tooth=(tooth, 3, 0.35 * mouth))
+    middle, tail = length / 2 - head / 2, -length / 2 + grip / 2
+    outline = _solids.disc(head / 2).translate((middle, 0.0)) + _solids.disc(grip / 2).translate((tail, 0.0))
+    outline = _solids.softened(outline + _solids.stroke([(tail, 0.0), (middle, 0.0)], 0.82 * grip), 4.0, 0.8 * grip)
+    opening = _solids.polygon(_solids.superellipse(0.42 * mouth, mouth / 2, 2.6, 96)).translate((middle, 0.0))
+    lip = _solids.stroke([(-mouth, 0.0), (tooth - 0.42 * mouth - 3.0, 0.0)], 0.36 * mouth).translate((middle, 0.0))
+    eye = _solids.disc(3.0).translate((tail - 0.05 * grip, 0.0))
+    flat = outline - _solids.softened(opening - lip, 1.6, 1.6) - eye
+    return _solids.standing(_solids.lofted(flat, _pillow(thickness, 1.4)))
+
+
+def drawer_knob(
+    *,
+    diameter: float = 34.0,
+    height: float = 28.0,
+    neck: float = 15.0,
+    foot: float = 21.0,
+    bore: float = 4.2,
+) -> SurfaceMesh:
+    """A round knob on a slender neck with a bore for its screw, standing on its foot.
+
+    Args:
+        diameter: Diameter of the head [mm].
+        height: Height [mm].
+        neck: Diameter of the neck [mm].
+        foot: Diameter of the foot [mm].
+        bore: Diameter of the bore for the screw [mm].
+    """
+    _solids.within(diameter=(diameter, 22, 60), height=(height, 18, 50), neck=(neck, 0.35 * diameter, 0.75 * diameter))
+    _solids.within(foot=(foot, neck, diameter), bore=(bore, 2, neck - 6))
+    share = np.linspace(0.0, 1.0, 41)
+    waist = neck / 2 + (foot - neck) / 2 * (1 - share / 0.45).clip(0, 1) ** 2
+    swell = (diameter - neck) / 2 * np.sin(0.5 * math.pi * ((share - 0.3) / 0.34).clip(0, 1)) ** 2
+    dome = np.sqrt((1.0 - ((share - 0.72) / 0.28).clip(0, 1) ** 2).clip(0.0))
+    outer = np.column_stack([(waist + swell) * dome, height * share])
+    section = _solids.polygon([(0.0, 0.0), *outer[:-1], (0.0, height)])
+    deep, side = 0.6 * height, bore / 2
+    screw = _solids.polygon([(-side, -1.0), (side, -1.0), (side, deep), (0.0, deep + side), (-side, deep)])
+    return _solids.standing(_solids.revolved(section - screw, soft=0.7))
+
+
+def _pillow(thickness: float, edge: float) -> list[_solids.Level]:
+    """Levels of a slab whose upper and lower edges are rounded alike."""
+    upper = [(thickness - edge + z, inset) for z, inset in _solids.round_edge(edge)]
+    return [*((thickness - z, inset) for z, inset in reversed(upper)), *upper]
 
 
 def _profile(length: float, radius: float, waves: int, relief: float) -> tuple[np.ndarray, np.ndarray]:

@@ -124,10 +124,10 @@ def _page(rows: Sequence[Pixels], labels: Sequence[tuple[str, str]], columns: in
         left, top = MARGIN + column * (wide + GAP), MARGIN + line * (CELL + LINE)
         page[top + LINE : top + LINE + CELL, left : left + wide] = row
         places.append((left, top))
-    return _png(_lettered(page, places, labels))
+    return png(lettered(page, places, labels))
 
 
-def _lettered(page: Pixels, places: Sequence[tuple[int, int]], labels: Sequence[tuple[str, str]]) -> Figure:
+def lettered(page: Pixels, places: Sequence[tuple[int, int]], labels: Sequence[tuple[str, str]]) -> Figure:
     """The page as a figure of the same pixels, with a name and a description at each place."""
     from matplotlib.figure import Figure  # noqa: PLC0415 — as above
 
@@ -145,14 +145,14 @@ def _lettered(page: Pixels, places: Sequence[tuple[int, int]], labels: Sequence[
     return sheet
 
 
-def _png(sheet: Figure) -> bytes:
+def png(sheet: Figure, shades: int = SHADES) -> bytes:
     """A figure as a PNG of few shades, which packs well."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415 — as above
     from matplotlib.image import imsave  # noqa: PLC0415
 
     canvas: Any = FigureCanvasAgg(sheet)
     canvas.draw()
-    step = 256 // SHADES
+    step = 256 // shades
     pixels = np.minimum(np.asarray(canvas.buffer_rgba())[..., :3].astype(np.int16) + step // 2, 255) // step * step
     buffer = io.BytesIO()
     imsave(buffer, pixels.astype(np.uint8), format="png", pil_kwargs={"optimize": True})

@@ -1,4 +1,4 @@
-"""Models that carry things: phone stand, wall hook."""
+"""Models that carry things: phone stand, wall hook, tablet stand, door stop."""
 
 from __future__ import annotations
 
@@ -96,3 +96,64 @@ def _hook_line(reach: float, thickness: float, width: float, plate: float) -> tu
     end = np.sqrt(np.clip(1.0 - (1.0 - np.clip(left, 0.0, 1.0)) ** 2, 0.02, 1.0))
     taper = 1.0 - 0.25 * way / way[-1]
     return path, np.column_stack([width * np.minimum(flare, 1.3) * taper * end, thickness * flare * end])
+
+
+def tablet_stand(
+    *,
+    width: float = 128.0,
+    height: float = 140.0,
+    angle: float = 64.0,
+    ledge: float = 18.0,
+    thickness: float = 6.0,
+    window: float = 74.0,
+) -> SurfaceMesh:
+    """A desk stand for a tablet: a rounded triangle with a ledge, opened by a window.
+
+    Args:
+        width: Width [mm].
+        height: Length of the back [mm].
+        angle: Lean of the back above the desk [degrees].
+        ledge: Depth of the ledge [mm].
+        thickness: Thickness of every wall [mm].
+        window: Width of the window through the back and the leg behind it [mm].
+    """
+    _solids.within(width=(width, 80, 200), height=(height, 90, 220), angle=(angle, 52, 76), ledge=(ledge, 8, 30))
+    _solids.within(thickness=(thickness, 4, 10), window=(window, 20, width - 36))
+    along = np.array([math.cos(math.radians(angle)), math.sin(math.radians(angle))])
+    across = np.array([-along[1], along[0]])
+    core = _solids.polygon([(0.0, 0.0), (0.72 * height, 0.0), (height * float(along[0]), height * float(along[1]))])
+    loop = _solids.offset(core, 9.0) - _solids.offset(core, 9.0 - thickness)
+    heel = 26.0 * along + (9.0 - thickness / 2) * across
+    tip = heel + (ledge + thickness) * across
+    loop += _solids.stroke([heel, tip], thickness) + _solids.stroke([tip, tip + 11.0 * along], thickness)
+    stand = _solids.bar(_solids.softened(loop, 0.3 * thickness, 4.0), width, 0.25 * thickness)
+    low, high = tip[1] + 11.0 * along[1] + thickness + 4.0, 0.84 * height * along[1]
+    pane = _solids.through(_solids.box(high - low, window, 10.0), -2.0 * height, 2.0 * height).rotate((0.0, 90.0, 0.0))
+    stand = (stand - pane.translate((0.0, 0.0, (low + high) / 2))).trim_by_plane((0.0, 0.0, 1.0), -8.98)  # so that the base is one face
+    return _solids.standing(stand.rotate((0.0, 0.0, 90.0)))
+
+
+def door_stop(
+    *,
+    length: float = 118.0,
+    width: float = 44.0,
+    height: float = 30.0,
+    toe: float = 4.0,
+    eye: float = 13.0,
+) -> SurfaceMesh:
+    """A wedge for under a door with an eye to hang it up by.
+
+    Args:
+        length: Length [mm].
+        width: Width [mm].
+        height: Height of the thick end [mm].
+        toe: Height of the thin end [mm].
+        eye: Diameter of the eye [mm].
+    """
+    _solids.within(length=(length, 70, 180), width=(width, 24, 80), height=(height, 18, 50), toe=(toe, 2.4, 0.4 * height))
+    _solids.within(eye=(eye, 6, 0.55 * height))
+    share = np.linspace(0.0, 1.0, 25)
+    ramp = np.column_stack([length * share, toe + (height - toe) * share**1.15])
+    wedge = _solids.softened(_solids.polygon(np.concatenate([[(0.0, 0.0), (length, 0.0)], ramp[::-1]])), 0.42 * toe, 1.0)
+    hole = _solids.disc(eye / 2).translate((length - 0.5 * height, 0.48 * height))
+    return _solids.standing(_solids.bar(wedge - hole, width, min(1.6, 0.4 * toe)).rotate((0.0, 0.0, 90.0)))

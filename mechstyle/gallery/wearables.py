@@ -1,11 +1,11 @@
-"""Models one wears: spectacle frame."""
+"""Models one wears or carries along: spectacle frame, key tag."""
 
 from __future__ import annotations
 
 import math
 
 import numpy as np
-from manifold3d import CrossSection
+from manifold3d import CrossSection, Manifold
 
 from mechstyle.gallery import _solids
 from mechstyle.records.mesh import SurfaceMesh
@@ -43,6 +43,35 @@ def spectacle_frame(
     rounding = 0.3 * min(rim, depth)
     front = _solids.softened(outline, rounding + 0.6, 3.0) - lenses
     return _solids.standing(_solids.slab(front, depth, foot=0.5, top=rounding))
+
+
+def key_tag(
+    *,
+    length: float = 64.0,
+    width: float = 30.0,
+    thickness: float = 3.0,
+    border: float = 1.4,
+    eye: float = 5.0,
+) -> SurfaceMesh:
+    """A tag for a key ring with a raised border, lying flat.
+
+    Args:
+        length: Length [mm].
+        width: Width [mm].
+        thickness: Thickness of its face [mm].
+        border: Height of the border above the face [mm].
+        eye: Diameter of the eye for the ring [mm].
+    """
+    _solids.within(length=(length, 36, 110), width=(width, 18, 60), thickness=(thickness, 1.6, 8), border=(border, 0.4, 3))
+    _solids.within(eye=(eye, 3, 0.3 * width))
+    corner = 0.36 * width
+    place = (-length / 2 + 0.5 * width, 0.0)
+    outline = CrossSection.batch_hull([_solids.box(length, width, corner), _solids.disc(width / 2).translate(place)])
+    hole = _solids.disc(eye / 2).translate((place[0] - 0.18 * width, 0.0))
+    edge = outline - _solids.offset(outline, -2.6) + _solids.offset(hole, 2.6)
+    face, frame = (outline, thickness, 0.0), (_solids.softened(edge, 0.9, 0.9), thickness + border, 0.8)
+    tag = sum((_solids.slab(section, high, foot=0.5, top=top) for section, high, top in (face, frame)), Manifold())
+    return _solids.standing(tag - _solids.through(hole, -1.0, thickness + border + 1.0))
 
 
 def _lens(width: float, height: float) -> CrossSection:

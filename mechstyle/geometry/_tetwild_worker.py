@@ -6,7 +6,9 @@ that can be killed, in a folder that is thrown away, none of that matters.
 
 from __future__ import annotations
 
+import ctypes
 import faulthandler
+import signal
 import sys
 import types
 from collections.abc import Callable
@@ -14,9 +16,13 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+PR_SET_PDEATHSIG = 1
+"""Of `prctl` in Linux; with threads it means the end of the one that started this process, which waits for it."""
+
 
 def main(request: str, answer: str) -> None:
     """Tetrahedralise the surface in `request` with the settings in it; write vertices and tets to `answer`."""
+    _end_with_parent()
     with np.load(request, allow_pickle=False) as asked:
         # A C thread ends this process even if the parent died and can no longer kill it.
         faulthandler.dump_traceback_later(float(asked["limit"]), exit=True)
@@ -33,6 +39,12 @@ def main(request: str, answer: str) -> None:
             quiet=True,
         )
     np.savez(answer, vertices=vertices, tets=tets)
+
+
+def _end_with_parent() -> None:
+    """Have the system end this process as soon as its parent ends, in whatever way; Linux only, elsewhere there is the limit."""
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
 def _tetrahedralize() -> Callable[..., tuple[NDArray[np.float64], NDArray[np.int32]]]:

@@ -6,6 +6,7 @@ STL, OBJ and PLY have no unit and are taken as millimetres; 3MF names its unit; 
 from __future__ import annotations
 
 import io
+import logging
 import re
 import struct
 import warnings
@@ -20,6 +21,7 @@ from numpy.typing import NDArray
 
 from mechstyle._files import file_stem, write_aside
 from mechstyle.errors import BadInput
+from mechstyle.geometry.claims import MOST_BYTES, MOST_FACES, check_claims
 from mechstyle.geometry.glb import glb_bytes
 from mechstyle.geometry.repair import repaired
 from mechstyle.geometry.texture import Texture, png
@@ -27,10 +29,13 @@ from mechstyle.geometry.threemf import threemf_bytes
 from mechstyle.geometry.upright import lying, upright
 from mechstyle.records.mesh import Floats, SurfaceMesh
 
+logging.getLogger("trimesh").addHandler(logging.NullHandler())  # or its tracebacks go to people who log nothing
+
 FORMATS = ("stl", "obj", "ply", "glb", "3mf")
-MOST_FACES = 1_000_000
 SMALLEST, LARGEST = 5.0, 1000.0
 """Sizes of a printable part, longest side [mm]."""
+FARTHEST = 1e7
+"""From the origin [mm]: farther away the numbers of a file no longer tell a part's details apart."""
 MILLIMETRES = {"micron": 1e-3, "millimeter": 1.0, "centimeter": 10.0, "inch": 25.4, "foot": 304.8, "meter": 1000.0}
 GUESSES = {"millimetres": 1.0, "inches": 25.4, "centimetres": 10.0, "metres": 1000.0, "micrometres": 1e-3}
 """Units that a file may be in without saying so, likeliest first, and their millimetres."""
@@ -83,11 +88,15 @@ def _triangles(file: Path) -> tuple[Floats, NDArray[np.int64], float]:
     suffix = file.suffix.lower().lstrip(".")
     if suffix not in FORMATS:
         raise BadInput(f"{file.name}: cannot read {_kind(suffix)}; convert it to {', '.join(FORMATS)}")
-    vertices, faces, unit = _parsed(file.name, _content(file), suffix)
+    content = _content(file)
+    check_claims(file.name, content, suffix)
+    vertices, faces, unit = _parsed(file.name, content, suffix)
     if not len(faces):
         raise BadInput(f"{file.name} holds no triangles: it is no mesh, or was cut off; export it again")
     if len(faces) > MOST_FACES:
         raise BadInput(f"{file.name} has {len(faces)} faces, more than {MOST_FACES}: simplify it in the program it was made with")
+    if vertices.shape[1:] != (3,):
+        raise BadInput(f"{file.name} has vertices of {vertices.shape[-1]} coordinates instead of 3; export it again as a part in space")
     if not np.isfinite(vertices).all():
         raise BadInput(f"{file.name} has vertices that are not finite numbers; export it again")
     if faces.min() < 0 or faces.max() >= len(vertices):
@@ -106,6 +115,9 @@ def _content(file: Path) -> bytes:
     if not file.is_file():
         raise BadInput(f"{file} is not a file; name the mesh file itself")
     try:
+        if (size := file.stat().st_size) > MOST_BYTES:
+            too_large = f"has {size / 1e6:.0f} MB, more than {MOST_BYTES / 1e6:.0f}"
+            raise BadInput(f"{file.name} {too_large}: simplify it in the program it was made with")
         content = file.read_bytes()
     except OSError as error:
         raise BadInput(f"{file} cannot be opened: {error.strerror}; check its permissions") from error
@@ -119,7 +131,9 @@ def _parsed(name: str, content: bytes, suffix: str) -> tuple[Floats, NDArray[np.
     try:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")  # a reader's remarks; what matters is checked afterwards
-            scene: Any = trimesh.load_scene(io.BytesIO(content), file_type=suffix, process=False)
+            # A texture may be a small file of huge pixels, and is of no use here.
+            bare: dict[str, Any] = {"skip_materials": True} if suffix in ("glb", "obj", "ply") else {}
+            scene: Any = trimesh.load_scene(io.BytesIO(content), file_type=suffix, process=False, **bare)
             mesh = scene.to_mesh()
             vertices, faces = np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64)
     except DAMAGED as error:
@@ -142,6 +156,8 @@ def _check_size(name: str, vertices: Floats, factor: float) -> None:
         factor: Millimetres of one file unit, as far as is known.
     """
     length = float(np.ptp(vertices, axis=0).max())
+    if (far := float(np.abs(vertices).max()) * factor) > FARTHEST and length * factor <= LARGEST:
+        raise BadInput(f"{name} lies {far / 1e6:.3g} km from the origin of its coordinates: move it there in the program it was made with")
     if SMALLEST <= round(length * factor, 2) <= LARGEST:  # a metre converted from single precision is not exactly one
         return
     if length == 0.0:

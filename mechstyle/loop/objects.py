@@ -10,6 +10,7 @@ import hashlib
 import io
 import math
 import re
+import tokenize
 import zlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -25,6 +26,9 @@ from mechstyle.records.mesh import SurfaceMesh, TetMesh
 
 T = TypeVar("T")
 M = TypeVar("M", SurfaceMesh, TetMesh)
+
+MOST_BYTES = 256_000_000
+"""Of an object once it is unpacked, and of a record in a file of its own: a small file can unpack to a thousand times its size."""
 
 
 def to_json(record: object, enc_hook: Callable[[Any], Any] | None = None) -> bytes:
@@ -42,7 +46,9 @@ def from_json(data: bytes, kind: type[T], dec_hook: Callable[[type, Any], Any] |
     return msgspec.json.decode(data, type=kind, dec_hook=dec_hook, strict=False)
 
 
-UNREADABLE = (msgspec.DecodeError, ValueError, KeyError, EOFError, OverflowError, MemoryError, RecursionError)
+UNREADABLE = (
+    msgspec.DecodeError, ValueError, KeyError, EOFError, OverflowError, MemoryError, RecursionError, SyntaxError, tokenize.TokenError,
+)  # fmt: skip
 """What reading JSON, an array or a mesh raises if the bytes are no such thing, or are one that somebody forged."""
 
 
@@ -59,6 +65,8 @@ def _read_as(what: str, path: Path) -> Iterator[None]:
 def read_record(path: Path, kind: type[T]) -> T:
     """A record in a file of its own; DamagedStore if the file is missing or is no such record."""
     try:
+        if path.stat().st_size > MOST_BYTES:
+            raise DamagedStore(f"{path} is larger than any record is: restore it from a copy, or start the run again")
         data = path.read_bytes()
     except OSError as error:
         raise DamagedStore(f"{path} is missing or unreadable: restore it from a copy, or start the run again") from error
@@ -72,6 +80,28 @@ def _spelled(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [_spelled(item) for item in value]
     return str(value) if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _unpacked(path: Path) -> bytes:
+    """The content of a compressed file; zlib.error if it is no such file, goes on behind its end, or is larger than any object is."""
+    stream = zlib.decompressobj()
+    with path.open("rb") as file:
+        content = stream.decompress(file.read(MOST_BYTES), MOST_BYTES)
+    if not stream.eof:
+        raise zlib.error("cut off, or too large")
+    return content
+
+
+def _array(content: bytes) -> NDArray[Any]:
+    """The array of `.npy` bytes; ValueError if they claim more, or less, than they hold."""
+    buffer = io.BytesIO(content)
+    header = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
+    shape, _, kind = header[np.lib.format.read_magic(buffer)](buffer)
+    if kind.hasobject or math.prod(shape) * kind.itemsize != len(content) - buffer.tell():
+        raise ValueError("it claims to hold other numbers than it does")
+    buffer.seek(0)
+    array: NDArray[Any] = np.load(buffer, allow_pickle=False)
+    return array
 
 
 class Objects:
@@ -99,7 +129,7 @@ class Objects:
         if not re.fullmatch("[0-9a-f]{64}", digest):  # or it could be a path
             raise DamagedStore(f"{self.root.parent} names an object {digest[:80]!r}, which is no SHA-256: start the run again")
         try:
-            content = zlib.decompress(self.path(digest).read_bytes())
+            content = _unpacked(self.path(digest))
         except (OSError, zlib.error) as error:
             raise DamagedStore(f"{self.path(digest)} is missing or unreadable: restore it from a copy, or start the run again") from error
         if hashlib.sha256(content).hexdigest() != digest:
@@ -118,8 +148,7 @@ class Objects:
         """An array as it was stored."""
         content = self.get(digest)
         with _read_as("an array", self.path(digest)):
-            array: NDArray[Any] = np.load(io.BytesIO(content), allow_pickle=False)
-            return array
+            return _array(content)
 
     def put_record(self, record: object) -> str:
         """Store a record; arrays inside become objects of their own, so equal arrays are kept once."""
@@ -155,6 +184,10 @@ class Memo:
         """Keep the index in `folder`, results in `objects`."""
         self.folder = folder
         self.objects = objects
+
+    def named(self, beginning: str = "") -> list[str]:
+        """Names of what is remembered that begin so, in order."""
+        return sorted(path.name for path in self.folder.glob(f"{beginning}*") if not path.name.startswith("."))
 
     def recall(self, key: str, kind: type[T]) -> T | None:
         """The stored result for `key`, or None if there is none that can be read."""

@@ -144,6 +144,7 @@ RESTRAINT = Quantity(
     formed=lambda mask: 1.0 - mask,
 )  # fmt: skip
 DISPLACEMENT = Quantity("displacement", "displacement along the normal", "mm", note="positive is outwards", mirrored=True)
+ADDED = Quantity("added", "added along the normal", "mm", least=(0.0, 0.1), note="what strengthening put on")
 THICKNESS = Quantity("thickness", "wall thickness", "mm")
 CONTACT = Quantity("contact", "touched the floor", least=(0.0, 1.0), note="1 = touched the floor as placed")
 

@@ -14,7 +14,6 @@ of the same shape: `Support(at=ms.Sphere((40, 0, 100), 8))` is stored as the pat
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Literal
@@ -25,6 +24,7 @@ from mechstyle.errors import BadInput
 from mechstyle.records.mesh import Bools, Floats
 from mechstyle.records.places import in_ball, in_box, in_half_space
 from mechstyle.records.regions import Box, HalfSpace, Region, Sphere, regions
+from mechstyle.records.tables import read_table
 
 RESTING_FACE = "resting face"
 SHAPES = ("sphere", "box", "plane", "near", "facet")
@@ -176,12 +176,14 @@ class LoadCase(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
 def read_loads(path: str | Path) -> tuple[LoadCase, ...]:
     """The load cases of a TOML file; BadInput names the file, the case and the key that cannot be used."""
     file = Path(path)
+    if not file.exists():
+        raise BadInput(f"load file {file} does not exist")
     try:
-        table = tomllib.loads(file.read_text(encoding="utf-8"))
-    except FileNotFoundError as error:
-        raise BadInput(f"load file {file} does not exist") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, OSError) as error:
+        table = read_table(file)
+    except ValueError as error:
         raise BadInput(f"load file {file} cannot be read: {error}") from error
+    if not isinstance(table, dict):
+        raise BadInput(f"load file {file} has no load case: begin one with [[case]]")
     cases, others = table.get("case"), sorted(set(table) - {"case"})
     if others:
         raise BadInput(f"load file {file}: unknown key {others[0]!r}; a load file holds [[case]] tables only")

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 
 import msgspec
 
 from mechstyle.errors import BadInput, unknown
+from mechstyle.records.tables import read_table
 
 LIMITS: Mapping[str, tuple[float, float, str]] = {
     "youngs_modulus": (0.1, 1e6, "MPa"),
@@ -258,12 +258,10 @@ def read_material(path: str | Path) -> Material:
     if not file.is_file():
         raise BadInput(f"material file {file} does not exist; name a library material ({', '.join(sorted(LIBRARY))}) or a .toml/.json file")
     try:
-        text = file.read_text(encoding="utf-8")
-        table = tomllib.loads(text) if file.suffix.lower() == ".toml" else msgspec.json.decode(text)
-        return msgspec.convert(table, Material)
+        return msgspec.convert(read_table(file), Material)
     except BadInput as error:
         raise BadInput(f"material file {file}: {error}") from error
-    except (tomllib.TOMLDecodeError, msgspec.DecodeError, UnicodeDecodeError, OSError) as error:
+    except ValueError as error:
         fields = "name, youngs_modulus, poisson_ratio, density, yield_strength"
         raise BadInput(f"material file {file}: {error}; it needs the fields {fields}") from error
 

@@ -66,6 +66,7 @@ LIMITS: Mapping[str, tuple[float, float]] = {
     "delivered": (0, 1_000_000),
     "threshold": (0.01, 100.0),
     "minimum_wall": (0.0, 100.0),
+    "strengthen": (0.0, 20.0),
     "orientations": (1, 512),
     "tilts": (0, 16),
     "drop_height": (1.0, 1e5),
@@ -122,6 +123,8 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         base: Relief under the part, one of BASES: drawn inwards so that the part stands level, faded out, or as it comes.
         protect: Regions protected from the style.
         minimum_wall: The thinnest wall the style may leave [mm]; 0 for no rule.
+        strengthen: The most that a part that does not hold as it is may be thickened by before its style, where it is overloaded [mm]; 0
+            leaves it as it is.
         loads: Load cases the part must carry besides the drop.
         schedule: When to simulate, one of SCHEDULES.
         every: Interval of the `every` schedule [iterations].
@@ -175,6 +178,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     base: str = "level"
     protect: tuple[Region, ...] = ()
     minimum_wall: float = 0.8
+    strengthen: float = 0.0
     loads: tuple[LoadCase, ...] = ()
     schedule: str = "stress"
     every: int = 20

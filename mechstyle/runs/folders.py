@@ -13,6 +13,9 @@ from mechstyle.errors import BadInput
 from mechstyle.loop.store import Store
 from mechstyle.records import Recipe
 
+BEGUN = re.compile(r"objects|picture-[0-9a-f]{8}\.png|part\.json|\.new-.*")
+"""What a run leaves that is stopped while it begins, before it has a lane."""
+
 logger = logging.getLogger(__name__)
 
 
@@ -47,10 +50,10 @@ def folder_for(out: Path, recipe: Recipe, *, beside: bool) -> Path:
 
 
 def _holds_something_else(place: Path) -> bool:
-    """Whether what is there is neither empty nor a run directory."""
+    """Whether what is there is neither empty nor a run directory, be it one that was hardly begun."""
     if "main" in Store(place).lanes() or (place / "part.json").exists():
         return False
-    return place.exists() and (not place.is_dir() or any(place.iterdir()))
+    return place.exists() and (not place.is_dir() or not all(BEGUN.fullmatch(file.name) for file in place.iterdir()))
 
 
 def _takes(place: Path, recipe: Recipe) -> bool:

@@ -25,6 +25,7 @@ class PartRecord(msgspec.Struct, frozen=True, kw_only=True):
     notes: tuple[str, ...]
     origin: Origin = Origin()
     at: str = ""
+    mass_gained: float = 0.0
 
     @classmethod
     def kept(cls, part: Workpiece, name: str, origin: Origin, objects: Objects) -> PartRecord:
@@ -38,6 +39,7 @@ class PartRecord(msgspec.Struct, frozen=True, kw_only=True):
             notes=part.notes,
             origin=origin,
             at="" if part.at is None else objects.put_array(part.at),
+            mass_gained=part.mass_gained,
         )
 
     @property
@@ -52,4 +54,4 @@ class PartRecord(msgspec.Struct, frozen=True, kw_only=True):
         for values in (thickness, thickness if at is None else at):
             if values.shape != (len(surface.vertices),) or not np.issubdtype(values.dtype, np.floating):
                 raise DamagedStore(f"{file} has walls of another part: restore it from a copy, or start the run again")
-        return Workpiece(surface, tets, thickness, self.stands, self.notes, at)
+        return Workpiece(surface, tets, thickness, self.stands, self.notes, at, self.mass_gained)

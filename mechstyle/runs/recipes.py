@@ -85,6 +85,8 @@ def draft(prompt: str = "", material: str | Material = "PLA", *, freestyle: bool
 def changed(recipe: Recipe, changes: dict[str, Any]) -> Recipe:
     """A recipe with some settings changed; unless given, another criterion brings its presets, another control its normalisation."""
     given = with_drops(_given(changes))
+    if given.get("strengthen", recipe.strengthen) != recipe.strengthen:
+        raise BadInput("a part is strengthened before its style, so a branch cannot do it: start a run of its own with --strengthen")
     if "amplitude" in given:
         given = {"relief": None, **given}  # which would go before it
     control, paper = given.get("control", recipe.control), given.get("criterion", recipe.criterion) == "paper"

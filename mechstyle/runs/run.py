@@ -36,8 +36,9 @@ from mechstyle.runs.refine import Refined, Refinement, notes_on
 from mechstyle.runs.session import Session
 from mechstyle.runs.stylizers import finished_relief, stylizer_for
 from mechstyle.runs.summary import Clock, Summary, summarise
-from mechstyle.simulation.part import Origin, Stage, Workpiece, bounds_for, cached_memo, fitted, prepare, refilled, say_nothing
+from mechstyle.simulation.part import Origin, Stage, Workpiece, bounds_for, cached_memo, fitted, prepare, say_nothing
 from mechstyle.simulation.simulator import DropSimulator
+from mechstyle.simulation.strengthen import made_ready
 
 OnEvent = Callable[[Event], None]
 
@@ -53,12 +54,14 @@ class Run:
         lane: Name of the lane.
         device: `cpu` or `cuda`: where it is simulated when it goes on.
         clock: Seconds spent on it in this process.
+        trusting: Whether what other runs remember of the unstylized part is taken for this one.
     """
 
     store: Store
     lane: str = "main"
     device: str = "cpu"
     clock: Clock = field(default_factory=Clock, repr=False)
+    trusting: bool = True
     _delivered: dict[str, Refined] = field(default_factory=dict, repr=False)
 
     @classmethod
@@ -73,8 +76,7 @@ class Run:
 
     def __repr__(self) -> str:
         """Folder, lane, prompt and progress."""
-        history = self.history
-        where = f"iteration {history[-1].iteration} of {self.recipe.iterations}" if history else "not started"
+        where = f"iteration {history[-1].iteration} of {self.recipe.iterations}" if (history := self.history) else "not started"
         return f"Run({str(self.store.root)!r}, lane {self.lane!r}, {self.recipe.prompt!r}, {where})"
 
     # what it is
@@ -271,8 +273,7 @@ class Run:
         """Name more files in the summary, and what a user should know of them."""
         known = self.summary
         named = {**known.files, **{what: str(path) for what, path in files.items()}}
-        summary = msgspec.structs.replace(known, files=named, notes=tuple(dict.fromkeys((*known.notes, *notes))))
-        self._save(summary)
+        self._save(summary := msgspec.structs.replace(known, files=named, notes=tuple(dict.fromkeys((*known.notes, *notes)))))
         return summary
 
     def _engine(self, progress: Progress) -> tuple[Engine, tuple[str, ...]]:
@@ -284,8 +285,8 @@ class Run:
         return Engine(recipe, part.surface, bounds, stylizer, simulator, self.store, self.lane, delivery), (*protected, *notes)
 
     def _simulator(self, recipe: Recipe, progress: Progress = no_progress) -> DropSimulator:
-        part = self.part
-        return DropSimulator(part.surface, part.tets, recipe, self.store.memo, cached_memo(), self.device, progress, at=part.at)
+        part, shared = self.part, cached_memo() if self.trusting else None
+        return DropSimulator(part.surface, part.tets, recipe, self.store.memo, shared, self.device, progress, at=part.at)
 
     def _refinement(self, simulator: DropSimulator) -> Refinement:
         """What draws the surface of a lane finer, under the recipe of a simulator."""
@@ -388,11 +389,8 @@ def started(
     device, clock = resolve_device(device), Clock()
     relief = partial(finished_relief, recipe=wanted)
     with clock.stages(stage) as begun:
-        if isinstance(part, SurfaceMesh):
-            origin = Origin.of(part, vertices)
-            part = prepare(part, vertices=vertices, stage=begun, relief=relief)
-        else:
-            part = refilled(part, relief, begun)
+        origin = Origin.of(part, vertices) if isinstance(part, SurfaceMesh) else origin
+        part = made_ready(part, wanted, relief, prepare=prepare, vertices=vertices, device=device, stage=begun)
     recipe = fitted(wanted, part)
     place = default_folder(recipe) if out is None else out
     run = begin(part, recipe, place, name=name, device=device, origin=origin, beside=beside)

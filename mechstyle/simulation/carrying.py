@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
@@ -27,6 +28,17 @@ LEAST_CARRIED = 0.9
 MORPHED = "morphed"
 AGAIN = "meshed again at half of this relief"
 """How the tetrahedra of a thorough test came about: those of the run, or others."""
+
+
+AT_REST, MESH_FOR = "rest-", "mesh-for-"
+"""What memos call the tetrahedra of an unstylized surface, and those made for a relief, before the digest of either."""
+
+
+class KeptMesh(msgspec.Struct, frozen=True, kw_only=True):
+    """Tetrahedra a test was run on besides those of the run, and what they were made for: digests of stored objects."""
+
+    tets: str
+    at: str
 
 
 class Carried(NamedTuple):

@@ -150,6 +150,7 @@ class Workpiece:
         stands: Whether it rests on a flat face.
         notes: What a user should know about it, one sentence each.
         at: Displacement its tetrahedra were made for [mm], shape [vertex_count]; None for none.
+        mass_gained: What strengthening added to it [g].
     """
 
     surface: SurfaceMesh
@@ -158,6 +159,7 @@ class Workpiece:
     stands: bool
     notes: tuple[str, ...] = ()
     at: NDArray[np.float32] | None = None
+    mass_gained: float = 0.0
 
     @cached_property
     def shape(self) -> Shape:

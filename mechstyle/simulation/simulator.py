@@ -25,16 +25,9 @@ from mechstyle.geometry.transfer import Transfer
 from mechstyle.loop.objects import Memo
 from mechstyle.records import Landing, LoadResult, Measures, Recipe, Simulation, Verdict
 from mechstyle.records.mesh import SurfaceMesh, TetMesh, digest_of
-from mechstyle.simulation.carrying import MORPHED, Carried, at_rest, carried, carrying
+from mechstyle.simulation.carrying import AT_REST, MESH_FOR, MORPHED, Carried, KeptMesh, at_rest, carried, carrying
 from mechstyle.simulation.original import raised
 from mechstyle.simulation.physics import PHYSICS_VERSION, memo_key, period_of, physics, prescribed
-
-
-class KeptMesh(msgspec.Struct, frozen=True, kw_only=True):
-    """Tetrahedra a test was run on besides those of the run, and what they were made for: digests of stored objects."""
-
-    tets: str
-    at: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,9 +163,14 @@ class DropSimulator:
 
     def _meshed_again(self, displacement: NDArray[np.float32]) -> DropSimulator:
         """The same test on tetrahedra made for half of a relief, which are kept for the next."""
-        tets, half = carrying(self.surface, displacement)
-        objects = self.memo.objects
-        self.memo.remember(f"mesh-{tets.digest}", KeptMesh(tets=objects.put_mesh(tets), at=objects.put_array(half)))
+        name, objects = f"{MESH_FOR}{digest_of(displacement)}", self.memo.objects
+        kept = self.memo.recall(name, KeptMesh)
+        if kept is None:
+            made, half = carrying(self.surface, displacement)
+            kept = KeptMesh(tets=objects.put_mesh(made), at=objects.put_array(half))
+            self.memo.remember(name, kept)
+        tets = objects.get_mesh(kept.tets, TetMesh)
+        self.memo.remember(f"mesh-{tets.digest}", kept)
         self.memo.remember(self._last_mesh, tets.digest, anew=True)
         return self._on(tets.digest)
 
@@ -262,16 +260,19 @@ class DropSimulator:
 
     @cached_property
     def _at_rest(self) -> DropSimulator:
-        """The same test on tetrahedra of the unstylized part; it belongs to the part and not to the run, and is remembered for all."""
+        """The same test on tetrahedra of the unstylized part; remembered for all, and by the run folder for other machines."""
         claimed = self.surface.digest != self.recipe.surface  # by a run folder, which may hold another part under the name of a known one
-        memo = self.memo if self.shared is None or claimed else self.shared
-        name = f"rest-{self.surface.digest}"
-        kept = memo.recall(name, str)
+        shared = None if claimed else self.shared
+        name = f"{AT_REST}{self.surface.digest}"
+        own, known = self.memo.recall(name, str), None if shared is None else shared.recall(name, str)
+        memo = self.memo if shared is None or own not in (None, known) else shared
+        kept = own or known
         if kept is None:
             kept = memo.objects.put_mesh(at_rest(self.surface))
-            memo.remember(name, kept)
-        tets = memo.objects.get_mesh(kept, TetMesh)
-        recipe = msgspec.structs.replace(self.recipe, tetrahedra=tets.digest)
+        tets = (self.memo if own else memo).objects.get_mesh(kept, TetMesh)
+        for one in (self.memo, memo):
+            one.remember(name, one.objects.put_mesh(tets))
+        recipe = msgspec.structs.replace(self.recipe, tetrahedra=tets.digest)  # those of another machine are for this run only
         return replace(self, tets=tets, at=None, recipe=recipe, memo=memo, settled=True)
 
     def _told(self, morphed: Morphed, result: Drop) -> Simulation:

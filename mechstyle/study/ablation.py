@@ -3,139 +3,30 @@
 from __future__ import annotations
 
 import io
-import multiprocessing
-import os
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
-from queue import Empty
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import msgspec
 import numpy as np
 
 from mechstyle._files import write_whole
-from mechstyle.errors import MechStyleError, unknown
-from mechstyle.gallery import load
+from mechstyle.errors import unknown
 from mechstyle.pictures.panels import Picture
-from mechstyle.records import Judgement
 from mechstyle.records.mesh import STANDARD_VERTICES
-from mechstyle.runs.recipes import FREESTYLE
-from mechstyle.runs.run import Run, stylize
+from mechstyle.runs.recipes import draft
+from mechstyle.study.cells import Cell, Row
+from mechstyle.study.grids import ARMS
+from mechstyle.study.walk import Tell, walk
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
-@dataclass(frozen=True)
-class Arm:
-    """A way to stylize with some of the mechanisms.
-
-    Attributes:
-        about: What is left, in words.
-        settings: What its recipe has different from the default.
-    """
-
-    about: str
-    settings: Mapping[str, Any]
-
-
-ARMS: Mapping[str, Arm] = MappingProxyType(
-    {
-        "freestyle": Arm("the style alone", FREESTYLE),
-        "static": Arm("base and walls bounded, no feedback", {"schedule": "never", "guarantee": False}),
-        "masks": Arm("masks while the relief grows, no correction", {"guarantee": False}),
-        "full": Arm("masks, then corrections", {}),
-        "finish-first": Arm("no masks, corrections of the finished relief", {"schedule": "never"}),
-    }
-)
-"""The arms by name; `static` is the twin without feedback of all that follow it."""
-
 OUTCOMES = {"VIABLE": ("o", "#0072b2"), "FAILS": ("X", "#d55e00"), "UNKNOWN": ("s", "#7a7a80")}
 """Mark and colour of an outcome; told apart in grey by the mark."""
-
-
-class Row(msgspec.Struct, frozen=True, kw_only=True):
-    """One run.
-
-    Attributes:
-        part: The model.
-        prompt: The style.
-        amplitude: Half the relief's depth over local wall thickness; None for the depth that is the default.
-        arm: One of `ARMS`.
-        verdict: VIABLE, FAILS, UNKNOWN, or "" for a run that was refused.
-        marginal: Whether a rule that counts is too close to its limit to be sure.
-        as_placed: Stress as placed and under loads over its limit.
-        tilted: Stress tilted a little over its limit, None if not run.
-        all_orientations: Percentile over all orientations relative to the original, None if not run.
-        kept: Share of the freestyle displacement that was kept.
-        simulations: Simulations of the styled part.
-        original: The original's stress as placed over the yield strength.
-        refused: Why there is no run, "" if there is one.
-    """
-
-    part: str
-    prompt: str
-    amplitude: float | None
-    arm: str
-    verdict: str = ""
-    marginal: bool = False
-    as_placed: float = 0.0
-    tilted: float | None = None
-    all_orientations: float | None = None
-    kept: float = 0.0
-    simulations: int = 0
-    original: float = 0.0
-    refused: str = ""
-
-    @property
-    def a_holds(self) -> bool:
-        """Whether the part holds as placed and under its loads."""
-        return self.verdict != "UNKNOWN" and self.as_placed <= 1.0
-
-
-class Cell(msgspec.Struct, frozen=True, kw_only=True):
-    """One part, style and depth, for which all arms are run one after the other, so that they share mesh and original.
-
-    Attributes:
-        model: A file or `gallery:NAME`.
-        prompt: The style.
-        amplitude: Half the relief's depth over local wall thickness; None for the depth that is the default.
-        arms: Names of `ARMS`.
-        out: Folder of the runs.
-        vertices: Vertices of the standardised surface.
-        device: `auto`, `cpu` or `cuda`.
-        settings: Fields of the recipe for all arms.
-    """
-
-    model: str
-    prompt: str
-    amplitude: float | None
-    arms: tuple[str, ...]
-    out: str
-    vertices: int
-    device: str
-    settings: dict[str, Any]
-
-    def rows(self) -> list[Row]:
-        """Run the arms, or read what was run before."""
-        return [self._row(arm) for arm in self.arms]
-
-    def _row(self, arm: str) -> Row:
-        part = Path(self.model.removeprefix("gallery:")).stem
-        known: dict[str, Any] = {"prompt": self.prompt, "amplitude": self.amplitude, "arm": arm}
-        folder = Path(self.out) / f"{part}-{'-'.join(self.prompt.split())}-{depth_of(self.amplitude)}" / arm
-        deep = {} if self.amplitude is None else {"amplitude": self.amplitude}
-        settings = {**self.settings, **deep, **ARMS[arm].settings}
-        try:
-            run = stylize(
-                load(self.model), self.prompt, name=part, out=folder, vertices=self.vertices, device=self.device, **settings
-            )
-        except MechStyleError as error:
-            return Row(part=part, **known, refused=str(error))
-        return row_of(run, part=part, **known)
 
 
 def depth_of(amplitude: float | None) -> str:
@@ -146,26 +37,6 @@ def depth_of(amplitude: float | None) -> str:
 def _depths(rows: Iterable[Row]) -> list[float | None]:
     """The depths of rows, the default first."""
     return sorted({row.amplitude for row in rows}, key=lambda amplitude: -1.0 if amplitude is None else amplitude)
-
-
-def row_of(run: Run, **known: Any) -> Row:
-    """The figures of a finished run."""
-    verdict, summary = run.verdict, run.summary
-    return Row(
-        **known,
-        verdict=verdict.outcome,
-        marginal=verdict.marginal,
-        as_placed=_use(verdict.as_placed),
-        tilted=None if verdict.tilted is None else _use(verdict.tilted),
-        all_orientations=None if verdict.all_orientations is None else verdict.all_orientations.value,
-        kept=summary.kept,
-        simulations=len(summary.simulations),
-        original=summary.baseline.peak_stress / run.recipe.material.yield_strength,
-    )
-
-
-def _use(judgement: Judgement) -> float:
-    return judgement.value / judgement.limit if judgement.limit else 0.0
 
 
 @dataclass(frozen=True)
@@ -231,7 +102,7 @@ def ablation(
     vertices: int = STANDARD_VERTICES,
     device: str = "auto",
     jobs: int = 1,
-    tell: Callable[[str], None] = lambda _: None,
+    tell: Tell = lambda _: None,
     **settings: Any,
 ) -> Ablation:
     """Run every arm on every part, style and depth; what was run before in the folder is not run again.
@@ -245,53 +116,24 @@ def ablation(
         vertices: Vertices of the standardised surface.
         device: `auto`, `cpu` or `cuda`.
         jobs: Processes side by side.
-        tell: Told of each part, style and depth that is done.
+        tell: Told of each row that is there.
         settings: Fields of `Recipe` for all arms.
 
     Raises:
         BadInput: If there is no such arm.
     """
-    chosen = tuple(arms)
-    for arm in chosen:
+    cells = []
+    for model, prompt, amplitude, arm in product(models, prompts, amplitudes, arms):
         if arm not in ARMS:
             raise unknown("arm", arm, ARMS)
-    shared = {"arms": chosen, "out": str(out), "vertices": vertices, "device": device, "settings": settings}
-    cells = [
-        Cell(model=model, prompt=prompt, amplitude=amplitude, **shared)  # type: ignore[arg-type]
-        for model in models for prompt in prompts for amplitude in amplitudes
-    ]  # fmt: skip
-    rows = []
-    for cell, found in _carried_out(cells, jobs):
-        outcomes = ", ".join(f"{row.arm} {row.verdict or row.refused}" for row in found)
-        tell(f"{cell.model} as {cell.prompt!r}, depth {depth_of(cell.amplitude)}: {outcomes}")
-        rows += found
+        deep = {} if amplitude is None else {"amplitude": amplitude}
+        recipe = draft(prompt, **{**settings, **deep, **ARMS[arm].settings})
+        cell = Cell(model=model, arm=arm, recipe=recipe, vertices=vertices, device=device)
+        folder = f"{cell.part}-{'-'.join(prompt.split())}-{depth_of(amplitude)}/{arm}"
+        cells.append(msgspec.structs.replace(cell, folder=folder))
+    rows = walk(cells, out, jobs=jobs, tell=tell)
     depths = _depths(rows)
     return Ablation(sorted(rows, key=lambda row: (depths.index(row.amplitude), row.part, row.prompt, list(ARMS).index(row.arm))))
-
-
-def _carried_out(cells: Sequence[Cell], jobs: int) -> Iterator[tuple[Cell, list[Row]]]:
-    if jobs == 1:
-        yield from ((cell, cell.rows()) for cell in cells)
-        return
-    context = multiprocessing.get_context("spawn")
-    with context.Manager() as manager:
-        places = manager.Queue()
-        for place in range(jobs):
-            places.put(place)
-        with ProcessPoolExecutor(jobs, mp_context=context, initializer=_take_cores, initargs=(places, jobs)) as pool:
-            waiting = {pool.submit(cell.rows): cell for cell in cells}
-            yield from ((waiting[done], done.result()) for done in as_completed(waiting))
-
-
-def _take_cores(places: Any, jobs: int) -> None:
-    """Give this process its share of the cores, where the system lets it: threads of several processes on all cores are slower."""
-    if not hasattr(os, "sched_setaffinity"):
-        return
-    try:
-        place = places.get_nowait()
-    except Empty:  # a process that replaces one that died runs anywhere
-        return
-    os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[place::jobs] or os.sched_getaffinity(0))
 
 
 def _counted(told: Sequence[Row]) -> tuple[str, ...]:

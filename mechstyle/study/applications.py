@@ -10,11 +10,12 @@ from typing import Any
 
 from mechstyle._files import write_whole
 from mechstyle.errors import unknown
-from mechstyle.gallery import load
 from mechstyle.loop.history import Strength
 from mechstyle.pictures.panels import Picture, comparison
 from mechstyle.records.mesh import STANDARD_VERTICES
-from mechstyle.runs.run import Run, stylize
+from mechstyle.runs.recipes import draft
+from mechstyle.runs.run import Run
+from mechstyle.study.cells import Cell
 
 COLUMNS = ("", "verdict", "peak [MPa]", "allowed [MPa]", "safety", "all orientations", "simulations", "style kept")
 
@@ -118,9 +119,12 @@ def apply(name: str, out: str | Path, *, vertices: int = STANDARD_VERTICES, devi
         BadInput: If there is no such application or setting.
     """
     chosen = application_named(name)
-    shared = {"name": name, "vertices": vertices, "device": device, "protect": chosen.protect, **settings}
+    shared = {"protect": chosen.protect, **settings}
     free, fed = (
-        stylize(load(f"gallery:{chosen.model}"), chosen.prompt, freestyle=freestyle, out=Path(out) / label, **shared)
+        Cell(
+            model=f"gallery:{chosen.model}", name=name, arm=label, recipe=draft(chosen.prompt, freestyle=freestyle, **shared),
+            vertices=vertices, folder=label, device=device,
+        ).run(Path(out))
         for label, freestyle in (("freestyle", True), ("mechstyle", False))
-    )
+    )  # fmt: skip
     return Pair(free, fed)

@@ -27,11 +27,15 @@ STYLED = (
     "--amplitude --clip --criterion --device --field --guidance --iterations --json --load --material -m --minimum-wall --orientations "
     "--poses --prompt -p --protect --seed --set --standard --stylizer --tilts --window"
 )
+STUDIED = (
+    "--criterion --device --iterations --jobs --json --material -m --models --orientations --out --scheduler --seeds --set --styles "
+    "--vertices"
+)
 RESTRAINED = "--base --control --every --normalisation --schedule --threshold"
 NAMES = {
     "": "--version",
-    "run": f"model --out --scale --up --vertices {STYLED} {RESTRAINED} --finish-first",
-    "freestyle": f"model --out --scale --up --vertices {STYLED}",
+    "run": f"model --out --scale --strengthen --up --vertices {STYLED} {RESTRAINED} --finish-first",
+    "freestyle": f"model --out --scale --strengthen --up --vertices {STYLED}",
     "branch": f"address --lane {STYLED} {RESTRAINED}",
     "simulate": "model --build-direction "
     "--criterion --device --json --load --material -m --minimum-wall --orientations --out --poses --scale --standard --up "
@@ -48,7 +52,12 @@ NAMES = {
     "report": "address --impact --json --out",
     "materials": "--json",
     "styles": "--json --sheet",
-    "gallery": "--json",
+    "gallery": "--json --sheet",
+    "study": "",
+    "study formative": STUDIED,
+    "study evaluation": f"{STUDIED} --controls --schedules",
+    "study ablation": f"{STUDIED} --amplitudes --arms --loads --no-loads",
+    "study page": "sources --json --note --out",
     "doctor": "--json",
     "weights": "",
     "weights add": "folder --json --name",
@@ -99,6 +108,7 @@ def test_no_prompt_is_needed_where_a_picture_may_stand_for_it_and_the_material_i
 def test_there_is_an_option_for_some_settings_of_every_command_that_runs_something():
     assert set(OPTIONS) < set(Recipe.__struct_fields__)
     commands = {"ablation", "run", "freestyle", "branch", "simulate", "application", "protect"}
+    commands |= {"study formative", "study evaluation", "study ablation"}
     assert {parameter.values[0] for parameter in GENERATED} == commands
 
 

@@ -95,3 +95,18 @@ def test_what_a_batch_raises_reaches_the_caller():
 
     with pytest.raises(RuntimeError, match="out of memory"):
         carry([Counted(10), Torn(10)], lambda: None)
+
+
+def test_threads_are_limited_by_the_environment_and_then_pinned_nowhere(monkeypatch):
+    from mechstyle.errors import BadInput  # noqa: PLC0415
+    from mechstyle.fea import explicit  # noqa: PLC0415
+
+    monkeypatch.setenv("MECHSTYLE_THREADS", "3")
+    assert explicit.cores() == 3
+    monkeypatch.setattr(explicit.os, "sched_getaffinity", lambda _: {0, 1, 2}, raising=False)
+    assert explicit._places(3).empty()
+    monkeypatch.delenv("MECHSTYLE_THREADS")
+    assert not explicit._places(3).empty()
+    monkeypatch.setenv("MECHSTYLE_THREADS", "many")
+    with pytest.raises(BadInput, match="whole number of threads"):
+        explicit.cores()

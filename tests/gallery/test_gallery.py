@@ -16,20 +16,41 @@ from mechstyle.errors import BadInput
 # What it is: genus by design, and the box it fits with its default measures [mm].
 DESIGN = {
     "pen_holder": (0, (80.0, 80.0, 100.0)),
-    "vase": (0, (101.0, 101.0, 150.0)),
-    "pill_box": (0, (142.0, 30.0, 17.2)),
     "phone_stand": (1, (72.0, 96.0, 104.0)),  # the triangle under the back
-    "wall_hook": (2, (34.0, 100.0, 49.5)),  # two screws
+    "tablet_stand": (3, (128.0, 128.3, 143.8)),  # the triangle, a window through back and leg
     "spectacle_frame": (2, (139.0, 49.5, 4.4)),  # two lenses
+    "pill_box": (0, (142.0, 30.0, 17.2)),
     "utensil_grip": (0, (34.0, 112.0, 27.0)),
+    "key_turner": (2, (104.0, 40.0, 16.0)),  # slot and pin hole meet
+    "bottle_opener": (2, (122.0, 54.0, 8.0)),  # mouth and eye
     "lampshade": (4, (136.0, 134.0, 110.0)),  # open at both ends, a ring, and three ways from the ring to the wall
+    "vase": (0, (101.0, 101.0, 150.0)),
+    "planter": (5, (106.0, 106.0, 92.0)),  # five drain holes
+    "wall_hook": (2, (34.0, 100.0, 49.5)),  # two screws
+    "s_hook": (0, (42.0, 76.0, 9.0)),
+    "coat_hook": (0, (92.8, 121.4, 26.0)),
+    "shelf_bracket": (5, (128.0, 104.0, 24.0)),  # the opening over the brace, four screws
+    "corner_bracket": (4, (58.0, 42.0, 58.0)),  # four screws
+    "cable_clip": (0, (50.0, 20.0, 13.0)),
+    "cable_winder": (0, (92.0, 46.0, 4.5)),
+    "key_tag": (1, (64.0, 30.0, 4.4)),  # an eye
+    "soap_dish": (4, (124.0, 86.0, 24.0)),  # four slits
+    "toothbrush_holder": (0, (72.6, 56.7, 84.0)),
+    "bag_clip": (0, (120.2, 26.4, 14.0)),
+    "bag_carrier": (0, (182.6, 45.1, 22.0)),
+    "drawer_knob": (0, (34.0, 34.0, 28.0)),
+    "drawer_organiser": (0, (152.0, 104.0, 38.0)),
+    "napkin_ring": (1, (49.2, 49.2, 30.0)),  # a bore
+    "coaster": (0, (96.0, 96.0, 6.0)),
+    "book_end": (1, (104.0, 102.5, 132.0)),  # a window
+    "door_stop": (1, (44.0, 118.0, 29.5)),  # an eye
+    "tealight_holder": (0, (82.0, 82.0, 40.0)),
 }
 NAMES = tuple(DESIGN)
 
 
 def builder(name):
-    entry = gallery._MODELS[name][0]
-    return getattr(import_module(f"mechstyle.gallery.{entry}"), name)
+    return getattr(import_module(f"mechstyle.gallery.{gallery.entry(name).module}"), name)
 
 
 def measures(name):

@@ -148,7 +148,7 @@ def test_every_field_decides_the_digest(field):
         "surface": "6" * 64, "tetrahedra": "8" * 64, "prompt": "stone", "material": msgspec.structs.replace(PLA, yield_strength=40.0),
         "control": "linear", "normalisation": "yield", "schedule": "every", "criterion": "paper", "transfer": "nearest", "stylizer": "mine",
         "protect": (Inside(),), "element": "tet4",
-        "loads": (PRESS,), "minimum_wall": 1.2,
+        "loads": (PRESS,), "minimum_wall": 1.2, "strengthen": 1.5,
         "memory": False, "retraction": False, "base": "free", "guarantee": False,
         "iterations": 7, "seed": 7, "every": 7, "amplitude": 0.7, "travel": 0.7, "orientations": 7, "poses": "tilts", "standard": "en71",
         "relief": 0.7, "side": "outwards", "feature": 7.0, "nozzle": 0.7, "inside": "styled",

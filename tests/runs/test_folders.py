@@ -63,3 +63,15 @@ def test_the_folder_one_is_in_has_a_name_as_well(run, monkeypatch, caplog):
     for place in (".", "objects/.."):
         monkeypatch.chdir(run.store.root)
         assert folder_for(type(run.store.root)(place), other(run.recipe), beside=True) == run.store.root.with_name("run-2")
+
+
+def test_a_run_that_was_stopped_while_it_began_is_begun_again(run, tmp_path):
+    """Its objects come first, its lane last: a folder with the one and not the other was refused as no run directory."""
+    hardly = tmp_path / "hardly"
+    (hardly / "objects" / "ab").mkdir(parents=True)
+    for name in (".new-abc", "picture-0123abcd.png", "objects/ab/.new-x"):
+        (hardly / name).write_bytes(b"half")
+    assert folder_for(hardly, run.recipe, beside=False) == hardly
+    (hardly / "thesis.txt").write_text("years of work")
+    with pytest.raises(BadInput, match="is not a run directory"):
+        folder_for(hardly, run.recipe, beside=False)

@@ -6,9 +6,10 @@ import pytest
 
 from mechstyle.errors import BadInput
 from mechstyle.gallery import names
-from mechstyle.runs.recipes import draft
+from mechstyle.runs.recipes import FREESTYLE, draft
 from mechstyle.study import applications
 from mechstyle.study.applications import APPLICATIONS, COLUMNS, Pair, application_named, apply
+from mechstyle.study.cells import Cell
 from mechstyle.styling.prompt import read
 from support.lanes import lane_on_a_sheet
 
@@ -37,16 +38,17 @@ def test_an_unknown_application_is_refused_with_the_nearest_first():
 
 def test_both_runs_get_the_same_part_prompt_and_regions(monkeypatch, tmp_path):
     asked = []
-    monkeypatch.setattr(applications, "stylize", lambda _, prompt, **settings: asked.append((prompt, settings)))
+    monkeypatch.setattr(Cell, "run", lambda cell, out: asked.append((cell, out)))
     apply("pill_box", tmp_path, iterations=9)
-    (free_prompt, free), (fed_prompt, fed) = asked
-    assert free_prompt == fed_prompt == "floral patterns"
-    assert (free.pop("freestyle"), fed.pop("freestyle")) == (True, False)
-    assert (free.pop("out"), fed.pop("out")) == (tmp_path / "freestyle", tmp_path / "mechstyle")
-    assert free == fed
-    assert (free["protect"], free["iterations"], free["vertices"]) == (("inside colour",), 9, 25_000)
+    (free, free_out), (fed, fed_out) = asked
+    assert free_out == fed_out == tmp_path
+    assert (free.folder, fed.folder) == ("freestyle", "mechstyle")
+    assert free.recipe.prompt == fed.recipe.prompt == "floral patterns"
+    assert (free.model, free.part, free.vertices) == (fed.model, fed.part, fed.vertices) == ("gallery:pill_box", "pill_box", 25_000)
+    assert {name for name, *_ in free.recipe.differences(fed.recipe)} == set(FREESTYLE)
+    assert (free.recipe.protect[0].words, free.recipe.iterations) == ("inside colour", 9)
     apply("pill_box", tmp_path, protect=[])
-    assert asked[-1][1]["protect"] == []
+    assert asked[-1][0].recipe.protect == ()
 
 
 @pytest.fixture(scope="module")

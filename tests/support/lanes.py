@@ -7,6 +7,7 @@ from pathlib import Path
 import msgspec
 import numpy as np
 
+from mechstyle._files import write_whole
 from mechstyle.records.mesh import TetMesh
 from mechstyle.runs.part_record import PartRecord
 from mechstyle.runs.run import Run
@@ -30,7 +31,7 @@ def lane_on_a_sheet(  # one call, all keywords
         name=name, surface=objects.put_mesh(bench.surface), tets=objects.put_mesh(CORNER),
         thickness=objects.put_array(np.full(side * side, 4.0, np.float32)), stands=True, notes=(), origin=origin or Origin(),
     )  # fmt: skip
-    (root / "part.json").write_bytes(msgspec.json.encode(record))
+    write_whole(root / "part.json", msgspec.json.encode(record))
     run = Run(engine.store, "main", "cpu")
     run._save(summarise(engine, device="cpu", notes=("a note on the part",), seconds={}, files={}))
     return run

@@ -2,6 +2,7 @@
 
 import base64
 import gzip
+import hashlib
 import json
 import re
 from html.parser import HTMLParser
@@ -122,6 +123,16 @@ def test_what_people_typed_never_becomes_markup(sheet):
     assert evil in read.text
     assert "<b>cup</b>&amp;" in read.text
     assert json.loads(read.scripts[0])["prompt"] == evil
+
+
+def test_no_script_runs_but_the_one_it_was_written_with(page, read):
+    policy = next(given["content"] for _, given in read.elements if given.get("http-equiv") == "Content-Security-Policy")
+    rules = dict(rule.strip().split(" ", 1) for rule in policy.split(";"))
+    own = base64.b64encode(hashlib.sha256(read.scripts[-1].encode()).digest()).decode()
+    assert rules["script-src"] == f"'sha256-{own}'"
+    assert (rules["default-src"], rules["base-uri"], rules["form-action"]) == ("'none'",) * 3
+    assert policy in page.replace("&#x27;", "'").replace("&#39;", "'")
+    assert not [name for _, given in read.elements for name in given if name.startswith("on")], "a handler in an attribute would not run"
 
 
 def test_the_replay_inside_is_that_of_the_lane(read, lane):

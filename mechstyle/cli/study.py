@@ -1,0 +1,213 @@
+"""Commands that run many cells and make a page of them: study formative, evaluation, ablation, page."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from statistics import median
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from typer.core import TyperCommand
+
+from mechstyle.cli.console import command, escape, out, print_json, table, telling
+from mechstyle.cli.options import MACHINE, Device, Json, Settings, Vertices, recipe_options
+from mechstyle.records.mesh import STANDARD_VERTICES
+
+if TYPE_CHECKING:
+    from mechstyle.study.cells import Row
+    from mechstyle.study.grids import Factors
+
+app = typer.Typer()
+study_app = typer.Typer(help="Run many cells on one machine or many, and make a page of them; what was run before is only read.")
+app.add_typer(study_app, name="study")
+
+CROSSED = "What is crossed"
+
+
+class SeveralWords(TyperCommand):
+    """A command whose options for lists take all the words that follow: --models pen_holder wall_hook."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Repeat the option before each of its words."""
+        lists = {flag for parameter in self.params if parameter.multiple for flag in parameter.opts}
+        spread, flag = list[str](), ""
+        for number, word in enumerate(args):
+            if word.startswith("--"):
+                flag = word if word in lists else ""
+                spread.append(word)
+            else:
+                spread += [flag, word] if flag and args[number - 1] != flag else [word]
+        return super().parse_args(ctx, spread)
+
+
+Models = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--models",
+        help="Gallery models or files, one after the other; unless told, all of the gallery.",
+        rich_help_panel=CROSSED,
+    ),
+]
+Styles = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--styles",
+        help="Prompts; unless told, the six of the published study.",
+        rich_help_panel=CROSSED,
+    ),
+]
+Controls = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--controls",
+        help="Unless told linear, exponential and frozen.",
+        rich_help_panel=CROSSED,
+    ),
+]
+Schedules = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--schedules",
+        help="Unless told every, exponential, geometry and stress.",
+        rich_help_panel=CROSSED,
+    ),
+]
+Arms = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--arms",
+        help="freestyle, static, masks, full, finish-first, strengthened; unless told static, masks and full.",
+        rich_help_panel=CROSSED,
+    ),
+]
+Amplitudes = Annotated[
+    list[float] | None,
+    typer.Option(
+        "--amplitudes",
+        help="Half the relief's depth over local wall thickness; unless told the default depth and 0.5.",
+        rich_help_panel=CROSSED,
+    ),
+]
+Seeds = Annotated[
+    list[int] | None,
+    typer.Option(
+        "--seeds",
+        help="Seeds of the style; unless told 0.",
+        rich_help_panel=CROSSED,
+    ),
+]
+Out = Annotated[Path, typer.Option("--out", help="Folder for rows and runs; the same command goes on where it stopped.")]
+Jobs = Annotated[int, typer.Option(min=1, max=256, help="Processes side by side on this machine.", rich_help_panel=MACHINE)]
+Scheduler = Annotated[
+    str, typer.Option(help="Address or file of a Dask scheduler, whose workers then run the cells.", rich_help_panel=MACHINE)
+]
+shared = recipe_options("iterations", "material", "orientations", "criterion", begins=False, others=True)
+
+
+@study_app.command("formative", cls=SeveralWords)
+@command
+@shared
+def formative_command(
+    settings: Settings, models: Models = None, styles: Styles = None, seeds: Seeds = None, folder: Out = Path("study-formative"),
+    jobs: Jobs = 1, scheduler: Scheduler = "", vertices: Vertices = STANDARD_VERTICES, device: Device = "auto", as_json: Json = False,
+) -> None:  # fmt: skip
+    """How often a style alone breaks a part: every model in every style, without feedback."""
+    crossed = {"models": models, "styles": styles, "seeds": seeds}
+    _carried_out("formative", _factors(crossed, settings, vertices, device), folder, jobs, scheduler, as_json=as_json)
+
+
+@study_app.command("evaluation", cls=SeveralWords)
+@command
+@shared
+def evaluation_command(
+    settings: Settings, models: Models = None, styles: Styles = None, controls: Controls = None, schedules: Schedules = None,
+    seeds: Seeds = None, folder: Out = Path("study-evaluation"), jobs: Jobs = 1, scheduler: Scheduler = "",
+    vertices: Vertices = STANDARD_VERTICES, device: Device = "auto", as_json: Json = False,
+) -> None:  # fmt: skip
+    """Every control with every schedule, on every model in every style, beside the style alone."""
+    crossed = {"models": models, "styles": styles, "seeds": seeds, "controls": controls, "schedules": schedules}
+    _carried_out("evaluation", _factors(crossed, settings, vertices, device), folder, jobs, scheduler, as_json=as_json)
+
+
+@study_app.command("ablation", cls=SeveralWords)
+@command
+@shared
+def ablation_study_command(
+    settings: Settings, models: Models = None, styles: Styles = None, arms: Arms = None, amplitudes: Amplitudes = None, seeds: Seeds = None,
+    loaded: Annotated[bool, typer.Option("--loads/--no-loads", help="Once more under the load of a model's use.")] = True,
+    folder: Out = Path("study-ablation"), jobs: Jobs = 1, scheduler: Scheduler = "", vertices: Vertices = STANDARD_VERTICES,
+    device: Device = "auto", as_json: Json = False,
+) -> None:  # fmt: skip
+    """What each mechanism is worth: arms with some taken away, at two depths, dropped and under the load of their use."""
+    crossed = {"models": models, "styles": styles, "seeds": seeds, "arms": arms, "amplitudes": amplitudes, "loaded": loaded}
+    _carried_out("ablation", _factors(crossed, settings, vertices, device), folder, jobs, scheduler, as_json=as_json)
+
+
+@study_app.command("page")
+@command
+def page_command(
+    sources: Annotated[list[Path], typer.Argument(metavar="SOURCE...", help="Folders of studies, or tables that were made of them.")],
+    page: Annotated[Path, typer.Option("--out", help="Page to write; figures and table go beside it.")] = Path("study.md"),
+    words: Annotated[str, typer.Option("--note", help="A sentence on where the runs come from, for the top of the page.")] = "",
+    as_json: Json = False,
+) -> None:
+    """Make a page of studies: counts with intervals, tests, figures, and the table it is made from."""
+    from mechstyle.study.page import write_page  # noqa: PLC0415 — figures are loaded when wanted
+    from mechstyle.study.tables import read_table  # noqa: PLC0415
+
+    files = write_page([row for source in sources for row in read_table(source)], page, note=words)
+    if as_json:
+        print_json({"files": files})
+        return
+    for what, path in files.items():
+        out.print(f"{what}: {escape(path)}")
+
+
+def _factors(crossed: dict[str, Any], settings: Settings, vertices: int, device: str) -> Factors:
+    """What was asked for; what was not is left to the study."""
+    from mechstyle.study.grids import Factors  # noqa: PLC0415 — physics is loaded when something is run
+
+    own = {name: settings.pop(name) for name in ("iterations",) if name in settings}
+    given = {name: value for name, value in crossed.items() if value is not None}
+    return Factors(**given, **own, vertices=vertices, device=device, settings=settings)
+
+
+def _carried_out(study: str, factors: Factors, folder: Path, jobs: int, scheduler: str, *, as_json: bool) -> None:
+    """Walk over the cells, then keep the table and say what came out."""
+    from mechstyle.study.grids import cells_of  # noqa: PLC0415 — as above
+    from mechstyle.study.tables import write_table  # noqa: PLC0415
+    from mechstyle.study.walk import walk  # noqa: PLC0415
+
+    cells = cells_of(study, factors)
+    with telling(len(cells), quiet=as_json) as teller:
+        teller.stage("running")
+        rows = walk(cells, folder, jobs=jobs, scheduler=scheduler, tell=_said(teller.step))
+    files = {"rows": str(folder / "rows"), "table": str(write_table(rows, folder / "table"))}
+    if as_json:
+        print_json({"rows": rows, "files": files})
+        return
+    _print_counts(rows)
+    for what, path in files.items():
+        out.print(f"{what}: {escape(path)}")
+
+
+def _said(step: Callable[[str], None]) -> Callable[[Row], None]:
+    return lambda row: step(escape(f"{row.part} as {row.prompt!r}, {row.arm}: {row.verdict or row.refused}"))
+
+
+def _print_counts(rows: list[Row]) -> None:
+    """How many are viable, arm by arm, and what did not run."""
+    from mechstyle.study.statistics import wilson  # noqa: PLC0415 — scipy is loaded when something is counted
+
+    counts = table("arm", "runs", "viable", "95 % interval", "kept", "CPU s")
+    for arm in dict.fromkeys(row.arm for row in rows):
+        told = [row for row in rows if row.arm == arm and row.status == "done"]
+        if told:
+            viable, (low, high) = sum(row.viable for row in told), wilson(sum(row.viable for row in told), len(told))
+            kept, seconds = median(row.kept for row in told), median(row.cpu_seconds for row in told)
+            counts.add_row(arm, str(len(told)), str(viable), f"{low:.0%} to {high:.0%}", f"{kept:.2f}", f"{seconds:.0f}")
+    out.print(counts)
+    for row in rows:
+        if row.status != "done":
+            out.print(f"[yellow]{row.status}:[/] {escape(f'{row.part} as {row.prompt!r}, {row.arm}: {row.refused}')}")

@@ -1,0 +1,28 @@
+"""Small files that people write: TOML and JSON."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+MOST_BYTES = 100_000
+
+
+def read_table(file: Path) -> Any:
+    """What a TOML file holds, or a JSON file if its suffix says so.
+
+    Raises:
+        ValueError: If it cannot be read, is no such file, or larger than anybody writes one.
+    """
+    try:
+        if file.stat().st_size > MOST_BYTES:
+            raise ValueError(f"it has more than {MOST_BYTES // 1000} kB")
+        content = file.read_bytes()
+        return msgspec.json.decode(content) if file.suffix.lower() == ".json" else tomllib.loads(content.decode())
+    except OSError as error:
+        raise ValueError(error.strerror or str(error)) from error
+    except RecursionError as error:
+        raise ValueError("its tables are nested too deeply") from error

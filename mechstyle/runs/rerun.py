@@ -1,0 +1,169 @@
+"""A run done again from its recipe, and where it comes to something else."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Sequence
+from contextlib import closing
+from pathlib import Path
+
+import msgspec
+
+from mechstyle._files import write_whole
+from mechstyle.errors import BadInput
+from mechstyle.loop.events import Checkpointed, Event
+from mechstyle.loop.store import Entry, Lane, Store
+from mechstyle.runs import images
+from mechstyle.runs.run import Run
+from mechstyle.simulation.carrying import AT_REST, MESH_FOR, KeptMesh
+
+CLOSE = 1e-5
+"""Relative difference of a peak stress that another processor may make."""
+
+
+class Difference(msgspec.Struct, frozen=True, kw_only=True):
+    """A drop that came to something else.
+
+    Attributes:
+        iteration: When.
+        before: Peak stress then [MPa].
+        again: Peak stress now [MPa].
+        verdict: Verdict then.
+        verdict_again: Verdict now.
+    """
+
+    iteration: int
+    before: float
+    again: float
+    verdict: str
+    verdict_again: str
+
+
+class Rerun(msgspec.Struct, frozen=True, kw_only=True):
+    """What a run done again came to.
+
+    Attributes:
+        folder: Where it is.
+        same_bytes: Whether every iteration has the bytes it had.
+        first_other: The first iteration that has not, None if there is none.
+        drops: Simulations compared.
+        largest: Largest relative difference of a peak stress.
+        differences: Simulations whose verdict is another, or whose peak is further off than CLOSE.
+    """
+
+    folder: str
+    same_bytes: bool
+    first_other: int | None
+    drops: int
+    largest: float
+    differences: tuple[Difference, ...]
+
+    @property
+    def equal(self) -> bool:
+        """Whether all verdicts are the same and no peak is further off than CLOSE."""
+        return not self.differences
+
+    @property
+    def words(self) -> str:
+        """The result in one sentence."""
+        drops = f"{self.drops} drop tests"
+        if self.same_bytes:
+            return f"equal: every iteration and all {drops} have the same bytes"
+        if self.equal:
+            close = f"the verdicts of {drops} are the same, their peaks within {self.largest:.1e}"
+            return f"equal: {close}; other bytes from iteration {self.first_other} on"
+        first = self.differences[0]
+        found = f"{first.verdict_again}, {first.again:.4g} MPa, instead of {first.verdict}, {first.before:.4g} MPa"
+        return f"differs: {len(self.differences)} of {drops}, the first at iteration {first.iteration}: {found}"
+
+
+def rerun(run: Run, out: Path, on_event: Callable[[Event], None] = lambda _: None) -> Rerun:
+    """Repeat a lane in a folder of its own, from the part, tetrahedra and recipes that its run directory holds; nothing remembered is used.
+
+    Args:
+        run: The lane, finished or not; it is repeated up to where it stands, through the recipes of all lanes it was branched from.
+        out: A folder that is free.
+        on_event: Told every event.
+
+    Raises:
+        BadInput: If the folder is taken, or the lane has no checkpoint yet.
+    """
+    history = run.history
+    if not history:
+        raise BadInput(f"lane {run.lane!r} of {run.store.root} has no iteration to repeat yet")
+    if out.exists() and (not out.is_dir() or any(out.iterdir())):
+        raise BadInput(f"{out} is taken: give a free folder with --out")
+    again = _begun(run, out)
+    for recipe, entries in itertools.groupby(history, key=lambda entry: entry.recipe):
+        _repeat(run, again, recipe, len(list(entries)), on_event)
+    return compared(history, again.history, str(out))
+
+
+def _begun(run: Run, out: Path) -> Run:
+    """A run directory with the part and the tetrahedra of another, and no results."""
+    store, record = Store(out), run.record
+    part = record.part(run.store.objects, run.store.root / "part.json")
+    write_whole(out / "part.json", msgspec.json.encode(type(record).kept(part, record.name, record.origin, store.objects)))
+    for name in (*run.store.memo.named(AT_REST), *run.store.memo.named(MESH_FOR)):
+        memo = run.store.memo
+        kept = memo.recall(name, str) if name.startswith(AT_REST) else memo.recall(name, KeptMesh)
+        if kept is not None:
+            for digest in (kept,) if isinstance(kept, str) else (kept.tets, kept.at):
+                _copy(run.store, store, digest)
+            store.memo.remember(name, kept)
+    return Run(store, "main", run.device, trusting=False)
+
+
+def _copy(source: Store, target: Store, digest: str) -> None:
+    """Copy an object, and those that a mesh is made of."""
+    content = source.objects.get(digest)
+    target.objects.put(content)
+    if content.startswith(b"{"):
+        for part in msgspec.json.decode(content, type=dict[str, str]).values():
+            target.objects.put(source.objects.get(part))
+
+
+def _repeat(run: Run, again: Run, recipe: str, checkpoints: int, on_event: Callable[[Event], None]) -> None:
+    """Add as many checkpoints to a lane as another has under a recipe, or as many as it gives."""
+    fields, store = run.store.recipe(recipe), again.store
+    if fields.image:
+        _copy(run.store, store, fields.image)
+        images.keep(fields, store)
+    head = store.lane().head if store.lanes() else ""
+    store.move("main", Lane(recipe=store.put_recipe(fields), head=head))
+    with closing(again.events()) as events:
+        for event in events:
+            on_event(event)
+            checkpoints -= isinstance(event, Checkpointed)
+            if not checkpoints and not (isinstance(event, Checkpointed) and event.checkpoint.final):
+                return
+
+
+def compared(before: Sequence[Entry], again: Sequence[Entry], folder: str) -> Rerun:
+    """The difference of two histories, oldest first."""
+    aligned = itertools.zip_longest(before, again[: len(before)])
+    first_other = next((old.iteration for old, new in aligned if new is None or old.digest != new.digest), None)
+    pairs = [(old, new) for old, new in zip(before, again, strict=False) if old.verdict is not None]
+    found = [_difference(old, new) for old, new in pairs]
+    shares = [abs(one.again - one.before) / max(abs(one.before), 1e-12) for one in found]
+    other = tuple(one for one, share in zip(found, shares, strict=True) if share > CLOSE or one.verdict != one.verdict_again)
+    return Rerun(
+        folder=folder,
+        same_bytes=first_other is None,
+        first_other=first_other,
+        drops=len(found),
+        largest=max(shares, default=0.0),
+        differences=other,
+    )
+
+
+def _difference(old: Entry, new: Entry) -> Difference:
+    assert old.verdict is not None, "only simulated iterations are compared"
+    now = new.verdict
+    return Difference(
+        iteration=old.iteration,
+        before=old.verdict.deciding.value,
+        again=float("nan") if now is None else now.deciding.value,
+        verdict=old.verdict.outcome,
+        verdict_again="not simulated" if now is None else now.outcome,
+    )

@@ -1,0 +1,150 @@
+"""Figures of a study for print: static, colour-safe, marks beside colours, n in every panel, the published value as an open diamond."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mechstyle.study.cells import Row
+from mechstyle.study.statistics import Equivalence, wilson
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+INK, VIABLE, FAILS, UNKNOWN = "#202020", "#0072b2", "#d55e00", "#7a7a80"
+MARKS = {"linear": ("o", "#0072b2"), "exponential": ("s", "#009e73"), "frozen": ("^", "#cc79a7"), "none": ("D", "#7a7a80")}
+"""Mark and colour of a control (Okabe and Ito), told apart in grey by the mark."""
+WIDE, DPI = 7.0, 200
+"""Width of a figure across two columns [inch], dots per inch."""
+
+
+def matrix(rows: Sequence[Row], title: str) -> bytes:
+    """Every part in every style: stress over its limit as a number, with a mark and a colour for the verdict, as PNG."""
+    parts, styles = (list(dict.fromkeys(values)) for values in ([row.part for row in rows], [row.prompt for row in rows]))
+    sheet, axes = _sheet(0.9 + 0.24 * len(parts), 1)
+    place = {(row.part, row.prompt): row for row in rows}
+    for (y, part), (x, style) in ((one, other) for one in enumerate(parts) for other in enumerate(styles)):
+        row = place.get((part, style))
+        text, colour = ("–", UNKNOWN) if row is None else _cell(row)
+        axes[0].add_patch(_rectangle(x, y, colour))
+        axes[0].text(x, y, text, ha="center", va="center", size=7.5, color=INK)
+    axes[0].set_xlim(-0.5, len(styles) - 0.5)
+    axes[0].set_ylim(len(parts) - 0.5, -0.5)
+    axes[0].set_xticks(range(len(styles)), styles, size=8)
+    axes[0].xaxis.tick_top()
+    axes[0].set_yticks(range(len(parts)), [part.replace("_", " ") for part in parts], size=8)
+    axes[0].tick_params(length=0)
+    axes[0].set_title(f"{title}, n = {sum(row.status == 'done' for row in rows)}", size=9, loc="left", weight="bold", pad=18)
+    for side in axes[0].spines.values():
+        side.set_visible(False)
+    return _png(sheet)
+
+
+def viability(rows: Sequence[Row], published: dict[str, float]) -> bytes:
+    """Share of viable runs of each arm with Wilson's interval, and the published value where there is one, as PNG."""
+    arms = list(dict.fromkeys(row.arm for row in rows))
+    sheet, axes = _sheet(0.9 + 0.26 * len(arms), 1)
+    for y, arm in enumerate(arms):
+        told = [row for row in rows if row.arm == arm and row.status == "done"]
+        if not told:
+            continue
+        viable = sum(row.viable for row in told)
+        low, high = wilson(viable, len(told))
+        mark, colour = MARKS.get(told[0].control, ("o", INK))
+        axes[0].plot([100 * low, 100 * high], [y, y], color=colour, linewidth=1.4)
+        axes[0].plot(100 * viable / len(told), y, marker=mark, color=colour, markersize=5)
+        if arm in published:
+            axes[0].plot(published[arm], y, marker="D", markersize=7, markerfacecolor="none", markeredgecolor=INK)
+        axes[0].text(102, y, f"{viable} of {len(told)}", va="center", size=7.5)
+    _named(axes[0], arms)
+    axes[0].set_xlim(-2, 100)
+    axes[0].set_xlabel("viable [%], 95 % Wilson interval; open diamond: published", size=8)
+    return _png(sheet)
+
+
+def spread(rows: Sequence[Row], field: str, label: str, *, log: bool = False) -> bytes:
+    """Every run of each arm as a point, its median as a bar, as PNG.
+
+    Args:
+        rows: The runs.
+        field: Field of a row.
+        label: Of the axis, with its unit.
+        log: Whether the axis is logarithmic.
+    """
+    arms = list(dict.fromkeys(row.arm for row in rows))
+    sheet, axes = _sheet(0.9 + 0.26 * len(arms), 1)
+    for y, arm in enumerate(arms):
+        told = [row for row in rows if row.arm == arm and row.status == "done"]
+        values = np.sort([float(getattr(row, field)) for row in told])
+        if not len(values):
+            continue
+        mark, colour = MARKS.get(told[0].control, ("o", INK))
+        shift = 0.3 * (np.arange(len(values)) % 3 - 1) if len(values) > 1 else 0.0
+        axes[0].scatter(values, y + np.asarray(shift), marker=mark, s=12, facecolor=colour, edgecolor="white", linewidth=0.3)
+        axes[0].plot([np.median(values)] * 2, [y - 0.4, y + 0.4], color=INK, linewidth=1.2)
+        axes[0].text(1.01, y, f"n = {len(values)}", va="center", size=7.5, transform=axes[0].get_yaxis_transform())
+    _named(axes[0], arms)
+    if log:
+        axes[0].set_xscale("log")
+        axes[0].xaxis.set_major_formatter("{x:g}")
+        axes[0].xaxis.set_minor_formatter("{x:g}")
+        axes[0].tick_params(axis="x", which="minor", labelsize=7)
+    axes[0].set_xlabel(f"{label}; bar: median", size=8)
+    return _png(sheet)
+
+
+def losses(found: dict[str, Equivalence], counts: dict[str, int]) -> bytes:
+    """Paired differences of style loss to freestyle [% of its loss] with 90 % intervals, and the margin shaded, as PNG."""
+    sheet, axes = _sheet(0.9 + 0.26 * len(found), 1)
+    margin = max((one.margin for one in found.values()), default=5.0)
+    axes[0].axvspan(-margin, margin, color="#e6eef4", zorder=0)
+    axes[0].axvline(0.0, color="#a0a0a0", linewidth=0.8)
+    for y, (arm, one) in enumerate(found.items()):
+        axes[0].plot([one.low, one.high], [y, y], color=VIABLE, linewidth=1.4)
+        axes[0].plot(one.difference, y, marker="o" if one.shown else "X", color=VIABLE if one.shown else FAILS, markersize=5)
+        axes[0].text(1.01, y, f"n = {counts[arm]}", va="center", size=7.5, transform=axes[0].get_yaxis_transform())
+    _named(axes[0], list(found))
+    axes[0].set_xlabel("style loss less freestyle's [% of it], 90 % interval; shaded: margin; cross: not shown to lie in it", size=8)
+    return _png(sheet)
+
+
+def _cell(row: Row) -> tuple[str, str]:
+    if row.status != "done":
+        return row.status, UNKNOWN
+    mark = {"VIABLE": "✓", "FAILS": "✗"}.get(row.verdict, "?")
+    return f"{row.as_placed:.2f} {mark}", {"VIABLE": VIABLE, "FAILS": FAILS}.get(row.verdict, UNKNOWN)
+
+
+def _rectangle(x: float, y: float, colour: str) -> Any:
+    from matplotlib.patches import Rectangle  # noqa: PLC0415 — loaded when a picture is wanted
+
+    return Rectangle((x - 0.48, y - 0.46), 0.96, 0.92, facecolor=colour, alpha=0.28, linewidth=0)
+
+
+def _sheet(height: float, columns: int) -> tuple[Figure, list[Axes]]:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415 — as above
+    from matplotlib.figure import Figure  # noqa: PLC0415
+
+    sheet = Figure(figsize=(WIDE, height), dpi=DPI, facecolor="white", layout="constrained")
+    FigureCanvasAgg(sheet)
+    return sheet, list(sheet.subplots(1, columns, squeeze=False)[0])
+
+
+def _named(axes: Axes, arms: Sequence[str]) -> None:
+    axes.set_yticks(range(len(arms)), arms, size=8)
+    axes.set_ylim(len(arms) - 0.4, -0.6)
+    axes.tick_params(axis="x", labelsize=8)
+    axes.grid(axis="x", color="#e4e4e2", linewidth=0.7)
+    axes.set_axisbelow(True)
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)
+
+
+def _png(sheet: Figure) -> bytes:
+    buffer = io.BytesIO()
+    sheet.savefig(buffer, format="png", metadata={"Software": "MechStyle"})
+    return buffer.getvalue()

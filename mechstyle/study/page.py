@@ -1,0 +1,310 @@
+"""The page of a study: what was run, how much survives, what the tests say, and where that stands beside the published figures."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import msgspec
+import numpy as np
+
+from mechstyle._files import write_whole
+from mechstyle.errors import BadInput
+from mechstyle.study import figures
+from mechstyle.study.cells import Row
+from mechstyle.study.statistics import (
+    Equivalence,
+    bootstrap_over,
+    cochran,
+    equivalence,
+    friedman,
+    games_howell,
+    holm,
+    mcnemar,
+    welch_anova,
+    wilcoxon,
+    wilson,
+)  # fmt: skip
+from mechstyle.study.tables import write_table
+
+FREE = "freestyle"
+MARGIN = 5.0
+"""Style losses are called equal within this share of freestyle's [%], fixed before anything was measured."""
+LEAST = 5
+"""Fewer blocks than these are told, but not tested."""
+PUBLISHED = {FREE: 25.55}
+"""Viable in the published study [%] (Faruqi et al. 2025)."""
+SLIPS = """\
+* Free stylization: 25.55 % is 46 of 180 (25.56 %, cut off).
+* The worst way, 80.2 %, is no share of 180 (144 are 80.0 %, 145 are 80.6 %): its count must differ, or it is a slip. Only that and three
+  ways with 100 % are given in the text: non-linear × frozen, stress × exponential, stress × frozen.
+* One comparison of run times is given twice with T = 6.74, once with p < .0001 and once with p > .05; it is not repeated here.
+* Its models are not listed and its code is not published, so the models here are others, and its criterion is one of two shown here: the
+  literal maximum within the yield strength, beside the verdict that decides here.
+"""
+
+
+def write_page(rows: Sequence[Row], page: Path, *, note: str = "") -> dict[str, str]:
+    """Write the page, its figures and the table it is made from beside it; what each file is, and its path.
+
+    Args:
+        rows: Of one or several studies; the same run counts once.
+        page: The Markdown file.
+        note: A sentence on where the runs come from.
+
+    Raises:
+        BadInput: If no run of these is finished.
+    """
+    own = sorted({(row.recipe, row.part, row.vertices, row.arm): row for row in rows}.values(), key=_order)
+    done = [row for row in own if row.status == "done"]
+    if not done:
+        raise BadInput("none of these runs is finished, so there is nothing to make a page of: run the study to its end")
+    stem = page.with_suffix("")
+    table = write_table(own, stem)
+    files, pictures = {"page": str(page), "table": str(table)}, dict[str, str]()
+    for name, picture in _pictures(done).items():
+        path = stem.with_name(f"{stem.name}-{name}.png")
+        write_whole(path, picture())
+        pictures[name], files[name] = path.name, str(path)
+    digest = hashlib.sha256(msgspec.json.encode(own)).hexdigest()[:12]
+    made = f"Made of [{table.name}]({table.name}) (rows {digest}) by `mechstyle study page {table.name} --out {page.name}`."
+    parts = ["# Study", "\n".join(filter(None, (note, made))), _what(own, done), _free(done, pictures), _ways(done, pictures)]
+    parts += [_times(done, pictures), _losses(done, pictures), _arms(done, pictures)]
+    parts.append(f"## Beside the published study\n\n{_beside(done)}{SLIPS}")
+    write_whole(page, ("\n\n".join(part.rstrip() for part in parts if part) + "\n").encode())
+    return files
+
+
+def _order(row: Row) -> tuple[str, ...]:
+    return row.part, row.prompt, row.arm, str(row.amplitude), str(row.loaded), str(row.seed)
+
+
+def _is_way(row: Row) -> bool:
+    return " × " in row.arm
+
+
+def _is_arm(row: Row) -> bool:
+    return row.arm != FREE and not _is_way(row)
+
+
+def _pictures(done: Sequence[Row]) -> dict[str, Callable[[], bytes]]:
+    """The figures there is something to show in, not yet drawn."""
+    free, ways, arms = ([row for row in done if of(row)] for of in (lambda row: row.arm == FREE, _is_way, _is_arm))
+    made: dict[str, Callable[[], bytes]] = {}
+    if free:
+        made["freestyle"] = lambda: figures.matrix(free, "Stress over its limit, style alone")
+    if ways:
+        made["viable"] = lambda: figures.viability([*free, *ways], PUBLISHED)
+        made["time"] = lambda: figures.spread(ways, "cpu_seconds", "processor time of a run [s]", log=True)
+        found = _equivalences(done)
+        if found:
+            made["loss"] = lambda: figures.losses(found, {arm: len(_pairs(done, arm)) for arm in found})
+    if arms:
+        told = [msgspec.structs.replace(row, arm=_arm_name(row)) for row in arms]
+        made["arms"] = lambda: figures.viability(told, {})
+        made["kept"] = lambda: figures.spread(told, "kept", "share of the style that is kept")
+    return made
+
+
+def _what(own: Sequence[Row], done: Sequence[Row]) -> str:
+    """What was run, in one paragraph and a list of what was not."""
+    models, styles = ({getattr(row, field) for row in done} for field in ("part", "prompt"))
+    sizes = sorted({row.tetrahedra for row in done})
+    iterations, vertices = (", ".join(map(str, sorted({getattr(row, field) for row in done}))) for field in ("iterations", "vertices"))
+    hours = sum(row.cpu_seconds for row in done) / 3600.0
+    text = (
+        f"{len(done)} runs: {len(models)} models in {len(styles)} styles, {iterations} iterations, {vertices} vertices, "
+        f"{sizes[0]} to {sizes[-1]} tetrahedra, {len({row.seed for row in done})} seed(s), {hours:.1f} hours of processor time."
+    )
+    lost = [f"* {row.part} as {row.prompt!r}, {row.arm}: {row.status}, {row.refused}" for row in own if row.status != "done"]
+    return text + ("\n\nNot run:\n\n" + "\n".join(lost) if lost else "")
+
+
+def _free(done: Sequence[Row], pictures: dict[str, str]) -> str:
+    free = [row for row in done if row.arm == FREE]
+    if not free:
+        return ""
+    lines = [("rule", "viable", "95 % Wilson interval", "drawn over models")]
+    for rule, holds in (("the verdict here", [row.viable for row in free]), ("published rule", [row.literally_viable for row in free])):
+        low, high = wilson(sum(holds), len(holds))
+        over = bootstrap_over([row.part for row in free], np.array(holds, float))
+        lines.append((rule, _share(sum(holds), len(holds)), _range(100 * low, 100 * high, "%"), _range(100 * over[0], 100 * over[1], "%")))
+    return f"## The style alone\n\n{_markdown(lines)}\n![{len(free)} runs, part by style]({pictures['freestyle']})"
+
+
+def _ways(done: Sequence[Row], pictures: dict[str, str]) -> str:
+    """Viability of every control with every schedule, tested in pairs."""
+    ways = _grouped([row for row in done if _is_way(row)])
+    if not ways:
+        return ""
+    lines: list[tuple[str, ...]] = [
+        ("schedule × control", "viable", "95 % Wilson interval", "published rule", "kept, median", "simulations, mean")
+    ]
+    for arm, told in ways.items():
+        viable = sum(row.viable for row in told)
+        interval = _interval(viable, len(told))
+        literal = _share(sum(row.literally_viable for row in told), len(told))
+        kept, times = np.median([row.kept for row in told]), np.mean([row.simulations for row in told])
+        lines.append((arm, _share(viable, len(told)), interval, literal, f"{kept:.2f}", f"{times:.1f}"))
+    words = "\n".join([_cochran_words(ways), *_mcnemar_words(done, ways)])
+    return f"## Control and schedule\n\n{_markdown(lines)}\n![viable, way by way]({pictures['viable']})\n\n{words}"
+
+
+def _cochran_words(ways: dict[str, list[Row]]) -> str:
+    table = _blocks(ways, lambda row: float(row.viable))
+    if len(table) < LEAST:
+        return f"* {len(table)} blocks of part and style have every way: too few for a test."
+    found = cochran(table)
+    if found is None:
+        return "* In no block of part and style do the ways differ in whether the part survives."
+    return f"* Cochran's Q over {len(table)} blocks of part and style: {found[0]:.2f}, p {_p(found[1])}."
+
+
+def _mcnemar_words(done: Sequence[Row], ways: dict[str, list[Row]]) -> list[str]:
+    """Every way against the style alone, in pairs, adjusted after Holm."""
+    tested = []
+    for arm in ways:
+        pairs = _pairs(done, arm)
+        if len(pairs) >= LEAST:
+            tested.append((arm, len(pairs), mcnemar([free.viable for free, _ in pairs], [fed.viable for _, fed in pairs])))
+    adjusted = holm([p for _, _, p in tested])
+    told = zip(tested, adjusted, strict=True)
+    return [f"* {arm} against the style alone, {n} pairs, exact McNemar after Holm: p {_p(p)}." for (arm, n, _), p in told]
+
+
+def _times(done: Sequence[Row], pictures: dict[str, str]) -> str:
+    """Processor time, as published (Welch, Games and Howell over schedules) and by blocks."""
+    ways = [row for row in done if _is_way(row)]
+    if not ways:
+        return ""
+    groups = {name: [row.cpu_seconds for row in ways if row.schedule == name] for name in dict.fromkeys(row.schedule for row in ways)}
+    lines = [("schedule", "runs", "processor time, mean [s]", "deviation [s]")]
+    for name, own in groups.items():
+        lines.append((name, str(len(own)), f"{np.mean(own):.0f}", f"{np.std(own, ddof=1):.0f}" if len(own) > 1 else "–"))
+    words, found = [], welch_anova(list(groups.values()))
+    if found is not None:
+        words.append(f"* Welch: F({found.between:.0f}, {found.within:.1f}) = {found.statistic:.2f}, p {_p(found.p)}.")
+        for pair in games_howell(groups):
+            limits = _range(pair.low, pair.high, "s")
+            words.append(f"* {pair.first} less {pair.second}: {pair.difference:.0f} s ({limits}), Games–Howell p {_p(pair.p)}.")
+    table = _blocks(_grouped(ways), lambda row: row.cpu_seconds)
+    blocked = friedman(table) if len(table) >= LEAST else None
+    if blocked is not None:
+        words.append(f"* Friedman over {len(table)} blocks of part and style: {blocked[0]:.2f}, p {_p(blocked[1])}.")
+    shown = f"![processor time, way by way]({pictures['time']})"
+    head = "## Time\n\nProcessor time, since wall time on shared machines says little."
+    return f"{head}\n\n{_markdown(lines)}\n{shown}\n\n" + "\n".join(words)
+
+
+def _losses(done: Sequence[Row], pictures: dict[str, str]) -> str:
+    """Style loss in pairs with the style alone, against the margin."""
+    found = _equivalences(done)
+    if not found:
+        return ""
+    lines = [
+        ("schedule × control", "pairs", "loss less freestyle's", "90 % interval", f"within ±{MARGIN:g} %", "over models", "Wilcoxon p")
+    ]
+    for arm, one in found.items():
+        pairs = _pairs(done, arm)
+        over = bootstrap_over([free.part for free, _ in pairs], _differences(pairs))
+        p = wilcoxon([fed.style_loss for _, fed in pairs], [free.style_loss for free, _ in pairs])
+        shown = f"shown, p {_p(one.p)}" if one.shown else "not shown"
+        lines.append((arm, str(len(pairs)), f"{one.difference:+.1f} %", _range(one.low, one.high, "%"), shown, _range(*over, "%"), _p(p)))
+    words = "That no difference is found would not show that there is none; two one-sided tests against a margin fixed beforehand do."
+    return f"## Style loss\n\n{words}\n\n{_markdown(lines)}\n![differences in style loss]({pictures['loss']})"
+
+
+def _arms(done: Sequence[Row], pictures: dict[str, str]) -> str:
+    """What each mechanism is worth, by depth and load."""
+    groups: dict[str, list[Row]] = {}
+    for row in done:
+        if _is_arm(row):
+            groups.setdefault(_arm_name(row), []).append(row)
+    if not groups:
+        return ""
+    lines = [("arm", "viable", "95 % Wilson interval", "kept, median", "simulations, mean")]
+    for arm, told in groups.items():
+        viable = sum(row.viable for row in told)
+        interval = _interval(viable, len(told))
+        kept, times = np.median([row.kept for row in told]), np.mean([row.simulations for row in told])
+        lines.append((arm, _share(viable, len(told)), interval, f"{kept:.2f}", f"{times:.1f}"))
+    shown = f"![viable, arm by arm]({pictures['arms']})\n\n![style kept, arm by arm]({pictures['kept']})"
+    return f"## What each mechanism is worth\n\n{_markdown(lines)}\n{shown}"
+
+
+def _beside(done: Sequence[Row]) -> str:
+    """Our shares and the published ones, where both are."""
+    lines = [("", "here", "here, published rule", "published")]
+    for name, published in PUBLISHED.items():
+        told = [row for row in done if row.arm == name]
+        if told:
+            here, literal = (_share(sum(values), len(told)) for values in ([r.viable for r in told], [r.literally_viable for r in told]))
+            lines.append((f"viable, {name}", here, literal, f"{published:g} % (46 of 180)"))
+    worst = [(sum(row.viable for row in told) / len(told), arm, told) for arm, told in _grouped([r for r in done if _is_way(r)]).items()]
+    if worst:
+        _, arm, told = min(worst, key=lambda one: one[:2])
+        literal = _share(sum(row.literally_viable for row in told), len(told))
+        lines.append((f"viable, worst way ({arm})", _share(sum(row.viable for row in told), len(told)), literal, "80.2 %"))
+    return _markdown(lines) + "\n" if len(lines) > 1 else ""
+
+
+def _grouped(rows: Sequence[Row]) -> dict[str, list[Row]]:
+    return {arm: [row for row in rows if row.arm == arm] for arm in dict.fromkeys(row.arm for row in rows)}
+
+
+def _blocks(ways: dict[str, list[Row]], value: Callable[[Row], float]) -> list[list[float]]:
+    """A value for each block of part, style and seed that has every way, one for each way."""
+    tables = [{(row.part, row.prompt, row.seed): value(row) for row in told} for told in ways.values()]
+    shared = [block for block in tables[0] if all(block in table for table in tables)]
+    return [[table[block] for table in tables] for block in shared]
+
+
+def _pairs(done: Sequence[Row], arm: str) -> list[tuple[Row, Row]]:
+    """The same part, style and seed, freely and under an arm."""
+    free = {(row.part, row.prompt, row.seed): row for row in done if row.arm == FREE}
+    told = [row for row in done if row.arm == arm]
+    return [(free[key], row) for row in told if (key := (row.part, row.prompt, row.seed)) in free]
+
+
+def _differences(pairs: Sequence[tuple[Row, Row]]) -> np.ndarray:
+    """Style loss less freestyle's [% of freestyle's]."""
+    return np.array([100.0 * (fed.style_loss / free.style_loss - 1.0) for free, fed in pairs if free.style_loss > 0.0])
+
+
+def _equivalences(done: Sequence[Row]) -> dict[str, Equivalence]:
+    """Paired differences of every way that has enough of them."""
+    found = {}
+    for arm in _grouped([row for row in done if _is_way(row)]):
+        pairs = [pair for pair in _pairs(done, arm) if pair[0].style_loss > 0.0]
+        one = equivalence(_differences(pairs), MARGIN) if len(pairs) >= LEAST else None
+        if one is not None:
+            found[arm] = one
+    return found
+
+
+def _arm_name(row: Row) -> str:
+    depth = "default depth" if row.amplitude is None else f"depth {row.amplitude:g}"
+    return f"{row.arm}, {depth}, {'drop and load' if row.loaded else 'drop'}"
+
+
+def _interval(count: int, total: int) -> str:
+    low, high = wilson(count, total)
+    return _range(100 * low, 100 * high, "%")
+
+
+def _share(count: int, total: int) -> str:
+    return f"{count} of {total} ({100 * count / total:.1f} %)"
+
+
+def _range(low: float, high: float, unit: str) -> str:
+    return f"{low:.1f} to {high:.1f} {unit}"
+
+
+def _p(value: float) -> str:
+    return "< .0001" if value < 1e-4 else f"= {value:.4f}"
+
+
+def _markdown(lines: Sequence[tuple[str, ...]]) -> str:
+    ruled = [lines[0], tuple("---" for _ in lines[0]), *lines[1:]]
+    return "".join(f"| {' | '.join(line)} |\n" for line in ruled)

@@ -1,0 +1,74 @@
+"""The study commands: lists take the words that follow, bad ones are refused at once, and what came out is told."""
+
+import json
+
+import pytest
+from typer.testing import CliRunner
+
+from mechstyle.__main__ import app
+from mechstyle.study import walk as walking
+
+
+@pytest.fixture
+def asked(monkeypatch, tmp_path):
+    """A command line that walks over cells without running them, and what it was asked for."""
+    monkeypatch.chdir(tmp_path)
+    seen = []
+
+    def walk(cells, folder, *, jobs, scheduler, tell):
+        seen.append((cells, str(folder), jobs, scheduler))
+        return [cell.row(verdict="VIABLE", kept=0.9, tetrahedra=9) for cell in cells]
+
+    monkeypatch.setattr(walking, "walk", walk)
+
+    def line(*words, code=0):
+        done = CliRunner().invoke(app, ["study", *words])
+        assert done.exit_code == code, done.output
+        return done
+
+    return line, seen
+
+
+def test_lists_take_all_the_words_that_follow(asked):
+    line, seen = asked
+    line(
+        "formative", "--models", "pen_holder", "phone_stand", "wall_hook", "--styles", "brick", "green", "--vertices", "6000",
+        "--iterations", "60", "--seeds", "1", "2", "--jobs", "2", "--out", "here", "--set", "tilts=0",
+    )  # fmt: skip
+    (cells, folder, jobs, scheduler), = seen
+    assert (len(cells), folder, jobs, scheduler) == (12, "here", 2, "")
+    assert {cell.part for cell in cells} == {"pen_holder", "phone_stand", "wall_hook"}
+    assert {(cell.recipe.iterations, cell.recipe.tilts, cell.vertices) for cell in cells} == {(60, 0, 6000)}
+    assert {cell.recipe.seed for cell in cells} == {1, 2}
+
+
+def test_what_is_asked_for_reaches_every_study(asked):
+    line, seen = asked
+    line("evaluation", "--models", "vase", "--styles", "brick", "--controls", "frozen", "--schedules", "stress", "--scheduler", "tcp://h:1")
+    line("ablation", "--models", "vase", "--styles", "fish scales", "--arms", "full", "strengthened", "--amplitudes", "0.3", "--no-loads")
+    assert [cell.arm for cell in seen[0][0]] == ["freestyle", "stress × frozen"]
+    assert seen[0][3] == "tcp://h:1"
+    assert [(cell.recipe.amplitude, cell.recipe.strengthen) for cell in seen[1][0]] == [(0.3, 0.0), (0.3, 2.0)]
+
+
+def test_one_object_of_json_is_all_that_is_printed(asked):
+    line, _ = asked
+    told = json.loads(line("formative", "--models", "vase", "--styles", "brick", "--json").output)
+    assert [row["verdict"] for row in told["rows"]] == ["VIABLE"]
+    assert set(told["files"]) == {"rows", "table"}
+
+
+def test_a_model_that_is_not_there_is_refused_before_anything_runs(asked):
+    line, seen = asked
+    assert "did you mean 'vase'" in json.loads(line("formative", "--models", "vaze", "--json", code=2).output)["error"]
+    assert "did you mean 'frozen'" in json.loads(line("evaluation", "--controls", "frosen", "--json", code=2).output)["error"]
+    assert not seen
+
+
+def test_a_page_is_made_of_a_folder_and_says_where_it_is(asked, tmp_path):
+    line, _ = asked
+    line("formative", "--models", "vase", "--styles", "brick", "--out", "here", "--json")
+    table = next((tmp_path / "here").glob("table.*"))
+    files = json.loads(line("page", str(table), "--out", "page.md", "--note", "a try", "--json").output)["files"]
+    assert "a try" in (tmp_path / "page.md").read_text()
+    assert {"page", "table", "freestyle"} <= set(files)

@@ -1,0 +1,102 @@
+"""What no lane reaches goes, and nothing else."""
+
+import json
+
+import msgspec
+import numpy as np
+import pytest
+
+from mechstyle.cli.keep import gc_command
+from mechstyle.errors import BadInput, DamagedStore
+from mechstyle.loop.garbage import collect, garbage
+from mechstyle.loop.lock import exclusive
+from mechstyle.loop.store import Store
+from mechstyle.runs.run import Run
+from support.hostile import look
+from support.kills import contents
+from support.lanes import carry_on, lane_on_a_sheet
+
+
+@pytest.fixture
+def run(tmp_path):
+    return lane_on_a_sheet(tmp_path / "run", iterations=12)
+
+
+def littered(run):
+    """A run with what kills, lost lanes and forgotten trials leave behind."""
+    store = run.store
+    branch = run.branch(6, lane="lost", threshold=0.5)
+    carry_on(branch)
+    (store.root / "lanes" / "lost.json").unlink()
+    store.objects.put_array(np.arange(9))
+    (store.root / "objects" / "ab").mkdir(exist_ok=True)
+    (store.root / "objects" / "ab" / ".new-x").write_bytes(b"half")
+    store.memo.remember("1" * 64, {"a": store.objects.put_array(np.arange(11))})
+    store.memo.remember(f"delivered-1-0-{'2' * 64}", {"a": 1})
+
+
+def test_a_run_without_litter_has_none(run):
+    assert garbage(run.store).files == ()
+    assert garbage(run.store).kept > 0
+
+
+def test_what_is_left_is_the_run_as_it_was(run):
+    before = contents(run.store.root)
+    littered(run)
+    listed = garbage(run.store)
+    assert contents(run.store.root) != before, "listing removes nothing"
+    removed = collect(run.store)
+    assert removed == listed
+    assert len(removed.scraps) == 1
+    assert len(removed.memo) == 2
+    assert contents(run.store.root) == before
+    look(Run(Store(run.store.root)))
+
+
+def test_a_branch_keeps_the_past_it_shares_and_what_is_remembered_of_it(run):
+    store = run.store
+    carry_on(run.branch(6, lane="soft", threshold=0.5))
+    head, mesh = store.lane("soft").head, store.objects.put_array(np.arange(7))
+    delivered = {"displacement": store.objects.put_array(np.arange(5))}
+    for key, value in (("mesh-of-x", mesh), (f"delivered-1-0-{head}", delivered), ("3" * 64, 1.25)):
+        store.memo.remember(key, value)
+    (store.root / "lanes" / "main.json").unlink()
+    collect(store)
+    assert [entry.iteration for entry in store.history("soft")][:12] == list(range(12))
+    assert np.array_equal(store.objects.get_array(mesh), np.arange(7))
+    assert store.memo.recall("3" * 64, float) == 1.25
+    assert np.array_equal(store.objects.get_array(store.memo.recall(f"delivered-1-0-{head}", dict)["displacement"]), np.arange(5))
+
+
+def test_while_a_lane_is_carried_on_nothing_is_removed(run):
+    littered(run)
+    before = contents(run.store.root)
+    with exclusive(run.store.root / "locks" / "main.lock", "lane"), pytest.raises(BadInput, match="is being carried on by"):
+        collect(run.store)
+    assert contents(run.store.root) == before
+
+
+def test_where_a_record_is_damaged_nothing_is_removed(run):
+    littered(run)
+    store = run.store
+    store.objects.path(store.history()[5].digest).write_bytes(b"rust")
+    with pytest.raises(DamagedStore):
+        collect(store)
+    assert garbage_is_there(store)
+
+
+def garbage_is_there(store):
+    return (store.root / "objects" / "ab" / ".new-x").is_file()
+
+
+def test_the_command_lists_before_it_removes(run, capsys):
+    littered(run)
+    gc_command(run.store.root)
+    assert f"remove it with: mechstyle gc {run.store.root} --remove" in capsys.readouterr().out.replace("\n", "")
+    assert garbage_is_there(run.store)
+    gc_command(run.store.root, remove=True, as_json=True)
+    told = json.loads(capsys.readouterr().out)
+    assert told["removed"]
+    assert told["bytes"] > 0
+    assert not garbage_is_there(run.store)
+    assert msgspec.structs.replace(garbage(run.store), kept=0).files == ()

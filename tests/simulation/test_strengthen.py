@@ -1,0 +1,109 @@
+"""Thickening: where it is overloaded and nowhere else, within the budget, and told in grams. Stress is a known function of walls."""
+
+import numpy as np
+import pytest
+
+from mechstyle.errors import BadInput
+from mechstyle.fea.drop import resolve_device
+from mechstyle.gallery import make
+from mechstyle.geometry.region_selection import selected
+from mechstyle.records import Measures
+from mechstyle.records.material import LIBRARY
+from mechstyle.records.regions import region
+from mechstyle.runs.recipes import changed, draft
+from mechstyle.simulation import strengthen as module
+from mechstyle.simulation.part import Workpiece, standardised
+from mechstyle.simulation.strengthen import strengthen
+from support.lanes import CORNER
+from support.records import simulation
+
+YIELD = LIBRARY["PLA"].yield_strength
+
+
+class Bent:
+    """Stands in for the drop: stress over a bar that is bent around its middle, σ ∝ 1 / t²."""
+
+    load = 1.5
+
+    def __init__(self, surface, *_, **__):
+        self.surface = surface
+
+    def simulate(self, displacement, **_):
+        along = self.surface.vertices[:, 0] / np.ptp(self.surface.vertices[:, 0])
+        stress = (self.load * YIELD * np.exp(-((along / 0.2) ** 2)) * (4.0 / (4.0 + 2.0 * displacement.max())) ** 2).astype(np.float32)
+        peak = float(stress.max())
+        measures = Measures(peak=peak, surface=peak, p999=peak, p99=peak, maximum=peak, where=(0.0, 0.0, 0.0), volume=1.0)
+        fields = {name: np.zeros(len(stress), np.float32) for name in ("envelope", "probability")}
+        return simulation(
+            displacement=displacement, stress=stress, as_placed=measures, overall=None, contact=np.zeros(len(stress), bool),
+            tilted_stress=np.zeros(len(stress), np.float32), tilted=None, failure="", **fields,
+        )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def part():
+    mesh = standardised(make("cable_winder"), 1500)
+    return Workpiece(mesh, CORNER, np.full(len(mesh.vertices), 4.0, np.float32), stands=True)
+
+
+@pytest.fixture
+def bent(monkeypatch):
+    monkeypatch.setattr(module, "DropSimulator", Bent)
+    return monkeypatch
+
+
+def test_what_does_not_hold_is_thickened_until_it_does(bent, part):
+    found = strengthen(part, 2.0, device=resolve_device("cpu"))
+    assert [verdict.outcome for verdict in found.verdicts] == ["FAILS", "VIABLE"]
+    assert 0 < found.added.max() <= 2.0
+    assert found.added.max() > 0.5 * 4.0 * (np.sqrt(1.5) - 1.0)  # what bending asks for, half on each side
+    assert found.mass_gained == pytest.approx((found.surface.volume - part.surface.volume) * LIBRARY["PLA"].density)
+    assert found.mass_gained > 0.0
+    assert f"{found.mass_gained:.1f} g" in found.words
+    assert "it holds now" in found.words
+
+
+def test_nothing_is_added_far_from_what_is_overloaded_or_to_what_it_stands_on(bent, part):
+    found = strengthen(part, 2.0, device="cpu")
+    far = np.abs(part.surface.vertices[:, 0]) > 38.0
+    assert not found.added[far].any()
+    assert not found.added[part.surface.vertices[:, 2] < 0.5].any()
+    assert (found.added >= 0.0).all()
+
+
+def test_a_protected_region_keeps_its_shape(bent, part):
+    where = region("back 12")
+    found = strengthen(part, 2.0, protect=[where], device="cpu")
+    held = selected(where, part.surface, part.thickness)
+    assert not found.added[held].any()
+    assert found.added[~held].any()
+
+
+def test_the_budget_is_the_end_of_it(bent, part):
+    bent.setattr(Bent, "load", 9.0)
+    found = strengthen(part, 0.3, device="cpu")
+    assert found.added.max() == pytest.approx(0.3)
+    assert found.verdicts[1].outcome == "FAILS"
+    assert "still does not hold within 0.3 mm" in found.words
+
+
+def test_what_holds_stays_as_it_is(bent, part):
+    bent.setattr(Bent, "load", 0.8)
+    found = strengthen(part, 2.0, device="cpu")
+    assert not found.added.any()
+    assert found.rounds == 0
+    assert found.result is part
+    assert "it holds as it is" in found.words
+
+
+def test_before_and_after_are_a_picture(bent, part):
+    assert strengthen(part, 1.0, device="cpu").show().png.startswith(b"\x89PNG")
+
+
+def test_a_budget_is_a_length_and_a_branch_has_none():
+    with pytest.raises(BadInput, match="must be above 0"):
+        strengthen(make("coaster"), 0.0)
+    with pytest.raises(BadInput, match="strengthen is 30"):
+        draft("brick", strengthen=30.0)
+    with pytest.raises(BadInput, match="before its style"):
+        changed(draft("brick"), {"strengthen": 1.0})

@@ -1,0 +1,105 @@
+"""One cell, one row: what is kept, what is read again, and what becomes of a run that breaks."""
+
+import msgspec
+import pytest
+
+from mechstyle.errors import BadInput
+from mechstyle.runs.recipes import draft
+from mechstyle.study import cells as module
+from mechstyle.study.cells import Cell, Row, Rows, carry_out, figures_of
+from support.lanes import lane_on_a_sheet
+
+
+def cell(prompt="brick", **changes):
+    return Cell(**{"model": "gallery:wall_hook", "arm": "full", "recipe": draft(prompt), "vertices": 1000, **changes})
+
+
+@pytest.fixture
+def runs(monkeypatch, tmp_path):
+    """Runs without physics, and the cells that asked for them."""
+    asked = []
+
+    def run(self, out):
+        asked.append(self)
+        return lane_on_a_sheet(tmp_path / f"sheet-{len(asked)}", gain=50.0)
+
+    monkeypatch.setattr(Cell, "run", run)
+    return asked
+
+
+def test_a_cell_is_named_by_all_that_decides_it_and_by_nothing_else():
+    assert cell().key == cell(device="cpu", arm="other", folder="there").key
+    different = [cell("stone"), cell(vertices=1001), cell(model="gallery:vase"), cell(recipe=draft("brick", seed=1))]
+    assert len({one.key for one in [cell(), *different]}) == 5
+
+
+def test_a_cell_travels_as_json_without_loss():
+    one = cell(recipe=draft("brick", protect=["inside"], orientations=2))
+    assert msgspec.json.decode(msgspec.json.encode(one), type=Cell) == one
+
+
+def test_what_has_a_row_is_only_read(runs, tmp_path):
+    first = carry_out(cell(), tmp_path)
+    assert (first.verdict, first.status, first.starts, first.part, first.prompt) == ("VIABLE", "done", 1, "wall_hook", "brick")
+    assert carry_out(cell(), tmp_path) == first == Rows(tmp_path).of(cell())
+    assert len(runs) == 1
+
+
+def test_a_row_that_a_killed_writer_broke_is_made_again(runs, tmp_path):
+    row = carry_out(cell(), tmp_path)
+    path = Rows(tmp_path).path(cell())
+    path.write_bytes(path.read_bytes()[:40])
+    assert Rows(tmp_path).all() == []
+    again = carry_out(cell(), tmp_path)
+    assert again.starts == 2
+    assert again.verdict == row.verdict
+
+
+def test_a_part_that_cannot_be_used_is_a_row_with_its_reason(tmp_path):
+    row = carry_out(cell(model=str(tmp_path / "none.stl")), tmp_path)
+    assert row.status == "refused"
+    assert "none.stl" in row.refused
+
+
+def test_a_run_that_breaks_is_a_row_and_its_traceback_is_kept(monkeypatch, tmp_path):
+    def broken(self, out):
+        raise ZeroDivisionError("nothing left")
+
+    monkeypatch.setattr(Cell, "run", broken)
+    row = carry_out(cell(), tmp_path)
+    assert (row.status, row.refused, row.verdict) == ("failed", "ZeroDivisionError: nothing left", "")
+    assert "nothing left" in (tmp_path / "failures" / f"{cell().key}.txt").read_text()
+
+
+def test_the_figures_are_those_of_the_run(tmp_path):
+    run = lane_on_a_sheet(tmp_path / "run", gain=90.0)
+    found, placed = figures_of(run), run.verdict.as_placed
+    assert (found["verdict"], found["kept"], found["style_loss"]) == (run.summary.verdict, run.summary.kept, run.summary.style_loss)
+    assert found["as_placed"] == placed.value / placed.limit
+    assert found["simulations"] == len(run.summary.simulations)
+
+
+def test_a_run_goes_where_the_cell_says(monkeypatch, tmp_path):
+    asked = {}
+
+    class Begun:
+        def go(self):
+            return "finished"
+
+    monkeypatch.setattr(module, "started", lambda *_, **settings: asked.update(settings) or Begun())
+    assert cell(folder="wall_hook-brick-default/full").run(tmp_path) == "finished"
+    assert asked["out"] == tmp_path / "wall_hook-brick-default" / "full"
+    cell(arm="stress × frozen").run(tmp_path)
+    assert asked["out"].parent == tmp_path / "runs"
+    assert asked["out"].name.startswith("wall_hook-brick-stress-frozen-")
+
+
+def test_the_published_rule_and_the_verdict_are_told_apart():
+    row = Row(part="a", prompt="b", arm="c", verdict="VIABLE", as_placed=0.9, literal=1.4)
+    assert (row.viable, row.a_holds, row.literally_viable) == (True, True, False)
+    assert not Row(part="a", prompt="b", arm="c", verdict="UNKNOWN").literally_viable
+
+
+def test_a_prompt_nobody_knows_is_refused_before_anything_runs():
+    with pytest.raises(BadInput):
+        draft("")

@@ -1,0 +1,117 @@
+"""The page of a study: made from a table, the same from the same table, and honest about what was not run."""
+
+import itertools
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from mechstyle.errors import BadInput
+from mechstyle.study.cells import Row, Rows
+from mechstyle.study.grids import STUDY_CONTROLS, STUDY_SCHEDULES, STYLES
+from mechstyle.study.page import SLIPS, write_page
+from mechstyle.study.statistics import wilson
+from mechstyle.study.tables import read_table, write_table
+
+
+def study():
+    """A formative study, an evaluation and an ablation of three models, their figures drawn at random, once for all."""
+    random, rows = np.random.default_rng(4), []
+    ways = [("freestyle", "none", "never")]
+    ways += [(f"{schedule} × {control}", control, schedule) for schedule, control in itertools.product(STUDY_SCHEDULES, STUDY_CONTROLS)]
+    for (part, prompt), (arm, control, schedule) in itertools.product(itertools.product(("hook", "cup", "tray"), STYLES), ways):
+        use = float(random.uniform(0.7, 1.6 if arm == "freestyle" else 1.1))
+        asked = {"part": part, "prompt": prompt, "arm": arm, "control": control, "schedule": schedule, "recipe": f"{part}{prompt}{arm}"}
+        size = {"iterations": 60, "vertices": 6000, "tetrahedra": 9000, "simulations": 3, "kept": 0.9}
+        strength = {"as_placed": use, "verdict": "VIABLE" if use <= 1.0 else "FAILS", "literal": use + 0.2}
+        loss, seconds = 1.0 + 0.01 * random.normal(), float(random.lognormal(3.0, 0.3))
+        rows.append(Row(**asked, **size, **strength, style_loss=loss, cpu_seconds=seconds))
+    arms = {"part": "hook", "prompt": "brick", "verdict": "VIABLE", "kept": 0.8, "tetrahedra": 9000}
+    return rows + [Row(**arms, arm=arm, recipe=arm) for arm in ("static", "full")]
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("page")
+    return write_page(study(), folder / "study.md", note="Figures drawn at random."), (folder / "study.md").read_text()
+
+
+def test_the_page_counts_with_intervals_beside_the_published_figures(page):
+    free = [row for row in study() if row.arm == "freestyle"]
+    viable = sum(row.viable for row in free)
+    low, high = wilson(viable, len(free))
+    text = page[1]
+    assert f"| the verdict here | {viable} of 18 ({100 * viable / 18:.1f} %) | {100 * low:.1f} to {100 * high:.1f} % |" in text
+    assert "25.55 % (46 of 180)" in text
+    assert "80.2 %" in text
+    assert SLIPS in text
+    assert "Figures drawn at random." in text
+
+
+def test_tests_are_told_with_what_they_rest_on(page):
+    text = page[1]
+    counted = ("Cochran's Q over 18 blocks", "18 pairs, exact McNemar after Holm", "Friedman over 18 blocks")
+    for words in (*counted, "Welch: F(3, ", "Games–Howell p"):
+        assert words in text
+    assert text.count("shown, p") == 12
+
+
+def test_every_figure_is_there_and_is_a_picture(page):
+    files, text = page
+    names = {"freestyle", "viable", "time", "loss", "arms", "kept"}
+    assert set(files) == {"page", "table", *names}
+    for name in names:
+        with Image.open(files[name]) as picture:
+            assert picture.size[0] == 1400
+        assert f"study-{name}.png" in text
+
+
+def test_the_page_made_of_its_own_table_is_the_same(page, tmp_path):
+    files, text = page
+    again = write_page(read_table(files["table"]), tmp_path / "study.md", note="Figures drawn at random.")
+    assert (tmp_path / "study.md").read_text() == text
+    assert read_table(again["table"]) == read_table(files["table"])
+
+
+def test_too_little_is_told_and_not_tested(tmp_path):
+    rows = [row for row in study() if row.part == "hook" and row.prompt in STYLES[:2]]
+    write_page([*rows, rows[0]], tmp_path / "few.md")
+    text = (tmp_path / "few.md").read_text()
+    assert "2 blocks of part and style have every way: too few for a test" in text
+    assert "McNemar" not in text
+    assert "## Style loss" not in text
+
+
+def test_what_did_not_run_is_told_with_its_reason(tmp_path):
+    rows = [*study()[:3], Row(part="box", prompt="moss", arm="freestyle", status="refused", refused="it is not closed")]
+    write_page(rows, tmp_path / "study.md")
+    assert "* box as 'moss', freestyle: refused, it is not closed" in (tmp_path / "study.md").read_text()
+    with pytest.raises(BadInput, match="none of these runs is finished"):
+        write_page(rows[3:], tmp_path / "none.md")
+
+
+def test_a_folder_of_rows_is_a_table(tmp_path):
+    rows = Rows(tmp_path)
+    rows.folder.joinpath("rows").mkdir()
+    (rows.folder / "rows" / "broken.json").write_text("{")
+    with pytest.raises(BadInput, match="holds no rows"):
+        read_table(tmp_path)
+    with pytest.raises(BadInput, match="does not exist"):
+        read_table(tmp_path / "none")
+    (tmp_path / "other.json").write_text('{"a": 1}')
+    with pytest.raises(BadInput, match="no table of a study"):
+        read_table(tmp_path / "other.json")
+
+
+def test_a_table_comes_back_as_it_was_also_as_parquet(tmp_path, monkeypatch):
+    rows = study()[:20]
+    monkeypatch.setattr("mechstyle.study.tables._pyarrow", lambda: None)
+    assert read_table(write_table(rows, tmp_path / "plain")) == rows
+    (tmp_path / "table.parquet").write_bytes(b"PAR1")
+    with pytest.raises(BadInput, match="needs pyarrow"):
+        read_table(tmp_path / "table.parquet")
+    monkeypatch.undo()
+    pytest.importorskip("pyarrow")
+    written = write_table(rows, tmp_path / "table")
+    assert written.suffix == ".parquet"
+    assert read_table(written) == rows
