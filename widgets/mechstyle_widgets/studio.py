@@ -262,11 +262,9 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         viewer = self._viewer
         if isinstance(viewer, RunViewer):
             viewer.also, viewer.compared = self.state.third, self.state.pinned
-            decisive = self.branches.decisive()
-            if decisive is None:
-                viewer.probed = None
-            else:
-                viewer.probed = int(np.linalg.norm(viewer.at_rest.vertices - np.asarray(decisive[0]), axis=1).argmin())
+            place, _ = self.branches.decisive() or (None, "")
+            away = None if place is None else np.linalg.norm(viewer.at_rest.vertices - np.asarray(place), axis=1)
+            viewer.probed = None if away is None else int(away.argmin())
 
     def _derive(self, _change: object = None) -> None:
         """Let the viewer work out anew the mask that would be."""
