@@ -31,8 +31,9 @@ EDGES = 2.0
 """… but never less than so many edges: on coarser triangles nothing but the overloaded vertex itself would be within reach."""
 LOCAL_ROUNDS = 4
 """Lowerings here and there before the whole relief is lowered."""
-PATCH_ROUNDS = 2
-"""Of these, those that widen what the part stands on here and there; then it is laid flat, because the impact goes from bump to bump."""
+PATCH_ROUNDS = 1
+"""Of these, those that widen what the part stands on near an overload. Then it is laid flat: the impact goes from bump to bump, and what a
+part stands on decides how it bends far from there."""
 WHOLE = (0.6, 0.5, 0.0)
 """Factors on the whole relief after that."""
 GIVE_BACK = 2
@@ -97,9 +98,8 @@ class Correction:
 
     def _lowered_locally(self, share: Field, demand: Field) -> tuple[Field, str]:
         taken = lowering(demand, self._neighbours())
-        under = self.standing & (overload(demand, self._neighbours()) > 0.0)
-        if under.any():
-            taken[under if self._lowered <= PATCH_ROUNDS else self.standing] = 1.0
+        patches = self.standing & (overload(demand, self._neighbours()) > 0.0)
+        taken[patches if self._lowered <= PATCH_ROUNDS else self.standing] = 1.0
         return (share * (1.0 - taken)).astype(np.float32), f"relief lowered around {int((demand >= 1.0).sum())} overloaded vertices"
 
     def _neighbours(self) -> csr_array:

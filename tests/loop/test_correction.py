@@ -161,17 +161,19 @@ def test_where_the_part_stands_relief_is_taken_away_around_what_is_overloaded_be
     assert np.all(lowered[:11] == 1.0), "and has its relief elsewhere"
 
 
-def test_a_part_that_is_overloaded_elsewhere_keeps_its_relief_where_it_stands():
-    tested, _ = search(lambda share: share[55] < 0.6, lambda _: peak(55), standing=UNDER)
+def test_a_part_that_is_overloaded_elsewhere_first_keeps_its_relief_where_it_stands():
+    tested, _ = search(lambda share: share[55] < 0.9, lambda _: peak(55), standing=UNDER)
+    assert len(tested) > 1
     assert all(np.all(share[UNDER] == 1.0) for share in tested)
 
 
-def test_when_wider_patches_do_not_help_it_is_laid_flat_before_anything_is_lowered_as_a_whole():
-    tested, found = search(lambda share: not share[UNDER].any(), lambda share: peak(*np.flatnonzero(share > 0.0)[:1]), standing=UNDER)
-    assert len(tested) == 2 + PATCH_ROUNDS
-    assert found.viable is not None
+@pytest.mark.parametrize("overloaded", [20, 55])
+def test_when_wider_patches_do_not_help_it_is_laid_flat_before_anything_is_lowered_as_a_whole(overloaded):
+    """Wherever it is overloaded: a phone stand bends by what it stands on, 50 MPa at its top instead of 44."""
+    tested, found = search(lambda share: not share[UNDER].any(), lambda _: peak(overloaded), standing=UNDER)
+    assert len([share for share in tested if share[UNDER].any()]) == 1 + PATCH_ROUNDS
     assert not found.viable[UNDER].any()
-    assert found.viable[50:].all(), "nothing overloads it there"
+    assert found.viable[[45, 50, 59]].all(), "the rest was lowered at most"
 
 
 def test_what_was_laid_flat_is_not_given_back_by_halves():
