@@ -45,7 +45,7 @@ def without_physics(patch: pytest.MonkeyPatch) -> None:
     """Let no run of a Studio mesh, draw or drop anything."""
     patch.setattr(Run, "events", lambda run, _progress: engine_of(run).run())
     patch.setattr(controller_module, "prepare_aside", prepared)
-    patch.setattr("mechstyle.runs.run.refilled", lambda part, *_: part)  # a sheet cannot be meshed
+    patch.setattr("mechstyle.simulation.strengthen.refilled", lambda part, *_: part)  # a sheet cannot be meshed
     patch.setattr(impact_player, "impact_of", impact_of)
     patch.setattr(Run, "export", lambda run, path, iteration=None: save(run.surface(iteration), path))  # nor has it a volume to measure
     patch.setattr("mechstyle_widgets.panels.mask_inspector._freedom", lambda run, _recipe: np.ones_like(run.part.thickness))

@@ -104,7 +104,7 @@ def test_other_settings_begin_another_run_with_the_part_at_hand(controller, sett
     assert controller.differs() == {"threshold": 0.5}
     part = controller.state.run.part
     monkeypatch.setattr(module, "prepare_aside", lambda *_, **__: pytest.fail("it is prepared already"))
-    monkeypatch.setattr("mechstyle.runs.run.refilled", lambda given, *_: given)  # the sheet has no inside
+    monkeypatch.setattr("mechstyle.simulation.strengthen.refilled", lambda given, *_: given)  # the sheet has no inside
     controller.step()
     settle(controller)
     assert controller.state.run.part.surface.digest == part.surface.digest
