@@ -176,7 +176,10 @@ def test_the_readme_names_commands_options_and_functions_that_exist():
     shown = re.findall(r"^mechstyle (\w+)(.*?)(?:#|$)", readme, re.MULTILINE)
     assert len(shown) >= 3
     for name, arguments in shown:
-        options = {option for parameter in commands[name].params for option in parameter.opts}
+        command = commands[name]
+        while getattr(command, "commands", None):  # of a family, such as `study formative`
+            command = command.commands[next(word for word in arguments.split() if word in command.commands)]
+        options = {option for parameter in command.params for option in parameter.opts}
         assert set(re.findall(r"--[\w-]+", arguments)) <= options, name
     assert set(re.findall(r"\bms\.(\w+)", readme)) <= set(mechstyle.__all__)
     assert all(hasattr(mechstyle.Run, name) for name in re.findall(r"\brun\.(\w+)", readme))

@@ -49,6 +49,8 @@ NAMES = {
     "show": "address --field --json --out",
     "export": "address --coarse --device --fine --format -f --json --out --texture",
     "protect": "model --json --out --protect --scale --up --vertices",
+    "rerun": "address --device --json --out",
+    "gc": "directory --json --remove",
     "report": "address --impact --json --out",
     "materials": "--json",
     "styles": "--json --sheet",
