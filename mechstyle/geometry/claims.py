@@ -1,8 +1,7 @@
 """What a mesh file claims to hold, counted before a parser makes room for it.
 
 A file of a few kilobytes can claim a trillion vertices, use one mesh a million times over, or unpack to gigabytes. The parsers believe
-all of that;
-these counts are held against the size of the file and against what a part may have.
+all of that; these counts are held against the size of the file and against what a part may have.
 """
 
 from __future__ import annotations

@@ -129,3 +129,73 @@ def turns_exceed(mesh: wp.uint64, points: wp.array(dtype=wp.vec3), threshold: fl
     i = wp.tid()
     query = wp.mesh_query_point_sign_winding_number(mesh, points[i], 1.0e6, 2.0, threshold)
     exceeds[i] = query.sign < 0.0
+
+
+@wp.func
+def neighbours_in_common(
+    a: wp.int32, b: wp.int32, faces: wp.array(dtype=wp.vec3i), first: wp.array(dtype=wp.int32), around: wp.array(dtype=wp.int32)
+) -> wp.int32:
+    """Vertices next to both ends of an edge of a closed surface; 99 if one of them has three neighbours only, and cannot lose one."""
+    common = wp.int32(0)
+    for at_a in range(first[a], first[a + 1]):
+        neighbour = follower(a, faces[around[at_a]])
+        for at_b in range(first[b], first[b + 1]):
+            if follower(b, faces[around[at_b]]) == neighbour:
+                common += 1
+                if first[neighbour + 1] - first[neighbour] < 4:
+                    common += 99
+    return common
+
+
+@wp.func
+def follower(vertex: wp.int32, face: wp.vec3i) -> wp.int32:
+    """The corner after a vertex in a face that has it."""
+    if face[0] == vertex:
+        return face[1]
+    if face[1] == vertex:
+        return face[2]
+    return face[0]
+
+
+@wp.func
+def doubled_area(a: wp.vec3d, b: wp.vec3d, c: wp.vec3d) -> wp.vec3d:
+    """The normal of a triangle, as long as twice its area."""
+    return wp.cross(b - a, c - a)
+
+
+@wp.func
+def keeps_its_side(
+    a: wp.vec3d, b: wp.vec3d, c: wp.vec3d, to: wp.vec3d, longest: wp.float64, cosine: wp.float64
+) -> bool:
+    """Whether the triangle abc can move its corner a without turning too far or an edge at it becoming too long."""
+    was = doubled_area(a, b, c)
+    becomes = doubled_area(to, b, c)
+    short = wp.length(b - to) <= longest and wp.length(c - to) <= longest
+    return short and wp.dot(was, becomes) > cosine * wp.length(was) * wp.length(becomes)
+
+
+@wp.kernel
+def sound_collapses(
+    edges: wp.array(dtype=wp.vec2i),
+    meeting: wp.array(dtype=wp.vec3d),
+    vertices: wp.array(dtype=wp.vec3d),
+    faces: wp.array(dtype=wp.vec3i),
+    first: wp.array(dtype=wp.int32),
+    around: wp.array(dtype=wp.int32),
+    longest: wp.float64,
+    cosine: wp.float64,
+    sound: wp.array(dtype=wp.bool),
+) -> None:
+    """Whether the ends of each edge can meet in one point: the surface stays one, no edge gets too long, no triangle turns too far."""
+    i = wp.tid()
+    sound[i] = neighbours_in_common(edges[i][0], edges[i][1], faces, first, around) == 2
+    for end in range(2):
+        vertex = edges[i][end]
+        other = edges[i][1 - end]
+        for at in range(first[vertex], first[vertex + 1]):
+            face = faces[around[at]]
+            b = follower(vertex, face)
+            c = follower(b, face)
+            here = b == other or c == other  # noqa: PLR1714 (Warp knows no tuples); such a face goes
+            if not here and not keeps_its_side(vertices[vertex], vertices[b], vertices[c], meeting[i], longest, cosine):
+                sound[i] = False

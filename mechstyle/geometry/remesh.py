@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from typing import Any
 
 import manifold3d
@@ -15,6 +14,7 @@ from scipy.spatial import cKDTree
 
 from mechstyle.errors import BadInput
 from mechstyle.geometry.degenerate import heights, without_degenerate
+from mechstyle.geometry.isotropic_remeshing import isotropic
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.geometry.slivers import edge_pairs, mended
 from mechstyle.records.mesh import STANDARD_VERTICES, Floats, SurfaceMesh
@@ -113,17 +113,11 @@ def remeshed(body: Any, edge: float, *, tolerance: float, iterations: int = ITER
         raise BadInput(f"this part is thinner than {2.0 * tolerance:.2g} mm everywhere: check its unit (--scale), or ask for more vertices")
     fine = surface_of(simple.refine_to_length(edge))
     creases, rounds = _fixed(fine, edge)
-    fixed = np.concatenate([creases, rounds])
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # the remesher warns if every vertex is fixed; the count then says so
-        from gpytoolbox import remesh_botsch  # noqa: PLC0415 (importing it warns of its own use of SciPy)
-
-        # Fixed vertices come first in the answer, in the order given.
-        vertices, faces = remesh_botsch(fine.vertices.copy(), fine.faces.copy(), i=iterations, h=edge, project=True, feature=fixed)
     part = TriangleTree(original.vertices, original.faces)
-    there = part.nearest(vertices)
-    vertices = np.where(there.distance[:, None] > ON_THE_PART, there.point, vertices)
-    return without_degenerate(mended(SurfaceMesh(vertices, faces), part, len(creases)), LOWEST * edge)
+    even = isotropic(fine, edge, part, creases=creases, rounds=rounds, iterations=iterations)
+    there = part.nearest(even.vertices)
+    landed = even.moved(np.where(there.distance[:, None] > ON_THE_PART, there.point, even.vertices))
+    return without_degenerate(mended(landed, part, len(creases)), LOWEST * edge)
 
 
 def _fixed(mesh: SurfaceMesh, edge: float) -> tuple[NDArray[np.int32], NDArray[np.int32]]:

@@ -39,7 +39,9 @@ class EdgePairs(NamedTuple):
 def edge_pairs(faces: Indices) -> EdgePairs:
     """The edges of a closed surface, each once."""
     directed = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-    order = np.lexsort(np.sort(directed, axis=1).T)  # each edge is there twice, now side by side
+    start, end = directed.T
+    key = np.maximum(start, end) * (np.int64(faces.max()) + 1) + np.minimum(start, end)
+    order = np.argsort(key, kind="stable")  # each edge is there twice, now side by side
     across = faces[:, [2, 0, 1]].reshape(-1)[order]
     return EdgePairs(directed[order][::2], (order // 3).reshape(-1, 2), across.reshape(-1, 2))
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import io
 import math
-import warnings
 import zipfile
 from pathlib import Path
 from typing import NamedTuple
@@ -16,14 +15,15 @@ from scipy.sparse.csgraph import connected_components, reverse_cuthill_mckee
 
 from mechstyle._files import write_whole
 from mechstyle.errors import BadInput, MechStyleError, SimulationFailed
+from mechstyle.geometry.decimation import decimated
 from mechstyle.geometry.degenerate import without_degenerate
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.geometry.remesh import even_edge, manifold_of, remeshed
 from mechstyle.geometry.tet_improvement import improved
-from mechstyle.geometry.tetwild import Settings, tetwild
+from mechstyle.geometry.tetwild import GoOn, Settings, regardless, tetwild
 from mechstyle.records.mesh import Floats, Indices, SurfaceMesh, TetMesh, digest_of
 
-VERSION = "8"  # of what is cached: raise it when the result for the same input may change
+VERSION = "9"  # of what is cached: raise it when the result for the same input may change
 FEWEST, MOST = 500, 400_000
 RUNS = 3
 LEAST_COUNT, MOST_COUNT = 0.6, 1.6  # of the target
@@ -41,8 +41,9 @@ FLAT = 0.05  # mm above the floor within which a vertex on a flat base is set do
 
 
 def tetrahedralise(
-    surface: SurfaceMesh, target: int = 16_000, *, keep: SurfaceMesh | None = None, timeout: float = 300.0, cache: Path | None = None
-) -> TetMesh:
+    surface: SurfaceMesh, target: int = 16_000, *,
+    keep: SurfaceMesh | None = None, timeout: float = 300.0, cache: Path | None = None, go_on: GoOn = regardless,
+) -> TetMesh:  # fmt: skip
     """Tetrahedra of about the wished number inside a closed surface.
 
     Args:
@@ -53,6 +54,7 @@ def tetrahedralise(
         timeout: Most time for one run of fTetWild [s]; there are one or two, three at most.
         cache: Folder of earlier results by content, or None. fTetWild gives another mesh every time, so that only a kept one
             makes a run repeatable.
+        go_on: Called while fTetWild works; what it raises ends it.
 
     Returns:
         One body connected through faces, its boundary free of gaps, numbered for memory locality; vertices of a flat base lie in its plane.
@@ -66,7 +68,7 @@ def tetrahedralise(
     file = None if cache is None else Path(cache) / f"{digest[:32]}-{VERSION}.npz"
     if file is not None and (kept := _read(file)) is not None:
         return kept
-    tets = _meshed(surface, target, timeout, keep=keep)
+    tets = _meshed(surface, target, timeout, go_on, keep=keep)
     if file is not None:
         if (meanwhile := _read(file)) is not None:  # somebody else was faster, and runs may rest on that mesh already
             return meanwhile
@@ -97,7 +99,7 @@ class Attempt(NamedTuple):
     detailed: bool
 
 
-def _meshed(surface: SurfaceMesh, target: int, timeout: float, *, keep: SurfaceMesh | None) -> TetMesh:
+def _meshed(surface: SurfaceMesh, target: int, timeout: float, go_on: GoOn, *, keep: SurfaceMesh | None) -> TetMesh:
     """Run fTetWild until count and checks are met, aiming lower or higher or sharpening the tolerances, at most RUNS times.
 
     A mesh of the wrong size is better than none: after one correction the nearest count is taken, and at once if the surface's detail is
@@ -105,7 +107,7 @@ def _meshed(surface: SurfaceMesh, target: int, timeout: float, *, keep: SurfaceM
     """
     aim, sharpness, sound, fault = float(target), 1.0, list[TetMesh](), ""
     for _ in range(RUNS):
-        tets, fault, detailed = _attempt(surface, aim, sharpness, timeout, keep=keep)
+        tets, fault, detailed = _attempt(surface, aim, sharpness, timeout, go_on, keep=keep)
         if fault:
             sharpness /= 2.0
             continue
@@ -119,14 +121,14 @@ def _meshed(surface: SurfaceMesh, target: int, timeout: float, *, keep: SurfaceM
     return min(sound, key=lambda tets: abs(math.log(len(tets.tets) / target)))
 
 
-def _attempt(surface: SurfaceMesh, aim: float, sharpness: float, timeout: float, *, keep: SurfaceMesh | None) -> Attempt:
+def _attempt(surface: SurfaceMesh, aim: float, sharpness: float, timeout: float, go_on: GoOn, *, keep: SurfaceMesh | None) -> Attempt:
     wall = 2.0 * surface.volume / float(surface.face_areas.sum())
     tolerance = sharpness * min(ENVELOPE * wall, WIDEST * surface.size)
     epsilon = (1.0 if keep is None else 0.5) * tolerance
     loose = sharpness * LOOSE * wall
     even = _evened(surface, _first_edge(surface, aim), loose) if keep is None else _kept(surface, keep, loose, 0.5 * DEVIATION * wall)
     edge = _edge(surface.volume, len(even.faces), aim)
-    found = _tidied(*tetwild(even.vertices, even.faces, Settings(edge, epsilon / surface.size), timeout=timeout))
+    found = _tidied(*tetwild(even.vertices, even.faces, Settings(edge, epsilon / surface.size), timeout=timeout, go_on=go_on))
     settled = _set_down(surface, found, max(FLAT, 1.5 * epsilon))
     better = improved(settled, reach=tolerance, floor=float(surface.vertices[:, 2].min()))
     tets = _tidied(better.vertices, better.tets)
@@ -174,15 +176,11 @@ def _decimated(surface: SurfaceMesh, exaggerated: SurfaceMesh, detail: float) ->
 
 
 def _by_quadrics(surface: SurfaceMesh, exaggerated: SurfaceMesh) -> SurfaceMesh:
-    """The surface in KEPT triangles, chosen on the exaggerated one by quadrics (Garland and Heckbert 1997)."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        from gpytoolbox import decimate  # noqa: PLC0415 (importing it warns of its own use of SciPy)
-
-        vertices, faces, _, _ = decimate(exaggerated.vertices.copy(), exaggerated.faces.copy(), num_faces=KEPT, method="qslim")
-    there = TriangleTree(exaggerated.vertices, exaggerated.faces).nearest(vertices)
+    """The surface in KEPT triangles, chosen on the exaggerated one."""
+    fewer = decimated(exaggerated, KEPT)
+    there = TriangleTree(exaggerated.vertices, exaggerated.faces).nearest(fewer.vertices)
     stretch = (exaggerated.vertices - surface.vertices)[surface.faces[there.face]]
-    return SurfaceMesh(vertices - np.einsum("vi,vij->vj", there.weights, stretch), faces)
+    return fewer.moved(fewer.vertices - np.einsum("vi,vij->vj", there.weights, stretch))
 
 
 def _evened(surface: SurfaceMesh, edge: float, deviation: float) -> SurfaceMesh:

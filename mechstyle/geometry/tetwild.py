@@ -7,7 +7,9 @@ import subprocess
 import sys
 import tempfile
 import zipfile
+from collections.abc import Callable
 from pathlib import Path
+from time import monotonic
 from typing import NamedTuple
 
 import numpy as np
@@ -17,6 +19,14 @@ from mechstyle.errors import SimulationFailed
 from mechstyle.records.mesh import Floats
 
 GRACE = 10.0  # seconds after the limit at which an orphaned worker ends itself
+LOOK = 0.2  # seconds between two looks whether to go on
+
+GoOn = Callable[[], object]
+"""Called some times a second while there is nothing to do but wait; what it raises ends the work."""
+
+
+def regardless() -> None:
+    """Go on, whatever happens."""
 
 
 class Settings(NamedTuple):
@@ -36,10 +46,12 @@ class Settings(NamedTuple):
     iterations: int = 20
 
 
-def tetwild(vertices: Floats, faces: NDArray[np.int32], settings: Settings, *, timeout: float) -> tuple[Floats, NDArray[np.int32]]:
+def tetwild(
+    vertices: Floats, faces: NDArray[np.int32], settings: Settings, *, timeout: float, go_on: GoOn = regardless
+) -> tuple[Floats, NDArray[np.int32]]:
     """Vertices [mm] and tetrahedra of the inside of a surface, in whatever order and orientation fTetWild leaves them.
 
-    The worker is killed after `timeout` seconds and when anything is raised here, Ctrl-C included.
+    The worker is killed after `timeout` seconds and when anything is raised here, by `go_on` or Ctrl-C.
 
     Raises:
         SimulationFailed: If it runs out of time, dies, or finds nothing inside.
@@ -50,14 +62,31 @@ def tetwild(vertices: Floats, faces: NDArray[np.int32], settings: Settings, *, t
         np.savez(request, vertices=vertices, faces=faces, limit=timeout + GRACE, **settings._asdict())
         command = [sys.executable, "-m", "mechstyle.geometry._tetwild_worker", str(request), str(answer)]
         try:
-            done = subprocess.run(  # noqa: S603 (this very interpreter, fixed arguments)
-                command, cwd=folder, env=_environment(), timeout=timeout, check=False,
-                stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
-            )
+            done = _ended(command, folder, timeout, go_on)
         except subprocess.TimeoutExpired as error:
             raise SimulationFailed(f"fTetWild was stopped after {timeout:.0f} s without a mesh; the part may have walls or details "
                                    "too fine for it") from error
         return _answer(answer, done)
+
+
+def _ended(command: list[str], folder: Path, timeout: float, go_on: GoOn) -> subprocess.CompletedProcess[bytes]:
+    """As `subprocess.run` with a limit in seconds, asking now and then whether to go on."""
+    until = monotonic() + timeout
+    with subprocess.Popen(  # noqa: S603 (this very interpreter, fixed arguments)
+        command, cwd=folder, env=_environment(), stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
+    ) as process:
+        try:
+            while True:
+                go_on()
+                try:
+                    _, said = process.communicate(timeout=max(0.0, min(LOOK, until - monotonic())))
+                    return subprocess.CompletedProcess(command, process.returncode, stderr=said)
+                except subprocess.TimeoutExpired:
+                    if monotonic() >= until:
+                        raise
+        except BaseException:
+            process.kill()
+            raise
 
 
 def _answer(path: Path, done: subprocess.CompletedProcess[bytes]) -> tuple[Floats, NDArray[np.int32]]:

@@ -95,12 +95,12 @@ def test_running_out_of_time_is_said_and_leaves_no_process(cup):
 
 
 def test_a_worker_that_dies_is_named(block, monkeypatch):
-    real = subprocess.run
+    real = subprocess.Popen
 
     def dying(command, **options):
         return real([command[0], "-c", "import sys; print('out of luck', file=sys.stderr); sys.exit(3)"], **options)
 
-    monkeypatch.setattr(worker.subprocess, "run", dying)
+    monkeypatch.setattr(worker.subprocess, "Popen", dying)
     with pytest.raises(SimulationFailed, match=r"exit code 3.*out of luck"):
         tetrahedralise(block, 1000)
 
@@ -140,7 +140,7 @@ class Attempts:
         self.detailed = detailed
         self.asked = []
 
-    def __call__(self, _surface, aim, sharpness, _timeout, *, keep):  # noqa: ARG002 — as it is called
+    def __call__(self, _surface, aim, sharpness, _timeout, _go_on, *, keep):  # noqa: ARG002 — as it is called
         self.asked.append((round(aim), sharpness))
         count, fault = self.results.pop(0)
         return module.Attempt(TetMesh(np.eye(4, 3), np.tile(np.arange(4), (count, 1))), fault, self.detailed)
@@ -167,8 +167,8 @@ def test_too_many_for_the_detail_of_the_surface_are_not_corrected_but_too_few_ar
 
 
 def test_detail_is_more_faces_than_twice_the_tetrahedra_wished(cup):
-    assert module._attempt(cup, 600.0, 1.0, 300.0, keep=None).detailed
-    assert not module._attempt(cup, 3000.0, 1.0, 300.0, keep=None).detailed
+    assert module._attempt(cup, 600.0, 1.0, 300.0, module.regardless, keep=None).detailed
+    assert not module._attempt(cup, 3000.0, 1.0, 300.0, module.regardless, keep=None).detailed
 
 
 def test_a_correction_that_makes_it_worse_is_not_taken(cup, monkeypatch):

@@ -26,8 +26,8 @@ def run(box, **options):
 
 def answering(monkeypatch, script):
     """Let another program stand in for the worker; it finds the answer's path in sys.argv[2]."""
-    real = subprocess.run
-    monkeypatch.setattr(module.subprocess, "run", lambda command, **options: real([command[0], "-c", script, *command[3:]], **options))
+    real = subprocess.Popen
+    monkeypatch.setattr(module.subprocess, "Popen", lambda command, **options: real([command[0], "-c", script, *command[3:]], **options))
 
 
 def test_a_box_is_filled(box):
@@ -47,6 +47,26 @@ def test_whatever_is_raised_here_kills_the_worker(box, monkeypatch, interruption
     with pytest.raises(interruption):
         run(box)
     assert [process.returncode for process in started] == [-9]  # killed, and waited for: a zombie has no return code
+
+
+def test_whoever_waits_may_end_it_and_is_asked_again_and_again(box, monkeypatch):
+    """A run that is stopped while the part is meshed anew used to wait for that to end."""
+    answering(monkeypatch, "import time; time.sleep(600)")
+    looks = iter([False, False, True])
+
+    def go_on():
+        if next(looks):
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run(box, go_on=go_on)
+    assert next(looks, None) is None
+
+
+def test_a_worker_that_takes_too_long_is_ended(box, monkeypatch):
+    answering(monkeypatch, "import time; time.sleep(600)")
+    with pytest.raises(SimulationFailed, match="stopped after 1 s"):
+        tetwild(box.vertices, box.faces, Settings(8.0, 1e-3), timeout=1.0)
 
 
 def test_the_last_words_of_a_dead_worker_are_passed_on(box, monkeypatch):

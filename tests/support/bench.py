@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from mechstyle.fea.verdict import judge
-from mechstyle.loop.engine import Bounds, Engine
+from mechstyle.loop.bounds import Bounds
+from mechstyle.loop.engine import Engine
 from mechstyle.loop.store import Lane, Store
 from mechstyle.records import Measures, Recipe, Simulation
 from mechstyle.records.material import LIBRARY
