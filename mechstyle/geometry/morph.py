@@ -14,6 +14,7 @@ from scipy.spatial import cKDTree
 from mechstyle.errors import BadInput
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.records.mesh import Floats, SurfaceMesh, TetMesh, frozen_array
+from mechstyle.records.places import FLOOR_TOLERANCE
 
 LEAST_QUALITY = 0.08  # mean ratio below which a tetrahedron is backed off ...
 LEAST_SHARE = 0.5  # ... or below this share of its own quality at rest, if that is less
@@ -52,11 +53,13 @@ class Morph:
     """Moves one set of tetrahedra with one surface; built once per part.
 
     Boundary nodes take the displacement of the surface point they lie on, but go no lower than the surface does: they lie a little beside
-    it, and a node 0.03 mm below the floor would land alone. Inner nodes follow harmonically: the Laplace equation on the tetrahedra as
-    they were made, linear elements, factored once.
+    it, and a node 0.03 mm below the floor would land alone. Under the part they take its height, or a relief laid flat would leave a bed of
+    nodes on the floor and hundredths above it, which lands on few of them. Inner nodes follow harmonically: the Laplace equation on the
+    tetrahedra as they were made, linear elements, factored once.
 
     Tetrahedra of the surface at rest cannot carry a relief: on flat faces they are larger than it. Made for half of a relief they keep its
-    triangles, and neither the way back to none nor the way on to all of it is long enough to turn many of them inside out.
+    triangles, and neither the way back to none nor the way on to all of it is long enough to turn many of them inside out, unless it is as
+    deep as its triangles are wide: then a tetrahedron with all corners on the surface would vanish on the way back, and is backed off.
 
     Args:
         surface: The surface at rest, n vertices.
@@ -77,6 +80,7 @@ class Morph:
         self._nearest_outer = self._outer[cKDTree(tets.vertices[self._outer]).query(tets.vertices)[1]]
         self._floor = np.minimum(LEAST_QUALITY, LEAST_SHARE * tets.quality)
         stiffness = laplacian(tets)
+        self._lifted = self._beside_the_base(made_for)
         self._coupling = stiffness[self._inner][:, self._outer]
         self._factored = splu(stiffness[self._inner][:, self._inner].tocsc()) if len(self._inner) else None
 
@@ -106,8 +110,11 @@ class Morph:
 
     def _vertices(self, displacement: NDArray[np.float32]) -> Floats:
         """Node positions [mm] under a surface displacement, shape [k, 3]."""
+        if np.array_equal(displacement, self.at):
+            return self.tets.vertices.copy()
         vectors = self.surface.vertex_normals * (displacement.astype(np.float64) - self.at)[:, None]
         outer = self._onto_nodes @ vectors
+        outer[:, 2] -= self._lifted
         floor = float(self.surface.displaced(displacement).vertices[:, 2].min())
         outer[:, 2] = np.maximum(outer[:, 2], floor - self.tets.vertices[self._outer, 2])
         vertices = self.tets.vertices.copy()
@@ -115,6 +122,22 @@ class Morph:
         if self._factored is not None:
             vertices[self._inner] += self._factored.solve(-(self._coupling @ outer))
         return vertices
+
+    def _beside_the_base(self, made_for: SurfaceMesh) -> Floats:
+        """How far boundary nodes under the part lie above the surface they were made for [mm], shape [boundary_node_count].
+
+        Zero for all other nodes, and where a tetrahedron would be spoilt by setting it right.
+        """
+        heights = self.surface.vertices[:, 2] - self.surface.vertices[:, 2].min()
+        lifted = self.tets.vertices[self._outer, 2] - self._onto_nodes @ made_for.vertices[:, 2]
+        lifted[self._onto_nodes @ heights > FLOOR_TOLERANCE] = 0.0
+        while True:
+            set_right = self.tets.vertices.copy()
+            set_right[self._outer, 2] -= lifted
+            spoilt = np.isin(self._outer, self.tets.tets[self.tets.moved(set_right).quality < self._floor])
+            if not lifted[spoilt].any():
+                return lifted
+            lifted[spoilt] = 0.0
 
     def _to_reduce(self, bad: NDArray[np.bool_], rings: int) -> NDArray[np.int32]:
         """Boundary nodes of the bad tetrahedra and of `rings` rings around them; for inner nodes the nearest boundary node."""

@@ -50,6 +50,12 @@ def demand(
     return np.maximum.reduce(to_meet or list(fields.values()))
 
 
+def landed(simulation: Simulation, failing: Verdict) -> bool:
+    """Whether a landing is among what a simulation fails by, not load cases alone."""
+    landings = (failing.tilted, failing.all_orientations)
+    return not simulation.governing or any(rule in failing.counting and rule.outcome == "FAILS" for rule in landings if rule is not None)
+
+
 def normalised(
     stress: Field, original: Field, limit: Field | np.float32, largest: float, material: Material, normalisation: str
 ) -> Field:

@@ -63,13 +63,14 @@ class Correction:
     _given_back: int = 0
     _near: list[csr_array] = field(default_factory=list, repr=False)
 
-    def tested(self, share: Field, *, viable: bool, demand: Field | None) -> tuple[Field, str] | None:
+    def tested(self, share: Field, *, viable: bool, demand: Field | None, landed: bool = True) -> tuple[Field, str] | None:
         """The shares to test next and why, in words; None if those found so far will do.
 
         Args:
             share: What was tested, shape [vertex_count].
             viable: Whether the part was viable with it.
             demand: Demand of that test, shape [vertex_count]; None if it gave no field.
+            landed: Whether a landing failed it: to what fails under a load alone, what the part stands on is a place like any other.
         """
         if viable:
             self.viable = share
@@ -79,7 +80,7 @@ class Correction:
             return self._half_back()
         if demand is not None and self._lowered < LOCAL_ROUNDS:
             self._lowered += 1
-            return self._lowered_locally(share, demand)
+            return self._lowered_locally(share, demand, landed=landed)
         self._lowered = max(self._lowered, LOCAL_ROUNDS) + 1
         if self._lowered > LOCAL_ROUNDS + len(WHOLE):
             return None
@@ -96,10 +97,11 @@ class Correction:
         self._given_back += 1
         return half, "half of the last lowering given back"
 
-    def _lowered_locally(self, share: Field, demand: Field) -> tuple[Field, str]:
+    def _lowered_locally(self, share: Field, demand: Field, *, landed: bool) -> tuple[Field, str]:
         taken = lowering(demand, self._neighbours())
-        patches = self.standing & (overload(demand, self._neighbours()) > 0.0)
-        taken[patches if self._lowered <= PATCH_ROUNDS else self.standing] = 1.0
+        if landed:
+            patches = self.standing & (overload(demand, self._neighbours()) > 0.0)
+            taken[patches if self._lowered <= PATCH_ROUNDS else self.standing] = 1.0
         return (share * (1.0 - taken)).astype(np.float32), f"relief lowered around {int((demand >= 1.0).sum())} overloaded vertices"
 
     def _neighbours(self) -> csr_array:

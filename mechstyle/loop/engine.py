@@ -8,17 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mechstyle.errors import BadInput
-from mechstyle.loop import control, correction, minimum_wall, schedule
+from mechstyle.loop import control, correction, schedule
+from mechstyle.loop.bounds import Bounds, advanced
 from mechstyle.loop.events import Checkpointed, Corrected, Event, Finished, Simulated, SimulationStarted, Stylized
 from mechstyle.loop.store import Lane, Store
 from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict
-from mechstyle.records.mesh import Bools, Field, SurfaceMesh
+from mechstyle.records.mesh import Field, SurfaceMesh
 
 STEP_LIMIT = 0.01
 """A vertex moves at most this share of the part's size per iteration (Faruqi et al. 2025)."""
@@ -97,57 +99,6 @@ class Delivery(Protocol):
         Args:
             state: Of the last iteration; its parent is stored, itself it need not be.
         """
-
-
-class Base(Protocol):
-    """How a part stands: a relief is levelled there, and never goes below the floor."""
-
-    @property
-    def standing(self) -> Bools:
-        """Whether a vertex belongs to the faces the part stands on, shape [vertex_count]."""
-
-    def levelled(self, displacement: Field) -> Field:
-        """A relief [mm], shape [vertex_count], shifted so that the part stands level."""
-
-    def clipped(self, displacement: Field) -> Field:
-        """A relief [mm], shape [vertex_count], less what would go below the floor."""
-
-
-@dataclass(frozen=True, eq=False)
-class Bounds:
-    """Bounds of the style at each vertex.
-
-    Attributes:
-        thickness: Local wall thickness [mm], shape [vertex_count].
-        inward: Largest displacement into the material [mm], shape [vertex_count].
-        outward: Largest displacement out of it [mm], shape [vertex_count].
-        freedom: Factor on the relief, 0 on the resting face and in protected regions, 1 away from them, shape [vertex_count].
-        uncoloured: Whether a vertex keeps its colour, shape [vertex_count, 1]; False for none.
-        base: What levels the relief under the part, None for nothing.
-        plain: Whether a vertex is no part of the style, shape [vertex_count]; False for none. Its freedom is 0, too.
-    """
-
-    thickness: Field
-    inward: Field
-    outward: Field
-    freedom: Field
-    uncoloured: NDArray[np.bool_] | bool = False
-    base: Base | None = None
-    plain: NDArray[np.bool_] | bool = False
-
-    @property
-    def standing(self) -> Bools:
-        """Whether a vertex belongs to the faces the part stands on and has a relief there, shape [vertex_count]."""
-        return np.zeros(len(self.thickness), bool) if self.base is None else self.base.standing
-
-    def levelled(self, displacement: Field) -> Field:
-        """A proposal [mm], shape [vertex_count], as the base lets it be."""
-        return displacement if self.base is None else self.base.levelled(displacement)
-
-    def clipped(self, displacement: Field) -> Field:
-        """A relief [mm], shape [vertex_count], within the bounds and above the floor."""
-        within = np.clip(displacement, -self.inward, self.outward)
-        return within if self.base is None else self.base.clipped(within)
 
 
 @dataclass(frozen=True)
@@ -275,11 +226,16 @@ class Engine:
             keyframe=self.stylizer.state() if iteration % KEYFRAME_EVERY == 0 else None,
         )
 
+    @cached_property
+    def _walls(self) -> Field:
+        """Wall thickness on which the schedule decides [mm], shape [vertex_count]: a wall thin at one vertex alone is a corner."""
+        return self.surface.dilated(self.bounds.thickness)
+
     def _reason(self, state: Checkpoint) -> str:
         if state.iteration == self.recipe.iterations:
             return "last iteration"
         travelled = state.displacement - state.anchor
-        progress = schedule.Progress(state.iteration, state.simulated_at, travelled, self.bounds.thickness, state.demand)
+        progress = schedule.Progress(state.iteration, state.simulated_at, travelled, self._walls, state.demand)
         return schedule.due(self.recipe, progress)
 
     def _simulated(self, state: Checkpoint, reason: str) -> tuple[Checkpoint, Simulated]:
@@ -355,8 +311,9 @@ class Engine:
         assert state.verdict is not None, "what is corrected was simulated"
         if state.verdict.outcome == "UNKNOWN":
             return search.tested(share, viable=False, demand=None)
-        demand = self._demand(self.store.objects.get_record(state.simulation, Simulation), state.verdict)
-        return search.tested(share, viable=state.viable, demand=demand)
+        simulation = self.store.objects.get_record(state.simulation, Simulation)
+        demand, landed = self._demand(simulation, state.verdict), control.landed(simulation, state.verdict)
+        return search.tested(share, viable=state.viable, demand=demand, landed=landed)
 
     def _kept(self, displacement: Field, reference: Field) -> float:
         return kept(displacement, reference, self.surface.vertex_areas)
@@ -367,22 +324,6 @@ class Engine:
         lane = self.store.lane(self.lane)
         self.store.move(self.lane, Lane(recipe=lane.recipe, head=digest, forked_from=lane.forked_from))
         return digest, Checkpointed(digest, state)
-
-
-def advanced(displacement: Field, let_through: Field, increment: Field, bounds: Bounds, recipe: Recipe) -> Field:
-    """The displacement after one iteration [mm], shape [vertex_count]: what of the increment is let through, within the bounds.
-
-    Args:
-        displacement: D before it [mm], shape [vertex_count].
-        let_through: Mask times share, shape [vertex_count].
-        increment: What the stylizer wants more [mm], shape [vertex_count].
-        bounds: How far the style may go.
-        recipe: Whether walls are spared, and which.
-    """
-    step = let_through * increment
-    if recipe.feedback:
-        step = minimum_wall.spared(step, bounds.thickness, displacement, recipe.minimum_wall)
-    return bounds.clipped(displacement + step)
 
 
 def kept(displacement: Field, reference: Field, areas: NDArray[np.float64]) -> float:

@@ -12,12 +12,10 @@ import msgspec
 
 from mechstyle.errors import DamagedStore
 from mechstyle.loop.lock import exclusive
-from mechstyle.loop.objects import read_record
+from mechstyle.loop.objects import MESHES, read_record
 from mechstyle.loop.store import Store
 
 DIGEST = re.compile("[0-9a-f]{64}")
-MESHES = "mesh", "rest"
-"""Beginnings of what a memo calls tetrahedra, which cannot be made the same again."""
 
 
 class Garbage(msgspec.Struct, frozen=True, kw_only=True):

@@ -33,7 +33,7 @@ class Progress:
         iteration: Current iteration, from 1.
         simulated_at: Iteration of the last simulation, 0 if there was none.
         travelled: Displacement since the last simulation [mm], shape [vertex_count].
-        thickness: Local wall thickness [mm], shape [vertex_count].
+        thickness: Wall thickness around a vertex [mm], shape [vertex_count].
         demand: s_norm of the last simulation, shape [vertex_count].
     """
 

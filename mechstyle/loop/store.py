@@ -21,6 +21,7 @@ import msgspec
 
 from mechstyle._files import write_whole
 from mechstyle.errors import BadInput, DamagedStore, unknown
+from mechstyle.loop.lock import exclusive
 from mechstyle.loop.objects import Memo, Objects, read_record
 from mechstyle.records import Checkpoint, Recipe, Verdict
 from mechstyle.records.earlier import translated
@@ -89,6 +90,23 @@ class Store:
             rest = "hold only letters, digits, '.', '-' and '_', and not be a number"
             raise BadInput(f"lane name {name!r} must begin with a letter or digit, {rest}")
         write_whole(self.root / "lanes" / f"{name}.json", msgspec.json.encode(lane))
+
+    def fork(self, lane: Lane, wanted: str = "") -> str:
+        """Name of a lane with this recipe and fork: of the one that is there, under the wanted name if there is one, or of a new one.
+
+        Raises:
+            BadInput: If the name wanted is that of another lane.
+        """
+        with exclusive(self.root / "locks" / ".branches.lock", "a new branch", wait=True):  # or two could take one name
+            known = {name: self.lane(name) for name in self.lanes()}
+            for name, other in known.items():
+                if wanted in ("", name) and (other.recipe, other.forked_from) == (lane.recipe, lane.forked_from):
+                    return name
+            name = wanted or next(f"branch-{number}" for number in range(1, len(known) + 2) if f"branch-{number}" not in known)
+            if name in known:
+                raise BadInput(f"lane {name!r} of {self.root} has other settings or another fork; choose another name")
+            self.move(name, lane)
+            return name
 
     def put_recipe(self, recipe: Recipe) -> str:
         """Store a recipe; its digest is the recipe's own."""

@@ -12,6 +12,7 @@ from mechstyle._files import cache_folder
 from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.morph import Morph, Morphed
 from mechstyle.geometry.tetrahedra import KEPT, VOLUME_ERROR, tetrahedralise
+from mechstyle.geometry.tetwild import GoOn, regardless
 from mechstyle.records.mesh import Floats, SurfaceMesh, TetMesh
 
 FEWEST_TETS = 3_000
@@ -30,10 +31,6 @@ AGAIN = "meshed again at half of this relief"
 """How the tetrahedra of a thorough test came about: those of the run, or others."""
 
 
-AT_REST, MESH_FOR = "rest-", "mesh-for-"
-"""What memos call the tetrahedra of an unstylized surface, and those made for a relief, before the digest of either."""
-
-
 class KeptMesh(msgspec.Struct, frozen=True, kw_only=True):
     """Tetrahedra a test was run on besides those of the run, and what they were made for: digests of stored objects."""
 
@@ -48,17 +45,28 @@ class Carried(NamedTuple):
         whole: Share of the relief their boundary follows; 1 where there is none.
         base: The same on the faces the part stands on, None where there is none.
         volume: Volume over that inside the surface, less 1; of the styled or of the unstylized part, whichever is further off.
+        stands: 1 less the share of the faces it stands on that the surface has on the floor and their boundary has not: where a deep relief
+            is laid flat they may be unable to follow, and an impact would go through the few nodes that are.
     """
 
     whole: float
     base: float | None
     volume: float
+    stands: float = 1.0
+
+    @property
+    def least(self) -> float:
+        """The least of the shares."""
+        return float(np.min([self.whole, 1.0 if self.base is None else self.base, self.stands]))
 
     @property
     def enough(self) -> bool:
         """Whether a verdict may rest on them."""
-        shares = (self.whole, 1.0 if self.base is None else self.base)
-        return all(share >= LEAST_CARRIED for share in shares) and abs(self.volume) <= VOLUME_ERROR
+        return self.least >= LEAST_CARRIED and abs(self.volume) <= VOLUME_ERROR
+
+    def serves_instead_of(self, other: Carried) -> bool:
+        """Whether these are taken rather than new ones made: no worse than others that are not enough, and standing as the surface does."""
+        return self.stands >= LEAST_CARRIED and self.least >= other.least
 
     @property
     def again(self) -> str:
@@ -69,26 +77,29 @@ class Carried(NamedTuple):
     def words(self) -> str:
         """Its figures, as they are told."""
         base = "" if self.base is None else f" ({self.base:.0%} under the part)"
-        return f"{self.whole:.0%} of the relief{base}, volume {self.volume:+.1%}"
+        stands = "" if self.stands >= LEAST_CARRIED else f", {1.0 - self.stands:.0%} of its base off the floor"
+        return f"{self.whole:.0%} of the relief{base}{stands}, volume {self.volume:+.1%}"
 
 
-def carrying(surface: SurfaceMesh, relief: NDArray[np.float32]) -> tuple[TetMesh, NDArray[np.float32]]:
+def carrying(surface: SurfaceMesh, relief: NDArray[np.float32], go_on: GoOn = regardless) -> tuple[TetMesh, NDArray[np.float32]]:
     """Tetrahedra that carry a relief [mm], shape [vertex_count], and the half of it they were made for; cached by content.
+
+    What `go_on` raises ends it.
 
     Raises:
         SimulationFailed: If the surface with half of the relief cannot be meshed.
     """
     half, exaggerated = (HALF * relief).astype(np.float32), surface.displaced(EXAGGERATED * relief)
-    return tetrahedralise(surface.displaced(half), _count(surface), keep=exaggerated, cache=cache_folder() / "tets"), half
+    return tetrahedralise(surface.displaced(half), _count(surface), keep=exaggerated, cache=cache_folder() / "tets", go_on=go_on), half
 
 
-def at_rest(surface: SurfaceMesh) -> TetMesh:
-    """Even tetrahedra of a surface without relief; cached by content.
+def at_rest(surface: SurfaceMesh, go_on: GoOn = regardless) -> TetMesh:
+    """Even tetrahedra of a surface without relief; cached by content. What `go_on` raises ends it.
 
     Raises:
         SimulationFailed: If it cannot be meshed.
     """
-    return tetrahedralise(surface, _count(surface), cache=cache_folder() / "tets")
+    return tetrahedralise(surface, _count(surface), cache=cache_folder() / "tets", go_on=go_on)
 
 
 def _count(surface: SurfaceMesh) -> int:
@@ -107,7 +118,8 @@ def carried(morph: Morph, morphed: Morphed, base: LevelBase) -> Carried:
     errors = (float(morphed.tets.volumes.sum()) / styled.volume - 1.0, morph.volume_without_relief / surface.volume - 1.0)
     under = base.resting * surface.vertex_areas
     whole = _slope(wanted, found, surface.vertex_areas)
-    return Carried(1.0 if whole is None else whole, _slope(wanted, found, under), max(errors, key=abs))
+    lifted = (base.share(morphed.displacement) or 0.0) - (base.share(morphed.followed) or 0.0)
+    return Carried(1.0 if whole is None else whole, _slope(wanted, found, under), max(errors, key=abs), 1.0 - max(lifted, 0.0))
 
 
 def _slope(wanted: Floats, found: Floats, weights: Floats) -> float | None:

@@ -19,7 +19,7 @@ from mechstyle.geometry.region_selection import protection
 from mechstyle.geometry.remesh import standardise
 from mechstyle.geometry.resting_face import resting_face, resting_weight
 from mechstyle.geometry.thickness import local_thickness
-from mechstyle.loop.engine import Bounds
+from mechstyle.loop.bounds import Bounds
 from mechstyle.loop.objects import Memo, Objects
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh, TetMesh
@@ -27,7 +27,7 @@ from mechstyle.records.regions import Inside, Outside, Region
 from mechstyle.simulation.carrying import at_rest, carrying
 from mechstyle.styling.prompt import reading_of
 
-PREPARATION_VERSION = 3
+PREPARATION_VERSION = 4
 """Counts changes that alter the prepared part, so that cached parts of older code are not reused."""
 
 INWARD_SHARE = 0.25

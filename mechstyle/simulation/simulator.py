@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import msgspec
 import numpy as np
@@ -22,10 +22,10 @@ from mechstyle.geometry.morph import Morph, Morphed
 from mechstyle.geometry.resting_face import centre_of_mass
 from mechstyle.geometry.subdivision import Subdivided
 from mechstyle.geometry.transfer import Transfer
-from mechstyle.loop.objects import Memo
+from mechstyle.loop.objects import AT_REST, LAST_MESH, MESH, MESH_FOR, Memo
 from mechstyle.records import Landing, LoadResult, Measures, Recipe, Simulation, Verdict
 from mechstyle.records.mesh import SurfaceMesh, TetMesh, digest_of
-from mechstyle.simulation.carrying import AT_REST, MESH_FOR, MORPHED, Carried, KeptMesh, at_rest, carried, carrying
+from mechstyle.simulation.carrying import MORPHED, Carried, KeptMesh, at_rest, carried, carrying
 from mechstyle.simulation.original import raised
 from mechstyle.simulation.physics import PHYSICS_VERSION, memo_key, period_of, physics, prescribed
 
@@ -57,7 +57,7 @@ class DropSimulator:
         memo: Where results are remembered by the digest of their inputs.
         shared: Where the unstylized part's result is remembered for other runs too, once computed here; None for nowhere.
         device: `cpu` or `cuda`.
-        progress: Called with the fraction done of the drop in hand; may raise to cancel it.
+        progress: Called with the fraction done of the drop in hand, and while tetrahedra are made; may raise to cancel either.
         at: Displacement the tetrahedra were made for [mm], shape [vertex_count]; None for none.
         settled: Whether it keeps to these tetrahedra whatever they carry.
         coarser: The test of the surface that this one is subdivided from, which knows the unstylized part; None if it is not.
@@ -103,7 +103,9 @@ class DropSimulator:
         made_for_it = there.tets.digest == simulation.mesh and there._made_for_relief  # noqa: SLF001 — another of this class
         if not made_for_it or judge(simulation, own, self.recipe.material, self.recipe.criterion).outcome != "FAILS":
             return own
-        return raised(own, there._without_relief)  # noqa: SLF001 — as above
+        # On tetrahedra that cannot come back to it the original stands on a few nodes and bears more, which would let the style bear more.
+        comes_back = there._carried(np.zeros_like(simulation.displacement)).enough  # noqa: SLF001 — as above
+        return raised(own, there._without_relief) if comes_back else own  # noqa: SLF001 — as above
 
     @cached_property
     def _without_relief(self) -> Simulation:
@@ -153,7 +155,7 @@ class DropSimulator:
         if here.enough:
             return self, MORPHED
         last = self.memo.recall(self._last_mesh, str)
-        if last is not None and (there := (again := self._on(last))._carried(displacement)).whole >= here.whole:  # noqa: SLF001
+        if last is not None and (there := (again := self._on(last))._carried(displacement)).serves_instead_of(here):  # noqa: SLF001
             return again, there.again
         try:
             again = self._meshed_again(displacement)
@@ -166,17 +168,17 @@ class DropSimulator:
         name, objects = f"{MESH_FOR}{digest_of(displacement)}", self.memo.objects
         kept = self.memo.recall(name, KeptMesh)
         if kept is None:
-            made, half = carrying(self.surface, displacement)
+            made, half = carrying(self.surface, displacement, partial(self.progress, 0.0))
             kept = KeptMesh(tets=objects.put_mesh(made), at=objects.put_array(half))
             self.memo.remember(name, kept)
         tets = objects.get_mesh(kept.tets, TetMesh)
-        self.memo.remember(f"mesh-{tets.digest}", kept)
+        self.memo.remember(f"{MESH}{tets.digest}", kept)
         self.memo.remember(self._last_mesh, tets.digest, anew=True)
         return self._on(tets.digest)
 
     def _on(self, mesh: str) -> DropSimulator:
         """The same test on tetrahedra that a thorough test was run on, by their digest; this one for its own and those it does not know."""
-        kept = None if mesh in ("", self.tets.digest) else self.memo.recall(f"mesh-{mesh}", KeptMesh)
+        kept = None if mesh in ("", self.tets.digest) else self.memo.recall(f"{MESH}{mesh}", KeptMesh)
         if kept is None:
             return self
         tets, at = self.memo.objects.get_mesh(kept.tets, TetMesh), self.memo.objects.get_array(kept.at)
@@ -184,7 +186,7 @@ class DropSimulator:
 
     @property
     def _last_mesh(self) -> str:
-        return f"mesh-of-{self.recipe.digest}"
+        return f"{LAST_MESH}{self.recipe.digest}"
 
     def _carried(self, displacement: NDArray[np.float32]) -> Carried:
         return carried(self._morph, self._morph.morphed(displacement), self._base)
@@ -268,7 +270,7 @@ class DropSimulator:
         memo = self.memo if shared is None or own not in (None, known) else shared
         kept = own or known
         if kept is None:
-            kept = memo.objects.put_mesh(at_rest(self.surface))
+            kept = memo.objects.put_mesh(at_rest(self.surface, partial(self.progress, 0.0)))
         tets = (self.memo if own else memo).objects.get_mesh(kept, TetMesh)
         for one in (self.memo, memo):
             one.remember(name, one.objects.put_mesh(tets))

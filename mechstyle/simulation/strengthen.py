@@ -233,18 +233,10 @@ def _wanted(part: Workpiece, found: Simulation, material: Material, budget: floa
     rounds = max(1, round(REACH / float(np.sqrt(part.surface.vertex_areas.mean()))))
     spread = np.minimum(lacking, ONCE * budget)
     for _ in range(rounds):  # the largest nearby, so that smoothing takes nothing off the peak …
-        spread = np.maximum(spread, _largest_nearby(part.surface, spread))
+        spread = part.surface.dilated(spread)
     for _ in range(2 * rounds):  # … then smooth
         spread = means @ spread
     return np.asarray(spread)
-
-
-def _largest_nearby(surface: SurfaceMesh, values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The largest value at the other ends of a vertex's edges, shape [vertex_count]."""
-    found, (one, other) = values.copy(), surface.edges.T
-    np.maximum.at(found, one, values[other])
-    np.maximum.at(found, other, values[one])
-    return found
 
 
 def _neighbour_means(surface: SurfaceMesh) -> csr_array:

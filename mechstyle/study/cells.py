@@ -24,6 +24,7 @@ from mechstyle.gallery import PREFIX, load
 from mechstyle.loop.lock import exclusive
 from mechstyle.records import Judgement, Recipe
 from mechstyle.runs.run import Run, started
+from mechstyle.simulation.physics import PHYSICS_VERSION
 
 Status = Literal["done", "refused", "failed"]
 
@@ -144,8 +145,8 @@ class Cell(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def key(self) -> str:
-        """Digest of what decides the result: model, recipe and vertices."""
-        asked = {"model": self.model, "recipe": self.recipe.digest, "vertices": self.vertices}
+        """Digest of what decides the result: model, recipe, vertices, and the physics of this version."""
+        asked = {"model": self.model, "recipe": self.recipe.digest, "vertices": self.vertices, "physics": PHYSICS_VERSION}
         return hashlib.sha256(msgspec.json.encode(asked, order="sorted")).hexdigest()[:24]
 
     def run(self, out: Path) -> Run:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -254,17 +255,22 @@ def _grouped(rows: Sequence[Row]) -> dict[str, list[Row]]:
 
 
 def _blocks(ways: dict[str, list[Row]], value: Callable[[Row], float]) -> list[list[float]]:
-    """A value for each block of part, style and seed that has every way, one for each way."""
-    tables = [{(row.part, row.prompt, row.seed): value(row) for row in told} for told in ways.values()]
+    """A value for each block that has every way, one for each way."""
+    tables = [{_block(row): value(row) for row in told} for told in ways.values()]
     shared = [block for block in tables[0] if all(block in table for table in tables)]
     return [[table[block] for table in tables] for block in shared]
 
 
 def _pairs(done: Sequence[Row], arm: str) -> list[tuple[Row, Row]]:
-    """The same part, style and seed, freely and under an arm."""
-    free = {(row.part, row.prompt, row.seed): row for row in done if row.arm == FREE}
+    """The same block, freely and under an arm."""
+    free = {_block(row): row for row in done if row.arm == FREE}
     told = [row for row in done if row.arm == arm]
-    return [(free[key], row) for row in told if (key := (row.part, row.prompt, row.seed)) in free]
+    return [(free[_block(row)], row) for row in told if _block(row) in free]
+
+
+def _block(row: Row) -> tuple[Any, ...]:
+    """What rows that are compared have in common: part, style, depth, loads, seed and resolution."""
+    return row.part, row.prompt, row.amplitude, row.loaded, row.seed, row.vertices, row.iterations
 
 
 def _differences(pairs: Sequence[tuple[Row, Row]]) -> np.ndarray:

@@ -1,5 +1,7 @@
 """From stress to restraint: demand on hand-computed figures, masks with their exact limits."""
 
+from dataclasses import replace
+
 import msgspec
 import numpy as np
 import pytest
@@ -9,8 +11,8 @@ from hypothesis.extra.numpy import arrays
 
 from mechstyle.errors import BadInput
 from mechstyle.fea.verdict import judge
-from mechstyle.loop.control import MASKS, demand, exponential, frozen, headroom, linear, mask, normalised, unrestrained
-from mechstyle.records import CONTROLS, NORMALISATIONS, Measures, Simulation
+from mechstyle.loop.control import MASKS, demand, exponential, frozen, headroom, landed, linear, mask, normalised, unrestrained
+from mechstyle.records import CONTROLS, NORMALISATIONS, LoadResult, Measures, Simulation
 from mechstyle.records.limits import UNHARMED, Limits
 from mechstyle.records.material import LIBRARY
 
@@ -186,6 +188,14 @@ def test_a_correction_is_asked_for_where_a_rule_fails_and_not_where_another_is_n
     assert not only_what_fails[[0, 2]].any()
     viable = judge(original, original, PLA, "robust")
     assert np.array_equal(demand(styled, original, PLA, "headroom", viable), everything)
+
+
+@pytest.mark.parametrize(("tilted", "of_the_load", "expected"), [(10.0, 20.0, True), (10.0, 50.0, False), (60.0, 50.0, True)])
+def test_a_part_fails_by_a_landing_unless_it_is_by_a_load_alone(tilted, of_the_load, expected):
+    original = simulated(field(10.0, 10.0), tilted=field(10.0, 10.0))
+    load = LoadResult(name="hung", peak=of_the_load, where=(0.0, 0.0, 0.0), deflection=0.1)
+    styled = replace(simulated(field(10.0, 50.0), tilted=field(10.0, tilted)), loaded=(load,))
+    assert landed(styled, judge(styled, original, PLA, "robust")) is expected
 
 
 def test_an_envelope_of_fewer_orientations_demands_nothing():

@@ -154,6 +154,18 @@ def test_on_coarse_triangles_too_more_than_the_overloaded_vertex_is_lowered(edge
 # --- what the part stands on ----------------------------------------------------------------------------------------
 
 
+def test_under_a_load_the_base_is_a_place_like_any_other():
+    """What laying it flat costs buys nothing there: no load goes from bump to bump of what the part stands on."""
+    search = Correction(STRIP, lambda share: float(share.mean()), UNDER)
+    share = WHOLE_RELIEF
+    for _ in range(2):
+        tried = search.tested(share, viable=False, demand=peak(50), landed=False)
+        assert tried is not None
+        share = tried[0]
+    assert share[50] < 0.6
+    assert np.all(share[:30] == 1.0)
+
+
 def test_where_the_part_stands_relief_is_taken_away_around_what_is_overloaded_because_a_lower_gap_carries_no_more():
     tested, _ = search(lambda share: share[20] == 0.0, lambda _: peak(20), standing=UNDER)
     lowered = tested[1]

@@ -141,6 +141,16 @@ def test_a_vertex_moves_at_most_one_percent_of_the_size_per_iteration(bench):
     assert np.abs(moved).max() == pytest.approx(STEP_LIMIT * engine.surface.size, rel=1e-5)
 
 
+def test_a_wall_that_is_thin_at_one_vertex_is_a_corner_and_sets_off_no_simulation(bench):
+    engine, settings = bench.engine, {"schedule": "geometry", "travel": 0.5, "guarantee": False}
+    plain = engine(bench.recipe(**settings))
+    corner = plain.bounds.thickness.copy()
+    corner[27] = 0.1
+    sharp = replace(engine(bench.recipe(**settings), lane="sharp"), bounds=replace(plain.bounds, thickness=corner))
+    reasons = [[event.reason for event in one.run() if isinstance(event, Simulated)] for one in (plain, sharp)]
+    assert reasons[0] == reasons[1]
+
+
 def test_no_vertex_passes_its_bounds(bench):
     bench.height = 40.0
     bench.gain = 0.0

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from manifold3d import Manifold
@@ -40,6 +42,22 @@ def test_they_are_made_for_half_of_it_and_carry_all_of_it(slab, relief, filled):
     assert fit.base == pytest.approx(1.0, abs=0.1)
 
 
+def test_a_base_that_is_laid_flat_but_left_hanging_is_not_carried(slab, relief, filled):
+    """Deep bricks under a grip: with the base laid flat half of its nodes stayed tenths of a millimetre above the floor."""
+    made, half = filled
+    morph, base = Morph(slab, made, half), LevelBase(slab)
+    flat = np.where(base.standing, np.float32(0.0), relief)
+    followed = morph.morphed(flat)
+    assert carried(morph, followed, base).stands > 0.95
+    hanging = replace(followed, followed=np.where(base.standing & (slab.vertices[:, 0] > 12.0), np.float32(-0.2), followed.followed))
+    fit = carried(morph, hanging, base)
+    assert 0.3 < fit.stands < 0.7
+    assert not fit.enough
+    assert "of its base off the floor" in fit.words
+    assert Carried(1.0, None, 0.0).serves_instead_of(fit)
+    assert not fit.serves_instead_of(fit)
+
+
 def test_without_relief_nothing_is_to_be_carried(slab, relief, filled):
     tets, half = filled
     morph = Morph(slab, tets, half)
@@ -55,6 +73,9 @@ def test_without_relief_nothing_is_to_be_carried(slab, relief, filled):
         (Carried(1.0, 1.0, 1.01 * VOLUME_ERROR), False),
         (Carried(1.0, 1.0, -1.01 * VOLUME_ERROR), False),
         (Carried(float("nan"), 1.0, 0.0), False),
+        (Carried(1.0, float("nan"), 0.0), False),
+        (Carried(1.0, None, 0.0, stands=LEAST_CARRIED), True),
+        (Carried(1.0, None, 0.0, stands=LEAST_CARRIED - 0.01), False),
     ],
 )
 def test_whole_base_and_volume_each_must_be_good_enough(fit, enough):
@@ -70,3 +91,14 @@ def test_a_part_is_filled_again_for_another_relief_and_left_alone_where_it_is_no
     other = refilled(part, lambda _: 0.5 * relief)
     assert other.tets.digest != tets.digest
     assert other.at == pytest.approx(0.25 * relief)
+
+
+def test_a_run_that_is_told_to_stop_does_not_wait_for_the_mesh(slab, monkeypatch, tmp_path):
+    monkeypatch.setenv("MECHSTYLE_CACHE", str(tmp_path))
+
+    def stop():
+        raise InterruptedError
+
+    with pytest.raises(InterruptedError):
+        carrying(slab, np.full(len(slab.vertices), 0.1, np.float32), stop)
+    assert not list(tmp_path.rglob("*.npz"))

@@ -7,8 +7,11 @@ import numpy as np
 import pytest
 
 from mechstyle.fea.verdict import judge
+from mechstyle.records import Recipe
 from mechstyle.records.material import LIBRARY
+from mechstyle.simulation.carrying import Carried
 from mechstyle.simulation.original import FINER, raised
+from mechstyle.simulation.simulator import DropSimulator
 from support.records import simulation
 
 PLA = LIBRARY["PLA"]
@@ -49,3 +52,18 @@ def test_no_limit_is_lowered_and_all_orientations_are_compared_with_the_original
 def test_what_broke_down_raises_nothing():
     own = simulated(40.0)
     assert raised(own, replace(simulated(90.0), failure="it broke down")) is own
+
+
+@pytest.mark.parametrize(("stands", "raises"), [(1.0, True), (0.5, False)])
+def test_tetrahedra_that_cannot_come_back_to_the_original_raise_no_limit(stands, raises, monkeypatch, block):
+    """The unsafe side: an original that stands on the few nodes that do come back bears more, and so could the style."""
+    own, there, styled = simulated(40.0), simulated(50.0), replace(simulated(49.0), mesh=block[1].digest)
+    fakes = {"baseline": property(lambda _: own), "_without_relief": property(lambda _: there)}
+    fakes |= {"_carried": lambda *_: Carried(1.0, None, 0.0, stands), "_made_for_relief": property(lambda _: True)}
+    for name, fake in fakes.items():
+        monkeypatch.setattr(DropSimulator, name, fake)
+    recipe = Recipe(surface="", tetrahedra=block[1].digest, prompt="", material=PLA)
+    test = DropSimulator(None, block[1], recipe, None)
+    monkeypatch.setattr(DropSimulator, "_on", lambda self, _: self)
+    assert (test.baseline_of(styled) is not own) is raises
+    assert test.judge(styled).viable is raises

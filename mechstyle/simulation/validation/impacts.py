@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
+import platform
+import subprocess
+import sys
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from mechstyle.errors import MissingPiece
 from mechstyle.fea import elasticity
@@ -26,6 +29,14 @@ from mechstyle.simulation.validation.meshes import ball, box
 PLA = LIBRARY["PLA"]
 SAME = 1e-3
 UPRIGHT = ((0.0, 0.0, 1.0),)
+ELSEWHERE = """
+import sys
+from mechstyle._warp import wp
+wp.config.cpu_compiler_flags = wp.config.cpu_compiler_flags.replace("-march=native", "-target-cpu x86-64")
+from mechstyle.simulation.validation.impacts import _plate
+sys.stdout.buffer.write(_plate(sys.argv[1]).tobytes())
+"""
+"""The plate in a process whose kernels are compiled for another processor."""
 
 
 def bar() -> Iterator[Result]:
@@ -91,10 +102,26 @@ def devices() -> Iterator[Result]:
     """CUDA against CPU: von Mises in five orientations."""
     if len(available_devices()) == 1:
         raise MissingPiece("there is no CUDA device here, so CPU and CUDA were not compared")
-    tets = box((16, 16, 2), (40.0, 40.0, 5.0))
     for name in ELEMENTS:
-        one, other = (drop(tets, PLA, directions(5), DropTest(window=0.3, element=name), device=device) for device in ("cpu", "cuda"))
-        yield bounded(f"devices: {name}, von Mises, L2", _distance(other.von_mises, one.von_mises), SAME, "CPU against CUDA")
+        yield bounded(f"devices: {name}, von Mises, L2", _distance(_plate(name, "cuda"), _plate(name)), SAME, "CPU against CUDA")
+
+
+def instructions() -> Iterator[Result]:
+    """This processor's instructions against the oldest that x86-64 processors have in common: von Mises, and its largest."""
+    if platform.machine() not in ("x86_64", "AMD64"):
+        raise MissingPiece(f"the oldest instructions are known for x86-64, not for {platform.machine()}, so they were not compared")
+    for name in ELEMENTS:
+        here = _plate(name)
+        told = subprocess.run([sys.executable, "-c", ELSEWHERE, name], check=True, stdout=subprocess.PIPE).stdout  # noqa: S603 — our own words
+        there = np.frombuffer(told, here.dtype)
+        largest, note = float(here.max()), "x86-64 without extensions against this processor"
+        yield compared(f"instructions: {name}, largest von Mises", largest, float(there.max()), 1e-5, "MPa", note)
+        yield bounded(f"instructions: {name}, von Mises, L2", _distance(here.ravel(), there), SAME, note)
+
+
+def _plate(element: str, device: str = "cpu") -> NDArray[np.float32]:
+    """A plate dropped in five orientations: von Mises [MPa], shape [orientations, tet_count, points]."""
+    return drop(box((16, 16, 2), (40.0, 40.0, 5.0)), PLA, directions(5), DropTest(window=0.3, element=element), device=device).von_mises
 
 
 def energy() -> Iterator[Result]:

@@ -52,6 +52,7 @@ CASES = {
         Case("second_ring", "An open ring that lands again", second_impacts.ring, slow=True),
         Case("energy", "Energy balance of undamped drops", impacts.energy),
         Case("precision", "Single against double precision over an impact", impacts.precision),
+        Case("instructions", "Another processor's instructions against this one's", impacts.instructions),
         Case("devices", "CUDA against CPU", impacts.devices),
         Case("finer", "A smooth cup on a finer mesh", convergence.finer, slow=True, fault=FRONTS),
         Case("finer_styled", "A square cup in brick on a finer mesh", convergence.finer_styled, slow=True, fault=FRONTS),

@@ -15,7 +15,7 @@ from mechstyle.simulation.validation.cases import Case, bounded, compared
 from support import ROOT
 
 QUICK = [name for name, case in suite.CASES.items() if not case.slow]
-MAY_SKIP = {"devices": "no CUDA device"}
+MAY_SKIP = {"devices": "no CUDA device", "instructions": "not for "}
 
 
 @pytest.mark.parametrize("name", QUICK)

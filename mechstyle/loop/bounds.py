@@ -1,0 +1,80 @@
+"""How far a style may go at each vertex, and what of an iteration is let through."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mechstyle.loop import minimum_wall
+from mechstyle.records import Recipe
+from mechstyle.records.mesh import Bools, Field
+
+
+class Base(Protocol):
+    """How a part stands: a relief is levelled there, and never goes below the floor."""
+
+    @property
+    def standing(self) -> Bools:
+        """Whether a vertex belongs to the faces the part stands on, shape [vertex_count]."""
+
+    def levelled(self, displacement: Field) -> Field:
+        """A relief [mm], shape [vertex_count], shifted so that the part stands level."""
+
+    def clipped(self, displacement: Field) -> Field:
+        """A relief [mm], shape [vertex_count], less what would go below the floor."""
+
+
+@dataclass(frozen=True, eq=False)
+class Bounds:
+    """Bounds of the style at each vertex.
+
+    Attributes:
+        thickness: Local wall thickness [mm], shape [vertex_count].
+        inward: Largest displacement into the material [mm], shape [vertex_count].
+        outward: Largest displacement out of it [mm], shape [vertex_count].
+        freedom: Factor on the relief, 0 on the resting face and in protected regions, 1 away from them, shape [vertex_count].
+        uncoloured: Whether a vertex keeps its colour, shape [vertex_count, 1]; False for none.
+        base: What levels the relief under the part, None for nothing.
+        plain: Whether a vertex is no part of the style, shape [vertex_count]; False for none. Its freedom is 0, too.
+    """
+
+    thickness: Field
+    inward: Field
+    outward: Field
+    freedom: Field
+    uncoloured: NDArray[np.bool_] | bool = False
+    base: Base | None = None
+    plain: NDArray[np.bool_] | bool = False
+
+    @property
+    def standing(self) -> Bools:
+        """Whether a vertex belongs to the faces the part stands on and has a relief there, shape [vertex_count]."""
+        return np.zeros(len(self.thickness), bool) if self.base is None else self.base.standing
+
+    def levelled(self, displacement: Field) -> Field:
+        """A proposal [mm], shape [vertex_count], as the base lets it be."""
+        return displacement if self.base is None else self.base.levelled(displacement)
+
+    def clipped(self, displacement: Field) -> Field:
+        """A relief [mm], shape [vertex_count], within the bounds and above the floor."""
+        within = np.clip(displacement, -self.inward, self.outward)
+        return within if self.base is None else self.base.clipped(within)
+
+
+def advanced(displacement: Field, let_through: Field, increment: Field, bounds: Bounds, recipe: Recipe) -> Field:
+    """The displacement after one iteration [mm], shape [vertex_count]: what of the increment is let through, within the bounds.
+
+    Args:
+        displacement: D before it [mm], shape [vertex_count].
+        let_through: Mask times share, shape [vertex_count].
+        increment: What the stylizer wants more [mm], shape [vertex_count].
+        bounds: How far the style may go.
+        recipe: Whether walls are spared, and which.
+    """
+    step = let_through * increment
+    if recipe.feedback:
+        step = minimum_wall.spared(step, bounds.thickness, displacement, recipe.minimum_wall)
+    return bounds.clipped(displacement + step)
