@@ -22,11 +22,13 @@ if TYPE_CHECKING:
     from mechstyle.gallery import load
     from mechstyle.gallery.style_swatches import styles
     from mechstyle.geometry.files import save
-    from mechstyle.loop.engine import Bounds, Engine, Stylizer
+    from mechstyle.loop.bounds import Bounds
+    from mechstyle.loop.engine import Engine, Stylizer
     from mechstyle.loop.store import Store
     from mechstyle.pictures.panels import Picture
     from mechstyle.runs.deepest import Depth, deepest
     from mechstyle.runs.plugins import register_stylizer
+    from mechstyle.runs.printing import Printing
     from mechstyle.runs.protection import ProtectedPart, protect
     from mechstyle.runs.recipes import changed, plan
     from mechstyle.runs.run import Run, begin, stylize
@@ -40,13 +42,14 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _WHERE = {
-    "Bounds": "loop.engine",
+    "Bounds": "loop.bounds",
     "Depth": "runs.deepest",
     "DropSimulator": "simulation.simulator",
     "Engine": "loop.engine",
     "Model": "simulation.part",
     "PartTest": "simulation.part_test",
     "Picture": "pictures.panels",
+    "Printing": "runs.printing",
     "ProceduralStylizer": "styling.drawn",
     "ProtectedPart": "runs.protection",
     "Run": "runs.run",
@@ -96,6 +99,7 @@ __all__ = [
     "PartTest",
     "Patch",
     "Picture",
+    "Printing",
     "ProceduralStylizer",
     "ProtectedPart",
     "Recipe",

@@ -10,7 +10,7 @@ from rich.markup import escape
 from typer.core import TyperGroup
 
 from mechstyle import __version__
-from mechstyle.cli import ablation, demo, doctor, inspect_run, keep, lists, protect, report, run, simulate, study, validate, weights
+from mechstyle.cli import ablation, demo, doctor, inspect_run, keep, lists, orient, protect, report, run, simulate, study, validate, weights
 
 
 class PlainHelp(TyperGroup):
@@ -41,7 +41,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode="rich",
 )
-for family in (run, simulate, demo, ablation, study, validate, inspect_run, keep, protect, report, lists, doctor, weights):
+for family in (run, simulate, demo, ablation, study, validate, inspect_run, keep, orient, protect, report, lists, doctor, weights):
     app.add_typer(family.app)
 
 

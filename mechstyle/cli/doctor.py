@@ -49,7 +49,7 @@ def examined() -> dict[str, Any]:
     from mechstyle._files import cache_folder  # noqa: PLC0415
     from mechstyle.fea.drop import available_devices  # noqa: PLC0415 — loads Warp
 
-    packages = ("mechstyle", "numpy", "scipy", "trimesh", "manifold3d", "gpytoolbox", "pytetwild", "warp-lang", "matplotlib")
+    packages = ("mechstyle", "numpy", "scipy", "trimesh", "manifold3d", "pytetwild", "warp-lang", "matplotlib")
     versions = {"python": platform.python_version(), "cores": str(os.cpu_count())} | {
         name: importlib.metadata.version(name) for name in packages
     }

@@ -15,6 +15,7 @@ from mechstyle.loop.store import Store, parse_address
 if TYPE_CHECKING:
     from mechstyle.loop.history import LaneSummary
     from mechstyle.runs.export import Exported
+    from mechstyle.runs.printing import PrintPlan
 
 app = typer.Typer()
 
@@ -26,6 +27,9 @@ FINENESS = {None: "", True: "-fine", False: "-coarse"}
 """What the name of a file says of its faces, by what was asked for; nothing if it is as the run says."""
 
 FORMATS = ("3mf", "glb", "obj", "ply", "stl")
+
+PRINTING = "Printing in colour (3MF)"
+"""A heading of the help."""
 
 
 @app.command("log")
@@ -119,11 +123,31 @@ def export_command(
     texture: Annotated[
         bool, typer.Option("--texture", help="Colours as a texture, as fine as they can be drawn: GLB with it, or OBJ, MTL and PNG.")
     ] = False,
+    fields: Annotated[
+        bool,
+        typer.Option("--fields", help="With stress, demand and all other known fields at its vertices, for Blender, ParaView: GLB, PLY."),
+    ] = False,
+    slicer: Annotated[
+        str, typer.Option(help="Whose 3MF it is: standard or prusa (one strict file), bambu or orca (another).", rich_help_panel=PRINTING)
+    ] = "standard",
+    palette: Annotated[
+        str, typer.Option(help='Filaments in the printer, slot 1 first: "#111111, #f4f1e8".', rich_help_panel=PRINTING)
+    ] = "",
+    colours: Annotated[
+        int | None, typer.Option(help="How many filaments to choose instead, 2 to 16; 4 unless told.", rich_help_panel=PRINTING)
+    ] = None,
+    bands: Annotated[
+        bool, typer.Option("--bands", help="Filaments one above the other: as good as no changes.", rich_help_panel=PRINTING)
+    ] = False,
+    bodies: Annotated[
+        bool, typer.Option("--bodies", help="A styled shell and the rest as two bodies, unpainted.", rich_help_panel=PRINTING)
+    ] = False,
     device: Device = "auto",
     as_json: Json = False,
 ) -> None:
     """Write the surface of a checkpoint to a file, with its colours where the format can hold them, and say what to look at."""
     from mechstyle.runs.export import sidecar  # noqa: PLC0415 — loaded when wanted
+    from mechstyle.runs.printing import Printing  # noqa: PLC0415
     from mechstyle.runs.run import Run  # noqa: PLC0415
 
     chosen = chosen_format(form, path)
@@ -131,7 +155,8 @@ def export_command(
     run = Run.open(f"{root}@{lane}", device if fine else "cpu")
     number = run.store.find(iteration, lane).iteration
     place = path or root / f"{run.record.stem}-{lane}-{number}{FINENESS[fine]}.{chosen}"
-    written = run.exported(place, iteration, fine=fine, texture=texture)
+    printing = Printing(slicer=slicer, palette=palette, colours=colours, bands=bands, bodies=bodies)
+    written = run.exported(place, iteration, fine=fine, texture=texture, fields=fields, printing=printing)
     if as_json:
         print_json({"export": written, "files": {"model": str(place), "quality": str(sidecar(place))}})
         return
@@ -151,5 +176,20 @@ def report_export(place: Path, written: Exported) -> None:
     rows.add_row("wall that 1 % falls short of, mm", f"{q.thin_before:.2f}", f"{q.thin:.2f}")
     rows.add_row("mass if solid, g", f"{q.mass - q.mass_change:.1f}", f"{q.mass:.1f} ({q.volume_change:+.1%})")
     out.print(rows)
+    if written.printing is not None:
+        report_printing(written.printing)
     for warning in written.warnings:
         out.print(f"[yellow]warning:[/] {escape(warning)}")
+
+
+def report_printing(plan: PrintPlan) -> None:
+    """Print which filaments a file names, what the print costs, and what would cost less."""
+    slots = ", ".join(f"[{colour}]██[/] {slot} {colour}" for slot, colour in enumerate(plan.palette, 1))
+    out.print(f"filaments: {slots}")
+    if plan.merged:
+        out.print(f"[dim]{plan.merged} islands of colour narrower than two lines of plastic went to their neighbours[/]")
+    out.print(f"{plan.cost.words} [dim](estimate, of a changer with one nozzle: docs/printing.md)[/]")
+    for offer in plan.offers:
+        bands = len(offer.palette) == len(plan.palette)
+        how = "--bands" if bands else f'--palette "{",".join(offer.palette)}"'
+        out.print(f"[dim]fewer changes:[/] {offer.changes} with {how}, {offer.hours[0]:.1f} to {offer.hours[1]:.1f} h")

@@ -68,8 +68,9 @@ def _draw_sheet(path: Path, *, quiet: bool) -> Path:
     from mechstyle.gallery.style_sheet import PARTS, contact_sheet  # noqa: PLC0415 — loaded when wanted
     from mechstyle.styling.library import names  # noqa: PLC0415
 
+    place = _a_png(path, "the sheet of styles")
     with telling(len(PARTS) + len(names()), quiet=quiet) as teller:
-        return contact_sheet(stage=teller.step).save(_a_png(path, "the sheet of styles"))
+        return contact_sheet(stage=teller.step).save(place)
 
 
 def _a_png(path: Path, what: str) -> Path:
@@ -90,7 +91,8 @@ def gallery_command(
     if sheet is not None:
         from mechstyle.gallery.model_sheet import model_sheet  # noqa: PLC0415
 
-        written = model_sheet().save(_a_png(sheet, "the sheet of models"))
+        place = _a_png(sheet, "the sheet of models")
+        written = model_sheet().save(place)
         print_json({"files": {"sheet": str(written)}}) if as_json else out.print(escape(str(written)))
         return
     known = {name: entry(name) for name in names()}

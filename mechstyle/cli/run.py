@@ -107,8 +107,9 @@ def finish(run: Any, teller: Any) -> Any:
     teller.stage("writing files")
     stem = f"{run.record.stem}-{run.lane}"
     model = run.store.root / f"{stem}.3mf"
-    quality = run.exported(model).quality
-    run.add_files({"model": model, "picture": run.show().save(run.store.root / f"{stem}.png")}, quality.warnings)
+    written = run.exported(model)
+    notes = (*written.quality.warnings, written.printing.words)
+    run.add_files({"model": model, "picture": run.show().save(run.store.root / f"{stem}.png")}, notes)
     return run
 
 

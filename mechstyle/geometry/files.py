@@ -12,7 +12,9 @@ import struct
 import warnings
 import zipfile
 import zlib
+from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -27,7 +29,7 @@ from mechstyle.geometry.repair import repaired
 from mechstyle.geometry.texture import Texture, png
 from mechstyle.geometry.threemf import threemf_bytes
 from mechstyle.geometry.upright import lying, upright
-from mechstyle.records.mesh import Floats, SurfaceMesh
+from mechstyle.records.mesh import Field, Floats, SurfaceMesh
 
 logging.getLogger("trimesh").addHandler(logging.NullHandler())  # or its tracebacks go to people who log nothing
 
@@ -46,6 +48,9 @@ DAMAGED = (
 """What parsers raise at damaged files: they notice damage where something is missing, too large, or of another kind."""
 TEXTURED = ("glb", "obj")
 """Formats that hold a texture."""
+MEASURED = ("glb", "ply")
+"""Formats that hold fields over the surface."""
+NO_FIELDS: Mapping[str, Field] = MappingProxyType({})
 
 
 class ReadPart(NamedTuple):
@@ -168,7 +173,9 @@ def _check_size(name: str, vertices: Floats, factor: float) -> None:
     raise BadInput(f"{name} is {shown} mm long; parts must be {SMALLEST:g} to {LARGEST:g} mm: {hint}")
 
 
-def save(mesh: SurfaceMesh, path: str | Path, *, name: str = "", texture: Texture | None = None) -> Path:
+def save(
+    mesh: SurfaceMesh, path: str | Path, *, name: str = "", texture: Texture | None = None, fields: Mapping[str, Field] = NO_FIELDS
+) -> Path:
     """Write a surface in the format its suffix names; colours survive in OBJ, PLY, GLB and 3MF. The file appears whole or not at all.
 
     Args:
@@ -176,43 +183,59 @@ def save(mesh: SurfaceMesh, path: str | Path, *, name: str = "", texture: Textur
         path: The file.
         name: What the part is called in it, where the format has names; by default as it was loaded.
         texture: Its colours, finer than its vertices, for GLB and OBJ. Beside `part.obj` lie then `part.mtl` and `part-texture.png`.
+        fields: Values at its vertices by name, such as stress, shape [vertex_count]: properties in PLY, attributes in GLB, where `stress`
+            is called `_STRESS`. Their units stay what they are.
 
     Raises:
-        BadInput: If the suffix is not one of FORMATS, cannot hold a texture, or the place cannot be written to.
+        BadInput: If the suffix is not one of FORMATS, cannot hold a texture or fields, or the place cannot be written to.
     """
     file = Path(path)
     suffix = file.suffix.lower().lstrip(".")
     if suffix not in FORMATS:
         raise BadInput(f"{file.name}: cannot write {_kind(suffix)}; use {', '.join(FORMATS)}")
-    check_texture(file, textured=texture is not None)
+    check_holds(file, texture=texture is not None, fields=bool(fields))
     called = name or getattr(mesh, "name", "") or "part"
     try:
         if suffix == "obj" and texture is not None:
             _write_textured(file, mesh, texture, called)
         else:
-            write_aside(file, _content_of(mesh, suffix, called, texture))
+            write_aside(file, _content_of(mesh, suffix, called, texture, fields))
     except OSError as error:
-        raise BadInput(f"cannot write {file}: {error.strerror}; choose another place, or make room") from error
+        raise _no_room(file, error) from error
     return file
 
 
-def check_texture(path: str | Path, *, textured: bool) -> None:
-    """Refuse a texture, before it is drawn, in a format that holds none, with BadInput."""
+def write_file(path: Path, content: bytes) -> None:
+    """Write a file whole or not at all; BadInput if the place cannot be written to."""
+    try:
+        write_aside(path, content)
+    except OSError as error:
+        raise _no_room(path, error) from error
+
+
+def _no_room(file: Path, error: OSError) -> BadInput:
+    return BadInput(f"cannot write {file}: {error.strerror}; choose another place, or make room")
+
+
+def check_holds(path: str | Path, *, texture: bool, fields: bool) -> None:
+    """Refuse a texture, or fields over the surface, before it is made, in a format that holds none, with BadInput."""
     suffix = Path(path).suffix.lower().lstrip(".")
-    if textured and suffix not in TEXTURED:
-        raise BadInput(f"{Path(path).name}: {suffix.upper()} holds no texture; use {' or '.join(TEXTURED)}, or leave the texture out")
+    for what, wanted, holders in (("texture", texture, TEXTURED), ("fields", fields, MEASURED)):
+        if wanted and suffix not in holders:
+            raise BadInput(f"{Path(path).name}: {suffix.upper()} holds no {what}; use {' or '.join(holders)}, or leave the {what} out")
 
 
-def _content_of(mesh: SurfaceMesh, suffix: str, name: str, texture: Texture | None) -> bytes:
+def _content_of(mesh: SurfaceMesh, suffix: str, name: str, texture: Texture | None, fields: Mapping[str, Field]) -> bytes:
     if suffix == "3mf":
         return threemf_bytes(mesh, name)
-    return glb_bytes(mesh, name, texture) if suffix == "glb" else _exported(mesh, suffix)
+    return glb_bytes(mesh, name, texture, fields) if suffix == "glb" else _exported(mesh, suffix, fields)
 
 
-def _exported(mesh: SurfaceMesh, suffix: str) -> bytes:
+def _exported(mesh: SurfaceMesh, suffix: str, fields: Mapping[str, Field]) -> bytes:
     """The file's content by trimesh."""
     colours = None if mesh.colours is None else np.round(np.clip(mesh.colours, 0, 1) * 255).astype(np.uint8)
     written = trimesh.Trimesh(mesh.vertices, mesh.faces, vertex_colors=colours, process=False)
+    written.vertex_attributes.update({name: np.asarray(values, np.float32) for name, values in fields.items()})
     content = written.export(file_type=suffix)
     return content.encode() if isinstance(content, str) else bytes(content)
 

@@ -1,12 +1,15 @@
 """Writing binary glTF 2.0: one mesh in metres with y up, a dull material, colours at its vertices or in a texture.
 
 Colours at vertices are linear there (section 3.7.2.1 of the specification), those of a texture are display values (section 3.9.2).
+Other fields are application-specific attributes, whose names begin with an underscore (section 3.7.2.1).
 """
 
 from __future__ import annotations
 
 import json
 import struct
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -14,7 +17,7 @@ from numpy.typing import NDArray
 
 from mechstyle.geometry.texture import Texture, png
 from mechstyle.geometry.upright import upright
-from mechstyle.records.mesh import Floats, SurfaceMesh
+from mechstyle.records.mesh import Field, Floats, SurfaceMesh
 
 METRES = 1e-3
 ROUGHNESS = 0.8
@@ -27,17 +30,19 @@ _VERTICES, _INDICES = 34962, 34963
 _LINEAR, _CLAMPED = 9729, 33071
 
 
-def glb_bytes(mesh: SurfaceMesh, name: str, texture: Texture | None = None) -> bytes:
+def glb_bytes(mesh: SurfaceMesh, name: str, texture: Texture | None = None, fields: Mapping[str, Field] = MappingProxyType({})) -> bytes:
     """A GLB file; the same mesh gives the same bytes.
 
     Args:
         mesh: The part [mm], z up.
         name: What it is called in the scene.
         texture: Its colours, instead of those at its vertices.
+        fields: Finite values at its vertices by name, shape [vertex_count]: `stress` becomes the attribute `_STRESS`.
     """
     buffer = _Buffer()
     corners = mesh.vertices if texture is None else mesh.corners.reshape(-1, 3)
     faces = mesh.faces if texture is None else np.arange(len(corners)).reshape(-1, 3)
+    vertex_of = np.arange(len(corners)) if texture is None else mesh.faces.ravel()
     positions = np.asarray(corners @ upright("y") * METRES, np.float32)
     limits = {"min": positions.min(axis=0).tolist(), "max": positions.max(axis=0).tolist()}
     attributes = {"POSITION": buffer.accessor(positions, _FLOAT, "VEC3", _VERTICES, **limits)}
@@ -53,6 +58,8 @@ def glb_bytes(mesh: SurfaceMesh, name: str, texture: Texture | None = None) -> b
         attributes["COLOR_0"] = buffer.accessor(_linear(mesh.colours), _SHORT, "VEC4", _VERTICES, normalized=True)
     else:
         shaded["baseColorFactor"] = [PLAIN, PLAIN, PLAIN, 1.0]
+    for called, values in fields.items():
+        attributes[f"_{called.upper()}"] = buffer.accessor(values[vertex_of].astype(np.float32), _FLOAT, "SCALAR", _VERTICES)
     indices = buffer.accessor(faces.astype(np.uint32).ravel(), _INT, "SCALAR", _INDICES)
     document |= {
         "scenes": [{"nodes": [0]}],

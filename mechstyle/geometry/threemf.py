@@ -1,91 +1,201 @@
-"""Writing 3MF with colours: a core 3MF package with one `m:colorgroup` (3MF Materials and Properties Extension 1.2.1).
+"""Writing 3MF with colours, for viewers and for slicers that paint.
 
-Slicers map colours to filaments, so a file with thousands of them is useless; they are reduced to a few.
+A core 3MF package with one `m:colorgroup` (3MF Materials and Properties Extension 1.2.1), which viewers show and slicers pass over. What
+these read is a word a triangle: PrusaSlicer in a namespace of its own, which the standard allows, so that one file is for both; Bambu
+Studio and OrcaSlicer without one, which it does not, so that theirs is another file.
 """
 
 from __future__ import annotations
 
 import io
-import warnings
+import json
 import zipfile
+from collections.abc import Iterable, Mapping, Sequence
+from typing import NamedTuple
 from xml.sax.saxutils import escape
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.cluster.vq import kmeans2
 
-from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.errors import unknown
+from mechstyle.geometry.filaments import MOST, Painted, Palette, clustered, painted
+from mechstyle.geometry.painting import words
+from mechstyle.records.mesh import Indices, SurfaceMesh
 
-MOST_COLOURS = 48
+SLICERS = ("standard", "prusa", "bambu", "orca")
+"""Whose file it is; the first two are one file, and so are the last two."""
 
 _TYPES = (
     '<?xml version="1.0" encoding="UTF-8"?>\n'
     '<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types">'
     '<Default Extension="rels" ContentType="application/vnd.openxmlformats-package.relationships+xml"/>'
-    '<Default Extension="model" ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/></Types>'
+    '<Default Extension="model" ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/>{}</Types>'
 )
+_SETTINGS = '<Default Extension="config" ContentType="application/octet-stream"/>'
 _RELATIONS = (
     '<?xml version="1.0" encoding="UTF-8"?>\n'
     '<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships">'
     '<Relationship Target="/3D/3dmodel.model" Id="rel0" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>'
 )
+_GROUP = 100
+"""Identifier of the group of colours; those of objects are below."""
 
 
-def threemf_bytes(mesh: SurfaceMesh, name: str = "part") -> bytes:
-    """A 3MF package of the mesh in millimetres, its vertex colours reduced to at most MOST_COLOURS; the same mesh gives the same bytes.
+class Body(NamedTuple):
+    """A body of a part that is printed of one filament.
+
+    Attributes:
+        name: What slicers call it.
+        mesh: Its closed surface [mm].
+        filament: Place of its filament in the palette.
+    """
+
+    name: str
+    mesh: SurfaceMesh
+    filament: int
+
+
+def check_slicer(slicer: str) -> None:
+    """Refuse the name of a slicer nobody knows, with BadInput."""
+    if slicer not in SLICERS:
+        raise unknown("slicer", slicer, SLICERS)
+
+
+def threemf_bytes(
+    mesh: SurfaceMesh, name: str = "part", *, paint: Painted | None = None, slicer: str = "standard", filament_type: str = "PLA"
+) -> bytes:
+    """A 3MF package of the mesh in millimetres; the same mesh gives the same bytes.
 
     Args:
         mesh: The part.
         name: What slicers call it.
+        paint: Its filaments, which slicers are told; without it the vertex colours are reduced to MOST, for viewers only.
+        slicer: One of SLICERS.
+        filament_type: What the filaments are, as Bambu Studio and OrcaSlicer call it.
     """
+    check_slicer(slicer)
+    called = _plain(name)
+    shown = paint
+    if shown is None and mesh.colours is not None:
+        shown = painted(mesh, clustered(mesh.colours, MOST), line=0.0)
+    attributes: Iterable[str] = [""] * len(mesh.faces) if shown is None else _coloured(shown.filament[mesh.faces])
+    if paint is not None:
+        key = "slic3rpe:mmu_segmentation" if _strict(slicer) else "paint_color"
+        attributes = (f'{colour} {key}="{word}"' for colour, word in zip(attributes, words(paint.filament[mesh.faces]), strict=True))
+    palette = () if shown is None else shown.palette
+    thing = _object(1, called, mesh, attributes, 0 if palette else None)
+    settings = {} if paint is None or _strict(slicer) else _bambu_settings(called, palette, filament_type, 1, [])
+    return _package(_model(called, palette, thing, 1, painting=paint is not None and _strict(slicer)), settings)
+
+
+def bodies_bytes(
+    bodies: Sequence[Body], palette: Palette, name: str = "part", *, slicer: str = "standard", filament_type: str = "PLA"
+) -> bytes:
+    """A 3MF package of one part made of bodies, each of one filament, which slicers read without painting; else as `threemf_bytes`."""
+    check_slicer(slicer)
+    called = _plain(name)
+    if _strict(slicer):  # PrusaSlicer takes components apart, and knows bodies as stretches of one object's triangles
+        whole = together(bodies, palette)
+        thing = _object(1, called, whole.mesh, _coloured(whole.filament[whole.mesh.faces]), bodies[0].filament)
+        return _package(_model(called, palette, thing, 1, painting=False), {"Slic3r_PE_model.config": _prusa_bodies(bodies)})
+    last = len(bodies) + 1
+    things = [
+        _object(number, _plain(body.name), body.mesh, [""] * len(body.mesh.faces), body.filament) for number, body in enumerate(bodies, 1)
+    ]
+    parts = "".join(f'<component objectid="{number}"/>' for number in range(1, last))
+    things.append(f'<object id="{last}" type="model" name="{called}"><components>{parts}</components></object>')
+    settings = _bambu_settings(called, palette, filament_type, last, bodies)
+    return _package(_model(called, palette, "".join(things), last, painting=False), settings)
+
+
+def together(bodies: Sequence[Body], palette: Palette) -> Painted:
+    """The surfaces of all bodies, one after the other, each in the colour of its filament."""
+    counts = [len(body.mesh.vertices) for body in bodies]
+    faces = [body.mesh.faces + start for body, start in zip(bodies, np.cumsum([0, *counts[:-1]]), strict=True)]
+    mesh = SurfaceMesh(np.concatenate([body.mesh.vertices for body in bodies]), np.concatenate(faces))
+    return Painted(mesh, palette, np.repeat([body.filament for body in bodies], counts).astype(np.int32))
+
+
+def _strict(slicer: str) -> bool:
+    """Whether the file for a slicer keeps to the standard."""
+    return slicer in ("standard", "prusa")
+
+
+def _plain(name: str) -> str:
+    """A name that can stand in an attribute."""
+    return escape("".join(sign for sign in name if sign.isprintable()) or "part", {'"': "&quot;"})
+
+
+def _package(model: str, settings: Mapping[str, str]) -> bytes:
+    """The archive of a model and of what slicers keep beside it, by name."""
+    parts = {"[Content_Types].xml": _TYPES.format(_SETTINGS if settings else ""), "_rels/.rels": _RELATIONS, "3D/3dmodel.model": model}
+    parts |= {f"Metadata/{name}": content for name, content in settings.items()}
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as package:
-        for part, content in (("[Content_Types].xml", _TYPES), ("_rels/.rels", _RELATIONS), ("3D/3dmodel.model", _model(mesh, name))):
+        for part, content in parts.items():
             package.writestr(zipfile.ZipInfo(part, (1980, 1, 1, 0, 0, 0)), content, zipfile.ZIP_DEFLATED)
     return buffer.getvalue()
 
 
-def _model(mesh: SurfaceMesh, name: str) -> str:
-    """The model part."""
-    called = escape("".join(sign for sign in name if sign.isprintable()) or "part", {'"': "&quot;"})
-    group, corner_colours = _colour_group(mesh)
-    attributes = ' pid="2" pindex="0"' if group else ""
-    vertices = "".join(f'<vertex x="{x:.9g}" y="{y:.9g}" z="{z:.9g}"/>' for x, y, z in mesh.vertices)
-    if corner_colours is None:
-        triangles = "".join(f'<triangle v1="{a}" v2="{b}" v3="{c}"/>' for a, b, c in mesh.faces)
-    else:
-        triangles = "".join(
-            f'<triangle v1="{a}" v2="{b}" v3="{c}" pid="2" p1="{p}" p2="{q}" p3="{r}"/>'
-            for (a, b, c), (p, q, r) in zip(mesh.faces, corner_colours, strict=True)
-        )
+def _model(name: str, palette: Palette, things: str, built: int, *, painting: bool) -> str:
+    """The model part: colours, objects, and which of them is built."""
+    colours = "".join(f'<m:color color="{colour}"/>' for colour in palette)
+    group = f'<m:colorgroup id="{_GROUP}">{colours}</m:colorgroup>' if palette else ""
+    space = ' xmlns:slic3rpe="http://schemas.slic3r.org/3mf/2017/06"' if painting else ""
+    version = '<metadata name="slic3rpe:MmPaintingVersion">1</metadata>' if painting else ""
     return (
         '<?xml version="1.0" encoding="UTF-8"?>\n'
         '<model unit="millimeter" xml:lang="en" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02" '
-        'xmlns:m="http://schemas.microsoft.com/3dmanufacturing/material/2015/02">'
-        f'<metadata name="Application">MechStyle</metadata><metadata name="Title">{called}</metadata><resources>{group}'
-        f'<object id="1" type="model" name="{called}"{attributes}><mesh>'
-        f"<vertices>{vertices}</vertices><triangles>{triangles}</triangles></mesh></object></resources>"
-        '<build><item objectid="1"/></build></model>'
+        f'xmlns:m="http://schemas.microsoft.com/3dmanufacturing/material/2015/02"{space}>'
+        f'<metadata name="Application">MechStyle</metadata><metadata name="Title">{name}</metadata>{version}'
+        f'<resources>{group}{things}</resources><build><item objectid="{built}"/></build></model>'
     )
 
 
-def _colour_group(mesh: SurfaceMesh) -> tuple[str, NDArray[np.int64] | None]:
-    """The colour group and the colour index of every face corner, shape [face_count, 3]; nothing for an uncoloured mesh."""
-    if mesh.colours is None:
-        return "", None
-    palette, index = reduced_colours(mesh.colours)
-    colours = "".join('<m:color color="#{:02X}{:02X}{:02X}"/>'.format(*rgb) for rgb in palette)
-    return f'<m:colorgroup id="2">{colours}</m:colorgroup>', index[mesh.faces]
+def _object(number: int, name: str, mesh: SurfaceMesh, attributes: Iterable[str], colour: int | None) -> str:
+    """An object of one mesh, with attributes of each triangle and the colour of those that have none."""
+    own = "" if colour is None else f' pid="{_GROUP}" pindex="{colour}"'
+    vertices = "".join(f'<vertex x="{x:.9g}" y="{y:.9g}" z="{z:.9g}"/>' for x, y, z in mesh.vertices)
+    triangles = "".join(
+        f'<triangle v1="{a}" v2="{b}" v3="{c}"{more}/>' for (a, b, c), more in zip(mesh.faces.tolist(), attributes, strict=True)
+    )
+    whole = f"<vertices>{vertices}</vertices><triangles>{triangles}</triangles>"
+    return f'<object id="{number}" type="model" name="{name}"{own}><mesh>{whole}</mesh></object>'
 
 
-def reduced_colours(colours: NDArray[np.float32], most: int = MOST_COLOURS) -> tuple[NDArray[np.uint8], NDArray[np.int64]]:
-    """A palette of at most `most` 8-bit colours, shape [k, 3], and the index of each vertex in it, shape [n]; k-means, seeded."""
-    exact, index = np.unique(np.round(np.clip(colours, 0, 1) * 255).astype(np.uint8), axis=0, return_inverse=True)
-    if len(exact) <= most:
-        return exact, index.reshape(-1)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # a cluster that ran empty is a colour less, no fault
-        centres, label = kmeans2(np.asarray(colours, dtype=np.float64), most, iter=12, minit="++", seed=0, missing="warn")
-    rounded = np.round(np.clip(centres, 0, 1) * 255).astype(np.uint8)
-    palette, index = np.unique(rounded[label], axis=0, return_inverse=True)
-    return palette, index.reshape(-1)
+def _coloured(corners: Indices) -> list[str]:
+    """Attributes that give each corner its colour, shape [face_count, 3]."""
+    kinds, which = np.unique(corners, axis=0, return_inverse=True)
+    table = [f' pid="{_GROUP}" p1="{p}" p2="{q}" p3="{r}"' for p, q, r in kinds]
+    return [table[kind] for kind in which.reshape(-1)]
+
+
+def _prusa_bodies(bodies: Sequence[Body]) -> str:
+    """PrusaSlicer's settings of an object of several bodies, which are stretches of all its triangles, one after the other."""
+    volumes, first = [], 0
+    for body in bodies:
+        last = first + len(body.mesh.faces) - 1
+        kept = (("name", _plain(body.name)), ("extruder", body.filament + 1))
+        facts = "".join(f'<metadata type="volume" key="{key}" value="{value}"/>' for key, value in kept)
+        volumes.append(f'<volume firstid="{first}" lastid="{last}">{facts}</volume>')
+        first = last + 1
+    inside = "".join(volumes)
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n<config><object id="1" instances_count="1">{inside}</object></config>'
+
+
+def _bambu_settings(name: str, palette: Palette, filament_type: str, whole: int, bodies: Sequence[Body]) -> dict[str, str]:
+    """Settings of OrcaSlicer, of which Bambu Studio reads the objects' only: filaments and, of several bodies, which has which."""
+    parts = "".join(
+        f'<part id="{number}" subtype="normal_part"><metadata key="name" value="{_plain(body.name)}"/>'
+        f'<metadata key="extruder" value="{body.filament + 1}"/></part>'
+        for number, body in enumerate(bodies, 1)
+    )
+    facts = f'<metadata key="name" value="{name}"/><metadata key="extruder" value="1"/>'
+    objects = f'<?xml version="1.0" encoding="UTF-8"?>\n<config><object id="{whole}">{facts}{parts}</object></config>'
+    project = {
+        "from": "project",
+        "name": "project_settings",
+        "filament_colour": [f"{colour}FF" for colour in palette],
+        "filament_type": [filament_type] * len(palette),
+        "filament_settings_id": [f"Generic {filament_type}"] * len(palette),
+    }
+    return {"model_settings.config": objects, "project_settings.config": json.dumps(project, indent=1)}

@@ -8,9 +8,8 @@ import numpy as np
 from matplotlib import colormaps
 from numpy.typing import ArrayLike, NDArray
 
+from mechstyle._colour import Colours, linear_to_srgb, oklab, srgb_to_linear
 from mechstyle.errors import BadInput
-
-Colours = NDArray[np.float32]
 
 ABOVE = (0.98, 0.36, 0.20)  # sRGB over-colour of values above the threshold: far from the dark end of the ramp in lightness and in hue
 STRIPE = (0.48, 0.0, 0.05)  # sRGB hatch over it, so that it is not told by colour alone
@@ -19,18 +18,6 @@ UNKNOWN = (0.66, 0.66, 0.66)  # sRGB of a value that is not a number
 ABSENT = (0.42, 0.42, 0.42)  # sRGB hatch over it
 PLAIN = (0.80, 0.80, 0.79)  # sRGB of a part without colours: unpainted, neither light nor dark
 STEPS = 256
-
-
-def srgb_to_linear(colours: ArrayLike) -> Colours:
-    """Light intensity of display colours, both in [0, 1] (IEC 61966-2-1)."""
-    c = np.asarray(colours, dtype=np.float32)
-    return np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4).astype(np.float32)
-
-
-def linear_to_srgb(intensities: ArrayLike) -> Colours:
-    """Display colours of light intensities, both in [0, 1] (IEC 61966-2-1)."""
-    c = np.clip(np.asarray(intensities, dtype=np.float32), 0.0, 1.0)
-    return np.where(c <= 0.0031308, 12.92 * c, 1.055 * c ** (1 / 2.4) - 0.055).astype(np.float32)
 
 
 @dataclass(frozen=True)
@@ -111,12 +98,6 @@ def hatch(rows: int, columns: int, period: int) -> NDArray[np.bool_]:
     return np.asarray(diagonal % period < period // 3)
 
 
-def oklab(colours: ArrayLike) -> NDArray[np.float64]:
-    """Perceptual coordinates (lightness, green-red, blue-yellow) of linear RGB, shape [..., 3] (Ottosson 2020)."""
-    cones = np.cbrt(np.asarray(colours, dtype=np.float64) @ _RGB_TO_CONES.T)
-    return np.asarray(cones @ _CONES_TO_OKLAB.T)
-
-
 def _even_ramp() -> Colours:
     """ColorBrewer's YlGnBu without its palest tenth, in steps that look equal (equal distances in Oklab), as linear RGB [STEPS, 3]."""
     fine = srgb_to_linear(colormaps["YlGnBu"].resampled(4096)(np.linspace(0.1, 1.0, 4096))[:, :3])
@@ -125,19 +106,5 @@ def _even_ramp() -> Colours:
     return np.stack([np.interp(places, np.arange(len(fine)), fine[:, channel]) for channel in range(3)], axis=1).astype(np.float32)
 
 
-_RGB_TO_CONES = np.array(
-    [
-        [0.4122214708, 0.5363325363, 0.0514459929],
-        [0.2119034982, 0.6806995451, 0.1073969566],
-        [0.0883024619, 0.2817188376, 0.6299787005],
-    ]
-)
-_CONES_TO_OKLAB = np.array(
-    [
-        [0.2104542553, 0.7936177850, -0.0040720468],
-        [1.9779984951, -2.4285922050, 0.4505937099],
-        [0.0259040371, 0.7827717662, -0.8086757660],
-    ]
-)
 _RAMP = _even_ramp()
 _RAMP.setflags(write=False)

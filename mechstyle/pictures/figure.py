@@ -19,9 +19,10 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
 from numpy.typing import NDArray
 
+from mechstyle._colour import linear_to_srgb
 from mechstyle.errors import BadInput
 from mechstyle.pictures.camera import Camera
-from mechstyle.pictures.colormap import STRIPE, Scale, hatch, linear_to_srgb
+from mechstyle.pictures.colormap import STRIPE, Scale, hatch
 from mechstyle.pictures.raster.visibility import visible
 from mechstyle.pictures.scene import BACKGROUND, Field, render
 from mechstyle.records.mesh import SurfaceMesh

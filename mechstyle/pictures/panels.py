@@ -28,6 +28,10 @@ class Picture:
 
     png: bytes
 
+    def __repr__(self) -> str:
+        """Its size; the bytes would stand in every notebook a second time."""
+        return f"Picture({len(self.png) / 1000:.0f} kB)"
+
     def _repr_png_(self) -> bytes:
         return self.png
 

@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.ndimage import binary_dilation
 
+from mechstyle._colour import linear_to_srgb, srgb_to_linear
 from mechstyle.errors import BadInput
 from mechstyle.pictures.camera import VIEWS, Camera
-from mechstyle.pictures.colormap import ABSENT, LINE, PLAIN, STRIPE, Scale, hatch, linear_to_srgb, srgb_to_linear
+from mechstyle.pictures.colormap import ABSENT, LINE, PLAIN, STRIPE, Scale, hatch
 from mechstyle.pictures.raster.visibility import Visibility, visible
 from mechstyle.pictures.shading import FLATNESS, corner_normals, floor_shadow, hollows, lit
 from mechstyle.records.mesh import SurfaceMesh

@@ -3,20 +3,28 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import NamedTuple
 
 import msgspec
 import numpy as np
+from numpy.typing import NDArray
 
 from mechstyle._files import write_whole
-from mechstyle.geometry.files import check_texture, save
+from mechstyle.geometry.files import check_holds, save
 from mechstyle.geometry.print_quality import Quality, quality
 from mechstyle.loop.objects import to_json
 from mechstyle.loop.store import Entry, Store
-from mechstyle.records import Recipe, Verdict
-from mechstyle.runs.refine import Refinement
+from mechstyle.pictures.fields import Known
+from mechstyle.records import Checkpoint, Recipe, Verdict
+from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.runs.known_fields import known_fields
+from mechstyle.runs.printing import Printing, PrintPlan, write_for_printing
+from mechstyle.runs.refine import Refined, Refinement
 from mechstyle.runs.texture import Delivered, texture_of
 from mechstyle.simulation.part import Workpiece
 
+AS_USUAL = Printing()
+"""A strict file in the colours of a usual changer."""
 COARSE = "what was simulated last is the surface drawn finer, not this one in the faces of the run: leave out --coarse to have that"
 """Said of the loop's own surface where another is delivered."""
 NOT_DROPPED = "this surface was drawn finer than the run has it, and not simulated: only the last iteration is; with --fine it is dropped"
@@ -35,6 +43,8 @@ class Exported(msgspec.Struct, frozen=True, kw_only=True):
         verdict: Verdict on this very surface, None if it was not simulated.
         quality: What the relief did to the surface.
         warnings: What a user should know before printing it, one sentence each.
+        fields: What the fields in it are, with their unit, by name; empty if it holds none.
+        printing: What a 3MF file tells a slicer and what it costs to print; None in other formats.
     """
 
     file: str
@@ -45,6 +55,18 @@ class Exported(msgspec.Struct, frozen=True, kw_only=True):
     verdict: Verdict | None
     quality: Quality
     warnings: tuple[str, ...]
+    fields: dict[str, str] = {}
+    printing: PrintPlan | None = None
+
+
+class _Leaving(NamedTuple):
+    """A surface that leaves a run: without and with its style, the verdict on it, words of warning, and how it was drawn finer."""
+
+    original: SurfaceMesh
+    styled: SurfaceMesh
+    verdict: Verdict | None
+    words: tuple[str, ...]
+    found: Refined | None
 
 
 def exported(
@@ -57,7 +79,9 @@ def exported(
     refinement: Refinement | None = None,
     drop: bool = False,
     name: str = "",
-    textured: bool = False,
+    texture: bool = False,
+    fields: bool = False,
+    printing: Printing = AS_USUAL,
 ) -> Exported:
     """Write the surface of a checkpoint to a file, and what is known of it beside it.
 
@@ -70,38 +94,66 @@ def exported(
         refinement: What draws it again on smaller faces, under the checkpoint's recipe; None for the faces of the run.
         drop: Whether to drop what was drawn again, if that was not done by the run.
         name: What the part is called in the file.
-        textured: Whether its colours are to be a texture, finer than its vertices; in GLB and OBJ.
+        texture: Whether its colours are to be a texture, finer than its vertices; in GLB and OBJ.
+        fields: Whether it is to hold every field that is known of it, such as stress; in GLB and PLY.
+        printing: Filaments and slicer of a 3MF file.
 
     Raises:
         BadInput: If the file cannot be written, or the style cannot be drawn anew.
     """
     state, recipe = store.checkpoint(entry.digest), store.recipe(entry.recipe)
     was_tested = drawn_finer(recipe, entry)
-    check_texture(path, textured=textured)
-    cut = None
+    check_holds(path, texture=texture, fields=fields)
+    printing.check(path)
     if refinement is None:
-        original, styled = part.surface, part.surface.displaced(state.displacement).coloured(state.colour)
-        words = tuple(filter(None, [COARSE if was_tested else unsimulated(store, entry)]))
-        verdict = None if words else state.verdict
+        original, styled, verdict, words, found = _in_its_own_faces(store, part, entry, state, was_tested=was_tested)
     else:
-        found = refinement.of(entry.digest, drop=drop or was_tested)
-        original, styled, cut = found.original, found.styled, found.cut
-        verdict = state.verdict if was_tested else refinement.verdict(found)
-        words = (*(() if was_tested else _of_the_fine_surface(verdict, state.verdict)), *found.notes)
+        original, styled, verdict, words, found = _on_smaller_faces(refinement, entry, state, drop=drop, was_tested=was_tested)
+    known = known_fields(store, lane, part, state) if fields else ()
+    delivered, plan = Delivered(None if found is None else found.cut, styled), None
+    if path.suffix.lower() == ".3mf":
+        plan = write_for_printing(path, delivered, original, part, recipe, printing, name=name)
+    else:
+        drawn = texture_of(store, part, entry, delivered) if texture else None
+        save(styled, path, name=name, texture=drawn, fields={one.quantity.name: _at_vertices(one, found) for one in known})
     measured = quality(original, styled, recipe.material.density)
-    save(styled, path, name=name, texture=texture_of(store, part, entry, Delivered(cut, styled)) if textured else None)
     record = Exported(
-        file=path.name,
-        lane=lane,
-        iteration=entry.iteration,
-        recipe=entry.recipe,
-        fine=refinement is not None,
-        verdict=verdict,
-        quality=measured,
-        warnings=(*words, *measured.warnings),
-    )
+        file=path.name, lane=lane, iteration=entry.iteration, recipe=entry.recipe, fine=refinement is not None, verdict=verdict,
+        quality=measured, warnings=(*words, *measured.warnings), fields={one.quantity.name: _in_words(one) for one in known}, printing=plan,
+    )  # fmt: skip
     write_whole(sidecar(path), msgspec.json.format(to_json(record), indent=2))
     return record
+
+
+def _in_its_own_faces(store: Store, part: Workpiece, entry: Entry, state: Checkpoint, *, was_tested: bool) -> _Leaving:
+    """A checkpoint's surface in the faces of the run; `was_tested` if its test is that of a finer one."""
+    words = tuple(filter(None, [COARSE if was_tested else unsimulated(store, entry)]))
+    styled = part.surface.displaced(state.displacement).coloured(state.colour)
+    return _Leaving(part.surface, styled, None if words else state.verdict, words, None)
+
+
+def _on_smaller_faces(refinement: Refinement, entry: Entry, state: Checkpoint, *, drop: bool, was_tested: bool) -> _Leaving:
+    """The same drawn finer; `was_tested` if that is what the test of the checkpoint is of, else dropped if `drop`."""
+    found = refinement.of(entry.digest, drop=drop or was_tested)
+    verdict = state.verdict if was_tested else refinement.verdict(found)
+    words = (*(() if was_tested else _of_the_fine_surface(verdict, state.verdict)), *found.notes)
+    return _Leaving(found.original, found.styled, verdict, words, found)
+
+
+def _at_vertices(known: Known, found: Refined | None) -> NDArray[np.float32]:
+    """A field at the vertices of what leaves a run; where that is finer than the run, as its own test says, else interpolated."""
+    if found is None:
+        return known.values.astype(np.float32)
+    holder = next((one for one in (found.simulation, found) if hasattr(one, known.quantity.source)), None)
+    if holder is not None:
+        return known.quantity.of(holder).astype(np.float32)
+    return np.asarray(found.cut.interpolation @ known.values.astype(np.float32), np.float32)
+
+
+def _in_words(known: Known) -> str:
+    """What a field is, with its unit and what should be known of its values."""
+    unit = f" [{known.quantity.unit}]" if known.quantity.unit else ""
+    return f"{known.quantity.label}{unit}" + (f"; {known.note}" if known.note else "")
 
 
 def drawn_finer(recipe: Recipe, entry: Entry) -> bool:

@@ -8,7 +8,8 @@ from importlib.metadata import entry_points
 import numpy as np
 
 from mechstyle.errors import BadInput, unknown
-from mechstyle.loop.engine import Bounds, Stylizer
+from mechstyle.loop.bounds import Bounds
+from mechstyle.loop.engine import Stylizer
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import SurfaceMesh
 

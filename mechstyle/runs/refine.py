@@ -23,7 +23,8 @@ from mechstyle.errors import BadInput
 from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.subdivision import Subdivided, refined_to
 from mechstyle.loop import minimum_wall
-from mechstyle.loop.engine import STEP_LIMIT, STYLE_FIELDS, Bounds, Stylizer, advanced
+from mechstyle.loop.bounds import Bounds, advanced
+from mechstyle.loop.engine import STEP_LIMIT, STYLE_FIELDS, Stylizer
 from mechstyle.loop.objects import Objects
 from mechstyle.loop.store import Store
 from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict

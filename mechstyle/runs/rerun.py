@@ -12,10 +12,11 @@ import msgspec
 from mechstyle._files import write_whole
 from mechstyle.errors import BadInput
 from mechstyle.loop.events import Checkpointed, Event
+from mechstyle.loop.objects import AT_REST, MESH_FOR
 from mechstyle.loop.store import Entry, Lane, Store
 from mechstyle.runs import images
 from mechstyle.runs.run import Run
-from mechstyle.simulation.carrying import AT_REST, MESH_FOR, KeptMesh
+from mechstyle.simulation.carrying import KeptMesh
 
 CLOSE = 1e-5
 """Relative difference of a peak stress that another processor may make."""

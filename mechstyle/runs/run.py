@@ -27,10 +27,11 @@ from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict
 from mechstyle.records.material import Material
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh
 from mechstyle.runs import images
-from mechstyle.runs.export import Exported, exported
+from mechstyle.runs.export import AS_USUAL, Exported, exported
 from mechstyle.runs.folders import default_folder, folder_for
 from mechstyle.runs.known_fields import known_fields
 from mechstyle.runs.part_record import PartRecord
+from mechstyle.runs.printing import Printing
 from mechstyle.runs.recipes import changed, draft
 from mechstyle.runs.refine import Refined, Refinement, notes_on
 from mechstyle.runs.session import Session
@@ -76,7 +77,8 @@ class Run:
 
     def __repr__(self) -> str:
         """Folder, lane, prompt and progress."""
-        where = f"iteration {history[-1].iteration} of {self.recipe.iterations}" if (history := self.history) else "not started"
+        history = self.history
+        where = f"iteration {history[-1].iteration} of {self.recipe.iterations}" if history else "not started"
         return f"Run({str(self.store.root)!r}, lane {self.lane!r}, {self.recipe.prompt!r}, {where})"
 
     # what it is
@@ -150,8 +152,7 @@ class Run:
         shown = [stress, with_protected(restraint, bounds_for(self.part, recipe)[0].freedom == 0.0)]
         if fields:
             shown = chosen_panels(look.mesh, known_fields(self.store, self.lane, self.part, state), fields)
-        delivered = self.delivered(iteration)
-        if delivered is not None:
+        if (delivered := self.delivered(iteration)) is not None:
             look = replace(look, mesh=delivered.styled)
         return picture([look, *shown], title=f"{self.record.name}, iteration {state.iteration}")
 
@@ -170,28 +171,36 @@ class Run:
 
         return write_report(self, path, impact=impact)
 
-    def export(self, path: str | Path, iteration: int | None = None, *, fine: bool | None = None, texture: bool = False) -> Path:
-        """Write the delivered surface at an iteration to a file, and what is known of it to `FILE.json`; the suffix decides the format.
+    def export(
+        self, path: str | Path, iteration: int | None = None, *,
+        fine: bool | None = None, texture: bool = False, fields: bool = False, printing: Printing = AS_USUAL,
+    ) -> Path:  # fmt: skip
+        """Write the delivered surface at an iteration to a file, and what is known of it to `FILE.json`.
 
         Args:
-            path: The file.
+            path: The file; its suffix decides the format.
             iteration: None for the last.
-            fine: True to draw the style again on smaller faces and to drop the result if the run did not, False for the faces of the run;
-                None as the recipe has it.
+            fine: True to draw it again on smaller faces and drop that if the run did not, False for the faces of the run, None as it says.
             texture: Whether the colours are to be a texture, as fine as the style or the picture can be drawn; in GLB and OBJ.
+            fields: Whether it is to hold stress, demand and every other known field at its vertices; in GLB and PLY.
+            printing: Slicer and filaments of a 3MF file: `ms.Printing(palette="#111111, #f4f1e8", slicer="bambu")`.
         """
-        for warning in self.exported(path, iteration, fine=fine, texture=texture).warnings:
+        for warning in self.exported(path, iteration, fine=fine, texture=texture, fields=fields, printing=printing).warnings:
             logger.warning("%s: %s", path, warning)
         return Path(path)
 
-    def exported(self, path: str | Path, iteration: int | None = None, *, fine: bool | None = None, texture: bool = False) -> Exported:
+    def exported(
+        self, path: str | Path, iteration: int | None = None, *,
+        fine: bool | None = None, texture: bool = False, fields: bool = False, printing: Printing = AS_USUAL,
+    ) -> Exported:  # fmt: skip
         """As `export`; returns verdict, quality and warnings of the very surface that was written."""
         entry = self.store.find(iteration, self.lane)
         recipe = self.store.recipe(entry.recipe)
         finer = fine or (fine is None and recipe.delivered != 0 and entry.iteration > 0)
-        refinement = self._refinement(self._simulator(recipe)) if finer else None
+        refinement = self._refinement(self.simulator(recipe)) if finer else None
         what = self.store, self.lane, self.part, entry, Path(path)
-        return exported(*what, refinement=refinement, drop=bool(fine), name=self.record.name, textured=texture)
+        named, wanted = self.record.name, bool(fine)
+        return exported(*what, refinement=refinement, drop=wanted, name=named, texture=texture, fields=fields, printing=printing)
 
     def delivered(self, iteration: int | None = None, *, draw: bool = True) -> Refined | None:
         """The surface that was delivered at an iteration, None for the last: drawn finer than the checkpoint, which it is no part of.
@@ -206,7 +215,7 @@ class Run:
         recipe = self.store.recipe(entry.recipe)
         if not entry.final or recipe.delivered == 0:
             return None
-        return self._refinement(self._simulator(recipe)).shown(entry.digest, self._delivered, draw=draw)
+        return self._refinement(self.simulator(recipe)).shown(entry.digest, self._delivered, draw=draw)
 
     def branch(self, iteration: int | None = None, *, lane: str = "", **changes: Any) -> Run:
         """A lane from the checkpoint of an iteration, with other settings; `.go()` carries it on.
@@ -219,20 +228,7 @@ class Run:
             raise BadInput(f"a branch at iteration {entry.iteration} must go beyond it, not to {recipe.iterations}: ask for more")
         images.keep(recipe, self.store)
         fork = Lane(recipe=self.store.put_recipe(recipe), head=entry.digest, forked_from=entry.digest)
-        with exclusive(self.store.root / "locks" / ".branches.lock", "a new branch", wait=True):  # or two could take one name
-            return Run(self.store, self._forked(fork, lane), self.device)
-
-    def _forked(self, fork: Lane, wanted: str) -> str:
-        """Name of the lane of this recipe and fork: one that is there, by the wanted name if there is one, or a new one."""
-        lanes = {name: self.store.lane(name) for name in self.store.lanes()}
-        same = [name for name, lane in lanes.items() if (lane.recipe, lane.forked_from) == (fork.recipe, fork.forked_from)]
-        if found := [name for name in same if wanted in ("", name)]:
-            return found[0]
-        name = wanted or next(f"branch-{number}" for number in range(1, len(lanes) + 2) if f"branch-{number}" not in lanes)
-        if name in lanes:
-            raise BadInput(f"lane {name!r} of {self.store.root} has other settings or another fork; choose another name")
-        self.store.move(name, fork)
-        return name
+        return Run(self.store, self.store.fork(fork, lane), self.device)
 
     def events(self, progress: Progress = no_progress) -> Generator[Event, None, None]:
         """Carry the lane on to its end, yielding what happens; the summary is written at the end.
@@ -273,18 +269,20 @@ class Run:
         """Name more files in the summary, and what a user should know of them."""
         known = self.summary
         named = {**known.files, **{what: str(path) for what, path in files.items()}}
-        self._save(summary := msgspec.structs.replace(known, files=named, notes=tuple(dict.fromkeys((*known.notes, *notes)))))
+        summary = msgspec.structs.replace(known, files=named, notes=tuple(dict.fromkeys((*known.notes, *notes))))
+        self._save(summary)
         return summary
 
     def _engine(self, progress: Progress) -> tuple[Engine, tuple[str, ...]]:
         recipe, part = self.recipe, self.part
         stylizer, notes = stylizer_for(part, recipe, self.device, self.store.objects)
         bounds, protected = bounds_for(part, recipe)
-        simulator = self._simulator(recipe, progress)
+        simulator = self.simulator(recipe, progress)
         delivery = None if recipe.delivered == 0 else self._refinement(simulator)
         return Engine(recipe, part.surface, bounds, stylizer, simulator, self.store, self.lane, delivery), (*protected, *notes)
 
-    def _simulator(self, recipe: Recipe, progress: Progress = no_progress) -> DropSimulator:
+    def simulator(self, recipe: Recipe, progress: Progress = no_progress) -> DropSimulator:
+        """The drop test of the part under a recipe."""
         part, shared = self.part, cached_memo() if self.trusting else None
         return DropSimulator(part.surface, part.tets, recipe, self.store.memo, shared, self.device, progress, at=part.at)
 
@@ -392,7 +390,6 @@ def started(
         origin = Origin.of(part, vertices) if isinstance(part, SurfaceMesh) else origin
         part = made_ready(part, wanted, relief, prepare=prepare, vertices=vertices, device=device, stage=begun)
     recipe = fitted(wanted, part)
-    place = default_folder(recipe) if out is None else out
-    run = begin(part, recipe, place, name=name, device=device, origin=origin, beside=beside)
+    run = begin(part, recipe, default_folder(recipe) if out is None else out, name=name, device=device, origin=origin, beside=beside)
     run.clock.add(clock.seconds())
     return run

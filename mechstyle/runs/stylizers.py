@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from mechstyle._files import clip_folder
 from mechstyle.errors import BadInput
-from mechstyle.loop.engine import Bounds, Stylizer, advanced
+from mechstyle.loop.bounds import Bounds, advanced
+from mechstyle.loop.engine import Stylizer
 from mechstyle.loop.objects import Objects
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import Field, Floats

@@ -1,5 +1,10 @@
 """`application` and the contact sheet on the command line, as far as no simulation is needed."""
 
+import pytest
+from typer.testing import CliRunner
+
+from mechstyle.__main__ import app
+
 
 def test_applications_are_listed_with_model_and_style(mechstyle):
     listed = mechstyle("application", "--json").json["applications"]
@@ -17,6 +22,11 @@ def test_an_unknown_application_is_one_sentence(mechstyle):
     assert "did you mean 'eyeglasses'" in refused
 
 
-def test_a_sheet_that_cannot_be_written_is_refused_before_it_is_drawn(mechstyle):
-    for path in ("styles.jpg", "nowhere/styles.png"):
-        assert ".png file in a folder that exists" in mechstyle("styles", "--sheet", path, "--json", code=2).json["error"]
+@pytest.mark.parametrize("path", ["sheet.jpg", "nowhere/sheet.png"])
+@pytest.mark.parametrize(("what", "drawn"), [("styles", "style_sheet.contact_sheet"), ("gallery", "model_sheet.model_sheet")])
+def test_a_sheet_that_cannot_be_written_is_refused_before_it_is_drawn(what, drawn, path, monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(f"mechstyle.gallery.{drawn}", lambda **_: pytest.fail("it was drawn, which takes minutes"))
+    refused = CliRunner().invoke(app, [what, "--sheet", path, "--json"])
+    assert refused.exit_code == 2
+    assert ".png file in a folder that exists" in refused.output

@@ -15,6 +15,7 @@ import pytest
 import trimesh
 
 from mechstyle.errors import BadInput
+from mechstyle.geometry.filaments import clustered
 from mechstyle.loop.events import Checkpointed
 from mechstyle.loop.store import Store
 from mechstyle.records.mesh import TetMesh
@@ -146,6 +147,19 @@ def test_log_lists_both_lanes_with_reasons(branched):
 def test_a_branch_needs_an_iteration_that_exists(finished):
     line, root, _ = finished
     assert "holds 0 to 12" in line("branch", f"{root}@99", "--control", "linear", code=2).stderr
+
+
+def test_a_run_says_what_its_painted_file_costs_and_an_export_in_ones_own_filaments(finished):
+    line, root, told = finished
+    assert any(note.startswith("the 3MF is painted in 4 chosen colours, estimated at") for note in told["notes"])
+    mine = clustered(Run.open(root, "cpu").surface().colours, 2)
+    shown = line("export", root, "--palette", ",".join(mine), "--out", "mine.3mf").stdout
+    assert f"1 {mine[0]}" in shown
+    assert f"2 {mine[1]}" in shown
+    assert "layers" in shown
+    assert "fewer changes: " in shown
+    refused = line("export", root, "--palette", "red", "--out", "mine.3mf", code=2).stderr
+    assert "'red' is no colour of a palette" in refused
 
 
 @pytest.mark.parametrize("form", ["3mf", "glb", "obj", "ply", "stl"])

@@ -3,7 +3,9 @@
 import io
 import json
 import struct
+from itertools import pairwise
 
+import meshio
 import numpy as np
 import pytest
 import trimesh
@@ -75,6 +77,43 @@ def test_a_viewer_finds_the_same_solid(cube, tmp_path):
     back = trimesh.load(save(cube.coloured(colours(cube)), tmp_path / "cube.glb"), force="mesh")
     assert back.is_watertight
     assert back.volume == pytest.approx(1e-6)
+
+
+# --- fields over the surface --------------------------------------------------------------------------------------
+
+
+FIELDS = {"stress": np.arange(8, dtype=np.float32) * 1.5, "safety_factor": np.linspace(10.0, 0.0, 8, dtype=np.float32)}
+
+
+@pytest.mark.parametrize("painted", [False, True])
+def test_fields_are_attributes_with_an_underscore_at_every_vertex_and_of_a_kind_the_specification_allows(cube, painted):
+    document, array = parsed(glb_bytes(cube, "cube", textured(cube) if painted else None, FIELDS))
+    attributes = document["meshes"][0]["primitives"][0]["attributes"]
+    assert {name for name in attributes if name.startswith("_")} == {"_STRESS", "_SAFETY_FACTOR"}
+    accessors = [document["accessors"][number] for number in attributes.values()]
+    assert len({accessor["count"] for accessor in accessors}) == 1
+    for name, values in FIELDS.items():
+        accessor = document["accessors"][attributes[f"_{name.upper()}"]]
+        assert (accessor["componentType"], accessor["type"]) == (5126, "SCALAR")
+        assert np.array_equal(array(attributes[f"_{name.upper()}"])[:, 0], values[cube.faces.ravel()] if painted else values)
+    views = document["bufferViews"]
+    assert all(one["byteOffset"] + one["byteLength"] <= two["byteOffset"] for one, two in pairwise(views))
+
+
+def test_programs_read_the_fields_back(cube, tmp_path):
+    there = trimesh.load(save(cube, tmp_path / "cube.glb", fields=FIELDS), force="mesh", process=False)
+    assert np.array_equal(there.vertex_attributes["_STRESS"][:, 0], FIELDS["stress"])
+    back = meshio.read(save(cube.coloured(colours(cube)), tmp_path / "cube.ply", fields=FIELDS))
+    assert np.allclose(back.points, cube.vertices)
+    assert all(np.array_equal(back.point_data[name], values) for name, values in FIELDS.items())
+    assert "red" in back.point_data
+
+
+@pytest.mark.parametrize("suffix", ["stl", "obj", "3mf"])
+def test_other_formats_hold_no_fields(cube, tmp_path, suffix):
+    with pytest.raises(BadInput, match="holds no fields; use glb or ply"):
+        save(cube, tmp_path / f"cube.{suffix}", fields=FIELDS)
+    assert list(tmp_path.iterdir()) == []
 
 
 # --- textures -----------------------------------------------------------------------------------------------------

@@ -1,18 +1,28 @@
-"""3MF packages: valid against what the specification asks of a mesh, exact, deterministic, with few colours."""
+"""3MF packages: valid against what the specification asks of a mesh, exact, deterministic, in few colours, painted for slicers."""
 
 import io
-import warnings
+import json
+import os
+import re
+import shutil
+import subprocess
 import zipfile
+from collections import Counter
 from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
 
-from mechstyle.geometry import threemf
-from mechstyle.geometry.threemf import MOST_COLOURS, reduced_colours, threemf_bytes
+from mechstyle.errors import BadInput
+from mechstyle.geometry.bodies import shell_and_rest
+from mechstyle.geometry.filaments import MOST, Painted, clustered, display, nearest
+from mechstyle.geometry.threemf import SLICERS, Body, bodies_bytes, threemf_bytes
+from support.painting import decoded, state_at
 
 CORE = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
 MATERIAL = "{http://schemas.microsoft.com/3dmanufacturing/material/2015/02}"
+PRUSA = "{http://schemas.slic3r.org/3mf/2017/06}mmu_segmentation"
+FOUR = ("#111111", "#F4F1E8", "#C0392B", "#2980B9")
 
 
 def rainbow(count):
@@ -20,9 +30,13 @@ def rainbow(count):
     return np.random.default_rng(4).random((count, 3)).astype(np.float32)
 
 
-def model_of(mesh):
-    with zipfile.ZipFile(io.BytesIO(threemf_bytes(mesh))) as package:
+def model_in(content):
+    with zipfile.ZipFile(io.BytesIO(content)) as package:
         return ET.fromstring(package.read("3D/3dmodel.model"))
+
+
+def model_of(mesh):
+    return model_in(threemf_bytes(mesh))
 
 
 def written_colours(model):
@@ -32,6 +46,17 @@ def written_colours(model):
     triangles = model.findall(f".//{CORE}triangle")
     assert {triangle.get("pid") for triangle in triangles} == {group.get("id")}
     return palette[[[int(triangle.get(p)) for p in ("p1", "p2", "p3")] for triangle in triangles]]
+
+
+def sectors(mesh):
+    """The mesh in four filaments around its axis, borders and meeting points included."""
+    x, y, _ = mesh.vertices.T
+    return Painted(mesh, FOUR, (2 * (x > 0.0) + (y > 0.0)).astype(np.int32))
+
+
+def two_bodies(sphere):
+    shell, rest = shell_and_rest(sphere, sphere, sphere.vertices[:, 2] > 0.0, np.full(len(sphere.vertices), 20.0))
+    return [Body("styled <shell>", shell, 1), Body("rest", rest, 0)]
 
 
 # --- the package --------------------------------------------------------------------------------------------------
@@ -81,12 +106,13 @@ def test_few_colours_are_written_to_every_corner_exactly(cube):
     assert np.array_equal(written_colours(model_of(cube.coloured(colours))), np.round(colours * 255).astype(np.uint8)[cube.faces])
 
 
-def test_many_colours_are_written_as_the_palette(sphere):
+def test_many_colours_are_written_as_sixteen(sphere):
     colours = 0.5 + 0.05 * sphere.vertices.astype(np.float32)
-    palette, index = reduced_colours(colours)
+    palette = clustered(colours, MOST)
     model = model_of(sphere.coloured(colours))
-    assert len(model.find(f".//{MATERIAL}colorgroup")) == len(palette) <= MOST_COLOURS
-    assert np.array_equal(written_colours(model), palette[index][sphere.faces])
+    assert len(model.find(f".//{MATERIAL}colorgroup")) == len(palette) <= MOST
+    written = np.round(display(palette)[nearest(colours, palette)] * 255).astype(np.uint8)
+    assert np.array_equal(written_colours(model), written[sphere.faces])
 
 
 def test_the_same_mesh_gives_the_same_bytes(sphere):
@@ -94,68 +120,162 @@ def test_the_same_mesh_gives_the_same_bytes(sphere):
     assert threemf_bytes(mesh) == threemf_bytes(mesh)
 
 
-# --- the palette --------------------------------------------------------------------------------------------------
+# --- painted for slicers ------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("count", [1, 2, MOST_COLOURS])
-def test_few_colours_are_kept_exactly(count):
-    colours = np.tile(rainbow(count), (3, 1))
-    palette, index = reduced_colours(colours)
-    assert len(palette) == count
-    assert np.array_equal(palette[index], np.round(colours * 255).astype(np.uint8))
+@pytest.mark.parametrize("slicer", SLICERS)
+def test_the_words_of_a_painted_file_give_each_corner_its_filament(sphere, slicer):
+    paint = sectors(sphere)
+    model = model_in(threemf_bytes(sphere, paint=paint, slicer=slicer))
+    key, other = (PRUSA, "paint_color") if slicer in ("standard", "prusa") else ("paint_color", PRUSA)
+    triangles = model.findall(f".//{CORE}triangle")
+    trees = [decoded(triangle.get(key)) for triangle in triangles]
+    found = [[state_at(tree, place) for place in np.eye(3)] for tree in trees]
+    assert np.array_equal(found, paint.filament[sphere.faces] + 1)
+    assert not any(triangle.get(other) for triangle in triangles)
+    assert np.array_equal(written_colours(model), np.round(display(FOUR) * 255)[paint.filament][sphere.faces])
+    assert [entry.text for entry in model.findall(f"{CORE}metadata") if entry.get("name") == "Application"] == ["MechStyle"]
 
 
-def test_colours_out_of_range_are_clipped():
-    palette, index = reduced_colours(np.array([(-1.0, 0.5, 2.0)], dtype=np.float32))
-    assert palette[index].tolist() == [[0, 128, 255]]
+def test_two_names_of_a_slicer_are_one_file(cube):
+    made = {slicer: threemf_bytes(cube, paint=sectors(cube), slicer=slicer) for slicer in SLICERS}
+    assert made["standard"] == made["prusa"] != made["bambu"] == made["orca"]
 
 
-@pytest.mark.parametrize("most", [2, 5, 48])
-def test_a_palette_has_no_more_colours_than_asked_for_all_used_and_different(most):
-    palette, index = reduced_colours(rainbow(3000), most)
-    assert 1 < len(palette) <= most
-    assert np.array_equal(np.unique(index), np.arange(len(palette)))
-    assert len(np.unique(palette, axis=0)) == len(palette)
+def test_settings_name_the_filaments_and_never_claim_to_be_another_program(cube):
+    with zipfile.ZipFile(io.BytesIO(threemf_bytes(cube, 'a "part"', paint=sectors(cube), slicer="orca", filament_type="PETG"))) as package:
+        project = json.loads(package.read("Metadata/project_settings.config"))
+        objects = ET.fromstring(package.read("Metadata/model_settings.config"))
+        assert b"BambuStudio" not in b"".join(package.read(name) for name in package.namelist())
+    assert project["filament_colour"] == [f"{colour}FF" for colour in FOUR]
+    assert project["filament_type"] == ["PETG"] * 4
+    facts = {fact.get("key"): fact.get("value") for fact in objects.find("object")}
+    assert facts == {"name": 'a "part"', "extruder": "1"}
 
 
-def test_a_palette_stays_close_to_smooth_colours():
-    """48 cells in the unit cube are about 48^(-1/3) = 0.28 wide, and a point of a cube is 0.48 of its width from the middle (rms)."""
-    colours = rainbow(3000)
-    palette, index = reduced_colours(colours)
-    assert np.sqrt(((palette[index] / 255 - colours) ** 2).sum(axis=1).mean()) < 0.5 * MOST_COLOURS ** (-1 / 3) * 1.1
+def test_an_unknown_slicer_is_refused(cube):
+    with pytest.raises(BadInput, match="cura"):
+        threemf_bytes(cube, slicer="cura")
 
 
-def test_separate_hues_are_told_apart():
-    """Three clouds wide by a tenth, a palette of three: one colour each, near their middles."""
-    middles = np.array([(0.9, 0.1, 0.1), (0.1, 0.9, 0.1), (0.1, 0.1, 0.9)])
-    colours = np.repeat(middles, 200, axis=0) + np.random.default_rng(1).uniform(-0.1, 0.1, (600, 3))
-    palette, index = reduced_colours(colours.astype(np.float32), 3)
-    assert np.abs(palette[index].reshape(3, 200, 3) / 255 - middles[:, None]).max() < 0.02
+def test_two_bodies_are_stretches_of_one_object_for_prusaslicer(sphere):
+    bodies = two_bodies(sphere)
+    content = bodies_bytes(bodies, FOUR, slicer="prusa")
+    colours = written_colours(model_in(content))
+    with zipfile.ZipFile(io.BytesIO(content)) as package:
+        volumes = ET.fromstring(package.read("Metadata/Slic3r_PE_model.config")).findall("object/volume")
+    for body, volume in zip(bodies, volumes, strict=True):
+        facts = {fact.get("key"): fact.get("value") for fact in volume}
+        stretch = colours[int(volume.get("firstid")) : int(volume.get("lastid")) + 1]
+        assert len(stretch) == len(body.mesh.faces)
+        assert facts == {"name": body.name, "extruder": str(body.filament + 1)}
+        assert (stretch == np.round(display(FOUR) * 255)[body.filament]).all()
 
 
-def test_a_cluster_that_runs_empty_is_a_colour_less_and_no_warning(monkeypatch):
-    """Rare, so the clustering stands in here; under pytest a warning would be an error."""
-
-    def clusters(points, count, **_):
-        warnings.warn("One of the clusters is empty.", stacklevel=1)
-        return np.linspace(0, 1, count)[:, None].repeat(3, axis=1), np.full(len(points), 2)
-
-    monkeypatch.setattr(threemf, "kmeans2", clusters)
-    palette, index = reduced_colours(rainbow(100), 3)
-    assert palette.tolist() == [[255, 255, 255]]
-    assert index.tolist() == [0] * 100
-
-
-def test_rare_colours_do_not_spoil_the_common_one():
-    colours = np.full((5000, 3), 0.5, dtype=np.float32)
-    colours[:60] += np.linspace(0, 0.4, 60, dtype=np.float32)[:, None]
-    palette, index = reduced_colours(colours)
-    assert len(palette) <= MOST_COLOURS
-    assert np.abs(palette[index] / 255 - colours).max() < 0.03
+def test_two_bodies_are_components_of_one_object_for_the_others(sphere):
+    bodies = two_bodies(sphere)
+    content = bodies_bytes(bodies, FOUR, slicer="bambu")
+    model = model_in(content)
+    whole = model.find(f"{CORE}build/{CORE}item").get("objectid")
+    objects = {thing.get("id"): thing for thing in model.iter(f"{CORE}object")}
+    parts = [entry.get("objectid") for entry in objects[whole].iter(f"{CORE}component")]
+    assert [objects[part].get("pindex") for part in parts] == ["1", "0"]
+    with zipfile.ZipFile(io.BytesIO(content)) as package:
+        named = ET.fromstring(package.read("Metadata/model_settings.config")).find("object")
+    assert named.get("id") == whole
+    found = {part.get("id"): part.find("metadata[@key='extruder']").get("value") for part in named.findall("part")}
+    assert found == dict(zip(parts, ("2", "1"), strict=True))
 
 
-def test_the_same_colours_give_the_same_palette():
-    colours = rainbow(1000)
-    first, second = reduced_colours(colours), reduced_colours(colours)
-    assert np.array_equal(first[0], second[0])
-    assert np.array_equal(first[1], second[1])
+# --- as others read it --------------------------------------------------------------------------------------------
+
+
+def read_by_lib3mf(path, *, strict):
+    """Warnings by their number, and whether each mesh is manifold and oriented, as the 3MF Consortium's own reader has it."""
+    if os.environ.get("MECHSTYLE_SKIP_NOTHING") is None:
+        pytest.importorskip("lib3mf", reason="NO LIB3MF: files were NOT read in its strict mode; pip install lib3mf")
+    from lib3mf import get_wrapper  # noqa: PLC0415 — see above
+
+    model = get_wrapper().CreateModel()
+    reader = model.QueryReader("3mf")
+    reader.SetStrictModeActive(strict)
+    reader.ReadFromFile(str(path))
+    meshes = model.GetMeshObjects()
+    sound = []
+    while meshes.MoveNext():
+        sound.append(meshes.GetCurrentMeshObject().IsManifoldAndOriented())
+    return Counter(reader.GetWarning(number)[0] for number in range(reader.GetWarningCount())), sound
+
+
+def test_a_painted_file_is_strict(sphere, tmp_path):
+    (tmp_path / "part.3mf").write_bytes(threemf_bytes(sphere, paint=sectors(sphere)))
+    assert read_by_lib3mf(tmp_path / "part.3mf", strict=True) == ({}, [True])
+
+
+def test_a_file_of_two_bodies_is_strict(sphere, tmp_path):
+    for slicer, objects in (("prusa", 1), ("bambu", 2)):
+        (tmp_path / "part.3mf").write_bytes(bodies_bytes(two_bodies(sphere), FOUR, slicer=slicer))
+        assert read_by_lib3mf(tmp_path / "part.3mf", strict=True) == ({}, [True] * objects)
+
+
+def test_the_file_for_bambu_studio_departs_from_the_standard_in_its_painting_alone(sphere, tmp_path):
+    """Number 32935: an attribute that is not in the namespace."""
+    (tmp_path / "part.3mf").write_bytes(threemf_bytes(sphere, paint=sectors(sphere), slicer="bambu"))
+    assert read_by_lib3mf(tmp_path / "part.3mf", strict=False) == ({32935: len(sphere.faces)}, [True])
+
+
+def prusa_slicer(*arguments):
+    """Run PrusaSlicer without its window."""
+    if shutil.which("prusa-slicer") is None:
+        assert "MECHSTYLE_SKIP_NOTHING" not in os.environ, "there is no prusa-slicer on PATH"
+        pytest.skip("NO PRUSASLICER: painted files were NOT sliced; apt-get install --no-install-recommends prusa-slicer")
+    subprocess.run(["prusa-slicer", *map(str, arguments)], capture_output=True, check=True)
+
+
+MACHINE = (
+    *("--nozzle-diameter=0.4,0.4,0.4,0.4", "--filament-diameter=1.75,1.75,1.75,1.75", "--temperature=210,210,210,210"),
+    *("--single-extruder-multi-material", "--layer-height=0.3", "--first-layer-height=0.3", "--fill-density=0%", "--skirts=0"),
+)
+
+
+def tools_by_height(gcode):
+    """Which tools lay plastic at each height [mm]."""
+    found, tool, height = {}, 0, 0.0
+    for line in gcode.splitlines():
+        if re.fullmatch(r"T\d", line):
+            tool = int(line[1])
+        elif place := re.search(r"^G1 Z([\d.]+)", line):
+            height = float(place[1])
+        elif re.search(r"^G1 X\S+ Y\S+ E[\d.]", line):
+            found.setdefault(height, set()).add(tool)
+    return found
+
+
+def test_prusaslicer_gives_our_words_back(sphere, tmp_path):
+    (tmp_path / "part.3mf").write_bytes(threemf_bytes(sphere, paint=sectors(sphere)))
+    prusa_slicer("--export-3mf", "-o", tmp_path / "back.3mf", tmp_path / "part.3mf")
+    ours, theirs = (
+        [triangle.get(PRUSA) for triangle in model_in((tmp_path / name).read_bytes()).iter(f"{CORE}triangle")]
+        for name in ("part.3mf", "back.3mf")
+    )
+    assert ours == theirs
+
+
+def test_prusaslicer_prints_each_layer_with_the_filaments_that_are_there(cube, tmp_path):
+    """One vertex of the cube below and one above are of other filaments: cut at the middles of the sides, they begin at half the height."""
+    filament = np.zeros(8, dtype=np.int32)
+    filament[[0, 7]] = 1, 2  # the corners (0, 0, 0) and (10, 10, 10)
+    (tmp_path / "part.3mf").write_bytes(threemf_bytes(cube, paint=Painted(cube, FOUR, filament)))
+    prusa_slicer("--export-gcode", *MACHINE, "-o", tmp_path / "part.gcode", tmp_path / "part.3mf")
+    found = tools_by_height((tmp_path / "part.gcode").read_text())
+    assert set().union(*(tools for height, tools in found.items() if 1.0 < height < 4.5)) == {0, 1}
+    assert set().union(*(tools for height, tools in found.items() if 5.5 < height < 9.0)) == {0, 2}
+
+
+def test_prusaslicer_prints_two_bodies_with_two_filaments(cube, tmp_path):
+    shell, rest = shell_and_rest(cube, cube, np.ones(8, dtype=bool), np.full(8, 10.0))
+    (tmp_path / "part.3mf").write_bytes(bodies_bytes([Body("shell", shell, 1), Body("rest", rest, 0)], FOUR))
+    prusa_slicer("--export-gcode", *MACHINE, "-o", tmp_path / "part.gcode", tmp_path / "part.3mf")
+    found = tools_by_height((tmp_path / "part.gcode").read_text())
+    assert found[min(found)] == {1}
+    assert all(tools == {0, 1} for height, tools in found.items() if 2.0 < height < 8.0)

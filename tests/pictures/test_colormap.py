@@ -1,8 +1,9 @@
 import numpy as np
 import pytest
 
+from mechstyle._colour import from_oklab, linear_to_srgb, oklab, srgb_to_linear
 from mechstyle.errors import BadInput
-from mechstyle.pictures.colormap import Scale, field_colours, hatch, linear_to_srgb, oklab, srgb_to_linear
+from mechstyle.pictures.colormap import Scale, field_colours, hatch
 
 # Linear RGB as seen without one kind of cone (Machado, Oliveira and Fernandes 2009, severity 1).
 DEFICIENCIES = {
@@ -16,6 +17,11 @@ RAMP = Scale(0.0, 1.0).colours(np.linspace(0.0, 1.0, 256))
 def test_oklab_of_white_and_of_pure_red():
     assert oklab([1.0, 1.0, 1.0]) == pytest.approx([1.0, 0.0, 0.0], abs=1e-6)
     assert oklab([1.0, 0.0, 0.0]) == pytest.approx([0.62796, 0.22486, 0.12585], abs=1e-4)  # Ottosson 2020
+
+
+def test_oklab_goes_back():
+    colours = np.random.default_rng(0).random((50, 3))
+    assert from_oklab(oklab(colours)) == pytest.approx(colours, abs=1e-9)
 
 
 def test_equal_steps_look_equal():

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from mechstyle.errors import BadInput
+from mechstyle.pictures.panels import Picture
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import TetMesh
 from mechstyle.runs import run as module
@@ -83,3 +84,8 @@ def test_other_fields_are_shown_instead_if_they_are_asked_for(run, monkeypatch):
     assert factor.values.min() == pytest.approx(run.checkpoint(20).verdict.as_placed.safety_factor, rel=1e-5)
     with pytest.raises(BadInput, match="unknown field 'safety'"):
         run.show(20, fields=["safety"])
+
+
+def test_a_picture_says_its_size_and_not_its_bytes():
+    """What a notebook keeps of a picture besides the picture was three times as large."""
+    assert repr(Picture(b"\x89" * 226_400)) == "Picture(226 kB)"

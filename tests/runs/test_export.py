@@ -5,9 +5,11 @@ from __future__ import annotations
 import json
 import logging
 import shutil
+import zipfile
 from dataclasses import replace
 from itertools import pairwise
 
+import meshio
 import msgspec
 import numpy as np
 import pytest
@@ -18,6 +20,7 @@ from mechstyle.geometry.subdivision import Subdivided, subdivided
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs import refine as module
 from mechstyle.runs.export import COARSE, NOT_DROPPED, Exported, sidecar, unsimulated
+from mechstyle.runs.printing import Printing
 from mechstyle.runs.refine import INTERPOLATED, MOST_PARTS
 from mechstyle.runs.run import Run, stylize
 from mechstyle.styling.drawn import ProceduralStylizer, Target
@@ -64,6 +67,61 @@ def test_a_relief_reduced_after_its_simulation_has_no_verdict(run):
     for factor, said in ((0.5, "the relief was reduced right after"), (1.0, "")):
         after = replace(state, share=state.share * np.float32(factor), parent=parent)
         assert unsimulated(run.store, run.store.entry(run.store.put_checkpoint(after))).partition(" this iteration")[0] == said
+
+
+# --- for a slicer -------------------------------------------------------------------------------------------------
+
+
+def test_a_3mf_is_painted_in_four_filaments_and_says_what_it_costs(coarse, tmp_path):
+    plan = coarse.exported(tmp_path / "part.3mf").printing
+    assert (plan.slicer, len(plan.palette)) == ("standard", 4)
+    assert plan.cost.layers == pytest.approx(20.0 / 0.2, abs=10)  # a box 20 mm high
+    assert plan.cost.changes > plan.offers[-1].changes
+    assert b"mmu_segmentation" in zipfile.ZipFile(tmp_path / "part.3mf").read("3D/3dmodel.model")
+    assert msgspec.json.decode(sidecar(tmp_path / "part.3mf").read_bytes(), type=Exported).printing == plan
+
+
+def test_the_filaments_of_the_user_are_in_the_file_in_their_order(coarse, tmp_path):
+    wanted = ("#0000FF", "#111111", "#F4F1E8")
+    plan = coarse.exported(tmp_path / "part.3mf", printing=Printing(palette=wanted, slicer="bambu")).printing
+    assert plan.palette == wanted
+    assert "#0000FF" not in plan.cost.palette, "no marble is blue, so slot 1 stays unused"
+    settings = json.loads(zipfile.ZipFile(tmp_path / "part.3mf").read("Metadata/project_settings.config"))
+    assert settings["filament_colour"] == [f"{colour}FF" for colour in wanted]
+
+
+def test_bands_take_few_changes_and_offer_none(coarse, tmp_path):
+    plan = coarse.exported(tmp_path / "part.3mf", printing=Printing(colours=3, bands=True)).printing
+    assert len(plan.cost.palette) == 3
+    assert plan.cost.changes < 2 * 15, "edges of 2 mm make a border 10 layers and more"
+    assert plan.offers == ()
+
+
+def test_two_bodies_fill_the_part_of_the_file(coarse, tmp_path):
+    plan = coarse.exported(tmp_path / "part.3mf", printing=Printing(bodies=True)).printing
+    assert len(plan.palette) == 2
+    assert plan.cost.changes > 0.5 * plan.cost.layers, "most layers have shell and rest"
+    written = trimesh.load_mesh(tmp_path / "part.3mf")
+    assert written.volume == pytest.approx(coarse.surface().volume, rel=1e-6)
+    assert len(written.faces) > len(coarse.part.surface.faces)
+
+
+@pytest.mark.parametrize(
+    ("name", "printing", "said"),
+    [
+        ("part.3mf", Printing(slicer="cura"), "cura"),
+        ("part.stl", Printing(slicer="prusa"), "3MF only"),
+        ("part.3mf", Printing(palette="#111111,#222222", colours=3), "contradict"),
+        ("part.3mf", Printing(bands=True, bodies=True), "contradict"),
+        ("part.3mf", Printing(colours=1), "2 to 16"),
+        ("part.3mf", Printing(palette="#111111"), "2 to 16"),
+    ],
+)
+def test_what_cannot_be_printed_is_refused_before_anything_is_drawn(run, tmp_path, monkeypatch, name, printing, said):
+    monkeypatch.setattr(Run, "_refinement", lambda *_: None)
+    with pytest.raises(BadInput, match=said):
+        run.exported(tmp_path / name, printing=printing)
+    assert not (tmp_path / name).exists()
 
 
 def undroppable(*_arguments, **_options):
@@ -139,6 +197,25 @@ def test_the_loops_own_surface_has_no_verdict_where_a_finer_one_was_dropped(run,
     assert len(trimesh.load(tmp_path / "part.stl").faces) == len(run.part.surface.faces)
 
 
+def test_a_file_with_fields_holds_what_the_test_of_that_very_surface_says(run, finer, tmp_path, dropless):
+    written = run.exported(tmp_path / "part.ply", fields=True)
+    found = meshio.read(tmp_path / "part.ply").point_data
+    assert np.array_equal(found["stress"], finer.simulation.stress)
+    assert found["stress"].max() == pytest.approx(run.verdict.deciding.value, rel=1e-6)
+    assert np.array_equal(found["displacement"], finer.displacement)
+    assert np.allclose(found["restraint"], finer.cut.interpolation @ (1.0 - run.checkpoint().mask), atol=1e-6), "it is the loop's"
+    assert written.fields["stress"] == "von Mises stress at the surface [MPa]"
+    assert set(written.fields) == set(found) - {"red", "green", "blue", "alpha"}
+
+
+def test_the_fields_of_the_run_s_own_faces_are_those_of_the_checkpoint_and_say_their_age(run, tmp_path):
+    written = run.exported(tmp_path / "part.ply", 4, fine=False, fields=True)
+    found, state = meshio.read(tmp_path / "part.ply").point_data, run.checkpoint(4)
+    assert np.array_equal(found["stress"], state.stress)
+    assert np.array_equal(found["demand"], state.demand)
+    assert written.fields["stress"].endswith("simulated at iteration 3")
+
+
 def test_an_iteration_before_the_last_is_drawn_finer_and_not_dropped(run, tmp_path, dropless):
     written = run.exported(tmp_path / "part.stl", 4)
     assert written.fine
@@ -155,10 +232,10 @@ def test_a_run_that_delivers_its_own_surface_can_be_drawn_finer_and_dropped_late
 
 
 def test_a_relief_that_was_removed_is_the_unstylized_part(run, dropless):
-    found = run._refinement(run._simulator(run.recipe))
+    found = run._refinement(run.simulator(run.recipe))
     state = run.checkpoint()
     removed = found.tested(replace(state, displacement=np.zeros_like(state.displacement), parent=run.store.lane().head))
-    original = run._simulator(run.recipe).baseline
+    original = run.simulator(run.recipe).baseline
     assert removed.as_placed == original.as_placed
     assert np.array_equal(removed.stress, original.stress)
 

@@ -50,7 +50,7 @@ def test_a_run_that_goes_on_on_another_machine_keeps_the_tetrahedra_it_was_compa
     """The unstylized part has tetrahedra of its own: they were in the cache of one machine only, and peaks moved by some percent."""
     monkeypatch.setattr("mechstyle.geometry.tetrahedra.tetwild", no_meshing)
     run = Run(block.store, "main")
-    simulator = run._simulator(run.recipe)
+    simulator = run.simulator(run.recipe)
     again = simulator.simulate(simulator._at_rest.surface.vertices[:, 0].astype("f4") * 0, thorough=True)
     assert again.as_placed == run.simulation(0).as_placed
 

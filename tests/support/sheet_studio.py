@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from mechstyle.geometry.files import save
-from mechstyle.loop.engine import Bounds, Engine
+from mechstyle.loop.bounds import Bounds
+from mechstyle.loop.engine import Engine
 from mechstyle.records.mesh import SurfaceMesh, TetMesh
 from mechstyle.runs.run import Run
 from mechstyle.simulation.impact import Impact

@@ -27,7 +27,7 @@ def joined(parts: Iterable[Markup]) -> Markup:
 def table(heads: Iterable[str], rows: Iterable[Iterable[object]], caption: str, kind: str = "") -> Markup:
     """A table with a caption for screen readers; the first cell of a row is its head."""
     return fill(
-        '<div class="scroll"><table class="{kind}"><caption>{caption}</caption>'
+        '<div class="scroll" tabindex="0" role="region" aria-label="{caption}"><table class="{kind}"><caption>{caption}</caption>'
         "<thead><tr>{heads}</tr></thead><tbody>{rows}</tbody></table></div>",
         caption=caption,
         kind=kind,

@@ -28,7 +28,7 @@ from mechstyle.runs.report.run_protocol import LaneOfRun, begun
 from mechstyle.runs.report.static_view import still
 from mechstyle.runs.report.timeline import timeline
 
-TOOLS = ("numpy", "scipy", "trimesh", "manifold3d", "gpytoolbox", "pytetwild", "warp-lang")
+TOOLS = ("numpy", "scipy", "trimesh", "manifold3d", "pytetwild", "warp-lang")
 """Libraries whose version can change a figure."""
 
 

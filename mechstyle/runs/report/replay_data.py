@@ -19,10 +19,11 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from mechstyle._colour import linear_to_srgb
 from mechstyle.loop.history import Row, per_iteration
 from mechstyle.loop.objects import Objects
 from mechstyle.pictures import shading
-from mechstyle.pictures.colormap import ABOVE, LINE, STRIPE, UNKNOWN, Scale, linear_to_srgb
+from mechstyle.pictures.colormap import ABOVE, LINE, STRIPE, UNKNOWN, Scale
 from mechstyle.pictures.fields import Quantity, quantities
 from mechstyle.records import Verdict
 from mechstyle.records.mesh import SurfaceMesh

@@ -17,8 +17,9 @@ SHAPES = {
     "VIABLE": '<circle r="6"/>',
     "FAILS": '<path d="M-6-6 6 6M-6 6 6-6"/>',
     "UNKNOWN": '<path d="M0-7 7 0 0 7-7 0Z"/>',
+    "MARGINAL": '<path d="M0-7 7 6-7 6Z"/>',
 }
-"""A mark for each outcome: told by shape, and only then by colour."""
+"""A mark for each outcome in one word: told by shape, and only then by colour."""
 
 
 def timeline(told: Sequence[Step], last: int) -> Markup:
@@ -66,13 +67,14 @@ def ticks(top: float, about: int) -> Iterator[float]:
 def _mark(step: Step, x: float, y: float) -> Markup:
     decides = step.verdict.deciding
     figures = "" if step.verdict.outcome == "UNKNOWN" else f", peak {decides.value:.1f} of {decides.limit:.1f} MPa"
-    words = f"iteration {step.iteration}: {step.verdict.outcome}{figures}; {step.reason}"
+    unsure = ", marginal" if step.verdict.marginal else ""
+    words = f"iteration {step.iteration}: {step.verdict.outcome}{unsure}{figures}; {step.reason}"
     return fill(
         '<g class="mark {kind}" transform="translate({x} {y})" data-iteration="{iteration}"'
         ' role="button" tabindex="0" aria-label="{words}">'
         '<title>{words}</title><circle class="reach" r="14"/>{shape}</g>',
-        kind=step.verdict.outcome.lower(), x=f"{x:.1f}", y=f"{y:.1f}", iteration=step.iteration, words=words,
-        shape=Markup(SHAPES[step.verdict.outcome]),
+        kind=step.verdict.word.lower(), x=f"{x:.1f}", y=f"{y:.1f}", iteration=step.iteration, words=words,
+        shape=Markup(SHAPES[step.verdict.word]),
     )  # fmt: skip
 
 

@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from mechstyle.loop.engine import Bounds, Stylizer
+from mechstyle.loop.bounds import Bounds
+from mechstyle.loop.engine import Stylizer
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.styling.dimensions import Dimensions

@@ -7,6 +7,7 @@ import json
 import re
 from html.parser import HTMLParser
 
+import msgspec
 import pytest
 
 from mechstyle.errors import BadInput
@@ -16,7 +17,7 @@ from mechstyle.records.recipe import described
 from mechstyle.runs.report import texts
 from mechstyle.runs.report.page import report_page, write_report
 from mechstyle.runs.report.replay_data import replay_data
-from mechstyle.runs.report.timeline import ticks
+from mechstyle.runs.report.timeline import SHAPES, ticks, timeline
 
 
 class Reader(HTMLParser):
@@ -94,7 +95,19 @@ def test_every_simulation_has_a_mark_and_a_row_with_its_reason(read, lane):
     for step, mark in zip(told, marks, strict=True):
         assert step.reason in mark["aria-label"]
         assert step.verdict.outcome in mark["aria-label"]
+        assert ("marginal" in mark["aria-label"]) is step.verdict.marginal
+        assert step.verdict.word.lower() in mark["class"].split()
         assert mark["tabindex"] == "0"
+
+
+def test_an_outcome_that_is_not_sure_has_a_mark_of_its_own(lane):
+    step = steps(lane.store, rows(lane.store))[0]
+    close = msgspec.structs.replace(step.verdict.as_placed, outcome="VIABLE", marginal=True)
+    unsure = msgspec.structs.replace(step.verdict, outcome="VIABLE", as_placed=close, tilted=None, all_orientations=None)
+    drawn = str(timeline([msgspec.structs.replace(step, verdict=unsure)], 1))
+    assert 'class="mark marginal"' in drawn
+    assert "VIABLE, marginal" in drawn
+    assert SHAPES["MARGINAL"] in drawn
 
 
 def test_the_story_of_the_mask_counts_vertices(lane):

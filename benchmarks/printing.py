@@ -1,0 +1,180 @@
+"""Parts of the gallery styled, written for the slicer and sliced by PrusaSlicer: watertight, warnings, walls, demand, changes, hours.
+
+Needs prusa-slicer on PATH, lib3mf, and minutes a part. Writes docs/print-benchmark.md; what was measured before is kept in its .json.
+
+python benchmarks/printing.py                  # the parts of PARTS
+python benchmarks/printing.py drawer_knob      # some of them
+python benchmarks/printing.py --page           # the page alone
+python benchmarks/printing.py --picture RUN    # docs/printing.png
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import subprocess
+import tempfile
+from pathlib import Path
+
+import msgspec
+from lib3mf import get_wrapper
+
+import mechstyle as ms
+from mechstyle.geometry.filaments import clustered, in_bands, painted, palette_of
+from mechstyle.geometry.print_cost import print_cost
+from mechstyle.pictures.figure import Panel
+from mechstyle.pictures.panels import picture
+from mechstyle.runs.run import Run
+
+DOCS = Path(__file__).parent.parent / "docs"
+PARTS = {
+    "drawer_knob": "brick",
+    "key_turner": "knurling",
+    "napkin_ring": "voronoi",
+    "coaster": "celtic knot",
+    "door_stop": "bamboo",
+    "s_hook": "dragon scales",
+}
+SIZE = {"vertices": 2000, "iterations": 30, "orientations": 2, "delivered": 12_000}
+MACHINE = (
+    *("--nozzle-diameter", "0.4,0.4,0.4,0.4", "--filament-diameter", "1.75,1.75,1.75,1.75", "--temperature", "210,210,210,210"),
+    *("--single-extruder-multi-material", "--layer-height", "0.2"),
+)
+HEAD = """\
+# Print benchmark
+
+Parts of the gallery, styled offline, written as painted 3MF in four filaments each and sliced by PrusaSlicer 2.5 without its window
+(layers of 0.2 mm, one nozzle of 0.4 mm that changes filament, its own settings otherwise). **{count} of the {planned}** that the script
+knows were measured so far, and small: {vertices} vertices in the run, {iterations} iterations, {delivered} vertices in the file. Made
+by `python benchmarks/printing.py`, which writes this page.
+
+* **watertight**: closed and oriented, as the 3MF Consortium's lib3mf has it, which reads each file in its strict mode; and by PrusaSlicer.
+* **slicer warnings**: what PrusaSlicer repaired or warned of while it read and sliced.
+* **thinnest wall** and **crossings**: of the surface in the file, before and after the style.
+* **worst demand**: largest stress of the drop as placed over what it may at most be; above 1 the part fails.
+* **changes** and **hours**: as MechStyle says before slicing, and as the G-code has them: [how they are estimated](printing.md).
+
+"""
+COLUMNS = (
+    "part", "style", "watertight", "slicer warnings", "thinnest wall [mm]", "crossing pairs", "worst demand", "verdict", "layers",
+    "changes, estimated", "changes, sliced", "hours, estimated", "hours, sliced",
+)  # fmt: skip
+
+
+class Measured(msgspec.Struct):
+    """What became of a part."""
+
+    style: str
+    watertight: bool
+    warnings: list[str]
+    thinnest: tuple[float, float]
+    crossings: tuple[int, int]
+    demand: float
+    verdict: str
+    layers: int
+    changes: tuple[int, int]
+    hours: tuple[float, float]
+
+
+def measure(name: str, style: str, folder: Path) -> Measured:
+    """Style a part, write it and slice it."""
+    run: Run = ms.stylize(ms.load(f"gallery:{name}"), style, **SIZE, name=name, out=folder / name)
+    written = run.exported(folder / f"{name}.3mf")
+    sound, said = sliceable(folder / f"{name}.3mf")
+    gcode = (folder / f"{name}.gcode").read_text()
+    plan, quality, deciding = written.printing, written.quality, run.verdict.deciding
+    tools = len(re.findall(r"^T\d", gcode, re.MULTILINE))
+    return Measured(
+        style=style,
+        watertight=sound,
+        warnings=said,
+        thinnest=(quality.thinnest_before, quality.thinnest),
+        crossings=(quality.crossings_before, quality.crossings),
+        demand=deciding.value / deciding.limit,
+        verdict=run.verdict.outcome,
+        layers=plan.cost.layers,
+        changes=(plan.cost.changes, max(tools - 1, 0)),  # the first loads, and changes nothing
+        hours=(plan.cost.hours[0], hours_in(gcode)),
+    )
+
+
+def sliceable(path: Path) -> tuple[bool, list[str]]:
+    """Whether a file is strict and watertight for both readers, and what the slicer said while it wrote the G-code beside it."""
+    model = get_wrapper().CreateModel()
+    reader = model.QueryReader("3mf")
+    reader.SetStrictModeActive(True)
+    reader.ReadFromFile(str(path))
+    meshes, sound = model.GetMeshObjects(), reader.GetWarningCount() == 0
+    while meshes.MoveNext():
+        sound = sound and meshes.GetCurrentMeshObject().IsManifoldAndOriented()
+    told = subprocess.run(["prusa-slicer", "--info", str(path)], capture_output=True, text=True, check=True).stdout
+    sound = sound and "manifold = yes" in told
+    mended = r"open_edges|facets_(degenerate|removed|reversed)|edges_fixed|backwards"
+    repaired = [line for line in told.splitlines() if re.match(mended, line)]
+    command = ["prusa-slicer", "--export-gcode", *MACHINE, "-o", str(path.with_suffix(".gcode")), str(path)]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    lines = (done.stdout + done.stderr).splitlines()
+    said = [line.strip() for line in lines if re.search(r"warning|error|repair|empty layer", line, re.IGNORECASE)]
+    return sound, [*repaired, *said]
+
+
+def hours_in(gcode: str) -> float:
+    """Printing time that a G-code says of itself [h]."""
+    words = re.search(r"estimated printing time \(normal mode\) = (.*)", gcode)[1]
+    hours = {"d": 24.0, "h": 1.0, "m": 1 / 60, "s": 1 / 3600}
+    return sum(int(number) * hours[unit] for number, unit in re.findall(r"(\d+)([dhms])", words))
+
+
+def row(name: str, found: Measured) -> str:
+    """A line of the table."""
+    cells = (
+        name.replace("_", " "), found.style, "yes" if found.watertight else "**no**", "; ".join(found.warnings) or "none",
+        f"{found.thinnest[0]:.2f} → {found.thinnest[1]:.2f}", f"{found.crossings[0]} → {found.crossings[1]}", f"{found.demand:.2f}",
+        found.verdict, found.layers, *found.changes, *(f"{hours:.1f}" for hours in found.hours),
+    )  # fmt: skip
+    return "| " + " | ".join(map(str, cells)) + " |"
+
+
+def draw(run: Run) -> None:
+    """The part of a run in its own colours, in filaments chosen for it, in some of a user's, and in bands."""
+    surface = run.delivered().styled if run.delivered() is not None else run.surface()
+    own, mine = clustered(surface.colours), palette_of("#2b2b2b, #f4f1e8, #c0392b")
+    looks = (
+        (surface, "as styled", ""),
+        *((paint.shown, title, print_cost(paint)) for paint, title in (
+            (painted(surface, own), "4 filaments, chosen"),
+            (painted(surface, mine), "3 filaments in the printer"),
+            (in_bands(surface, mine), "the same in bands"),
+        )),
+    )  # fmt: skip
+    panels = [
+        Panel(mesh, title, note=f"{cost.changes} changes, {cost.hours[0]:.1f} to {cost.hours[1]:.1f} h" if cost else "")
+        for mesh, title, cost in looks
+    ]
+    picture(panels, title="").save(DOCS / "printing.png")
+
+
+def main() -> None:
+    """Measure the parts named, or all; write what is known of all."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("parts", nargs="*", choices=[*PARTS, []])
+    parser.add_argument("--page", action="store_true", help="write the page alone")
+    parser.add_argument("--picture", metavar="RUN", help="draw docs/printing.png of a run, and nothing else")
+    given = parser.parse_args()
+    if given.picture:
+        draw(Run.open(given.picture))
+        return
+    kept = DOCS / "print-benchmark.json"
+    known = msgspec.json.decode(kept.read_bytes(), type=dict[str, Measured]) if kept.is_file() else {}
+    for name in [] if given.page else given.parts or PARTS:
+        with tempfile.TemporaryDirectory() as folder:
+            known[name] = measure(name, PARTS[name], Path(folder))
+        print(row(name, known[name]), flush=True)
+        kept.write_bytes(msgspec.json.format(msgspec.json.encode(known), indent=1))
+    lines = [row(name, known[name]) for name in PARTS if name in known]
+    table = ["| " + " | ".join(COLUMNS) + " |", "|" + "---|" * len(COLUMNS), *lines]
+    (DOCS / "print-benchmark.md").write_text(HEAD.format(count=len(lines), planned=len(PARTS), **SIZE) + "\n".join(table) + "\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,170 @@
+"""A surface in the colours of a few filaments: which colours, and which vertex gets which."""
+
+from __future__ import annotations
+
+import re
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.cluster.vq import kmeans2
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components, dijkstra
+
+from mechstyle._colour import from_oklab, linear_to_srgb, oklab, srgb_to_linear
+from mechstyle.errors import BadInput
+from mechstyle.records.mesh import Floats, Indices, SurfaceMesh
+
+MOST = 16
+"""Most filaments: no slicer paints more in all of its versions."""
+USUAL = 4
+"""Filaments in a changer, as they are sold."""
+LINE = 0.42
+"""Width of a line of plastic from a nozzle of 0.4 mm [mm]."""
+
+Palette = tuple[str, ...]
+"""Colours of filaments, `#RRGGBB`, that of filament 1 first."""
+
+
+@dataclass(frozen=True, eq=False)
+class Painted:
+    """A surface in the colours of filaments.
+
+    Attributes:
+        mesh: The surface.
+        palette: The filaments' colours.
+        filament: Place in the palette of each vertex, shape [vertex_count].
+        merged: Islands that were too small to print and went to their neighbours.
+    """
+
+    mesh: SurfaceMesh
+    palette: Palette
+    filament: Indices
+    merged: int = 0
+
+    @property
+    def shown(self) -> SurfaceMesh:
+        """The surface as it looks in these colours; a border runs through the faces between two vertices."""
+        return self.mesh.coloured(display(self.palette)[self.filament])
+
+
+def palette_of(text: str | Sequence[str]) -> Palette:
+    """A palette as people write it: "#111111, #f4f1e8, c0392b", or these one by one.
+
+    Raises:
+        BadInput: If a colour cannot be read or comes twice, or there are fewer than 2 or more than MOST.
+    """
+    given = text.split(",") if isinstance(text, str) else list(text)
+    colours = []
+    for one in given:
+        if not re.fullmatch(r"#?[0-9a-fA-F]{6}", one.strip()):
+            raise BadInput(f"{one.strip()!r} is no colour of a palette: write six hexadecimal digits, such as #c0392b, with commas between")
+        colours.append("#" + one.strip().lstrip("#").upper())
+    if twice := [one for one in colours if colours.count(one) > 1]:
+        raise BadInput(f"{twice[0]} is twice in the palette: name each filament once")
+    _check_count(len(colours))
+    return tuple(colours)
+
+
+def _check_count(count: int) -> None:
+    if not 2 <= count <= MOST:
+        raise BadInput(f"{count} colours: a palette has 2 to {MOST}, as many as the printer has filaments")
+
+
+def display(palette: Palette) -> Floats:
+    """Display RGB in [0, 1], shape [count, 3]."""
+    return np.array([list(bytes.fromhex(colour[1:])) for colour in palette]) / 255.0
+
+
+def clustered(colours: NDArray[np.floating], count: int = USUAL) -> Palette:
+    """At most `count` colours, from 2 to MOST, that stand for those given, the one of most vertices first: k-means in Oklab, seeded.
+
+    Args:
+        colours: Display RGB, clipped to [0, 1], shape [n, 3].
+        count: How many; colours that are no more than that are kept as they are.
+    """
+    _check_count(count)
+    eight_bits = np.round(np.clip(colours, 0.0, 1.0) * 255.0).astype(np.uint8)
+    label: NDArray[np.integer]
+    exact, label = np.unique(eight_bits, axis=0, return_inverse=True)
+    if len(exact) > count:
+        centres, label = _means(oklab(srgb_to_linear(eight_bits / 255.0)), count)
+        exact = np.round(linear_to_srgb(from_oklab(centres)) * 255.0).astype(np.uint8)
+    codes = ["#{:02X}{:02X}{:02X}".format(*rgb) for rgb in exact]
+    often = np.bincount(label.reshape(-1), minlength=len(exact))
+    order = np.argsort(-often, kind="stable")
+    return tuple(dict.fromkeys(codes[k] for k in order if often[k]))
+
+
+def _means(places: Floats, count: int) -> tuple[Floats, Indices]:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # a cluster that ran empty is a colour less, no fault
+        centres, label = kmeans2(places, count, iter=12, minit="++", seed=0, missing="warn")
+    return centres, label
+
+
+def nearest(colours: NDArray[np.floating], palette: Palette) -> Indices:
+    """Place in the palette of the colour that looks most like each, by distance in Oklab; display RGB, shape [n, 3]; gives [n]."""
+    places = oklab(srgb_to_linear(np.clip(colours, 0.0, 1.0)))
+    distance = [((places - filament) ** 2).sum(axis=1) for filament in oklab(srgb_to_linear(display(palette)))]
+    return np.argmin(distance, axis=0).astype(np.int32)
+
+
+def painted(mesh: SurfaceMesh, palette: Palette, *, line: float = LINE) -> Painted:
+    """A coloured surface in the colours of filaments, without islands that are nowhere two lines wide: no nozzle draws them.
+
+    Args:
+        mesh: The surface; one without colours is all of filament 1.
+        palette: The filaments.
+        line: Width of a line [mm]; 0 keeps every island.
+    """
+    if mesh.colours is None:
+        return Painted(mesh, palette, np.zeros(len(mesh.vertices), np.int32))
+    return merged(Painted(mesh, palette, nearest(mesh.colours, palette)), line)
+
+
+def in_bands(mesh: SurfaceMesh, palette: Palette) -> Painted:
+    """A surface with the filaments one above the other in bands of equal height: the fewest changes that show them all."""
+    height = mesh.vertices[:, 2] - mesh.vertices[:, 2].min()
+    band = np.floor(height / max(float(height.max()), 1e-9) * len(palette)).astype(np.int32)
+    return Painted(mesh, palette, np.minimum(band, len(palette) - 1))
+
+
+def merged(whole: Painted, line: float = LINE) -> Painted:
+    """The same with islands that are nowhere two lines wide given to the nearest larger one along the surface."""
+    mesh, filament = whole.mesh, whole.filament
+    (one, other), lengths = mesh.edges.T, np.linalg.norm(np.diff(mesh.vertices[mesh.edges], axis=1)[:, 0], axis=1)
+    lengths = np.maximum(lengths, 1e-9)  # an edge of no length is an edge still, which a stored zero would not be
+    alike = filament[one] == filament[other]
+    count = len(filament)
+    inside = coo_array((lengths[alike], (one[alike], other[alike])), shape=(count, count)).tocsr()
+    islands, island = connected_components(inside, directed=False)
+    widest = np.zeros(islands)
+    np.maximum.at(widest, island, _from_border(inside, mesh.edges[~alike], lengths[~alike]))
+    small = widest[island] < line
+    if not small.any() or small.all():
+        return whole
+    links = coo_array((lengths, (one, other)), shape=(count, count)).tocsr()
+    _, _, source = dijkstra(links, directed=False, indices=np.flatnonzero(~small), min_only=True, return_predecessors=True)
+    taken = np.where(small & (source >= 0), filament[np.maximum(source, 0)], filament)
+    return Painted(mesh, whole.palette, taken.astype(np.int32), whole.merged + int((widest < line).sum()))
+
+
+def _from_border(inside: coo_array, crossing: Indices, lengths: Floats) -> Floats:
+    """Distance of each vertex along the edges of its island from where other colours begin, half-way along an edge [mm]; inf if nowhere.
+
+    Args:
+        inside: Lengths of the edges of islands [mm], shape [vertex_count, vertex_count].
+        crossing: The edges between islands, shape [k, 2].
+        lengths: Their lengths [mm], shape [k].
+    """
+    count = inside.shape[0]
+    beside = np.full(count, np.inf)
+    np.minimum.at(beside, crossing.ravel(), np.repeat(0.5 * lengths, 2))
+    start = np.flatnonzero(np.isfinite(beside))
+    edges = inside.tocoo()
+    rows, columns = np.concatenate([edges.row, start]), np.concatenate([edges.col, np.full(len(start), count)])
+    graph = coo_array((np.concatenate([edges.data, beside[start]]), (rows, columns)), shape=(count + 1, count + 1)).tocsr()
+    return np.asarray(dijkstra(graph, directed=False, indices=count)[:count])

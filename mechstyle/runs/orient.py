@@ -1,0 +1,174 @@
+"""Which way up to print the part of a run: what its layers bear in the drop, what hangs over, how high it is.
+
+A part lands as it always did, whichever way up it was printed; what changes is where its layers lie. So a way up is judged by the run's own
+drop as placed, with layers along it; up and down are the same layers, and one drop serves both.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import msgspec
+import numpy as np
+
+from mechstyle.errors import BadInput
+from mechstyle.fea.explicit import Progress, no_progress
+from mechstyle.fea.orientations import AS_PLACED, resting
+from mechstyle.geometry.resting_face import centre_of_mass
+from mechstyle.geometry.standing import standing
+from mechstyle.records import Recipe, Simulation
+from mechstyle.records.regions import Point
+from mechstyle.runs.run import Run
+from mechstyle.simulation.part import Stage, say_nothing
+from mechstyle.simulation.simulator import DropSimulator
+
+COUNT = 6
+"""Ways up that are compared, at most."""
+ALIKE = 0.05
+"""Demands within a step of this count as alike: meshes of one part differ by as much."""
+
+
+class WayUp(msgspec.Struct, frozen=True, kw_only=True):
+    """A way up to print a part.
+
+    Attributes:
+        name: What it is called.
+        up: Direction of the part's frame that points up in the printer.
+        stress: The larger of what the drop as placed and those tilted a little leave, layers judged [MPa]; None if that is not known.
+        limit: What it may at most be: the yield strength along the layers [MPa].
+        overhang: Area that needs support [mm²].
+        height: Height in the printer [mm].
+        base: Area on the bed [mm²].
+    """
+
+    name: str
+    up: Point
+    stress: float | None
+    limit: float
+    overhang: float
+    height: float
+    base: float
+
+    @property
+    def demand(self) -> float:
+        """Stress over limit, 0 if it is not known."""
+        return 0.0 if self.stress is None else self.stress / self.limit
+
+    @property
+    def rank(self) -> tuple[float, float, float]:
+        """What orders the ways up, least first: demand in steps of ALIKE, then overhang, then height."""
+        return np.floor(self.demand / ALIKE), self.overhang, self.height
+
+
+class WaysUp(msgspec.Struct, frozen=True, kw_only=True):
+    """Ways up to print a part, the best first.
+
+    Attributes:
+        ways: The ways.
+        layers: What is assumed of layers, in words.
+        drops: Drop tests that had to be run for it.
+    """
+
+    ways: tuple[WayUp, ...]
+    layers: str
+    drops: int
+
+
+def ways_up(
+    run: Run, iteration: int | None = None, *, count: int = COUNT, stage: Stage = say_nothing, progress: Progress = no_progress
+) -> WaysUp:
+    """Rank the flat sides a part can be printed on, and the way it was placed.
+
+    Args:
+        run: A run with at least one simulation.
+        iteration: None for the last.
+        count: Ways up at most.
+        stage: Told which is being dropped.
+        progress: Told the fraction of that drop.
+
+    Raises:
+        BadInput: If there are no ways to compare.
+    """
+    if not 1 <= count <= 26:
+        raise BadInput(f"{count} ways up: compare 1 to 26")
+    state, recipe = run.checkpoint(iteration), run.store.recipe(run.checkpoint(iteration).recipe)
+    delivered = run.delivered(iteration)
+    mesh = run.surface(iteration) if delivered is None else delivered.styled
+    plain = run.part.surface  # whose flat sides are flat
+    ways = resting(plain.vertices, centre_of_mass(plain), count)
+    known = _Layers(run, recipe, run.simulation(iteration), state.displacement, stage, progress)
+    limit = recipe.material.yield_strength
+    found = [
+        WayUp(name=_called(name, up), up=up, stress=known.stress(up), limit=limit, **standing(mesh, up)._asdict())
+        for name, up in zip(ways.names, [_rounded(normal) for normal in ways.normals], strict=True)
+    ]
+    return WaysUp(ways=tuple(sorted(found, key=lambda way: way.rank)), layers=known.words, drops=known.drops)
+
+
+def _rounded(normal: np.ndarray) -> Point:
+    """A direction to four digits, so that what is the same but for noise is dropped once."""
+    x, y, z = (float(round(part, 4)) + 0.0 for part in normal)
+    return x, y, z
+
+
+def _called(name: str, up: Point) -> str:
+    """The way a part was placed by its name, another by the side of the part that lies on the bed."""
+    if name == AS_PLACED:
+        return name
+    axis = int(np.argmax(np.abs(up)))
+    side = f"{'-' if up[axis] > 0 else '+'}{'xyz'[axis]}"
+    return f"on its {side} side" if abs(up[axis]) > 0.99 else f"tilted on its {side} side"
+
+
+class _Layers:
+    """What a part bears in its drops as placed and tilted, for layers along any direction."""
+
+    def __init__(self, run: Run, recipe: Recipe, last: Simulation, displacement: np.ndarray, stage: Stage, progress: Progress) -> None:
+        """Begin with what the run knows; drops are made when they are asked for."""
+        self._recipe, self._last, self._displacement, self._stage = recipe, last, displacement, stage
+        self._known: dict[Point, float] = {}
+        self._simulator: Callable[[], DropSimulator] = lambda: run.simulator(recipe, progress).carrier(displacement)[0]
+        self._carrier: DropSimulator | None = None
+        self.drops = 0
+
+    @property
+    def words(self) -> str:
+        """What is assumed of layers."""
+        material = self._recipe.material
+        if material.layer_ratio is None:
+            return f"strength across layers of {material.label} is not known, so ways up are ranked by overhang and height only"
+        source = material.layer_source or material.source
+        return f"across its layers {material.label} bears {material.layer_ratio:g} of what it bears along them ({source})"
+
+    def stress(self, up: Point) -> float | None:
+        """What decides in the drops for layers along a direction [MPa]; None if the material's layers are not known."""
+        ratio = self._recipe.material.layer_ratio
+        if ratio is None:
+            return None
+        if ratio == 1.0 or self._recipe.build_direction in (up, _opposite(up)):
+            return _deciding(self._last)
+        axis = max(up, _opposite(up))
+        if axis not in self._known:
+            self._known[axis] = self._dropped(axis)
+        return self._known[axis]
+
+    def _dropped(self, axis: Point) -> float:
+        if self._carrier is None:
+            self._carrier = self._simulator()
+        self._stage(f"drop with layers along ({axis[0]:g}, {axis[1]:g}, {axis[2]:g})")
+        recipe = msgspec.structs.replace(self._carrier.recipe, build_direction=axis)
+        self.drops += 1
+        return _deciding(replace(self._carrier, recipe=recipe, settled=True).simulate(self._displacement, thorough=False))
+
+
+def _opposite(up: Point) -> Point:
+    x, y, z = (0.0 - part for part in up)
+    return x, y, z
+
+
+def _deciding(simulation: Simulation) -> float:
+    """The larger stress of the drop as placed and of those tilted a little [MPa]; infinite if there is no answer."""
+    if simulation.failure:
+        return float("inf")
+    return max(simulation.as_placed.peak, 0.0 if simulation.tilted is None else simulation.tilted.surface)

@@ -1,0 +1,136 @@
+"""A delivered surface as a 3MF file for a slicer: in the colours of a few filaments, or as two bodies, and what that costs to print."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import msgspec
+import numpy as np
+
+from mechstyle.errors import BadInput
+from mechstyle.geometry.bodies import shell_and_rest
+from mechstyle.geometry.filaments import MOST, USUAL, Painted, Palette, clustered, in_bands, painted, palette_of
+from mechstyle.geometry.files import write_file
+from mechstyle.geometry.print_cost import PrintCost, banded, cheaper, print_cost
+from mechstyle.geometry.threemf import Body, bodies_bytes, check_slicer, threemf_bytes, together
+from mechstyle.records import Recipe
+from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.runs.texture import Delivered
+from mechstyle.simulation.part import Workpiece, bounds_for
+
+FILAMENT_TYPES = ("PLA", "PETG", "ABS", "TPU")
+"""Materials that slicers have a filament for by that name; of others the file speaks as of the first."""
+
+
+class Printing(msgspec.Struct, frozen=True, kw_only=True):
+    """How a part is to be printed in colour.
+
+    Attributes:
+        slicer: Whose file it is, one of `geometry.threemf.SLICERS`: standard and prusa are one strict file, bambu and orca another.
+        palette: Colours of the filaments in the printer, the first in slot 1: "#111111, #f4f1e8", or one by one; "" to choose them.
+        colours: How many to choose, where there is no palette: 2 to 16.
+        bands: Whether the filaments lie one above the other, instead of where the style has its colours.
+        bodies: Whether the part is written as a styled shell and the rest, of one filament each, instead of painted.
+    """
+
+    slicer: str = "standard"
+    palette: str | Sequence[str] = ""
+    colours: int | None = None
+    bands: bool = False
+    bodies: bool = False
+
+    def check(self, path: Path) -> None:
+        """Refuse what contradicts itself, or another format than 3MF, before anything is drawn, with BadInput."""
+        check_slicer(self.slicer)
+        if path.suffix.lower() != ".3mf" and self != Printing():
+            raise BadInput(f"{path.name}: slicer, filaments and bodies are said in 3MF only; call the file {path.with_suffix('.3mf').name}")
+        if self.palette and self.colours is not None:
+            raise BadInput("palette and colours contradict each other: name the filaments, or say how many to choose")
+        if self.bodies and self.bands:
+            raise BadInput("bodies and bands contradict each other: a body is of one filament")
+        if self.palette:
+            palette_of(self.palette)
+        elif self.colours is not None and not 2 <= self.colours <= MOST:
+            raise BadInput(f"{self.colours} colours: choose 2 to {MOST}, as many as the printer has filaments")
+
+    def filaments(self, mesh: SurfaceMesh) -> Palette:
+        """The palette that was given, or one for the surface's colours."""
+        if self.palette:
+            return palette_of(self.palette)
+        assert mesh.colours is not None, "what leaves a run is coloured"
+        found = clustered(mesh.colours, self.colours or (2 if self.bodies else USUAL))
+        if self.bodies and len(found) < 2:
+            raise BadInput("the part has one colour only: name the filaments of its two bodies with a palette")
+        return found
+
+
+class PrintPlan(msgspec.Struct, frozen=True, kw_only=True):
+    """What a file tells a slicer, and what it costs.
+
+    Attributes:
+        slicer: Whose file it is.
+        palette: Colours of the filaments, that of slot 1 first.
+        merged: Islands of colour that were narrower than two lines and went to their neighbours.
+        cost: An estimate of the print.
+        offers: What it would cost with fewer of the filaments, and last with all of them in bands; those with fewer changes only.
+    """
+
+    slicer: str
+    palette: Palette
+    merged: int
+    cost: PrintCost
+    offers: tuple[PrintCost, ...] = ()
+
+    @property
+    def words(self) -> str:
+        """What a run says of its file, in one sentence."""
+        colours = f"the 3MF is painted in {len(self.palette)} chosen colours"
+        return f"{colours}, estimated at {self.cost.words}; `mechstyle export --palette` takes your filaments"
+
+
+def write_for_printing(
+    path: Path, delivered: Delivered, original: SurfaceMesh, part: Workpiece, recipe: Recipe, printing: Printing, *, name: str = ""
+) -> PrintPlan:
+    """Write a styled part for a slicer.
+
+    Args:
+        path: The 3MF file.
+        delivered: The styled, coloured surface.
+        original: The unstylized surface in the same faces.
+        part: The part of the run.
+        recipe: Its recipe.
+        printing: What is wanted.
+        name: What slicers call it.
+    """
+    mesh, kind = delivered.styled, recipe.material.name if recipe.material.name in FILAMENT_TYPES else FILAMENT_TYPES[0]
+    palette, called = printing.filaments(mesh), name or "part"
+    if printing.bodies:
+        paint, content = _in_bodies(delivered, original, part, recipe, palette, called, printing.slicer, kind)
+    else:
+        paint = in_bands(mesh, palette) if printing.bands else painted(mesh, palette)
+        content = threemf_bytes(mesh, called, paint=paint, slicer=printing.slicer, filament_type=kind)
+    write_file(path, content)
+    cost = print_cost(paint)
+    offers = (*([] if printing.bands else cheaper(paint)), *([] if printing.bands or printing.bodies else [banded(paint)]))
+    return PrintPlan(
+        slicer=printing.slicer,
+        palette=palette,
+        merged=paint.merged,
+        cost=cost,
+        offers=tuple(offer for offer in offers if offer.changes < cost.changes),
+    )
+
+
+def _in_bodies(
+    delivered: Delivered, original: SurfaceMesh, part: Workpiece, recipe: Recipe, palette: Palette, name: str, slicer: str, kind: str
+) -> tuple[Painted, bytes]:
+    """The part as a shell of the first filament and the rest of the second: both as they fill the layers, and the file."""
+    bounds = bounds_for(part, recipe)[0]
+    free = ((bounds.freedom > 0.0) & ~np.asarray(bounds.plain)).astype(np.float32)
+    thickness = part.thickness
+    if delivered.cut is not None:
+        free, thickness = (np.asarray(delivered.cut.interpolation @ values, np.float32) for values in (free, thickness))
+    shell, rest = shell_and_rest(original, delivered.styled, free == 1.0, thickness)
+    bodies = (Body("styled shell", shell, 0), Body("rest", rest, 1))
+    return together(bodies, palette), bodies_bytes(bodies, palette, name, slicer=slicer, filament_type=kind)
