@@ -25,6 +25,7 @@ from mechstyle_widgets.jupyter.cell_output import OncePerCell
 from mechstyle_widgets.jupyter.closing import close_family
 from mechstyle_widgets.jupyter.frame import Frame
 from mechstyle_widgets.panels.branches import Branches
+from mechstyle_widgets.panels.keys import Keys
 from mechstyle_widgets.panels.mask_inspector import MaskInspector
 from mechstyle_widgets.panels.run_controls import RunControls
 from mechstyle_widgets.panels.take_away import TakeAway
@@ -48,8 +49,6 @@ from mechstyle_widgets.viewer.viewer import Viewer
 logger = logging.getLogger(__name__)
 
 SIZE = (640, 430)  # width and height of the view until the page has told how much room there is [pixels]
-LAYERS = {"1": "style", "2": "stress", "3": "safety_factor", "4": "restraint", "5": "demand", "6": "displacement"}
-"""Layers by the keys that show them."""
 TITLES = ("Part", "Style", "Material", "Restraint", "Schedule", "Protected", "Drop test")
 OPEN = ("Part", "Style")
 """Groups of settings that are open at first: what decides the look."""
@@ -110,7 +109,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self.frame.observe(self._fit, "size")
         self.frame.observe(self._relight, "dark")
         self.frame.on_key("view", lambda key, **held: self._viewer.key(key, **held) if self._viewer is not None else None)
-        self.frame.on_key("studio", self._key)
+        self.frame.on_key("studio", Keys(self))
         self.state.observe(self._other_run, "run")
         self.state.observe(self._first_checkpoint, "checkpoint")
         self.part_picker.observe(self._other_part, "mesh")
@@ -136,6 +135,15 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     def run(self) -> Run | None:
         """The run on show, None before there is one."""
         return self.state.run
+
+    @property
+    def viewer(self) -> Viewer | None:
+        """The view of what is on show, None while there is none."""
+        return self._viewer
+
+    def show_mask(self) -> None:
+        """Show what is held back, and what another setting would hold back."""
+        self._tabs.selected_index = 0
 
     def wanted(self) -> Wanted:
         """The run the settings ask for; BadInput if they cannot be used."""
@@ -310,21 +318,6 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             self._viewer.resize(width, height)
         if self._timeline is not None:
             self._timeline.resize(width)
-
-    def _key(self, key: str) -> None:
-        """Carry out what a single key stands for."""
-        if key == "r":
-            self.controller.run()
-        elif key == ".":
-            self.controller.step()
-        elif key == "n":
-            self.branches.branch()
-        elif key == "c" and self.state.checkpoint is not None:
-            self.branches.pin()
-        elif self._viewer is not None and key not in LAYERS:
-            self._viewer.key(key)
-        elif self._viewer is not None and (key == "1" or self._viewer.subject.layer(LAYERS[key]) is not None):
-            self._viewer.layer = LAYERS[key]
 
     # the style before it is run
 

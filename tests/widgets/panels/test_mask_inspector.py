@@ -1,9 +1,12 @@
 """The mask inspector: what it foretells is what a branch begins with."""
 
+import re
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from mechstyle_widgets.panels.mask_inspector import LAYER, MaskInspector
+from mechstyle_widgets.panels.mask_inspector import LAYER, MaskInspector, plots
 from mechstyle_widgets.state.controller import Controller, Wanted
 from mechstyle_widgets.state.studio_state import StudioState
 
@@ -76,3 +79,12 @@ def test_without_a_run_there_is_nothing_to_inspect():
     inspector = MaskInspector(Controller(StudioState(), lambda: Wanted(None, None, 500, "part")))
     assert inspector._use.disabled
     assert "run something first" in inspector._note.value
+
+
+def test_demands_far_above_one_leave_the_numbers_around_one_apart():
+    """A demand of twenty drew 0, 0.5 and 1 on top of each other."""
+    state = SimpleNamespace(demand=np.array([0.0, 0.3, 0.9, *[20.0] * 7], np.float32), mask=np.ones(10, np.float32))
+    drawn = plots(state, np.ones(10, np.float32), threshold=1.0)
+    places = [float(re.search(rf'<text x="([\d.]+)"[^>]*>{number}</text>', drawn)[1]) for number in ("0", "0.5", "1")]
+    assert np.diff(places).min() > 20.0
+    assert "2 and more in the last bar" in drawn

@@ -7,6 +7,7 @@ from importlib.resources import files
 from typing import Any
 
 import anywidget
+import ipywidgets
 import traitlets
 
 
@@ -42,3 +43,27 @@ class Frame(anywidget.AnyWidget):
     def hand_over(self, name: str, data: bytes, media_type: str = "application/octet-stream") -> None:
         """Let the page save a file."""
         self.send({"kind": "file", "name": name, "type": media_type}, [data])
+
+
+class Framed(ipywidgets.Widget):  # type: ignore[misc]  # ipywidgets has no types
+    """Mixed into a box: displayed by itself, outside of a Studio, it brings a frame, for names of its controls, and for keys."""
+
+    children: tuple[Any, ...]
+
+    def _repr_mimebundle_(self, **formats: Any) -> Any:
+        if not any(isinstance(child, Frame) for child in self.children):
+            frame = Frame()
+            for place in ("view", "studio"):
+                frame.on_key(place, self.key)
+            self.children = (*self.children, frame)
+            self.add_class("mechstyle-alone")
+        return super()._repr_mimebundle_(**formats)
+
+    def key(self, name: str, *, shift: bool = False, ctrl: bool = False) -> None:
+        """What a key does that was pressed in it: here nothing, but the notebook does not get it either."""
+
+
+def unseen(control: Any) -> Any:
+    """A control whose description only screen readers tell."""
+    control.add_class("mechstyle-unseen")
+    return control

@@ -18,6 +18,7 @@ from mechstyle.records.load_cases import LoadCase
 from mechstyle.records.material import Material
 from mechstyle.records.regions import Point
 from mechstyle.runs.run import Run
+from mechstyle_widgets.jupyter.frame import unseen
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, Words, table
 from mechstyle_widgets.state.controller import Controller
 from mechstyle_widgets.state.outcomes import LOOKS
@@ -40,7 +41,8 @@ class Branches(Section):
     def __init__(self, controller: Controller) -> None:
         """Show the lanes of what a controller's state shows."""
         self.controller, self.state = controller, controller.state
-        self._choice = ipywidgets.Select(options=[], rows=4, tooltip="Lanes; choose one to show it", layout=WIDE)
+        lanes = ipywidgets.Select(options=[], rows=4, description="lanes", tooltip="Lanes; choose one to show it", layout=WIDE)
+        self._choice = unseen(lanes)
         self._changes = Words()
         self._name = ipywidgets.Text(description="new lane", placeholder="named by number", style=NARROW_LABEL, layout=WIDE)
         self._branch = ipywidgets.Button(

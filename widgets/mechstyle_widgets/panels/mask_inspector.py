@@ -27,6 +27,8 @@ from mechstyle_widgets.viewer.layers import Layer, layer_of
 LAYER = "what_if"
 """Name of the viewer's layer that shows the mask that would be."""
 BINS = 24
+WIDEST = 2.0
+"""Demands of so many thresholds and more share the last bar of their histogram, or the numbers around 1 would stand on each other."""
 DECIDES = ("control", "normalisation", "threshold", "material")
 """Fields of a recipe that a mask depends on, besides what is protected."""
 
@@ -142,12 +144,14 @@ def summary(now: Field, then: Field) -> str:
 
 def plots(checkpoint: Checkpoint, would_be: Field, threshold: float) -> str:
     """Histograms of demand and of the mask; bars are what is, outlines what would be."""
-    top = max(1.25, 1.1 * threshold, float(np.percentile(checkpoint.demand, 99.9)))
+    largest = max(1.25, 1.1 * threshold, float(np.percentile(checkpoint.demand, 99.9)))
+    top = min(largest, WIDEST * max(1.0, threshold))
+    label = "demand s_norm" if top == largest else f"demand s_norm, {top:g} and more in the last bar"
     demand = np.sqrt(shares(checkpoint.demand, 0.0, top, BINS))  # the root lets the few that matter be seen beside the many at 0
     above = float((checkpoint.demand >= threshold).mean())
     first = Frame(0.0, top, top=max(float(demand.max()), 1e-3), height=96, left=10)
     limit = first.mark(threshold, f"{above:.1%} at or above {threshold:.2g}")
-    one = [first.axes("demand s_norm", (0.0, 0.5, 1.0)), first.bars(demand), limit]
+    one = [first.axes(label, (0.0, 0.5, 1.0)), first.bars(demand), limit]
     is_now, then = (np.sqrt(shares(mask, 0.0, 1.0, BINS)) for mask in (checkpoint.mask, would_be))
     second = Frame(0.0, 1.0, top=max(float(is_now.max()), float(then.max()), 1e-3), height=96, left=10)
     two = [second.axes("mask: bars are, outlines would be", (0.0, 0.5, 1.0)), second.bars(is_now), second.bars(then, hollow=True)]

@@ -13,6 +13,7 @@ from mechstyle._files import write_whole
 from mechstyle.errors import BadInput
 from mechstyle.geometry.files import FORMATS
 from mechstyle.records.mesh import SurfaceMesh
+from mechstyle_widgets.jupyter.frame import unseen
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section
 from mechstyle_widgets.settings.thumbnail_buttons import PictureChoice
 
@@ -57,7 +58,7 @@ class PartPicker(Section):
             tooltip="A file of this computer",
             layout={"width": "116px"},
         )
-        self._unit = ipywidgets.Dropdown(options=UNITS, tooltip="Unit of the file", layout={"width": "138px"})
+        self._unit = unseen(ipywidgets.Dropdown(options=UNITS, description="unit", tooltip="Unit of the file", layout={"width": "138px"}))
         super().__init__([self._gallery, self._path, ipywidgets.HBox([self._upload, self._unit])])
         self._gallery.observe(lambda _: self._wish(gallery.PREFIX + self._gallery.value, None), "pressed")
         self._path.observe(self._typed, "value")

@@ -12,6 +12,7 @@ from mechstyle.runs.images import digest_of
 from mechstyle.styling.library import library
 from mechstyle.styling.picture import NAME as PICTURE
 from mechstyle.styling.prompt import Reading, read
+from mechstyle_widgets.jupyter.frame import unseen
 from mechstyle_widgets.settings.image import ImageChoice
 from mechstyle_widgets.settings.millimetres import AUTO, Millimetres
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, range_of, setting
@@ -63,13 +64,14 @@ class PromptBox(Section):
     def __init__(self, prompt: str = "brick", **traits: Any) -> None:
         """Offer the styles; `prompt` is asked for at first, `traits` are any other attributes."""
         tooltip = "The style, in words; one for each place: `outside: brick; rim: gold studs`"
-        self._text = ipywidgets.Text(placeholder="small blue stones", tooltip=tooltip, layout=WIDE)
+        self._text = unseen(ipywidgets.Text(description="style", placeholder="small blue stones", tooltip=tooltip, layout=WIDE))
         self._chips = PictureChoice("style", {name: style.description for name, style in library().items()})
         look = {"style": NARROW_LABEL, "layout": WIDE}
         self._relief = Millimetres(DEPTHS, description="relief", tooltip="Depth of the relief, from its lowest to its highest", **look)
         self._feature = Millimetres(SIZES, description="feature", tooltip="Size of the style's feature, such as a course of bricks", **look)
-        sides = [("out of thin walls, else both ways", "auto"), ("outwards", "outwards"), ("inwards", "inwards"), ("both ways", "both")]
-        self._side = ipywidgets.Dropdown(options=sides, description="goes", tooltip="Where the relief goes from the surface", **look)
+        sides = [("as the walls allow", "auto"), ("outwards", "outwards"), ("inwards", "inwards"), ("both ways", "both")]
+        where = "Where the relief goes from the surface; by itself outwards on thin walls, else both ways"
+        self._side = ipywidgets.Dropdown(options=sides, description="goes", tooltip=where, **look)
         fine = "Diameter of the printer's nozzle: features that are not told are made for it; 0 for no rule"
         self._nozzle = ipywidgets.BoundedFloatText(description="nozzle [mm]", step=0.1, tooltip=fine, **range_of("nozzle"), **look)
         insides = [("plain", "plain"), ("styled as well", "styled")]

@@ -11,6 +11,7 @@ import traitlets
 from mechstyle.errors import BadInput
 from mechstyle.records.recipe import DEFAULTS
 from mechstyle.records.regions import KINDS, Point, Region, regions
+from mechstyle_widgets.jupyter.frame import unseen
 from mechstyle_widgets.settings.brush import dabbed
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, setting
 
@@ -48,10 +49,10 @@ class RegionsPicker(Section):
             description="protect the piece clicked on", icon="mouse-pointer", disabled=True, layout=WIDE,
             tooltip="Click a place on the part, then protect the smooth piece of surface around it",
         )  # fmt: skip
-        self._lines = ipywidgets.Textarea(
-            placeholder="one region a line, for example\nbox 0 0 0 10 10 10 ramp 2\nbelow 5", rows=3, continuous_update=False, layout=WIDE,
-            tooltip="\n".join(KINDS.values()),
-        )  # fmt: skip
+        self._lines = unseen(ipywidgets.Textarea(
+            description="regions", placeholder="one region a line, for example\nbox 0 0 0 10 10 10 ramp 2\nbelow 5", rows=3,
+            continuous_update=False, tooltip="\n".join(KINDS.values()), layout=WIDE,
+        ))  # fmt: skip
         super().__init__([self._base, self._inside, self._brush(), self._clicked, self._lines])
         traitlets.link((self, "base"), (self._base, "value"))
         self.base, self.protect = base, regions(protect)

@@ -11,6 +11,7 @@ import traitlets
 
 from mechstyle.records import Recipe
 from mechstyle.records.recipe import CHOICES, DEFAULTS, LIMITS
+from mechstyle_widgets.jupyter.frame import Framed
 
 _SHEET = """<style>
 .mechstyle-section { gap: 4px; padding: 2px 0; overflow: visible; }
@@ -58,7 +59,7 @@ class Words(ipywidgets.HTML):  # type: ignore[misc]  # ipywidgets has no types
         self.layout.display = "" if html else "none"
 
 
-class Section(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
+class Section(Framed, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     """Controls under each other with a note and a place for what is wrong.
 
     A subclass names in FIELDS those of its traits that are fields of `Recipe`, in OWN other settings of a run.

@@ -39,6 +39,7 @@ class PictureChoice(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no
         """
         self._kind, self._pictures = kind, {name: thumbnails.cached(kind, name) for name in names}
         self._sheet = ipywidgets.HTML(layout={"display": "none"})
+        self._look = ipywidgets.ButtonStyle()  # one for all: a page that is loaded anew makes every model again before it shows any
         self._buttons = {name: self._button(name, words) for name, words in names.items()}
         grid = ipywidgets.Box(list(self._buttons.values()), layout={"display": "flex", "flex_flow": "row wrap", "width": "auto"})
         grid.add_class("mechstyle-pictures")
@@ -58,7 +59,8 @@ class PictureChoice(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no
 
     def _button(self, name: str, words: str) -> ipywidgets.Button:
         size = {"width": f"{WIDTH}px", "height": f"{HEIGHT}px", "padding": "0", "margin": "1px"}
-        button = ipywidgets.Button(description=name.replace("_", " "), tooltip=f"{name.replace('_', ' ')}: {words}", layout=size)
+        title = name.replace("_", " ")
+        button = ipywidgets.Button(description=title, tooltip=f"{title}: {words}", layout=size, style=self._look)
         button.add_class(self._class(name))
         button.on_click(lambda _: self._press(name))
         return button

@@ -9,6 +9,7 @@ import traitlets
 
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
 from mechstyle_widgets.jupyter.closing import close_family
+from mechstyle_widgets.jupyter.frame import Framed
 from mechstyle_widgets.jupyter.throttle import Paced
 from mechstyle_widgets.replay.scrubber import Scrubber
 from mechstyle_widgets.state.linked import Linked
@@ -19,7 +20,7 @@ from mechstyle_widgets.timeline import figure_pool
 from mechstyle_widgets.timeline.figure import CURVES, TEMPLATES
 
 
-class Timeline(Linked, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
+class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     """Iterations from left to right: lanes with their simulations on top, peak stress against its limit, and one curve to choose.
 
     A click, or the arrow keys on the slider, shows another iteration; a click on another lane shows that lane. Before there is

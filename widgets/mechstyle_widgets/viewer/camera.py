@@ -17,6 +17,8 @@ from mechstyle_widgets.viewer.scene import floor_corners
 
 STEEPEST = 85.0
 """Elevation up to which keys and flights go [degrees]: straight from above there is no upright."""
+STEP = 0.2
+"""How far a key moves what is looked at, as a share of half the height of the view."""
 CLOSE = 0.55
 """Distance a flight ends at, as a share of that from which the whole part is seen."""
 PARALLEL = 1.0
@@ -91,6 +93,14 @@ class Orbit:
         """Go round what is in the middle of the view [degrees]."""
         now = self.seen
         self._take(replace(now, azimuth=now.azimuth + azimuth, elevation=_upright(now.elevation + elevation)))
+
+    def move(self, across: int, up: int) -> None:
+        """Move what is looked at by so many steps across the view and up it."""
+        now = self.seen
+        right, above, _ = now.axes
+        step = STEP * now.distance * math.tan(math.radians(now.field_of_view / 2))
+        x, y, z = (np.asarray(now.target) - step * (across * right + up * above)).tolist()
+        self._take(replace(now, target=(x, y, z)))
 
     def near(self, factor: float) -> None:
         """Come nearer by a factor, or go farther by one below 1."""

@@ -16,6 +16,7 @@ from mechstyle.pictures.fields import moment
 from mechstyle.records import Landing, Simulation
 from mechstyle.simulation.impact import Impact, impact_of
 from mechstyle_widgets.jupyter.closing import close_family
+from mechstyle_widgets.jupyter.frame import unseen
 from mechstyle_widgets.jupyter.throttle import running_loop
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.viewer.layers import Subject, layer_of
@@ -49,9 +50,10 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         """Play impacts of whatever iteration a state shows."""
         self._state, self._cancelled = state, False
         self._button = ipywidgets.Button(description="see the impact", icon="play-circle", tooltip="Drop this part and watch")
-        self._which = ipywidgets.Dropdown(
-            options=[(AS_PLACED, UP)], tooltip="Which landing, and its largest stress", layout={"width": "auto", "max_width": "280px"}
-        )
+        self._which = unseen(ipywidgets.Dropdown(
+            options=[(AS_PLACED, UP)], description="landing", tooltip="Which landing, and its largest stress",
+            layout={"width": "auto", "max_width": "280px"},
+        ))  # fmt: skip
         self._away = ipywidgets.Button(icon="times", tooltip="Back to the part at rest", layout={"width": "36px"})
         self._progress = ipywidgets.FloatProgress(value=0.0, max=1.0, description="dropping", layout={"width": "260px"})
         self._said = ipywidgets.HTML()

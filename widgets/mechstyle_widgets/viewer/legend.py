@@ -8,7 +8,8 @@ from html import escape
 import numpy as np
 from numpy.typing import NDArray
 
-from mechstyle.pictures.colormap import ABOVE, ABSENT, STRIPE, Scale, linear_to_srgb
+from mechstyle._colour import linear_to_srgb
+from mechstyle.pictures.colormap import ABOVE, ABSENT, STRIPE, Scale
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.records.regions import Point
 from mechstyle_widgets.viewer.layers import Layer

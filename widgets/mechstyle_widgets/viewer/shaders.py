@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mechstyle.pictures.colormap import ABOVE, ABSENT, LINE, PLAIN, STEPS, STRIPE, UNKNOWN, Scale, linear_to_srgb
+from mechstyle._colour import linear_to_srgb
+from mechstyle.pictures.colormap import ABOVE, ABSENT, LINE, PLAIN, STEPS, STRIPE, UNKNOWN, Scale
 from mechstyle.pictures.shading import FILL, FILL_LIGHT, FLATNESS, GROUND_LIGHT, KEY, KEY_LIGHT, SKY_LIGHT
 
 OWN, NOTHING, OPEN = 1000.0, -1000.0, -3.0

@@ -11,6 +11,7 @@ import traitlets
 
 from mechstyle.pictures.camera import VIEWS
 from mechstyle.pictures.panels import Picture
+from mechstyle_widgets.jupyter.frame import unseen
 from mechstyle_widgets.viewer.layers import STYLE, Layer
 
 TOOLS = ("", "measure", "places")
@@ -38,13 +39,15 @@ class Toolbar(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
 
     def __init__(self, fit: Callable[[str], None], picture: Callable[[], Picture]) -> None:
         """`fit` is told a view, or "" for all of the part from where one looks; `picture` makes one to save."""
-        self.choice = ipywidgets.Dropdown(
-            options=[("style", STYLE)], tooltip="What is shown on the part (1 to 6, L for the next)", layout={"width": "176px"}
-        )
+        self.choice = unseen(ipywidgets.Dropdown(
+            options=[("style", STYLE)], description="layer", tooltip="What is shown on the part (1 to 6, L for the next)",
+            layout={"width": "176px"},
+        ))  # fmt: skip
         views = [(view.replace("_", " "), view) for view in VIEWS]
-        self._view = ipywidgets.Dropdown(
-            options=views, value="three_quarter", tooltip="Where from (Shift with 1 to 5)", layout={"width": "120px"}
-        )
+        self._view = unseen(ipywidgets.Dropdown(
+            options=views, value="three_quarter", description="seen from", tooltip="Where from (Shift with 1 to 5)",
+            layout={"width": "120px"},
+        ))  # fmt: skip
         self._fit = _button("arrows-alt", "Bring the whole part into view (Home)")
         self.both = _toggle("columns", "Show the original beside it", "original")
         self.both.layout.display = "none"

@@ -74,8 +74,9 @@ class Tools(traitlets.HasTraits):
     def key(self, name: str, *, shift: bool = False, ctrl: bool = False) -> None:
         """What a key does in a view.
 
-        Arrows turn it, + and - come nearer and go farther, Home shows the whole part, Enter is a click in the middle, Page Up and Down move
-        the cut; A keeps places, M measures, X cuts, O looks in parallel, L shows the next layer, Escape leaves the last of them.
+        Arrows turn it, with Shift they move it, + and - come nearer and go farther, Home shows the whole part, Enter is a click in the
+        middle, Page Up and Down move the cut; A keeps places, M measures, X cuts, O looks in parallel, L shows the next layer, Escape
+        leaves the last of them.
         """
         step = FINE if ctrl else COARSE
         across, up = ARROWS.get(name, (0, 0))
@@ -86,7 +87,7 @@ class Tools(traitlets.HasTraits):
         elif shift and name in SHIFTED:
             self.fit(SHIFTED[name])
         elif (across, up) != (0, 0):
-            self._orbit.turn(across * step, up * step)
+            self._orbit.move(across, up) if shift else self._orbit.turn(across * step, up * step)
         elif name in PAGES and self.section.on:
             self.section.move(PAGES[name])
         elif name == "Enter":

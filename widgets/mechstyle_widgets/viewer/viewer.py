@@ -22,6 +22,7 @@ from mechstyle.pictures.panels import Picture, picture
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
 from mechstyle_widgets.jupyter.closing import close_family
+from mechstyle_widgets.jupyter.frame import Framed
 from mechstyle_widgets.jupyter.throttle import Paced
 from mechstyle_widgets.viewer import legend, probe
 from mechstyle_widgets.viewer.badge import Badge
@@ -37,7 +38,7 @@ DRAWN = ("subject", "original", "third", "layer", "markers", "probed", "places",
 """Traits that change what is drawn."""
 
 
-class Viewer(OncePerCell, Tools, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
+class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     """A part one can orbit with the mouse, coloured by its style or by a field over it.
 
     Drag turns it, the right button moves it, the wheel comes nearer, a click asks what is known of the place; `Tools` has the rest.

@@ -2,7 +2,24 @@
 // and what only a page can do: hand a file over.
 
 const QUIET = 120; // a size counts when it has stood still for so long [ms]
-const IN_VIEW = ["+", "-", "=", "Home", "Enter", "PageUp", "PageDown"], ANYWHERE = [..."rn.c123456amxol"];
+const IN_VIEW = ["+", "-", "=", "Home", "Enter", "PageUp", "PageDown"], ANYWHERE = [..."rn.>c123456amxoliwp"];
+const ROOTS = ".mechstyle-studio, .mechstyle-alone";
+const KEYS = { // the list that `?` opens
+  "anywhere but in a field": [
+    ["R", "run, or go on; in a field Ctrl with Enter"], [".", "one iteration"], ["Shift with .", "on to the next drop test"],
+    ["1 to 6, L", "style, stress, safety factor, restraint, demand, displacement; the next layer"],
+    ["C, N", "compare with the iteration on show, branch from it"], ["I", "the impact, and back"], ["W", "what another setting would hold back"],
+    ["X, O, M, A, P", "cut open, look in parallel, measure, keep places, paint"], ["F", "full screen, and back"],
+    ["?", "this list"], ["Escape", "closes this list; leaves the tool, then the measure, then the cut"],
+  ],
+  "in the view": [
+    ["arrows", "turn the part by 15°, with Ctrl by 1°; with Shift move it"], ["+, −, Home", "nearer, farther, all of it"],
+    ["Shift with 1 to 5", "front, side, top, below, three quarter"], ["Enter", "a click on what is under the cross in the middle"],
+    ["Page Up, Page Down", "move the cut"], ["Space", "pause"],
+  ],
+  "on the slider under it": [["arrows, Page Up, Page Down", "step from iteration to iteration"], ["Home, End", "the first, the last"]],
+  "everywhere": [["Tab", "from control to control; a grid of pictures is one stop, in which the arrows move"]],
+};
 const FIELDS = "input:not([type=range], [type=checkbox]), textarea, select, [contenteditable]";
 
 function initialize({ model }) {
@@ -27,14 +44,20 @@ function render({ model, el }) {
     undo.push(() => observer.disconnect());
   };
   let frame = requestAnimationFrame(function attach() {
-    const root = el.closest(".mechstyle-studio");
-    if (root) begin(root);
+    const root = el.closest(ROOTS);
+    if (root) begin(root, root.matches(".mechstyle-studio"));
     else frame = requestAnimationFrame(attach); // it is not in the page at once
   });
   undo.push(() => cancelAnimationFrame(frame));
 
-  function begin(root) {
-    el.append(button(root));
+  function begin(root, studio) {
+    if (!studio && root.parentElement.closest(ROOTS)) return; // what it stands in has a frame of its own
+    const name = () => label(root);
+    watch(new MutationObserver(name), root, { childList: true, subtree: true, attributes: true, attributeFilter: ["class"] });
+    name();
+    listen(root, "keydown", (event) => pressed(model, root, event));
+    if (!studio) return;
+    el.append(button(HELP, () => help(root)), button(FULL, () => full(root)));
     const stage = root.querySelector(".mechstyle-view");
     let timer = 0;
     const measure = () => {
@@ -50,10 +73,6 @@ function render({ model, el }) {
     };
     watch(new MutationObserver(light), document.body, { attributes: true, attributeFilter: ["data-jp-theme-light"] });
     light();
-    const name = () => label(root);
-    watch(new MutationObserver(name), root, { childList: true, subtree: true, attributes: true, attributeFilter: ["class"] });
-    name();
-    listen(root, "keydown", (event) => pressed(model, root, event));
   }
   return () => undo.forEach((end) => end());
 }
@@ -70,12 +89,34 @@ function tell(model, root, stage) {
 const canvasHeight = (stage) => stage.querySelector("canvas")?.clientHeight ?? 0;
 const bar = (root) => (root.querySelector(".mechstyle-bar")?.offsetHeight ?? 0) + 16;
 
-function button(root) {
-  const made = Object.assign(document.createElement("button"), { className: "mechstyle-full", title: "Full screen, and back (F)" });
-  made.setAttribute("aria-label", "Full screen");
-  made.innerHTML = '<svg viewBox="0 0 16 16" aria-hidden="true"><path d="M2 6V2h4M10 2h4v4M14 10v4h-4M6 14H2v-4"/></svg>';
-  made.addEventListener("click", () => full(root)); // here: by way of a busy kernel the press would be too old
+const FULL = ["mechstyle-full", "Full screen", "Full screen, and back (F)", "M2 6V2h4M10 2h4v4M14 10v4h-4M6 14H2v-4"];
+const HELP = ["mechstyle-help", "Keys", "What the keys do (?)", "M5 6a3 3 0 1 1 4.2 2.7Q8 9.3 8 11M8 13v1.2"];
+
+function button([className, words, title, path], act) {
+  const made = Object.assign(document.createElement("button"), { className, title });
+  made.setAttribute("aria-label", words);
+  made.innerHTML = `<svg viewBox="0 0 16 16" aria-hidden="true"><path d="${path}"/></svg>`;
+  made.addEventListener("click", act); // here: by way of a busy kernel a press would be too old for the whole screen
   return made;
+}
+
+// Open the list of keys, or close it; the focus goes back to where it was.
+function help(root) {
+  const open = root.querySelector(".mechstyle-keys");
+  if (open) {
+    open.remove();
+    open.before.focus();
+    return;
+  }
+  const panel = Object.assign(document.createElement("div"), { className: "mechstyle-keys", tabIndex: -1 });
+  panel.setAttribute("role", "dialog");
+  panel.setAttribute("aria-label", "What the keys do");
+  const rows = (keys) => keys.map(([key, does]) => `<tr><th scope="row">${key}</th><td>${does}</td></tr>`).join("");
+  panel.innerHTML = Object.entries(KEYS).map(([where, keys]) => `<table><caption>${where}</caption>${rows(keys)}</table>`).join("");
+  panel.before = document.activeElement;
+  panel.prepend(button(["mechstyle-close", "Close", "Close (Escape)", "M3 3l10 10M13 3L3 13"], () => help(root)));
+  root.append(panel);
+  panel.focus();
 }
 
 const full = (root) => (document.fullscreenElement ? document.exitFullscreen() : root.requestFullscreen());
@@ -106,9 +147,15 @@ function set(element, name, value) {
 
 // No key but those with Ctrl, Meta or Alt, and Shift+Enter, goes on to the notebook, where `b` inserts a cell.
 function pressed(model, root, event) {
-  const { target } = event;
-  if (event.metaKey || event.altKey || (event.ctrlKey && !event.key.startsWith("Arrow")) || (event.shiftKey && event.key === "Enter")) return;
+  const { target } = event, goes = event.ctrlKey && event.key === "Enter" && target.closest(".mechstyle-setup") && target.closest(FIELDS);
+  if (!goes && (event.metaKey || event.altKey || (event.ctrlKey && !event.key.startsWith("Arrow")) || (event.shiftKey && event.key === "Enter"))) return;
   event.stopPropagation();
+  if (goes) {
+    event.preventDefault();
+    target.blur(); // what is written counts when the field is left
+    target.focus();
+    model.send({ kind: "studio", key: "r" });
+  }
   if (target.closest(FIELDS) || event.defaultPrevented) return;
   const digit = /^Digit([1-9])$/.exec(event.code)?.[1];
   if (target.tagName === "CANVAS" && (event.key.startsWith("Arrow") || IN_VIEW.includes(event.key) || (event.shiftKey && digit))) {
@@ -117,10 +164,16 @@ function pressed(model, root, event) {
   } else if (event.key.startsWith("Arrow") && target.closest(".mechstyle-pictures")) {
     event.preventDefault();
     step(target, ["ArrowRight", "ArrowDown"].includes(event.key) ? 1 : -1);
+  } else if (event.key === "?" || (event.key === "Escape" && root.querySelector(".mechstyle-keys"))) {
+    help(root);
+  } else if (event.key === " " && target.tagName === "CANVAS") {
+    event.preventDefault();
+    model.send({ kind: "studio", key: " " });
   } else if (!event.ctrlKey && !event.shiftKey && event.key.toLowerCase() === "f") {
     full(root);
-  } else if (!event.ctrlKey && (event.key === "Escape" || ANYWHERE.includes(event.key.toLowerCase()))) {
-    model.send({ kind: "studio", key: event.key === "Escape" ? event.key : event.key.toLowerCase() });
+  } else if (!event.ctrlKey) {
+    const key = event.shiftKey && event.code === "Period" ? ">" : event.key.toLowerCase();
+    if (key === "escape" || ANYWHERE.includes(key)) model.send({ kind: "studio", key: key === "escape" ? "Escape" : key });
   }
 }
 

@@ -1,0 +1,89 @@
+"""Draws the pictures of the Studio and of a report in docs/ again, from the real ones in headless Chromium.
+
+python benchmarks/screenshots.py                       # a quick run of the wall hook, and a branch of it
+"""
+
+from __future__ import annotations
+
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from lab import Page, browser
+from playwright.sync_api import sync_playwright
+
+DOCS = Path(__file__).parent.parent / "docs"
+WIDTH, HEIGHT = 1340, 1700  # of the window [pixels]
+REPORT, SCALE = (1100, 1800), 0.75
+PATIENCE = 900_000  # for a run [ms]
+STUDIO = """
+from mechstyle_widgets import Studio
+quick = {"vertices": 4000, "iterations": 12, "every": 4, "orientations": 2, "tilts": 0, "window": 0.4, "element": "tet4"}
+studio = Studio("gallery:wall_hook", prompt="brick", relief=1.2, folder="hook", schedule="every", delivered=20000, **quick)
+studio
+"""
+PAINTED = """
+from mechstyle_widgets import Studio
+painted = Studio("gallery:wall_hook", prompt="brick", relief=1.2, protect=["sphere 0 -9 28 8", "sphere 0 -36 6 9"])
+painted._groups[0].unfolded = painted._groups[1].unfolded = False
+painted._groups[5].unfolded = True
+painted
+"""
+BRANCH = "studio.branches.pin(); studio.controller.branch(4, lane='cautious', threshold=0.1)"
+COMPARED = "studio._tabs.selected_index = 1; studio.state.layer = 'restraint'"
+
+
+def main() -> None:
+    """Run, look and save."""
+    path = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    if path is None:
+        sys.exit("there is no chromium on PATH (Debian: apt-get install chromium)")
+    with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
+        home, notebooks = Path(folder) / "home", Path(folder) / "notebooks"
+        home.mkdir()
+        notebooks.mkdir()
+        chromium = playwright.chromium.launch(executable_path=path, args=browser.ARGUMENTS)
+        with browser.jupyter_lab(home, notebooks) as lab:
+            of_a_run(Page(chromium, lab, "studio", STUDIO), chromium, notebooks)
+            painted = Page(chromium, lab, "painted", PAINTED)
+            painted.page.get_by_text("of the surface").wait_for()
+            keep(painted, "studio-paint")
+        chromium.close()
+
+
+def of_a_run(shown: Page, chromium: Any, notebooks: Path) -> None:
+    """Before it, after it, and beside a branch; and its report."""
+    shown.page.get_by_text("Changes as you choose").wait_for()
+    keep(shown, "studio-1")
+    shown.notebook.python("studio.controller.run()")
+    shown.notebook.until("studio.state.status", "finished", PATIENCE)
+    shown.page.locator(".mechstyle-badge").get_by_text("safety factor").wait_for()
+    keep(shown, "studio-2")
+    shown.notebook.python("studio.run.report('report.html')")
+    shown.notebook.python(BRANCH)
+    shown.notebook.until("(studio.state.status, studio.state.lane)", "('finished', 'cautious')", PATIENCE)
+    shown.notebook.python(COMPARED)
+    shown.notebook.canvas(1).wait_for()
+    keep(shown, "studio-3")
+    size = {"width": REPORT[0], "height": REPORT[1]}
+    page = chromium.new_context(viewport=size, device_scale_factor=SCALE, offline=True).new_page()
+    page.goto((notebooks / "report.html").as_uri())
+    page.locator("body[data-ready='replay']").wait_for()
+    page.get_by_role("button", name="Beside the original").click()
+    page.evaluate(browser.SETTLED)
+    page.screenshot(path=DOCS / "report.png")
+
+
+def keep(shown: Page, name: str) -> None:
+    """Save a picture of the Studio, as soon as there is a part in it, at the size of its contents."""
+    shown.page.set_viewport_size({"width": WIDTH, "height": HEIGHT})
+    shown.notebook.drawn()
+    shown.page.mouse.move(0, 0)
+    shown.page.evaluate(browser.SETTLED)
+    shown.page.locator(".mechstyle-studio").screenshot(path=DOCS / f"{name}.png", animations="disabled")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,158 @@
+"""What a person without a mouse, without full sight or without patience for movement meets: in the Studio, every widget and the report."""
+
+from __future__ import annotations
+
+import pytest
+from axe_playwright_python.sync_playwright import Axe
+
+from support import ROOT
+
+pytestmark = pytest.mark.browser
+
+RUN = f"""
+import sys
+sys.path.insert(0, {str(ROOT / "tests")!r})
+from pathlib import Path
+from support.lanes import lane_on_a_sheet
+from mechstyle_widgets import *
+run = lane_on_a_sheet(Path("access"), iterations=12)
+"""
+STUDIO = f"""{RUN}
+studio = Studio(run)
+for group in studio._groups:
+    group.unfolded = True
+studio
+"""
+ALONE = f"""{RUN}
+from mechstyle.gallery import make
+from mechstyle_widgets.state.controller import Controller
+state = StudioState(run)
+controller = Controller(state, lambda: None)
+viewer = Viewer(make("pen_holder"))
+display(Timeline(state), RunViewer(state), viewer, MaskInspector(controller), RunControls(controller), Branches(controller), Replay(run))
+display(PartPicker(), PromptBox(), MaterialPicker(), ControlSelector(), ScheduleSelector(), RegionsPicker(), DropOptions())
+"""
+WIDTHS, THEMES = (1400, 400), ("JupyterLab Light", "JupyterLab Dark")
+LIT = "document.body.dataset.jpThemeLight === '{}'"
+CELLS = "() => window.jupyterapp.shell.currentWidget.content.widgets.length"
+MOVING = """() => [...document.querySelectorAll('.mechstyle-studio, .mechstyle-studio *')].filter(one => {
+    const style = getComputedStyle(one);
+    return parseFloat(style.transitionDuration) > 0 || style.animationName !== 'none';
+}).map(one => one.className)"""
+
+
+@pytest.fixture(scope="module")
+def shown(notebook):
+    notebook.open(STUDIO)
+    notebook.drawn()
+    return notebook
+
+
+@pytest.fixture(scope="module")
+def alone(notebook):
+    notebook.open(ALONE)
+    notebook.drawn()
+    notebook.page.locator(".ms-canvas").wait_for()
+    return notebook
+
+
+def grave(page, context):
+    """What axe finds serious or critical, a line each."""
+    found = Axe().run(page, context=context).response["violations"]
+    return [f"{one['id']}: {node['html'][:160]}" for one in found if one["impact"] in ("serious", "critical") for node in one["nodes"]]
+
+
+def looked_through(notebook, width, theme):
+    """What axe finds in the outputs of a notebook of a width in a theme."""
+    notebook.page.set_viewport_size({"width": width, "height": 1200})
+    notebook.page.emulate_media(reduced_motion="reduce")  # a colour on its way to another has no contrast that counts
+    notebook.page.evaluate("theme => window.jupyterapp.commands.execute('apputils:change-theme', {theme})", theme)
+    notebook.page.wait_for_function(LIT.format(str(theme == THEMES[0]).lower()))
+    notebook.drawn()
+    found = grave(notebook.page, ".jp-OutputArea")
+    notebook.page.emulate_media(reduced_motion="no-preference")
+    return found
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+@pytest.mark.parametrize("theme", THEMES)
+def test_every_widget_by_itself_has_no_serious_barrier(alone, width, theme):
+    assert looked_through(alone, width, theme) == []
+
+
+def test_keys_stay_in_a_widget_that_stands_alone(alone):
+    cells, widgets = alone.page.evaluate(CELLS), alone.page.locator(".mechstyle-alone")
+    widgets.locator("canvas").nth(1).focus()
+    for key in ("o", "b", "d", "d"):
+        alone.page.keyboard.press(key)
+    alone.until("viewer.parallel", True)
+    assert alone.page.evaluate(CELLS) == cells
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+@pytest.mark.parametrize("theme", THEMES)
+def test_the_studio_has_no_serious_barrier(shown, width, theme):
+    assert looked_through(shown, width, theme) == []
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_the_report_has_no_serious_barrier(chromium, finished_run, tmp_path_factory, width, scheme):
+    path = tmp_path_factory.mktemp("report") / "report.html"
+    context = chromium.new_context(
+        viewport={"width": width, "height": 900}, offline=True, color_scheme=scheme, bypass_csp=True,
+        reduced_motion="reduce",  # a colour on its way to another has no contrast that counts
+    )  # fmt: skip
+    page = context.new_page()
+    page.goto(finished_run.report(path).as_uri())
+    page.locator("body[data-ready='replay']").wait_for()
+    found = grave(page, None)
+    context.close()
+    assert found == []
+
+
+def test_the_list_of_keys_opens_and_closes_by_key(shown):
+    page, cells = shown.page, shown.page.evaluate(CELLS)
+    page.set_viewport_size({"width": 1400, "height": 1200})
+    shown.canvas().focus()
+    page.keyboard.press("?")
+    panel = page.get_by_role("dialog", name="What the keys do")
+    panel.wait_for()
+    shown.keep("access-keys", page.locator(".mechstyle-studio"))
+    for key in ("b", "d", "d"):
+        page.keyboard.press(key)
+    page.keyboard.press("Escape")
+    panel.wait_for(state="detached")
+    assert page.evaluate("document.activeElement.tagName") == "CANVAS"
+    assert page.evaluate(CELLS) == cells
+
+
+def test_keys_do_what_the_list_says(shown):
+    page = shown.page
+    shown.canvas().focus()
+    page.keyboard.press("w")
+    shown.until("studio._tabs.selected_index", 0)
+    page.keyboard.press("p")
+    shown.until("studio.regions_picker.paint", True)
+    page.keyboard.press("Escape")
+    shown.until("studio.regions_picker.paint", False)
+    shown.python("at = studio._viewer._orbit.seen.target")
+    page.keyboard.press("Shift+ArrowRight")
+    shown.until("studio._viewer._orbit.seen.target != at", True)
+    page.keyboard.press("Home")
+
+
+def test_a_grid_of_pictures_is_one_stop(shown):
+    shown.python("studio.prompt_box._chips.all = True")
+    grid = shown.page.locator(".mechstyle-studio .mechstyle-pictures").nth(1)
+    grid.locator("button:visible").nth(10).wait_for()
+    stops = "grid => [...grid.querySelectorAll('button')].filter(one => one.tabIndex >= 0).length === 1"
+    shown.page.wait_for_function(stops, arg=grid.element_handle())
+    shown.python("studio.prompt_box._chips.all = False")
+
+
+def test_nothing_moves_for_those_who_asked_for_that(shown):
+    shown.page.add_style_tag(content=".mechstyle-studio button { transition: color 1s; }")
+    assert shown.page.evaluate(MOVING) != []
+    shown.page.emulate_media(reduced_motion="reduce")
+    assert shown.page.evaluate(MOVING) == []

@@ -1,0 +1,53 @@
+"""What single keys do in a Studio; `jupyter/static/frame.js` hears them and lists them for its users."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+LAYERS = {"1": "style", "2": "stress", "3": "safety_factor", "4": "restraint", "5": "demand", "6": "displacement"}
+"""Layers by the keys that show them."""
+
+
+class Keys:
+    """The keys of a Studio: call it with one. What it does not know is a matter of the view."""
+
+    def __init__(self, studio: Any) -> None:
+        """Work a Studio."""
+        self._studio, controller, branches = studio, studio.controller, studio.branches
+        self._acts: dict[str, Callable[[], object]] = {
+            "r": controller.run,
+            ".": controller.step,
+            ">": controller.step_to_simulation,
+            " ": controller.pause,
+            "n": branches.branch,
+            "c": self._compare,
+            "i": self._impact,
+            "w": studio.show_mask,
+            "p": self._paint,
+        }
+
+    def __call__(self, key: str) -> None:
+        """Carry out what a key stands for."""
+        viewer = self._studio.viewer
+        if key == "Escape" and self._studio.regions_picker.paint:
+            self._studio.regions_picker.paint = False
+        elif key in self._acts:
+            self._acts[key]()
+        elif viewer is not None and key not in LAYERS:
+            viewer.key(key)
+        elif viewer is not None and (key == "1" or viewer.subject.layer(LAYERS[key]) is not None):
+            viewer.layer = LAYERS[key]
+
+    def _compare(self) -> None:
+        if self._studio.state.checkpoint is not None:
+            self._studio.branches.pin()
+
+    def _impact(self) -> None:
+        """Show the impact, or the part at rest again."""
+        player = getattr(self._studio.viewer, "player", None)
+        if player is not None:
+            (player.play if player.impact is None else player.put_away)()
+
+    def _paint(self) -> None:
+        self._studio.regions_picker.paint = not self._studio.regions_picker.paint
