@@ -3,19 +3,20 @@
 
 PYTHON ?= python3
 BIN := .venv/bin
+NOTEBOOKS ?= cache
 PINS := pyproject.toml constraints.txt
 # Two test workers share the cores; a thread pool in each would only make them wait for each other.
 export OMP_NUM_THREADS ?= 1
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
-.PHONY: help demo test test-trust fuzz lab lint mutants bench bench-widgets clean
+.PHONY: help demo test test-trust fuzz lab docs lint mutants bench bench-widgets clean
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
 
 help: ## list these targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-13s %s\n", $$1, $$2}' $(firstword $(MAKEFILE_LIST))
 
-demo: .venv/core.stamp ## stylize a pen holder as brick, drop it, write demo-out/
+demo: .venv/core.stamp ## stylize a tealight holder as brick, drop it, write demo-out/
 	$(BIN)/mechstyle demo --out demo-out
 
 test: lint ## everything that must pass: lint, types, import directions, all tests
@@ -29,6 +30,10 @@ fuzz: .venv/dev.stamp ## read 10 000 damaged and hostile files and command lines
 
 lab: .venv/dev.stamp ## open the notebooks in JupyterLab
 	$(BIN)/jupyter lab --notebook-dir=notebooks
+
+docs: .venv/docs.stamp ## build/site/index.html, with all notebooks executed; NOTEBOOKS=off shows them as they are stored
+	MECHSTYLE_DOCS_EXECUTE=$(NOTEBOOKS) $(BIN)/sphinx-build --quiet --fail-on-warning --keep-going -b html -c docs . build/site
+	$(BIN)/python docs/site/check.py build/site
 
 lint: .venv/dev.stamp ## style, import directions and types only
 	$(BIN)/ruff check .
@@ -66,3 +71,7 @@ clean: ## remove .venv, caches and demo-out/ (your runs stay)
 .venv/dev.stamp: $(PINS) | .venv/bin/python
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev,jupyter,clip]'
 	@touch .venv/core.stamp $@
+
+.venv/docs.stamp: .venv/dev.stamp
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev,jupyter,clip,docs]'
+	@touch $@

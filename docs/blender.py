@@ -102,7 +102,8 @@ def show(found: dict) -> None:
 def stress_material(bpy: Any, top: float) -> Any:
     """A material that is blue where there is no stress, yellow where there is most [MPa]."""
     made = bpy.data.materials.new("stress")
-    made.use_nodes = True
+    if made.node_tree is None:  # before Blender 5
+        made.use_nodes = True
     nodes, links = made.node_tree.nodes, made.node_tree.links
     field, ramp, scale = nodes.new("ShaderNodeAttribute"), nodes.new("ShaderNodeValToRGB"), nodes.new("ShaderNodeMapRange")
     field.attribute_name = "stress_MPa"

@@ -22,7 +22,7 @@ _GIT = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=T
 TRACKED = [ROOT / line for line in _GIT.stdout.splitlines()]
 SOURCES = [path for folder in ("mechstyle", "widgets", "benchmarks") for path in sorted((ROOT / folder).rglob("*.py"))]
 IMPORTS = re.compile(r"^(?:from|import) (mechstyle[\w.]*)", re.MULTILINE)
-HEAVY = {"gpytoolbox", "lxml", "manifold3d", "matplotlib", "networkx", "pytetwild", "rich", "scipy", "trimesh", "typer", "warp"}
+HEAVY = {"lxml", "manifold3d", "matplotlib", "networkx", "pytetwild", "rich", "scipy", "trimesh", "typer", "warp"}
 HEAVY |= {"IPython", "PIL", "distributed", "ipywidgets", "pandas", "plotly", "pyarrow", "pythreejs", "skimage", "torch", "transformers"}
 
 
@@ -239,7 +239,7 @@ def test_every_dependency_is_pinned_within_what_the_package_asks_for():
     pins = {canonicalize_name(name): version for name, version in (line.split("==") for line in lines)}
     assert lines == sorted(lines)
     extras = PROJECT["project"]["optional-dependencies"]
-    for text in [*PROJECT["project"]["dependencies"], *extras["dev"], *extras["jupyter"], "torch==2.13.0"]:
+    for text in [*PROJECT["project"]["dependencies"], *extras["dev"], *extras["jupyter"], *extras["docs"], "torch==2.13.0"]:
         needed = Requirement(text)
         assert needed.specifier.contains(pins[canonicalize_name(needed.name)]), text
 

@@ -1,0 +1,110 @@
+"""How Sphinx makes a site of the repository: `make docs`, in CONTRIBUTING.md.
+
+The repository itself is the source, so that a link between its pages leads to the same place here as where it is browsed. Nothing is loaded
+from a network: notebooks show pictures instead of live widgets, and formulas are MathML.
+"""
+
+import json
+import os
+import sys
+from pathlib import Path
+from typing import Any
+
+from docutils import nodes
+from docutils.utils.math.latex2mathml import tex2mathml
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "docs" / "site"))
+sys.path.insert(0, str(ROOT))
+
+import generated  # noqa: E402 — of the folder that has just been named
+
+import mechstyle  # noqa: E402
+
+EXECUTE = os.environ.get("MECHSTYLE_DOCS_EXECUTE", "cache")
+"""`cache` runs each notebook once, and again when its code changes; `off` shows what is stored in them."""
+CACHE = ROOT / "build" / "docs-cache"
+
+project = "MechStyle"
+release = version = mechstyle.__version__
+copyright = "MechStyle contributors, Apache-2.0"  # noqa: A001 — Sphinx calls it so
+root_doc = "docs/index"
+include_patterns = ["docs/*.md", "notebooks/**", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md"]
+exclude_patterns = ["build", ".*", "**/.*", "**/node_modules", "notebooks/slides"]
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx.ext.viewcode"]
+suppress_warnings = ["mystnb.unknown_mime_type"]  # live widgets, beside which a picture is kept
+smartquotes = False  # two hyphens begin an option
+
+html_theme = "furo"
+html_title = "MechStyle"
+html_static_path = ["site/static"]
+html_css_files = ["site.css"]
+html_js_files = ["site.js"]
+html_extra_path = [str(CACHE / "extra")]
+html_copy_source = False
+html_show_sphinx = False
+html_additional_pages = {"index": "to_the_start.html"}
+templates_path = ["site/templates"]
+pygments_style = "a11y-high-contrast-light"
+pygments_dark_style = "a11y-high-contrast-dark"
+html_math_renderer = "mathml"
+
+myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
+myst_heading_anchors = 3
+nb_execution_mode = EXECUTE
+nb_execution_cache_path = str(CACHE / "notebooks")
+nb_execution_in_temp = True
+nb_execution_timeout = 1800
+nb_execution_raise_on_error = True
+nb_execution_show_tb = True
+nb_ipywidgets_js: dict[str, Any] = {}  # or require.js would be loaded from a network
+nb_merge_streams = True
+
+autodoc_member_order = "bysource"
+autodoc_typehints = "description"
+autodoc_typehints_description_target = "documented"
+autodoc_preserve_defaults = True
+default_role = "code"
+napoleon_google_docstring = True
+napoleon_numpy_docstring = False
+napoleon_use_ivar = True
+
+
+def filled(_app: Any, page: str, source: list[str]) -> None:
+    """Put what is generated where a page asks for it, and the words of a figure where myst-nb looks for them."""
+    if (ROOT / f"{page}.ipynb").is_file():
+        source[0] = with_words(source[0])
+        return
+    for marker, made in generated.PAGES.items():
+        if f"<!-- {marker} -->" in source[0]:
+            source[0] = source[0].replace(f"<!-- {marker} -->", made(CACHE, EXECUTE))
+
+
+def with_words(text: str) -> str:
+    """A notebook whose figures carry the words of their cell."""
+    notebook = json.loads(text)
+    for cell in notebook["cells"]:
+        if "alt" in cell["metadata"]:
+            cell["metadata"]["mystnb"] = {"image": {"alt": cell["metadata"]["alt"]}}
+    return json.dumps(notebook)
+
+
+def formula(self: Any, node: nodes.math) -> None:
+    """A formula within a line."""
+    self.body.append(tex2mathml(node.astext()))
+    raise nodes.SkipNode
+
+
+def formulas(self: Any, node: nodes.math_block) -> None:
+    """A formula on a line of its own."""
+    self.body.append(f'<div class="math">{tex2mathml(node.astext(), as_block=True)}</div>')
+    raise nodes.SkipNode
+
+
+def setup(app: Any) -> None:
+    """Tell Sphinx of the above."""
+    app.add_html_math_renderer("mathml", (formula, None), (formulas, None))
+    app.connect("source-read", filled)
+    (CACHE / "extra").mkdir(parents=True, exist_ok=True)
+    if EXECUTE != "off":
+        generated.report(CACHE)

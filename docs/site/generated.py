@@ -1,0 +1,119 @@
+"""The pages of the site that are made of the code: every command, every setting, every public name, and a report."""
+
+import inspect
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import typer
+
+import mechstyle
+from mechstyle.__main__ import app
+from mechstyle.records.recipe import CHOICES, DEFAULTS, LIMITS, SETTINGS, described
+from mechstyle.runs.run import Run
+
+REPORT = "example-report.html"
+DIRECTIVES = {"Functions": "autofunction", "Classes": "autoclass", "Errors": "autoexception"}
+"""What Sphinx reads the docstrings of public names by."""
+
+
+def commands(command: Any, name: str = "mechstyle") -> Iterator[tuple[str, Any]]:
+    """Every command that does something, by what one types."""
+    below = getattr(command, "commands", {})
+    if not below:
+        yield name, command
+    for word, one in below.items():
+        yield from commands(one, f"{name} {word}")
+
+
+def command_line(*_: object) -> str:
+    """A section for each command, with its arguments and options."""
+    return "\n\n".join(_of_command(name, command) for name, command in commands(typer.main.get_command(app)))
+
+
+def _of_command(name: str, command: Any) -> str:
+    arguments = [one for one in command.params if one.param_type_name == "argument"]
+    typed = " ".join([name, *map(_metavar, arguments), "[OPTIONS]"])
+    rows = [f"| {_called(one)} | {_plain(one.help or '')} | {_default(one)} |" for one in command.params if one.name != "help"]
+    table = ["| | | unless told |", "|---|---|---|", *rows] if rows else []
+    return "\n".join([f"## `{name}`", "", _plain(command.help or ""), "", f"```text\n{typed}\n```", "", *table])
+
+
+def _called(one: Any) -> str:
+    if one.param_type_name == "argument":
+        return f"`{_metavar(one)}`"
+    return ", ".join(f"`{option}`" for option in (*one.opts, *one.secondary_opts))
+
+
+def _metavar(argument: Any) -> str:
+    return argument.metavar or argument.name.upper()
+
+
+def _default(one: Any) -> str:
+    shown = one.show_default if isinstance(getattr(one, "show_default", None), str) else one.default
+    if shown is None or callable(shown) or one.required or shown in (False, (), ""):
+        return "needed" if one.required else ""
+    return f"`{shown}`"
+
+
+def _plain(text: str) -> str:
+    """Words that Markdown leaves alone in a cell of a table."""
+    unmarked = text.replace("\\[", "[").replace("|", "\\|").replace("<", "&lt;").replace("*", "\\*").replace("_", "\\_")
+    return " ".join(unmarked.split())
+
+
+def settings(*_: object) -> str:
+    """A row for each setting of a recipe."""
+    rows = []
+    for name in SETTINGS:
+        default = "needed" if name not in DEFAULTS else "" if DEFAULTS[name] in (None, "", ()) else f"`{DEFAULTS[name]}`"
+        low, high = LIMITS.get(name, (None, None))
+        within = ", ".join(f"`{one}`" for one in CHOICES.get(name, ()) if one) or ("" if low is None else f"{low:g} to {high:g}")
+        rows.append(f"| `{name}` | {_plain(described(name))} | {within} | {default} |")
+    return "\n".join(["| setting | what it is | may be | unless told |", "|---|---|---|---|", *rows])
+
+
+def names(*_: object) -> str:
+    """Every public name with its docstring."""
+    kinds: dict[str, list[str]] = {kind: [] for kind in DIRECTIVES}
+    for name in mechstyle.__all__:
+        if name != "LIBRARY":
+            kinds[_kind(getattr(mechstyle, name))].append(name)
+    materials = ", ".join(f"`{name}`" for name in mechstyle.LIBRARY)
+    documented = [f"## {kind}\n\n```{{eval-rst}}\n{_directives(kind, found)}\n```" for kind, found in kinds.items()]
+    return "\n\n".join([*documented, f"## Materials\n\n`ms.LIBRARY` holds materials by name: {materials}."])
+
+
+def _kind(value: object) -> str:
+    if inspect.isclass(value):
+        return "Errors" if issubclass(value, Exception) else "Classes"
+    return "Functions"
+
+
+def _directives(kind: str, found: list[str]) -> str:
+    more = "\n   :members:" if kind == "Classes" else ""
+    return "\n\n".join(f".. {DIRECTIVES[kind]}:: mechstyle.{name}{more}" for name in found)
+
+
+def report(cache: Path) -> None:
+    """Write the report of the tutorial's run, which goes on where it stopped."""
+    part = mechstyle.load("gallery:drawer_knob")
+    run: Run = mechstyle.stylize(part, "brick", vertices=2000, iterations=60, out=cache / "knob", name="drawer knob", device="cpu")
+    run.report(cache / "extra" / REPORT)
+
+
+def report_frame(cache: Path, _execute: str) -> str:
+    """The report in a frame, or its picture where none was made."""
+    if not (cache / "extra" / REPORT).is_file():
+        return "![A report: the verdict and its figures, the replay beside the original, the timeline](report.png)"
+    return (
+        "```{raw} html\n"
+        f'<iframe class="report" src="../{REPORT}" title="A report: a drawer knob in brick, verdict and replay" loading="lazy"></iframe>\n'
+        f'<p><a href="../{REPORT}">The report on a page of its own</a></p>\n```'
+    )
+
+
+PAGES: dict[str, Callable[[Path, str], str]] = {
+    "every command": command_line, "every setting": settings, "every name": names, "a report": report_frame,
+}  # fmt: skip
+"""What is made for each place that a page marks, in a comment."""

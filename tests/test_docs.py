@@ -1,0 +1,115 @@
+"""The pages lead somewhere: every page is reached from the first, every link leads to a place that is there, what is generated is whole."""
+
+import importlib
+import json
+import re
+import sys
+from pathlib import Path
+
+import pytest
+import typer
+
+import mechstyle
+from mechstyle.records.recipe import SETTINGS
+from support import ROOT
+
+SITE = ROOT / "docs" / "site"
+PAGES = sorted(path for pattern in ("*.md", "docs/*.md", "notebooks/*.ipynb", "notebooks/solutions/*.md") for path in ROOT.glob(pattern))
+CODE = re.compile(r"```.*?```|`[^`\n]*`", re.DOTALL)
+LINK = re.compile(r"\]\(([^()\s]+)\)")
+TOCTREE = re.compile(r"```\{toctree\}\n(.*?)```", re.DOTALL)
+
+
+def generated(name):
+    """A module of the folder that Sphinx is pointed at."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(SITE))
+        patch.delitem(sys.modules, name, raising=False)
+        return importlib.import_module(name)
+
+
+def words(page: Path) -> str:
+    """The Markdown of a page or a notebook."""
+    text = page.read_text(encoding="utf-8")
+    if page.suffix == ".md":
+        return text
+    return "\n".join("".join(cell["source"]) for cell in json.loads(text)["cells"] if cell["cell_type"] == "markdown")
+
+
+def anchors(page: Path) -> set[str]:
+    """Places within a page, named as GitHub names them."""
+    titles = re.findall(r"^#+ (.+)$", words(page), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-") for title in titles}
+
+
+def broken(page: Path) -> list[str]:
+    """Links of a page to files and places that are not there."""
+    found = []
+    for link in LINK.findall(CODE.sub("", words(page))):
+        path, _, place = link.partition("#")
+        target = (page.parent / path).resolve() if path else page
+        if re.match(r"[a-z]+:", link):
+            continue
+        if not target.exists() or (place and place not in anchors(target)):
+            found.append(link)
+    return found
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_every_link_leads_to_a_place_that_is_there(page):
+    assert broken(page) == []
+
+
+def test_a_link_that_leads_nowhere_is_found(tmp_path):
+    page = tmp_path / "page.md"
+    page.write_text("# Here it is\n[a](#here-it-is) [b](#there) [c](other.md) [d](https://example.org) `[e](f)` ![g](g.png)")
+    assert broken(page) == ["#there", "other.md", "g.png"]
+
+
+def test_every_page_is_reached_from_the_first():
+    reached, todo = set(), [ROOT / "docs" / "index.md"]
+    while todo:
+        page = todo.pop()
+        reached.add(page)
+        listed = "\n".join(TOCTREE.findall(page.read_text(encoding="utf-8")))
+        for entry in re.findall(r"^[^:\s]\S*$", listed, re.MULTILINE):
+            file = next((path for suffix in (".md", ".ipynb") if (path := (page.parent / f"{entry}{suffix}").resolve()).is_file()), None)
+            assert file is not None, f"{page.name} lists {entry}"
+            todo += [file] if file.suffix == ".md" else []
+            reached.add(file)
+    assert len(reached) > 40
+    assert {page.name for page in PAGES} - {page.name for page in reached} == {"README.md"}
+
+
+def test_what_is_generated_names_every_command_setting_and_public_name():
+    made = generated("generated")
+    pages = {marker: make(Path("nowhere"), "off") for marker, make in made.PAGES.items()}
+    for name, command in made.commands(typer.main.get_command(importlib.import_module("mechstyle.__main__").app)):
+        section = pages["every command"].partition(f"## `{name}`\n")[2].partition("\n## ")[0]
+        options = {option for one in command.params if one.name != "help" for option in one.opts if option.startswith("-")}
+        assert options <= set(re.findall(r"`(-[\w-]+)`", section))
+    assert all(f"| `{name}` |" in pages["every setting"] for name in SETTINGS)
+    assert all(f"mechstyle.{name}" in pages["every name"] for name in mechstyle.__all__ if name != "LIBRARY")
+    asked = {marker for page in PAGES for marker in re.findall(r"<!-- (.+?) -->", words(page))}
+    assert set(pages) <= asked
+
+
+@pytest.mark.parametrize(
+    ("text", "loads"),
+    [
+        ('<script src="https://example.org/a.js"></script>', True),
+        ('<link href="//example.org/a.css" rel="stylesheet">', True),
+        ("@import url(https://example.org/font.css)", True),
+        ("body { background: url('http://example.org/a.png') }", True),
+        ('<img alt="a" src="https://example.org/a.png">', True),
+        ('<a href="https://example.org/">elsewhere</a> <script src="_static/a.js"></script>', False),
+        ('<link rel="license" href="https://example.org/">', False),
+    ],
+)
+def test_a_site_that_loads_from_a_network_is_refused(tmp_path, text, loads):
+    (tmp_path / "page.html").write_text(text)
+    assert bool(generated("check").loaded_from_elsewhere(tmp_path)) is loads
+
+
+def test_the_citation_names_this_version():
+    assert f"\nversion: {mechstyle.__version__}\n" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")
