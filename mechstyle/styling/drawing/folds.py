@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mechstyle.records.mesh import Floats
+from mechstyle.records.mesh import Floats, SurfaceMesh
 from mechstyle.styling.drawing.operators import Operators
 
 _STEEPEST = 0.17  # cosine of 80°, the most a face may turn
@@ -19,14 +19,18 @@ def unfolded(operators: Operators, displacement: Floats) -> Floats:
     the latest. It never grows, so that limits kept before are still kept.
     """
     mesh = operators.mesh
-    lowered = displacement.copy()
+    lowered, with_area = displacement.copy(), mesh.face_areas > 0.0
+    nearby = np.flatnonzero(with_area)
     for _ in range(_ROUNDS):
-        turned = np.einsum("ij,ij->i", mesh.displaced(lowered).face_normals, mesh.face_normals) < _STEEPEST
-        turned &= mesh.face_areas > 0.0
-        if not turned.any():
+        styled = SurfaceMesh(mesh.displaced(lowered).vertices, mesh.faces[nearby])
+        turned = nearby[np.einsum("ij,ij->i", styled.face_normals, mesh.face_normals[nearby]) < _STEEPEST]
+        if not len(turned):
             break
         around = np.unique(mesh.faces[turned])
-        calm = 0.5 * lowered[around] + 0.4 * (operators.ring_mean @ lowered)[around]
+        calm = 0.5 * lowered[around] + 0.4 * (operators.ring_mean[around] @ lowered)
         low, high = np.minimum(0.0, 0.95 * lowered[around]), np.maximum(0.0, 0.95 * lowered[around])
         lowered[around] = np.clip(calm, low, high)
+        moved = np.zeros(len(lowered), bool)
+        moved[around] = True
+        nearby = np.flatnonzero(moved[mesh.faces].any(axis=1) & with_area)  # no other face has turned since
     return lowered
