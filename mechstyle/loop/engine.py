@@ -251,7 +251,8 @@ class Engine:
         verdict = self.simulator.judge(simulation)
         state = replace(state, displacement=simulation.displacement, simulated_at=state.iteration, verdict=verdict)
         if not simulation.failure:
-            state = self._restrained(state, simulation, retract=self.recipe.retraction and not last)
+            state = self._restrained(state, simulation)
+            state = self._retracted(state, landed=control.landed(simulation, verdict)) if self.recipe.retraction and not last else state
         state = replace(
             state,
             anchor=state.displacement,
@@ -260,14 +261,15 @@ class Engine:
         )
         return state, Simulated(state.iteration, reason, simulation, verdict, float(state.restrained.mean()))
 
-    def _restrained(self, state: Checkpoint, simulation: Simulation, *, retract: bool) -> Checkpoint:
+    def _restrained(self, state: Checkpoint, simulation: Simulation) -> Checkpoint:
         demand = self._demand(simulation)
         mask = self._mask(demand, state.mask if self.recipe.memory else self.bounds.freedom)
-        state = replace(state, stress=simulation.stress, demand=demand, mask=mask)
-        if not retract:
-            return state
-        near = correction.nearness(self.surface.vertices, demand > RETRACT_ABOVE, RETRACT_RADIUS)
-        under = self.bounds.standing & (near > np.exp(-1.0))
+        return replace(state, stress=simulation.stress, demand=demand, mask=mask)
+
+    def _retracted(self, state: Checkpoint, *, landed: bool) -> Checkpoint:
+        """Take relief back where demand nears the limit, and all of it there from what the part stands on if it is landings that demand."""
+        near = correction.nearness(self.surface.vertices, state.demand > RETRACT_ABOVE, RETRACT_RADIUS)
+        under = self.bounds.standing & (near > np.exp(-1.0)) & landed
         left = np.where(under, np.float32(0.0), 1.0 - np.float32(RETRACT_BY) * near)
         return replace(state, displacement=state.displacement * left, share=state.share * left)
 

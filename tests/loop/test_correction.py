@@ -19,7 +19,7 @@ from mechstyle.loop.correction import (
     neighbours,
 )
 from mechstyle.records.mesh import SurfaceMesh
-from tests.support.bench import grid
+from support.bench import grid
 
 COUNT = 60
 LINE = np.zeros((COUNT, 3))

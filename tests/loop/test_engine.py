@@ -13,8 +13,8 @@ from mechstyle.errors import BadInput
 from mechstyle.loop.engine import STEP_LIMIT, Engine, kept
 from mechstyle.loop.events import Checkpointed, Corrected, Finished, Simulated, SimulationStarted, Stylized
 from mechstyle.loop.store import Lane
-from mechstyle.records import Simulation
-from tests.support.bench import LooseBase
+from mechstyle.records import LoadResult, Simulation
+from support.bench import LeverSimulator, LooseBase
 
 
 def states(events):
@@ -131,6 +131,22 @@ def test_where_the_part_stands_retraction_leaves_no_relief_and_none_grows_again(
     assert len(overloaded)
     assert all(not state.displacement[overloaded].any() for state in saved[20:])
     assert saved[-1].displacement[55] > 0.0
+
+
+def test_under_a_load_alone_retraction_takes_what_the_part_stands_on_as_any_other_place(bench, monkeypatch):
+    """Counter-example: laid flat as after a landing, the base would lose relief that no landing harms."""
+    measured = LeverSimulator._measured
+
+    def hung(self, displacement, *, thorough):
+        found = measured(self, displacement, thorough=thorough)
+        return replace(found, loaded=(LoadResult(name="hung", peak=found.as_placed.peak, where=(0.0, 0.0, 0.0), deflection=0.1),))
+
+    monkeypatch.setattr(LeverSimulator, "_measured", hung)
+    bench.base = LooseBase(np.arange(64) >= 60)
+    saved = states(bench.engine(bench.recipe(schedule="every", every=20, control="frozen", normalisation="yield", guarantee=False)).run())
+    overloaded = np.flatnonzero((saved[20].demand > 0.9) & bench.base.standing)
+    assert len(overloaded)
+    assert 0.0 < saved[20].displacement[overloaded].max() < saved[19].displacement[overloaded].max()
 
 
 def test_a_vertex_moves_at_most_one_percent_of_the_size_per_iteration(bench):
