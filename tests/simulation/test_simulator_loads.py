@@ -28,7 +28,7 @@ def test_the_worse_of_drop_and_loads_drives_and_decides(block, memo):
     assert loaded.as_placed.peak == push.peak > dropped.as_placed.peak > rest.peak > 0.0
     assert loaded.as_placed.where == push.where
     assert np.all(loaded.stress >= dropped.stress)
-    assert loaded.stress.max() == pytest.approx(push.peak, rel=0.1)  # the surface's vertices lie between those of the tetrahedra
+    assert 0.75 * push.peak < loaded.stress.max() <= 1.00001 * push.peak  # the surface's vertices lie between those of the tetrahedra
     assert np.all(loaded.envelope >= dropped.envelope)
     assert loaded.overall == dropped.overall
 
