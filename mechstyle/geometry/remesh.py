@@ -13,7 +13,9 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from mechstyle.errors import BadInput
+from mechstyle.geometry.collapses import edges_of
 from mechstyle.geometry.degenerate import heights, without_degenerate
+from mechstyle.geometry.going_on import GoOn, regardless
 from mechstyle.geometry.isotropic_remeshing import isotropic
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.geometry.slivers import edge_pairs, mended
@@ -31,7 +33,7 @@ TRIALS = 9
 TRIAL_ITERATIONS, ITERATIONS = 3, 8  # of the remesher: few suffice to see the count
 
 
-def standardise(mesh: SurfaceMesh, vertices: int = STANDARD_VERTICES, tolerance: float = 0.05) -> SurfaceMesh:
+def standardise(mesh: SurfaceMesh, vertices: int = STANDARD_VERTICES, tolerance: float = 0.05, go_on: GoOn = regardless) -> SurfaceMesh:
     """The surface in nearly equilateral triangles of one size.
 
     Needless vertices go (Manifold), long edges are cut, and isotropic remeshing by splits, collapses, flips and tangential
@@ -43,6 +45,7 @@ def standardise(mesh: SurfaceMesh, vertices: int = STANDARD_VERTICES, tolerance:
         mesh: A closed surface, any triangulation.
         vertices: Vertices wanted, 500 to 400 000.
         tolerance: Accepted deviation from that count, over the count.
+        go_on: Asked in between.
 
     Returns:
         A closed surface with the same number of handles and shells, its vertices on the part and none of its
@@ -56,12 +59,12 @@ def standardise(mesh: SurfaceMesh, vertices: int = STANDARD_VERTICES, tolerance:
     body = manifold_of(mesh)
     if body.status() != manifold3d.Error.NoError or body.is_empty():
         raise BadInput("cannot standardise a surface that is not closed; load it with mechstyle, which repairs it or says why not")
-    edge = even_edge(mesh, 2 * vertices)  # a closed surface has about two faces per vertex (Euler)
+    shape, edge = _shape(mesh), even_edge(mesh, 2 * vertices)  # a closed surface has about two faces per vertex (Euler)
     short, long = 0.0, math.inf
     for trial in range(TRIALS):
-        found = remeshed(body, edge, tolerance=0.01 * edge, iterations=TRIAL_ITERATIONS if trial == 0 else ITERATIONS)
+        found = remeshed(body, edge, tolerance=0.01 * edge, iterations=TRIAL_ITERATIONS if trial == 0 else ITERATIONS, go_on=go_on)
         enough = trial > 0 and abs(len(found.vertices) / vertices - 1.0) <= tolerance
-        if enough and _shape(found) == _shape(mesh) and _has_area(found, edge):
+        if enough and _shape(found) == shape and _has_area(found, edge):
             return found
         edge, short, long = _corrected(edge, len(found.vertices) / vertices, short, long)
     left = "" if _has_area(found, edge) else ", with triangles without area"
@@ -96,7 +99,7 @@ def surface_of(body: Any) -> SurfaceMesh:
     return SurfaceMesh(mesh.vert_properties[:, :3], mesh.tri_verts)
 
 
-def remeshed(body: Any, edge: float, *, tolerance: float, iterations: int = ITERATIONS) -> SurfaceMesh:
+def remeshed(body: Any, edge: float, *, tolerance: float, iterations: int = ITERATIONS, go_on: GoOn = regardless) -> SurfaceMesh:
     """A Manifold in even triangles.
 
     Args:
@@ -104,17 +107,21 @@ def remeshed(body: Any, edge: float, *, tolerance: float, iterations: int = ITER
         edge: Edge length [mm].
         tolerance: Most by which removing needless vertices beforehand may move the surface [mm].
         iterations: Rounds of splits, collapses, flips and smoothing.
+        go_on: Asked in between.
 
     Raises:
         BadInput: If nothing is left of the part within the tolerance.
     """
     original, simple = surface_of(body), body.simplify(tolerance)
+    go_on()
     if simple.is_empty():
         raise BadInput(f"this part is thinner than {2.0 * tolerance:.2g} mm everywhere: check its unit (--scale), or ask for more vertices")
     fine = surface_of(simple.refine_to_length(edge))
+    go_on()
     creases, rounds = _fixed(fine, edge)
     part = TriangleTree(original.vertices, original.faces)
-    even = isotropic(fine, edge, part, creases=creases, rounds=rounds, iterations=iterations)
+    even = isotropic(fine, edge, part, creases=creases, rounds=rounds, iterations=iterations, go_on=go_on)
+    go_on()
     there = part.nearest(even.vertices)
     landed = even.moved(np.where(there.distance[:, None] > ON_THE_PART, there.point, even.vertices))
     return without_degenerate(mended(landed, part, len(creases)), LOWEST * edge)
@@ -168,14 +175,15 @@ def even_edge(mesh: SurfaceMesh, faces: float) -> float:
 
 def _shape(mesh: SurfaceMesh) -> tuple[bool, int, int]:
     """Whether it is closed, its Euler characteristic, and its number of shells."""
-    used = np.unique(mesh.faces)
-    euler = len(used) - len(mesh.edges) + len(mesh.faces)
+    used = int(np.count_nonzero(np.bincount(mesh.faces.ravel())))
+    euler = used - len(edges_of(mesh.faces)) + len(mesh.faces)
     return mesh.is_closed, euler, shell_count(mesh)
 
 
 def shell_count(mesh: SurfaceMesh) -> int:
     """Number of connected shells, bodies and cavities alike."""
     count = len(mesh.vertices)
-    graph = sp.coo_array((np.ones(len(mesh.edges)), mesh.edges.T), shape=(count, count))
+    one, other = mesh.faces[:, [0, 1, 0, 2]].reshape(-1, 2).T  # two sides connect a face
+    graph = sp.coo_array((np.ones(len(one), np.int8), (one, other)), shape=(count, count))
     labels = connected_components(graph, directed=False)[1]
     return len(np.unique(labels[mesh.faces[:, 0]]))
