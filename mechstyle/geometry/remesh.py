@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import heapq
 import math
 from typing import Any
 
@@ -28,6 +29,8 @@ FINEST_STEP, WIDEST_STEP = 0.45, 0.8  # of the edge length: steps between the ve
 ON_THE_PART = 1e-4  # mm; what is nearer stays exactly where it is, as on a plane or a crease
 LOWEST = 1e-3  # of the edge length: height below which a triangle is taken out
 NO_AREA = 1e-5  # the same, below which none is left
+ROW = 0.05  # of the edge length: vertices of a round whose distances from its border differ by less are in one row
+NEXT = 1.6  # steps within which the next one of a row is looked for
 CLEARANCE = 0.7  # of such a step, to the nearest crease
 TRIALS = 9
 TRIAL_ITERATIONS, ITERATIONS = 3, 8  # of the remesher: few suffice to see the count
@@ -38,7 +41,7 @@ def standardise(mesh: SurfaceMesh, vertices: int = STANDARD_VERTICES, tolerance:
 
     Needless vertices go (Manifold), long edges are cut, and isotropic remeshing by splits, collapses, flips and tangential
     smoothing with projection (Botsch and Kobbelt 2004) evens the rest out, with the vertices of edges sharper than 30° fixed.
-    Rounds narrower than a triangle would come out ragged; they are sampled by fixed vertices as close as they are narrow.
+    Rounds narrower than a triangle would come out ragged; they are sampled by fixed vertices as close as they are narrow, in rows.
     The edge length is corrected until the count fits.
 
     Args:
@@ -128,18 +131,28 @@ def remeshed(body: Any, edge: float, *, tolerance: float, iterations: int = ITER
 
 
 def _fixed(mesh: SurfaceMesh, edge: float) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """Vertices on creases, ascending, and others that sample the rounds narrower than a triangle of this edge length [mm]."""
+    """Vertices on creases, ascending, and others that sample the rounds narrower than a triangle of this edge length [mm].
+
+    Along the middle of each round they stand in a row, which the rim of a part is seen by: anywhere across it they made it ragged.
+    """
     edges, turns, radii = _bends(mesh)
     creases = np.unique(edges[turns > SHARP]).astype(np.int32)
     radius = np.full(len(mesh.vertices), np.inf)
     bent = (turns > FLAT) & (turns <= SHARP)
     np.minimum.at(radius, edges[bent].ravel(), np.repeat(radii[bent], 2))
     narrow = np.setdiff1d(np.flatnonzero(radius < WIDEST_STEP * edge), creases).astype(np.int32)
+    depths = _depths(mesh.vertices, narrow)
     steps = np.clip(radius[narrow], FINEST_STEP * edge, WIDEST_STEP * edge)
     if len(creases) and len(narrow):
         clear = cKDTree(mesh.vertices[creases]).query(mesh.vertices[narrow])[0] > CLEARANCE * steps
-        narrow, steps = narrow[clear], steps[clear]
-    return creases, narrow[_spread(mesh.vertices[narrow], steps)]
+        narrow, depths, steps = narrow[clear], depths[clear], steps[clear]
+    return creases, narrow[_spread(mesh.vertices[narrow], steps, np.round(depths / (ROW * edge)))]
+
+
+def _depths(vertices: Floats, some: NDArray[np.int32]) -> Floats:
+    """How far some vertices lie from the nearest of the others [mm], shape [len(some)]; 0 if there are no others."""
+    others = np.delete(vertices, some, axis=0)
+    return np.asarray(cKDTree(others).query(vertices[some])[0]) if len(others) else np.zeros(len(some))
 
 
 def _bends(mesh: SurfaceMesh) -> tuple[NDArray[np.int32], Floats, Floats]:
@@ -156,15 +169,25 @@ def _bends(mesh: SurfaceMesh) -> tuple[NDArray[np.int32], Floats, Floats]:
     return pairs.edges, turns, heights / np.maximum(turns, 1e-9)
 
 
-def _spread(points: Floats, steps: Floats) -> NDArray[np.int64]:
-    """Indices of points no closer to each other than the smaller of their steps [mm], those of small steps first."""
+def _spread(points: Floats, steps: Floats, rows: Floats) -> NDArray[np.int64]:
+    """Indices of points no closer to each other than the step of the first of them [mm], those of high rows first.
+
+    In a row each is the nearest to one before it, so that a row is as close as steps allow.
+    """
     if not len(points):
         return np.zeros(0, np.int64)
     tree, free, taken = cKDTree(points), np.ones(len(points), bool), []
-    for index in np.argsort(steps, kind="stable"):
-        if free[index]:
-            taken.append(index)
-            free[tree.query_ball_point(points[index], steps[index])] = False
+    waiting = [(-row, math.inf, index) for index, row in enumerate(rows.tolist())]
+    heapq.heapify(waiting)
+    while waiting:
+        _, _, index = heapq.heappop(waiting)
+        if not free[index]:
+            continue
+        taken.append(index)
+        free[tree.query_ball_point(points[index], steps[index])] = False
+        around = np.array(tree.query_ball_point(points[index], NEXT * steps[index]), np.int64)
+        for next_one in around[free[around]].tolist():
+            heapq.heappush(waiting, (-float(rows[next_one]), float(np.linalg.norm(points[next_one] - points[index])), next_one))
     return np.array(taken, np.int64)
 
 

@@ -8,8 +8,10 @@ import trimesh
 from manifold3d import CrossSection, Manifold, OpType
 
 from mechstyle.errors import BadInput
+from mechstyle.gallery import make
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.geometry.remesh import _bends, shell_count, standardise, surface_of
+from mechstyle.geometry.self_intersections import crossings
 from mechstyle.records.mesh import SurfaceMesh
 
 
@@ -144,3 +146,11 @@ def test_it_ends_where_it_is_told_to(cup, times):
     with pytest.raises(Unwanted):
         standardise(cup, 800, go_on=go_on)
     assert len(asked) == times + 1
+
+
+def test_the_rim_of_a_recess_is_not_notched():
+    """Its round is narrower than a triangle: vertices anywhere across it, and edges across it, cut notches of half a millimetre."""
+    part = make("tealight_holder")
+    even = standardise(part, 3000)
+    assert TriangleTree(even.vertices, even.faces).nearest(part.vertices).distance.max() < 0.45
+    assert crossings(even).pairs == 0
