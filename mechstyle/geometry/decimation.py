@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mechstyle.geometry.collapses import edges_of, far_apart, merged, sound_ones
+from mechstyle.geometry.going_on import GoOn, regardless
 from mechstyle.records.mesh import Floats, Indices, SurfaceMesh
 
 CHEAP = 0.06  # of the edges take part in a round: the others wait to be the cheapest
@@ -40,17 +41,19 @@ class _Quadrics(NamedTuple):
         return near + np.linalg.solve(self.a + weight[:, None, None] * np.eye(3), downhill[:, :, None])[:, :, 0]
 
 
-def decimated(mesh: SurfaceMesh, faces: int) -> SurfaceMesh:
+def decimated(mesh: SurfaceMesh, faces: int, go_on: GoOn = regardless) -> SurfaceMesh:
     """The surface in so many triangles, or in as few as keep its shells and handles and turn none over.
 
     Args:
         mesh: A closed surface.
         faces: Triangles wished for, an even number; one with fewer stays as it is.
+        go_on: Asked before every round.
     """
     centre = mesh.vertices.mean(axis=0)
     vertices, corners = mesh.vertices - centre, mesh.faces
     quadrics = _quadrics(vertices, corners)
     for _ in range(ROUNDS):
+        go_on()
         excess = (len(corners) - faces + 1) // 2  # a collapse takes two triangles
         edges, places = _cheapest(vertices, corners, quadrics, excess)
         if not len(edges):

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mechstyle.geometry.collapses import edges_of, far_apart, least, merged, ranks, sound_ones
+from mechstyle.geometry.going_on import GoOn, regardless
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.geometry.slivers import EdgePairs, edge_pairs
 from mechstyle.records.mesh import Bools, Floats, Indices, SurfaceMesh
@@ -46,7 +47,7 @@ class _State(NamedTuple):
 
 
 def isotropic(
-    mesh: SurfaceMesh, edge: float, part: TriangleTree, *, creases: Indices, rounds: Indices, iterations: int
+    mesh: SurfaceMesh, edge: float, part: TriangleTree, *, creases: Indices, rounds: Indices, iterations: int, go_on: GoOn = regardless
 ) -> SurfaceMesh:
     """The surface in nearly equilateral triangles.
 
@@ -58,15 +59,17 @@ def isotropic(
         rounds: Vertices that stay as well and come next; what is around them stays as close as it is, to be as round as they are.
             Edges between vertices that stay do so, too, where the surface bends.
         iterations: Rounds of splits, collapses, flips and smoothing.
+        go_on: Asked before every round of one of them.
 
     Returns:
         A closed surface with the same shells and handles; the same input gives the same bytes.
     """
     state = _begun(mesh, creases, rounds)
     for _ in range(iterations):
-        state = _split(state, LONG * edge)
-        state = _collapsed(state, SHORT * edge, LONG * edge)
-        state = _flipped(state)
+        state = _split(state, LONG * edge, go_on)
+        state = _collapsed(state, SHORT * edge, LONG * edge, go_on)
+        state = _flipped(state, go_on)
+        go_on()
         state = _smoothed(state, part)
     return SurfaceMesh(state.vertices, state.faces)
 
@@ -80,10 +83,11 @@ def _begun(mesh: SurfaceMesh, creases: Indices, rounds: Indices) -> _State:
     return _State(mesh.vertices[order], rank[mesh.faces], len(creases), len(fixed))
 
 
-def _split(state: _State, longest: float) -> _State:
+def _split(state: _State, longest: float, go_on: GoOn) -> _State:
     """Long edges cut in their middle, in each round those that are the longest of both their triangles."""
     vertices, faces, _, fixed = state
     for _ in range(SPLITS):
+        go_on()
         pairs = edge_pairs(faces)
         length = _lengths(vertices, pairs.edges)
         wanted = (length > longest) & ~_held(vertices, faces, pairs, fixed)
@@ -102,10 +106,11 @@ def _split(state: _State, longest: float) -> _State:
     return state._replace(vertices=vertices, faces=faces)
 
 
-def _collapsed(state: _State, shortest: float, longest: float) -> _State:
+def _collapsed(state: _State, shortest: float, longest: float, go_on: GoOn) -> _State:
     """Short edges drawn together to one vertex, the shortest first, where that makes no edge too long and turns no triangle over."""
     vertices, faces, creases, fixed = state
     for _ in range(COLLAPSES):
+        go_on()
         edges = edges_of(faces)
         length = _lengths(vertices, edges)
         wanted = (length < shortest) & ((edges[:, 0] >= fixed) | (edges[:, 0] < creases) & (edges[:, 1] >= fixed))
@@ -124,10 +129,11 @@ def _collapsed(state: _State, shortest: float, longest: float) -> _State:
     return state._replace(vertices=vertices, faces=faces)
 
 
-def _flipped(state: _State) -> _State:
+def _flipped(state: _State, go_on: GoOn) -> _State:
     """Edges turned where that brings the numbers of neighbours nearer to six and folds nothing."""
     vertices, faces, _, fixed = state
     for _ in range(FLIPS):
+        go_on()
         pairs = edge_pairs(faces)
         there = _keys(pairs.edges, len(vertices))  # ascending
         gain = _regularity_gain(pairs, np.bincount(faces.ravel(), minlength=len(vertices)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import heapq
 import math
 from typing import Any
 
@@ -13,7 +14,9 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from mechstyle.errors import BadInput
+from mechstyle.geometry.collapses import edges_of
 from mechstyle.geometry.degenerate import heights, without_degenerate
+from mechstyle.geometry.going_on import GoOn, regardless
 from mechstyle.geometry.isotropic_remeshing import isotropic
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.geometry.slivers import edge_pairs, mended
@@ -26,23 +29,26 @@ FINEST_STEP, WIDEST_STEP = 0.45, 0.8  # of the edge length: steps between the ve
 ON_THE_PART = 1e-4  # mm; what is nearer stays exactly where it is, as on a plane or a crease
 LOWEST = 1e-3  # of the edge length: height below which a triangle is taken out
 NO_AREA = 1e-5  # the same, below which none is left
+ROW = 0.05  # of the edge length: vertices of a round whose distances from its border differ by less are in one row
+NEXT = 1.6  # steps within which the next one of a row is looked for
 CLEARANCE = 0.7  # of such a step, to the nearest crease
 TRIALS = 9
 TRIAL_ITERATIONS, ITERATIONS = 3, 8  # of the remesher: few suffice to see the count
 
 
-def standardise(mesh: SurfaceMesh, vertices: int = STANDARD_VERTICES, tolerance: float = 0.05) -> SurfaceMesh:
+def standardise(mesh: SurfaceMesh, vertices: int = STANDARD_VERTICES, tolerance: float = 0.05, go_on: GoOn = regardless) -> SurfaceMesh:
     """The surface in nearly equilateral triangles of one size.
 
     Needless vertices go (Manifold), long edges are cut, and isotropic remeshing by splits, collapses, flips and tangential
     smoothing with projection (Botsch and Kobbelt 2004) evens the rest out, with the vertices of edges sharper than 30° fixed.
-    Rounds narrower than a triangle would come out ragged; they are sampled by fixed vertices as close as they are narrow.
+    Rounds narrower than a triangle would come out ragged; they are sampled by fixed vertices as close as they are narrow, in rows.
     The edge length is corrected until the count fits.
 
     Args:
         mesh: A closed surface, any triangulation.
         vertices: Vertices wanted, 500 to 400 000.
         tolerance: Accepted deviation from that count, over the count.
+        go_on: Asked in between.
 
     Returns:
         A closed surface with the same number of handles and shells, its vertices on the part and none of its
@@ -56,12 +62,12 @@ def standardise(mesh: SurfaceMesh, vertices: int = STANDARD_VERTICES, tolerance:
     body = manifold_of(mesh)
     if body.status() != manifold3d.Error.NoError or body.is_empty():
         raise BadInput("cannot standardise a surface that is not closed; load it with mechstyle, which repairs it or says why not")
-    edge = even_edge(mesh, 2 * vertices)  # a closed surface has about two faces per vertex (Euler)
+    shape, edge = _shape(mesh), even_edge(mesh, 2 * vertices)  # a closed surface has about two faces per vertex (Euler)
     short, long = 0.0, math.inf
     for trial in range(TRIALS):
-        found = remeshed(body, edge, tolerance=0.01 * edge, iterations=TRIAL_ITERATIONS if trial == 0 else ITERATIONS)
+        found = remeshed(body, edge, tolerance=0.01 * edge, iterations=TRIAL_ITERATIONS if trial == 0 else ITERATIONS, go_on=go_on)
         enough = trial > 0 and abs(len(found.vertices) / vertices - 1.0) <= tolerance
-        if enough and _shape(found) == _shape(mesh) and _has_area(found, edge):
+        if enough and _shape(found) == shape and _has_area(found, edge):
             return found
         edge, short, long = _corrected(edge, len(found.vertices) / vertices, short, long)
     left = "" if _has_area(found, edge) else ", with triangles without area"
@@ -96,7 +102,7 @@ def surface_of(body: Any) -> SurfaceMesh:
     return SurfaceMesh(mesh.vert_properties[:, :3], mesh.tri_verts)
 
 
-def remeshed(body: Any, edge: float, *, tolerance: float, iterations: int = ITERATIONS) -> SurfaceMesh:
+def remeshed(body: Any, edge: float, *, tolerance: float, iterations: int = ITERATIONS, go_on: GoOn = regardless) -> SurfaceMesh:
     """A Manifold in even triangles.
 
     Args:
@@ -104,35 +110,49 @@ def remeshed(body: Any, edge: float, *, tolerance: float, iterations: int = ITER
         edge: Edge length [mm].
         tolerance: Most by which removing needless vertices beforehand may move the surface [mm].
         iterations: Rounds of splits, collapses, flips and smoothing.
+        go_on: Asked in between.
 
     Raises:
         BadInput: If nothing is left of the part within the tolerance.
     """
     original, simple = surface_of(body), body.simplify(tolerance)
+    go_on()
     if simple.is_empty():
         raise BadInput(f"this part is thinner than {2.0 * tolerance:.2g} mm everywhere: check its unit (--scale), or ask for more vertices")
     fine = surface_of(simple.refine_to_length(edge))
+    go_on()
     creases, rounds = _fixed(fine, edge)
     part = TriangleTree(original.vertices, original.faces)
-    even = isotropic(fine, edge, part, creases=creases, rounds=rounds, iterations=iterations)
+    even = isotropic(fine, edge, part, creases=creases, rounds=rounds, iterations=iterations, go_on=go_on)
+    go_on()
     there = part.nearest(even.vertices)
     landed = even.moved(np.where(there.distance[:, None] > ON_THE_PART, there.point, even.vertices))
     return without_degenerate(mended(landed, part, len(creases)), LOWEST * edge)
 
 
 def _fixed(mesh: SurfaceMesh, edge: float) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """Vertices on creases, ascending, and others that sample the rounds narrower than a triangle of this edge length [mm]."""
+    """Vertices on creases, ascending, and others that sample the rounds narrower than a triangle of this edge length [mm].
+
+    Along the middle of each round they stand in a row, which the rim of a part is seen by: anywhere across it they made it ragged.
+    """
     edges, turns, radii = _bends(mesh)
     creases = np.unique(edges[turns > SHARP]).astype(np.int32)
     radius = np.full(len(mesh.vertices), np.inf)
     bent = (turns > FLAT) & (turns <= SHARP)
     np.minimum.at(radius, edges[bent].ravel(), np.repeat(radii[bent], 2))
     narrow = np.setdiff1d(np.flatnonzero(radius < WIDEST_STEP * edge), creases).astype(np.int32)
+    depths = _depths(mesh.vertices, narrow)
     steps = np.clip(radius[narrow], FINEST_STEP * edge, WIDEST_STEP * edge)
     if len(creases) and len(narrow):
         clear = cKDTree(mesh.vertices[creases]).query(mesh.vertices[narrow])[0] > CLEARANCE * steps
-        narrow, steps = narrow[clear], steps[clear]
-    return creases, narrow[_spread(mesh.vertices[narrow], steps)]
+        narrow, depths, steps = narrow[clear], depths[clear], steps[clear]
+    return creases, narrow[_spread(mesh.vertices[narrow], steps, np.round(depths / (ROW * edge)))]
+
+
+def _depths(vertices: Floats, some: NDArray[np.int32]) -> Floats:
+    """How far some vertices lie from the nearest of the others [mm], shape [len(some)]; 0 if there are no others."""
+    others = np.delete(vertices, some, axis=0)
+    return np.asarray(cKDTree(others).query(vertices[some])[0]) if len(others) else np.zeros(len(some))
 
 
 def _bends(mesh: SurfaceMesh) -> tuple[NDArray[np.int32], Floats, Floats]:
@@ -149,15 +169,25 @@ def _bends(mesh: SurfaceMesh) -> tuple[NDArray[np.int32], Floats, Floats]:
     return pairs.edges, turns, heights / np.maximum(turns, 1e-9)
 
 
-def _spread(points: Floats, steps: Floats) -> NDArray[np.int64]:
-    """Indices of points no closer to each other than the smaller of their steps [mm], those of small steps first."""
+def _spread(points: Floats, steps: Floats, rows: Floats) -> NDArray[np.int64]:
+    """Indices of points no closer to each other than the step of the first of them [mm], those of high rows first.
+
+    In a row each is the nearest to one before it, so that a row is as close as steps allow.
+    """
     if not len(points):
         return np.zeros(0, np.int64)
     tree, free, taken = cKDTree(points), np.ones(len(points), bool), []
-    for index in np.argsort(steps, kind="stable"):
-        if free[index]:
-            taken.append(index)
-            free[tree.query_ball_point(points[index], steps[index])] = False
+    waiting = [(-row, math.inf, index) for index, row in enumerate(rows.tolist())]
+    heapq.heapify(waiting)
+    while waiting:
+        _, _, index = heapq.heappop(waiting)
+        if not free[index]:
+            continue
+        taken.append(index)
+        free[tree.query_ball_point(points[index], steps[index])] = False
+        around = np.array(tree.query_ball_point(points[index], NEXT * steps[index]), np.int64)
+        for next_one in around[free[around]].tolist():
+            heapq.heappush(waiting, (-float(rows[next_one]), float(np.linalg.norm(points[next_one] - points[index])), next_one))
     return np.array(taken, np.int64)
 
 
@@ -168,14 +198,15 @@ def even_edge(mesh: SurfaceMesh, faces: float) -> float:
 
 def _shape(mesh: SurfaceMesh) -> tuple[bool, int, int]:
     """Whether it is closed, its Euler characteristic, and its number of shells."""
-    used = np.unique(mesh.faces)
-    euler = len(used) - len(mesh.edges) + len(mesh.faces)
+    used = int(np.count_nonzero(np.bincount(mesh.faces.ravel())))
+    euler = used - len(edges_of(mesh.faces)) + len(mesh.faces)
     return mesh.is_closed, euler, shell_count(mesh)
 
 
 def shell_count(mesh: SurfaceMesh) -> int:
     """Number of connected shells, bodies and cavities alike."""
     count = len(mesh.vertices)
-    graph = sp.coo_array((np.ones(len(mesh.edges)), mesh.edges.T), shape=(count, count))
+    one, other = mesh.faces[:, [0, 1, 0, 2]].reshape(-1, 2).T  # two sides connect a face
+    graph = sp.coo_array((np.ones(len(one), np.int8), (one, other)), shape=(count, count))
     labels = connected_components(graph, directed=False)[1]
     return len(np.unique(labels[mesh.faces[:, 0]]))

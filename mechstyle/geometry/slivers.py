@@ -1,4 +1,4 @@
-"""Triangles that a remesher left folded over or as slivers, mended by taking vertices out and turning edges."""
+"""Triangles that a remesher left folded over, as slivers or across a round, mended by taking vertices out and turning edges."""
 
 from __future__ import annotations
 
@@ -8,13 +8,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mechstyle.geometry.proximity import TriangleTree
-from mechstyle.records.mesh import Floats, Indices, SurfaceMesh
+from mechstyle.geometry.self_intersections import crossings
+from mechstyle.records.mesh import Bools, Floats, Indices, SurfaceMesh
 
 PASSES = 3
 TURNINGS = 12  # rounds of turning edges in a pass
 ASTRAY = 0.5  # cosine of the angle to the part's normal, below which a triangle is folded over
 SLIVER = 0.15  # quality 4 √3 A / Σ l², 1 for an equilateral triangle, below which a triangle is a sliver
 LEAST_GAIN = 1e-3  # of what turning an edge should raise
+OFF = 0.04  # of its length, by which the middle of an edge that lies across a round misses the part
+NEARER = 2.0  # weight of that share beside normals and shape: as notches are seen from far, and slivers are not
+UNDOINGS = 6  # rounds of leaving edges as they are where turning them made walls cross
 STRAIGHT = 0.9  # the same cosine as ASTRAY, above which a triangle lies as well as it can
 
 
@@ -69,10 +73,10 @@ class _Fit(NamedTuple):
 
 
 def mended(mesh: SurfaceMesh, part: TriangleTree, creases: int) -> SurfaceMesh:
-    """The mesh without the flaps and slivers that can be mended without moving a vertex.
+    """The mesh without the flaps, slivers and notches that can be mended without moving a vertex.
 
     A vertex of three triangles, one of them bad, is taken out; an edge of a bad triangle is turned if that makes the worse of its
-    two triangles better. What is good stays as it is.
+    two triangles better, and one across a round, the middle of which misses the part, if it then misses less. What is good stays as it is.
 
     Args:
         mesh: A closed surface near the part.
@@ -83,6 +87,20 @@ def mended(mesh: SurfaceMesh, part: TriangleTree, creases: int) -> SurfaceMesh:
         before, mesh = mesh, _turned(_pruned(mesh, part, creases), part, creases)
         if mesh is before:
             break
+    return _without_notches(mesh, part, creases)
+
+
+def _without_notches(mesh: SurfaceMesh, part: TriangleTree, creases: int) -> SurfaceMesh:
+    """The mesh with edges turned that lie across rounds, except near where that would make walls cross each other."""
+    loose, most = np.ones(len(mesh.vertices), bool), -1
+    for _ in range(UNDOINGS):
+        found = _turned(mesh, part, creases, loose)
+        if found is mesh:
+            break
+        crossed, most = crossings(found), crossings(mesh).pairs if most < 0 else most
+        if crossed.pairs <= most:
+            return found
+        loose[found.faces[crossed.other >= 0]] = False
     return mesh
 
 
@@ -120,23 +138,40 @@ def _pruned(mesh: SurfaceMesh, part: TriangleTree, creases: int) -> SurfaceMesh:
     return SurfaceMesh(mesh.vertices[used], index.reshape(-1, 3).astype(np.int32))
 
 
-def _turned(mesh: SurfaceMesh, part: TriangleTree, creases: int) -> SurfaceMesh:
-    """The mesh with edges of bad triangles turned while that helps, in each round the most helpful first."""
+def _turned(mesh: SurfaceMesh, part: TriangleTree, creases: int, loose: Bools | None = None) -> SurfaceMesh:
+    """The mesh with edges of bad triangles turned while that helps, in each round the most helpful first.
+
+    Those across rounds, too, where all four vertices around are `loose`, shape [vertex_count]; None for nowhere.
+    """
     vertices, faces = mesh.vertices, mesh.faces.copy()
     fit = _fit(vertices, faces, part)
     for _ in range(TURNINGS):
         pairs = edge_pairs(faces)
-        pairs = pairs.some(fit.bad[pairs.faces].any(axis=1) & (pairs.edges >= creases).any(axis=1) & ~_joined(pairs))
+        off = np.zeros(len(pairs.edges)) if loose is None else _off(vertices, pairs.edges, part)
+        if loose is not None:
+            off[~(loose[pairs.edges].all(axis=1) & loose[pairs.across].all(axis=1))] = 0.0
+        suspect = (fit.bad[pairs.faces].any(axis=1) | (off > OFF)) & (pairs.edges >= creases).any(axis=1) & ~_joined(pairs)
+        pairs, off = pairs.some(suspect), off[suspect]
         (a, b), (c, d) = pairs.edges.T, pairs.across.T
         halves = np.stack([np.stack([a, d, c], axis=1), np.stack([d, b, c], axis=1)], axis=1)
         new = _fit(vertices, halves.reshape(-1, 3), part).worth.reshape(-1, 2).min(axis=1)
-        chosen = _apart(pairs, new - fit.worth[pairs.faces].min(axis=1))
+        gain = new - fit.worth[pairs.faces].min(axis=1)
+        across = off > OFF
+        gain[across] += NEARER * (off[across] - _off(vertices, pairs.across[across], part))
+        chosen = _apart(pairs, gain)
         if not len(chosen):
             break
         changed = pairs.faces[chosen].ravel()
         faces[changed] = halves[chosen].reshape(-1, 3)
         fit = fit.updated(changed, _fit(vertices, faces[changed], part))
     return mesh if np.array_equal(faces, mesh.faces) else SurfaceMesh(vertices, faces)
+
+
+def _off(vertices: Floats, edges: Indices, part: TriangleTree) -> Floats:
+    """How far the middles of edges lie from the part, over their lengths, shape [k]."""
+    one, other = vertices[edges].transpose(1, 0, 2)
+    length = np.linalg.norm(other - one, axis=1)
+    return np.asarray(part.nearest(0.5 * (one + other)).distance / np.maximum(length, 1e-12))
 
 
 def _joined(pairs: EdgePairs) -> NDArray[np.bool_]:

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
+from mechstyle.geometry.going_on import GoOn, regardless
 from mechstyle.records.mesh import Floats, Indices, TetMesh
 
 ACROSS = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
@@ -31,7 +32,7 @@ TURNED_OVER = 1e3  # the value of a mesh in which a tetrahedron has no volume; v
 POWER = 2.0  # of Σ 1/h² in the mean that is made small: the higher, the more the very lowest count
 
 
-def improved(tets: TetMesh, *, reach: float, floor: float) -> TetMesh:
+def improved(tets: TetMesh, *, reach: float, floor: float, go_on: GoOn = regardless) -> TetMesh:
     """Tetrahedra with the same connections, but for flat ones that are gone, whose lowest are higher.
 
     Args:
@@ -39,10 +40,11 @@ def improved(tets: TetMesh, *, reach: float, floor: float) -> TetMesh:
         reach: How far a boundary vertex moves inwards or along the surface in the first pass, at most [mm], and half of it again in the
             second; of tetrahedra lower than twice this, those are peeled off that lie flat under the boundary.
         floor: Height [mm] of the plane that the part stands on; vertices in it stay in it.
+        go_on: Asked in every round of the minimiser.
     """
     peeled = _peeled(tets, 2.0 * reach)
     for share in PASSES:
-        peeled = peeled.moved(_moved(peeled, share * reach, floor))
+        peeled = peeled.moved(_moved(peeled, share * reach, floor, go_on))
     return peeled
 
 
@@ -99,7 +101,7 @@ def _boundary(tets: Indices) -> tuple[NDArray[np.bool_], set[tuple[int, int]]]:
     return (count[index.ravel()] == 1).reshape(-1, 4), {(int(a), int(b)) for a, b in edges}
 
 
-def _moved(tets: TetMesh, reach: float, floor: float) -> Floats:
+def _moved(tets: TetMesh, reach: float, floor: float, go_on: GoOn) -> Floats:
     """Vertices [mm] after the lowest tetrahedra were made higher, shape [vertex_count, 3]."""
     height = heights(tets.vertices, tets.tets)
     wanted = float(np.quantile(height, LOWEST))
@@ -110,6 +112,7 @@ def _moved(tets: TetMesh, reach: float, floor: float) -> Floats:
     found = minimize(
         patch.value, np.zeros(least.size), jac=True, method="L-BFGS-B",
         bounds=np.stack([least.ravel(), most.ravel()], axis=1), options={"maxiter": ROUNDS, "maxfun": 2 * ROUNDS},
+        callback=lambda _: go_on(),
     )
     moved = patch.moved(found.x)
     moved[:, 2] = np.maximum(moved[:, 2], floor)

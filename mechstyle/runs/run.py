@@ -16,6 +16,7 @@ from mechstyle._files import write_whole
 from mechstyle.errors import BadInput
 from mechstyle.fea.drop import resolve_device
 from mechstyle.fea.explicit import Progress, no_progress
+from mechstyle.geometry.going_on import GoOn, regardless
 from mechstyle.loop.engine import Engine
 from mechstyle.loop.events import Event, Finished
 from mechstyle.loop.history import measured_at
@@ -373,6 +374,7 @@ def started(
     device: str = "auto",
     stage: Stage = say_nothing,
     prepare: Callable[..., Workpiece] = prepare,
+    go_on: GoOn = regardless,
     beside: bool = True,
 ) -> Run:
     """Begin the run a drafted recipe asks for, or find it where it stopped; `.go()` carries it on.
@@ -382,13 +384,14 @@ def started(
         part: A closed surface [mm], or a part that is prepared already.
         origin: Where a prepared part came from; a surface knows it itself.
         prepare: What prepares a surface, `simulation.part.prepare` or a function like it.
+        go_on: Asked in between whether to; what it raises ends the work.
         beside: As for `begin`.
     """
     device, clock = resolve_device(device), Clock()
     relief = partial(finished_relief, recipe=wanted)
     with clock.stages(stage) as begun:
         origin = Origin.of(part, vertices) if isinstance(part, SurfaceMesh) else origin
-        part = made_ready(part, wanted, relief, prepare=prepare, vertices=vertices, device=device, stage=begun)
+        part = made_ready(part, wanted, relief, prepare=prepare, vertices=vertices, device=device, stage=begun, go_on=go_on)
     recipe = fitted(wanted, part)
     run = begin(part, recipe, default_folder(recipe) if out is None else out, name=name, device=device, origin=origin, beside=beside)
     run.clock.add(clock.seconds())

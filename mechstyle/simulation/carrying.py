@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mechstyle._files import cache_folder
+from mechstyle.geometry.going_on import GoOn, regardless
 from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.morph import Morph, Morphed
 from mechstyle.geometry.tetrahedra import KEPT, VOLUME_ERROR, tetrahedralise
-from mechstyle.geometry.tetwild import GoOn, regardless
 from mechstyle.records.mesh import Floats, SurfaceMesh, TetMesh
 
 FEWEST_TETS = 3_000

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from mechstyle._files import cache_folder
 from mechstyle.errors import BadInput
+from mechstyle.geometry.going_on import GoOn, regardless
 from mechstyle.geometry.inside_outside import is_container, is_inside
 from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.region_selection import protection
@@ -27,7 +28,7 @@ from mechstyle.records.regions import Inside, Outside, Region
 from mechstyle.simulation.carrying import at_rest, carrying
 from mechstyle.styling.prompt import reading_of
 
-PREPARATION_VERSION = 4
+PREPARATION_VERSION = 5
 """Counts changes that alter the prepared part, so that cached parts of older code are not reused."""
 
 INWARD_SHARE = 0.25
@@ -173,8 +174,9 @@ def cached_memo() -> Memo:
 
 
 def prepare(
-    mesh: SurfaceMesh, *, vertices: int = STANDARD_VERTICES, stage: Stage = say_nothing, relief: Relief | None = None
-) -> Workpiece:
+    mesh: SurfaceMesh, *, vertices: int = STANDARD_VERTICES, stage: Stage = say_nothing, relief: Relief | None = None,
+    go_on: GoOn = regardless,
+) -> Workpiece:  # fmt: skip
     """Standardise, tetrahedralise and measure a part, reusing what was done before for the same shape.
 
     Args:
@@ -182,6 +184,7 @@ def prepare(
         vertices: Vertices of the standardised surface, ± 5 %.
         stage: Told what is being done, in words.
         relief: What it is prepared for: tetrahedra are made for half of it, so that they carry it. None for the part as it is.
+        go_on: Asked in between whether to; what it raises ends the work.
 
     Raises:
         BadInput: If the shape cannot be standardised or meshed.
@@ -192,37 +195,38 @@ def prepare(
             "the surface is not closed, so it has no inside to simulate: load it from a file, which repairs it, or close it first"
         )
     stage("standardising the surface")
-    surface = standardised(mesh, vertices)
+    surface = standardised(mesh, vertices, go_on)
     stage("measuring its walls")
     thickness = local_thickness(surface).astype(np.float32)
+    go_on()
     stands = resting_face(surface) is not None
     notes = () if stands else ("it has no flat face to stand on, so its base is neither levelled nor protected",)
     stage("filling it with tetrahedra")
     whole = None if relief is None else relief(Shape(surface, thickness))
     if whole is None or not whole.any():
-        return Workpiece(surface, at_rest(surface), thickness, stands, notes)
-    solid, half = carrying(surface, whole)
+        return Workpiece(surface, at_rest(surface, go_on), thickness, stands, notes)
+    solid, half = carrying(surface, whole, go_on)
     return Workpiece(surface, solid, thickness, stands, notes, half)
 
 
-def refilled(part: Workpiece, relief: Relief, stage: Stage = say_nothing) -> Workpiece:
-    """A part with tetrahedra that carry another relief; as it is if that is not known."""
+def refilled(part: Workpiece, relief: Relief, stage: Stage = say_nothing, go_on: GoOn = regardless) -> Workpiece:
+    """A part with tetrahedra that carry another relief; as it is if that is not known. What `go_on` raises ends it."""
     whole = relief(part.shape)
     if whole is None or not whole.any():
         return part
     stage("filling it with tetrahedra")
-    tets, at = carrying(part.surface, whole)
+    tets, at = carrying(part.surface, whole, go_on)
     return replace(part, tets=tets, at=at)
 
 
-def standardised(mesh: SurfaceMesh, vertices: int) -> SurfaceMesh:
+def standardised(mesh: SurfaceMesh, vertices: int, go_on: GoOn = regardless) -> SurfaceMesh:
     """The standardised surface of a part, from the cache if the same shape was standardised before."""
     memo = cached_memo()
     key = hashlib.sha256(f"standardise {PREPARATION_VERSION} {vertices} {mesh.digest}".encode()).hexdigest()
     stored = memo.recall(key, str)
     if stored is not None:
         return memo.objects.get_mesh(stored, SurfaceMesh)
-    surface = standardise(mesh, vertices)
+    surface = standardise(mesh, vertices, go_on=go_on)
     memo.remember(key, memo.objects.put_mesh(surface))
     return surface
 

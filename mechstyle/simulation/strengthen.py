@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from mechstyle.errors import BadInput
 from mechstyle.fea.drop import resolve_device
+from mechstyle.geometry.going_on import GoOn, regardless
 from mechstyle.geometry.region_selection import protection
 from mechstyle.geometry.resting_face import resting_weight
 from mechstyle.pictures import fields
@@ -162,6 +163,8 @@ def strengthened(
     vertices: int = STANDARD_VERTICES,
     device: str = "auto",
     stage: Stage = say_nothing,
+    prepare: Callable[..., Workpiece] = prepare,
+    go_on: GoOn = regardless,
 ) -> Strengthened:
     """As `strengthen`, by a recipe.
 
@@ -171,14 +174,20 @@ def strengthened(
         vertices: Vertices of the standardised surface.
         device: `auto`, `cpu` or `cuda`.
         stage: Told what is being done, in words.
+        prepare: What prepares a surface, `simulation.part.prepare` or a function like it.
+        go_on: Asked several times a second whether to, in a drop, too; what it raises ends the work.
 
     Raises:
         BadInput: If the part, a region or a load cannot be used.
     """
-    part = mesh if isinstance(mesh, Workpiece) else prepare(mesh, vertices=vertices, stage=stage)
+    part = mesh if isinstance(mesh, Workpiece) else prepare(mesh, vertices=vertices, stage=stage, go_on=go_on)
     plain = fitted(msgspec.structs.replace(recipe, orientations=1, tilts=0), part)  # what judges a part that is not compared with another
     memo, where = cached_memo(), resolve_device(device)
-    simulator = DropSimulator(part.surface, part.tets, plain, memo, memo, where, at=part.at)
+
+    def asking(_fraction: float) -> None:
+        go_on()
+
+    simulator = DropSimulator(part.surface, part.tets, plain, memo, memo, where, asking, at=part.at)
     free = _freedom(part, recipe)
     added = np.zeros(len(part.surface.vertices), np.float32)
     stage("testing the part as it came")
@@ -197,7 +206,7 @@ def strengthened(
 
 def made_ready(
     mesh: SurfaceMesh | Workpiece, recipe: Recipe, relief: Relief, *,
-    prepare: Callable[..., Workpiece], vertices: int, device: str, stage: Stage,
+    prepare: Callable[..., Workpiece], vertices: int, device: str, stage: Stage, go_on: GoOn = regardless,
 ) -> Workpiece:  # fmt: skip
     """A part made ready for a style: thickened first, if the recipe asks for it, with tetrahedra that carry the style's relief.
 
@@ -209,13 +218,16 @@ def made_ready(
         vertices: Vertices of the standardised surface.
         device: Where it is tested.
         stage: Told what is being done, in words.
+        go_on: Asked in between whether to; what it raises ends the work.
     """
-    thicker = strengthened(mesh, recipe, vertices=vertices, device=device, stage=stage) if recipe.strengthen else None
+    thicker = None
+    if recipe.strengthen:
+        thicker = strengthened(mesh, recipe, vertices=vertices, device=device, stage=stage, prepare=prepare, go_on=go_on)
     rough = mesh if thicker is None else thicker.result
     if isinstance(rough, SurfaceMesh):
-        part = prepare(rough, vertices=vertices, stage=stage, relief=relief)
+        part = prepare(rough, vertices=vertices, stage=stage, relief=relief, go_on=go_on)
     else:
-        part = refilled(rough, relief, stage)
+        part = refilled(rough, relief, stage, go_on)
     return part if thicker is None else thicker.noted(part)
 
 

@@ -48,3 +48,15 @@ def test_the_same_input_gives_the_same_bytes_and_enough_triangles_stay_as_they_a
     ball = surface_of(Manifold.sphere(10.0, 48))
     assert decimated(ball, 300).digest == decimated(ball, 300).digest
     assert np.array_equal(decimated(ball, len(ball.faces)).faces, ball.faces)
+
+
+def test_it_is_asked_before_every_round_whether_to_go_on(sphere):
+    asked = []
+    decimated(sphere, 100, lambda: asked.append(len(asked)))
+    assert len(asked) > 3
+
+    def enough():
+        raise InterruptedError
+
+    with pytest.raises(InterruptedError):
+        decimated(sphere, 100, enough)

@@ -8,8 +8,10 @@ import trimesh
 from manifold3d import CrossSection, Manifold, OpType
 
 from mechstyle.errors import BadInput
+from mechstyle.gallery import make
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.geometry.remesh import _bends, shell_count, standardise, surface_of
+from mechstyle.geometry.self_intersections import crossings
 from mechstyle.records.mesh import SurfaceMesh
 
 
@@ -113,3 +115,42 @@ def test_too_few_vertices_for_the_features_are_refused_with_advice():
     comb = Manifold.batch_boolean([Manifold.cube((90.0, 20.0, 1.0)), *teeth], OpType.Add)
     with pytest.raises(BadInput, match=r"could not be brought to 500 even vertices .*; ask for "):
         standardise(surface_of(comb), 500)
+
+
+class Unwanted(Exception):
+    """Raised by who no longer waits."""
+
+
+def asking(times: int):
+    """A question that is answered so many times with nothing, then with Unwanted; and how often it was asked."""
+    asked = []
+
+    def go_on() -> None:
+        asked.append(len(asked))
+        if len(asked) > times:
+            raise Unwanted
+
+    return go_on, asked
+
+
+def test_it_is_asked_in_every_round_whether_to_go_on(cup):
+    """Trials, iterations, and in them rounds of splits, collapses, flips and smoothing: the longest stretch is one of these."""
+    go_on, asked = asking(10_000)
+    assert standardise(cup, 800, go_on=go_on).digest == standardise(cup, 800).digest
+    assert len(asked) > 4 * (3 + 8)  # four kinds of rounds in the iterations of two trials
+
+
+@pytest.mark.parametrize("times", [0, 1, 2, 7, 30])
+def test_it_ends_where_it_is_told_to(cup, times):
+    go_on, asked = asking(times)
+    with pytest.raises(Unwanted):
+        standardise(cup, 800, go_on=go_on)
+    assert len(asked) == times + 1
+
+
+def test_the_rim_of_a_recess_is_not_notched():
+    """Its round is narrower than a triangle: vertices anywhere across it, and edges across it, cut notches of half a millimetre."""
+    part = make("tealight_holder")
+    even = standardise(part, 3000)
+    assert TriangleTree(even.vertices, even.faces).nearest(part.vertices).distance.max() < 0.45
+    assert crossings(even).pairs == 0

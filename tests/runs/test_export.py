@@ -360,3 +360,19 @@ def test_what_was_drawn_before_a_learnt_style_stays_as_fine_as_it_was(learnt):
     free = (wanted > 0.01 - bounds.inward) & (wanted < np.minimum(bounds.outward - 0.01, twin._base.ceiling - 0.1))
     assert free.mean() > 0.5
     assert twin.displacement[free] == pytest.approx(wanted[free], abs=1e-5)
+
+
+def test_leading_a_surface_through_a_run_can_be_stopped_at_every_iteration(run, finer):
+    """A run of hundreds of iterations is led through again for tens of seconds: Stop has to reach into it."""
+    heard = []
+    simulator = replace(run.simulator(run.recipe), progress=heard.append)
+    refinement = module.Refinement(run.store, run.part, simulator, 3500)
+    refinement._led_to(run.checkpoint())
+    assert len(heard) >= run.recipe.iterations
+
+    def stop(_fraction):
+        raise InterruptedError
+
+    stopped = module.Refinement(run.store, run.part, replace(simulator, progress=stop), 3500)
+    with pytest.raises(InterruptedError):
+        stopped._led_to(run.checkpoint())

@@ -13,7 +13,7 @@ from mechstyle.records.regions import region
 from mechstyle.runs.recipes import changed, draft
 from mechstyle.simulation import strengthen as module
 from mechstyle.simulation.part import Workpiece, standardised
-from mechstyle.simulation.strengthen import strengthen
+from mechstyle.simulation.strengthen import strengthen, strengthened
 from support.lanes import CORNER
 from support.records import simulation
 
@@ -107,3 +107,40 @@ def test_a_budget_is_a_length_and_a_branch_has_none():
         draft("brick", strengthen=30.0)
     with pytest.raises(BadInput, match="before its style"):
         changed(draft("brick"), {"strengthen": 1.0})
+
+
+def test_whoever_no_longer_waits_ends_it_in_a_drop_as_before_one(monkeypatch, part):
+    """Seven drops and a meshing may be minutes; the Studio's Stop has to reach into them."""
+    asked = []
+
+    class Asking(Bent):
+        def __init__(self, surface, *given, **more):
+            super().__init__(surface, *given, **more)
+            self.progress = given[5]
+
+        def simulate(self, displacement, **how):
+            self.progress(0.5)
+            return super().simulate(displacement, **how)
+
+    def go_on():
+        asked.append(len(asked))
+        if len(asked) == 2:
+            raise InterruptedError
+
+    monkeypatch.setattr(module, "DropSimulator", Asking)
+    with pytest.raises(InterruptedError):
+        strengthened(part, draft("brick", strengthen=2.0), device="cpu", go_on=go_on)
+    assert len(asked) == 2
+
+
+def test_a_part_is_prepared_by_what_the_caller_prepares_with(bent, part):
+    """A kernel prepares in another process, because remeshing holds the interpreter."""
+    asked = []
+
+    def prepared(_mesh, *, vertices, stage, go_on):
+        asked.append(vertices)
+        go_on()
+        return part
+
+    strengthened(make("cable_winder"), draft("brick", strengthen=2.0), vertices=1500, device="cpu", prepare=prepared)
+    assert asked == [1500]

@@ -10,6 +10,8 @@ from PIL import Image
 
 from mechstyle.errors import BadInput
 from mechstyle.geometry.files import save
+from mechstyle.geometry.threemf import SLICERS
+from mechstyle.runs.printing import Printing
 from mechstyle.runs.run import Run
 from mechstyle_widgets.jupyter.frame import Frame
 from mechstyle_widgets.panels.take_away import TakeAway
@@ -30,7 +32,7 @@ def take_away(done):
 
 
 def test_the_part_on_show_is_saved_for_the_slicer(take_away, sent, done, monkeypatch):
-    monkeypatch.setattr(Run, "export", lambda run, path, iteration: save(run.surface(iteration), path))  # a sheet has no volume to measure
+    monkeypatch.setattr(Run, "export", lambda run, path, iteration, **_: save(run.surface(iteration), path))  # a sheet has no volume
     take_away.state.iteration = 8
     take_away._buttons["3MF"].click()
     message, data = sent[0]
@@ -40,6 +42,22 @@ def test_the_part_on_show_is_saved_for_the_slicer(take_away, sent, done, monkeyp
     saved = trimesh.load(io.BytesIO(sent[1][1]), file_type="glb", force="mesh")
     np.testing.assert_allclose(np.sort(saved.extents), np.sort(1e-3 * done.surface(8).extents), rtol=1e-3)  # GLB is in metres
     assert "sheet-8.glb is saved" in take_away._note.value
+
+
+@pytest.mark.parametrize("slicer", SLICERS)
+def test_the_file_is_that_of_the_slicer_chosen_and_a_picture_of_none(take_away, sent, monkeypatch, slicer):
+    asked = []
+
+    def written(_run, path, _iteration, **how):
+        asked.append(how)
+        path.write_bytes(b"written")
+
+    monkeypatch.setattr(Run, "export", written)
+    take_away._slicer.value = slicer
+    take_away._buttons["3MF"].click()
+    take_away._buttons["GLB"].click()
+    assert asked == [{"printing": Printing(slicer=slicer)}, {}]
+    assert len(sent) == 2
 
 
 def test_the_lines_of_code_are_shown_and_copied(take_away, sent):

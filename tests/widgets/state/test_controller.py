@@ -200,3 +200,25 @@ def test_trouble_is_set_apart_from_good_news(controller):
 @pytest.mark.parametrize(("seconds", "words"), [(0.2, "1 s"), (41.0, "41 s"), (170.0, "3 min"), (7300.0, "2.0 h")])
 def test_durations_for_people(seconds, words):
     assert duration(seconds) == words
+
+
+def test_filling_the_part_at_hand_for_another_style_can_be_stopped(controller, settle, monkeypatch, tmp_path):
+    """It takes minutes for a thin part, and Stop was heard only after them."""
+    inside, go = threading.Event(), threading.Event()
+
+    def filling(_part, _relief, _stage, go_on):
+        inside.set()
+        assert go.wait(30.0)
+        go_on()
+        pytest.fail("it went on although it was told to stop")
+
+    other = msgspec.structs.replace(controller.state.run.recipe, threshold=0.5)
+    controller.wanted = lambda: Wanted(other, None, 500, "sheet", str(tmp_path / "other"))
+    monkeypatch.setattr("mechstyle.simulation.strengthen.refilled", filling)
+    controller.run()
+    assert inside.wait(30.0)
+    controller.stop()
+    go.set()
+    settle(controller)
+    assert controller.state.session.state == "stopped"
+    assert not (tmp_path / "other").exists()

@@ -33,7 +33,7 @@ class Aside:
         self._thread = threading.Thread(target=self._listen, args=((function, arguments),), daemon=True)
         self._thread.start()
 
-    def said(self, go_on: Callable[[], None] = lambda: None) -> Iterator[Any]:
+    def said(self, go_on: Callable[[], object] = lambda: None) -> Iterator[Any]:
         """Yield its messages as they come, until it ends or is stopped.
 
         Args:

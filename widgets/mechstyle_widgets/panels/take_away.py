@@ -12,6 +12,8 @@ from pathlib import Path
 import ipywidgets
 
 from mechstyle.errors import MechStyleError
+from mechstyle.geometry.threemf import SLICERS
+from mechstyle.runs.printing import Printing
 from mechstyle.runs.report.reproduce import cell_for
 from mechstyle.runs.run import Run
 from mechstyle_widgets.jupyter.frame import Frame
@@ -29,7 +31,7 @@ class TakeAway(Section):
         """Offer what a state shows; files go by way of a frame."""
         self.state, self._frame, self._loop = state, frame, running_loop()
         kinds = {
-            "3MF": (".3mf", "download", "The part in colour, for the slicer", self._exported),
+            "3MF": (".3mf", "download", "The part in colour, for the slicer named beside it", self._printed),
             "GLB": (".glb", "cube", "The part in colour, to look at and to share", self._exported),
             "Report": (".html", "file-text-o", "The whole run as one page that opens offline", self._reported),
             "Picture": (".png", "picture-o", "Style, stress and mask as a picture", self._pictured),
@@ -39,7 +41,12 @@ class TakeAway(Section):
             self._buttons[name].on_click(partial(self._begin, suffix, make))
         self._code = self._button("Copy as code", "code", "The lines of Python that make this run again")
         self._code.on_click(lambda _: self._copy())
-        row = ipywidgets.HBox([*self._buttons.values(), self._code], layout={"flex_flow": "row wrap"})
+        self._slicer = ipywidgets.Dropdown(
+            options=SLICERS, description="for", style={"description_width": "initial"}, layout={"width": "auto"},
+            tooltip="Whose 3MF it is: standard or prusa (one strict file), bambu or orca (another)",
+        )  # fmt: skip
+        first, *others = self._buttons.values()
+        row = ipywidgets.HBox([first, self._slicer, *others, self._code], layout={"flex_flow": "row wrap"})
         super().__init__([row])
         self.add_class("mechstyle-take")
         state.observe(self._offer, ("run", "checkpoint", "status"))
@@ -90,6 +97,9 @@ class TakeAway(Section):
     def _refuse(self, why: str) -> None:
         self.note("")
         self.complain(why)
+
+    def _printed(self, run: Run, iteration: int, path: Path) -> None:
+        run.export(path, iteration, printing=Printing(slicer=self._slicer.value))
 
     @staticmethod
     def _exported(run: Run, iteration: int, path: Path) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -160,7 +159,7 @@ class Controller:
             self.state.tell(status="preparing", fraction=0.0)
             run = started(
                 wanted.recipe, part, vertices=wanted.vertices, origin=origin, out=wanted.folder or None, name=wanted.name, device=device,
-                stage=lambda words: self.state.tell(stage=words), prepare=partial(prepare_aside, go_on=lambda: progress(0.0)),
+                stage=lambda words: self.state.tell(stage=words), prepare=prepare_aside, go_on=lambda: progress(0.0),
             )  # fmt: skip
             self._begun_with = self._asked(wanted, run)
             self.state.tell(opened=run)
