@@ -129,9 +129,6 @@ function label(root) {
     canvas.setAttribute("aria-label", "The part: arrow keys turn it, plus and minus come nearer and go farther, Home shows all of it, Enter asks about the place in the middle");
   }
   for (const head of root.querySelectorAll(".mechstyle-group-head")) set(head, "aria-expanded", head.classList.contains("mechstyle-open"));
-  for (const one of root.querySelectorAll("[class*=mechstyle-model-], [class*=mechstyle-style-]")) {
-    if (one.tagName === "BUTTON") set(one, "aria-pressed", one.classList.contains("mechstyle-chosen"));
-  }
   for (const one of root.querySelectorAll("button.widget-toggle-button")) set(one, "aria-pressed", one.classList.contains("mod-active"));
   for (const one of root.querySelectorAll("button.mechstyle-pin")) set(one, "aria-label", one.title);
   for (const one of root.querySelectorAll("button[title]:not([aria-label])")) if (!one.textContent.trim()) one.setAttribute("aria-label", one.title);
