@@ -116,6 +116,13 @@ def test_a_click_shows_lane_and_iteration(timeline, state):
     assert trace(timeline, LIMIT).x[-2] == 12
 
 
+def test_keys_go_from_lane_to_lane_and_stop_at_the_last(timeline, state):
+    lanes = [branch.lane for branch in state.branches]
+    for by, expected in ((1, lanes[1]), (1, lanes[-1]), (-1, lanes[0]), (-1, lanes[0])):
+        timeline.scrubber._handle_custom_msg({"kind": "lane", "by": by}, [])
+        assert state.lane == timeline.lane == expected
+
+
 def test_it_grows_with_the_run(fake):
     fake.go()
     state = StudioState(fake.run)
