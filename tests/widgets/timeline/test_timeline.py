@@ -178,6 +178,7 @@ def test_the_theme_changes_the_template(timeline):
     before = timeline._figure.layout.template
     timeline.theme = "dark"
     assert timeline._figure.layout.template != before
+    assert timeline._figure.layout.annotations[0].font.color == "#ff8a80", "the red of a mark is no ink for small words on a dark ground"
 
 
 def test_closing_leaves_nothing_behind(state):
