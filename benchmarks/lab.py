@@ -36,7 +36,7 @@ _SPEC.loader.exec_module(browser)
 
 RERUNS, BETWEEN = 50, 10
 SIDE, ITERATIONS = 158, 200  # of the sheet that is dragged through: 25k vertices
-UPDATES, STYLES, ANSWERS = 30, ("wood", "knit", "wave", "scales", "hex"), 60
+UPDATES, STYLES, ANSWERS = 30, ("wood", "knit", "wave", "scales", "bamboo"), 60
 PREVIEW, LAYER, SCRUBBED, ANSWER, LEFT = 1000.0, 300.0, 1000.0 / 60.0, 200.0, 1.0
 """What is allowed: a style on the part, a layer, an iteration passed, an answer of the kernel [ms]; memory of a further run [MB]."""
 STUDIO = """
