@@ -126,7 +126,8 @@ def tablet_stand(
     heel = 26.0 * along + (9.0 - thickness / 2) * across
     tip = heel + (ledge + thickness) * across
     loop += _solids.stroke([heel, tip], thickness) + _solids.stroke([tip, tip + 11.0 * along], thickness)
-    stand = _solids.bar(_solids.softened(loop, 0.3 * thickness, 4.0), width, 0.25 * thickness)
+    outline = _solids.softened(loop, 0.3 * thickness, 4.0).simplify(0.05)  # else hairlines beside some of its corners are creases, too
+    stand = _solids.bar(outline, width, 0.25 * thickness)
     low, high = tip[1] + 11.0 * along[1] + thickness + 4.0, 0.84 * height * along[1]
     pane = _solids.through(_solids.box(high - low, window, 10.0), -2.0 * height, 2.0 * height).rotate((0.0, 90.0, 0.0))
     stand = (stand - pane.translate((0.0, 0.0, (low + high) / 2))).trim_by_plane((0.0, 0.0, 1.0), -8.98)  # so that the base is one face
