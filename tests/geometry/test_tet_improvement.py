@@ -3,6 +3,7 @@ import pytest
 from numpy.testing import assert_array_equal
 
 from mechstyle.geometry import tet_improvement as module
+from mechstyle.geometry.going_on import regardless
 from mechstyle.geometry.tet_improvement import heights, improved
 from mechstyle.records.mesh import TetMesh
 
@@ -39,7 +40,7 @@ def test_low_tetrahedra_become_higher_and_the_rest_stays_where_it_is(fan):
 
 def test_no_vertex_stands_out_where_the_part_would_land(cup_tets):
     rough, reach = cup_tets, 0.4
-    after = module._moved(rough, reach, float(rough.vertices[:, 2].min()))
+    after = module._moved(rough, reach, float(rough.vertices[:, 2].min()), regardless)
     assert after[:, 2].min() == rough.vertices[:, 2].min()
     outer = np.unique(rough.boundary_faces)
     moved = after[outer] - rough.vertices[outer]

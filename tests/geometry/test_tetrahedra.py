@@ -12,6 +12,7 @@ import pytest
 from mechstyle.errors import BadInput, SimulationFailed
 from mechstyle.geometry import tetrahedra as module
 from mechstyle.geometry import tetwild as worker
+from mechstyle.geometry.going_on import regardless
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.geometry.tetrahedra import tetrahedralise
 from mechstyle.records.mesh import SurfaceMesh, TetMesh
@@ -259,9 +260,9 @@ def test_triangles_that_are_to_be_kept_are_kept_or_given_up_where_they_are_neede
     x, _, z = block.vertices.T
     relief = np.where(z > 19.9, 0.2 * np.sin(1.5 * x), 0.0)
     ridged, exaggerated = block.displaced(0.5 * relief), block.displaced(4.0 * relief)
-    assert len(module._kept(ridged, exaggerated, 0.2, 1.0).faces) == len(ridged.faces)
+    assert len(module._kept(ridged, exaggerated, 0.2, 1.0, regardless).faces) == len(ridged.faces)
     monkeypatch.setattr(module, "KEPT", len(ridged.faces) // 2)
-    fewer = module._kept(ridged, exaggerated, 0.2, 1.0)
+    fewer = module._kept(ridged, exaggerated, 0.2, 1.0, regardless)
     assert fewer.is_closed
     assert len(fewer.faces) <= module.KEPT
     assert fewer.volume == pytest.approx(ridged.volume, rel=0.01)
@@ -280,7 +281,7 @@ def test_a_relief_is_exaggerated_no_further_than_the_shape_of_the_part_allows(bl
     monkeypatch.setattr(module, "KEPT", len(block.faces) // 16)
 
     def lost(detail):
-        fewer = module._kept(knobbed, exaggerated, 0.0, detail)
+        fewer = module._kept(knobbed, exaggerated, 0.0, detail, regardless)
         return TriangleTree(fewer.vertices, fewer.faces).nearest(knobbed.vertices).distance.max()
 
     assert lost(np.inf) > 0.3
