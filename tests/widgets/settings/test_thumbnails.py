@@ -37,32 +37,23 @@ def test_the_bricks_of_the_picture_are_red_and_lie_level():
 
 
 def test_pictures_come_from_another_process_and_are_hung_up(empty_cache):
-    async def cell() -> bytes:
+    async def cell() -> str:
         choice = PictureChoice("style", {"brick": "bricks"})
         hung = asyncio.Event()
-        choice.observe(lambda _: hung.set(), "pictures")
+        choice._sheet.observe(lambda _: hung.set(), "value")
         await asyncio.wait_for(hung.wait(), 60.0)
-        return choice.pictures["brick"]
+        return choice._sheet.value
 
-    assert asyncio.run(cell()).startswith(b"\x89PNG")
+    assert "data:image/png;base64," in asyncio.run(cell())
 
 
-def test_a_press_chooses_and_is_counted():
+def test_the_chosen_one_is_marked():
     choice = PictureChoice("style", {"brick": "bricks", "wood": "wood"})
-    for name in ("wood", "wood", "nothing that is offered"):
-        choice._handle_custom_msg({"kind": "press", "name": name}, [])
-    assert (choice.value, choice.pressed) == ("wood", 2)
-
-
-def test_the_page_is_told_the_pictures_it_shows_and_no_others(monkeypatch):
-    monkeypatch.setattr(thumbnails, "cached", lambda _kind, name: name.encode())
-    choice = PictureChoice("style", dict.fromkeys("abcdefgh", ""))
-    assert set(choice.pictures) == set("abc")
-    choice.value = "g"
-    assert choice.few == ["g", "a", "b"]
-    assert set(choice.pictures) == set("abcg")
-    choice.all = True
-    assert set(choice.pictures) == set("abcdefgh")
+    choice.value = "brick"
+    assert "mechstyle-chosen" in choice._buttons["brick"]._dom_classes
+    choice._buttons["wood"].click()
+    assert (choice.value, choice.pressed) == ("wood", 1)
+    assert "mechstyle-chosen" not in choice._buttons["brick"]._dom_classes
 
 
 # --- work aside ---------------------------------------------------------------------------------------------------

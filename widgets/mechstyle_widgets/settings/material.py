@@ -10,7 +10,6 @@ import traitlets
 
 from mechstyle.errors import BadInput
 from mechstyle.records.material import LIBRARY, Material, material_named
-from mechstyle_widgets.jupyter.looks import lean
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section
 
 FIGURES = {
@@ -39,13 +38,13 @@ class MaterialPicker(Section):
     def __init__(self, material: str | Material = "PLA") -> None:
         """Offer the library; `material` is chosen at first."""
         look = {"style": NARROW_LABEL, "layout": WIDE}
-        self._choice = lean(ipywidgets.Dropdown, description="material", **look)
+        self._choice = ipywidgets.Dropdown(description="material", **look)
         self._choice.observe(self._choose, "value")
         self._figures = {
-            field: lean(ipywidgets.FloatText, description=name, step=step, continuous_update=False, **look)
+            field: ipywidgets.FloatText(description=name, step=step, continuous_update=False, **look)
             for field, (name, step) in FIGURES.items()
         }
-        grid = lean(ipywidgets.VBox, list(self._figures.values()))
+        grid = ipywidgets.VBox(list(self._figures.values()))
         super().__init__([self._choice, grid])
         self.material = material_named(material)
         for field, widget in self._figures.items():
