@@ -1,19 +1,23 @@
 """What the Studio and the Viewer cost in JupyterLab, in headless Chromium with software WebGL: figures, not a test.
 
-    python benchmarks/lab.py
+    python benchmarks/lab.py [scrub|viewer|preview|busy|reruns ...]
 
 Says what running the Studio's cell over and over leaves behind in the page and in the kernel, garbage collected before each reading;
-how long a new field takes from the kernel to the finished picture of a part of 25k vertices; and how many of its iterations a second
-a slider passes that is dragged. Software WebGL draws far slower than any
-graphics card, and everything here shares the machine's cores: the figures are upper bounds.
+how long a new field takes from the kernel to the finished picture of a part of 25k vertices; how many of its iterations a second
+a slider passes that is dragged; how soon another style stands on the part, and how soon the kernel answers while a run goes on.
+Software WebGL draws far slower than any graphics card, and everything here shares the machine's cores: the figures are upper bounds.
 """
 
 from __future__ import annotations
 
+import argparse
+import contextlib
 import importlib.util
 import shutil
 import sys
 import tempfile
+import time
+from collections.abc import Iterator
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -32,10 +36,26 @@ _SPEC.loader.exec_module(browser)
 
 RERUNS, BETWEEN = 50, 10
 SIDE, ITERATIONS = 158, 200  # of the sheet that is dragged through: 25k vertices
-UPDATES = 30
+UPDATES, STYLES, ANSWERS = 30, ("wood", "knit", "wave", "scales", "bamboo"), 60
+PREVIEW, LAYER, SCRUBBED, ANSWER, LEFT = 1000.0, 300.0, 1000.0 / 60.0, 200.0, 1.0
+"""What is allowed: a style on the part, a layer, an iteration passed, an answer of the kernel [ms]; memory of a further run [MB]."""
 STUDIO = """
 from mechstyle_widgets import Studio
 studio = Studio("gallery:pen_holder")
+studio
+"""
+PREVIEWED = """
+import time
+hang, arrived = studio.previewer._arrived, []
+def noted(preview):
+    arrived.append(1000.0 * time.time())
+    hang(preview)
+studio.previewer._arrived = noted
+"""
+RUNNING = """
+from mechstyle_widgets import Studio
+quick = {"vertices": 8000, "orientations": 1, "tilts": 0, "window": 0.3, "element": "tet4", "schedule": "every", "every": 10}
+studio = Studio("gallery:pen_holder", prompt="brick", iterations=400, folder="busy", **quick)
 studio
 """
 VIEWER = """
@@ -85,6 +105,9 @@ DRAG = """async last => {
 UNDRAWN = """() => { for (const gl of [WebGLRenderingContext.prototype, WebGL2RenderingContext.prototype])
     for (const name of ['drawElements', 'drawArrays']) gl[name] = () => {}; }"""
 """A graphics card that takes no time."""
+Row = tuple[str, str, str]
+"""What was measured, the figure, and what is allowed."""
+PATIENCE = 300_000  # to the first iteration of a run [ms]
 WIDGETS = "from ipywidgets.widgets.widget import _instances; print(len(_instances))"
 WATCH = """() => {
     window.drawn = [];
@@ -127,8 +150,9 @@ class Page:
         return self.devtools.send("Runtime.getHeapUsage")["usedSize"] / 1e6
 
 
-def main() -> None:
-    """Measure and print."""
+@contextlib.contextmanager
+def laboratory() -> Iterator[tuple[Any, Any, Path]]:
+    """A browser, a JupyterLab that knows nothing of its user, and the folder of its notebooks."""
     path = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
     if path is None:
         sys.exit("there is no chromium on PATH (Debian: apt-get install chromium)")
@@ -138,51 +162,99 @@ def main() -> None:
         notebooks.mkdir()
         chromium = playwright.chromium.launch(executable_path=path, args=browser.ARGUMENTS)
         with browser.jupyter_lab(home, notebooks) as lab:
-            rows = [*of_scrubbing(Page(chromium, lab, "scrub", SCRUB))]
-            rows += [*of_viewer(Page(chromium, lab, "viewer", VIEWER)), *of_studio(Page(chromium, lab, "studio", STUDIO))]
+            yield chromium, lab, notebooks
         chromium.close()
-    table = Table("what", "measured")
-    for row in rows:
-        table.add_row(*row)
+
+
+def main() -> None:
+    """Measure and print."""
+    parts = {
+        "scrub": (SCRUB, of_scrubbing), "viewer": (VIEWER, of_viewer), "preview": (STUDIO, of_preview), "busy": (RUNNING, of_a_run),
+        "reruns": (STUDIO, of_reruns),
+    }  # fmt: skip
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    none: list[str] = []  # is a choice, too
+    parser.add_argument("parts", nargs="*", choices=[*parts, none], help="what to measure; everything if nothing is named")
+    table = Table("what", "measured", "budget")
+    with laboratory() as (chromium, lab, _):
+        for name in parser.parse_args().parts or parts:
+            cell, measured = parts[name]
+            shown = Page(chromium, lab, name, cell)
+            for row in measured(shown):
+                table.add_row(*row)
+            shown.page.context.close()
     Console().print(table)
 
 
-def of_viewer(shown: Page) -> list[tuple[str, str]]:
+def of_viewer(shown: Page) -> Iterator[Row]:
     """From setting a field in the kernel until it is drawn."""
     shown.notebook.drawn()
     shown.page.evaluate(WATCH)
+    times = [drawn_after(shown, float(shown.notebook.python(UPDATE))) for _ in range(UPDATES)]
+    yield "Viewer: a new field, from the kernel to the picture", spread(times), f"{LAYER:g} ms"
+
+
+def of_preview(shown: Page) -> Iterator[Row]:
+    """From choosing a style until it stands on a part that was made ready before."""
+    shown.page.get_by_text("Changes as you choose").wait_for()
+    shown.page.evaluate(WATCH)
+    shown.notebook.python(PREVIEWED)
     times = []
-    for _ in range(UPDATES):
-        sent = float(shown.notebook.python(UPDATE))
-        shown.page.wait_for_function("sent => window.drawn.some(time => time > sent)", arg=sent)
-        times.append(shown.page.evaluate("sent => window.drawn.find(time => time > sent)", sent) - sent)
-    shown.page.context.close()
-    times.sort()
-    return [("Viewer: a new field, from the kernel to the picture", f"median {median(times):.0f} ms, 95 % within {times[-2]:.0f} ms")]
+    for count, style in enumerate(STYLES, start=1):
+        sent = float(shown.notebook.python(f"print(1000.0 * time.time()); studio.prompt_box.prompt = {style!r}"))
+        shown.notebook.until("len(arrived)", count)
+        came = float(shown.notebook.python("print(arrived[-1])"))
+        times.append(came - sent + drawn_after(shown, came))
+    yield "Studio: another style on the part", spread(times), f"{PREVIEW:g} ms"
 
 
-def of_scrubbing(shown: Page) -> list[tuple[str, str]]:
+def of_scrubbing(shown: Page) -> Iterator[Row]:
     """How long an iteration takes that a dragged slider passes, with software WebGL and with a graphics card that takes no time."""
     shown.page.wait_for_function(PACKED)
-    rows = []
     for how in ("software WebGL", "nothing rasterised"):
         found = shown.page.evaluate(DRAG, ITERATIONS)
         work = f"{found['work']:.1f} ms of it the page's own work (medians)"
         told = f"one each {found['gap']:.0f} ms, {work}; {found['messages']} messages to the kernel"
-        rows.append((f"Studio: {found['count']} iterations passed while dragging, {how}", told))
+        yield f"Studio: {found['count']} iterations passed while dragging, {how}", told, f"{SCRUBBED:.1f} ms"
         shown.page.evaluate(UNDRAWN)
-    shown.page.context.close()
-    return rows
 
 
-def of_studio(shown: Page) -> list[tuple[str, str]]:
+def of_a_run(shown: Page) -> Iterator[Row]:
+    """How soon the kernel answers while a run goes on, its drop tests among it."""
+    shown.notebook.python("studio.controller.run()")
+    shown.notebook.until("studio.state.iterations_done > 0", True, PATIENCE)
+    times = []
+    for _ in range(ANSWERS):
+        began = time.perf_counter()
+        shown.notebook.python("pass")
+        times.append(1000.0 * (time.perf_counter() - began))
+        shown.page.evaluate(browser.SETTLED)
+    done = shown.notebook.python("print(studio.state.status, studio.state.iterations_done)")
+    shown.notebook.python("studio.controller.stop()")
+    yield f"Studio: an answer of the kernel during a run ({done})", spread(times), f"{ANSWER:g} ms"
+
+
+def of_reruns(shown: Page) -> Iterator[Row]:
     """What is left in page and kernel after so many runs of the cell."""
-    rows = [("Studio: first run of the cell", f"heap {shown.heap():.0f} MB, {shown.notebook.python(WIDGETS)} widgets")]
+    heaps = [shown.heap()]
+    yield "Studio: first run of the cell", f"heap {heaps[0]:.0f} MB, {shown.notebook.python(WIDGETS)} widgets", ""
     for number in range(1, RERUNS + 1):
         shown.rerun()
         if number in (1, *range(BETWEEN, RERUNS + 1, BETWEEN)):
-            rows.append((f"Studio: run {number} more times", f"heap {shown.heap():.0f} MB, {shown.notebook.python(WIDGETS)} widgets"))
-    return rows
+            heaps.append(shown.heap())
+            yield f"Studio: run {number} more times", f"heap {heaps[-1]:.0f} MB, {shown.notebook.python(WIDGETS)} widgets", ""
+    yield "Studio: a further run of the cell", f"{(heaps[-1] - heaps[1]) / (RERUNS - 1):.2f} MB", f"{LEFT:g} MB"
+
+
+def drawn_after(shown: Page, sent: float) -> float:
+    """From a moment of the kernel's clock until the part is drawn next [ms]."""
+    shown.page.wait_for_function("sent => window.drawn.some(time => time > sent)", arg=sent)
+    return shown.page.evaluate("sent => window.drawn.find(time => time > sent)", sent) - sent
+
+
+def spread(times: list[float]) -> str:
+    """Median and the slowest but one in twenty [ms]."""
+    return f"median {median(times):.0f} ms, 95 % within {sorted(times)[int(0.95 * (len(times) - 1))]:.0f} ms"
 
 
 if __name__ == "__main__":

@@ -5,14 +5,10 @@ python benchmarks/screenshots.py                       # a quick run of the wall
 
 from __future__ import annotations
 
-import shutil
-import sys
-import tempfile
 from pathlib import Path
 from typing import Any
 
-from lab import Page, browser
-from playwright.sync_api import sync_playwright
+from lab import Page, browser, laboratory
 
 DOCS = Path(__file__).parent.parent / "docs"
 WIDTH, HEIGHT = 1340, 1700  # of the window [pixels]
@@ -37,20 +33,11 @@ COMPARED = "studio._tabs.selected_index = 1; studio.state.layer = 'restraint'"
 
 def main() -> None:
     """Run, look and save."""
-    path = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    if path is None:
-        sys.exit("there is no chromium on PATH (Debian: apt-get install chromium)")
-    with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
-        home, notebooks = Path(folder) / "home", Path(folder) / "notebooks"
-        home.mkdir()
-        notebooks.mkdir()
-        chromium = playwright.chromium.launch(executable_path=path, args=browser.ARGUMENTS)
-        with browser.jupyter_lab(home, notebooks) as lab:
-            of_a_run(Page(chromium, lab, "studio", STUDIO), chromium, notebooks)
-            painted = Page(chromium, lab, "painted", PAINTED)
-            painted.page.get_by_text("of the surface").wait_for()
-            keep(painted, "studio-paint")
-        chromium.close()
+    with laboratory() as (chromium, lab, notebooks):
+        of_a_run(Page(chromium, lab, "studio", STUDIO), chromium, notebooks)
+        painted = Page(chromium, lab, "painted", PAINTED)
+        painted.page.get_by_text("of the surface").wait_for()
+        keep(painted, "studio-paint")
 
 
 def of_a_run(shown: Page, chromium: Any, notebooks: Path) -> None:

@@ -36,3 +36,27 @@ def test_the_timeline_after_a_reload_is_that_of_the_kernel(shown):
     shown.page.evaluate("() => window.jupyterapp.commands.execute('docmanager:save')")
     shown.page.reload(wait_until="domcontentloaded")
     shown.page.wait_for_function(f"({TEXT}).includes('VIABLE') && !({TEXT}).includes('Nothing has run yet')")
+
+
+LATE = """() => {
+    const wait = window.setTimeout;
+    window.setTimeout = (act, time, ...given) => wait(act, time === 100 ? 6000 : time, ...given);
+}"""
+"""A page so busy that JupyterLab, which looks for a model each 100 ms, for two seconds, looks once and again when the time is over."""
+
+
+@pytest.mark.parametrize("busy", [False, True])
+def test_two_views_of_one_studio_are_there_again_after_a_reload(notebook, busy):
+    notebook.open("from mechstyle_widgets import Studio\nstudio = Studio(vertices=4000)\nstudio", "studio")
+    notebook.drawn(1)
+    notebook.page.evaluate("() => window.jupyterapp.commands.execute('docmanager:save')")
+    if busy:
+        notebook.page.add_init_script(f"({LATE})()")
+    notebook.page.reload(wait_until="domcontentloaded")
+    for number in range(2):
+        notebook.page.locator(".mechstyle-studio").nth(number).locator(".js-plotly-plot .main-svg").first.wait_for()
+        notebook.drawn(number)
+    notebook.python("studio.prompt_box.prompt = 'wood'")
+    for number in range(2):
+        notebook.page.locator(".mechstyle-studio").nth(number).locator("[aria-pressed=true]", has_text="wood").wait_for()
+    assert notebook.page.get_by_text("Error displaying widget").count() == 0

@@ -70,6 +70,10 @@ def test_arrow_keys_step(shown):
     shown.until(where(shown), "('frozen', 8, 8, 8, 8)")
     shown.page.keyboard.press("ArrowRight")
     shown.until(where(shown), "('frozen', 9, 9, 9, 9)")
+    shown.page.keyboard.press("ArrowUp")
+    shown.until("state.lane", "main")
+    shown.page.keyboard.press("ArrowDown")
+    shown.until(where(shown), "('frozen', 9, 9, 9, 9)")
 
 
 def test_what_python_sets_is_what_the_mouse_sets(shown):

@@ -13,6 +13,7 @@ from ipywidgets.widgets.widget_int import _BoundedInt
 
 from mechstyle_widgets.jupyter.closing import family
 from mechstyle_widgets.panels.take_away import TakeAway
+from mechstyle_widgets.settings.thumbnail_buttons import PictureChoice
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.studio import Studio
 from mechstyle_widgets.viewer.run_viewer import RunViewer
@@ -58,6 +59,9 @@ def action_on(widget: Any, rng: random.Random) -> Action | None:
     if getattr(widget, "disabled", False) or isinstance(widget, ipywidgets.FileUpload):
         return None
     name = f"{type(widget).__name__} {getattr(widget, 'description', '') or getattr(widget, 'tooltip', '')}"
+    if isinstance(widget, PictureChoice):
+        picture = rng.choice(list(widget.names))
+        return f"press the picture of {picture}", lambda: widget.press(picture)
     if isinstance(widget, ipywidgets.Button):
         return f"press {name}", widget.click
     if isinstance(widget, ipywidgets.ToggleButton | ipywidgets.Checkbox):
@@ -94,10 +98,8 @@ def within_reach(widget: Any) -> Iterator[Any]:
 
 
 def controls(studio: Studio) -> list[Any]:
-    """All that can be pressed, chosen or written now; pictures are many and alike, so each grid of them counts as a few."""
-    found = list(within_reach(studio))
-    pictures = [one for one in found if any("mechstyle-model-" in c or "mechstyle-style-" in c for c in getattr(one, "_dom_classes", ()))]
-    return [one for one in found if one not in pictures] + pictures[:2] + pictures[-3:]
+    """All that can be pressed, chosen or written now."""
+    return list(within_reach(studio))
 
 
 def events(studio: Studio, rng: random.Random) -> list[Action]:

@@ -24,6 +24,7 @@ from mechstyle.runs.run import Run
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
 from mechstyle_widgets.jupyter.closing import close_family
 from mechstyle_widgets.jupyter.frame import Frame
+from mechstyle_widgets.jupyter.looks import lean
 from mechstyle_widgets.panels.branches import Branches
 from mechstyle_widgets.panels.keys import Keys
 from mechstyle_widgets.panels.mask_inspector import MaskInspector
@@ -210,7 +211,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         """Settings, view with timeline, and what looks into them; the sheet of the frame says which stand beside each other."""
         sections = zip(TITLES, (self.part_picker, *self._sections), strict=True)
         self._groups = [Group(title, section, unfolded=title in OPEN) for title, section in sections]
-        self._tabs = ipywidgets.Tab([self.mask_inspector, self.branches], titles=("Mask", "Branches"))
+        self._tabs = lean(ipywidgets.Tab, [self.mask_inspector, self.branches], titles=("Mask", "Branches"))
         setup, middle = _box(self._groups, "mechstyle-setup"), _box([self._middle, self._timeline], "mechstyle-middle")
         return _box([setup, middle, _box([self._tabs], "mechstyle-inspect")], "mechstyle-body")
 
@@ -377,7 +378,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
 
 def _box(children: Sequence[Any], name: str) -> ipywidgets.VBox:
     """A box that the sheet of the frame lays out."""
-    box = ipywidgets.VBox(list(children))
+    box = lean(ipywidgets.VBox, list(children))
     box.add_class(name)
     return box
 

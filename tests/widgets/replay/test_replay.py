@@ -3,12 +3,12 @@
 
 import pytest
 from ipywidgets import Widget
-from ipywidgets.widgets.widget import _instances as alive
 
 from mechstyle.errors import BadInput
 from mechstyle.runs.report.replay_data import replay_data
 from mechstyle_widgets.replay.replay import Replay
 from support.lanes import carry_on, lane_on_a_sheet
+from support.models import alive
 
 
 @pytest.fixture
@@ -74,10 +74,10 @@ def test_a_threshold_is_a_number(replay):
     "wrong", [{"layer": "nonsense"}, {"iteration": 99}, {"threshold": 2.0}, {"layer": "stress", "threshold": float("inf")}]
 )
 def test_a_refused_replay_leaves_nothing_behind(run, wrong):
-    before = set(alive)
+    before = alive()
     with pytest.raises(BadInput):
         Replay(run, **wrong)
-    assert set(alive) == before
+    assert alive() == before
 
 
 def test_a_replay_takes_in_what_the_run_did_since(run):

@@ -55,7 +55,7 @@ def test_lambda_is_offered_where_it_counts():
     selector = ControlSelector(PLA)
     assert selector._lambda.layout.display == "none"
     selector.normalisation = "sigma_c"
-    assert selector._lambda.layout.display == ""
+    assert selector._lambda.layout.display != "none"
 
 
 def test_freestyle_has_nothing_to_set():

@@ -49,7 +49,7 @@ def test_the_preview_moves_with_every_parameter():
 
 def test_only_parameters_that_count_are_offered():
     selector = ScheduleSelector(schedule="every")
-    assert (selector._every.layout.display, selector._travel.layout.display) == ("", "none")
+    assert (selector._every.layout.display, selector._travel.layout.display) == (None, "none")
     selector._choice.value = "stress"
     assert selector.schedule == "stress"
-    assert (selector._every.layout.display, selector._travel.layout.display) == ("none", "")
+    assert (selector._every.layout.display, selector._travel.layout.display) == ("none", None)

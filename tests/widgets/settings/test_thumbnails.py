@@ -37,23 +37,32 @@ def test_the_bricks_of_the_picture_are_red_and_lie_level():
 
 
 def test_pictures_come_from_another_process_and_are_hung_up(empty_cache):
-    async def cell() -> str:
+    async def cell() -> bytes:
         choice = PictureChoice("style", {"brick": "bricks"})
         hung = asyncio.Event()
-        choice._sheet.observe(lambda _: hung.set(), "value")
+        choice.observe(lambda _: hung.set(), "pictures")
         await asyncio.wait_for(hung.wait(), 60.0)
-        return choice._sheet.value
+        return choice.pictures["brick"]
 
-    assert "data:image/png;base64," in asyncio.run(cell())
+    assert asyncio.run(cell()).startswith(b"\x89PNG")
 
 
-def test_the_chosen_one_is_marked():
+def test_a_press_chooses_and_is_counted():
     choice = PictureChoice("style", {"brick": "bricks", "wood": "wood"})
-    choice.value = "brick"
-    assert "mechstyle-chosen" in choice._buttons["brick"]._dom_classes
-    choice._buttons["wood"].click()
-    assert (choice.value, choice.pressed) == ("wood", 1)
-    assert "mechstyle-chosen" not in choice._buttons["brick"]._dom_classes
+    for name in ("wood", "wood", "nothing that is offered"):
+        choice._handle_custom_msg({"kind": "press", "name": name}, [])
+    assert (choice.value, choice.pressed) == ("wood", 2)
+
+
+def test_the_page_is_told_the_pictures_it_shows_and_no_others(monkeypatch):
+    monkeypatch.setattr(thumbnails, "cached", lambda _kind, name: name.encode())
+    choice = PictureChoice("style", dict.fromkeys("abcdefgh", ""))
+    assert set(choice.pictures) == set("abc")
+    choice.value = "g"
+    assert choice.few == ["g", "a", "b"]
+    assert set(choice.pictures) == set("abcg")
+    choice.all = True
+    assert set(choice.pictures) == set("abcdefgh")
 
 
 # --- work aside ---------------------------------------------------------------------------------------------------

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-
 import pytest
-from ipywidgets import Widget
-from ipywidgets.widgets.widget import _instances as alive
 
 from mechstyle_widgets.state.outcomes import LOOKS
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.timeline.figure import story
 from mechstyle_widgets.timeline.timeline import Timeline
+from support.models import alive
 
 LANES, STEPS, VIABLE, MARGINAL, FAILS, UNKNOWN, OTHER_PEAKS, LIMIT, PEAKS, OTHER_CURVES, CURVE, PLANNED = range(12)
 
@@ -77,7 +74,7 @@ def test_the_curve_can_be_chosen(timeline, state):
 def test_the_line_stands_at_the_iteration(timeline, state):
     state.iteration = 5
     assert timeline.iteration == timeline.scrubber.value == 5
-    assert timeline._figure.layout.shapes[0].x0 == timeline._figure.layout.shapes[0].x1 == 5
+    assert timeline._curves.head == 5
 
 
 def test_the_slider_and_the_trait_move_the_state(timeline, state):
@@ -114,11 +111,16 @@ def test_the_browser_is_told_the_end_of_the_slider_before_a_value_beyond_it(fake
 
 def test_a_click_shows_lane_and_iteration(timeline, state):
     place = next(number for number, lane in enumerate(trace(timeline, STEPS).y) if lane == "soft") + 1
-    timeline._clicked(trace(timeline, STEPS), SimpleNamespace(point_inds=[place]), None)
+    timeline._curves._handle_custom_msg({"kind": "click", "trace": STEPS, "point": place}, [])
     assert (state.lane, timeline.lane, state.iteration) == ("soft", "soft", 8)
     assert trace(timeline, LIMIT).x[-2] == 12
-    timeline._clicked(trace(timeline, PEAKS), SimpleNamespace(point_inds=[]), None)
-    assert state.iteration == 8
+
+
+def test_keys_go_from_lane_to_lane_and_stop_at_the_last(timeline, state):
+    lanes = [branch.lane for branch in state.branches]
+    for by, expected in ((1, lanes[1]), (1, lanes[-1]), (-1, lanes[0]), (-1, lanes[0])):
+        timeline.scrubber._handle_custom_msg({"kind": "lane", "by": by}, [])
+        assert state.lane == timeline.lane == expected
 
 
 def test_it_grows_with_the_run(fake):
@@ -154,7 +156,7 @@ def test_before_there_is_a_run_it_shows_where_the_schedule_will_simulate():
     assert trace(timeline, PLANNED).x == (0, 10, 20)
     timeline._state.settings = {**ASKED, "schedule": "stress"}
     assert "the run decides" in sentence(timeline)
-    timeline._clicked(trace(timeline, PLANNED), SimpleNamespace(point_inds=[1]), None)
+    timeline._clicked(PLANNED, 1)
     assert timeline.iteration == 0
 
 
@@ -176,54 +178,39 @@ def test_the_theme_changes_the_template(timeline):
     before = timeline._figure.layout.template
     timeline.theme = "dark"
     assert timeline._figure.layout.template != before
+    assert timeline._figure.layout.annotations[0].font.color == "#ff8a80", "the red of a mark is no ink for small words on a dark ground"
 
 
-def test_closing_leaves_nothing_behind_but_a_figure_for_the_next(state):
-    Timeline(state).close()
-    before = set(alive)
+def test_closing_leaves_nothing_behind(state):
+    Timeline(state).close()  # what all share is made once
+    before = alive()
     timeline = Timeline(state)
     timeline.close()
     state.iteration = 3
     assert timeline.iteration == 12
-    assert set(alive) == before
+    assert alive() == before
     timeline.close()
 
 
-def test_a_figure_is_used_again_and_shows_nothing_of_before(state):
-    first = Timeline(state, theme="dark", width=700)
-    figure = first._figure
-    first.close()
-    second = Timeline(StudioState(settings=ASKED), width=800)
-    fresh = Timeline(StudioState(settings=ASKED), width=800)
-    assert second._figure is figure
-    assert fresh._figure is not figure
-    second._figure.update_traces(uid=None)
-    fresh._figure.update_traces(uid=None)
-    assert second._figure.to_dict() == fresh._figure.to_dict()
-    assert second._figure._widget_layout["width"] == 800
-    assert list(second._figure._widget_data[PLANNED]["x"]) == [0, 5, 10, 15, 20]
-    assert figure.data[STEPS]._click_callbacks == [second._clicked]
-
-
-def test_a_figure_that_was_closed_is_not_used_again(state):
-    first = Timeline(state)
-    figure = first._figure
-    first.close()
-    Widget.close_all()
-    assert Timeline(state)._figure is not figure
-
-
 def test_a_page_that_is_loaded_anew_gets_what_the_figure_shows(done):
-    """Plotly tells changes by messages; the state that the next page starts from must not stay as it was at the beginning."""
     state = StudioState()
     timeline = Timeline(state)
-    assert "Nothing has run yet" in str(timeline._figure.get_state()["_widget_layout"])
+    assert "Nothing has run yet" in str(timeline._curves.get_state()["figure"])
     state.open(done)
-    sent = timeline._figure.get_state()
-    assert "Nothing has run yet" not in str(sent["_widget_layout"])
-    assert [list(trace.get("x", [])) for trace in sent["_widget_data"]] == [list(trace.x or []) for trace in timeline._figure.data]
-    assert sent["_widget_layout"]["shapes"][0]["x0"] == 12
-    assert sent["_esm"]
+    sent = timeline._curves.get_state()
+    assert "Nothing has run yet" not in str(sent["figure"])
+    assert [list(trace.get("x", [])) for trace in sent["figure"]["data"]] == [list(trace.x or []) for trace in timeline._figure.data]
+    assert sent["head"] == 12
+
+
+def test_the_scripts_of_plotly_come_when_a_page_asks_and_are_no_part_of_the_state(timeline, monkeypatch):
+    sent = []
+    monkeypatch.setattr(timeline._curves, "send", lambda content, buffers=None: sent.append((content, buffers)))
+    assert len(str(timeline._curves.get_state())) < 60_000
+    timeline._curves._handle_custom_msg({"kind": "plotly"}, [])
+    [(content, [script])] = sent
+    assert content == {"kind": "plotly"}
+    assert b"Plotly" in script
 
 
 def test_the_slider_does_not_leave_a_lane_of_one_iteration(fake):

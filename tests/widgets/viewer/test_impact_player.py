@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from ipywidgets.widgets.widget import _instances as alive
 
 from mechstyle.errors import SimulationFailed
 from mechstyle.loop.objects import Objects
@@ -16,6 +15,7 @@ from mechstyle.simulation.impact import Impact
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.viewer import impact_player
 from mechstyle_widgets.viewer.run_viewer import RunViewer
+from support.models import alive
 
 
 @pytest.fixture
@@ -129,8 +129,8 @@ def test_in_a_notebook_it_is_worked_out_in_a_thread_and_brought_back(viewer, imp
 
 
 def test_closing_leaves_nothing_behind(state):
-    before = set(alive)
+    before = alive()
     viewer = RunViewer(state)
     viewer.close()
     viewer.player.close()
-    assert set(alive) == before
+    assert alive() == before

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from ipywidgets.widgets.widget import _instances as alive
 
 from mechstyle.errors import BadInput
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.viewer.layers import Layer
 from mechstyle_widgets.viewer.run_viewer import RunViewer
+from support.models import alive
 
 
 def test_the_part_is_the_one_of_the_iteration(done):
@@ -67,18 +67,18 @@ def test_derived_layers_are_worked_out_for_every_iteration(done):
 
 
 def test_without_an_iteration_there_is_nothing_to_view(fake):
-    before = set(alive)
+    before = alive()
     for state in (StudioState(), StudioState(fake.run)):
         with pytest.raises(BadInput, match="no iteration to show yet"):
             RunViewer(state)
-    assert set(alive) == before
+    assert alive() == before
 
 
 def test_a_closed_viewer_follows_no_longer(done):
-    state, before = StudioState(done), set(alive)
+    state, before = StudioState(done), alive()
     viewer = RunViewer(state)
     viewer.close()
     state.iteration = 3
     assert viewer.iteration == 12
-    assert set(alive) == before
+    assert alive() == before
     viewer.close()

@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from ipywidgets.widgets.widget import _instances as alive
 
 from mechstyle.errors import BadInput
 from mechstyle.geometry.subdivision import subdivided
@@ -17,6 +16,7 @@ from mechstyle_widgets.viewer.layers import Layer
 from mechstyle_widgets.viewer.probe import struck
 from mechstyle_widgets.viewer.shaders import HIDDEN, MAXIMUM, MOST_PINS, PIN, WHOLE
 from mechstyle_widgets.viewer.viewer import Viewer
+from support.models import alive
 
 
 @pytest.fixture
@@ -234,12 +234,12 @@ def test_a_place_is_flown_to_taken_away_and_the_list_cleared(viewer):
 
 
 def test_a_viewer_with_places_leaves_nothing_behind(sphere):
-    before = set(alive)
+    before = alive()
     viewer = Viewer(sphere)
     viewer.places = (1, 2, 3)
     viewer.places = (1,)
     viewer.close()
-    assert set(alive) == before
+    assert alive() == before
 
 
 def test_there_are_no_more_places_than_numbers_and_none_off_the_part(viewer):

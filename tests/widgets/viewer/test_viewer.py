@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from ipywidgets.widgets.widget import _instances as alive
 
 from mechstyle.errors import BadInput
 from mechstyle.geometry.subdivision import subdivided
@@ -18,6 +17,7 @@ from mechstyle_widgets.viewer.layers import Layer, Subject
 from mechstyle_widgets.viewer.scene import BACKGROUNDS
 from mechstyle_widgets.viewer.shaders import HIDDEN, MAXIMUM, MINIMUM, NOTHING, OPEN, OWN, PICKED
 from mechstyle_widgets.viewer.viewer import Viewer
+from support.models import alive
 
 
 @pytest.fixture
@@ -342,10 +342,10 @@ def test_two_layers_of_one_name_are_refused(sphere, height):
 
 @pytest.mark.parametrize("wrong", [{"theme": "pink"}, {"layers": [Layer("x", [1.0])]}])
 def test_a_refused_viewer_leaves_nothing_behind(sphere, wrong):
-    before = set(alive)
+    before = alive()
     with pytest.raises(BadInput):
         Viewer(sphere, **wrong)
-    assert set(alive) == before
+    assert alive() == before
 
 
 # --- what is delivered --------------------------------------------------------------------------------------------
@@ -393,24 +393,24 @@ def test_what_is_delivered_is_sent_once(painted, height, delivered):
 
 
 def test_a_viewer_of_what_is_delivered_leaves_nothing_behind(painted, delivered):
-    before = set(alive)
+    before = alive()
     viewer = Viewer(painted)
     viewer.subject = replace(viewer.subject, look=delivered)
     viewer.close()
-    assert set(alive) == before
+    assert alive() == before
 
 
 # --- closing ------------------------------------------------------------------------------------------------------
 
 
 def test_fifty_viewers_opened_and_closed_leave_nothing_behind(cube):
-    before, layer = set(alive), Layer("x", np.arange(8.0))
+    before, layer = alive(), Layer("x", np.arange(8.0))
     for _ in range(50):
         viewer = Viewer(cube, [layer], original=Subject(cube))
         viewer.beside = True
         viewer.beside = False
         viewer.close()
-    assert set(alive) == before
+    assert alive() == before
     viewer.close()
 
 

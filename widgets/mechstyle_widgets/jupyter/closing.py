@@ -6,6 +6,8 @@ from typing import Any
 
 import ipywidgets
 
+from mechstyle_widgets.jupyter.looks import shared
+
 
 def family(widget: ipywidgets.Widget) -> list[ipywidgets.Widget]:
     """The widget and every widget its state refers to, however deep."""
@@ -23,8 +25,8 @@ def family(widget: ipywidgets.Widget) -> list[ipywidgets.Widget]:
     return list(found.values())
 
 
-def close_family(widget: ipywidgets.Widget, *more: ipywidgets.Widget, keep: ipywidgets.Widget | None = None) -> None:
-    """Close everything a widget, and more it keeps out of sight, is made of; the widget itself is left to its owner, and so is `keep`."""
+def close_family(widget: ipywidgets.Widget, *more: ipywidgets.Widget) -> None:
+    """Close everything a widget, and more it keeps out of sight, is made of; the widget itself is left to its owner."""
     for part in {id(part): part for one in (widget, *more) for part in family(one)}.values():
-        if part is not widget and part is not keep:
+        if part is not widget and not shared(part):
             part.close()

@@ -19,6 +19,7 @@ from mechstyle.records.material import Material
 from mechstyle.records.regions import Point
 from mechstyle.runs.run import Run
 from mechstyle_widgets.jupyter.frame import unseen
+from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, Words, table
 from mechstyle_widgets.state.controller import Controller
 from mechstyle_widgets.state.outcomes import LOOKS
@@ -41,16 +42,17 @@ class Branches(Section):
     def __init__(self, controller: Controller) -> None:
         """Show the lanes of what a controller's state shows."""
         self.controller, self.state = controller, controller.state
-        lanes = ipywidgets.Select(options=[], rows=4, description="lanes", tooltip="Lanes; choose one to show it", layout=WIDE)
+        lanes = lean(ipywidgets.Select, options=[], rows=4, description="lanes", tooltip="Lanes; choose one to show it", layout=WIDE)
         self._choice = unseen(lanes)
-        self._changes = Words()
-        self._name = ipywidgets.Text(description="new lane", placeholder="named by number", style=NARROW_LABEL, layout=WIDE)
-        self._branch = ipywidgets.Button(
+        self._changes = lean(Words)
+        self._name = lean(ipywidgets.Text, description="new lane", placeholder="named by number", style=NARROW_LABEL, layout=WIDE)
+        self._branch = lean(
+            ipywidgets.Button,
             icon="code-fork", layout=WIDE, tooltip="A new lane from this iteration, with the settings at the left"
         )
-        self._pin = ipywidgets.Button(icon="thumb-tack", layout=WIDE, tooltip="Remember this iteration and compare others with it")
-        self._also = ipywidgets.Button(icon="plus", layout=WIDE, tooltip="A third pane, which stays as it is")
-        self._comparison = Words()
+        self._pin = lean(ipywidgets.Button, icon="thumb-tack", layout=WIDE, tooltip="Remember this iteration and compare others with it")
+        self._also = lean(ipywidgets.Button, icon="plus", layout=WIDE, tooltip="A third pane, which stays as it is")
+        self._comparison = lean(Words)
         super().__init__([self._choice, self._changes, self._name, self._branch, self._pin, self._also, self._comparison])
         for name in ("lane", "pinned", "third"):
             traitlets.link((self.state, name), (self, name))
@@ -164,7 +166,7 @@ class Branches(Section):
         self._pin.description = "compare no longer" if again else f"compare others with iteration {state.iteration}"
         self._pin.disabled = nothing
         self._also.description = "two panes again" if self.third else f"keep {state.lane} · {state.iteration} in a third pane"
-        self._also.layout.display = "" if self.pinned is not None else "none"
+        show(self._also, self.pinned is not None)
         rows, decisive = self.comparison(), self.decisive()
         head = ("", *(f"{lane} · {iteration}" for lane, iteration in self.places))
         why = f'<div class="mechstyle-note">{escape(decisive[1])}</div>' if decisive else ""

@@ -18,6 +18,7 @@ from mechstyle.records.checkpoint import restrained
 from mechstyle.records.mesh import Field
 from mechstyle.runs.run import Run
 from mechstyle.simulation.part import bounds_for
+from mechstyle_widgets.jupyter.looks import lean
 from mechstyle_widgets.jupyter.svg import Frame, drawing, shares
 from mechstyle_widgets.settings.control import ControlSelector
 from mechstyle_widgets.settings.section import WIDE, Section, Words
@@ -49,14 +50,16 @@ class MaskInspector(Section):
         self._freedom = lru_cache(maxsize=4)(_freedom)
         self.selector = ControlSelector()
         self._plots = Words(layout=WIDE)
-        self._show_layer = ipywidgets.ToggleButton(
+        self._show_layer = lean(
+            ipywidgets.ToggleButton,
             description="show it", icon="eye", tooltip="Colour the part by the mask that would be", layout={"width": "50%"}
         )
-        self._use = ipywidgets.Button(
+        self._use = lean(
+            ipywidgets.Button,
             description="use this", icon="code-fork", tooltip="Branch from this iteration with these settings", layout={"width": "50%"}
         )
-        buttons = ipywidgets.HBox([self._show_layer, self._use], layout=WIDE)
-        super().__init__([self._plots, ipywidgets.HTML("<b>what if …</b>"), self.selector, buttons])
+        buttons = lean(ipywidgets.HBox, [self._show_layer, self._use], layout=WIDE)
+        super().__init__([self._plots, lean(ipywidgets.HTML, "<b>what if …</b>"), self.selector, buttons])
         self._use.on_click(lambda _: self.use())
         self._show_layer.observe(self._switch, "value")
         self.state.observe(self._restore, "run")

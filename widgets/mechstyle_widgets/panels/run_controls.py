@@ -8,6 +8,7 @@ from typing import Any
 import ipywidgets
 import traitlets
 
+from mechstyle_widgets.jupyter.looks import lean
 from mechstyle_widgets.settings.section import WIDE, Section
 from mechstyle_widgets.state.controller import Controller
 
@@ -50,9 +51,9 @@ class RunControls(Section):
         }
         for name, button in self._buttons.items():
             button.on_click(lambda _, name=name: getattr(self.controller, name)())
-        self._bar = ipywidgets.FloatProgress(min=0.0, max=1.0, layout=WIDE)
-        self._line = ipywidgets.HTML()
-        super().__init__([ipywidgets.HBox(list(self._buttons.values())), self._line, self._bar])
+        self._bar = lean(ipywidgets.FloatProgress, min=0.0, max=1.0, layout=WIDE)
+        self._line = lean(ipywidgets.HTML)
+        super().__init__([lean(ipywidgets.HBox, list(self._buttons.values())), self._line, self._bar])
         self.add_class("mechstyle-run")
         for wide in (self._note, self._trouble):
             wide.add_class("mechstyle-wide")
@@ -64,7 +65,7 @@ class RunControls(Section):
         self._buttons["run"].button_style = "primary" if filled else ""
 
     def _button(self, icon: str, words: str, tooltip: str, look: str = "", width: str = "44px") -> ipywidgets.Button:
-        return ipywidgets.Button(icon=icon, description=words, tooltip=tooltip, button_style=look, layout={"width": width})
+        return lean(ipywidgets.Button, icon=icon, description=words, tooltip=tooltip, button_style=look, layout={"width": width})
 
     def _show(self, _change: Any = None) -> None:
         state = self.state

@@ -17,6 +17,7 @@ from mechstyle.runs.printing import Printing
 from mechstyle.runs.report.reproduce import cell_for
 from mechstyle.runs.run import Run
 from mechstyle_widgets.jupyter.frame import Frame
+from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.jupyter.throttle import running_loop
 from mechstyle_widgets.settings.section import Section
 from mechstyle_widgets.state.studio_state import StudioState
@@ -41,12 +42,12 @@ class TakeAway(Section):
             self._buttons[name].on_click(partial(self._begin, suffix, make))
         self._code = self._button("Copy as code", "code", "The lines of Python that make this run again")
         self._code.on_click(lambda _: self._copy())
-        self._slicer = ipywidgets.Dropdown(
-            options=SLICERS, description="for", style={"description_width": "initial"}, layout={"width": "auto"},
+        self._slicer = lean(
+            ipywidgets.Dropdown, options=SLICERS, description="for", style={"description_width": "initial"}, layout={"width": "auto"},
             tooltip="Whose 3MF it is: standard or prusa (one strict file), bambu or orca (another)",
         )  # fmt: skip
         first, *others = self._buttons.values()
-        row = ipywidgets.HBox([first, self._slicer, *others, self._code], layout={"flex_flow": "row wrap"})
+        row = lean(ipywidgets.HBox, [first, self._slicer, *others, self._code], layout={"flex_flow": "row wrap"})
         super().__init__([row])
         self.add_class("mechstyle-take")
         state.observe(self._offer, ("run", "checkpoint", "status"))
@@ -58,11 +59,11 @@ class TakeAway(Section):
         return self._buttons["3MF"]
 
     def _button(self, name: str, icon: str, tooltip: str) -> ipywidgets.Button:
-        return ipywidgets.Button(description=name, icon=icon, tooltip=tooltip, layout={"width": "auto"})
+        return lean(ipywidgets.Button, description=name, icon=icon, tooltip=tooltip, layout={"width": "auto"})
 
     def _offer(self, _change: object = None) -> None:
         """There is nothing to take before there is an iteration."""
-        self.layout.display = "none" if self.state.checkpoint is None else ""
+        show(self, self.state.checkpoint is not None)
         self.note("")
         self.complain("")
 

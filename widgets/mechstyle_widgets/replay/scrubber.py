@@ -55,6 +55,7 @@ class Scrubber(anywidget.AnyWidget):
         self._view: View | None = None
         self._packer: Packer | None = None
         super().__init__()
+        self.on_msg(self._hear)
         state.observe(self._follow, FOLLOWED)
         self._packer = Packer(state, self._take)
         self._follow()
@@ -89,6 +90,13 @@ class Scrubber(anywidget.AnyWidget):
         """Tell the page which of its iterations are still those of the lane, and whether a run goes on."""
         self._served = served(self._cache, self._state)
         self._live = self._state.status in ("running", "preparing")
+
+    def _hear(self, _widget: Any, message: Any, _buffers: Any) -> None:
+        """A key was pressed: show the lane above or below, if there is one."""
+        lanes = [branch.lane for branch in self._state.branches]
+        if isinstance(message, dict) and message.get("kind") == "lane" and self._state.lane in lanes:
+            at = lanes.index(self._state.lane) + int(message["by"])
+            self._state.lane = lanes[min(max(at, 0), len(lanes) - 1)]
 
     def _look(self, _change: object = None) -> None:
         """Tell the page what it may fill, and what the kernel has drawn."""

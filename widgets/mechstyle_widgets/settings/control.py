@@ -15,6 +15,7 @@ from mechstyle.loop import control
 from mechstyle.records import CONTROLS, NORMALISATIONS, Recipe
 from mechstyle.records.material import LIBRARY, Material
 from mechstyle.records.recipe import DEFAULTS
+from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.jupyter.svg import Frame, drawing
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, setting
 
@@ -65,7 +66,7 @@ class ControlSelector(Section):
         """
         wave = material.density * material.bar_wave_speed * DropTest(height=drop_height).speed
         traits = {"material": material, "typical_stress": wave, "peak_stress": material.yield_strength, **traits}
-        self._plot = ipywidgets.HTML(layout=WIDE)
+        self._plot = lean(ipywidgets.HTML, layout=WIDE)
         self._make_controls()
         super().__init__([self._mode, self._restraint])
         for name, value in traits.items():
@@ -86,25 +87,29 @@ class ControlSelector(Section):
         return "Freestyle" if self.freestyle else f"{self.control}, stops at {self.threshold:.2g}"
 
     def _make_controls(self) -> None:
-        self._mode = ipywidgets.ToggleButtons(
+        self._mode = lean(
+            ipywidgets.ToggleButtons,
             options=[("MechStyle", False), ("Freestyle", True)],
             tooltips=["Drop tests on the way hold the style back where the part needs its strength", "The whole style, tested at the end"],
             style={"button_width": "112px"},
         )
         choice = {"style": NARROW_LABEL, "layout": WIDE}
-        self._strategy = ipywidgets.Dropdown(options=self.traits()["control"].values, description="strategy", **choice)
-        self._compared_with = ipywidgets.Dropdown(options=NORMALISATIONS, description="compares", **choice)
+        self._strategy = lean(ipywidgets.Dropdown, options=self.traits()["control"].values, description="strategy", **choice)
+        self._compared_with = lean(ipywidgets.Dropdown, options=NORMALISATIONS, description="compares", **choice)
         slider = {"base": 10, "min": -1.0, "max": 1.0, "step": 0.02, "readout_format": ".2f", "continuous_update": True}
-        self._threshold = ipywidgets.FloatLogSlider(
+        self._threshold = lean(
+            ipywidgets.FloatLogSlider,
             description="threshold", tooltip="Demand at which a vertex may move no further", **slider, **choice
         )
-        self._lambda = ipywidgets.FloatSlider(
+        self._lambda = lean(
+            ipywidgets.FloatSlider,
             description="λ (σ_c / yield)", min=0.05, max=1.0, step=0.01, tooltip="Safety coefficient of the material", **choice
         )
         plain = {"indent": False, "layout": WIDE}
-        self._memory = ipywidgets.Checkbox(description="memory: once held, always held", **plain)
-        self._retraction = ipywidgets.Checkbox(description="retraction near the stress limit", **plain)
-        self._restraint = ipywidgets.VBox(
+        self._memory = lean(ipywidgets.Checkbox, description="memory: once held, always held", **plain)
+        self._retraction = lean(ipywidgets.Checkbox, description="retraction near the stress limit", **plain)
+        self._restraint = lean(
+            ipywidgets.VBox,
             [self._strategy, self._compared_with, self._threshold, self._lambda, self._plot, self._memory, self._retraction]
         )
 
@@ -133,8 +138,8 @@ class ControlSelector(Section):
 
     def _redraw(self, _change: object = None) -> None:
         self._lambda.value = self.material.safety_coefficient
-        self._lambda.layout.display = "" if self.normalisation == "sigma_c" else "none"
-        self._restraint.layout.display = "none" if self.freestyle else ""
+        show(self._lambda, self.normalisation == "sigma_c")
+        show(self._restraint, not self.freestyle)
         self.note("one drop test, at the end" if self.freestyle else f"demand s_norm is {MEANS[self.normalisation]}")
         self._plot.value = self._picture()
 

@@ -12,6 +12,7 @@ from mechstyle.records import CRITERIA, POSES
 from mechstyle.records.landings import STANDARDS, landings_after, with_drops
 from mechstyle.records.load_cases import LoadCase, load_cases
 from mechstyle.records.mesh import STANDARD_VERTICES
+from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, range_of, setting
 
 DEVICES = ("auto", "cpu", "cuda")
@@ -70,29 +71,34 @@ class DropOptions(Section):
         """Offer them; `traits` are any of the attributes."""
         look = {"style": NARROW_LABEL, "layout": WIDE}
         controls = {
-            "drop_height": ipywidgets.BoundedFloatText(description="drop [mm]", step=100.0, **range_of("drop_height"), **look),
-            "orientations": ipywidgets.BoundedIntText(
+            "drop_height": lean(ipywidgets.BoundedFloatText, description="drop [mm]", step=100.0, **range_of("drop_height"), **look),
+            "orientations": lean(
+            ipywidgets.BoundedIntText,
                 description="drops", tooltip="Drops of the final test, the first as the part stands", **range_of("orientations"), **look
             ),
-            "tilts": ipywidgets.BoundedIntText(
+            "tilts": lean(
+            ipywidgets.BoundedIntText,
                 description="tilted by 3°", tooltip="Drops tilted to all sides, judged with the one as placed; 0 takes flat at its word",
                 **range_of("tilts"), **look,
             ),
-            "criterion": ipywidgets.Dropdown(options=CRITERIA, description="criterion", **look),
-            "guarantee": ipywidgets.Checkbox(description="correct until it is viable", indent=False, layout=WIDE),
-            "minimum_wall": ipywidgets.BoundedFloatText(
+            "criterion": lean(ipywidgets.Dropdown, options=CRITERIA, description="criterion", **look),
+            "guarantee": lean(ipywidgets.Checkbox, description="correct until it is viable", indent=False, layout=WIDE),
+            "minimum_wall": lean(
+            ipywidgets.BoundedFloatText,
                 description="thinnest [mm]", step=0.1, tooltip="The thinnest wall the style may leave", **range_of("minimum_wall"), **look
             ),
-            "vertices": ipywidgets.BoundedIntText(description="vertices", min=1, max=400_000, step=1000, **look),
-            "device": ipywidgets.Dropdown(options=DEVICES, description="device", **look),
-            "folder": ipywidgets.Text(
+            "vertices": lean(ipywidgets.BoundedIntText, description="vertices", min=1, max=400_000, step=1000, **look),
+            "device": lean(ipywidgets.Dropdown, options=DEVICES, description="device", **look),
+            "folder": lean(
+            ipywidgets.Text,
                 description="folder", placeholder="mechstyle-runs/…", continuous_update=False, tooltip="Where the run is kept", **look
             ),
         }
         ways = [(name, way) for way, (name, _) in WAYS.items()]
-        self._way = ipywidgets.Dropdown(options=ways, description="it lands", tooltip="How the part meets the floor", **look)
+        self._way = lean(ipywidgets.Dropdown, options=ways, description="it lands", tooltip="How the part meets the floor", **look)
         known = [("none", ""), *((standard.title, name) for name, standard in STANDARDS.items())]
-        self._standard = ipywidgets.Dropdown(options=known, description="after", tooltip="A drop standard: its landings and height", **look)
+        after = "A drop standard: its landings and height"
+        self._standard = lean(ipywidgets.Dropdown, options=known, description="after", tooltip=after, **look)
         self._drops = controls["orientations"]
         drop_height, *others = controls.values()
         super().__init__([drop_height, self._way, *others[:1], self._standard, self._loads_row(), *others[1:]])
@@ -107,13 +113,14 @@ class DropOptions(Section):
 
     def _loads_row(self) -> ipywidgets.HBox:
         """A place for the name of a load file, and a button that takes the loads away."""
-        self._file = ipywidgets.Text(
+        self._file = lean(
+            ipywidgets.Text,
             description="it carries", placeholder="a load file.toml", continuous_update=False, style=NARROW_LABEL,
             tooltip="A file of load cases: where the part is held, what pulls or presses on it", layout={"flex": "1 1 auto", "width": "0"},
         )  # fmt: skip
-        self._unload = ipywidgets.Button(icon="times", tooltip="Nothing to carry but the drop", layout={"width": "32px"})
+        self._unload = lean(ipywidgets.Button, icon="times", tooltip="Nothing to carry but the drop", layout={"width": "32px"})
         self._unload.on_click(lambda _: self._carry(""))
-        return ipywidgets.HBox([self._file, self._unload], layout=WIDE)
+        return lean(ipywidgets.HBox, [self._file, self._unload], layout=WIDE)
 
     @property
     def brief(self) -> str:
@@ -133,8 +140,8 @@ class DropOptions(Section):
     def _tell(self, _change: object = None) -> None:
         """Bring the way up to date, and say what will be tested."""
         self._way.value, self._standard.value = self.way, self.standard
-        self._drops.layout.display = "none" if self.way == ONCE else ""
-        self._unload.layout.display = "" if self.loads else "none"
+        show(self._drops, self.way != ONCE)
+        show(self._unload, self.loads)
         drops, carried = WAYS[self.way][1].format(self.orientations), "; ".join(case.name for case in self.loads)
         after = landings_after(self.standard, poses=self.poses, orientations=self.orientations, drop_height=self.drop_height)
         said = (drops, f"{after[:1].upper()}{after[1:]}", f"Besides, it must carry: {carried}" if carried else "")

@@ -7,6 +7,7 @@ from typing import Any
 import ipywidgets
 import traitlets
 
+from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.settings.section import Section
 
 
@@ -22,7 +23,7 @@ class Group(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     def __init__(self, title: str, section: Section, *, unfolded: bool = False) -> None:
         """Put a section under a heading."""
         self._title, self._section = title, section
-        self._head = ipywidgets.Button(icon="angle-right")
+        self._head = lean(ipywidgets.Button, icon="angle-right")
         self._head.add_class("mechstyle-group-head")
         super().__init__([self._head, section])
         self.add_class("mechstyle-group")
@@ -41,4 +42,4 @@ class Group(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         self._head.description = f"{self._title}: {brief}" if brief else self._title
         self._head.icon = "angle-down" if self.unfolded else "angle-right"
         (self._head.add_class if self.unfolded else self._head.remove_class)("mechstyle-open")
-        self._section.layout.display = "" if self.unfolded else "none"
+        show(self._section, self.unfolded)

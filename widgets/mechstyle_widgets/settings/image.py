@@ -9,6 +9,7 @@ import traitlets
 
 from mechstyle.errors import MechStyleError
 from mechstyle.runs.images import digest_of, thumbnail
+from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.settings.millimetres import Millimetres
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, setting
 
@@ -41,18 +42,19 @@ class ImageChoice(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no t
         """Offer to choose a file."""
         look = {"style": NARROW_LABEL, "layout": WIDE}
         what = "A PNG, JPEG or SVG file: light stands out, dark is cut in, what is transparent stays plain"
-        self._upload = ipywidgets.FileUpload(accept=".png,.jpg,.jpeg,.svg", description="your picture", tooltip=what, layout=WIDE)
-        self._remove = ipywidgets.Button(description="without it", tooltip="Go on without the picture", layout=WIDE)
-        self._shown = ipywidgets.Image(width=56, layout={"border": "1px solid var(--jp-border-color2, #ccc)"})
-        self._size = Millimetres(WIDTHS, description="wide", tooltip="Width of the picture, or of one of its tiles", **look)
+        self._upload = lean(ipywidgets.FileUpload, accept=".png,.jpg,.jpeg,.svg", description="your picture", tooltip=what, layout=WIDE)
+        self._remove = lean(ipywidgets.Button, description="without it", tooltip="Go on without the picture", layout=WIDE)
+        self._shown = lean(ipywidgets.Image, width=56, layout={"border": "1px solid var(--jp-border-color2, #ccc)"})
+        self._size = lean(Millimetres, WIDTHS, description="wide", tooltip="Width of the picture, or of one of its tiles", **look)
         uses = [("relief and colours", "both"), ("relief", "height"), ("colours", "colour")]
-        self._use = ipywidgets.Dropdown(options=uses, description="gives", tooltip="What is taken of the picture", **look)
+        self._use = lean(ipywidgets.Dropdown, options=uses, description="gives", tooltip="What is taken of the picture", **look)
         layouts = [("repeated", "tiled"), ("once a side", "placed")]
-        self._layout = ipywidgets.Dropdown(options=layouts, description="is", tooltip="How often it is laid out", **look)
+        self._layout = lean(ipywidgets.Dropdown, options=layouts, description="is", tooltip="How often it is laid out", **look)
         ways = [("from six sides", "box"), ("from one side", "planar"), ("around the part", "around")]
-        self._way = ipywidgets.Dropdown(options=ways, description="lies", tooltip="A prompt such as `front: picture` names it", **look)
-        self._details = ipywidgets.VBox([self._size, self._use, self._layout, self._way])
-        super().__init__([ipywidgets.HBox([self._shown, ipywidgets.VBox([self._upload, self._remove])]), self._details])
+        where = "A prompt such as `front: picture` names it"
+        self._way = lean(ipywidgets.Dropdown, options=ways, description="lies", tooltip=where, **look)
+        self._details = lean(ipywidgets.VBox, [self._size, self._use, self._layout, self._way])
+        super().__init__([lean(ipywidgets.HBox, [self._shown, lean(ipywidgets.VBox, [self._upload, self._remove])]), self._details])
         traitlets.link((self, "image_size"), (self._size, "length"))
         for name, widget in {"image_as": self._use, "image_layout": self._layout, "projection": self._way}.items():
             traitlets.link((self, name), (widget, "value"))
@@ -79,7 +81,6 @@ class ImageChoice(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no t
 
     @traitlets.observe("image")
     def _show(self, _change: object) -> None:
-        display = "" if self.image else "none"
         for widget in (self._shown, self._remove, self._details):
-            widget.layout.display = display
+            show(widget, self.image)
         self._shown.value = thumbnail(self.image) if self.image else b""

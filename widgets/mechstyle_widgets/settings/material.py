@@ -10,6 +10,7 @@ import traitlets
 
 from mechstyle.errors import BadInput
 from mechstyle.records.material import LIBRARY, Material, material_named
+from mechstyle_widgets.jupyter.looks import lean
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section
 
 FIGURES = {
@@ -38,13 +39,13 @@ class MaterialPicker(Section):
     def __init__(self, material: str | Material = "PLA") -> None:
         """Offer the library; `material` is chosen at first."""
         look = {"style": NARROW_LABEL, "layout": WIDE}
-        self._choice = ipywidgets.Dropdown(description="material", **look)
+        self._choice = lean(ipywidgets.Dropdown, description="material", **look)
         self._choice.observe(self._choose, "value")
         self._figures = {
-            field: ipywidgets.FloatText(description=name, step=step, continuous_update=False, **look)
+            field: lean(ipywidgets.FloatText, description=name, step=step, continuous_update=False, **look)
             for field, (name, step) in FIGURES.items()
         }
-        grid = ipywidgets.VBox(list(self._figures.values()))
+        grid = lean(ipywidgets.VBox, list(self._figures.values()))
         super().__init__([self._choice, grid])
         self.material = material_named(material)
         for field, widget in self._figures.items():

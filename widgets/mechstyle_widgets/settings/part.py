@@ -14,6 +14,7 @@ from mechstyle.errors import BadInput
 from mechstyle.geometry.files import FORMATS
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle_widgets.jupyter.frame import unseen
+from mechstyle_widgets.jupyter.looks import lean
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section
 from mechstyle_widgets.settings.thumbnail_buttons import PictureChoice
 
@@ -51,15 +52,17 @@ class PartPicker(Section):
         """
         self._gallery = PictureChoice("model", {one: gallery.describe(one) for one in gallery.names()})
         look = {"style": NARROW_LABEL, "layout": WIDE}
-        self._path = ipywidgets.Text(description="or a file", placeholder="part.stl", continuous_update=False, **look)
-        self._upload = ipywidgets.FileUpload(
+        self._path = lean(ipywidgets.Text, description="or a file", placeholder="part.stl", continuous_update=False, **look)
+        self._upload = lean(
+            ipywidgets.FileUpload,
             accept=",".join(f".{suffix}" for suffix in FORMATS),
             description="upload",
             tooltip="A file of this computer",
             layout={"width": "116px"},
         )
-        self._unit = unseen(ipywidgets.Dropdown(options=UNITS, description="unit", tooltip="Unit of the file", layout={"width": "138px"}))
-        super().__init__([self._gallery, self._path, ipywidgets.HBox([self._upload, self._unit])])
+        narrow = {"width": "138px"}
+        self._unit = unseen(lean(ipywidgets.Dropdown, options=UNITS, description="unit", tooltip="Unit of the file", layout=narrow))
+        super().__init__([self._gallery, self._path, lean(ipywidgets.HBox, [self._upload, self._unit])])
         self._gallery.observe(lambda _: self._wish(gallery.PREFIX + self._gallery.value, None), "pressed")
         self._path.observe(self._typed, "value")
         self._upload.observe(self._uploaded, "value")

@@ -13,6 +13,7 @@ from mechstyle.styling.library import library
 from mechstyle.styling.picture import NAME as PICTURE
 from mechstyle.styling.prompt import Reading, read
 from mechstyle_widgets.jupyter.frame import unseen
+from mechstyle_widgets.jupyter.looks import lean
 from mechstyle_widgets.settings.image import ImageChoice
 from mechstyle_widgets.settings.millimetres import AUTO, Millimetres
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, range_of, setting
@@ -64,23 +65,27 @@ class PromptBox(Section):
     def __init__(self, prompt: str = "brick", **traits: Any) -> None:
         """Offer the styles; `prompt` is asked for at first, `traits` are any other attributes."""
         tooltip = "The style, in words; one for each place: `outside: brick; rim: gold studs`"
-        self._text = unseen(ipywidgets.Text(description="style", placeholder="small blue stones", tooltip=tooltip, layout=WIDE))
+        self._text = unseen(lean(ipywidgets.Text, description="style", placeholder="small blue stones", tooltip=tooltip, layout=WIDE))
         self._chips = PictureChoice("style", {name: style.description for name, style in library().items()})
         look = {"style": NARROW_LABEL, "layout": WIDE}
-        self._relief = Millimetres(DEPTHS, description="relief", tooltip="Depth of the relief, from its lowest to its highest", **look)
-        self._feature = Millimetres(SIZES, description="feature", tooltip="Size of the style's feature, such as a course of bricks", **look)
+        deep = "Depth of the relief, from its lowest to its highest"
+        self._relief = lean(Millimetres, DEPTHS, description="relief", tooltip=deep, **look)
+        large = "Size of the style's feature, such as a course of bricks"
+        self._feature = lean(Millimetres, SIZES, description="feature", tooltip=large, **look)
         sides = [("as the walls allow", "auto"), ("outwards", "outwards"), ("inwards", "inwards"), ("both ways", "both")]
         where = "Where the relief goes from the surface; by itself outwards on thin walls, else both ways"
-        self._side = ipywidgets.Dropdown(options=sides, description="goes", tooltip=where, **look)
+        self._side = lean(ipywidgets.Dropdown, options=sides, description="goes", tooltip=where, **look)
         fine = "Diameter of the printer's nozzle: features that are not told are made for it; 0 for no rule"
-        self._nozzle = ipywidgets.BoundedFloatText(description="nozzle [mm]", step=0.1, tooltip=fine, **range_of("nozzle"), **look)
+        self._nozzle = lean(ipywidgets.BoundedFloatText, description="nozzle [mm]", step=0.1, tooltip=fine, **range_of("nozzle"), **look)
         insides = [("plain", "plain"), ("styled as well", "styled")]
-        self._inside = ipywidgets.Dropdown(options=insides, description="inside", tooltip="The inside of a cup, a tray, a case", **look)
-        self._seed = ipywidgets.BoundedIntText(description="seed", **range_of("seed"), **look)
+        hollow = "The inside of a cup, a tray, a case"
+        self._inside = lean(ipywidgets.Dropdown, options=insides, description="inside", tooltip=hollow, **look)
+        self._seed = lean(ipywidgets.BoundedIntText, description="seed", **range_of("seed"), **look)
         guides = [("a drawn target, offline", "offline"), ("CLIP, any prompt", "clip")]
-        self._guidance = ipywidgets.Dropdown(options=guides, description="guided by", tooltip="CLIP needs its weights on disk", **look)
+        needs = "CLIP needs its weights on disk"
+        self._guidance = lean(ipywidgets.Dropdown, options=guides, description="guided by", tooltip=needs, **look)
         carriers = [("values per vertex", "vertex"), ("X-Mesh style field", "network")]
-        self._field = ipywidgets.Dropdown(options=carriers, description="carried by", tooltip="What is optimised", **look)
+        self._field = lean(ipywidgets.Dropdown, options=carriers, description="carried by", tooltip="What is optimised", **look)
         sizes = [self._relief, self._side, self._feature, self._nozzle, self._inside]
         self._image = ImageChoice()
         super().__init__([self._text, self._chips, self._image, *sizes, self._seed, self._guidance, self._field])

@@ -12,6 +12,7 @@ from mechstyle.errors import BadInput
 from mechstyle.records.recipe import DEFAULTS
 from mechstyle.records.regions import KINDS, Point, Region, regions
 from mechstyle_widgets.jupyter.frame import unseen
+from mechstyle_widgets.jupyter.looks import lean
 from mechstyle_widgets.settings.brush import dabbed
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, setting
 
@@ -40,16 +41,19 @@ class RegionsPicker(Section):
 
     def __init__(self, protect: str | Region | list[str | Region] = (), *, base: str = DEFAULTS["base"]) -> None:  # type: ignore[assignment]
         """Protect regions, given as records or as people write them, and say what becomes of the base."""
-        self._base = ipywidgets.Dropdown(
+        self._base = lean(
+            ipywidgets.Dropdown,
             options=[(words, name) for name, words in UNDERSIDES.items()], description="underside", style=NARROW_LABEL, layout=WIDE,
             tooltip="Relief under the part",
         )  # fmt: skip
-        self._inside = ipywidgets.Checkbox(description="the inside of hollows", indent=False, layout=WIDE)
-        self._clicked = ipywidgets.Button(
+        self._inside = lean(ipywidgets.Checkbox, description="the inside of hollows", indent=False, layout=WIDE)
+        self._clicked = lean(
+            ipywidgets.Button,
             description="protect the piece clicked on", icon="mouse-pointer", disabled=True, layout=WIDE,
             tooltip="Click a place on the part, then protect the smooth piece of surface around it",
         )  # fmt: skip
-        self._lines = unseen(ipywidgets.Textarea(
+        self._lines = unseen(lean(
+            ipywidgets.Textarea,
             description="regions", placeholder="one region a line, for example\nbox 0 0 0 10 10 10 ramp 2\nbelow 5", rows=3,
             continuous_update=False, tooltip="\n".join(KINDS.values()), layout=WIDE,
         ))  # fmt: skip
@@ -75,15 +79,16 @@ class RegionsPicker(Section):
 
     def _brush(self) -> ipywidgets.HBox:
         """The switch and the radius, in one line."""
-        switch = ipywidgets.ToggleButton(
+        switch = lean(
+            ipywidgets.ToggleButton,
             description="paint", icon="paint-brush", layout={"width": "80px"},
             tooltip="Click on the part to protect a ball around the place; click in its middle to take it away",
         )  # fmt: skip
         look = {"style": {"description_width": "88px"}, "layout": {"width": "168px"}}
-        radius = ipywidgets.BoundedFloatText(description="radius [mm]", min=0.1, max=1e3, step=0.5, **look)
+        radius = lean(ipywidgets.BoundedFloatText, description="radius [mm]", min=0.1, max=1e3, step=0.5, **look)
         traitlets.link((self, "paint"), (switch, "value"))
         traitlets.link((self, "radius"), (radius, "value"))
-        return ipywidgets.HBox([switch, radius])
+        return lean(ipywidgets.HBox, [switch, radius])
 
     @traitlets.validate("protect")
     def _as_records(self, proposal: dict[str, Any]) -> tuple[Region, ...]:

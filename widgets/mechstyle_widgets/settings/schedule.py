@@ -8,6 +8,7 @@ import ipywidgets
 import traitlets
 
 from mechstyle.records import SCHEDULES, Recipe
+from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.jupyter.svg import Frame, drawing, line
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, range_of, setting
 from mechstyle_widgets.state.schedule_forecast import Plan, plan
@@ -48,11 +49,11 @@ class ScheduleSelector(Section):
         """Offer the schedules; `traits` are any of the attributes."""
         look = {"style": NARROW_LABEL, "layout": WIDE}
         options = [(f"{name} – {WHAT[name]}", name) for name in SCHEDULES]
-        self._choice = ipywidgets.Dropdown(options=options, description="simulate", **look)
-        self._every = ipywidgets.BoundedIntText(description="k", **range_of("every"), **look)
-        self._travel = ipywidgets.BoundedFloatText(description="share of wall", step=0.01, **range_of("travel"), **look)
-        self._iterations = ipywidgets.BoundedIntText(description="iterations", **range_of("iterations"), **look)
-        self._plot = ipywidgets.HTML(layout=WIDE)
+        self._choice = lean(ipywidgets.Dropdown, options=options, description="simulate", **look)
+        self._every = lean(ipywidgets.BoundedIntText, description="k", **range_of("every"), **look)
+        self._travel = lean(ipywidgets.BoundedFloatText, description="share of wall", step=0.01, **range_of("travel"), **look)
+        self._iterations = lean(ipywidgets.BoundedIntText, description="iterations", **range_of("iterations"), **look)
+        self._plot = lean(ipywidgets.HTML, layout=WIDE)
         super().__init__([self._iterations, self._choice, self._every, self._travel, self._plot])
         for name, value in traits.items():
             setattr(self, name, value)
@@ -78,8 +79,8 @@ class ScheduleSelector(Section):
         return plan(self.schedule, self.every, self.travel, self.iterations, self.relief, self.amplitude)
 
     def _redraw(self, _change: object = None) -> None:
-        self._every.layout.display = "" if self.schedule == "every" else "none"
-        self._travel.layout.display = "none" if self.plan.certain else ""
+        show(self._every, self.schedule == "every")
+        show(self._travel, not self.plan.certain)
         guess = "" if self.plan.certain else "; an estimate, the run decides"
         self.note(f"{self.plan.count}, the last one in all orientations{guess}")
         self._plot.value = self._picture()

@@ -12,21 +12,7 @@ import traitlets
 from mechstyle.records import Recipe
 from mechstyle.records.recipe import CHOICES, DEFAULTS, LIMITS
 from mechstyle_widgets.jupyter.frame import Framed
-
-_SHEET = """<style>
-.mechstyle-section { gap: 4px; padding: 2px 0; overflow: visible; }
-.mechstyle-section .widget-label { white-space: nowrap; }
-.mechstyle-section .widget-button { border-radius: 3px; }
-.mechstyle-note { color: var(--jp-ui-font-color2, #666); font-size: 12px; line-height: 1.4; }
-.mechstyle-trouble { color: var(--jp-ui-font-color1, #222); font-size: 12px; line-height: 1.4; padding: 4px 8px; margin: 2px 0;
-  border-left: 3px solid var(--jp-error-color1, #d32f2f); background: var(--jp-layout-color2, #f2f2f2); }
-.mechstyle-chosen.widget-button { outline: 2px solid var(--jp-brand-color1, #1976d2); outline-offset: -2px; font-weight: 600; }
-.mechstyle-section button:focus-visible, .mechstyle-section input:focus-visible { outline: 2px solid var(--jp-brand-color1, #1976d2); }
-.mechstyle-table { border-collapse: collapse; font-size: 12px; width: 100%; color: var(--jp-ui-font-color1, #222); }
-.mechstyle-table th { text-align: left; font-weight: 600; color: var(--jp-ui-font-color2, #666); }
-.mechstyle-table td, .mechstyle-table th { padding: 2px 8px 2px 0; border-bottom: 1px solid var(--jp-border-color2, #e0e0e0);
-  vertical-align: top; line-height: 1.35; }
-</style>"""
+from mechstyle_widgets.jupyter.looks import lean, show
 
 WIDE = {"width": "auto"}
 """Layout of a control as wide as its column."""
@@ -56,7 +42,7 @@ class Words(ipywidgets.HTML):  # type: ignore[misc]  # ipywidgets has no types
     def say(self, html: str) -> None:
         """Show it, or nothing."""
         self.value = html
-        self.layout.display = "" if html else "none"
+        show(self, html)
 
 
 class Section(Framed, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
@@ -70,10 +56,10 @@ class Section(Framed, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has 
 
     def __init__(self, children: Sequence[Any]) -> None:
         """Show the controls in their order."""
-        self._note, self._trouble = Words(), Words()
+        self._note, self._trouble = lean(Words), lean(Words)
         self.note("")
         self.complain("")
-        super().__init__([ipywidgets.HTML(_SHEET, layout={"display": "none"}), *children, self._note, self._trouble])
+        super().__init__([*children, self._note, self._trouble])
         self.add_class("mechstyle-section")
 
     @property

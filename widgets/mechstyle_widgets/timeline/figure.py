@@ -21,6 +21,7 @@ CURVES = {"style_loss": "style loss", "travel": "travel", "seconds": "seconds"}
 UNITS = {"style_loss": "style loss", "travel": "travel / threshold", "seconds": "seconds"}
 TEMPLATES = {"light": "plotly_white", "dark": "plotly_dark"}
 PAPER = {"light": "#ffffff", "dark": "#26272b"}
+BEYOND = {"light": "#b3261e", "dark": "#ff8a80"}  # of small words, 4.5:1 at least
 INK, FAINT = "#1f7a8c", "rgba(140,140,140,0.45)"
 LANE, STRESS, CURVE, MARGINS = 24, 120, 90, 64  # heights [pixels]
 NARROW = 52
@@ -81,7 +82,7 @@ def contents(
     ]
     limit = next((row.limit for row in reversed(shown[lane]) if row.limit is not None), None)
     layout = _layout(list(histories), lane, curve, theme, max((branch.iterations for branch in branches), default=1))
-    return traces, {**layout, "annotations": [] if limit is None else [_limit_note(limit)]}
+    return traces, {**layout, "annotations": [] if limit is None else [_limit_note(limit, theme)]}
 
 
 def before(plan: Plan | None, lane: str, curve: str, theme: str) -> tuple[list[dict[str, Any]], dict[str, Any]]:
@@ -180,9 +181,9 @@ def story(lane: str, row: Row) -> str:
     return "<br>".join([*lines, " · ".join(figures)])
 
 
-def _limit_note(limit: float) -> dict[str, Any]:
+def _limit_note(limit: float, theme: str) -> dict[str, Any]:
     place = {"x": 0.0, "xref": "paper", "xanchor": "left", "y": limit, "yref": "y2", "yanchor": "top"}
-    return {"text": f"limit {limit:.3g} MPa", "showarrow": False, "font": {"size": 10, "color": LOOKS["FAILS"].line}, **place}
+    return {"text": f"limit {limit:.3g} MPa", "showarrow": False, "xshift": 6, "font": {"size": 10, "color": BEYOND[theme]}, **place}
 
 
 def _layout(lanes: Sequence[str], lane: str, curve: str, theme: str, iterations: int) -> dict[str, Any]:

@@ -10,13 +10,14 @@ import traitlets
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
 from mechstyle_widgets.jupyter.closing import close_family
 from mechstyle_widgets.jupyter.frame import Framed
+from mechstyle_widgets.jupyter.looks import lean
 from mechstyle_widgets.jupyter.throttle import Paced
 from mechstyle_widgets.replay.scrubber import Scrubber
 from mechstyle_widgets.state.linked import Linked
 from mechstyle_widgets.state.schedule_forecast import plan_of
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.timeline import figure as timeline_figure
-from mechstyle_widgets.timeline import figure_pool
+from mechstyle_widgets.timeline.curves import Curves
 from mechstyle_widgets.timeline.figure import CURVES, TEMPLATES
 
 
@@ -46,16 +47,14 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
         """
         self._state, self.theme = state, theme
         self._width = width
-        self._figure = figure_pool.taken(timeline_figure.empty, self._fill)
-        self._figure._config = {"displayModeBar": False, "responsive": False}  # noqa: SLF001 — plotly offers no other way
-        for trace in self._figure.data:
-            trace.on_click(self._clicked)
+        self._figure, self._curves = timeline_figure.empty(), Curves(self._clicked)
+        self._draw_curves()
         self.scrubber = Scrubber(state)
-        choice = ipywidgets.ToggleButtons(options=[(label, name) for name, label in CURVES.items()], tooltips=list(CURVES.values()))
-        choice.style.button_width = "auto"
+        options = [(label, name) for name, label in CURVES.items()]
+        choice = lean(ipywidgets.ToggleButtons, options=options, tooltips=list(CURVES.values()), style={"button_width": "auto"})
         self.scrubber.layout.flex = "1 1 300px"
-        bar = ipywidgets.HBox([self.scrubber, choice], layout={"justify_content": "space-between", "flex_flow": "row wrap"})
-        super().__init__([bar, self._figure])
+        bar = lean(ipywidgets.HBox, [self.scrubber, choice], layout={"justify_content": "space-between", "flex_flow": "row wrap"})
+        super().__init__([bar, self._curves])
         self.add_class("mechstyle-timeline")
         self._redraw, self._point = Paced(self._draw), Paced(self._move_line)
         self.link(state)
@@ -64,7 +63,7 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
         state.observe(self._replanned, "settings")
         self.observe(lambda _: self._redraw(), ("curve", "theme"))
         self.observe(lambda _: self._point(), "iteration")
-        self._set_slider()
+        self._move_line()
 
     def __repr__(self) -> str:
         """Lane and iteration."""
@@ -77,17 +76,15 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
             self._redraw()
 
     def close(self) -> None:
-        """Close it and every widget it is made of, but for its figure, which the next timeline shows; the state is followed no longer."""
+        """Close it and every widget it is made of; the state is followed no longer."""
         self._redraw.cancel()
         self._point.cancel()
         if self._links:
             self.unlink()
             self._state.unobserve(self._grown, ("histories", "branches", "lane"))
             self._state.unobserve(self._replanned, "settings")
-            figure_pool.put_away(self._figure)
-        close_family(self, keep=self._figure)
+        close_family(self)
         super().close()
-        self.children = ()  # detach the pooled figure so that closing a parent does not close it
 
     # what is drawn
 
@@ -103,13 +100,12 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
         return any(self._state.histories.values())
 
     def _draw(self) -> None:
-        with self._figure.batch_update():
-            self._fill(self._figure)
+        self._draw_curves()
         self._move_line()
 
-    def _fill(self, figure: Any) -> None:
-        """Put what the state holds into a figure."""
-        state, lane = self._state, self._state.lane
+    def _draw_curves(self) -> None:
+        """Draw what the state holds."""
+        state, lane, figure = self._state, self._state.lane, self._figure
         if self._begun:
             traces, layout = timeline_figure.contents(state.histories, state.branches, lane, self.curve, self.theme)
         else:
@@ -117,12 +113,11 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
         for trace, content in zip(figure.data, traces, strict=True):
             trace.update(content)
         figure.update_layout(layout, width=self._width)
-        figure.layout.shapes[0].update(x0=state.iteration, x1=state.iteration)
+        self._curves.show(figure)
 
     def _move_line(self) -> None:
         self._set_slider()
-        with self._figure.batch_update():
-            self._figure.layout.shapes[0].update(x0=self.iteration, x1=self.iteration)
+        self._curves.head = self.iteration
 
     def _set_slider(self) -> None:
         """Show the iteration on the slider; its end goes first, in a message of its own: browsers send a value beyond it back cut off."""
@@ -138,10 +133,9 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
         if self.iteration != change["new"]:  # a lane of one iteration leaves the slider room that the lane has not
             self._point()
 
-    def _clicked(self, trace: Any, points: Any, _modifiers: Any) -> None:
-        """Show the lane and the iteration of the first point clicked."""
-        if points.point_inds and trace.customdata is not None:
-            number = points.point_inds[0]
-            lane = trace.customdata[number][0]
-            self._state.lane = lane
-            self.iteration = int(trace.x[number])
+    def _clicked(self, trace: int, point: int) -> None:
+        """Show the lane and the iteration of a point."""
+        marks = self._figure.data[trace]
+        if marks.customdata is not None:
+            self._state.lane = marks.customdata[point][0]
+            self.iteration = int(marks.x[point])

@@ -12,6 +12,7 @@ from mechstyle.errors import MechStyleError
 from mechstyle.loop.history import Row
 from mechstyle.records import Simulation, Verdict
 from mechstyle.records.regions import Point
+from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.state.outcomes import LOOKS, UNTOLD, Look
 from mechstyle_widgets.state.studio_state import StudioState
 
@@ -71,8 +72,9 @@ class Badge(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
 
     def __init__(self) -> None:
         """Say nothing yet."""
-        self._words = ipywidgets.HTML(SHEET)
-        self._worst = ipywidgets.Button(description="worst place", icon="crosshairs", tooltip="Look at the place where most is asked of it")
+        self._words = lean(ipywidgets.HTML, SHEET)
+        tooltip = "Look at the place where most is asked of it"
+        self._worst = lean(ipywidgets.Button, description="worst place", icon="crosshairs", tooltip=tooltip)
         self._fly: Callable[[], None] = lambda: None
         self._worst.on_click(lambda _: self._fly())
         super().__init__([self._words, self._worst])
@@ -83,8 +85,8 @@ class Badge(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         """Show a few words, and a button that flies somewhere if there is anywhere to fly to; nothing for ""."""
         self._words.value = SHEET + html
         self._fly = fly or (lambda: None)
-        self._worst.layout.display = "" if fly is not None else "none"
-        self.layout.display = "" if html else "none"
+        show(self._worst, fly is not None)
+        show(self, html)
 
 
 def untested(name: str, more: str) -> str:

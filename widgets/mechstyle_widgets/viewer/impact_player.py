@@ -17,6 +17,7 @@ from mechstyle.records import Landing, Simulation
 from mechstyle.simulation.impact import Impact, impact_of
 from mechstyle_widgets.jupyter.closing import close_family
 from mechstyle_widgets.jupyter.frame import unseen
+from mechstyle_widgets.jupyter.looks import lean
 from mechstyle_widgets.jupyter.throttle import running_loop
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.viewer.layers import Subject, layer_of
@@ -49,23 +50,25 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
     def __init__(self, state: StudioState) -> None:
         """Play impacts of whatever iteration a state shows."""
         self._state, self._cancelled = state, False
-        self._button = ipywidgets.Button(description="see the impact", icon="play-circle", tooltip="Drop this part and watch")
-        self._which = unseen(ipywidgets.Dropdown(
+        self._button = lean(ipywidgets.Button, description="see the impact", icon="play-circle", tooltip="Drop this part and watch")
+        self._which = unseen(lean(
+            ipywidgets.Dropdown,
             options=[(AS_PLACED, UP)], description="landing", tooltip="Which landing, and its largest stress",
             layout={"width": "auto", "max_width": "280px"},
         ))  # fmt: skip
-        self._away = ipywidgets.Button(icon="times", tooltip="Back to the part at rest", layout={"width": "36px"})
-        self._progress = ipywidgets.FloatProgress(value=0.0, max=1.0, description="dropping", layout={"width": "260px"})
-        self._said = ipywidgets.HTML()
-        self._play = ipywidgets.Play(interval=250, show_repeat=False, tooltip="Play from first touch to the peak")
-        self._peak = ipywidgets.Button(description="peak", tooltip="To the moment of the largest stress", layout={"width": "auto"})
-        self._slider = ipywidgets.IntSlider(readout=False, tooltip="Arrow keys step", layout={"width": "220px"})
-        self._time = ipywidgets.HTML(layout={"width": "112px"})
+        self._away = lean(ipywidgets.Button, icon="times", tooltip="Back to the part at rest", layout={"width": "36px"})
+        self._progress = lean(ipywidgets.FloatProgress, value=0.0, max=1.0, description="dropping", layout={"width": "260px"})
+        self._said = lean(ipywidgets.HTML)
+        self._play = lean(ipywidgets.Play, interval=250, show_repeat=False, tooltip="Play from first touch to the peak")
+        self._peak = lean(ipywidgets.Button, description="peak", tooltip="To the moment of the largest stress", layout={"width": "auto"})
+        self._slider = lean(ipywidgets.IntSlider, readout=False, tooltip="Arrow keys step", layout={"width": "220px"})
+        self._time = lean(ipywidgets.HTML, layout={"width": "112px"})
         factors = [(f"× {factor}", float(factor)) for factor in FACTORS]
-        factor = ipywidgets.SelectionSlider(options=factors, value=self.exaggeration, description="deformed", layout={"width": "230px"})
+        wide = {"width": "230px"}
+        factor = lean(ipywidgets.SelectionSlider, options=factors, value=self.exaggeration, description="deformed", layout=wide)
         moments = [self._play, self._slider, self._time, self._peak, factor, self._which, self._away]
-        self._moments = ipywidgets.HBox(moments, layout={"flex_flow": "row wrap", "align_items": "center"})
-        self._start = ipywidgets.HBox([self._button, self._which], layout={"flex_flow": "row wrap"})
+        self._moments = lean(ipywidgets.HBox, moments, layout={"flex_flow": "row wrap", "align_items": "center"})
+        self._start = lean(ipywidgets.HBox, [self._button, self._which], layout={"flex_flow": "row wrap"})
         super().__init__([self._start])
         self._link = ipywidgets.jsdlink((self._play, "value"), (self._slider, "value"))  # beyond the peak there is no playing
         traitlets.link((self._slider, "value"), (self, "frame"))

@@ -12,6 +12,7 @@ import ipywidgets
 import numpy as np
 
 from mechstyle_widgets.jupyter.closing import close_family
+from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.viewer.layers import Subject
 
 COLUMNS = (("stress", "stress [MPa]"), ("safety_factor", "safety factor"), ("thickness", "wall [mm]"))
@@ -34,15 +35,15 @@ class Places(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         self.rows: list[list[str]] = []
         self.table = ""
         self._fly, self._remove = fly, remove
-        self._save = ipywidgets.HTML()
-        clear = ipywidgets.Button(description="clear", tooltip="Take all places away", layout={"width": "auto"})
+        self._save = lean(ipywidgets.HTML)
+        clear = lean(ipywidgets.Button, description="clear", tooltip="Take all places away", layout={"width": "auto"})
         clear.on_click(lambda _: remove(None))
-        self._head = [ipywidgets.HTML(title) for title in ("", "place [mm]", *(title for _, title in COLUMNS), "")]
+        self._head = [lean(ipywidgets.HTML, title) for title in ("", "place [mm]", *(title for _, title in COLUMNS), "")]
         for title in self._head:
             title.add_class("mechstyle-place-head")
         self._lines: list[list[ipywidgets.Widget]] = []  # made when they are first wanted and kept, so that none is made twice
-        self._grid = ipywidgets.GridBox(self._head, layout={"grid_template_columns": WIDTHS, "overflow": "visible"})
-        above = ipywidgets.HBox([ipywidgets.HTML("<b>Places</b>"), self._save, clear])
+        self._grid = lean(ipywidgets.GridBox, self._head, layout={"grid_template_columns": WIDTHS, "overflow": "visible"})
+        above = lean(ipywidgets.HBox, [lean(ipywidgets.HTML, "<b>Places</b>"), self._save, clear])
         super().__init__([above, self._grid], layout={"display": "none"})
         self.add_class("mechstyle-places")
 
@@ -60,7 +61,7 @@ class Places(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         data = base64.b64encode((BOM + self.table).encode()).decode("ascii")
         link = f'<a download="mechstyle-places.csv" title="Save the places as CSV" href="data:text/csv;base64,{data}">save CSV</a>'
         self._save.value = link if vertices else ""
-        self.layout.display = "" if vertices else "none"
+        show(self, vertices)
         if fewer and vertices:
             self._lines[len(vertices) - 1][-1].focus()  # what had the focus may be gone, and keys would go to the page
 
@@ -74,12 +75,12 @@ class Places(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             act(number)
 
     def _line(self, number: int) -> list[ipywidgets.Widget]:
-        pin = ipywidgets.Button(description=str(number + 1), tooltip=f"Look at place {number + 1}")
+        pin = lean(ipywidgets.Button, description=str(number + 1), tooltip=f"Look at place {number + 1}")
         pin.add_class("mechstyle-pin")
-        away = ipywidgets.Button(icon="times", tooltip=f"Take place {number + 1} away", layout={"width": "28px"})
+        away = lean(ipywidgets.Button, icon="times", tooltip=f"Take place {number + 1} away", layout={"width": "28px"})
         for button, act in ((pin, self._fly), (away, self._remove)):
             button.on_click(partial(self._pressed, act, number))
-        return [pin, *(ipywidgets.HTML() for _ in range(1 + len(COLUMNS))), away]
+        return [pin, *(lean(ipywidgets.HTML) for _ in range(1 + len(COLUMNS))), away]
 
 
 def as_csv(subject: Subject, vertices: Sequence[int]) -> str:

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from trimesh.intersections import slice_faces_plane
 
 from mechstyle.records.mesh import SurfaceMesh
+from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.viewer.scene import Plane
 from mechstyle_widgets.viewer.shaders import WHOLE
 
@@ -40,18 +41,20 @@ class Section(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
     def __init__(self, low: ArrayLike, high: ArrayLike) -> None:
         """Cut a part that fills the box from `low` to `high` [mm]."""
         self._low, self._high = np.asarray(low, np.float64), np.asarray(high, np.float64)
-        axes = ipywidgets.ToggleButtons(
+        axes = lean(
+            ipywidgets.ToggleButtons,
             options=["x", "y", "z"], value="y", tooltips=[f"Cut across {axis}" for axis in "xyz"], style={"button_width": "32px"}
         )
-        self._slider = ipywidgets.FloatSlider(
+        self._slider = lean(
+            ipywidgets.FloatSlider,
             min=float(self._low[1]), max=float(self._high[1]), readout_format=".1f", continuous_update=True,
             tooltip="Where the cut is [mm]; Page Up and Page Down in the view",
             layout={"flex": "1 1 180px", "width": "auto", "min_width": "140px"},
         )  # fmt: skip
-        unit = ipywidgets.Label("mm")
-        flip = ipywidgets.ToggleButton(description="other side", icon="exchange", tooltip="Show the other side of the cut")
-        fill = ipywidgets.ToggleButton(description="solid", icon="square", tooltip="Show the cut as solid, or look inside")
-        super().__init__([ipywidgets.Label("cut across"), axes, self._slider, unit, flip, fill])
+        unit = lean(ipywidgets.Label, "mm")
+        flip = lean(ipywidgets.ToggleButton, description="other side", icon="exchange", tooltip="Show the other side of the cut")
+        fill = lean(ipywidgets.ToggleButton, description="solid", icon="square", tooltip="Show the cut as solid, or look inside")
+        super().__init__([lean(ipywidgets.Label, "cut across"), axes, self._slider, unit, flip, fill])
         self.add_class("mechstyle-section-plane")
         for name, widget in (("axis", axes), ("at", self._slider), ("flipped", flip), ("filled", fill)):
             traitlets.link((self, name), (widget, "value"))
@@ -109,4 +112,4 @@ class Section(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
 
     @traitlets.observe("on")
     def _appear(self, _change: Any = None) -> None:
-        self.layout.display = "" if self.on else "none"
+        show(self, self.on)

@@ -12,6 +12,7 @@ import traitlets
 from mechstyle.pictures.camera import VIEWS
 from mechstyle.pictures.panels import Picture
 from mechstyle_widgets.jupyter.frame import unseen
+from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.viewer.layers import STYLE, Layer
 
 TOOLS = ("", "measure", "places")
@@ -39,30 +40,32 @@ class Toolbar(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
 
     def __init__(self, fit: Callable[[str], None], picture: Callable[[], Picture]) -> None:
         """`fit` is told a view, or "" for all of the part from where one looks; `picture` makes one to save."""
-        self.choice = unseen(ipywidgets.Dropdown(
+        self.choice = unseen(lean(
+            ipywidgets.Dropdown,
             options=[("style", STYLE)], description="layer", tooltip="What is shown on the part (1 to 6, L for the next)",
             layout={"width": "176px"},
         ))  # fmt: skip
         views = [(view.replace("_", " "), view) for view in VIEWS]
-        self._view = unseen(ipywidgets.Dropdown(
+        self._view = unseen(lean(
+            ipywidgets.Dropdown,
             options=views, value="three_quarter", description="seen from", tooltip="Where from (Shift with 1 to 5)",
             layout={"width": "120px"},
         ))  # fmt: skip
         self._fit = _button("arrows-alt", "Bring the whole part into view (Home)")
         self.both = _toggle("columns", "Show the original beside it", "original")
-        self.both.layout.display = "none"
+        show(self.both, False)
         self._marks = _toggle("dot-circle-o", "Mark the greatest and the least value", "extremes")
         self._parallel = _toggle("cube", "Look in parallel, without perspective (O)")
         self._cut = _toggle("scissors", "Cut the part open along a plane (X)")
         self._measure = _toggle("arrows-h", "Measure between two clicks, or Enter at the cross (M)")
         self._places = _toggle("map-marker", "Keep the places one clicks on in a list (A)")
         self._shot = _button("camera", "Make a picture of this to save")
-        self._download = ipywidgets.HTML()
+        self._download = lean(ipywidgets.HTML)
         groups = [
             [self.choice, self._view, self._fit, self.both, self._marks],
             [self._parallel, self._cut, self._measure, self._places, self._shot, self._download],
         ]
-        super().__init__([ipywidgets.HBox(group, layout={"flex_flow": "row wrap"}) for group in groups])
+        super().__init__([lean(ipywidgets.HBox, group, layout={"flex_flow": "row wrap"}) for group in groups])
         self.layout.flex_flow = "row wrap"
         self.add_class("mechstyle-toolbar")
         self._picture = picture
@@ -84,7 +87,7 @@ class Toolbar(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
 
     def offer_beside(self, name: str, *, there: bool) -> None:
         """Offer what may stand beside, by its name, if it is there."""
-        self.both.layout.display = "" if there else "none"
+        show(self.both, there)
         self.both.description = name
 
     def rest(self) -> None:
@@ -111,11 +114,12 @@ class Toolbar(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
 
 
 def _button(icon: str, tooltip: str) -> ipywidgets.Button:
-    return ipywidgets.Button(icon=icon, tooltip=tooltip, layout={"width": "36px"})
+    return lean(ipywidgets.Button, icon=icon, tooltip=tooltip, layout={"width": "36px"})
 
 
 def _toggle(icon: str, tooltip: str, description: str = "") -> ipywidgets.ToggleButton:
-    made = ipywidgets.ToggleButton(description=description, icon=icon, tooltip=tooltip, layout={"width": "auto" if description else "36px"})
+    layout = {"width": "auto" if description else "36px"}
+    made = lean(ipywidgets.ToggleButton, description=description, icon=icon, tooltip=tooltip, layout=layout)
     if description:
         made.add_class("mechstyle-worded")
     return made

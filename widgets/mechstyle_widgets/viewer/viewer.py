@@ -23,6 +23,7 @@ from mechstyle.records.mesh import SurfaceMesh
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
 from mechstyle_widgets.jupyter.closing import close_family
 from mechstyle_widgets.jupyter.frame import Framed
+from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.jupyter.throttle import Paced
 from mechstyle_widgets.viewer import legend, probe
 from mechstyle_widgets.viewer.badge import Badge
@@ -102,19 +103,19 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
         self._scenes = [Scene(mesh, centre, theme)]
         self._picker = probe.Picker(self._scenes[0].part, self._orbit.three, self._pick)
         self._views = [self._renderer(self._scenes[0], [*self._orbit.controls, self._picker.three])]
-        self._stage = ipywidgets.HBox(self._views)
+        self._stage = lean(ipywidgets.HBox, self._views)
         self.badge = Badge()
-        self._said = ipywidgets.HTML()
+        self._said = lean(ipywidgets.HTML)
         self._said.add_class("mechstyle-said")
-        window = ipywidgets.VBox([self.badge, self._stage, self._said])
+        window = lean(ipywidgets.VBox, [self.badge, self._stage, self._said])
         window.add_class("mechstyle-stage")
         self.section = Section(mesh.vertices.min(axis=0), mesh.vertices.max(axis=0))
         self._toolbar = Toolbar(self.fit, self.picture)
         self._list = Places(lambda number: self._fly_to(self.places[number]), self._remove)
-        self._legend, self._scale, self._table = ipywidgets.HTML(), ipywidgets.HTML(), ipywidgets.HTML()
-        self._titles = ipywidgets.HTML(layout={"display": "none"})
+        self._legend, self._scale, self._table = lean(ipywidgets.HTML), lean(ipywidgets.HTML), lean(ipywidgets.HTML)
+        self._titles = lean(ipywidgets.HTML, layout={"display": "none"})
         wrap = {"flex_flow": "row wrap", "justify_content": "space-between", "overflow": "hidden"}
-        foot = ipywidgets.HBox([self._legend, ipywidgets.VBox([self._scale, self._table])], layout=wrap)
+        foot = lean(ipywidgets.HBox, [self._legend, lean(ipywidgets.VBox, [self._scale, self._table])], layout=wrap)
         super().__init__([self._toolbar, self.section, self._titles, window, foot, self._list])
         self.add_class("mechstyle-viewer")
         self.subject, self.original, self.theme = subject, original, theme
@@ -262,7 +263,7 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
         if self._stage.children != views:
             self._stage.children = views
             self._share_width()
-            self._titles.layout.display = "" if len(views) > 1 else "none"
+            show(self._titles, len(views) > 1)
 
     def _share_width(self) -> None:
         """Give each view its share of the width."""

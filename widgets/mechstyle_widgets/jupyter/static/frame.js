@@ -17,12 +17,32 @@ const KEYS = { // the list that `?` opens
     ["Shift with 1 to 5", "front, side, top, below, three quarter"], ["Enter", "a click on what is under the cross in the middle"],
     ["Page Up, Page Down", "move the cut"], ["Space", "pause"],
   ],
-  "on the slider under it": [["arrows, Page Up, Page Down", "step from iteration to iteration"], ["Home, End", "the first, the last"]],
+  "on the slider under it": [["left, right, Page Up, Page Down", "step from iteration to iteration"], ["up, down", "the lane above, below"], ["Home, End", "the first, the last"]],
   "everywhere": [["Tab", "from control to control; a grid of pictures is one stop, in which the arrows move"]],
 };
 const FIELDS = "input:not([type=range], [type=checkbox]), textarea, select, [contenteditable]";
 
+const LOST = "Error displaying widget: model not found", VIEW = "application/vnd.jupyter.widget-view+json";
+const LOADING = 10_000; // a page that was loaded anew has found all models after so long [ms]
+
+// JupyterLab looks for the model of a view for two seconds. If it comes in the very moment in which that time is over, the view says
+// for good that there is none. Being shown its output once more, it finds it.
+function recover(manager) {
+  const seen = new MutationObserver((changes) => {
+    if (!changes.some(({ addedNodes }) => [...addedNodes].some((node) => node.textContent === LOST))) return;
+    for (const { outputs } of manager.context?.model?.cells ?? []) {
+      for (let at = 0; at < (outputs?.length ?? 0); at++) {
+        const output = outputs.get(at), id = output.data[VIEW]?.model_id;
+        if (id && manager.has_model(id)) outputs.set(at, output.toJSON());
+      }
+    }
+  });
+  seen.observe(document.body, { childList: true, subtree: true });
+  setTimeout(() => seen.disconnect(), LOADING);
+}
+
 function initialize({ model }) {
+  if (model.widget_manager?.context) recover(model.widget_manager);
   model.on("msg:custom", (message, buffers) => {
     if (message.kind === "text") navigator.clipboard?.writeText(message.text).catch(() => {}); // the page shows it as well
     if (message.kind !== "file") return;
@@ -129,9 +149,6 @@ function label(root) {
     canvas.setAttribute("aria-label", "The part: arrow keys turn it, plus and minus come nearer and go farther, Home shows all of it, Enter asks about the place in the middle");
   }
   for (const head of root.querySelectorAll(".mechstyle-group-head")) set(head, "aria-expanded", head.classList.contains("mechstyle-open"));
-  for (const one of root.querySelectorAll("[class*=mechstyle-model-], [class*=mechstyle-style-]")) {
-    if (one.tagName === "BUTTON") set(one, "aria-pressed", one.classList.contains("mechstyle-chosen"));
-  }
   for (const one of root.querySelectorAll("button.widget-toggle-button")) set(one, "aria-pressed", one.classList.contains("mod-active"));
   for (const one of root.querySelectorAll("button.mechstyle-pin")) set(one, "aria-label", one.title);
   for (const one of root.querySelectorAll("button[title]:not([aria-label])")) if (!one.textContent.trim()) one.setAttribute("aria-label", one.title);

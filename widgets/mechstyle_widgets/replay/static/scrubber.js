@@ -94,7 +94,7 @@ function reach(replay, key, frame) {
 }
 
 function render({ model, el }) {
-  const slider = element("input", { type: "range", min: "0", step: "1", "aria-label": "iteration", title: "Arrow keys step" });
+  const slider = element("input", { type: "range", min: "0", step: "1", "aria-label": "iteration", title: "Arrow keys: left and right step, up and down choose a lane" });
   const button = element("button", { type: "button", class: "mechstyle-play", "aria-label": "Play", title: "Play, and stop" }, "▶");
   const count = element("output", { class: "mechstyle-count" });
   slider.dataset.lmSuppressShortcuts = button.dataset.lmSuppressShortcuts = "true"; // not the notebook's keys
@@ -177,6 +177,12 @@ function render({ model, el }) {
   };
   slider.addEventListener("pointerdown", () => { held = true; });
   slider.addEventListener("input", input);
+  slider.addEventListener("keydown", (event) => { // left and right step along a lane, up and down from lane to lane as they stand above
+    const by = { ArrowUp: -1, ArrowDown: 1 }[event.key];
+    if (!by || event.ctrlKey || event.metaKey || event.altKey) return;
+    event.preventDefault();
+    model.send({ kind: "lane", by });
+  });
   for (const name of ["pointerup", "pointercancel"]) slider.addEventListener(name, () => held && rest());
 
   const stop = () => {

@@ -1,0 +1,45 @@
+"""A plotly figure in a page, without plotly's scripts in its state.
+
+A `FigureWidget` brings them with it, 5 MB each: a page that is loaded anew asks for the state of every widget and waits for it, and
+what comes later than a few seconds it does not find. Here a page asks for the scripts once, when it has something to draw.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib.resources import files
+from typing import Any
+
+import anywidget
+import traitlets
+from plotly.offline import get_plotlyjs
+
+
+class Curves(anywidget.AnyWidget):
+    """A figure that is drawn by plotly in the page.
+
+    Attributes:
+        figure: `data` and `layout` as plotly writes them; the first shape is an upright line.
+        head: Where that line stands, in units of the axis across.
+    """
+
+    _esm = files("mechstyle_widgets.timeline").joinpath("static", "curves.js").read_text(encoding="utf-8")
+    figure = traitlets.Dict().tag(sync=True)
+    head = traitlets.Float(0.0).tag(sync=True)
+
+    def __init__(self, clicked: Callable[[int, int], None]) -> None:
+        """Draw nothing yet; `clicked` is told the numbers of the trace and of the point in it."""
+        super().__init__()
+        self._told = clicked
+        self.on_msg(self._hear)
+
+    def show(self, figure: Any) -> None:
+        """Draw a figure as it is now."""
+        self.figure = figure.to_dict()
+
+    def _hear(self, _widget: Any, message: Any, _buffers: Any) -> None:
+        kind = message.get("kind") if isinstance(message, dict) else None
+        if kind == "plotly":
+            self.send({"kind": "plotly"}, [get_plotlyjs().encode()])
+        elif kind == "click":
+            self._told(int(message["trace"]), int(message["point"]))

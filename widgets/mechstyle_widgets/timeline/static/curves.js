@@ -1,0 +1,69 @@
+// Plotly draws what the kernel holds. Its scripts, 5 MB, are no part of a widget's state, which every page that is loaded anew asks for:
+// a page asks for them once, when there is something to draw, and keeps them for all figures to come.
+
+const HERE = Symbol.for("mechstyle.plotly"); // each widget has a module of its own: what is the page's stands with the page
+const CONFIG = { displayModeBar: false, responsive: false };
+
+function library() {
+  if (!globalThis[HERE]) {
+    const made = (globalThis[HERE] = { there: false });
+    made.ready = new Promise((done, fail) => Object.assign(made, { done, fail }));
+  }
+  return globalThis[HERE];
+}
+
+// A module, so that neither `define` nor `module` of the page is taken for a loader it should tell.
+function take(script) {
+  const plotly = library();
+  if (plotly.there) return;
+  plotly.there = true;
+  const parts = ["const module = { exports: {} };\n", script, "\nexport default module.exports;"];
+  const address = URL.createObjectURL(new Blob(parts, { type: "text/javascript" }));
+  import(address).then((loaded) => plotly.done(loaded.default), plotly.fail).finally(() => URL.revokeObjectURL(address));
+}
+
+function initialize({ model }) {
+  model.on("msg:custom", (message, buffers) => {
+    if (message.kind === "plotly") take(buffers[0]);
+  });
+}
+
+function render({ model, el }) {
+  const plotly = library();
+  let Plotly = null, gone = false;
+  el.classList.add("mechstyle-curves");
+  el.style.minHeight = `${model.get("figure").layout?.height ?? 0}px`; // nothing moves when it comes
+  el.textContent = plotly.there ? "" : "The curves are drawn as soon as the kernel answers.";
+
+  const layout = () => {
+    const { shapes, ...rest } = structuredClone(model.get("figure").layout), at = model.get("head");
+    return { ...rest, shapes: [{ ...shapes[0], x0: at, x1: at }, ...shapes.slice(1)] };
+  };
+  const draw = () => {
+    if (gone || !Plotly) return;
+    el.style.minHeight = `${model.get("figure").layout.height}px`;
+    return Plotly.react(el, structuredClone(model.get("figure").data), layout(), CONFIG);
+  };
+  const move = () => {
+    const at = model.get("head");
+    if (!gone && Plotly && el.layout) Plotly.relayout(el, { "shapes[0].x0": at, "shapes[0].x1": at });
+  };
+  model.on("change:figure", draw);
+  model.on("change:head", move);
+  plotly.ready.then(async (loaded) => {
+    if (gone) return;
+    Plotly = loaded;
+    el.textContent = "";
+    await draw();
+    el.on("plotly_click", ({ points: [first] }) => model.send({ kind: "click", trace: first.curveNumber, point: first.pointNumber }));
+  });
+  if (!plotly.there) model.send({ kind: "plotly" });
+  return () => {
+    gone = true;
+    model.off("change:figure", draw);
+    model.off("change:head", move);
+    if (Plotly) Plotly.purge(el);
+  };
+}
+
+export default { initialize, render };
