@@ -23,14 +23,17 @@ const KEYS = { // the list that `?` opens
 const FIELDS = "input:not([type=range], [type=checkbox]), textarea, select, [contenteditable]";
 
 const LOST = "Error displaying widget: model not found", VIEW = "application/vnd.jupyter.widget-view+json";
-const LOADING = 10_000; // a page that was loaded anew has found all models after so long [ms]
+const AFTERWARDS = 10_000; // views that wait for a model have given up so long after all models are there [ms]
 
-// JupyterLab looks for the model of a view for two seconds. If it comes in the very moment in which that time is over, the view says
-// for good that there is none. Being shown its output once more, it finds it.
+// JupyterLab looks for the model of a view for two seconds. If the page is so busy with making models that the time is over before it
+// looks once more, the view says for good that there is none. Being shown its output anew, it finds it. It says so only when all models
+// are there, this one among them, so that nothing is missed.
 function recover(manager) {
+  if (!manager.context || manager.restoredStatus) return; // no notebook, or a cell that was run: models come before their views
+  const lost = (node) => node.textContent === LOST;
   const seen = new MutationObserver((changes) => {
-    if (!changes.some(({ addedNodes }) => [...addedNodes].some((node) => node.textContent === LOST))) return;
-    for (const { outputs } of manager.context?.model?.cells ?? []) {
+    if (!changes.some(({ addedNodes }) => [...addedNodes].some(lost))) return;
+    for (const { outputs } of manager.context.model.cells) {
       for (let at = 0; at < (outputs?.length ?? 0); at++) {
         const output = outputs.get(at), id = output.data[VIEW]?.model_id;
         if (id && manager.has_model(id)) outputs.set(at, output.toJSON());
@@ -38,11 +41,11 @@ function recover(manager) {
     }
   });
   seen.observe(document.body, { childList: true, subtree: true });
-  setTimeout(() => seen.disconnect(), LOADING);
+  manager.restored.connect(() => setTimeout(() => seen.disconnect(), AFTERWARDS));
 }
 
 function initialize({ model }) {
-  if (model.widget_manager?.context) recover(model.widget_manager);
+  recover(model.widget_manager);
   model.on("msg:custom", (message, buffers) => {
     if (message.kind === "text") navigator.clipboard?.writeText(message.text).catch(() => {}); // the page shows it as well
     if (message.kind !== "file") return;
