@@ -45,13 +45,23 @@ LATE = """() => {
 """A page so busy that JupyterLab, which looks for a model each 100 ms, for two seconds, looks once and again when the time is over."""
 
 
-@pytest.mark.parametrize("busy", [False, True])
+DEAF = """() => {
+    const timeout = AbortSignal.timeout.bind(AbortSignal);
+    AbortSignal.timeout = (time) => {
+        if (time !== 2000) return timeout(time);
+        return { addEventListener: (_, act) => act(), aborted: true };
+    };
+}"""
+"""A page so busy that no script of a widget comes within anywidget's two seconds."""
+
+
+@pytest.mark.parametrize("busy", ["", LATE, DEAF], ids=["idle", "late", "deaf"])
 def test_two_views_of_one_studio_are_there_again_after_a_reload(notebook, busy):
     notebook.open("from mechstyle_widgets import Studio\nstudio = Studio(vertices=4000)\nstudio", "studio")
     notebook.drawn(1)
     notebook.page.evaluate("() => window.jupyterapp.commands.execute('docmanager:save')")
     if busy:
-        notebook.page.add_init_script(f"({LATE})()")
+        notebook.page.add_init_script(f"({busy})()")
     notebook.page.reload(wait_until="domcontentloaded")
     for number in range(2):
         notebook.page.locator(".mechstyle-studio").nth(number).locator(".js-plotly-plot .main-svg").first.wait_for()

@@ -119,6 +119,18 @@ def test_a_part_that_is_wanted_no_longer_is_not_shown(prepared, sphere, cube):
     asyncio.run(main())
 
 
+def test_a_wish_of_another_thread_wakes_a_loop_that_sleeps(prepared, sphere):
+    """JupyterLab's widgets speak to a thread of the kernel's own: a part chosen was shown only when the kernel had something else to do."""
+
+    async def main():
+        asker = Asker()
+        threading.Timer(0.2, asker.previewer.ask, (sphere, FEW, draft("brick"))).start()  # when the loop has gone to sleep
+        await asker.news()
+        assert len(asker.shown) == 1
+
+    asyncio.run(main())
+
+
 def test_where_only_running_tells_the_part_is_shown_as_it_came(prepared, sphere):
     async def main():
         asker = Asker()

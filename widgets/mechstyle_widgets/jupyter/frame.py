@@ -6,16 +6,17 @@ from collections.abc import Callable
 from importlib.resources import files
 from typing import Any
 
-import anywidget
 import ipywidgets
 import traitlets
+
+from mechstyle_widgets.jupyter.page_widget import PageWidget
 
 
 def _static(name: str) -> str:
     return files("mechstyle_widgets.jupyter").joinpath("static", name).read_text(encoding="utf-8")
 
 
-class Frame(anywidget.AnyWidget):
+class Frame(PageWidget):
     """Somewhere in a box of the class `mechstyle-studio`: a button for the whole screen, and eyes and ears for the kernel.
 
     Attributes:

@@ -18,6 +18,27 @@ def running_loop() -> asyncio.AbstractEventLoop | None:
         return None
 
 
+class Timer:
+    """Calls a function on an event loop after a while, from whichever thread it is asked to.
+
+    JupyterLab lets widgets speak to a thread of the kernel's own; a loop of another thread that sleeps does not see what that thread
+    plans on it.
+    """
+
+    def __init__(self, loop: asyncio.AbstractEventLoop, wait: float, act: Callable[[], None]) -> None:
+        """Call `act` after `wait` seconds."""
+        self._act, self._cancelled = act, False
+        loop.call_soon_threadsafe(loop.call_later, wait, self._fire)
+
+    def cancel(self) -> None:
+        """Do not call it."""
+        self._cancelled = True
+
+    def _fire(self) -> None:
+        if not self._cancelled:
+            self._act()
+
+
 class Paced:
     """A function that may be called at any rate and acts at most ten times a second, after the last call at the latest.
 

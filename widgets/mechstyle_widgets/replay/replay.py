@@ -10,7 +10,6 @@ import math
 from importlib.resources import files
 from typing import Any
 
-import anywidget
 import traitlets
 
 from mechstyle.errors import BadInput, unknown
@@ -18,6 +17,7 @@ from mechstyle.runs.report.bundle import bundle, static
 from mechstyle.runs.report.replay_data import ReplayData, replay_data
 from mechstyle.runs.run import Run
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
+from mechstyle_widgets.jupyter.page_widget import PageWidget
 
 
 def own(name: str) -> str:
@@ -25,7 +25,7 @@ def own(name: str) -> str:
     return files("mechstyle_widgets.replay").joinpath("static", name).read_text(encoding="utf-8")
 
 
-class Replay(OncePerCell, anywidget.AnyWidget):
+class Replay(OncePerCell, PageWidget):
     """All iterations of a lane, with layers, a colour bar and a threshold.
 
     Attributes:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any, Protocol
 
-import anywidget
 import traitlets
 from ipywidgets import widget_serialization
 
 from mechstyle.runs.report.bundle import bundle
+from mechstyle_widgets.jupyter.page_widget import PageWidget
 from mechstyle_widgets.replay.cache import FOLLOWED, Cache, Packer, served
 from mechstyle_widgets.replay.replay import own
 from mechstyle_widgets.state.studio_state import StudioState
@@ -31,7 +31,7 @@ class View(Protocol):
         """As of a widget."""
 
 
-class Scrubber(anywidget.AnyWidget):
+class Scrubber(PageWidget):
     """A slider from 0 to the newest iteration of a state.
 
     Attributes:

@@ -73,24 +73,24 @@ class DropOptions(Section):
         controls = {
             "drop_height": lean(ipywidgets.BoundedFloatText, description="drop [mm]", step=100.0, **range_of("drop_height"), **look),
             "orientations": lean(
-            ipywidgets.BoundedIntText,
+                ipywidgets.BoundedIntText,
                 description="drops", tooltip="Drops of the final test, the first as the part stands", **range_of("orientations"), **look
             ),
             "tilts": lean(
-            ipywidgets.BoundedIntText,
+                ipywidgets.BoundedIntText,
                 description="tilted by 3°", tooltip="Drops tilted to all sides, judged with the one as placed; 0 takes flat at its word",
                 **range_of("tilts"), **look,
             ),
             "criterion": lean(ipywidgets.Dropdown, options=CRITERIA, description="criterion", **look),
             "guarantee": lean(ipywidgets.Checkbox, description="correct until it is viable", indent=False, layout=WIDE),
             "minimum_wall": lean(
-            ipywidgets.BoundedFloatText,
+                ipywidgets.BoundedFloatText,
                 description="thinnest [mm]", step=0.1, tooltip="The thinnest wall the style may leave", **range_of("minimum_wall"), **look
             ),
             "vertices": lean(ipywidgets.BoundedIntText, description="vertices", min=1, max=400_000, step=1000, **look),
             "device": lean(ipywidgets.Dropdown, options=DEVICES, description="device", **look),
             "folder": lean(
-            ipywidgets.Text,
+                ipywidgets.Text,
                 description="folder", placeholder="mechstyle-runs/…", continuous_update=False, tooltip="Where the run is kept", **look
             ),
         }

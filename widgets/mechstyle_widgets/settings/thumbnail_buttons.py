@@ -10,9 +10,9 @@ from collections.abc import Mapping
 from importlib.resources import files
 from typing import Any
 
-import anywidget
 import traitlets
 
+from mechstyle_widgets.jupyter.page_widget import PageWidget
 from mechstyle_widgets.jupyter.throttle import running_loop
 from mechstyle_widgets.settings import thumbnails
 
@@ -26,7 +26,7 @@ def _static(name: str) -> str:
     return files("mechstyle_widgets.settings").joinpath("static", name).read_text(encoding="utf-8")
 
 
-class PictureChoice(anywidget.AnyWidget):
+class PictureChoice(PageWidget):
     """Names with small pictures, in rows; the pictures come in as they are drawn.
 
     Attributes:

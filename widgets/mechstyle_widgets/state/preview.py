@@ -16,7 +16,7 @@ from mechstyle.records import Recipe
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.stylizers import FinishedStyle, finished_style
 from mechstyle.simulation.part import Shape, standardised
-from mechstyle_widgets.jupyter.throttle import running_loop
+from mechstyle_widgets.jupyter.throttle import Timer, running_loop
 from mechstyle_widgets.jupyter.worker_process import Aside
 
 WAIT = 0.2
@@ -66,7 +66,7 @@ class Previewer:
         self._arrived, self._failed = arrived, failed
         self._loop = running_loop()
         self._wish: _Wish | None = None
-        self._timer: object = None
+        self._timer: Timer | None = None
         self._busy = False
         self._shape: tuple[tuple[str, int], Shape] | None = None
 
@@ -81,13 +81,13 @@ class Previewer:
         self.cancel()
         if self._loop is not None:
             self._wish = _Wish(mesh, min(vertices, VERTICES), recipe)
-            self._timer = self._loop.call_later(WAIT, self._begin)
+            self._timer = Timer(self._loop, WAIT, self._begin)
 
     def cancel(self) -> None:
         """Want nothing any more: what is being drawn is not shown, and what prepares a part for it ends."""
         self._wish = None
         if self._timer is not None:
-            self._timer.cancel()  # type: ignore[attr-defined]  # a handle of the loop
+            self._timer.cancel()
             self._timer = None
 
     def _begin(self) -> None:

@@ -10,12 +10,13 @@ from collections.abc import Callable
 from importlib.resources import files
 from typing import Any
 
-import anywidget
 import traitlets
 from plotly.offline import get_plotlyjs
 
+from mechstyle_widgets.jupyter.page_widget import PageWidget
 
-class Curves(anywidget.AnyWidget):
+
+class Curves(PageWidget):
     """A figure that is drawn by plotly in the page.
 
     Attributes:

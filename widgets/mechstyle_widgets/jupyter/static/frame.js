@@ -23,25 +23,32 @@ const KEYS = { // the list that `?` opens
 const FIELDS = "input:not([type=range], [type=checkbox]), textarea, select, [contenteditable]";
 
 const LOST = "Error displaying widget: model not found", VIEW = "application/vnd.jupyter.widget-view+json";
-const AFTERWARDS = 10_000; // views that wait for a model have given up so long after all models are there [ms]
+const AGAIN = Symbol.for("mechstyle.again"); // each widget has a module of its own: what is the page's stands with the page
+const LOOK = 500, LONG = 60_000; // between two looks, and how long after this model all others are there and their views have given up [ms]
 
 // JupyterLab looks for the model of a view for two seconds. If the page is so busy with making models that the time is over before it
-// looks once more, the view says for good that there is none. Being shown its output anew, it finds it. It says so only when all models
-// are there, this one among them, so that nothing is missed.
+// looks once more, the view says for good that there is none. Being shown its output anew, it finds it.
 function recover(manager) {
-  if (!manager.context || manager.restoredStatus) return; // no notebook, or a cell that was run: models come before their views
-  const lost = (node) => node.textContent === LOST;
-  const seen = new MutationObserver((changes) => {
-    if (!changes.some(({ addedNodes }) => [...addedNodes].some(lost))) return;
-    for (const { outputs } of manager.context.model.cells) {
-      for (let at = 0; at < (outputs?.length ?? 0); at++) {
-        const output = outputs.get(at), id = output.data[VIEW]?.model_id;
-        if (id && manager.has_model(id)) outputs.set(at, output.toJSON());
-      }
+  if (!manager.context) return; // no notebook
+  const end = Date.now() + LONG, lost = ({ firstChild }) => firstChild?.nodeType === Node.TEXT_NODE && firstChild.data === LOST;
+  (function look() {
+    if ([...document.querySelectorAll(".jupyter-widgets")].some(lost)) showAgain(manager);
+    if (Date.now() < end) setTimeout(look, LOOK);
+  })();
+}
+
+// All views of a model, once: which of them gave up is not told, and from now on each finds it.
+function showAgain(manager) {
+  const again = (globalThis[AGAIN] ??= new Set()), found = new Set();
+  for (const { outputs } of manager.context.model.cells) {
+    for (let at = 0; at < (outputs?.length ?? 0); at++) {
+      const output = outputs.get(at), id = output.data[VIEW]?.model_id;
+      if (!id || again.has(id) || !manager.has_model(id)) continue;
+      outputs.set(at, output.toJSON());
+      found.add(id);
     }
-  });
-  seen.observe(document.body, { childList: true, subtree: true });
-  manager.restored.connect(() => setTimeout(() => seen.disconnect(), AFTERWARDS));
+  }
+  found.forEach((id) => again.add(id));
 }
 
 function initialize({ model }) {
@@ -202,4 +209,4 @@ function step(from, by) {
   all[(all.indexOf(from) + by + all.length) % all.length]?.focus();
 }
 
-export default { initialize, render };
+export default { initialize: hears(initialize), render };

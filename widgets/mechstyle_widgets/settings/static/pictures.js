@@ -49,4 +49,4 @@ function render({ model, el }) {
   };
 }
 
-export default { render };
+export default { initialize: hears(), render };

@@ -1,0 +1,37 @@
+"""Widgets with scripts of their own that a busy page does not make deaf."""
+
+from __future__ import annotations
+
+import uuid
+from importlib.resources import files
+from typing import Any
+
+import anywidget
+import traitlets
+
+_HEARING = files("mechstyle_widgets.jupyter").joinpath("static", "hearing.js").read_text(encoding="utf-8")
+
+
+class PageWidget(anywidget.AnyWidget):
+    """An anywidget that hears the kernel however busy the page is.
+
+    anywidget gives the script of a widget two seconds. In a page that is busier, as one that is loaded anew, the script comes and draws,
+    but nothing the kernel says from then on arrives. Here the script of a subclass exports `initialize: hears(initialize)`, or `hears()`,
+    which mends it.
+
+    Attributes:
+        own: Id of its model, by which the page finds it.
+    """
+
+    own = traitlets.Unicode().tag(sync=True)
+
+    def __init_subclass__(cls, **given: Any) -> None:
+        """Give the script its ears."""
+        if isinstance(script := vars(cls).get("_esm"), str):  # a trait in the class that traitlets makes of each instance's
+            cls._esm = _HEARING + script
+        super().__init_subclass__(**given)
+
+    def __init__(self, **traits: Any) -> None:
+        """Open it in the page; traits as of a widget."""
+        own = uuid.uuid4().hex
+        super().__init__(model_id=own, own=own, **traits)
