@@ -58,14 +58,14 @@ def test_the_colours_of_the_part_reach_the_screen_as_they_are(painted, sphere):
 def test_new_fields_and_shapes_reuse_the_buffers_that_are_there(sphere, height):
     """Replacing a buffer leaks in the browser."""
     viewer = Viewer(sphere, [height])
-    before, buffers = len(alive), dict(scene(viewer)._geometry.attributes)
+    before, buffers = len(alive()), dict(scene(viewer)._geometry.attributes)
     stretched = sphere.moved(sphere.vertices * [1.0, 1.0, 3.0])
     viewer.subject = Subject(stretched, (replace(height, values=height.values[::-1]),))
     assert all(scene(viewer)._geometry.attributes[name] is buffer for name, buffer in buffers.items())
     assert np.allclose(buffers["position"].array, stretched.vertices, atol=1e-5)
     assert np.allclose(buffers["normal"].array, stretched.vertex_normals, atol=1e-6)
     assert np.allclose(buffers["place"].array, OPEN + height.values[::-1] / 20.0, atol=1e-6)
-    assert len(alive) == before
+    assert len(alive()) == before
 
 
 def test_the_middle_of_the_view_is_what_one_orbits_about(sphere):
@@ -382,14 +382,14 @@ def test_what_is_delivered_stands_for_the_part_where_its_own_look_is_shown(paint
 def test_what_is_delivered_is_sent_once(painted, height, delivered):
     viewer = Viewer(painted, [height])
     viewer.subject, viewer.layer = replace(viewer.subject, look=delivered), "style"
-    before = len(alive)
+    before = len(alive())
     for layer in ("height", "style"):
         viewer.layer = layer
     viewer.subject = replace(viewer.subject, look=None)
     assert shown(viewer) == (True, [])
     viewer.subject = replace(viewer.subject, look=delivered)
     assert shown(viewer) == (False, [delivered])
-    assert len(alive) == before
+    assert len(alive()) == before
 
 
 def test_a_viewer_of_what_is_delivered_leaves_nothing_behind(painted, delivered):
