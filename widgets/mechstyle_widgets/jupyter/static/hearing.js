@@ -2,6 +2,7 @@
 // is said goes past anywidget, and what was missed is asked for.
 async function hearAgain(model) {
   const found = await model.widget_manager.get_model(model.get("own"));
+  if (!found.comm) return; // a page without a kernel has nothing to hear
   const nothing = { content: { data: { method: "" } }, buffers: [] };
   await found._handle_comm_msg(nothing).catch(() => {
     const plain = Object.getPrototypeOf(Object.getPrototypeOf(found))._handle_comm_msg;
@@ -11,7 +12,7 @@ async function hearAgain(model) {
 }
 
 const hears = (initialize) => (given) => {
-  hearAgain(given.model);
+  hearAgain(given.model).catch(() => {}); // a host with models of its own sort, which hear by its own means
   return initialize?.(given);
 };
 
