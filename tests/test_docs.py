@@ -11,6 +11,7 @@ import typer
 
 import mechstyle
 from mechstyle.records.recipe import SETTINGS
+from mechstyle.records.words import WORDS
 from support import ROOT
 
 SITE = ROOT / "docs" / "site"
@@ -113,3 +114,9 @@ def test_a_site_that_loads_from_a_network_is_refused(tmp_path, text, loads):
 
 def test_the_citation_names_this_version():
     assert f"\nversion: {mechstyle.__version__}\n" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+
+
+def test_the_glossary_tells_every_word_as_the_program_does():
+    rows = re.findall(r"^\| (`.+?) \| \*\*(.+?)\*\* \| (.+) \|$", words(ROOT / "docs" / "glossary.md"), re.MULTILINE)
+    told = {names.replace("`", ""): (word, sentence.replace("**", "")) for names, word, sentence in rows}
+    assert told == WORDS

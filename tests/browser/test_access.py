@@ -127,6 +127,22 @@ def test_the_list_of_keys_opens_and_closes_by_key(shown):
     assert page.evaluate(CELLS) == cells
 
 
+def test_a_word_explains_itself_to_mouse_and_keyboard(shown):
+    setup, tip = shown.page.locator(".mechstyle-setup"), shown.page.locator(".mechstyle-studio > .mechstyle-tip")
+    setup.get_by_text("threshold", exact=True).first.hover()
+    tip.locator("svg").wait_for()
+    assert "Demand at which a place may move no further" in tip.inner_text()
+    shown.keep("access-tip", shown.page.locator(".mechstyle-studio"))
+    assert grave(shown.page, ".mechstyle-tip") == []
+    shown.page.keyboard.press("Escape")
+    tip.wait_for(state="hidden")
+    setup.get_by_label("strategy").focus()
+    tip.get_by_text("How demand becomes restraint").wait_for()
+    assert setup.get_by_label("strategy").get_attribute("aria-describedby") == tip.get_attribute("id")
+    shown.canvas().focus()
+    tip.wait_for(state="hidden")
+
+
 def test_keys_do_what_the_list_says(shown):
     page = shown.page
     shown.canvas().focus()

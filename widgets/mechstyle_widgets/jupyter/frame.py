@@ -10,6 +10,7 @@ import ipywidgets
 import traitlets
 
 from mechstyle_widgets.jupyter.page_widget import PageWidget
+from mechstyle_widgets.jupyter.terms import terms
 
 
 def _static(name: str) -> str:
@@ -24,7 +25,7 @@ class Frame(PageWidget):
         dark: Whether the notebook's theme is dark.
     """
 
-    _esm, _css = _static("frame.js"), _static("frame.css")
+    _esm, _css = f"const TERMS = {terms()};\n" + _static("terms.js") + _static("frame.js"), _static("frame.css")
     size = traitlets.List(traitlets.Int(), []).tag(sync=True)
     dark = traitlets.Bool(False).tag(sync=True)
 

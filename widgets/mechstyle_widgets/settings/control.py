@@ -20,7 +20,7 @@ from mechstyle_widgets.jupyter.svg import Frame, drawing
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, setting
 
 MEANS = {
-    "headroom": "the share of each vertex's own reserve that the style has used up",
+    "headroom": "the share of each vertex's own headroom that the style has used up",
     "own_max": "stress over the largest stress of the unstylized part",
     "sigma_c": "stress over λ times the yield strength",
     "yield": "stress over the yield strength",
@@ -107,7 +107,7 @@ class ControlSelector(Section):
         )
         plain = {"indent": False, "layout": WIDE}
         self._memory = lean(ipywidgets.Checkbox, description="memory: once held, always held", **plain)
-        self._retraction = lean(ipywidgets.Checkbox, description="retraction near the stress limit", **plain)
+        self._retraction = lean(ipywidgets.Checkbox, description="retraction: shrinks near the limit", **plain)
         self._restraint = lean(
             ipywidgets.VBox,
             [self._strategy, self._compared_with, self._threshold, self._lambda, self._plot, self._memory, self._retraction]
@@ -140,7 +140,7 @@ class ControlSelector(Section):
         self._lambda.value = self.material.safety_coefficient
         show(self._lambda, self.normalisation == "sigma_c")
         show(self._restraint, not self.freestyle)
-        self.note("one drop test, at the end" if self.freestyle else f"demand s_norm is {MEANS[self.normalisation]}")
+        self.note("one drop test, at the end" if self.freestyle else f"demand is {MEANS[self.normalisation]}")
         self._plot.value = self._picture()
 
     def _picture(self) -> str:
@@ -151,5 +151,5 @@ class ControlSelector(Section):
         strength = self.material.yield_strength
         parts = [frame.axes("stress at a vertex [MPa]", (0.0, strength / 2, strength), ((1.0, "1"), (0.0, "0"))), frame.curve(stress, mask)]
         if stops is not None:
-            parts.append(frame.mark(stops, f"{end}, s_norm = {self.threshold:.2g}"))
+            parts.append(frame.mark(stops, f"{end}, demand {self.threshold:.2g}"))
         return drawing(frame, parts, f"mask against stress, {self.control} with {self.normalisation}: 1 at rest, {end}")

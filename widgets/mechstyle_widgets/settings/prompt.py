@@ -83,9 +83,9 @@ class PromptBox(Section):
         self._seed = lean(ipywidgets.BoundedIntText, description="seed", **range_of("seed"), **look)
         guides = [("a drawn target, offline", "offline"), ("CLIP, any prompt", "clip")]
         needs = "CLIP needs its weights on disk"
-        self._guidance = lean(ipywidgets.Dropdown, options=guides, description="guided by", tooltip=needs, **look)
-        carriers = [("values per vertex", "vertex"), ("X-Mesh style field", "network")]
-        self._field = lean(ipywidgets.Dropdown, options=carriers, description="carried by", tooltip="What is optimised", **look)
+        self._guidance = lean(ipywidgets.Dropdown, options=guides, description="style from", tooltip=needs, **look)
+        carriers = [("a value at each point", "vertex"), ("a network (X-Mesh)", "network")]
+        self._field = lean(ipywidgets.Dropdown, options=carriers, description="described by", tooltip="What is optimised", **look)
         sizes = [self._relief, self._side, self._feature, self._nozzle, self._inside]
         self._image = ImageChoice()
         super().__init__([self._text, self._chips, self._image, *sizes, self._seed, self._guidance, self._field])

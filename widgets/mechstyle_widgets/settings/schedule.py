@@ -49,7 +49,7 @@ class ScheduleSelector(Section):
         """Offer the schedules; `traits` are any of the attributes."""
         look = {"style": NARROW_LABEL, "layout": WIDE}
         options = [(f"{name} – {WHAT[name]}", name) for name in SCHEDULES]
-        self._choice = lean(ipywidgets.Dropdown, options=options, description="simulate", **look)
+        self._choice = lean(ipywidgets.Dropdown, options=options, description="schedule", **look)
         self._every = lean(ipywidgets.BoundedIntText, description="k", **range_of("every"), **look)
         self._travel = lean(ipywidgets.BoundedFloatText, description="share of wall", step=0.01, **range_of("travel"), **look)
         self._iterations = lean(ipywidgets.BoundedIntText, description="iterations", **range_of("iterations"), **look)

@@ -1,6 +1,7 @@
 // What only the page knows of a Studio: how much room it has, whether the theme is dark, which key was pressed, the whole screen;
 // and what only a page can do: hand a file over.
 
+const FULL_LEAST = 320; // height of a view in full screen, which is to leave the timeline in sight [px]
 const QUIET = 120; // a size counts when it has stood still for so long [ms]
 const IN_VIEW = ["+", "-", "=", "Home", "Enter", "PageUp", "PageDown"], ANYWHERE = [..."rn.>c123456amxoliwp"];
 const ROOTS = ".mechstyle-studio, .mechstyle-alone";
@@ -85,6 +86,7 @@ function render({ model, el }) {
     const name = () => label(root);
     watch(new MutationObserver(name), root, { childList: true, subtree: true, attributes: true, attributeFilter: ["class"] });
     name();
+    undo.push(explain(root)); // before the keys: Escape closes what is explained first
     listen(root, "keydown", (event) => pressed(model, root, event));
     if (!studio) return;
     el.append(button(HELP, () => help(root)), button(FULL, () => full(root)));
@@ -111,7 +113,7 @@ function tell(model, root, stage) {
   const width = Math.round(stage.clientWidth);
   if (!width) return; // hidden: it keeps its size
   let height = Math.min(Math.max(400, 0.64 * width), 560);
-  if (document.fullscreenElement === root) height = Math.max(400, root.clientHeight - (stage.parentElement.scrollHeight - canvasHeight(stage)) - bar(root));
+  if (document.fullscreenElement === root) height = Math.max(FULL_LEAST, root.clientHeight - (stage.parentElement.scrollHeight - canvasHeight(stage)) - bar(root));
   model.set("size", [width, Math.round(height)]);
   model.save_changes();
 }

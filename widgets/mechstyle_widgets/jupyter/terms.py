@@ -1,0 +1,80 @@
+"""Words that explain themselves: a sentence for each term of the glossary, and a small picture for those that need one."""
+
+from __future__ import annotations
+
+import json
+
+from mechstyle.records.words import WORDS
+
+ALSO = {
+    "mask": "mask, restraint",
+    "restraint": "mask, restraint",
+    "movement held back": "mask, restraint",
+    "drops": "orientations, poses",
+    "it lands": "orientations, poses",
+    "thinnest": "minimum_wall",
+    "correct until it is viable": "guarantee",
+    "regions": "protect",
+    "branches": "lane",
+    "lanes": "lane",
+    "new lane": "lane",
+}
+"""Labels of controls that mean a term of another word."""
+INK, FAINT, ACCENT, OVER = (
+    "currentColor",
+    "var(--jp-border-color1, #999)",
+    "var(--jp-brand-color1, #1976d2)",
+    "var(--jp-error-color1, #b3261e)",
+)
+
+
+def terms() -> str:
+    """What the page needs, as JSON: by what stands on screen in small letters, the word, its sentence and its picture as SVG."""
+    told = {key: [word, sentence, PICTURES.get(key, "")] for key, (word, sentence) in WORDS.items()}
+    spoken = {one.lower(): told[key] for key, (word, _) in WORDS.items() for one in word.replace(" · ", ", ").split(", ")}
+    return json.dumps({**spoken, **{label: told[key] for label, key in ALSO.items()}}, ensure_ascii=False)
+
+
+def _picture(*parts: str) -> str:
+    return f'<svg viewBox="0 0 280 48" aria-hidden="true" font-size="12" fill="{INK}">{"".join(parts)}</svg>'
+
+
+def _bar(x: float, width: float, fill: str) -> str:
+    return f'<rect x="{x}" y="8" width="{width}" height="16" fill="{fill}" stroke="{FAINT}"/>'
+
+
+def _word(x: float, words: str) -> str:
+    return f'<text x="{x}" y="44">{words}</text>'
+
+
+def _limit(x: float) -> str:
+    return f'<path d="M{x} 2V30" stroke="{OVER}" stroke-width="2"/>'
+
+
+def _curve(path: str) -> str:
+    return f'<path d="{path}" fill="none" stroke="{ACCENT}" stroke-width="2"/><path d="M4 30H276" stroke="{FAINT}"/>'
+
+
+def _part(x: float, turned: float, fill: str) -> str:
+    """A cup over the floor, turned by an angle."""
+    return f'<rect x="{x}" y="6" width="14" height="20" transform="rotate({turned} {x + 7} 16)" fill="{fill}" stroke="{INK}"/>'
+
+
+_FROM_ORIGINAL_TO_LIMIT = (_bar(4, 272, "none"), _bar(4, 110, FAINT), _limit(250), _word(4, "as it came"), _word(236, "limit"))
+PICTURES = {
+    "demand": _picture(*_FROM_ORIGINAL_TO_LIMIT, _bar(114, 56, ACCENT), _word(128, "style")),
+    "headroom": _picture(*_FROM_ORIGINAL_TO_LIMIT, f'<path d="M116 16H248" stroke="{ACCENT}" stroke-width="4"/>', _word(142, "headroom")),
+    "mask, restraint": _picture(_curve("M4 28C120 26 160 6 220 4H276"), _word(4, "0: moves freely"), _word(222, "1: stops")),
+    "threshold": _picture(_curve("M4 4C100 6 140 28 190 29H276"), _limit(190), _word(4, "moves"), _word(158, "threshold")),
+    "schedule": _picture(
+        f'<path d="M8 16H272" stroke="{FAINT}" stroke-width="2"/>',
+        *(f'<circle cx="{x}" cy="16" r="6" fill="{ACCENT}"/>' for x in (8, 40, 96, 176, 272)),
+        _word(4, "start"), _word(86, "dropped on the way"), _word(256, "end"),
+    ),
+    "envelope": _picture(
+        f'<path d="M4 30H276" stroke="{FAINT}"/>',
+        *(_part(x, turned, fill) for x, turned, fill in ((20, 0, "none"), (92, 35, "none"), (164, 90, OVER), (236, 145, "none"))),
+        _word(148, "the worst"),
+    ),
+}  # fmt: skip
+"""Small pictures of terms that a sentence alone does not teach."""
