@@ -211,6 +211,16 @@ def test_one_button_is_filled_and_it_leads_on(done):
 
 
 @pytest.mark.usefixtures("unprotected")
+def test_what_is_told_of_a_place_does_not_push_the_timeline_down(done):
+    studio = Studio(done)
+    studio.viewer.probed = 3
+    (told,) = studio._asked.children
+    assert "vertex 3" in told.value
+    assert "mm" in studio.viewer._said.value
+    assert told not in studio.viewer._beside_legend.children
+
+
+@pytest.mark.usefixtures("unprotected")
 def test_a_lane_of_it_can_be_named(done):
     studio = Studio(f"{done.store.root}@soft")
     assert studio.run.recipe.control == "linear"

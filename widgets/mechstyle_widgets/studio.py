@@ -28,6 +28,7 @@ from mechstyle_widgets.jupyter.looks import lean
 from mechstyle_widgets.panels.branches import Branches
 from mechstyle_widgets.panels.keys import Keys
 from mechstyle_widgets.panels.mask_inspector import MaskInspector
+from mechstyle_widgets.panels.result import Result
 from mechstyle_widgets.panels.run_controls import RunControls
 from mechstyle_widgets.panels.take_away import TakeAway
 from mechstyle_widgets.settings.brush import covered, paintable
@@ -102,7 +103,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self.frame, self._size = Frame(), SIZE
         self.take_away = TakeAway(self.state, self.frame)
         self.previewer = Previewer(self._arrived, self._not_drawn)
-        self._middle = _box([], "mechstyle-view")
+        self._middle, self._asked = _box([], "mechstyle-view"), _box([], "mechstyle-asked")
         self.theme = theme
         self._timeline = Timeline(self.state, theme=self.shown_theme, width=SIZE[0])
         super().__init__([_box([self.run_controls, self.take_away, self.frame], "mechstyle-bar"), self._body()])
@@ -213,7 +214,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._groups = [Group(title, section, unfolded=title in OPEN) for title, section in sections]
         self._tabs = lean(ipywidgets.Tab, [self.mask_inspector, self.branches], titles=("Mask", "Branches"))
         setup, middle = _box(self._groups, "mechstyle-setup"), _box([self._middle, self._timeline], "mechstyle-middle")
-        return _box([setup, middle, _box([self._tabs], "mechstyle-inspect")], "mechstyle-body")
+        return _box([setup, middle, _box([Result(self.state), self._asked, self._tabs], "mechstyle-inspect")], "mechstyle-body")
 
     def _take(self, run: Run) -> None:
         """Show the settings and the part of a run that was made before."""
@@ -282,7 +283,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
 
     def _show(self, viewer: Viewer) -> None:
         old, self._viewer = self._viewer, viewer
-        self._middle.children = [viewer]
+        self._middle.children, self._asked.children = [viewer], [viewer.lend_table()]
         viewer.on_click(self.regions_picker.click)
         self._hatch()
         if self._timeline is not None:

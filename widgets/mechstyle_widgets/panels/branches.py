@@ -168,10 +168,15 @@ class Branches(Section):
         self._also.description = "two panes again" if self.third else f"keep {state.lane} · {state.iteration} in a third pane"
         show(self._also, self.pinned is not None)
         rows, decisive = self.comparison(), self.decisive()
-        head = ("", *(f"{lane} · {iteration}" for lane, iteration in self.places))
+        head = _on_show_first(("", *(f"{lane} · {iteration}" for lane, iteration in self.places)))
         why = f'<div class="mechstyle-note">{escape(decisive[1])}</div>' if decisive else ""
-        self._comparison.say(why + table(head, rows) if rows else "")
+        self._comparison.say(why + table(head, [_on_show_first(row) for row in rows]) if rows else "")
         self.note("nothing to branch from yet: run something first" if nothing else "")
+
+
+def _on_show_first(cells: Sequence[str]) -> tuple[str, ...]:
+    """Cells of a table as the panes stand: what is on show at the left."""
+    return (cells[0], *cells[-1:], *cells[1:-1])
 
 
 def _line(branch: Branch, rows: Sequence[Row]) -> str:
@@ -190,7 +195,7 @@ def results(run: Run, row: Row, checkpoint: Checkpoint) -> dict[str, str]:
         "simulated because": row.reason or "not simulated",
         "verdict": f"{LOOKS[row.word].mark} {row.word}" if row.word else "–",
         "safety factor": f"{row.verdict.safety_factor:.2f}" if known and row.verdict is not None else "–",
-        "relief kept": _kept(run, row),
+        "relief kept": kept(run, row),
         "peak stress": "–" if row.peak is None else f"{row.peak:.1f} MPa",
         "limit": "–" if row.limit is None else f"{row.limit:.1f} MPa",
         "style loss": f"{row.style_loss:.3g}",
@@ -199,7 +204,7 @@ def results(run: Run, row: Row, checkpoint: Checkpoint) -> dict[str, str]:
     }
 
 
-def _kept(run: Run, row: Row) -> str:
+def kept(run: Run, row: Row) -> str:
     """Share of the relief that is left at the end of a lane, which its summary knows."""
     with suppress(MechStyleError):  # there is none before the end
         if row.iteration == run.recipe.iterations:

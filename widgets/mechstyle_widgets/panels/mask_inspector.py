@@ -18,7 +18,7 @@ from mechstyle.records.checkpoint import restrained
 from mechstyle.records.mesh import Field
 from mechstyle.runs.run import Run
 from mechstyle.simulation.part import bounds_for
-from mechstyle_widgets.jupyter.looks import lean
+from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.jupyter.svg import Frame, drawing, shares
 from mechstyle_widgets.settings.control import ControlSelector
 from mechstyle_widgets.settings.section import WIDE, Section, Words
@@ -59,7 +59,8 @@ class MaskInspector(Section):
             description="use this", icon="code-fork", tooltip="Branch from this iteration with these settings", layout={"width": "50%"}
         )
         buttons = lean(ipywidgets.HBox, [self._show_layer, self._use], layout=WIDE)
-        super().__init__([self._plots, lean(ipywidgets.HTML, "<b>what if …</b>"), self.selector, buttons])
+        self._asked = lean(ipywidgets.VBox, [lean(ipywidgets.HTML, "<b>what if …</b>"), self.selector, buttons])
+        super().__init__([self._plots, self._asked])
         self._use.on_click(lambda _: self.use())
         self._show_layer.observe(self._switch, "value")
         self.state.observe(self._restore, "run")
@@ -103,6 +104,7 @@ class MaskInspector(Section):
     def _redraw(self, _change: object = None) -> None:
         run, checkpoint = self.state.run, self.state.checkpoint
         self._use.disabled = self._show_layer.disabled = run is None or checkpoint is None
+        show(self._asked, not self._use.disabled)
         if run is None or checkpoint is None:
             self.would_be = None
             self._plots.say("")
@@ -149,7 +151,7 @@ def plots(checkpoint: Checkpoint, would_be: Field, threshold: float) -> str:
     """Histograms of demand and of the mask; bars are what is, outlines what would be."""
     largest = max(1.25, 1.1 * threshold, float(np.percentile(checkpoint.demand, 99.9)))
     top = min(largest, WIDEST * max(1.0, threshold))
-    label = "demand s_norm" if top == largest else f"demand s_norm, {top:g} and more in the last bar"
+    label = "demand" if top == largest else f"demand, {top:g} and more in the last bar"
     demand = np.sqrt(shares(checkpoint.demand, 0.0, top, BINS))  # the root lets the few that matter be seen beside the many at 0
     above = float((checkpoint.demand >= threshold).mean())
     first = Frame(0.0, top, top=max(float(demand.max()), 1e-3), height=96, left=10)
@@ -157,6 +159,7 @@ def plots(checkpoint: Checkpoint, would_be: Field, threshold: float) -> str:
     one = [first.axes(label, (0.0, 0.5, 1.0)), first.bars(demand), limit]
     is_now, then = (np.sqrt(shares(mask, 0.0, 1.0, BINS)) for mask in (checkpoint.mask, would_be))
     second = Frame(0.0, 1.0, top=max(float(is_now.max()), float(then.max()), 1e-3), height=96, left=10)
-    two = [second.axes("mask: bars are, outlines would be", (0.0, 0.5, 1.0)), second.bars(is_now), second.bars(then, hollow=True)]
+    axis = second.axes("movement left: bars as it is, outlines as it would be", (0.0, 0.5, 1.0))
+    two = [axis, second.bars(is_now), second.bars(then, hollow=True)]
     words = f"histogram of demand: {above:.1%} of the vertices at or above the threshold {threshold:.2g}"
     return drawing(first, one, words) + drawing(second, two, "histogram of the mask now and as it would be")

@@ -14,7 +14,7 @@ from mechstyle.errors import BadInput
 from mechstyle.geometry.files import FORMATS
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle_widgets.jupyter.frame import unseen
-from mechstyle_widgets.jupyter.looks import lean
+from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section
 from mechstyle_widgets.settings.thumbnail_buttons import PictureChoice
 
@@ -109,6 +109,7 @@ class PartPicker(Section):
         if self.scale in UNITS.values():
             self._unit.value = self.scale
         self._unit.disabled = from_gallery or not self.model
+        show(self._unit, not self._unit.disabled)
 
     def _wish(self, model: str, scale: float | None) -> None:
         """Handle mouse and keyboard: as `choose`, with errors shown here."""

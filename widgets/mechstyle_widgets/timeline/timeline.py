@@ -124,6 +124,7 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
         self.scrubber.unobserve(self._slid, "value")  # a shorter lane cuts the value off as well
         self.scrubber.max = max(self._state.iterations_done, self.iteration, 1)
         self.scrubber.value = self.iteration
+        self.scrubber.layout.visibility = "visible" if self._begun else "hidden"  # there is nowhere to go yet
         self.scrubber.observe(self._slid, "value")
 
     # what the user does

@@ -23,6 +23,9 @@ SHEET = """<style>
   display: flex !important; flex-flow: row wrap; align-items: center; justify-content: space-between;
   background: var(--jp-layout-color0, #fff); border-bottom: 1px solid var(--jp-border-color2, #ddd);
   color: var(--jp-ui-font-color1, #222); }
+.mechstyle-titles { display: flex; gap: 4px; padding: 2px 0; font-size: 12px; line-height: 18px; background: var(--jp-layout-color0, #fff);
+  border-bottom: 1px solid var(--jp-border-color2, #ddd); }
+.mechstyle-titles .mechstyle-outcome { padding: 0 6px; border-radius: 3px; font-weight: 600; }
 .mechstyle-badge[style*="none"] { display: none !important; }
 .mechstyle-badge .widget-html, .mechstyle-badge .widget-html-content { height: auto; margin: 0; line-height: 1.45; font-size: 13px;
   white-space: normal; }
@@ -114,6 +117,14 @@ def told(verdict: Verdict, when: str = "", kept: str = "") -> str:
         head += f"<b>{rule.safety_factor:.2f}</b>safety factor"
         lines = [f"{rule.short}, {where}", kept, when]
     return f"<div>{head}</div><small>{escape(' · '.join(filter(None, lines)))}</small>"
+
+
+def outcome(row: Row | None) -> str:
+    """HTML for the verdict on an iteration in two words; that it was not tested if it was not."""
+    if row is None or row.verdict is None:
+        return f"<small>{_sign(UNTOLD, 'NOT TESTED')}</small>"
+    factor = "" if row.verdict.outcome == "UNKNOWN" else f" {row.verdict.safety_factor:.2f}"
+    return f"<small>{_sign(LOOKS[row.verdict.word], row.verdict.word)}{factor}</small>"
 
 
 def worst_place(verdict: Verdict, simulation: Simulation) -> Point:

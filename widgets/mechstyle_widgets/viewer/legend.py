@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from html import escape
+from itertools import zip_longest
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,10 +77,11 @@ def said(tool: str, ends: Sequence[Point]) -> str:
     return f"<span>{words[tool]}</span>" if tool else ""
 
 
-def titles(*names: str) -> str:
-    """HTML of names side by side, each in the middle of its share of the width."""
-    cells = "".join(f'<div style="flex:1;text-align:center">{escape(name)}</div>' for name in names)
-    return f'<div style="display:flex;font-size:12px;color:{FAINT}">{cells}</div>'
+def titles(names: Sequence[str], outcomes: Sequence[str]) -> str:
+    """HTML of names side by side, each in the middle of its share of the width, and under it the HTML of its verdict if it has one."""
+    heads = zip_longest((escape(name) for name in names), outcomes[: len(names)], fillvalue="")
+    cells = "".join(f'<div style="flex:1;min-width:0;text-align:center"><div>{name}</div>{outcome}</div>' for name, outcome in heads)
+    return f'<div class="mechstyle-titles" style="color:{INK}">{cells}</div>'
 
 
 def _block(inside: str) -> str:

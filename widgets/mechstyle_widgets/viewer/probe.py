@@ -92,6 +92,13 @@ def carried_over(face: int, point: Any, shown: SurfaceMesh, rest: SurfaceMesh) -
     return (x, y, z)
 
 
+def brief(subject: Subject, vertex: int, name: str) -> str:
+    """HTML of where a vertex is, and of its value in the layer of a name."""
+    layer, place = subject.layer(name), ", ".join(f"{value:.1f}" for value in subject.mesh.vertices[vertex])
+    value = "" if layer is None else f"<b>{escape(layer.at(vertex))}</b> &ensp;"
+    return f"<span>✕ {value}at ({place}) mm</span>"
+
+
 def table(subject: Subject, vertex: int) -> str:
     """HTML of a vertex's place and of its value in every layer."""
     place = ", ".join(f"{value:.2f}" for value in subject.mesh.vertices[vertex])

@@ -115,6 +115,7 @@ class RunViewer(Linked, Viewer):
             with self.hold_trait_notifications():
                 beside = [f"{lane}, iteration {iteration}" for lane, iteration in places]
                 self.names = ("on show", *beside) if self.compared else ("styled", "original")
+                self.outcomes = ("", *(badge.outcome(self._state.row(iteration, lane)) for lane, iteration in places))
                 self.original, self.third = self._subject_at(*places[0]), self._subject_at(*also) if also else None
                 self.beside = self.compared is not None
 

@@ -35,7 +35,8 @@ from mechstyle_widgets.viewer.section import Section
 from mechstyle_widgets.viewer.toolbar import Toolbar
 from mechstyle_widgets.viewer.tools import Tools
 
-DRAWN = ("subject", "original", "third", "layer", "markers", "probed", "places", "measured", "tool", "beside", "names", "protected")
+DRAWN = ("subject", "original", "third", "layer", "markers", "probed", "places", "measured", "tool", "beside", "names", "outcomes",
+         "protected")  # fmt: skip
 """Traits that change what is drawn."""
 
 
@@ -50,6 +51,7 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
         third: What stands beside those two, None for nothing.
         beside: Whether the original is shown beside it, moving along with the mouse.
         names: What they are called where they stand side by side.
+        outcomes: HTML of the verdict on each of them, which may be "".
         markers: Whether the greatest (ring) and the least value (triangle) are marked.
         protected: Whether the style must leave each vertex as it is, which is hatched, shape [vertex_count]; None for nothing.
         theme: `light` or `dark`.
@@ -62,6 +64,7 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
     third = traitlets.Instance(Subject, None, allow_none=True)
     beside = traitlets.Bool(False)
     names = traitlets.Tuple(default_value=("styled", "original"))
+    outcomes = traitlets.Tuple()
     markers = traitlets.Bool(True)
     protected = traitlets.Instance(np.ndarray, None, allow_none=True)
     theme = traitlets.Enum(tuple(BACKGROUNDS), "light")
@@ -92,7 +95,7 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
             BadInput: If a layer does not fit the part, or the original has other faces.
         """
         subject = Subject(mesh, tuple(layers))
-        self._faces, self._size = mesh.faces, (width, height)
+        self._first, self._faces, self._size = mesh, mesh.faces, (width, height)
         self._clicks = ipywidgets.CallbackDispatcher()
         if original is not None:
             self._check_faces(original)
@@ -104,19 +107,19 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
         self._picker = probe.Picker(self._scenes[0].part, self._orbit.three, self._pick)
         self._views = [self._renderer(self._scenes[0], [*self._orbit.controls, self._picker.three])]
         self._stage = lean(ipywidgets.HBox, self._views)
-        self.badge = Badge()
+        self.badge, self._titles = Badge(), lean(ipywidgets.HTML, layout={"display": "none"})
         self._said = lean(ipywidgets.HTML)
         self._said.add_class("mechstyle-said")
-        window = lean(ipywidgets.VBox, [self.badge, self._stage, self._said])
+        window = lean(ipywidgets.VBox, [self.badge, self._titles, self._stage, self._said])
         window.add_class("mechstyle-stage")
         self.section = Section(mesh.vertices.min(axis=0), mesh.vertices.max(axis=0))
         self._toolbar = Toolbar(self.fit, self.picture)
         self._list = Places(lambda number: self._fly_to(self.places[number]), self._remove)
         self._legend, self._scale, self._table = lean(ipywidgets.HTML), lean(ipywidgets.HTML), lean(ipywidgets.HTML)
-        self._titles = lean(ipywidgets.HTML, layout={"display": "none"})
+        self._beside_legend = lean(ipywidgets.VBox, [self._scale, self._table])
         wrap = {"flex_flow": "row wrap", "justify_content": "space-between", "overflow": "hidden"}
-        foot = lean(ipywidgets.HBox, [self._legend, lean(ipywidgets.VBox, [self._scale, self._table])], layout=wrap)
-        super().__init__([self._toolbar, self.section, self._titles, window, foot, self._list])
+        foot = lean(ipywidgets.HBox, [self._legend, self._beside_legend], layout=wrap)
+        super().__init__([self._toolbar, self.section, window, foot, self._list])
         self.add_class("mechstyle-viewer")
         self.subject, self.original, self.theme = subject, original, theme
         self._refresh = Paced(self._draw)
@@ -165,6 +168,11 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
         self.parallel = self._orbit.parallel
         self._measure()
 
+    def lend_table(self) -> ipywidgets.HTML:
+        """The table of the place asked about, to be shown elsewhere than under the view, where it would push down what follows."""
+        self._beside_legend.children = (self._scale,)
+        return self._table
+
     def picture(self) -> Picture:
         """The view, cut open as it is, without the hatching of protected regions, rendered in the kernel: `.save(path)` writes the PNG."""
         shown = self._shown
@@ -176,7 +184,7 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
         if self._built:
             self._refresh.cancel()
             self._list.close()
-            close_family(self, *self._views)
+            close_family(self, self._table, *self._views)
         super().close()
 
     # traits
@@ -241,7 +249,8 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
         key = "" if self.protected is None else legend.protected(self.protected, mesh)
         self._legend.value = (legend.colour_bar(layer, mesh) if layer else "") + key
         self._table.value = "" if self.probed is None else probe.table(self.subject, self.probed)
-        self._said.value = legend.said(self.tool, self.measured)
+        at = "" if self.probed is None else probe.brief(self.subject, self.probed, self.layer)
+        self._said.value = legend.said(self.tool, self.measured) or at
         self._list.show(self.subject, self.places)
         self._measure()
         self.drawings += 1
@@ -254,10 +263,10 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
     def _arrange(self) -> None:
         """Lay out one view, or two or three that share the width and the camera."""
         shown = self._shown
-        self._titles.value = legend.titles(*self.names)
+        self._titles.value = legend.titles(self.names, self.outcomes)
         self._toolbar.offer_beside(self.names[1].split(",")[0], there=self.original is not None)
-        for subject in shown[len(self._views) :]:
-            self._scenes.append(Scene(subject.mesh, self._orbit.home.target, self.theme))
+        for _ in shown[len(self._views) :]:
+            self._scenes.append(Scene(self._first, self._orbit.home.target, self.theme))
             self._views.append(self._renderer(self._scenes[-1], [self._orbit.share()]))
         views = tuple(self._views[: len(shown)])
         if self._stage.children != views:

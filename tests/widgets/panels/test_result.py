@@ -1,0 +1,43 @@
+"""What a run will do, and what has come of it."""
+
+import pytest
+
+from mechstyle_widgets.panels.result import Result, steps
+from mechstyle_widgets.state.studio_state import StudioState
+
+SETTINGS = {"schedule": "every", "every": 4, "travel": 0.1, "iterations": 12, "relief": None, "amplitude": None, "orientations": 6}
+
+
+@pytest.mark.parametrize(
+    ("changed", "told"),
+    [
+        ({}, "Drop it on the way, 2 times"),
+        ({"schedule": "geometry"}, "Drop it on the way, about"),
+        ({"orientations": 1}, "Drop what has come of it, once"),
+    ],
+)
+def test_a_plan_is_told_step_by_step(changed, told):
+    said = steps({**SETTINGS, **changed})
+    assert said[0] == "Drop the part as it came"
+    assert any(step.startswith(told) for step in said)
+
+
+def test_what_is_dropped_at_the_end_only_is_not_dropped_on_the_way():
+    assert not any("on the way" in step for step in steps({**SETTINGS, "schedule": "never"}))
+
+
+def test_nothing_is_promised_while_the_settings_are_not_known():
+    assert steps({}) == []
+
+
+def test_a_plan_gives_way_to_the_last_verdict_of_each_lane(done):
+    state = StudioState()
+    state.settings = SETTINGS
+    result = Result(state)
+    assert "Drop the part as it came" in result.value
+    state.open(done)
+    assert "Drop the part" not in result.value
+    last = done.history[-1].verdict
+    assert "as it came" in result.value.replace("\N{NO-BREAK SPACE}", " ")
+    for word in ("main", "soft", f"{last.safety_factor:.2f}", last.tightest.short):
+        assert word in result.value
