@@ -7,6 +7,7 @@ torch and is in `styling.drawn`.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import NamedTuple
 from weakref import WeakKeyDictionary
 
@@ -162,6 +163,8 @@ def drawing_of(
         return known
     raster = raster_of(recipe, objects)
     canvases = [canvas_for(recipe, wish, part.surface, part.thickness, raster) for wish in reading.wishes]
+    for before, canvas in pairwise([*(known.canvases[:1] if known else ()), *canvases]):
+        canvas.share(before)
     where = places(reading, part.surface, part.thickness)
     aim = drawn(recipe, reading, canvases, where.shares, bounds)
     found = Drawing(aim._replace(notes=(*where.notes, *aim.notes)), canvases, where.shares)

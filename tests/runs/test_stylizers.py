@@ -10,9 +10,10 @@ from mechstyle.loop.engine import kept
 from mechstyle.records.mesh import TetMesh
 from mechstyle.records.recipe import SIDES
 from mechstyle.runs.recipes import changed, plan
-from mechstyle.runs.stylizers import finished_relief, stylizer_for
+from mechstyle.runs.stylizers import drawing_of, finished_relief, stylizer_for
 from mechstyle.simulation.part import Shape, Workpiece, bounds_for
 from mechstyle.styling.learned.weights import verified
+from mechstyle.styling.prompt import reading_of
 
 
 def relief(part, recipe):
@@ -44,6 +45,21 @@ def test_the_stylizer_keeps_within_what_the_part_can_bear(ball):
 def test_what_was_not_understood_of_the_prompt_is_said(ball):
     _, notes = stylizer_for(ball, plan(ball, "brick with sprinkles"))
     assert any("sprinkles" in note for note in notes)
+
+
+def test_another_style_on_a_part_is_drawn_with_what_was_worked_out_of_it_and_looks_as_if_it_were_the_first(ball):
+    def drawn(part, prompt):
+        recipe = plan(ball, prompt)
+        return drawing_of(part, bounds_for(part, recipe)[0], recipe, reading_of(recipe))
+
+    def fresh():
+        return Shape(ball.surface, ball.thickness)
+
+    part, other = fresh(), fresh()
+    first, second = drawn(part, "brick"), drawn(part, "knit")
+    assert second.canvases[0].operators is first.canvases[0].operators
+    assert second.canvases[0].chart is first.canvases[0].chart
+    assert np.array_equal(second.target.displacement, drawn(other, "knit").target.displacement)
 
 
 # --- protected regions ----------------------------------------------------------------------------------------------

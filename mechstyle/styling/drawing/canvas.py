@@ -71,6 +71,7 @@ class Canvas:
         self.mesh = mesh
         self.seed = seed
         self.operators = Operators(mesh)
+        self._charts: list[Chart] = []  # one or none, in common with the canvases it shares with
         self.edge = self.operators.mesh.edge_length
         self.scale = scale_by_area(mesh) * size
         self.nozzle = nozzle
@@ -86,7 +87,14 @@ class Canvas:
     @cached_property
     def chart(self) -> Chart:
         """Chart of rows and columns on the surface."""
-        return chart_of(self.operators)
+        if not self._charts:
+            self._charts.append(chart_of(self.operators))
+        return self._charts[0]
+
+    def share(self, other: Canvas) -> None:
+        """Take over what another canvas of the same surface works out of that surface alone, which takes longer than a pattern."""
+        if other.mesh is self.mesh:
+            self.operators, self._charts = other.operators, other._charts
 
     def unit(self, what: str, finest: float, edges: float = 2.0) -> float:
         """Millimetres per nominal millimetre, enough for the finest feature to be carried by the mesh.

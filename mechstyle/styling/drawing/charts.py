@@ -14,6 +14,8 @@ from mechstyle.records.mesh import Floats, Indices, SurfaceMesh
 from mechstyle.styling.drawing.operators import Operators
 from mechstyle.styling.drawing.stripes import horizontal_lines, stripes
 
+KEPT = 8
+"""Rows and columns of so many sizes are kept: someone who tries depths and sizes comes back to them."""
 _BOX_SHARE, _BOX_COSINE = 0.80, float(np.cos(np.radians(10.0)))
 
 
@@ -47,13 +49,13 @@ class StripeChart:
         self._operators = operators
         self.along = horizontal_lines(operators)
         self.up = np.cross(operators.mesh.vertex_normals, self.along)
-        self._known: dict[tuple[str, float, float], Floats] = {}  # a finer drawing asks again, and each takes a second
+        self._known: dict[tuple[str, float, float], Floats] = {}  # a finer drawing or another depth asks again, and each takes a second
 
     def columns(self, length: float, margin: float, grip: float) -> Floats:  # noqa: ARG002  (stripes end nowhere)
         """Phase along the horizontal; see `Chart`, and `stripes` for the grip."""
         asked = ("columns", length, grip)
         if asked not in self._known:
-            self._known[asked] = stripes(self._operators, self.along, length, grip=grip)
+            self._keep(asked, stripes(self._operators, self.along, length, grip=grip))
         return self._known[asked]
 
     def rows(self, height: float, margin: float) -> Floats:
@@ -71,8 +73,13 @@ class StripeChart:
         outwards = mesh.vertices - mesh.vertices.mean(axis=0)
         outside = np.einsum("ij,ij->i", outwards[:, :2], mesh.vertex_normals[:, :2]) > 0.0
         upright = np.linalg.norm(mesh.vertex_normals[:, :2], axis=1) ** 4
-        self._known[asked] = 2.0 * stripes(self._operators, self.up, period, start=outside * upright * np.exp(2j * np.pi * wished))
+        self._keep(asked, 2.0 * stripes(self._operators, self.up, period, start=outside * upright * np.exp(2j * np.pi * wished)))
         return self._known[asked]
+
+    def _keep(self, asked: tuple[str, float, float], phase: Floats) -> None:
+        if len(self._known) >= KEPT:
+            self._known.pop(next(iter(self._known)))
+        self._known[asked] = phase
 
 
 class BoxChart:

@@ -19,9 +19,9 @@ from mechstyle.simulation.part import Shape, standardised
 from mechstyle_widgets.jupyter.throttle import Timer, running_loop
 from mechstyle_widgets.jupyter.worker_process import Aside
 
-WAIT = 0.2
+WAIT = 0.15
 """After the last change of a setting [s]."""
-VERTICES = 8000
+VERTICES = 6000
 """As many show a style and are drawn in half a second; a run of fewer is shown with its own."""
 
 
