@@ -28,7 +28,7 @@ from mechstyle.records.regions import Inside, Outside, Region
 from mechstyle.simulation.carrying import at_rest, carrying
 from mechstyle.styling.prompt import reading_of
 
-PREPARATION_VERSION = 5
+PREPARATION_VERSION = 6
 """Counts changes that alter the prepared part, so that cached parts of older code are not reused."""
 
 INWARD_SHARE = 0.25

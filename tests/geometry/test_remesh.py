@@ -154,3 +154,23 @@ def test_the_rim_of_a_recess_is_not_notched():
     even = standardise(part, 3000)
     assert TriangleTree(even.vertices, even.faces).nearest(part.vertices).distance.max() < 0.45
     assert crossings(even).pairs == 0
+
+
+def test_what_a_part_stands_on_stays_flat():
+    """Pads of a relief under the part end where it turns by 17°, which is no sharp edge: cut across, they lost the area that lands."""
+    box = trimesh.creation.box((30.0, 30.0, 8.0))
+    plain = standardise(SurfaceMesh(np.add(box.vertices, (0.0, 0.0, 4.0)), box.faces), 24000)
+    beside = np.abs((plain.vertices[:, :2] + 3.75) % 7.5 - 3.75)
+    height = np.where(plain.vertices[:, 2] < 1e-6, np.clip(0.3 * (np.linalg.norm(beside, axis=1) - 2.5), 0.0, 0.5), 0.0)
+    padded = SurfaceMesh(plain.vertices + height[:, None] * (0.0, 0.0, 1.0), plain.faces)
+    even = standardise(padded, 3000)
+    assert _resting_area(even) == pytest.approx(_resting_area(padded), rel=0.05)
+
+
+def _resting_area(mesh):
+    return mesh.face_areas[(mesh.corners[:, :, 2] < 1e-3).all(axis=1)].sum()
+
+
+def test_a_count_that_a_part_jumps_over_is_missed_by_a_tenth_at_most():
+    """A coaster's rounds take a whole row more or less at once: 2830 vertices or 3160, whatever the edge length."""
+    assert abs(len(standardise(make("coaster"), 3000).vertices) / 3000 - 1) <= 0.1
