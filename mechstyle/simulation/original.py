@@ -4,6 +4,9 @@ Where the waves of a flat landing meet, another mesh of the same fineness reads 
 part that fails is held to what the original does on the part's own tetrahedra as well. But where the way back from half a relief would
 turn tetrahedra inside out, the original is stood in for by a part with a little relief left, and a notch left over may bear several times
 what the original does: so that is believed up to a limit only.
+
+The other way round, a tetrahedron like a splinter beside its foot may tell an original of its own tetrahedra several times its stress, and
+would let a style bear as much. One that reads far above its strength is therefore believed only as far as other tetrahedra confirm it.
 """
 
 from __future__ import annotations
@@ -14,10 +17,49 @@ import msgspec
 import numpy as np
 
 from mechstyle.records import Measures, Simulation
+from mechstyle.records.material import Material
 from mechstyle.records.mesh import Field
 
 FINER = 1.4
-"""What other tetrahedra may read, over what those of the original do; more is a notch."""
+"""What other tetrahedra may read, over what those of the original do; more is a notch, or a splinter."""
+
+DOUBTED = 2.0
+"""Stress of an original, over its yield strength, above which it wants confirming."""
+
+
+def doubted(original: Simulation, material: Material) -> bool:
+    """Whether an original's stress as placed, or that of its surface tilted, is so high that it wants confirming on other tetrahedra."""
+    tilted = 0.0 if original.tilted is None else original.tilted.surface
+    return not original.failure and max(original.as_placed.peak, tilted) > DOUBTED * material.yield_strength
+
+
+def beside(original: Simulation, here: Simulation, material: Material) -> Simulation:
+    """The original as it is known from two meshes: confirmed where it is doubted, and raised.
+
+    Args:
+        original: On tetrahedra of its own, in all orientations.
+        here: On those that were made for a relief, as placed and tilted.
+        material: What its stress is compared with.
+    """
+    return raised(confirmed(original, here) if doubted(original, material) else original, here)
+
+
+def confirmed(original: Simulation, here: Simulation) -> Simulation:
+    """The original with its stresses as placed and tilted at most FINER times what it reads on other tetrahedra.
+
+    Args:
+        original: On tetrahedra of its own, in all orientations.
+        here: On those that were made for a relief, as placed and tilted.
+    """
+    if here.failure or here.tilted is None or original.tilted is None:
+        return original
+    return replace(
+        original,
+        stress=np.minimum(original.stress, np.float32(FINER * here.as_placed.peak)),
+        tilted_stress=np.minimum(original.tilted_stress, np.float32(FINER * here.tilted.peak)),
+        as_placed=_at_most(original.as_placed, here.as_placed),
+        tilted=_at_most(original.tilted, here.tilted),
+    )
 
 
 def raised(original: Simulation, here: Simulation) -> Simulation:
@@ -39,6 +81,13 @@ def raised(original: Simulation, here: Simulation) -> Simulation:
         as_placed=_larger(original.as_placed, here.as_placed),
         tilted=tilted,
     )
+
+
+def _at_most(own: Measures, here: Measures) -> Measures:
+    """The measures of one, surface and contact at most FINER times the other's."""
+    held = {name: min(getattr(own, name), FINER * getattr(here, name)) for name in ("surface", "contact")}
+    larger = max(held, key=held.__getitem__)
+    return msgspec.structs.replace(own, peak=held[larger], where=getattr(own, f"{larger}_where") or own.where, **held)
 
 
 def _within(here: Field, own: Field, most: Measures) -> Field:
