@@ -8,6 +8,7 @@ from support.lanes import lane_on_a_sheet
 
 pytestmark = pytest.mark.browser
 
+PREVIEWED = "Changes as you choose"
 TEXT = "document.querySelector('.mechstyle-timeline .js-plotly-plot')?.textContent ?? ''"
 
 
@@ -59,6 +60,8 @@ DEAF = """() => {
 def test_two_views_of_one_studio_are_there_again_after_a_reload(notebook, busy):
     notebook.open("from mechstyle_widgets import Studio\nstudio = Studio(vertices=4000)\nstudio", "studio")
     notebook.drawn(1)
+    # ipywidgets goes over its live models to list them: a kernel that makes some meanwhile, as for a preview, lists none.
+    notebook.page.get_by_text(PREVIEWED).first.wait_for()
     notebook.page.evaluate("() => window.jupyterapp.commands.execute('docmanager:save')")
     if busy:
         notebook.page.add_init_script(f"({busy})()")

@@ -1,0 +1,130 @@
+"""Every style in plain grey on cups of several walls and sizes: by how much its picture differs from that of the cup without it.
+
+The figure is the mean difference over the pixels of the part, in levels of 255; styles that are meant to have relief should reach 8.
+Writes docs/legibility.md and a contact sheet; what was measured before is kept in the .json.
+
+python benchmarks/legibility.py                      # every style on every cup
+python benchmarks/legibility.py brick fish_scales    # some of them
+python benchmarks/legibility.py --page               # the page alone
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import msgspec
+import numpy as np
+
+from mechstyle.gallery.style_sheet import Specimen, lettered, png
+from mechstyle.geometry.remesh import surface_of
+from mechstyle.pictures.colormap import PLAIN
+from mechstyle.pictures.scene import BACKGROUND, Camera, render
+from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.styling.library import names
+from mechstyle.styling.prompt import Wish
+
+DOCS = Path(__file__).parent.parent / "docs"
+CUPS = {
+    "20 mm, 1.2 mm wall": (20.0, 1.2),
+    "100 mm, 0.7 mm wall": (100.0, 0.7),
+    "100 mm, 1.2 mm wall": (100.0, 1.2),
+    "100 mm, 3 mm wall": (100.0, 3.0),
+    "250 mm, 3 mm wall": (250.0, 3.0),
+}
+"""Height and wall of each cup [mm]."""
+ASKED, LEGIBLE = 25_000, 8.0
+PIXELS, LINE = 220, 26
+BARE = 4
+"""Levels between a pixel of the part and the background from which it counts as one."""
+HEAD = """\
+# Styles in plain grey
+
+Who prints in one colour sees the relief alone. The mean difference between the grey pictures of a cup with a style and without, over the
+pixels of the cup, in levels of 255, on the 25 000 vertices of the loop, seen from the usual corner with its light. Made by
+`python benchmarks/legibility.py`. From about 8 on a style is told at a glance. {below}
+
+![Each style on the five cups, in grey](legibility.png)
+
+"""
+
+
+def cup(height: float, wall: float) -> SurfaceMesh:
+    """A round cup without fillets, as wide as it is high times 0.8 [mm]."""
+    from manifold3d import Manifold  # noqa: PLC0415
+
+    radius = 0.4 * height
+    inside = Manifold.cylinder(height, radius - wall, circular_segments=128).translate((0.0, 0.0, wall))
+    return surface_of(Manifold.cylinder(height, radius, circular_segments=128) - inside)
+
+
+def grey(mesh: SurfaceMesh, camera: Camera) -> np.ndarray:
+    """Its picture without colours, shape [PIXELS, PIXELS], levels of 255."""
+    colours = np.broadcast_to(PLAIN, mesh.vertices.shape)
+    return render(mesh, camera=camera, width=PIXELS, height=PIXELS, colours=colours).astype(float).mean(axis=2)
+
+
+def difference(plain: np.ndarray, styled: np.ndarray) -> float:
+    """Mean difference over the pixels of the part [levels of 255]."""
+    nothing = 255.0 * float(np.mean(BACKGROUND))
+    part = (np.abs(plain - nothing) > BARE) | (np.abs(styled - nothing) > BARE)
+    return float(np.abs(styled - plain)[part].mean())
+
+
+def main() -> None:
+    """Measure and write the page."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("styles", nargs="*", choices=[*names(), []])
+    parser.add_argument("--page", action="store_true")
+    asked = parser.parse_args()
+    path, sheets = DOCS / "legibility.json", DOCS.parent / "build" / "legibility"
+    known = msgspec.json.decode(path.read_bytes(), type=dict[str, dict[str, float]]) if path.exists() else {}
+    sheets.mkdir(parents=True, exist_ok=True)
+    if not asked.page:
+        for told, (height, wall) in CUPS.items():
+            specimen = Specimen.of(cup(height, wall), ASKED)
+            camera = Camera.named("three_quarter", specimen.surface.vertices)
+            plain = grey(specimen.surface, camera)
+            for style in asked.styles or names():
+                styled = grey(specimen.styled(Wish(style))[0], camera)
+                np.save(sheets / f"{style}-{list(CUPS).index(told)}.npy", styled.astype(np.uint8))
+                known.setdefault(style, {})[told] = round(difference(plain, styled), 1)
+                print(f"{style} on {told}: {known[style][told]}", flush=True)
+    path.write_bytes(msgspec.json.format(msgspec.json.encode(dict(sorted(known.items()))), indent=1) + b"\n")
+    (DOCS / "legibility.md").write_text(page(known))
+    drawn = [style for style in sorted(known) if all((sheets / f"{style}-{index}.npy").exists() for index in range(len(CUPS)))]
+    if drawn:
+        (DOCS / "legibility.png").write_bytes(sheet(sheets, drawn))
+
+
+def page(known: dict[str, dict[str, float]]) -> str:
+    """The page in Markdown."""
+    low = sum(figure < LEGIBLE for row in known.values() for figure in row.values())
+    below = f"{low} of {sum(map(len, known.values()))} pictures fall short of that (in italics)."
+    lines = ["| style | " + " | ".join(CUPS) + " |", "|---" * (len(CUPS) + 1) + "|"]
+    for style, row in sorted(known.items()):
+        lines.append(f"| {style.replace('_', ' ')} | " + " | ".join(_figure(row.get(told)) for told in CUPS) + " |")
+    return HEAD.format(below=below) + "\n".join(lines) + "\n"
+
+
+def _figure(figure: float | None) -> str:
+    """A figure as it is told."""
+    return "–" if figure is None else f"{figure:.1f}" if figure >= LEGIBLE else f"*{figure:.1f}*"
+
+
+def sheet(folder: Path, styles: list[str], columns: int = 2) -> bytes:
+    """All pictures below each other in columns, a row for each style, as PNG."""
+    deep, wide = -(-len(styles) // columns), PIXELS * len(CUPS)
+    pixels = np.full((deep * (PIXELS + LINE), columns * wide, 3), 247, np.uint8)
+    places = []
+    for index, style in enumerate(styles):
+        column, line = divmod(index, deep)
+        left, top = column * wide, line * (PIXELS + LINE)
+        row = np.hstack([np.load(folder / f"{style}-{cup}.npy") for cup in range(len(CUPS))])
+        pixels[top + LINE : top + LINE + PIXELS, left : left + wide] = row[..., None]
+        places.append((left + 8, top))
+    return png(lettered(pixels, places, [(style.replace("_", " "), "") for style in styles]))
+
+
+if __name__ == "__main__":
+    main()
