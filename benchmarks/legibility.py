@@ -114,14 +114,16 @@ def _figure(figure: float | None) -> str:
 
 def sheet(folder: Path, styles: list[str], columns: int = 2) -> bytes:
     """All pictures below each other in columns, a row for each style, as PNG."""
-    deep, wide = -(-len(styles) // columns), PIXELS * len(CUPS)
-    pixels = np.full((deep * (PIXELS + LINE), columns * wide, 3), 247, np.uint8)
+    cell = PIXELS // 2
+    deep, wide = -(-len(styles) // columns), cell * len(CUPS)
+    pixels = np.full((deep * (cell + LINE), columns * wide, 3), 247, np.uint8)
     places = []
     for index, style in enumerate(styles):
         column, line = divmod(index, deep)
-        left, top = column * wide, line * (PIXELS + LINE)
+        left, top = column * wide, line * (cell + LINE)
         row = np.hstack([np.load(folder / f"{style}-{cup}.npy") for cup in range(len(CUPS))])
-        pixels[top + LINE : top + LINE + PIXELS, left : left + wide] = row[..., None]
+        row = row.reshape(cell, 2, wide, 2).mean(axis=(1, 3))
+        pixels[top + LINE : top + LINE + cell, left : left + wide] = row[..., None]
         places.append((left + 8, top))
     return png(lettered(pixels, places, [(style.replace("_", " "), "") for style in styles]))
 
