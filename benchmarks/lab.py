@@ -109,7 +109,7 @@ UNDRAWN = """() => { for (const gl of [WebGLRenderingContext.prototype, WebGL2Re
 Row = tuple[str, str, str]
 """What was measured, the figure, and what is allowed."""
 PATIENCE = 300_000  # to the first iteration of a run [ms]
-WIDGETS = "from ipywidgets.widgets.widget import _instances; print(len(_instances))"
+WIDGETS = "from ipywidgets.widgets import widget; print(len(widget._instances))"
 WATCH = """() => {
     window.drawn = [];
     for (const gl of [WebGLRenderingContext.prototype, WebGL2RenderingContext.prototype])

@@ -15,7 +15,7 @@ def shown(notebook, finished_run):
 from mechstyle import Run
 from mechstyle_widgets import RunViewer
 from mechstyle_widgets import StudioState
-from ipywidgets.widgets.widget import _instances as alive
+from ipywidgets.widgets import widget as library
 run = Run.open({str(finished_run.store.root)!r})
 state = StudioState(run)
 viewer = RunViewer(state)
@@ -111,9 +111,9 @@ def test_the_impact_can_be_watched_and_exaggerated(shown):
 
 def test_running_the_cell_again_leaves_nothing_behind(shown):
     shown.run_all()
-    count = shown.python("print(len(alive))")
+    count = shown.python("print(len(library._instances))")
     for _ in range(3):
         shown.run_all()
     shown.drawn()
-    assert shown.python("print(len(alive))") == count
+    assert shown.python("print(len(library._instances))") == count
     assert shown.page.locator(".mechstyle-viewer").count() == 1

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from ipywidgets.widgets.widget import _instances
+from ipywidgets.widgets import widget as library
 
 from mechstyle_widgets.jupyter.looks import shared
 
 
 def alive() -> set[str]:
     """Ids of those that belong to one widget; looks that all share stay."""
-    return {name for name, widget in _instances.items() if not shared(widget)}
+    return {name for name, widget in library._instances.items() if not shared(widget)}

@@ -3,7 +3,7 @@
 import ipywidgets
 import pytest
 import traitlets
-from ipywidgets.widgets.widget import _instances as alive
+from ipywidgets.widgets import widget as library
 
 from mechstyle_widgets import Studio
 from mechstyle_widgets.jupyter.closing import close_family
@@ -56,9 +56,9 @@ def test_looks_that_were_closed_are_made_anew():
 
 def test_a_studio_is_of_few_and_small_models():
     """A page that is loaded anew asks for all of them at once, and gives up on what it does not find within two seconds."""
-    before = set(alive)
+    before = set(library._instances)
     studio = Studio(prompt="brick")
-    made = [alive[name] for name in set(alive) - before]
+    made = [library._instances[name] for name in set(library._instances) - before]
     sent = [ipywidgets.widgets.widget._remove_buffers(one.get_state()) for one in made]
     size = sum(len(str(state)) + sum(memoryview(one).nbytes for one in buffers) for state, _, buffers in sent)
     studio.close()

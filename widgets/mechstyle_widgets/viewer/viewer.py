@@ -23,6 +23,7 @@ from mechstyle.records.mesh import SurfaceMesh
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
 from mechstyle_widgets.jupyter.closing import close_family
 from mechstyle_widgets.jupyter.frame import Framed
+from mechstyle_widgets.jupyter.listing import answer_while_drawing
 from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.jupyter.throttle import Paced
 from mechstyle_widgets.viewer import legend, probe
@@ -34,6 +35,8 @@ from mechstyle_widgets.viewer.scene import BACKGROUNDS, Scene, floor_cell
 from mechstyle_widgets.viewer.section import Section
 from mechstyle_widgets.viewer.toolbar import Toolbar
 from mechstyle_widgets.viewer.tools import Tools
+
+answer_while_drawing()
 
 DRAWN = ("subject", "original", "third", "layer", "markers", "probed", "places", "measured", "tool", "beside", "names", "outcomes",
          "protected")  # fmt: skip
