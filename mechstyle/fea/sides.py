@@ -70,13 +70,21 @@ class Sides:
         ones = np.ones(int(kept.sum()), np.float32)
         return coo_array((ones, (spot[kept], point[kept])), shape=(len(self.vertices), len(self.face_of))).tocsr()
 
-    def around(self, marked: Bools, reach: float) -> Bools:
-        """Spots within `reach` [mm] of marked vertices, [vertex_count], not through the wall; shape [spot_count]."""
+    def around(self, marked: Bools, reach: float, splinters: Bools) -> Bools:
+        """Spots within `reach` [mm] of marked vertices, not through the wall; shape [spot_count].
+
+        Args:
+            marked: Which vertices are, shape [vertex_count].
+            reach: Straight distance [mm].
+            splinters: Spots of sides too small to be one of a wall, of which the mean of all faces at the vertex tells on which side they
+                are, shape [spot_count].
+        """
         seeds = np.unique(self.vertices[marked[self.vertices]])
         if not len(seeds):
             return np.zeros(len(self.vertices), dtype=bool)
         found = cKDTree(self.positions).sparse_distance_matrix(cKDTree(self._vertices[seeds]), reach, output_type="ndarray")
-        beside = _cosines(self._directions[found["i"]], self._means[seeds[found["j"]]]) >= ROUND_AN_EDGE
+        directions = np.where(splinters[:, None], self._means[self.vertices], self._directions)
+        beside = _cosines(directions[found["i"]], self._means[seeds[found["j"]]]) >= ROUND_AN_EDGE
         close = np.zeros(len(self.vertices), dtype=bool)
         close[found["i"][beside]] = True
         reached = np.asarray(close[self.spots].any(axis=1))

@@ -20,6 +20,11 @@ def facing(sides, direction):
     return sides._directions @ direction > 0.9
 
 
+def around(sides, marked):
+    """Within 3 mm, on a mesh without splinters."""
+    return sides.around(marked, 3.0, np.zeros(len(sides.vertices), bool))
+
+
 def test_points_share_the_area_and_follow_a_morph(box):
     mesh = box((5, 3, 2), (15.0, 8.0, 4.0))
     sides = Sides(mesh)
@@ -62,7 +67,7 @@ def test_the_same_side_of_the_next_wall_is_not_near(box):
     heights = (sides.points @ pair.vertices)[:, 2]
     lower = facing(sides, UP) & np.isclose(sides.positions[:, 2], 1.0)
     assert heights[sides.near(2.0)[np.flatnonzero(lower)].indices] == pytest.approx(1.0)
-    zone = sides.around(np.isclose(pair.vertices[:, 2], 0.0), 3.0)
+    zone = around(sides, np.isclose(pair.vertices[:, 2], 0.0))
     assert zone[facing(sides, DOWN) & np.isclose(sides.positions[:, 2], 0.0)].all()
     assert not zone[np.isclose(sides.positions[:, 2], 1.5) | np.isclose(sides.positions[:, 2], 2.5)].any()
 
@@ -71,7 +76,7 @@ def test_the_same_side_of_the_next_wall_is_not_near(box):
 def test_the_upper_side_of_a_floor_is_not_beside_what_its_underside_stands_on(box, thickness):
     mesh = box((10, 10, 2), (20.0, 20.0, thickness))
     sides = Sides(mesh)
-    zone = sides.around(np.isclose(mesh.vertices[:, 2], 0.0), 3.0)
+    zone = around(sides, np.isclose(mesh.vertices[:, 2], 0.0))
     assert zone[facing(sides, DOWN)].all()
     assert not zone[facing(sides, UP)].any()
 
@@ -83,7 +88,7 @@ def test_a_chamfer_does_not_end_a_zone(box):
     vertices[np.isclose(vertices[:, 1:], 0.0).all(axis=1), 1:] = 0.5
     mesh = straight.moved(vertices)
     sides = Sides(mesh)
-    zone = sides.around(np.isclose(vertices[:, 2], 0.0) & np.isclose(vertices[:, 0], 4.0), 3.0)
+    zone = around(sides, np.isclose(vertices[:, 2], 0.0) & np.isclose(vertices[:, 0], 4.0))
     wall = facing(sides, np.array([0.0, -1.0, 0.0])) & np.isclose(sides.positions[:, 0], 4.0)
     assert wall.sum() >= 7
     assert np.array_equal(zone[wall], sides.positions[wall, 2] < 2.9)  # the floor ends at y = 1
@@ -93,8 +98,8 @@ def test_a_zone_reaches_so_far_round_an_edge_and_no_farther(box):
     """A plate stands on its narrow side: both large sides belong to the zone up to 3 mm."""
     mesh = box((1, 20, 20), (2.0, 20.0, 20.0))
     sides = Sides(mesh)
-    zone = sides.around(np.isclose(mesh.vertices[:, 2], 0.0), 3.0)
+    zone = around(sides, np.isclose(mesh.vertices[:, 2], 0.0))
     for outwards in ([1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]):
         large = facing(sides, np.array(outwards))
         assert np.array_equal(zone[large], sides.positions[large, 2] < 3.5)
-    assert not sides.around(np.zeros(len(mesh.vertices), bool), 3.0).any()
+    assert not around(sides, np.zeros(len(mesh.vertices), bool)).any()

@@ -8,6 +8,7 @@ from mechstyle.fea.criterion import measures
 from mechstyle.fea.statics.load_test import StaticTest
 from mechstyle.fea.surface_stress import RESOLVED, SurfaceStress, worst
 from mechstyle.records.load_cases import Load, LoadCase, Patch, Support
+from mechstyle.records.mesh import TetMesh
 from mechstyle.simulation.validation import bending
 from mechstyle.simulation.validation.bending import CLAMP, held_and_loaded
 from mechstyle.simulation.validation.notches import THICKNESS, WIDTH, bar_with_fillets, bar_with_hole
@@ -180,6 +181,32 @@ def test_pressure_on_a_whole_side_does_not_hide_the_bending_of_that_side(box, pl
     x = reading.sides.positions[middle, 0]
     theory = 0.02 * 10.0 * (40.0 - x) ** 2 / 2.0 / (10.0 * 2.0**2 / 6.0)
     assert found.field[reading.sides.vertices[middle]] == pytest.approx(theory, rel=0.15, abs=1.0)
+
+
+def with_thorn(mesh, at, outwards):
+    """A mesh with one more tetrahedron, on the face of its boundary that is nearest to a place."""
+    faces = mesh.boundary_faces
+    face = faces[np.linalg.norm(mesh.vertices[faces].mean(axis=1) - at, axis=1).argmin()]
+    apex = mesh.vertices[face].mean(axis=0) + outwards
+    return TetMesh(np.concatenate([mesh.vertices, [apex]]), np.concatenate([mesh.tets, [[*face[::-1], len(mesh.vertices)]]]))
+
+
+def test_a_thorn_beside_contact_is_contact_although_its_upper_side_looks_away(box):
+    mesh = with_thorn(box((8, 8, 8), (8.0, 8.0, 8.0)), (4.0, 0.0, 0.5), (0.0, -0.8, 0.0))
+    reading = SurfaceStress(mesh)
+    thorn = np.isin(reading.sides.vertices, mesh.tets[-1])
+    upper = thorn & (reading.sides._directions[:, 2] > 0.3)
+    assert upper.sum() == 3
+    assert reading.contact_zone(np.isclose(mesh.vertices[:, 2], 0.0))[thorn].all()
+
+
+def test_a_thorn_over_contact_bends_with_the_floor_it_is_on(box):
+    """One of the sides of the thorn looks down the slope; taking that for contact would see half of the bending of a floor of 1 mm."""
+    mesh = with_thorn(box((20, 20, 1), (20.0, 20.0, 1.0)), (10.0, 10.0, 1.0), (0.4, 0.0, 0.3))
+    reading = SurfaceStress(mesh)
+    thorn = np.isin(reading.sides.vertices, mesh.tets[-1])
+    assert reading._splinters[thorn].any()
+    assert not reading.contact_zone(np.isclose(mesh.vertices[:, 2], 0.0))[thorn].any()
 
 
 def test_zones_reach_5_mm_from_contact_and_2_mm_from_a_border(box):
