@@ -16,7 +16,7 @@ from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from mechstyle.records.mesh import Bools, Floats, Indices, TetMesh
+from mechstyle.records.mesh import Bools, Floats, Indices, SurfaceMesh, TetMesh
 
 SAME_SIDE = math.cos(math.radians(60.0))
 ROUND_AN_EDGE = math.cos(math.radians(110.0))
@@ -41,11 +41,10 @@ class Sides:
     """
 
     def __init__(self, tets: TetMesh) -> None:
-        self.faces = tets.boundary_faces
-        self._vertices = tets.vertices
-        vectors = _area_vectors(tets, self.faces)
-        self._normals = _unit(vectors)
-        self._means = _means(self.faces, vectors, len(tets.vertices))
+        boundary = SurfaceMesh(tets.vertices, tets.boundary_faces)
+        self.faces, self._vertices, self._normals = boundary.faces, boundary.vertices, boundary.face_normals
+        # By angle, so that a corner of a floor does not look sideways where its triangle of the floor is small.
+        self._means = boundary.vertex_normals
         self.spots, self.vertices, self._directions = _spots(self.faces, self._normals, self._means)
         self.points, self.face_of = _points(tets, self.faces)
         self._beside = _neighbours(self.faces)
@@ -57,7 +56,7 @@ class Sides:
 
     def weights(self, tets: TetMesh) -> Floats:
         """Area each point stands for on a morph of the mesh [mm²], shape [point_count]."""
-        areas = np.linalg.norm(_area_vectors(tets, self.faces), axis=1)
+        areas = SurfaceMesh(tets.vertices, self.faces).face_areas
         return np.asarray((areas / np.bincount(self.face_of, minlength=len(areas)))[self.face_of])
 
     def near(self, reach: float) -> csr_array:
@@ -115,23 +114,6 @@ class Sides:
 
 def _cosines(one: Floats, other: Floats) -> Floats:
     return np.asarray(np.einsum("nx,nx->n", one, other))
-
-
-def _area_vectors(tets: TetMesh, faces: Indices) -> Floats:
-    a, b, c = (tets.vertices[faces[:, corner]] for corner in range(3))
-    return 0.5 * np.cross(b - a, c - a)
-
-
-def _unit(vectors: Floats) -> Floats:
-    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
-    return np.divide(vectors, lengths, out=np.zeros_like(vectors), where=lengths > 0.0)
-
-
-def _means(faces: Indices, vectors: Floats, vertex_count: int) -> Floats:
-    """Mean normals at the vertices, shape [vertex_count, 3], zero inside."""
-    total = np.zeros((vertex_count, 3))
-    np.add.at(total, faces, vectors[:, None])
-    return _unit(total)
 
 
 def _spots(faces: Indices, normals: Floats, means: Floats) -> tuple[Indices, Indices, Floats]:

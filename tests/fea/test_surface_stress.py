@@ -191,8 +191,10 @@ def with_thorn(mesh, at, outwards):
     return TetMesh(np.concatenate([mesh.vertices, [apex]]), np.concatenate([mesh.tets, [[*face[::-1], len(mesh.vertices)]]]))
 
 
-def test_a_thorn_beside_contact_is_contact_although_its_upper_side_looks_away(box):
-    mesh = with_thorn(box((8, 8, 8), (8.0, 8.0, 8.0)), (4.0, 0.0, 0.5), (0.0, -0.8, 0.0))
+@pytest.mark.parametrize("edge", [1.0, 2.0])
+def test_a_thorn_beside_contact_is_contact_although_its_upper_side_looks_away(box, edge):
+    count = round(8.0 / edge)
+    mesh = with_thorn(box((count, count, count), (8.0, 8.0, 8.0)), (4.0, 0.0, 0.5 * edge), (0.0, -0.8 * edge, 0.0))
     reading = SurfaceStress(mesh)
     thorn = np.isin(reading.sides.vertices, mesh.tets[-1])
     upper = thorn & (reading.sides._directions[:, 2] > 0.3)
@@ -207,6 +209,18 @@ def test_a_thorn_over_contact_bends_with_the_floor_it_is_on(box):
     thorn = np.isin(reading.sides.vertices, mesh.tets[-1])
     assert reading._splinters[thorn].any()
     assert not reading.contact_zone(np.isclose(mesh.vertices[:, 2], 0.0))[thorn].any()
+
+
+def test_of_the_upper_side_of_a_floor_none_but_a_pointed_corner_may_count_as_contact(box):
+    """There is less than a splinter of it within 2 mm of the corner, where nothing bends; 1 mm further the side is told from the other."""
+    straight = box((20, 20, 1), (20.0, 20.0, 1.0))
+    mesh = straight.moved(straight.vertices + straight.vertices[:, 1:2] * [1.0, 0.0, 0.0])
+    reading = SurfaceStress(mesh)
+    zone = reading.contact_zone(np.isclose(mesh.vertices[:, 2], 0.0))
+    upper = reading.sides._directions[:, 2] > 0.9
+    corner = np.linalg.norm(reading.sides.positions[:, None] - [[0.0, 0.0, 1.0], [40.0, 20.0, 1.0]], axis=2).min(axis=1) < 0.1
+    assert upper.sum() > 400
+    assert not zone[upper & ~corner].any()
 
 
 def test_zones_reach_5_mm_from_contact_and_2_mm_from_a_border(box):
