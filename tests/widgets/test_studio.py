@@ -55,6 +55,17 @@ def test_settings_without_a_control_may_be_given_and_stay(tmp_path, fake_run):
     assert (studio.wanted().recipe.window, studio.controller.differs()) == (2.0, {})
 
 
+@pytest.mark.usefixtures("unprotected")
+def test_part_and_style_stand_over_the_run(tmp_path, fake_run):
+    studio = Studio("gallery:wall_hook", prompt="small wood", vertices=900)
+    assert studio.run_controls.title == "wall hook, small wood"
+    studio.prompt_box.prompt = "<b>stone"
+    assert "<b>wall hook, &lt;b&gt;stone</b> · </span>ready" in studio.run_controls._line.value
+    made = fake_run(tmp_path / "titled")
+    made.go()
+    assert Studio(made.run).run_controls.title == "sheet, brick"
+
+
 def test_freestyle_brings_its_preset():
     recipe = Studio("gallery:wall_hook", freestyle=True, iterations=50).wanted().recipe
     assert (recipe.control, recipe.schedule, recipe.guarantee, recipe.iterations) == ("none", "never", False, 50)

@@ -297,13 +297,15 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         return make(what, theme=self.shown_theme, width=width, height=height)
 
     def _emphasise(self, _change: object = None) -> None:
-        """Fill the one button that leads on: running, or, once the part is done, taking it away."""
+        """Say what is made, and fill the one button that leads on: running, or, once the part is done, taking it away."""
         try:
             done = self.state.status == "finished" and not self.controller.asks_for_another()
         except MechStyleError:  # what is wrong is said where it is set
             done = False
         self.take_away.main.button_style = "primary" if done else ""
         self.run_controls.emphasise(not done)
+        what = (self.run.record.name, self.run.recipe.prompt) if self.run else (self.part_picker.name, self.prompt_box.prompt)
+        self.run_controls.title = ", ".join(filter(None, what)).replace("_", " ")
 
     # what the page tells
 

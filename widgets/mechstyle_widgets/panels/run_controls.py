@@ -34,9 +34,11 @@ class RunControls(Section):
 
     Attributes:
         words: The line under the bar.
+        title: What stands before it in bold, part and style; may be empty.
     """
 
     words = traitlets.Unicode("")
+    title = traitlets.Unicode("")
 
     def __init__(self, controller: Controller) -> None:
         """Bind the buttons to a controller."""
@@ -58,6 +60,7 @@ class RunControls(Section):
         for wide in (self._note, self._trouble):
             wide.add_class("mechstyle-wide")
         self.state.observe(self._show, FOLLOWED)
+        self.observe(self._show, "title")
         self._show()
 
     def emphasise(self, filled: bool) -> None:
@@ -74,7 +77,8 @@ class RunControls(Section):
         self._buttons["run"].description = "Go on" if state.status in GOES_ON and state.run is not None else "Run"
         self._bar.value, self._bar.bar_style = state.fraction, "info"  # green, amber and red belong to verdicts
         self.words = line_of(state)
-        self._line.value = f'<div class="mechstyle-note" role="status" aria-live="polite">{escape(self.words)}</div>'
+        title = f'<span class="mechstyle-title"><b>{escape(self.title)}</b> · </span>' if self.title else ""
+        self._line.value = f'<div class="mechstyle-note" role="status" aria-live="polite">{title}{escape(self.words)}</div>'
         failed = state.status == "failed" or (state.status not in ("finished", "running", "preparing") and bool(state.message))
         self.complain(state.message if failed else "")
         self.note(state.message if not failed else "")
