@@ -12,9 +12,9 @@ from mechstyle.simulation.validation.cases import Case, Result
 
 STYLED = (
     "**Known fault.** Tilted by 3°, σ_2 is largest at the border of the contact zone, where stress falls steeply, and which vertex "
-    "lies just outside of it depends on the triangulation: five meshes scatter by 2 % to 5 %, another five every time. As placed one of five "
-    "was seen a fifth above the others, which a third of the added mass changed. Their originals, which limit them, scatter as well, so "
-    "verdicts change with the mesh beyond the 5 % that count as MARGINAL."
+    "lies just outside of it depends on the triangulation: five meshes scatter by 2 % to 5 %, another five every time. As placed one of "
+    "five was seen a fifth above the others, which a third of the added mass changed. Their originals, which limit them, scatter as well, "
+    "so verdicts change with the mesh beyond the 5 % that count as MARGINAL."
 )
 FRONTS = (
     "**Known limit.** One element through the wall with edges of about 3 mm does not resolve the surface stress of this cup: "
