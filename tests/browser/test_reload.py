@@ -60,7 +60,7 @@ DEAF = """() => {
 def test_two_views_of_one_studio_are_there_again_after_a_reload(notebook, busy):
     notebook.open("from mechstyle_widgets import Studio\nstudio = Studio(vertices=4000)\nstudio", "studio")
     notebook.drawn(1)
-    # ipywidgets goes over its live models to list them: a kernel that makes some meanwhile, as for a preview, lists none.
+    # The list is answered while a preview is drawn (tests/widgets/jupyter/test_listing.py), which may close what it names.
     notebook.page.get_by_text(PREVIEWED).first.wait_for()
     notebook.page.evaluate("() => window.jupyterapp.commands.execute('docmanager:save')")
     if busy:

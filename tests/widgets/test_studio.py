@@ -60,7 +60,7 @@ def test_part_and_style_stand_over_the_run(tmp_path, fake_run):
     studio = Studio("gallery:wall_hook", prompt="small wood", vertices=900)
     assert studio.run_controls.title == "wall hook, small wood"
     studio.prompt_box.prompt = "<b>stone"
-    assert "<b>wall hook, &lt;b&gt;stone</b> · </span>ready" in studio.run_controls._line.value
+    assert "<b>wall hook, &lt;b&gt;stone</b> · </span><span role=" in studio.run_controls._line.value, "what a name says is no markup"
     made = fake_run(tmp_path / "titled")
     made.go()
     assert Studio(made.run).run_controls.title == "sheet, brick"

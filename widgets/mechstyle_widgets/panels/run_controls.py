@@ -78,7 +78,8 @@ class RunControls(Section):
         self._bar.value, self._bar.bar_style = state.fraction, "info"  # green, amber and red belong to verdicts
         self.words = line_of(state)
         title = f'<span class="mechstyle-title"><b>{escape(self.title)}</b> · </span>' if self.title else ""
-        self._line.value = f'<div class="mechstyle-note" role="status" aria-live="polite">{title}{escape(self.words)}</div>'
+        told = f'<span role="status" aria-live="polite">{escape(self.words)}</span>'  # what is made is not read out every time
+        self._line.value = f'<div class="mechstyle-note">{title}{told}</div>'
         failed = state.status == "failed" or (state.status not in ("finished", "running", "preparing") and bool(state.message))
         self.complain(state.message if failed else "")
         self.note(state.message if not failed else "")
