@@ -122,8 +122,9 @@ def _moved(tets: TetMesh, reach: float, floor: float, go_on: GoOn) -> Floats:
 def _room(tets: TetMesh, free: Indices, floor: float) -> tuple[Floats, Floats, Floats]:
     """Where vertices may go: three axes each, shape [m, 3, 3], and how far along them at least and at most, shape [m, 3], in reaches.
 
-    On the boundary the first axis is the normal, against which they may go by 1. The others are directions along the surface. The face
-    around that leans towards one most says how far a vertex that slides along it stands out: little along an edge, much across it.
+    On the boundary the first axis is the normal, against which they may go by 1, or less where a face around looks the other way: inwards
+    of the others is outwards of that one. The others are directions along the surface. The face around that leans towards one most says
+    how far a vertex that slides along it stands out: little along an edge, much across it.
     """
     faces = tets.boundary_faces
     normals = _unit_normals(tets.vertices, faces)
@@ -140,11 +141,13 @@ def _room(tets: TetMesh, free: Indices, floor: float) -> tuple[Floats, Floats, F
     along = np.linalg.eigh(tensors)[1][:, :, 0]  # what the faces around lean towards least
     along = _normalised(along - np.einsum("vi,vi->v", along, first)[:, None] * first)
     axes = np.where(outside[:, None, None], np.stack([first, along, np.cross(first, along)], axis=1), np.eye(3))
-    leaning = np.full((len(free), 3), 1e-6)
-    np.maximum.at(leaning, vertex, np.abs(np.einsum("fki,fi->fk", axes[vertex], around)))
+    leaning, against = np.full((len(free), 3), 1e-6), np.full(len(free), 1e-6)
+    towards = np.einsum("fki,fi->fk", axes[vertex], around)
+    np.maximum.at(leaning, vertex, np.abs(towards))
+    np.maximum.at(against, vertex, -towards[:, 0])
     most = np.where(outside[:, None], np.minimum(OUTWARDS / leaning, 1.0), INSIDE)
     least = -most
-    most[outside, 0], least[outside, 0] = 0.0, -1.0
+    most[outside, 0], least[outside, 0] = 0.0, -np.minimum(OUTWARDS / against, 1.0)[outside]
     least[standing, 0] = 0.0
     return axes, least, most
 

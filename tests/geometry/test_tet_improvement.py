@@ -55,6 +55,16 @@ def test_no_vertex_stands_out_where_the_part_would_land(cup_tets):
     assert beyond.min() < -0.5 * reach, "inwards they may go"
 
 
+def test_inwards_of_most_faces_around_is_not_outwards_of_one_that_looks_the_other_way():
+    vertices = np.array([(0, 0, 0), (2, -1, 0), (2, 1, 0), (1, 0, 0.2)], np.float64)  # a thin wedge: two faces at its tip look up, one down
+    wedge = TetMesh(vertices, np.array([(0, 1, 2, 3)], np.int32))
+    axes, least, most = module._room(wedge, np.array([0]), floor=-9.0)
+    normals = module._unit_normals(vertices, wedge.boundary_faces[(wedge.boundary_faces == 0).any(axis=1)])
+    out = np.einsum("ki,fi->fk", axes[0], normals)  # of each face's plane, by a step along each axis
+    assert out[:, 0].min() < -0.9, "one face looks against the mean normal"
+    assert np.maximum(out * least[0], out * most[0]).max() <= module.OUTWARDS + 1e-9
+
+
 def test_vertices_of_the_plane_it_stands_on_stay_in_it(fan):
     better = improved(fan, reach=0.2, floor=0.0)
     assert (better.vertices[fan.vertices[:, 2] == 0.0, 2] == 0.0).all()
