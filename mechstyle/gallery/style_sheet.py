@@ -16,7 +16,7 @@ from mechstyle.geometry.thickness import local_thickness
 from mechstyle.pictures.panels import Picture
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh
 from mechstyle.simulation.part import INWARD_SHARE, Stage, say_nothing, standardised
-from mechstyle.styling.dimensions import Dimensions
+from mechstyle.styling.dimensions import Dimensions, outwards
 from mechstyle.styling.drawn import target
 from mechstyle.styling.library import names, style_named
 from mechstyle.styling.prompt import Wish
@@ -62,7 +62,7 @@ class Specimen:
 
     def styled(self, wish: Wish, seed: int = 0) -> tuple[SurfaceMesh, tuple[str, ...]]:
         """The finished style on the part, freely, and what the user should know of the drawing."""
-        inward, outward = INWARD_SHARE * self.thickness, self.thickness
+        inward, outward = INWARD_SHARE * self.thickness, outwards(self.thickness)
         aim = target(
             self.surface, wish, Dimensions(), seed=seed, thickness=self.thickness, inward=inward, outward=outward
         )

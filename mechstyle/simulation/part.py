@@ -26,6 +26,7 @@ from mechstyle.records import Recipe
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh, TetMesh
 from mechstyle.records.regions import Inside, Outside, Region
 from mechstyle.simulation.carrying import at_rest, carrying
+from mechstyle.styling.dimensions import outwards
 from mechstyle.styling.prompt import reading_of
 
 PREPARATION_VERSION = 6
@@ -113,22 +114,27 @@ class Shape:
     def bounds(self, base: str, minimum_wall: float) -> Bounds:
         """Bounds of a style that may go everywhere, by what becomes of the base, one of BASES.
 
-        Into the material a quarter of the wall, out of it the wall's own thickness. A level base may go in by half of what the wall has
-        above the minimum [mm], so that a relief that is shifted keeps its depth; a protected one fades out, and is low where it begins.
+        Into the material a quarter of the wall, out of it as far as `styling.dimensions.outwards` says. A level base may go in by half of
+        what the wall has above the minimum [mm], so that a relief that is shifted keeps its depth; a protected one fades out, and is low
+        where it begins.
         """
         quarter, whole = np.float32(INWARD_SHARE) * self.thickness, np.ones_like(self.thickness)
         if base == "protected":
             return Bounds(self.thickness, quarter, self._low_near_the_floor(), self._faded())
         if base == "free":
-            return Bounds(self.thickness, quarter, self.thickness, whole)
+            return Bounds(self.thickness, quarter, self._outward, whole)
         resting = self.level_base.resting
         spared = BASE_SHARE * np.maximum(self.thickness - minimum_wall, 0.0)
         inward = (resting * spared + (1.0 - resting) * quarter).astype(np.float32)
-        return Bounds(self.thickness, inward, self.thickness, whole, base=self.level_base)
+        return Bounds(self.thickness, inward, self._outward, whole, base=self.level_base)
+
+    @cached_property
+    def _outward(self) -> NDArray[np.float32]:
+        return outwards(self.thickness).astype(np.float32)
 
     def _low_near_the_floor(self) -> NDArray[np.float32]:
         height = self.surface.vertices[:, 2] - self.surface.vertices[:, 2].min()
-        return np.where(height < CONTACT_REACH, np.minimum(CONTACT_RELIEF, self.thickness), self.thickness).astype(np.float32)
+        return np.where(height < CONTACT_REACH, np.minimum(CONTACT_RELIEF, self.thickness), self._outward).astype(np.float32)
 
     def _faded(self) -> NDArray[np.float32]:
         """Factor on relief: 0 up to 1 mm above the resting face, rising to 1 at a quarter of the height, 2 to 5 mm; 1 if there is none."""

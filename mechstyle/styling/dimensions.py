@@ -18,12 +18,14 @@ from mechstyle.styling.drawing.operators import Operators
 from mechstyle.styling.library import style_named
 from mechstyle.styling.prompt import Wish
 
-LEGIBLE, ENOUGH = 0.6, 2.0
+LEGIBLE, ENOUGH = 0.6, 3.0
 """A relief of the first depth is seen in an unpainted print [mm], one of the second whatever the size of its features …"""
 SHALLOWEST, STEEPEST = 0.1, 0.4
 """… if it is at least this share of the size of a feature, and carried by it if it is at most this …"""
 SHARE = 0.15
 """… and half of it is at least this share of the wall, unless told."""
+THIN, TWICE = 1.2, 2.0
+"""Out of a wall thinner than the first [mm] a relief may stand as high as that, up to twice what the wall is thick."""
 NOMINAL = 2.0
 """Height from the lowest to the highest of a relief as styles draw it, by which a share of the wall is reckoned."""
 TAIL = 0.02
@@ -122,7 +124,7 @@ class Dimensions:
         """Factor on a size of features by area [mm]: for narrow faces, thin walls, which bear no deep relief, and what a nozzle prints."""
         if self.nozzle == 0.0:
             return 1.0
-        largest = min(face_width(mesh) / ACROSS, float(np.median(np.asarray(thickness))) / SHALLOWEST)
+        largest = min(face_width(mesh) / ACROSS, float(outwards(np.median(np.asarray(thickness)))) / SHALLOWEST)
         return max(min(feature, largest), LEAST_FEATURE * self.nozzle) / feature
 
     def layout(self, operators: Operators, thickness: ArrayLike, feature: float | None, amount: float = 1.0) -> Layout:
@@ -141,7 +143,7 @@ class Dimensions:
             return Layout(self.side, wanted, np.full(len(wall), np.inf), span, ())
         whole = gradual_thickness(operators, wall)
         room = _room(self.side, whole, self.minimum_wall)
-        depth = np.minimum(wanted, room if self.side == "inwards" else whole + room)
+        depth = np.minimum(wanted, room if self.side == "inwards" else outwards(whole) + room)
         return Layout(self.side, depth, room, span, self._notes(operators.mesh, depth, room, feature, amount))
 
     def _depth(self, wall: Floats, feature: float | None, amount: float) -> Floats:
@@ -166,6 +168,12 @@ class Dimensions:
             where = f"on {areas[short].sum():.0%} of the surface"
             notes.append(f"the relief is down to {depth[short].min():.2g} mm deep instead of {asked:.2g} mm {where}: {why} no more")
         return tuple(notes)
+
+
+def outwards(wall: ArrayLike) -> Floats:
+    """How far a relief may stand out of walls [mm], in the shape of `wall`: as far as they are thick, and farther out of thin ones."""
+    thick = np.asarray(wall, dtype=np.float64)
+    return np.maximum(thick, np.minimum(TWICE * thick, THIN))
 
 
 def _room(side: str, wall: Floats, minimum: float) -> Floats:
