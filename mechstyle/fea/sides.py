@@ -61,10 +61,31 @@ class Sides:
 
     def near(self, reach: float) -> csr_array:
         """Which points lie within `reach` [mm] of which spots on the same side, ones of shape [spot_count, point_count]."""
-        found = cKDTree(self.positions).sparse_distance_matrix(cKDTree(self.points @ self._vertices), reach, output_type="ndarray")
-        spot, point = found["i"], found["j"]
+        spot, point = self._within(reach, np.ones(len(self.vertices), dtype=bool))
         alike = _cosines(self._directions[spot], self._normals[self.face_of[point]]) >= SAME_SIDE
-        spot, point = spot[alike], point[alike]
+        return self._joined(spot[alike], point[alike])
+
+    def near_on_any_side(self, reach: float, asked: Bools) -> csr_array:
+        """Which points lie within `reach` [mm] of which spots and are joined to them by the surface, past edges, too.
+
+        Args:
+            reach: Straight distance [mm].
+            asked: Spots asked about, shape [spot_count]; none are near the others.
+
+        Returns:
+            Ones, shape [spot_count, point_count].
+        """
+        return self._joined(*self._within(reach, asked))
+
+    def _within(self, reach: float, asked: Bools) -> tuple[Indices, Indices]:
+        """Pairs of a spot asked about and a point within a straight distance [mm]."""
+        spots = np.flatnonzero(asked).astype(np.int32)
+        there = cKDTree(self.points @ self._vertices)
+        found = cKDTree(self.positions[spots]).sparse_distance_matrix(there, reach, output_type="ndarray")
+        return spots[found["i"]], found["j"]
+
+    def _joined(self, spot: Indices, point: Indices) -> csr_array:
+        """Of pairs those that are joined by the faces of the pairs, ones of shape [spot_count, point_count]."""
         kept = self._connected(spot, self.face_of[point])
         ones = np.ones(int(kept.sum()), np.float32)
         return coo_array((ones, (spot[kept], point[kept])), shape=(len(self.vertices), len(self.face_of))).tocsr()
