@@ -24,11 +24,8 @@ from mechstyle.pictures.colormap import PLAIN
 from mechstyle.pictures.scene import BACKGROUND, Camera, render
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.refine import MOST_PARTS, vertices_for
-from mechstyle.simulation.part import INWARD_SHARE
-from mechstyle.styling.dimensions import Dimensions, outwards
-from mechstyle.styling.drawing.canvas import Canvas
+from mechstyle.styling.dimensions import Dimensions
 from mechstyle.styling.drawing.fine_canvas import FineCanvas
-from mechstyle.styling.drawn import target
 from mechstyle.styling.library import names
 from mechstyle.styling.prompt import Wish
 
@@ -87,16 +84,11 @@ class Delivered:
 
     def styled(self, style: str) -> SurfaceMesh:
         """The finished style, drawn as a run draws what it delivers."""
-        wish, canvas = Wish(style), Dimensions().canvas(self.coarse.surface, self.coarse.thickness, Wish(style), 0)
-        self._aim(self.coarse.surface, self.coarse.thickness, wish, canvas)
-        thickness = self.cut.interpolation @ self.coarse.thickness
-        fine = FineCanvas(self.cut.mesh, self.cut.interpolation, canvas)
-        return self.cut.mesh.displaced(self._aim(self.cut.mesh, thickness, wish, fine))
-
-    @staticmethod
-    def _aim(mesh: SurfaceMesh, thickness: np.ndarray, wish: Wish, canvas: Canvas) -> np.ndarray:
-        bounds = {"inward": INWARD_SHARE * thickness, "outward": outwards(thickness)}
-        return target(mesh, wish, Dimensions(), seed=0, thickness=thickness, canvas=canvas, **bounds).displacement
+        wish, part = Wish(style), self.coarse
+        canvas = Dimensions().canvas(part.surface, part.thickness, wish, seed=0)
+        part.styled(wish, canvas=canvas)  # which decides what the finer drawing takes over
+        finer = Specimen(self.cut.mesh, self.cut.interpolation @ part.thickness)
+        return finer.styled(wish, canvas=FineCanvas(self.cut.mesh, self.cut.interpolation, canvas))[0]
 
 
 def grey(mesh: SurfaceMesh, camera: Camera) -> np.ndarray:

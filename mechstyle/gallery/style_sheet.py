@@ -17,6 +17,7 @@ from mechstyle.pictures.panels import Picture
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh
 from mechstyle.simulation.part import INWARD_SHARE, Stage, say_nothing, standardised
 from mechstyle.styling.dimensions import Dimensions, outwards
+from mechstyle.styling.drawing.canvas import Canvas
 from mechstyle.styling.drawn import target
 from mechstyle.styling.library import names, style_named
 from mechstyle.styling.prompt import Wish
@@ -60,12 +61,17 @@ class Specimen:
         surface = standardised(mesh, vertices)
         return cls(surface, local_thickness(surface))
 
-    def styled(self, wish: Wish, seed: int = 0) -> tuple[SurfaceMesh, tuple[str, ...]]:
-        """The finished style on the part, freely, and what the user should know of the drawing."""
+    def styled(self, wish: Wish, seed: int = 0, canvas: Canvas | None = None) -> tuple[SurfaceMesh, tuple[str, ...]]:
+        """The finished style on the part, freely, and what the user should know of the drawing.
+
+        Args:
+            wish: What to draw.
+            seed: Decides everything random in it.
+            canvas: What to draw on, as in `styling.drawn.target`.
+        """
         inward, outward = INWARD_SHARE * self.thickness, outwards(self.thickness)
-        aim = target(
-            self.surface, wish, Dimensions(), seed=seed, thickness=self.thickness, inward=inward, outward=outward
-        )
+        limits = {"thickness": self.thickness, "inward": inward, "outward": outward}
+        aim = target(self.surface, wish, Dimensions(), seed=seed, canvas=canvas, **limits)
         return self.surface.displaced(aim.displacement).coloured(aim.colour), aim.notes
 
 

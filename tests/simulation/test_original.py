@@ -67,7 +67,7 @@ def test_a_splinter_in_the_tetrahedra_of_the_original_raises_no_limit():
 
 @pytest.mark.parametrize(("tilted", "viable"), [(62.0, False), (47.0, True)])
 def test_a_few_mpa_that_only_one_mesh_reads_excuse_no_style(tilted, viable):
-    """The unsafe side: of its own tetrahedra a tealight holder was told 60.3 MPa tilted, far below a doubt at twice its strength."""
+    """The unsafe side, between the strength and twice that, where an original was believed without asking."""
     own, here = simulated(40.0, tilted=60.3), simulated(40.0, tilted=43.0)
     assert judge(simulated(40.0, tilted=62.0), own, PLA, "robust").viable
     assert judge(simulated(40.0, tilted=tilted), beside(own, here, PLA), PLA, "robust").viable is viable
