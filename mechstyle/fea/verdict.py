@@ -5,10 +5,13 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+import msgspec
+
 from mechstyle.errors import unknown
 from mechstyle.records import CRITERIA, Judgement, Measures, Outcome, Simulation, Verdict
 from mechstyle.records.limits import UNHARMED, Limits
 from mechstyle.records.material import Material
+from mechstyle.records.simulation import LEAST_CARRIED
 from mechstyle.records.verdict import doubtful
 
 SURFACE_BAND = 0.05
@@ -40,7 +43,7 @@ def judge(simulation: Simulation, baseline: Simulation, material: Material, crit
     strength or what the original reaches in the same place's stead. (T) Tilted a little: the surface stress at most the yield strength
     or UNHARMED times the original's. (B) All orientations: 99th percentile of the envelope at most UNHARMED times the original's.
     The literal published rule, maximum ≤ S_yield, is always shown. `robust` is the worst of A, T and B, `paper` the literal rule.
-    What was not computed, or not to a finite number, is UNKNOWN.
+    What was not computed, or not to a finite number, is UNKNOWN; what tetrahedra tell that do not carry the relief is MARGINAL.
     """
     if criterion not in CRITERIA:
         raise unknown("criterion", criterion, CRITERIA)
@@ -50,10 +53,14 @@ def judge(simulation: Simulation, baseline: Simulation, material: Material, crit
     nearly = _tilted(simulation, baseline, limits, material, trouble)
     spread = _all_orientations(simulation, baseline, trouble)
     literal = _literal(simulation, material, trouble)
+    hidden = simulation.least_carried < LEAST_CARRIED and not trouble
+    if hidden:
+        placed, literal, nearly, spread = _unsure(placed), _unsure(literal), nearly and _unsure(nearly), spread and _unsure(spread)
     counting = [literal] if criterion == "paper" else [told for told in (placed, nearly, spread) if told is not None]
     outcome = max((told.judgement.outcome for told in counting), key=_SEVERITY.__getitem__)
     doubt = ", MARGINAL" if doubtful([told.judgement for told in counting]) else ""
-    words = f"UNKNOWN: {trouble}." if trouble else f"{outcome}{doubt}: {'; '.join(told.clause for told in counting)}."
+    clauses = [told.clause for told in counting] + ([_hidden(simulation)] if hidden and outcome == "VIABLE" else [])
+    words = f"UNKNOWN: {trouble}." if trouble else f"{outcome}{doubt}: {'; '.join(clauses)}."
     return Verdict(
         outcome=outcome,
         criterion=criterion,
@@ -100,6 +107,16 @@ def _judgement(rule: str, value: float, limit: float, unit: str, band: float, tr
         return Judgement(rule=rule, outcome="UNKNOWN", value=0.0, limit=limit if math.isfinite(limit) else 0.0, unit=unit, marginal=False)
     marginal = abs(value - limit) <= band * limit
     return Judgement(rule=rule, outcome="VIABLE" if value <= limit else "FAILS", value=value, limit=limit, unit=unit, marginal=marginal)
+
+
+def _unsure(told: Told) -> Told:
+    """The same, but not sure where it is within its limit."""
+    judged = told.judgement
+    return told._replace(judgement=msgspec.structs.replace(judged, marginal=True)) if judged.outcome == "VIABLE" else told
+
+
+def _hidden(simulation: Simulation) -> str:
+    return f"its tetrahedra carry only {simulation.least_carried:.0%} of the relief, and may hide stress of the rest"
 
 
 def _as_placed(simulation: Simulation, baseline: Simulation, limits: Limits, material: Material, trouble: str) -> Told:

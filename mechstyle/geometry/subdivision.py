@@ -25,6 +25,14 @@ class Subdivided(NamedTuple):
     mesh: SurfaceMesh
     interpolation: sp.csr_array
 
+    @property
+    def nearest(self) -> Indices:
+        """Coarse vertex that counts most at each fine one, of equals the first, shape [fine_count]."""
+        matrix = self.interpolation.tocoo()
+        order = np.lexsort((-matrix.col, matrix.data, matrix.row))
+        last = np.flatnonzero(np.diff(matrix.row[order], append=-1))
+        return matrix.col[order][last].astype(np.int32)
+
 
 def refined_to(mesh: SurfaceMesh, vertices: int, *, most_parts: int) -> Subdivided:
     """A closed surface with at least a number of vertices, evenly cut; fewer where edges may not be cut into so many parts.

@@ -97,6 +97,11 @@ class LoadResult(msgspec.Struct, frozen=True, kw_only=True):
         return f"{stress} at ({x:.1f}, {y:.1f}, {z:.1f}) mm, deflection {self.deflection:.2f} mm"
 
 
+LEAST_CARRIED = 0.9
+"""Share of a relief that tetrahedra must follow to judge it: what they do not follow bears no stress in them. A hook in bricks read 43 MPa
+where 0.81 were carried, and 50 where 0.92 were."""
+
+
 @dataclass(frozen=True, eq=False)
 class Simulation:
     """One drop test brought to the surface.
@@ -163,6 +168,11 @@ class Simulation:
         for name in ("displacement", "stress", "tilted_stress", "envelope", "probability", "contact"):
             kind = np.bool_ if name == "contact" else np.float32
             object.__setattr__(self, name, frozen_array(getattr(self, name), kind, (count,), name))
+
+    @property
+    def least_carried(self) -> float:
+        """The smaller share of the relief that the tetrahedra follow, of all of it and of that on the faces it stands on."""
+        return min(self.carried, 1.0 if self.carried_base is None else self.carried_base)
 
     @property
     def worst(self) -> Landing | None:

@@ -14,7 +14,6 @@ from mechstyle.loop.engine import Engine, kept
 from mechstyle.loop.events import Event, SimulationStarted
 from mechstyle.loop.history import SimulationLine, Strength, simulations
 from mechstyle.records import LoadResult, Simulation
-from mechstyle.simulation.carrying import LEAST_CARRIED
 
 
 class Summary(msgspec.Struct, frozen=True, kw_only=True):
@@ -101,24 +100,12 @@ def summarise(engine: Engine, *, device: str, notes: tuple[str, ...], seconds: d
         backed_off=simulation.backed_off,
         loads=simulation.loaded,
         seconds=seconds,
-        notes=(*notes, *hidden_by(simulation)),
+        notes=notes,
         lane=engine.lane,
         recipe=engine.recipe.digest,
         device=device,
         files=files,
     )
-
-
-def hidden_by(simulation: Simulation) -> tuple[str, ...]:
-    """What the tetrahedra of a simulation may hide, a sentence, or none where they carry as much of the relief as a verdict should rest on.
-
-    A towel hook in bricks read 43 MPa on tetrahedra that carry 81 % of what was delivered, and 61 MPa on others that carry 97 %.
-    """
-    least = min(simulation.carried, 1.0 if simulation.carried_base is None else simulation.carried_base)
-    if least >= LEAST_CARRIED:
-        return ()
-    told = f"the last test's tetrahedra carry {least:.0%} of the relief, less than the {LEAST_CARRIED:.0%} a verdict should rest on"
-    return (f"{told}: it may bear more stress than is told",)
 
 
 class Clock:

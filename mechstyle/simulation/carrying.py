@@ -14,6 +14,7 @@ from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.morph import Morph, Morphed
 from mechstyle.geometry.tetrahedra import KEPT, VOLUME_ERROR, tetrahedralise
 from mechstyle.records.mesh import Floats, SurfaceMesh, TetMesh
+from mechstyle.records.simulation import LEAST_CARRIED
 
 FEWEST_TETS = 3_000
 TETS_PER_KEPT_VERTEX = 2.0
@@ -23,8 +24,6 @@ HALF = np.float32(0.5)
 """Share of the relief that tetrahedra are made for: from there the way to none and to all of it turns the fewest inside out."""
 EXAGGERATED = np.float32(2.0)
 """Share of the relief by which triangles are chosen to be kept: as many then carry 0.915 instead of 0.90 of a pen holder's bricks."""
-LEAST_CARRIED = 0.9
-"""Share of a relief that tetrahedra must follow to judge it."""
 
 MORPHED = "morphed"
 AGAIN = "meshed again at half of this relief"

@@ -208,6 +208,18 @@ def test_what_is_not_a_finite_number_is_unknown_never_viable(field, bad, criteri
         assert msgspec.json.decode(msgspec.json.encode(verdict), type=Verdict) == verdict
 
 
+@pytest.mark.parametrize(("surface", "outcome", "marginal"), [(20.0, "VIABLE", True), (60.0, "FAILS", False)])
+def test_what_tetrahedra_tell_that_do_not_carry_the_relief_is_not_sure_to_hold(surface, outcome, marginal):
+    """The unsafe side: a hook's bricks read 43 MPa where 81 % of them were carried, and 50 where 92 % were."""
+    found, baseline = simulation(surface), simulation()
+    sure = judge(found, baseline, PLA, "robust")
+    assert (sure.outcome, sure.marginal) == (outcome, False)
+    for part in ({"carried": 0.81}, {"carried_base": 0.81}):
+        verdict = judge(replace(found, **part), baseline, PLA, "robust")
+        assert (verdict.outcome, verdict.marginal) == (outcome, marginal)
+        assert ("its tetrahedra carry only 81% of the relief" in verdict.words) is marginal
+
+
 def test_a_failed_simulation_is_unknown_with_its_reason():
     reason = "the drop test is unstable in orientation 0 at 0.010 ms"
     verdict = judge(simulation(failure=reason), simulation(), PLA, "robust")

@@ -25,6 +25,16 @@ def test_an_edge_in_so_many_parts_makes_their_square_of_faces_and_values_stay_li
     assert fine.interpolation.sum(axis=1) == pytest.approx(np.ones(len(fine.mesh.vertices)))
 
 
+def test_the_nearest_coarse_vertex_is_that_of_the_largest_weight(cup):
+    fine, count = subdivided(cup, 3), len(cup.vertices)
+    assert np.array_equal(fine.nearest[:count], np.arange(count))
+    there = np.linalg.norm(fine.mesh.vertices - cup.vertices[fine.nearest], axis=1)
+    on_edges = slice(count, count + 2 * len(cup.edges))
+    ends = fine.interpolation[on_edges].indices.reshape(-1, 2)
+    away = np.linalg.norm(fine.mesh.vertices[on_edges][:, None] - cup.vertices[ends], axis=2)
+    assert there[on_edges] == pytest.approx(away.min(axis=1))
+
+
 def test_the_longest_edges_are_halved_and_none_shares_a_face(cup):
     count, fine = len(cup.vertices), halved(cup, 50)
     assert len(fine.mesh.vertices) == count + 50
