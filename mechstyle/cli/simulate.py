@@ -21,7 +21,7 @@ app = typer.Typer()
 
 @app.command("simulate")
 @command
-@recipe_options("material", "orientations", "poses", "standard", "build_direction", "criterion", "loads", "minimum_wall", "window")
+@recipe_options("material", "orientations", "poses", "tilts", "standard", "build_direction", "criterion", "loads", "minimum_wall", "window")
 def simulate_command(
     model: Model,
     settings: Settings,

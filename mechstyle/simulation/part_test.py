@@ -139,6 +139,7 @@ def simulate(
     material: str | Material = "PLA",
     orientations: int | None = None,
     poses: str | None = None,
+    tilts: int = DEFAULTS["tilts"],
     standard: str = DEFAULTS["standard"],
     criterion: str = DEFAULTS["criterion"],
     loads: str | Path | LoadCase | Sequence[LoadCase] = (),
@@ -157,6 +158,7 @@ def simulate(
         material: A library name, a .toml/.json file, or a Material.
         orientations: Drops, the first as placed; by default as many as the poses or the standard need.
         poses: How the others land, one of `Recipe.poses`: every way by default.
+        tilts: Drops tilted by 3° to all sides besides; 0 takes exactly flat at its word.
         standard: Drop standard whose orientations and height are simulated, such as `mil-810h`; the verdict is no test to it.
         criterion: `robust` or `paper`.
         loads: A load file or load cases the part must carry besides.
@@ -176,7 +178,7 @@ def simulate(
     landings = {name: value for name, value in (("orientations", orientations), ("poses", poses)) if value is not None}
     wanted = Recipe(
         surface="", tetrahedra="", prompt="", material=chosen, criterion=criterion, loads=load_cases(loads), minimum_wall=minimum_wall,
-        window=window,
+        window=window, tilts=tilts,
         build_direction=None if build_direction is None else direction_of(build_direction),
         **with_drops({"standard": standard, **landings}),
     )  # fmt: skip

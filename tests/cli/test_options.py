@@ -38,8 +38,8 @@ NAMES = {
     "freestyle": f"model --out --scale --strengthen --up --vertices {STYLED}",
     "branch": f"address --lane {STYLED} {RESTRAINED}",
     "simulate": "model --build-direction "
-    "--criterion --device --json --load --material -m --minimum-wall --orientations --out --poses --scale --standard --up "
-    "--vertices --vtu --vtu-each --window",
+    "--criterion --device --json --load --material -m --minimum-wall --orientations --out --poses --scale --standard "
+    "--tilts --up --vertices --vtu --vtu-each --window",
     "demo": "--device --json --model --out --prompt --vertices -p",
     "ablation": "models --arm --amplitude --device --iterations --jobs --json --load --material -m --orientations --out --poses --prompt "
     "-p --seed --set --vertices",
