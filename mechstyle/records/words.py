@@ -70,7 +70,10 @@ WORDS: dict[str, tuple[str, str]] = {
             "survived."
         ),
     ),
-    "marginal": ("MARGINAL", "Nearer to a limit than the method can tell, on either side of it: take it as undecided."),
+    "marginal": (
+        "MARGINAL",
+        "Nearer to a limit than the method can tell, or told by tetrahedra that carry less than 90 % of the relief: take it as undecided.",
+    ),
     "criterion": (
         "criterion",
         (
