@@ -142,6 +142,8 @@ class Page:
         old = self.page.locator(".mechstyle-viewer").first.element_handle()
         self.notebook.run_all()
         self.page.wait_for_function("old => !old.isConnected && document.querySelector('.mechstyle-viewer canvas')", arg=old)
+        assert old is not None
+        old.dispose()  # or the page keeps all that was shown for our sake
         self.page.evaluate(browser.SETTLED)
 
     def heap(self) -> float:

@@ -24,7 +24,7 @@ from mechstyle.runs.run import Run
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
 from mechstyle_widgets.jupyter.closing import close_family
 from mechstyle_widgets.jupyter.frame import Frame
-from mechstyle_widgets.jupyter.looks import lean
+from mechstyle_widgets.jupyter.looks import lean, sharing
 from mechstyle_widgets.panels.branches import Branches
 from mechstyle_widgets.panels.keys import Keys
 from mechstyle_widgets.panels.mask_inspector import MaskInspector
@@ -76,6 +76,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     _viewer: Viewer | None = None
     _timeline: Timeline | None = None
 
+    @sharing()
     def __init__(
         self,
         part: str | Path | SurfaceMesh | Run = "gallery:pen_holder",

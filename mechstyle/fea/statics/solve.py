@@ -85,7 +85,8 @@ class Restraint:
         strength, directions = np.linalg.eigh(across)
         frames, fixed = np.swapaxes(directions, 1, 2), strength > SAME_DIRECTION
         _refuse_free_motion(nodes, frames, fixed)
-        turned = sparse.csc_array(sparse.block_diag(list(directions)))
+        blocks = np.arange(len(directions) + 1)
+        turned = sparse.bsr_array((directions, blocks[:-1], blocks)).tocsc()
         return cls(turned[:, np.flatnonzero(~fixed.ravel())], np.asarray(fixed.any(axis=1)))
 
 

@@ -7,21 +7,42 @@ from ipywidgets.widgets import widget as library
 
 from mechstyle_widgets import Studio
 from mechstyle_widgets.jupyter.closing import close_family
-from mechstyle_widgets.jupyter.looks import lean, look, show
+from mechstyle_widgets.jupyter.looks import lean, sharing, show
 
 MODELS, BYTES = 420, 2_000_000
 """What a Studio may be made of before a run, half as much again as its 25k vertices and controls come to; it was 836, and 8.5 MB."""
 
 
-def test_the_same_looks_are_one():
-    one, other = (lean(ipywidgets.Button, layout={"width": "36px"}) for _ in range(2))
+@pytest.fixture
+def two():
+    """Controls of one widget that say the same."""
+    with sharing():
+        return [lean(ipywidgets.HTML, layout={"width": "36px"}) for _ in range(2)]
+
+
+def test_in_a_widget_the_same_looks_are_one(two):
+    one, other = two
     assert one.layout is other.layout
     assert one.style is other.style
-    assert lean(ipywidgets.Button, layout={"width": "37px"}).layout is not one.layout
 
 
-def test_hiding_one_leaves_the_others():
-    one, other = (lean(ipywidgets.HTML, layout={"width": "36px"}) for _ in range(2))
+def test_what_is_made_within_something_shares_with_it():
+    with sharing():
+        outer = lean(ipywidgets.HTML, layout={"width": "36px"})
+        with sharing():
+            assert lean(ipywidgets.HTML, layout={"width": "36px"}).layout is outer.layout
+        assert lean(ipywidgets.HTML, layout={"width": "37px"}).layout is not outer.layout
+
+
+def test_two_widgets_share_no_look(two):
+    """A page keeps all that was shown with a control as long as its layout lives: 2.8 MB each run of a cell."""
+    with sharing():
+        assert lean(ipywidgets.HTML, layout={"width": "36px"}).layout is not two[0].layout
+    assert lean(ipywidgets.HTML, layout={"width": "36px"}).layout is not two[0].layout
+
+
+def test_hiding_one_leaves_the_others(two):
+    one, other = two
     show(one, False)
     assert (one.layout.display, one.layout.width) == ("none", "36px")
     assert other.layout.display is None
@@ -30,28 +51,46 @@ def test_hiding_one_leaves_the_others():
 
 
 def test_a_layout_of_its_own_is_changed_where_it_is():
-    own = ipywidgets.HTML(layout={"width": "36px"})
+    own = lean(ipywidgets.HTML, layout={"width": "36px"})
     layout = own.layout
     show(own, False)
     assert own.layout is layout
     assert layout.display == "none"
 
 
-def test_what_others_share_is_not_changed_by_mistake():
+def test_what_others_share_is_not_changed_by_mistake(two):
     with pytest.raises(traitlets.TraitError, match="share"):
-        lean(ipywidgets.HTML, layout={"width": "38px"}).layout.width = "1px"
-    look(width="38px").close()  # it is not what it is asked for any more
+        two[0].layout.width = "1px"
 
 
-def test_closing_one_leaves_the_looks_of_the_others():
-    kept = lean(ipywidgets.HTML, layout={"width": "39px"})
-    close_family(ipywidgets.VBox([lean(ipywidgets.HTML, layout={"width": "39px"})]))
-    assert kept.layout.comm is not None
+def test_looks_are_closed_with_the_last_control_that_has_them(two):
+    one, other = two
+    show(one, False)
+    hidden = one.layout
+    show(one, True)
+    close_family(ipywidgets.VBox([one]))
+    assert hidden.comm is None
+    assert other.layout.comm is not None
+    close_family(ipywidgets.VBox([other]))
+    assert other.layout.comm is None
 
 
-def test_looks_that_were_closed_are_made_anew():
-    look(width="40px").close()
-    assert look(width="40px").comm is not None
+def test_a_studio_run_again_and_again_leaves_nothing():
+    """The next one is made before the last one is closed, as a cell does it."""
+    before, last = set(library._instances), Studio(prompt="brick")
+    for _ in range(3):
+        shown, last = last, Studio(prompt="brick")
+        shown.close()
+    last.close()
+    assert set(library._instances) == before
+
+
+def test_looks_that_were_closed_are_made_anew(two):
+    one, other = two
+    show(one, False)
+    one.layout.close()
+    show(other, False)
+    assert other.layout.comm is not None
 
 
 def test_a_studio_is_of_few_and_small_models():

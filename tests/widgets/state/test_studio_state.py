@@ -13,6 +13,7 @@ from mechstyle.loop.events import Checkpointed
 from mechstyle.loop.objects import Objects
 from mechstyle.runs.session import Session
 from mechstyle_widgets.state.studio_state import StudioState
+from support.lanes import lane_on_a_sheet
 
 PATIENCE = 30.0  # seconds before a test gives up; nothing waits this long
 
@@ -58,6 +59,16 @@ def test_an_iteration_that_is_not_there_is_brought_to_the_nearest(done):
     assert state.iteration == 12
     state.iteration = -3
     assert state.iteration == 0
+
+
+def test_what_is_told_of_a_run_that_is_opened_is_set_when_it_is_there(done, tmp_path):
+    """All that *Both* tells may come in one batch: the lane to compare with is one of the run that is opened, not of the one before."""
+    state, other = StudioState(lane_on_a_sheet(tmp_path / "other", iterations=4)), done.store.root
+    found = []
+    state.observe(lambda change: found.append((change["new"], state.run.store.root)), "pinned")
+    state.tell(opened=done, pinned=("soft", 3))
+    state.pump()
+    assert found == [(("soft", 3), other)]
 
 
 def test_lanes_know_their_parent_and_what_they_changed(done):

@@ -6,7 +6,7 @@ from typing import Any
 
 import ipywidgets
 
-from mechstyle_widgets.jupyter.looks import shared
+from mechstyle_widgets.jupyter.looks import close_unused, shared
 
 
 def family(widget: ipywidgets.Widget) -> list[ipywidgets.Widget]:
@@ -27,6 +27,8 @@ def family(widget: ipywidgets.Widget) -> list[ipywidgets.Widget]:
 
 def close_family(widget: ipywidgets.Widget, *more: ipywidgets.Widget) -> None:
     """Close everything a widget, and more it keeps out of sight, is made of; the widget itself is left to its owner."""
-    for part in {id(part): part for one in (widget, *more) for part in family(one)}.values():
+    parts = list({id(part): part for one in (widget, *more) for part in family(one)}.values())
+    for part in parts:
         if part is not widget and not shared(part):
             part.close()
+    close_unused(part for part in parts if shared(part))

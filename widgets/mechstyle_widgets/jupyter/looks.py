@@ -1,45 +1,66 @@
-"""Layouts and styles that controls share.
+"""Layouts and styles that the controls of a widget share.
 
 ipywidgets makes a layout and a style for every control: two models of three. A page that is loaded anew asks for all of them at once
-and makes them all before it shows any, so that it may give up in between; those that say the same are one here, in every cell.
+and makes them all before it shows any, so that it may give up in between; in a widget those that say the same are one.
+
+Two widgets share none. As long as a layout lives the page keeps a view of it for every control that ever had it, each of which holds on
+to its control, and that to all that was shown with it: what ran before would stay in memory as long as what runs now.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from typing import Any, TypeVar
+from weakref import WeakSet
 
 import ipywidgets
 import traitlets
 
 W = TypeVar("W")
-Shared = dict[tuple[Any, ...], Any]
+Looks = dict[tuple[Any, ...], Any]
 
-_shared: Shared = {}
+_here: ContextVar[Looks | None] = ContextVar("looks that what is being made shares", default=None)
+_among: dict[Any, Looks] = {}  # each look that is open, and those it is one of
+_controls: WeakSet[Any] = WeakSet()
 
 
-def look(kind: Any = ipywidgets.Layout, **values: Any) -> Any:
-    """The layout, or the style of another kind, with these values: one for all who ask."""
-    key = (kind, *sorted(values.items()))
-    known = _shared.get(key)
-    if known is None or known.comm is None:  # somebody closed all widgets
-        known = _shared[key] = kind(**values)
-        known.observe(_refuse)
-    return known
+@contextmanager
+def sharing() -> Iterator[None]:
+    """Controls made in here by `lean` share their looks, also with what is being made around them."""
+    token = _here.set({} if (around := _here.get()) is None else around)
+    try:
+        yield
+    finally:
+        _here.reset(token)
 
 
 def shared(widget: ipywidgets.Widget) -> bool:
-    """Whether it is a layout or style of more than one control, which none of them may close."""
-    return any(widget is known for known in _shared.values())
+    """Whether it is a layout or style that more than one control may have, none of which may close or change it."""
+    return widget in _among
+
+
+def close_unused(looks: Iterable[ipywidgets.Widget]) -> None:
+    """Close those that no control has any more, of these and those they were shared with."""
+    had = {id(one) for control in _controls if control.comm is not None for one in (control.layout, getattr(control, "style", None))}
+    for among in {id(among): among for among in (_among[one] for one in looks)}.values():
+        for key, one in list(among.items()):
+            if id(one) not in had:
+                one.close()
+                del among[key], _among[one]
 
 
 def lean(kind: Callable[..., W], *given: Any, **traits: Any) -> W:
-    """A control of a kind of ipywidgets, whose layout and style are given as dictionaries if at all, and shared."""
-    known = kind.class_traits()  # type: ignore[attr-defined]  # ipywidgets has no types
-    for name in {"layout", "style"} & known.keys():
-        if isinstance(traits.setdefault(name, {}), dict):
-            traits[name] = look(known[name].klass, **traits[name])
-    return kind(*given, **traits)
+    """A control of a kind of ipywidgets, whose layout and style are given as dictionaries if at all, and shared while `sharing`."""
+    known, looks = kind.class_traits(), _here.get()  # type: ignore[attr-defined]  # ipywidgets has no types
+    if looks is not None:
+        for name in {"layout", "style"} & known.keys():
+            if isinstance(traits.setdefault(name, {}), dict):
+                traits[name] = _look(looks, known[name].klass, traits[name])
+    control = kind(*given, **traits)
+    _controls.add(control)
+    return control
 
 
 def show(widget: ipywidgets.DOMWidget, there: object) -> None:
@@ -49,7 +70,18 @@ def show(widget: ipywidgets.DOMWidget, there: object) -> None:
         widget.layout.display = display
     elif widget.layout.display != display:
         values = {name: getattr(widget.layout, name) for name in widget.layout.keys if not name.startswith("_")}
-        widget.layout = look(**{name: value for name, value in {**values, "display": display}.items() if value is not None})
+        given = {name: value for name, value in {**values, "display": display}.items() if value is not None}
+        widget.layout = _look(_among[widget.layout], ipywidgets.Layout, given)
+
+
+def _look(looks: Looks, kind: Any, values: dict[str, Any]) -> Any:
+    key = (kind, *sorted(values.items()))
+    known = looks.get(key)
+    if known is None or known.comm is None:  # somebody closed all widgets
+        known = looks[key] = kind(**values)
+        _among[known] = looks
+        known.observe(_refuse)
+    return known
 
 
 def _refuse(change: Any) -> None:

@@ -8,7 +8,6 @@ from typing import Any
 
 from mechstyle.loop.history import Row
 from mechstyle.runs.run import Run
-from mechstyle_widgets.jupyter.looks import look
 from mechstyle_widgets.panels.branches import kept
 from mechstyle_widgets.settings.section import WIDE, Words, table
 from mechstyle_widgets.state.outcomes import LOOKS
@@ -24,7 +23,7 @@ class Result(Words):
     def __init__(self, state: StudioState) -> None:
         """Tell of what a state shows."""
         self._state = state
-        super().__init__(layout=look(**WIDE))
+        super().__init__(layout=WIDE)
         self.add_class("mechstyle-result")
         state.observe(self._tell, ("histories", "settings", "run", "status"))
         self._tell()

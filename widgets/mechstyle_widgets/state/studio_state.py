@@ -25,6 +25,8 @@ from mechstyle_widgets.state.time_left import Outlook, Stopwatch
 STATUSES = ("idle", "preparing", "running", "paused", "stopped", "finished", "failed")
 SHORTEST_WAIT = 0.1  # between two updates of what is shown [s]
 KEPT = 12  # checkpoints in memory; one of 25k vertices is about 1 MB
+OF_A_RUN = {"pinned", "layer"}
+"""Traits that mean something in the run that is told of with them."""
 
 
 class StudioState(traitlets.HasTraits):
@@ -209,6 +211,7 @@ class StudioState(traitlets.HasTraits):
             stale, self._stale, self._due = self._stale, False, False
             opened, self._opened = self._opened, None
         self._pumped = time.monotonic()
+        of_it = {name: noted.pop(name) for name in OF_A_RUN & noted.keys()}
         for name, value in noted.items():
             setattr(self, name, value)
         try:
@@ -216,6 +219,8 @@ class StudioState(traitlets.HasTraits):
                 self.open(opened)
             elif stale:
                 self._read_store()
+            for name, value in of_it.items():
+                setattr(self, name, value)
         except MechStyleError as error:  # the event loop would keep it to itself
             self.message = str(error)
 

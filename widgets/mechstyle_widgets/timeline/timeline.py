@@ -10,7 +10,7 @@ import traitlets
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
 from mechstyle_widgets.jupyter.closing import close_family
 from mechstyle_widgets.jupyter.frame import Framed
-from mechstyle_widgets.jupyter.looks import lean
+from mechstyle_widgets.jupyter.looks import lean, sharing
 from mechstyle_widgets.jupyter.throttle import Paced
 from mechstyle_widgets.replay.scrubber import Scrubber
 from mechstyle_widgets.state.linked import Linked
@@ -37,6 +37,7 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
     curve = traitlets.Enum(tuple(CURVES), "style_loss")
     theme = traitlets.Enum(tuple(TEMPLATES), "light")
 
+    @sharing()
     def __init__(self, state: StudioState, *, theme: str = "light", width: int = 900) -> None:
         """Tell the story of a state's run.
 

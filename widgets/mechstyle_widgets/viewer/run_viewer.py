@@ -13,6 +13,7 @@ from mechstyle.pictures.fields import MOMENT
 from mechstyle.records import Checkpoint, Simulation
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.run import Run
+from mechstyle_widgets.jupyter.looks import sharing
 from mechstyle_widgets.jupyter.throttle import Paced
 from mechstyle_widgets.state.linked import Linked
 from mechstyle_widgets.state.studio_state import StudioState
@@ -48,6 +49,7 @@ class RunViewer(Linked, Viewer):
     also = traitlets.Tuple(None, allow_none=True)
     derived = traitlets.Tuple()
 
+    @sharing()
     def __init__(self, state: StudioState, *, theme: str = "light", width: int = 640, height: int = 440) -> None:
         """Show the run of a state.
 

@@ -24,7 +24,7 @@ from mechstyle_widgets.jupyter.cell_output import OncePerCell
 from mechstyle_widgets.jupyter.closing import close_family
 from mechstyle_widgets.jupyter.frame import Framed
 from mechstyle_widgets.jupyter.listing import answer_while_drawing
-from mechstyle_widgets.jupyter.looks import lean, show
+from mechstyle_widgets.jupyter.looks import lean, sharing, show
 from mechstyle_widgets.jupyter.throttle import Paced
 from mechstyle_widgets.viewer import legend, probe
 from mechstyle_widgets.viewer.badge import Badge
@@ -74,6 +74,7 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
     drawings = traitlets.Int(0)
     _built = False  # `close()` also runs, from `__del__`, on a viewer whose `__init__` raised
 
+    @sharing()
     def __init__(
         self,
         mesh: SurfaceMesh,
