@@ -7,7 +7,7 @@ import pytest
 pytestmark = pytest.mark.browser
 
 RUN = 300_000  # to the first iterations [ms]
-# 100 000 iterations take half an hour: 2000 took 25 s, and were over before a slow page had pressed Stop
+# 2000 iterations took 25 s, and were over before a slow page had pressed Stop
 BEGUN = """
 from mechstyle_widgets import Studio
 quick = {"vertices": 2000, "orientations": 1, "tilts": 0, "window": 0.3, "element": "tet4"}

@@ -82,7 +82,7 @@ def test_a_studio_run_again_and_again_leaves_nothing():
         shown, last = last, Studio(prompt="brick")
         shown.close()
     last.close()
-    assert set(library._instances) == before
+    assert set(library._instances) <= before  # what other tests left may go in between
 
 
 def test_looks_that_were_closed_are_made_anew(two):

@@ -193,7 +193,7 @@ class StudioState(traitlets.HasTraits):
         Args:
             stale: Whether the store holds more than is shown.
             opened: A run to show from now on.
-            traits: Traits and what they are to become.
+            traits: Traits and what they are to become, those of `OF_A_RUN` when that run is shown.
         """
         with self._lock:
             self._noted.update(traits)
