@@ -78,3 +78,19 @@ def advanced(displacement: Field, let_through: Field, increment: Field, bounds: 
     if recipe.feedback:
         step = minimum_wall.spared(step, bounds.thickness, displacement, recipe.minimum_wall)
     return bounds.clipped(displacement + step)
+
+
+def unrestrained(asked: Field, bounds: Bounds, recipe: Recipe) -> Field:
+    """What comes of a finished proposal that no stress restrains [mm], shape [vertex_count].
+
+    It is grown evenly over the iterations, because near the thinnest wall each step is slowed by those before it.
+
+    Args:
+        asked: What the stylizer proposes in the end [mm], shape [vertex_count].
+        bounds: How far the style may go.
+        recipe: How many iterations there are, and which walls are spared.
+    """
+    increment, grown = (bounds.levelled(asked) / recipe.iterations).astype(np.float32), np.zeros_like(bounds.thickness)
+    for _ in range(recipe.iterations):
+        grown = advanced(grown, bounds.freedom, increment, bounds, recipe)
+    return grown

@@ -1,10 +1,10 @@
-"""When the finished relief is not viable: lower it where it is overloaded, and give back what was lowered too far.
+"""When the finished relief is not viable: lower it where it is overloaded; when it is: give back what was held back or lowered too far.
 
-Every vertex has a share of the finished relief. Where a rule's limit is nearly used up, the shares around are lowered, and to nothing
-on the faces the part stands on: a gap under it carries no load, however low it is. Once the part is viable, half of the last lowering is
-given back, as often as that is worth a drop. The shares are only ever lowered in between, because raising some while lowering others
+Where a rule's limit is nearly used up, the relief around is lowered, and to nothing on the faces the part stands on: a gap under it
+carries no load, however low it is. Until it is viable it is only ever lowered, because raising some of it while lowering other places
 was seen to creep up to the limit. If lowering here and there is not enough, the whole relief is halved and at last removed: no relief is
-the original part, which is viable by definition.
+the original part, which is viable by definition. A viable relief is raised towards what the style asks for, by the reserve that its own
+test leaves around each vertex, as often as that is worth a drop; the part that was viable last is what is delivered.
 """
 
 from __future__ import annotations
@@ -37,72 +37,83 @@ part stands on decides how it bends far from there."""
 WHOLE = (0.6, 0.5, 0.0)
 """Factors on the whole relief after that."""
 GIVE_BACK = 2
-"""Times half of the last lowering is tried again."""
-WORTH = 0.01
-"""Share of the relief that giving back must promise to be worth a drop."""
+"""Times some of what was held back or lowered is given back."""
+WORTH = 0.02
+"""Share of the style's relief that giving back must promise to be worth a drop."""
 
 
 @dataclass
 class Correction:
-    """The search for the shares of a finished relief with which a part is viable.
+    """The search for the most of a finished relief with which a part is viable.
 
     Attributes:
         surface: The unstylized surface.
-        kept: Share of the relief that given shares of it keep.
+        wanted: What the style asks for within its bounds [mm], shape [vertex_count].
+        kept: Share of it that a relief keeps.
         standing: Whether a vertex belongs to the faces the part stands on, shape [vertex_count].
-        viable: The largest shares known to be viable, shape [vertex_count]; None as long as none are.
-        failing: The smallest shares known not to be, shape [vertex_count]; None as long as none are.
+        viable: The most relief known to be viable [mm], shape [vertex_count]; None as long as none is.
+        failing: The least known not to be [mm], shape [vertex_count]; None as long as none is.
     """
 
     surface: SurfaceMesh
+    wanted: Field
     kept: Callable[[Field], float]
     standing: Bools
     viable: Field | None = None
     failing: Field | None = None
+    _reserve: Field | None = None
     _lowered: int = 0
     _given_back: int = 0
     _near: list[csr_array] = field(default_factory=list, repr=False)
 
-    def tested(self, share: Field, *, viable: bool, demand: Field | None, landed: bool = True) -> tuple[Field, str] | None:
-        """The shares to test next and why, in words; None if those found so far will do.
+    def tested(self, relief: Field, *, viable: bool, demand: Field | None, landed: bool = True) -> tuple[Field, str] | None:
+        """The relief to test next [mm] and why, in words; None if what was found so far will do.
 
         Args:
-            share: What was tested, shape [vertex_count].
+            relief: What was tested [mm], shape [vertex_count].
             viable: Whether the part was viable with it.
             demand: Demand of that test, shape [vertex_count]; None if it gave no field.
             landed: Whether a landing failed it: to what fails under a load alone, what the part stands on is a place like any other.
         """
         if viable:
-            self.viable = share
+            self.viable, self._reserve = relief, None if demand is None else reserve(demand, self._neighbours())
         else:
-            self.failing = share
+            self.failing = relief
         if self.viable is not None:
-            return self._half_back()
+            return self._raised(self.viable)
         if demand is not None and self._lowered < LOCAL_ROUNDS:
             self._lowered += 1
-            return self._lowered_locally(share, demand, landed=landed)
+            return self._lowered_locally(relief, demand, landed=landed)
         self._lowered = max(self._lowered, LOCAL_ROUNDS) + 1
         if self._lowered > LOCAL_ROUNDS + len(WHOLE):
             return None
         factor = WHOLE[self._lowered - LOCAL_ROUNDS - 1]
         # Adding zero turns -0 into 0: the same bytes as the unstylized part, whose simulation is remembered.
-        return share * np.float32(factor) + np.float32(0.0), "the whole relief lowered" if factor else "the relief removed"
+        return relief * np.float32(factor) + np.float32(0.0), "the whole relief lowered" if factor else "the relief removed"
 
-    def _half_back(self) -> tuple[Field, str] | None:
-        if self.failing is None or self.viable is None or self._given_back == GIVE_BACK:
-            return None
-        half = np.where(self.standing, self.viable, 0.5 * (self.viable + self.failing)).astype(np.float32)
-        if self.kept(half) - self.kept(self.viable) < WORTH:
+    def _raised(self, viable: Field) -> tuple[Field, str] | None:
+        """More than a viable relief, towards what the style asks for, or half the way to what was too much; None if not worth a drop."""
+        if self._given_back == GIVE_BACK:
             return None
         self._given_back += 1
-        return half, "half of the last lowering given back"
+        tries = []
+        if self._reserve is not None:
+            tries.append((viable + self._reserve * missing(viable, self.wanted), "relief given back where reserve is left"))
+            self._reserve = None  # once for each viable relief
+        if self.failing is not None:
+            tries.append((0.5 * (viable + self.failing), "half of what was too much given back"))
+        for relief, words in tries:
+            raised = np.where(self.standing, viable, relief).astype(np.float32)
+            if self.kept(raised) - self.kept(viable) >= WORTH:
+                return raised, words
+        return None
 
-    def _lowered_locally(self, share: Field, demand: Field, *, landed: bool) -> tuple[Field, str]:
+    def _lowered_locally(self, relief: Field, demand: Field, *, landed: bool) -> tuple[Field, str]:
         taken = lowering(demand, self._neighbours())
         if landed:
             patches = self.standing & (overload(demand, self._neighbours()) > 0.0)
             taken[patches if self._lowered <= PATCH_ROUNDS else self.standing] = 1.0
-        return (share * (1.0 - taken)).astype(np.float32), f"relief lowered around {int((demand >= 1.0).sum())} overloaded vertices"
+        return (relief * (1.0 - taken)).astype(np.float32), f"relief lowered around {int((demand >= 1.0).sum())} overloaded vertices"
 
     def _neighbours(self) -> csr_array:
         if not self._near:
@@ -122,6 +133,49 @@ def lowering(demand: Field, near: csr_array) -> Field:
     around = overload(demand, near)
     taken = np.minimum(GAIN * around / (1.0 + 0.3 * around), MOST)
     return np.asarray((near @ taken) / np.diff(near.indptr), np.float32)
+
+
+def reserve(demand: Field, near: csr_array) -> Field:
+    """Share of what is missing that a vertex may be given back, in [0, 1], shape [vertex_count].
+
+    One less the largest demand within reach over the aim, smoothed over the reach, but nowhere more than it was: none beside an overload.
+
+    Args:
+        demand: Demand, shape [vertex_count].
+        near: Who lies within reach of whom, itself included, shape [vertex_count, vertex_count].
+    """
+    around = np.maximum.reduceat(demand[near.indices], near.indptr[:-1])
+    left = np.clip(1.0 - around / AIM, 0.0, 1.0)
+    return np.minimum(left, (near @ left) / np.diff(near.indptr)).astype(np.float32)
+
+
+def missing(relief: Field, wanted: Field) -> Field:
+    """What a relief lacks of the one that is wanted [mm], shape [vertex_count]; nothing where it goes further or the other way already."""
+    return np.where((relief * wanted >= 0.0) & (np.abs(wanted) > np.abs(relief)), wanted - relief, 0.0).astype(np.float32)
+
+
+def left(before: Field, after: Field) -> Field:
+    """Share of a relief that was left at each vertex, in [0, 1], shape [vertex_count]; 1 where there was none or it was raised.
+
+    Args:
+        before: The relief [mm], shape [vertex_count].
+        after: What became of it [mm], shape [vertex_count].
+    """
+    safe = np.where(before == 0.0, 1.0, before)
+    return np.asarray(np.where(before == 0.0, 1.0, np.clip(after / safe, 0.0, 1.0)), np.float32)
+
+
+def given_back(before: Field, after: Field, wanted: Field) -> Field:
+    """Share of what a relief lacked that it was given back at each vertex, in [0, 1], shape [vertex_count].
+
+    Args:
+        before: The relief [mm], shape [vertex_count].
+        after: What became of it [mm], shape [vertex_count].
+        wanted: What the style asks for [mm], shape [vertex_count].
+    """
+    lacked = missing(before, wanted)
+    safe = np.where(lacked == 0.0, 1.0, lacked)
+    return np.asarray(np.where(lacked == 0.0, 0.0, np.clip((after - before) / safe, 0.0, 1.0)), np.float32)
 
 
 def overload(demand: Field, near: csr_array) -> Field:

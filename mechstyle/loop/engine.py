@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from mechstyle.errors import BadInput
 from mechstyle.loop import control, correction, schedule
-from mechstyle.loop.bounds import Bounds, advanced
+from mechstyle.loop.bounds import Bounds, advanced, unrestrained
 from mechstyle.loop.events import Checkpointed, Corrected, Event, Finished, Simulated, SimulationStarted, Stylized
 from mechstyle.loop.store import Lane, Store
 from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict
@@ -288,18 +288,20 @@ class Engine:
         """Correct the finished relief until it is viable (if the recipe asks for it), then mark the best as final."""
         assert state.verdict is not None, "the last iteration is always simulated"
         finished, best = state.displacement, state
-        search = correction.Correction(self.surface, lambda share: self._kept(share * finished, finished), self.bounds.standing)
-        tried = self._tested(search, np.ones_like(finished), state) if self.recipe.guarantee else None
+        wanted = unrestrained(self.stylizer.proposal().displacement, self.bounds, self.recipe)
+        search = correction.Correction(self.surface, wanted, lambda relief: self._kept(relief, wanted), self.bounds.standing)
+        tried = self._tested(search, finished, state) if self.recipe.guarantee else None
         while tried is not None:
-            share, words = tried
-            yield Corrected(words, search.kept(share))
+            relief, words = tried
+            yield Corrected(words, search.kept(relief))
             yield SimulationStarted(state.iteration, f"correction: {words}")
-            lowered = replace(state, displacement=share * finished, share=state.share * share, parent=digest, keyframe=None)
-            corrected, simulated = self._simulated(lowered, f"correction: {words}")
+            share = state.share * correction.left(finished, relief)
+            corrected = replace(state, displacement=relief, share=share, parent=digest, keyframe=None)
+            corrected, simulated = self._simulated(corrected, f"correction: {words}")
             yield simulated
             digest, event = self._save(corrected)
             yield event
-            tried = self._tested(search, share, corrected)
+            tried = self._tested(search, relief, corrected)
             if simulated.verdict.viable or not best.viable:
                 best = corrected
         if not best.final:
@@ -308,14 +310,14 @@ class Engine:
         assert best.verdict is not None, "every correction is simulated"
         yield Finished(best.verdict, digest)
 
-    def _tested(self, search: correction.Correction, share: Field, state: Checkpoint) -> tuple[Field, str] | None:
-        """What a correction is to try after `share` of the finished relief was found to be what `state` says."""
+    def _tested(self, search: correction.Correction, relief: Field, state: Checkpoint) -> tuple[Field, str] | None:
+        """What a correction is to try after a relief was found to be what `state` says."""
         assert state.verdict is not None, "what is corrected was simulated"
         if state.verdict.outcome == "UNKNOWN":
-            return search.tested(share, viable=False, demand=None)
+            return search.tested(relief, viable=False, demand=None)
         simulation = self.store.objects.get_record(state.simulation, Simulation)
         demand, landed = self._demand(simulation, state.verdict), control.landed(simulation, state.verdict)
-        return search.tested(share, viable=state.viable, demand=demand, landed=landed)
+        return search.tested(relief, viable=state.viable, demand=demand, landed=landed)
 
     def _kept(self, displacement: Field, reference: Field) -> float:
         return kept(displacement, reference, self.surface.vertex_areas)

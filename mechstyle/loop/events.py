@@ -51,11 +51,11 @@ class Simulated:
 
 @dataclass(frozen=True)
 class Corrected:
-    """The finished relief was not viable and has been corrected; a simulation of the result follows.
+    """The finished relief was lowered, because it was not viable, or raised, because it was; a simulation of the result follows.
 
     Attributes:
         step: What was changed, in words.
-        kept: Share of the finished relief that is left.
+        kept: Share of what the style asks for that is left.
     """
 
     step: str

@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 from mechstyle.errors import BadInput
 from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.subdivision import Subdivided, refined_to
-from mechstyle.loop import minimum_wall
-from mechstyle.loop.bounds import Bounds, advanced
+from mechstyle.loop import correction, minimum_wall
+from mechstyle.loop.bounds import Bounds, advanced, unrestrained
 from mechstyle.loop.engine import STEP_LIMIT, STYLE_FIELDS, Stylizer
 from mechstyle.loop.objects import Objects
 from mechstyle.loop.store import Store
@@ -268,9 +268,21 @@ class _Twin:
             coarse, fine = self._increments(*self._drawn)
             reached = advanced(before.displacement, through, coarse, self._bounds, recipe)
             self._grown = reached, advanced(self.displacement, self._spread(through), fine, self._fine_bounds, recipe)
-        reached, finer = self._grown  # what a correction leaves is a share of the finished relief, not of the correction before
-        left = _left(reached, after.displacement) if after.displacement.any() else np.zeros_like(reached)
-        self.displacement = finer * self._spread(left)
+        self.displacement = self._corrected(after.displacement, recipe)
+
+    def _corrected(self, relief: Field, recipe: Recipe) -> Field:
+        """What retraction, the tetrahedra or a correction left of the twin's relief, and what was given back of what it lacked [mm]."""
+        reached, finer = self._grown  # a correction is told by shares of the finished relief, not of the correction before
+        if not relief.any():
+            return np.zeros_like(finer)
+        kept = finer * self._spread(correction.left(reached, relief))
+        if self._drawn is None or not np.any(np.abs(relief) > np.abs(reached)):
+            return kept
+        coarse, fine = self._drawn
+        wanted = unrestrained(coarse.proposal().displacement, self._bounds, recipe)
+        asked = unrestrained(fine.proposal().displacement, self._fine_bounds, recipe)
+        share = self._spread(correction.given_back(reached, relief, wanted))
+        return np.asarray(kept + share * correction.missing(finer, asked), np.float32)
 
     def coloured(self, last: Checkpoint, recipe: Recipe) -> Field:
         """Display RGB of the twin, shape [fine_count, 3]: drawn anew, but interpolated where it was learnt or the part keeps its own."""
@@ -364,8 +376,3 @@ def _spread_out(simulation: Simulation, cut: Subdivided) -> Simulation:
     spread = {name: cut.interpolation @ getattr(simulation, name).astype(np.float32) for name in ("displacement", *FIELDS)}
     return replace(simulation, **{**spread, "contact": spread["contact"] > 0.5})
 
-
-def _left(before: Field, after: Field) -> Field:
-    """Share of the relief that retraction, the tetrahedra or a correction left at each vertex, in [0, 1]."""
-    safe = np.where(before == 0.0, 1.0, before)
-    return np.asarray(np.where(before == 0.0, 1.0, np.clip(after / safe, 0.0, 1.0)), np.float32)

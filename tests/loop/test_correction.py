@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mechstyle.loop.correction import (
+    AIM,
     EDGES,
     GIVE_BACK,
     LOCAL_ROUNDS,
@@ -13,8 +14,12 @@ from mechstyle.loop.correction import (
     PATCH_ROUNDS,
     REACH,
     WHOLE,
+    WORTH,
     Correction,
+    given_back,
+    left,
     lowering,
+    missing,
     nearness,
     neighbours,
 )
@@ -40,9 +45,12 @@ NOWHERE = np.zeros(COUNT, bool)
 UNDER = np.arange(COUNT) < 40  # as if the first 40 mm were what the part stands on
 
 
-def search(viable, demand, limit=40, standing=NOWHERE):
-    """The shares that were tested, the correction at its end; `viable` and `demand` are functions of the shares."""
-    found, share, tested = Correction(STRIP, lambda share: float(share.mean()), standing), WHOLE_RELIEF, []
+def search(viable, demand, limit=40, standing=NOWHERE, begun=WHOLE_RELIEF):
+    """The shares that were tested, the correction at its end; `viable` and `demand` are functions of the shares.
+
+    The relief is one millimetre high everywhere, so that what is left of it are its shares.
+    """
+    found, share, tested = Correction(STRIP, WHOLE_RELIEF, lambda share: float(share.mean()), standing), begun, []
     while True:
         tested.append(share)
         assert len(tested) < limit
@@ -143,7 +151,7 @@ def test_on_coarse_triangles_too_more_than_the_overloaded_vertex_is_lowered(edge
     middle = int(np.argmin(np.linalg.norm(surface.vertices - surface.vertices.mean(axis=0), axis=1)))
     demand = np.full(len(surface.vertices), 0.2, np.float32)
     demand[middle] = 1.3
-    search = Correction(surface, lambda share: float(share.mean()), demand < 0.0)
+    search = Correction(surface, np.ones_like(demand), lambda share: float(share.mean()), demand < 0.0)
     share, _ = search.tested(np.ones_like(demand), viable=False, demand=demand)
     beside = surface.edges[(surface.edges == middle).any(axis=1)]
     assert np.all(share[beside] < 0.75), "a vertex that stands alone is not relieved by being lowered alone"
@@ -156,7 +164,7 @@ def test_on_coarse_triangles_too_more_than_the_overloaded_vertex_is_lowered(edge
 
 def test_under_a_load_the_base_is_a_place_like_any_other():
     """What laying it flat costs buys nothing there: no load goes from bump to bump of what the part stands on."""
-    search = Correction(STRIP, lambda share: float(share.mean()), UNDER)
+    search = Correction(STRIP, WHOLE_RELIEF, lambda share: float(share.mean()), UNDER)
     share = WHOLE_RELIEF
     for _ in range(2):
         tried = search.tested(share, viable=False, demand=peak(50), landed=False)
@@ -194,6 +202,55 @@ def test_what_was_laid_flat_is_not_given_back_by_halves():
     assert given_back
     assert all(np.array_equal(share == 0.0, tested[1] == 0.0) for share in given_back)
     assert found.viable.mean() > tested[1].mean()
+
+
+# --- what is given back ---------------------------------------------------------------------------------------------
+
+HELD_BACK = np.full(COUNT, 0.5, np.float32)
+
+
+def test_what_was_held_back_is_given_back_where_reserve_is_left_and_nowhere_beside_an_overload():
+    tested, found = search(lambda _: True, lambda _: peak(30, height=0.9, elsewhere=0.0), begun=HELD_BACK)
+    assert np.array_equal(tested[1][27:34], HELD_BACK[27:34])
+    assert np.all(tested[1][:24] == 1.0)
+    assert np.all(np.diff(tested[1][24:31]) <= 0.0), "less and less towards it"
+    assert found.viable is tested[-1]
+
+
+def test_half_of_what_was_too_much_is_given_back():
+    tested, found = search(lambda share: share.mean() < 0.7, lambda _: peak(30, height=0.0, elsewhere=0.0), begun=HELD_BACK)
+    assert [float(share.mean()) for share in tested] == [0.5, 1.0, 0.75]
+    assert found.viable is tested[0]
+
+
+def test_what_the_part_stands_on_and_the_demand_it_has_used_up_are_given_nothing_back():
+    tested, _ = search(lambda _: True, lambda _: np.zeros(COUNT, np.float32), standing=UNDER, begun=HELD_BACK)
+    assert np.array_equal(tested[1][UNDER], HELD_BACK[UNDER])
+    assert np.all(tested[1][~UNDER] == 1.0)
+    tested, _ = search(lambda _: True, lambda _: peak(height=0.0, elsewhere=AIM), begun=HELD_BACK)
+    assert len(tested) == 1
+
+
+def test_a_little_that_was_held_back_is_not_worth_a_drop():
+    tested, _ = search(lambda _: True, lambda _: np.zeros(COUNT, np.float32), begun=np.full(COUNT, 1.0 - 0.9 * WORTH, np.float32))
+    assert len(tested) == 1
+
+
+def test_only_what_is_lacking_is_given_back():
+    relief, wanted = np.array([0.5, -0.5, 0.5, 2.0, 0.0, 0.0], np.float32), np.array([1.0, -1.0, -1.0, 1.0, 1.0, 0.0], np.float32)
+    assert np.array_equal(missing(relief, wanted), np.array([0.5, -0.5, 0.0, 0.0, 1.0, 0.0], np.float32))
+    raised = relief + np.float32(0.25) * missing(relief, wanted)
+    assert np.array_equal(given_back(relief, raised, wanted), np.array([0.25, 0.25, 0.0, 0.0, 0.25, 0.0], np.float32))
+    assert np.array_equal(left(relief, raised), np.ones(6, np.float32))
+
+
+def test_shares_of_what_was_left_and_given_back_lead_to_the_same_relief():
+    draw = np.random.default_rng(3)
+    wanted = draw.normal(size=COUNT).astype(np.float32)
+    before = wanted * draw.uniform(0.0, 1.0, COUNT).astype(np.float32)
+    after = np.where(np.arange(COUNT) % 2, 0.3 * before, before + 0.6 * (wanted - before)).astype(np.float32)
+    again = before * left(before, after) + given_back(before, after, wanted) * missing(before, wanted)
+    assert np.allclose(again, after, atol=1e-6)
 
 
 # --- nearness -------------------------------------------------------------------------------------------------------

@@ -14,7 +14,7 @@ from mechstyle.loop.engine import STEP_LIMIT, Engine, kept
 from mechstyle.loop.events import Checkpointed, Corrected, Finished, Simulated, SimulationStarted, Stylized
 from mechstyle.loop.store import Lane
 from mechstyle.records import LoadResult, Simulation
-from support.bench import LeverSimulator, LooseBase
+from support.bench import BumpStylizer, LeverSimulator, LooseBase
 
 
 def states(events):
@@ -197,6 +197,28 @@ def test_the_run_ends_with_the_largest_relief_that_was_found_viable_not_with_the
     assert last.final
     assert last.viable
     assert np.array_equal(last.displacement, max(held, key=lambda displacement: float(np.abs(displacement).sum())))
+
+
+def test_what_masks_held_back_is_given_back_where_the_finished_relief_leaves_reserve(bench):
+    """A harsh threshold closes masks long before any limit: at the end there is reserve everywhere."""
+    bench.gain = 1.0
+    events = list(bench.engine(bench.recipe(schedule="every", every=5, threshold=0.05)).run())
+    grown = next(state for state in states(events) if state.iteration == 60)
+    raised = [event for event in events if isinstance(event, Corrected)]
+    assert [event.step for event in raised] == ["relief given back where reserve is left"] * 2
+    last, asked = states(events)[-1], BumpStylizer(len(grown.displacement)).target
+    assert last.viable
+    assert np.all(last.displacement >= grown.displacement)
+    assert np.abs(last.displacement).sum() > 1.2 * np.abs(grown.displacement).sum()
+    assert np.all(last.displacement <= asked + 1e-6), "never more than the style asks for"
+    assert np.array_equal(last.share, grown.share)
+
+
+def test_nothing_is_given_back_where_it_is_protected(bench):
+    bench.gain, bench.freedom = 1.0, np.repeat(np.float32([0.0, 1.0]), 32)
+    last = states(bench.engine(bench.recipe(schedule="every", every=5, threshold=0.05)).run())[-1]
+    assert "given back" in last.reason
+    assert not last.displacement[:32].any()
 
 
 def test_a_correction_is_a_checkpoint_with_its_reason_and_the_share_that_is_left(bench):

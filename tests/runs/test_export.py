@@ -287,6 +287,19 @@ def test_what_was_taken_back_is_taken_back_from_the_twin(run):
     assert grown[(of == 0.0) & moved].any()
 
 
+def test_what_was_given_back_is_given_back_to_the_twin_as_it_would_have_been_drawn(run):
+    """Held back to a quarter and given all of it back, the twin is what it is without restraint, between the loop's vertices, too."""
+    free, held = (module._Twin(run.part, subdivided(run.part.surface)) for _ in range(2))
+    start, first = run.checkpoint(0), run.checkpoint(1)
+    free.follow(start, first, run.recipe)
+    quarter = replace(first, displacement=np.float32(0.25) * first.displacement)
+    held.follow(replace(start, mask=np.float32(0.25) * start.mask), quarter, run.recipe)
+    assert np.ptp(held.displacement) < 0.5 * np.ptp(free.displacement)
+    held.follow(quarter, first, run.recipe)
+    assert np.ptp(free.displacement) > 0.01
+    assert np.allclose(held.displacement, free.displacement, atol=1e-6)
+
+
 def test_the_unstylized_part_cannot_be_drawn_finer(run, tmp_path):
     with pytest.raises(BadInput, match="no style to draw finer"):
         run.export(tmp_path / "part.stl", 0, fine=True)
