@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -10,9 +11,9 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from mechstyle.errors import BadInput
 from mechstyle.fea.elasticity import barycentric_gradients, element_frequencies, lumped_masses
-from mechstyle.fea.elements import LINEAR, Element, ElementMesh, with_nodes
+from mechstyle.fea.elements import LINEAR, Element, ElementMesh, element_named, with_nodes
 from mechstyle.fea.mass_scaling import lengthened
-from mechstyle.fea.stiffness import Stiffness
+from mechstyle.fea.stiffness import Pairs, Stiffness
 from mechstyle.records.material import Material
 from mechstyle.records.mesh import Floats, Indices, TetMesh
 
@@ -41,6 +42,7 @@ class Discretisation:
         slots: Where an element's share of a force on a node goes before the shares are added up, shape [tet_count, nodes]: the slots
             of a node follow each other in the order of the tetrahedra.
         first_slot: Where each node's slots start, shape [node_count + 1].
+        stiffness: Its stiffness in the order of computation.
     """
 
     mesh: ElementMesh
@@ -57,6 +59,7 @@ class Discretisation:
     highest: Floats
     slots: Indices
     first_slot: Indices
+    stiffness: Stiffness
 
     @property
     def positions(self) -> Floats:
@@ -75,10 +78,6 @@ class Discretisation:
         """Nodes seen from the centre of mass, in the order of computation [mm], shape [node_count, 3]."""
         return self.positions - self.centre
 
-    def stiffness(self, material: Material) -> Stiffness:
-        """Its stiffness in the order of computation."""
-        return Stiffness(self.connectivity, len(self.masses), self.gradients, self.volumes, self.mesh.element, material)
-
 
 def discretise(tets: TetMesh, material: Material, added_mass: float, element: Element = LINEAR) -> Discretisation:
     """Number a body and lump its masses, made heavier by the share `added_mass` of the whole where that lengthens the stable step most.
@@ -86,24 +85,20 @@ def discretise(tets: TetMesh, material: Material, added_mass: float, element: El
     BadInput if there is no tetrahedron, a vertex is not finite or a tetrahedron is flat or inverted.
     """
     _refuse_unusable(tets)
-    vertices = np.unique(tets.tets)
-    mesh = with_nodes(TetMesh(tets.vertices[vertices], np.searchsorted(vertices, tets.tets).astype(np.int32)), element)
-    place = np.argsort(_bandwidth_order(mesh)).astype(np.int32)
-    numbered = place[mesh.connectivity]
-    tet_order = np.argsort(numbered.min(axis=1), kind="stable").astype(np.int32)
-    connectivity = np.ascontiguousarray(numbered[tet_order])
+    numbering = _numbering(tets.tets.tobytes(), element.name)
+    mesh = numbering.of(tets, element)
+    place, tet_order, connectivity = numbering.place, numbering.tet_order, numbering.connectivity[numbering.tet_order]
     gradients, volumes = barycentric_gradients(mesh.tets)[tet_order, 1:], mesh.tets.volumes[tet_order]
     lumped = np.empty(len(mesh.nodes))
     lumped[place] = lumped_masses(mesh, material.density * mesh.tets.volumes)
-    stiffness = Stiffness(connectivity, len(lumped), gradients, volumes, element, material)
+    stiffness = Stiffness(numbering.pairs, gradients, volumes, element, material)
     masses, highest, limit = lengthened(stiffness.magnitudes(np.ones(len(volumes))), lumped, added_mass)
-    slot_nodes = connectivity.ravel()
     return Discretisation(
         mesh=mesh,
-        vertices=vertices.astype(np.int32),
+        vertices=numbering.vertices,
         place=place,
         tet_order=tet_order,
-        connectivity=connectivity,
+        connectivity=place[connectivity],
         gradients=gradients,
         volumes=volumes,
         frequencies=np.minimum(element.stiffer * element_frequencies(mesh.tets, material)[tet_order], np.sqrt(limit)),
@@ -111,8 +106,55 @@ def discretise(tets: TetMesh, material: Material, added_mass: float, element: El
         heavier=masses / lumped,
         added_mass=float(masses.sum() / lumped.sum() - 1.0),
         highest=highest,
+        slots=numbering.slots,
+        first_slot=numbering.first_slot,
+        stiffness=stiffness,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Numbering:
+    """What of a discretisation follows from which vertices the tetrahedra join; attributes as there.
+
+    Attributes:
+        tets: Tetrahedra by the numbers of the vertices that are used, shape [tet_count, 4].
+        connectivity: Nodes of each in the numbering of the mesh, shape [tet_count, nodes].
+        pairs: Pairs of nodes in the order of computation.
+    """
+
+    vertices: Indices
+    tets: Indices
+    connectivity: Indices
+    place: Indices
+    tet_order: Indices
+    slots: Indices
+    first_slot: Indices
+    pairs: Pairs
+
+    def of(self, tets: TetMesh, element: Element) -> ElementMesh:
+        """The mesh of tetrahedra that are numbered so."""
+        return ElementMesh(TetMesh(tets.vertices[self.vertices], self.tets), element, self.connectivity)
+
+
+@lru_cache(maxsize=4)  # a run drops one mesh again and again, morphed, and its original's
+def _numbering(joined: bytes, element: str) -> _Numbering:
+    """The numbering of tetrahedra, given as the bytes of what they join, int32 of shape [tet_count, 4]."""
+    vertices, number = np.unique(np.frombuffer(joined, np.int32), return_inverse=True)
+    tets = number.reshape(-1, 4).astype(np.int32)
+    connectivity = with_nodes(TetMesh(np.zeros((len(vertices), 3)), tets), element_named(element)).connectivity
+    place = np.argsort(_bandwidth_order(connectivity)).astype(np.int32)
+    numbered = place[connectivity]
+    tet_order = np.argsort(numbered.min(axis=1), kind="stable").astype(np.int32)
+    slot_nodes = numbered[tet_order].ravel()
+    return _Numbering(
+        vertices=vertices.astype(np.int32),
+        tets=tets,
+        connectivity=connectivity,
+        place=place,
+        tet_order=tet_order,
         slots=np.argsort(np.argsort(slot_nodes, kind="stable")).astype(np.int32).reshape(connectivity.shape),
         first_slot=np.concatenate([[0], np.cumsum(np.bincount(slot_nodes, minlength=len(place)))]).astype(np.int32),
+        pairs=Pairs.of(numbered[tet_order], len(place)),
     )
 
 
@@ -128,9 +170,9 @@ def _refuse_unusable(tets: TetMesh) -> None:
         raise BadInput(f"{len(flat)} tetrahedra have no positive volume, the first at ({x:.1f}, {y:.1f}, {z:.1f}) mm; mesh the part again")
 
 
-def _bandwidth_order(mesh: ElementMesh) -> Indices:
+def _bandwidth_order(connectivity: Indices) -> Indices:
     """The nodes in reverse Cuthill–McKee order along what the elements join, shape [node_count]."""
-    count, tet_count = len(mesh.nodes), len(mesh.connectivity)
-    start = np.repeat(np.arange(tet_count), mesh.element.nodes)
-    inside = csr_array((np.ones(len(start), dtype=np.int32), (mesh.connectivity.ravel(), start)), shape=(count, tet_count))
+    count, (tet_count, nodes) = int(connectivity.max()) + 1, connectivity.shape
+    start = np.repeat(np.arange(tet_count), nodes)
+    inside = csr_array((np.ones(len(start), dtype=np.int32), (connectivity.ravel(), start)), shape=(count, tet_count))
     return reverse_cuthill_mckee((inside @ inside.T).tocsr(), symmetric_mode=True).astype(np.int32)

@@ -171,7 +171,7 @@ def tracks_for(
 ) -> tuple[list[Track], Scheme]:
     """Drops at first touch with the floor normals `normals`, unit vectors of shape [orientations, 3], and their scheme."""
     if test.window is None and period is None:
-        period = lowest_period(discretisation, material)
+        period = lowest_period(discretisation)
     scheme = scheme_for(discretisation, material, test, period)
     rule, body = Rule(test.speed, period or 0.0, test.window), RigidBody.of(discretisation, scheme.gravity)
     return [Track(normal, body, scheme, rule) for normal in normals], scheme
@@ -210,7 +210,7 @@ def scheme_for(discretisation: Discretisation, material: Material, test: DropTes
     Without a window the samples are the most that may be needed, and the lowest period [ms] must be given.
     """
     law = law_named(test.law, material)
-    stable, damping = damped_step(discretisation, material, test.damping)
+    stable, damping = damped_step(discretisation, test.damping)
     step = test.safety * stable
     if test.window is not None:
         steps = math.ceil(test.window / step)

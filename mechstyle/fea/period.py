@@ -3,77 +3,91 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import eigvalsh
-from scipy.sparse import coo_array, diags_array
+from scipy.linalg import eigh, eigvalsh
+from scipy.sparse import bsr_array, coo_array, csr_array, diags_array
 from scipy.sparse.csgraph import connected_components
-from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
 from mechstyle.errors import SimulationFailed
 from mechstyle.fea.discretisation import Discretisation
-from mechstyle.fea.elasticity import stiffness_matrix
-from mechstyle.fea.elements import ElementMesh
-from mechstyle.records.material import Material
+from mechstyle.fea.two_level import TwoLevel, linear_fields
 from mechstyle.records.mesh import Floats
 
 PRECISE = 1e-4
-"""Of the eigenvalues: more than a rule of thumb in periods can use."""
+"""Of the eigenvalue: more than a rule of thumb in periods can use."""
 
 DENSE = 60
 """Unknowns up to which all eigenvalues are worked out."""
 
+BLOCK = 3
+"""Vectors that are sought together: a cup has its lowest eigenvalue twice, and others close by."""
 
-def lowest_period(body: Discretisation, material: Material) -> float:
+MOST_ROUNDS, MOST_VECTORS = 60, 60
+"""Rounds of the search, and vectors it keeps before it begins anew from its best."""
+
+
+def lowest_period(body: Discretisation) -> float:
     """T1 = 2π/ω_1 of K x = ω² M x, M the lumped masses, past the rigid motions [ms].
 
-    Shift-invert Lanczos: the shift lies far below ω_1, about a fiftieth of that of a bar as long as the body. Rigid motions, known
-    beforehand, are taken out of it: which copies of an eigenvalue that is there many times are found hangs on rounding.
+    Rigid motions, known beforehand, are taken out: which copies of an eigenvalue that is there many times are found hangs on rounding.
 
     Raises:
-        SimulationFailed: If the stiffness cannot be factorised.
+        SimulationFailed: If the equations cannot be factorised, or the eigenvalue is not found.
     """
-    mesh = body.mesh
-    K, masses = stiffness_matrix(mesh, material), np.repeat(body.masses[body.place], 3)
-    rigid = _rigid_motions(mesh, masses)
-    if len(masses) <= max(DENSE, 2 * rigid.shape[1]):
-        root = masses**-0.5
-        lowest = float(np.sort(eigvalsh(root[:, None] * K.toarray() * root))[rigid.shape[1]])
+    root = np.repeat(body.masses, 3) ** -0.5
+    matrix = body.stiffness.matrix()
+    rows, columns = np.repeat(np.arange(len(body.masses)), np.diff(matrix.indptr)), matrix.indices
+    matrix.data *= root.reshape(-1, 3)[rows][:, :, None] * root.reshape(-1, 3)[columns][:, None, :]
+    rigid = _rigid_motions(body)
+    if len(root) <= max(DENSE, 2 * rigid.shape[1]):
+        lowest = float(np.sort(eigvalsh(matrix.toarray()))[rigid.shape[1]])
     else:
-        slowest = material.bar_wave_speed / float(np.linalg.norm(np.ptp(mesh.nodes, axis=0)))
-        lowest = _lowest_past(rigid, K.tocsc(), masses, (0.02 * slowest) ** 2)
+        slowest = body.stiffness.material.bar_wave_speed / float(np.linalg.norm(np.ptp(body.positions, axis=0)))
+        fields = csr_array(diags_array(1.0 / root) @ linear_fields(body.connectivity, len(body.masses)))
+        lowest = _lowest_past(rigid, matrix, TwoLevel(matrix, fields, shift=(0.02 * slowest) ** 2))  # far below that of a bar as long
     return float(2.0 * np.pi / np.sqrt(lowest))
 
 
-def _lowest_past(rigid: Floats, K: coo_array, masses: Floats, shift: float) -> float:
-    """The lowest eigenvalue of K x = ω² M x [1/ms²] whose x is M-orthogonal to the rigid motions, from a fixed start."""
-    M = diags_array(masses).tocsc()
-    try:
-        factor = splu((K + shift * M).tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-    except (RuntimeError, MemoryError) as error:
-        raise SimulationFailed(f"the lowest period of the part could not be found: {error}") from error
+def _lowest_past(rigid: Floats, matrix: bsr_array, preconditioner: TwoLevel) -> float:
+    """The lowest eigenvalue θ of A whose vector is orthogonal to the rigid motions [1/ms²], from a fixed start.
 
-    def elastic(x: Floats) -> Floats:
-        return np.asarray(x - rigid @ (rigid.T @ (masses * x)))
-
-    inverse = LinearOperator(K.shape, matvec=lambda x: elastic(factor.solve(x)), dtype=np.float64)
-    start = elastic(np.random.default_rng(0).standard_normal(K.shape[0]))
-    return float(eigsh(K, k=1, M=M, sigma=-shift, OPinv=inverse, v0=start, tol=PRECISE, return_eigenvectors=False)[0])
-
-
-def _rigid_motions(mesh: ElementMesh, masses: Floats) -> Floats:
-    """Translations and rotations of each piece, M-orthonormal, shape [3 · node_count, 6 · piece_count].
-
-    Args:
-        mesh: The elements.
-        masses: Diagonal of M [g], shape [3 · node_count].
+    Davidson's method (1975), with some vectors at a time: of all that were found the lowest combinations are taken, and what is left over
+    of them, r = A x − θ x, is added after preconditioning. Rayleigh and Ritz bound the eigenvalue from above, by about rᵀ A⁻¹ r.
     """
-    ends = (mesh.connectivity[:, :-1].ravel(), mesh.connectivity[:, 1:].ravel())
-    links = coo_array((np.ones(len(ends[0])), ends), shape=(len(mesh.nodes),) * 2)
+    start = np.random.default_rng(0).standard_normal((len(rigid), BLOCK))
+    found = _beside(rigid, preconditioner(start))
+    images = matrix @ found
+    for _ in range(MOST_ROUNDS):
+        values, mix = eigh(found.T @ images, subset_by_index=(0, BLOCK - 1))
+        vectors, moved = found @ mix, images @ mix
+        rest = moved - values * vectors
+        towards = preconditioner(rest)
+        if rest[:, 0] @ towards[:, 0] <= PRECISE * values[0]:
+            return float(values[0])
+        if found.shape[1] + BLOCK > MOST_VECTORS:
+            found, images = vectors, moved
+        added = _beside(np.concatenate([rigid, found], axis=1), towards)
+        found, images = np.concatenate([found, added], axis=1), np.concatenate([images, matrix @ added], axis=1)
+    raise SimulationFailed("the lowest period of the part could not be found: its tetrahedra are too uneven; mesh it again")
+
+
+def _beside(known: Floats, vectors: Floats) -> Floats:
+    """Vectors made orthonormal to each other and to orthonormal ones that are known; twice, because once leaves rounding."""
+    for _ in range(2):
+        vectors = np.linalg.qr(vectors - known @ (known.T @ vectors))[0]
+    return vectors
+
+
+def _rigid_motions(body: Discretisation) -> Floats:
+    """Translations and rotations of each piece, times √m and then orthonormal, shape [3 · node_count, 6 · piece_count]."""
+    connectivity, nodes, weights = body.connectivity, body.positions, np.repeat(np.sqrt(body.masses), 3)
+    ends = (connectivity[:, :-1].ravel(), connectivity[:, 1:].ravel())
+    links = coo_array((np.ones(len(ends[0])), ends), shape=(len(nodes),) * 2)
     pieces, piece = connected_components(links, directed=False)
-    root, motions = np.sqrt(masses), []
+    motions = []
     for number in range(pieces):
         inside = (piece == number)[:, None]
-        about = mesh.nodes - mesh.nodes[inside[:, 0]].mean(axis=0)
+        about = nodes - nodes[inside[:, 0]].mean(axis=0)
         fields = [motion for axis in np.eye(3) for motion in (np.broadcast_to(axis, about.shape), np.cross(axis, about))]
         own = np.stack([(inside * motion).ravel() for motion in fields], axis=1)
-        motions.append(np.linalg.qr(root[:, None] * own)[0] / root[:, None])
+        motions.append(np.linalg.qr(weights[:, None] * own)[0])
     return np.concatenate(motions, axis=1)

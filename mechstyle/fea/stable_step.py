@@ -12,7 +12,6 @@ import numpy as np
 
 from mechstyle.fea.discretisation import Discretisation
 from mechstyle.fea.mass_scaling import bound
-from mechstyle.records.material import Material
 from mechstyle.records.mesh import Floats
 
 
@@ -22,14 +21,14 @@ def stable_step(frequency: float, damping: float) -> float:
     return 2.0 / frequency * (math.sqrt(1.0 + xi * xi) - xi)
 
 
-def damped_step(body: Discretisation, material: Material, share: float) -> tuple[float, Floats]:
+def damped_step(body: Discretisation, share: float) -> tuple[float, Floats]:
     """A stable Δt [ms], and β of each tetrahedron [ms], shape [tet_count], that damps it by a share of its own critical damping.
 
     β_e = 2 ξ/ω_e, with the frequencies ω_e of the tetrahedra on their own scaled so that the highest is the bound of the body's: so
     each would allow the step (2/ω_e)(sqrt(1 + ξ²) − ξ), the stiffest the smallest. What the assembled body allows is checked: with
     A = K + 2/Δt C and λ a bound of M⁻¹A, Δt min(1, 4/(Δt² λ)) is stable, since 2 Δt C falls more slowly with Δt than Δt² K.
     """
-    stiffness = body.stiffness(material)
+    stiffness = body.stiffness
     frequency = math.sqrt(bound(stiffness.magnitudes(np.ones(len(body.volumes))), body.masses, body.highest))
     each = frequency * body.frequencies / body.frequencies.max()
     damping = 2.0 * share / each

@@ -14,90 +14,96 @@ from mechstyle.records.mesh import Bools, Floats, Indices
 
 
 @dataclass(frozen=True, eq=False)
-class Stiffness:
-    """Small-strain stiffness, which both laws have.
-
-    Attributes:
-        connectivity: Nodes of each tetrahedron, shape [tet_count, nodes].
-        node_count: Nodes.
-        gradients: ∇L_1, ∇L_2, ∇L_3 of each [1/mm], shape [tet_count, 3, 3].
-        volumes: Volumes [mm³], shape [tet_count].
-        element: What interpolates.
-        material: The material.
-    """
-
-    connectivity: Indices
-    node_count: int
-    gradients: Floats
-    volumes: Floats
-    element: Element
-    material: Material
-
-    def magnitudes(self, weights: Floats) -> bsr_array:
-        """|Σ w_e K_e|, entry by entry, w_e ≥ 0 of shape [tet_count] [N/mm], shape [3 node_count, 3 node_count]."""
-        pairs, blocks = self._pairs, self._blocks
-        straight, turned = (np.asarray(pairs.sums(weights, kind) @ blocks).reshape(-1, 3, 3) for kind in (False, True))
-        block = np.abs(straight + turned.transpose(0, 2, 1))
-        whole = np.concatenate([block, block[pairs.apart].transpose(0, 2, 1)])[pairs.order]
-        size = 3 * self.node_count
-        return bsr_array((whole, pairs.columns, pairs.starts), shape=(size, size))
-
-    @cached_property
-    def _pairs(self) -> _Pairs:
-        return _Pairs.of(self.connectivity, self.node_count)
-
-    @cached_property
-    def _blocks(self) -> Floats:
-        """K_ab = V (λ A + μ Aᵀ + μ tr A I), A the mean of ∇N_a ⊗ ∇N_b [N/mm], shape [pairs of `_Pairs.of`, 9]."""
-        mu, la, g = self.material.shear_modulus, self.material.lame_lambda, self.gradients
-        products = np.einsum("n,nik,njl->ijnkl", self.volumes, g, g)
-        corners = la * products + mu * products.swapaxes(3, 4)
-        corners += mu * np.einsum("ijnkk->ijn", products)[..., None, None] * np.eye(3)
-        blocks = _products_of_derivatives(self.element) @ corners.reshape(9, -1)
-        return np.asarray(blocks.reshape(-1, 9))
-
-
-@dataclass(frozen=True, eq=False)
-class _Pairs:
+class Pairs:
     """Pairs of nodes that a tetrahedron joins, each pair once, and where they stand in a matrix.
 
     Attributes:
-        of_elements: Which pair of the mesh each pair of nodes of an element is, shape [pairs of an element, tet_count].
-        turned: Which of those have the node with the higher number first, of the same shape.
-        count: Pairs of the mesh.
+        node_count: Nodes.
+        turned: Whether a pair of nodes of an element has the node with the higher number first, shape [pairs of an element, tet_count].
+        members: Pairs of elements, pair of the mesh by pair of the mesh, numbered as the entries of `turned`.
+        first: Where those of each pair of the mesh start, shape [pairs of the mesh + 1].
         apart: Pairs of the mesh of two different nodes, which stand in the matrix twice.
         order: Pairs of the mesh and, behind them, those apart, row by row.
         columns: Their columns in that order.
         starts: Where each row starts, shape [node_count + 1].
     """
 
-    of_elements: Indices
+    node_count: int
     turned: Bools
-    count: int
+    members: Indices
+    first: Indices
     apart: Indices
     order: Indices
     columns: Indices
     starts: Indices
 
     @classmethod
-    def of(cls, connectivity: Indices, count: int) -> _Pairs:
-        """The pairs of a mesh, those of an element in the order of `numpy.triu_indices`."""
-        first, second = (connectivity.T[ends].astype(np.int64) for ends in np.triu_indices(connectivity.shape[1]))
-        keys, pair = np.unique(np.minimum(first, second) * count + np.maximum(first, second), return_inverse=True)
+    def of(cls, connectivity: Indices, count: int) -> Pairs:
+        """The pairs of a mesh of `count` nodes, those of an element in the order of `numpy.triu_indices`."""
+        one, other = (connectivity.T[ends].astype(np.int64) for ends in np.triu_indices(connectivity.shape[1]))
+        keys, pair, often = np.unique(np.minimum(one, other) * count + np.maximum(one, other), return_inverse=True, return_counts=True)
+        members, first = np.argsort(pair.ravel(), kind="stable"), np.concatenate([[0], np.cumsum(often)])
         low, high = keys // count, keys % count
         apart = np.flatnonzero(low != high)
         rows, columns = np.concatenate([low, high[apart]]), np.concatenate([high, low[apart]])
         order = np.lexsort((columns, rows))
         starts = np.concatenate([[0], np.cumsum(np.bincount(rows, minlength=count))])
-        numbers = (pair.reshape(first.shape), apart, order, columns[order], starts)
-        of_elements, *rest = (np.asarray(values).astype(np.int32) for values in numbers)
-        return cls(of_elements, first > second, len(keys), *rest)
+        numbers = (members, first, apart, order, columns[order], starts)
+        return cls(count, one > other, *(np.asarray(values).astype(np.int32) for values in numbers))
 
-    def sums(self, weights: Floats, turned: bool) -> csr_array:
-        """What adds up the weighted blocks of elements that are turned or not, shape [pairs of the mesh, pairs of all elements]."""
-        chosen = np.flatnonzero(self.turned.ravel() == turned)
-        data = np.broadcast_to(weights, self.turned.shape).ravel()[chosen]
-        return csr_array((data, (self.of_elements.ravel()[chosen], chosen)), shape=(self.count, self.turned.size))
+    def sums(self, weights: Floats) -> csr_array:
+        """What adds up the weighted blocks of elements, in ascending order, shape [pairs of the mesh, pairs of all elements]."""
+        data = weights[self.members % self.turned.shape[1]]
+        return csr_array((data, self.members, self.first), shape=(len(self.first) - 1, self.turned.size))
+
+
+@dataclass(frozen=True, eq=False)
+class Stiffness:
+    """Small-strain stiffness, which both laws have.
+
+    Attributes:
+        pairs: Which nodes the tetrahedra join.
+        gradients: ∇L_1, ∇L_2, ∇L_3 of each [1/mm], shape [tet_count, 3, 3].
+        volumes: Volumes [mm³], shape [tet_count].
+        element: What interpolates.
+        material: The material.
+    """
+
+    pairs: Pairs
+    gradients: Floats
+    volumes: Floats
+    element: Element
+    material: Material
+
+    def matrix(self) -> bsr_array:
+        """K = Σ K_e [N/mm], shape [3 node_count, 3 node_count]."""
+        return self._whole(self._assembled(np.ones(len(self.volumes))))
+
+    def magnitudes(self, weights: Floats) -> bsr_array:
+        """|Σ w_e K_e|, entry by entry, w_e ≥ 0 of shape [tet_count] [N/mm], shape [3 node_count, 3 node_count]."""
+        return self._whole(np.abs(self._assembled(weights)))
+
+    def _assembled(self, weights: Floats) -> Floats:
+        """Σ w_e K_e by blocks, shape [pairs of the mesh, 3, 3]."""
+        return np.asarray(self.pairs.sums(weights) @ self._blocks).reshape(-1, 3, 3)
+
+    def _whole(self, block: Floats) -> bsr_array:
+        """The symmetric matrix of blocks, shape [3 node_count, 3 node_count]."""
+        pairs, size = self.pairs, 3 * self.pairs.node_count
+        whole = np.concatenate([block, block[pairs.apart].transpose(0, 2, 1)])[pairs.order]
+        return bsr_array((whole, pairs.columns, pairs.starts), shape=(size, size))
+
+    @cached_property
+    def _blocks(self) -> Floats:
+        """K_ab = V (λ A + μ Aᵀ + μ tr A I), A the mean of ∇N_a ⊗ ∇N_b [N/mm], K_ba where that is turned, shape [pairs of elements, 9]."""
+        mu, la, g = self.material.shear_modulus, self.material.lame_lambda, self.gradients
+        products = np.einsum("n,nik,njl->ijnkl", self.volumes, g, g)
+        corners = la * products + mu * products.swapaxes(3, 4)
+        corners += mu * np.einsum("ijnkk->ijn", products)[..., None, None] * np.eye(3)
+        blocks = (_products_of_derivatives(self.element) @ corners.reshape(9, -1)).reshape(-1, 3, 3)
+        turned = self.pairs.turned.ravel()
+        blocks[turned] = blocks[turned].transpose(0, 2, 1)
+        return np.asarray(blocks.reshape(-1, 9))
 
 
 def _products_of_derivatives(element: Element) -> Floats:

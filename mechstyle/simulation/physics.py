@@ -61,7 +61,7 @@ def period_of(tets: Callable[[], TetMesh], recipe: Recipe, memo: Memo, trusted: 
         memo.remember(key, period)  # a run folder holds what its drops rest on, whoever worked it out
         return period
     test = prescribed(recipe)
-    period = lowest_period(discretise(tets(), recipe.material, test.added_mass, element_named(test.element)), recipe.material)
+    period = lowest_period(discretise(tets(), recipe.material, test.added_mass, element_named(test.element)))
     for one in memos:
         one.remember(key, period)
     return period

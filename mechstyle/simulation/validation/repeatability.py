@@ -142,7 +142,7 @@ def _deciding(tets: TetMesh, result: Drop) -> list[Deciding]:
 
 
 def _period(tets: TetMesh) -> float:
-    return lowest_period(discretise(tets, PLA, DropTest().added_mass, QUADRATIC), PLA)
+    return lowest_period(discretise(tets, PLA, DropTest().added_mass, QUADRATIC))
 
 
 def _filled(surface: SurfaceMesh, vertices: int) -> TetMesh:

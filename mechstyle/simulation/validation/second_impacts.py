@@ -54,7 +54,7 @@ def tilted_ways() -> Floats:
 
 def _landed_again(name: str, tets: TetMesh, normals: Floats, window: float, labels: Sequence[str]) -> Iterator[Result]:
     body = discretise(tets, PLA, DropTest().added_mass, QUADRATIC)
-    period = lowest_period(body, PLA)
+    period = lowest_period(body)
     by_rule = drop(tets, PLA, normals, device="cpu", period=period)
     tracks, scheme = tracks_for(body, PLA, normals, DropTest(window=window))
     follow(CoreBody(body), scheme, tracks, no_progress)

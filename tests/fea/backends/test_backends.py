@@ -68,7 +68,7 @@ def stiffness(body, material):
 
 def scheme_of(discretisation, pla, name="stable_neo_hookean", samples=8, **changes):
     law = law_named(name, pla)
-    step = 0.85 * damped_step(discretisation, pla, 0.1)[0]
+    step = 0.85 * damped_step(discretisation, 0.1)[0]
     damping = 2e-5 * np.random.default_rng(3).uniform(0.2, 1.0, len(discretisation.volumes))
     scheme = Scheme(law, step, damping=damping, gravity=9.81e-3, friction=0.3, speed=5.4, stride=RECORD_EVERY, samples=samples)
     return replace(scheme, **changes)

@@ -22,7 +22,7 @@ PLA = LIBRARY["PLA"]
 def test_a_long_window_has_the_touch_a_short_one_has_not(window, count):
     bar, turn = box((15, 3, 1), (120.0, 20.0, 4.0)), np.radians(35.0)
     way, body = np.array([[np.sin(turn), 0.0, np.cos(turn)]]), discretise(bar, PLA, 0.01, LINEAR)
-    period, test = lowest_period(body, PLA), DropTest(window=window, element="tet4")
+    period, test = lowest_period(body), DropTest(window=window, element="tet4")
     tracks, scheme = tracks_for(body, PLA, way, test)
     follow(CoreBody(body), scheme, tracks, no_progress)
     found = later_touches(tracks[0], RigidBody.of(body, scheme.gravity), period)
