@@ -79,7 +79,7 @@ class Strengthened:
 
     def noted(self, part: Workpiece) -> Workpiece:
         """A part that was prepared of the result, with a note on what was done and the mass it gained."""
-        return replace(part, notes=(*part.notes, self.words), mass_gained=self.mass_gained)
+        return replace(part, notes=tuple(dict.fromkeys((*part.notes, self.words))), mass_gained=self.mass_gained)
 
     @property
     def verdicts(self) -> tuple[Verdict, Verdict]:
@@ -211,7 +211,7 @@ def made_ready(
     """A part made ready for a style: thickened first, if the recipe asks for it, with tetrahedra that carry the style's relief.
 
     Args:
-        mesh: A closed surface [mm], or a part that is prepared.
+        mesh: A closed surface [mm], or a part that is prepared; one that was thickened before is not thickened again.
         recipe: What it is made ready for.
         relief: The finished relief on a part.
         prepare: What prepares a surface, `simulation.part.prepare` or a function like it.
@@ -220,8 +220,8 @@ def made_ready(
         stage: Told what is being done, in words.
         go_on: Asked in between whether to; what it raises ends the work.
     """
-    thicker = None
-    if recipe.strengthen:
+    thicker, before = None, isinstance(mesh, Workpiece) and mesh.mass_gained > 0.0
+    if recipe.strengthen and not before:
         thicker = strengthened(mesh, recipe, vertices=vertices, device=device, stage=stage, prepare=prepare, go_on=go_on)
     rough = mesh if thicker is None else thicker.result
     if isinstance(rough, SurfaceMesh):

@@ -1,5 +1,7 @@
 """Thickening: where it is overloaded and nowhere else, within the budget, and told in grams. Stress is a known function of walls."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -13,7 +15,7 @@ from mechstyle.records.regions import region
 from mechstyle.runs.recipes import changed, draft
 from mechstyle.simulation import strengthen as module
 from mechstyle.simulation.part import Workpiece, standardised
-from mechstyle.simulation.strengthen import strengthen, strengthened
+from mechstyle.simulation.strengthen import made_ready, strengthen, strengthened
 from support.lanes import CORNER
 from support.records import simulation
 
@@ -131,6 +133,14 @@ def test_whoever_no_longer_waits_ends_it_in_a_drop_as_before_one(monkeypatch, pa
     with pytest.raises(InterruptedError):
         strengthened(part, draft("brick", strengthen=2.0), device="cpu", go_on=go_on)
     assert len(asked) == 2
+
+
+def test_what_was_thickened_before_is_not_thickened_again(bent, part):
+    """The Studio hands the part of one run on to the next, with another style."""
+    thicker = replace(part, mass_gained=2.0, notes=("it was thickened",))
+    bent.setattr(module, "refilled", lambda given, *_: given)
+    recipe = draft("brick", strengthen=2.0)
+    assert made_ready(thicker, recipe, None, prepare=pytest.fail, vertices=1500, device="cpu", stage=lambda _: None) is thicker
 
 
 def test_a_part_is_prepared_by_what_the_caller_prepares_with(bent, part):
