@@ -141,12 +141,13 @@ def _hooked_triangle(top: Floats, ledge: float, thickness: float) -> CrossSectio
     """Side view of a tablet stand: a triangle from heel to `top` with an opening, and a hook in front of its heel."""
     along = top / np.linalg.norm(top)
     across = np.array([-along[1], along[0]])
-    frame = _solids.offset(_solids.polygon([(0.0, 0.0), (0.68 * float(np.linalg.norm(top)), 0.0), top]), 1.2 * thickness)
+    corners = np.array([[0.0, 0.0], [0.68 * float(np.linalg.norm(top)), 0.0], top])
+    frame = _solids.offset(_solids.polygon(corners), 1.2 * thickness)
     rest = 26.0 * along + 1.2 * thickness * across  # of the tablet's edge
     lip = rest + (ledge + 0.8 * thickness) * across
     dot = _solids.disc(0.9 * thickness)
-    corners = (lip + thickness * along, lip, (-1.2 * thickness, 0.9 * thickness), (0.0, 0.0), rest)
-    hook = CrossSection.batch_hull([dot.translate((float(x), float(y))) for x, y in corners])
+    around = (lip + thickness * along, lip, (-1.2 * thickness, 0.9 * thickness), (0.0, 0.0), rest)
+    hook = CrossSection.batch_hull([dot.translate((float(x), float(y))) for x, y in around])
     room = _solids.polygon([rest, rest + 60.0 * along, rest + 60.0 * along + ledge * across, rest + ledge * across])
     outline = _solids.softened(frame + (hook - _solids.softened(room, min(5.0, 0.4 * ledge), 0.1)), 0.6 * thickness, 1.2 * thickness)
     opening = _solids.offset(_solids.offset(frame, -21.0 - 1.2 * thickness), 7.0)
