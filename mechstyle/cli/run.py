@@ -84,6 +84,8 @@ def carry_out(
         if deep:
             wanted = at_its_deepest(wanted, mesh, settings, vertices, device, folder, teller)
         run = started(wanted, mesh, vertices=vertices, out=folder, name=name, device=device, stage=teller.stage, beside=False)
+        if wanted.strengthen and not as_json:
+            err.print(f"[dim]part: {escape(run.part.notes[-1])}[/]")
         return finish(run, teller)
 
 
@@ -120,7 +122,8 @@ def report(run: Any, *, as_json: bool) -> None:
         print_json(summary)
         return
     rows = table("stresses in MPa", "verdict", "as placed", "of", "tilted", "of", "all orientations", "safety", "worst landing", "yield in")
-    for name, strength in (("original", summary.baseline), ("styled", summary.result)):
+    before = "thicker" if run.part.mass_gained else "original"
+    for name, strength in ((before, summary.baseline), ("styled", summary.result)):
         rows.add_row(name, verdict_text(strength.verdict, marginal=strength.marginal), *_figures(strength))
     out.print(rows)
     out.print(f"\n{escape(summary.words)}")
@@ -129,9 +132,9 @@ def report(run: Any, *, as_json: bool) -> None:
     if summary.level_share is not None:
         out.print(f"it stands on {summary.level_share:.0%} of its base")
     out.print(f"the tetrahedra carry {summary.carried:.0%} of the relief ({escape(summary.meshing)})")
-    before, after = summary.baseline.failure_probability, summary.result.failure_probability
-    if before is not None and after is not None:
-        out.print(f"{after:.0%} of random drops begin to yield it somewhere, {before:.0%} do the original ({run.recipe.poses})")
+    first, last = summary.baseline.failure_probability, summary.result.failure_probability
+    if first is not None and last is not None:
+        out.print(f"{last:.0%} of random drops begin to yield it somewhere, {first:.0%} of those of the {before} part ({run.recipe.poses})")
     out.print(f"published rule, shown only: literal maximum {summary.result.maximum:.1f} MPa (depends on the mesh)")
     if run.recipe.layers_judged:
         out.print(escape(run.recipe.layers_judged))

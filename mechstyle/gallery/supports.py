@@ -103,35 +103,61 @@ def tablet_stand(
     width: float = 128.0,
     height: float = 140.0,
     angle: float = 64.0,
-    ledge: float = 18.0,
-    thickness: float = 6.0,
-    window: float = 74.0,
+    ledge: float = 15.0,
+    thickness: float = 5.0,
+    middle: float = 36.0,
 ) -> SurfaceMesh:
-    """A desk stand for a tablet: a rounded triangle with a ledge, opened by a window.
+    """A desk stand for a tablet: two triangles with hooks, joined by a leaning back that is cut out from above.
+
+    Nothing wide lies level, because that is what a flat landing bends: see docs/gallery.md.
 
     Args:
         width: Width [mm].
         height: Length of the back [mm].
         angle: Lean of the back above the desk [degrees].
-        ledge: Depth of the ledge [mm].
-        thickness: Thickness of every wall [mm].
-        window: Width of the window through the back and the leg behind it [mm].
+        ledge: Depth of the hooks, room for a tablet in its cover [mm].
+        thickness: Thickness of the back; the triangles have 2.2 times that [mm].
+        middle: Length of the back in its middle [mm].
     """
-    _solids.within(width=(width, 80, 200), height=(height, 90, 220), angle=(angle, 52, 76), ledge=(ledge, 8, 30))
-    _solids.within(thickness=(thickness, 4, 10), window=(window, 20, width - 36))
+    _solids.within(width=(width, 80, 200), height=(height, 100, 220), angle=(angle, 52, 76), ledge=(ledge, 8, 24))
+    _solids.within(thickness=(thickness, 4, 8), middle=(middle, 16, 0.8 * height))
     along = np.array([math.cos(math.radians(angle)), math.sin(math.radians(angle))])
-    across = np.array([-along[1], along[0]])
-    core = _solids.polygon([(0.0, 0.0), (0.72 * height, 0.0), (height * float(along[0]), height * float(along[1]))])
-    loop = _solids.offset(core, 9.0) - _solids.offset(core, 9.0 - thickness)
-    heel = 26.0 * along + (9.0 - thickness / 2) * across
-    tip = heel + (ledge + thickness) * across
-    loop += _solids.stroke([heel, tip], thickness) + _solids.stroke([tip, tip + 11.0 * along], thickness)
-    outline = _solids.softened(loop, 0.3 * thickness, 4.0).simplify(0.05)  # else hairlines beside some of its corners are creases, too
-    stand = _solids.bar(outline, width, 0.25 * thickness)
-    low, high = tip[1] + 11.0 * along[1] + thickness + 4.0, 0.84 * height * along[1]
-    pane = _solids.through(_solids.box(high - low, window, 10.0), -2.0 * height, 2.0 * height).rotate((0.0, 90.0, 0.0))
-    stand = (stand - pane.translate((0.0, 0.0, (low + high) / 2))).trim_by_plane((0.0, 0.0, 1.0), -8.98)  # so that the base is one face
+    triangle = 2.2 * thickness
+    side = _solids.bar(_hooked_triangle(height * along, ledge, thickness), triangle, 2.0)
+    apart = 0.5 * (width - triangle)
+    stand = side.translate((0.0, apart, 0.0)) + side.translate((0.0, -apart, 0.0))
+    valley = CrossSection([_solids.superellipse(apart - 0.5 * triangle - 1.5 - thickness, height - middle, 2.4, 120)])
+    low, high = -2.4 * thickness, height + 1.0  # beyond the floor, where it is cut, and to where the triangles are round
+    plate = _solids.box(2.0 * apart, high - low, 1.0).translate((0.0, 0.5 * (low + high))) - valley.translate((0.0, height))
+    back = _solids.lofted(_solids.softened(plate, 2.0, 2.0), _both_edges_round(thickness, 1.2))
+    behind = -0.2 * thickness  # of the line from heel to top, so that the tablet lies on the triangles
+    (x, z), across = along, np.array([-along[1], along[0]])
+    place = np.array([[0.0, x, across[0], behind * across[0]], [-1.0, 0.0, 0.0, 0.0], [0.0, z, across[1], behind * across[1]]])
+    stand = (stand + back.transform(place)).trim_by_plane((0.0, 0.0, 1.0), 0.0)  # so that all it stands on is one plane
     return _solids.standing(stand.rotate((0.0, 0.0, 90.0)))
+
+
+def _hooked_triangle(top: Floats, ledge: float, thickness: float) -> CrossSection:
+    """Side view of a tablet stand: a triangle from heel to `top` with an opening, and a hook in front of its heel."""
+    along = top / np.linalg.norm(top)
+    across = np.array([-along[1], along[0]])
+    corners = np.array([[0.0, 0.0], [0.68 * float(np.linalg.norm(top)), 0.0], top])
+    frame = _solids.offset(_solids.polygon(corners), 1.2 * thickness)
+    rest = 26.0 * along + 1.2 * thickness * across  # of the tablet's edge
+    lip = rest + (ledge + 0.8 * thickness) * across
+    dot = _solids.disc(0.9 * thickness)
+    around = (lip + thickness * along, lip, (-1.2 * thickness, 0.9 * thickness), (0.0, 0.0), rest)
+    hook = CrossSection.batch_hull([dot.translate((float(x), float(y))) for x, y in around])
+    room = _solids.polygon([rest, rest + 60.0 * along, rest + 60.0 * along + ledge * across, rest + ledge * across])
+    outline = _solids.softened(frame + (hook - _solids.softened(room, min(5.0, 0.4 * ledge), 0.1)), 0.6 * thickness, 1.2 * thickness)
+    opening = _solids.offset(_solids.offset(frame, -21.0 - 1.2 * thickness), 7.0)
+    return (outline - opening).simplify(0.05)  # else hairlines beside some of its corners are creases, too
+
+
+def _both_edges_round(thickness: float, radius: float) -> list[_solids.Level]:
+    """Levels of a plate whose edges are round below and above."""
+    edge = _solids.round_edge(radius)
+    return [*((radius - z, inset) for z, inset in reversed(edge)), *((thickness - radius + z, inset) for z, inset in edge)]
 
 
 def door_stop(

@@ -14,6 +14,8 @@ import numpy as np
 import pytest
 import trimesh
 
+from mechstyle.cli.console import out
+from mechstyle.cli.run import report
 from mechstyle.errors import BadInput
 from mechstyle.geometry.filaments import clustered
 from mechstyle.loop.events import Checkpointed
@@ -78,6 +80,15 @@ def test_the_delivered_file_is_the_surface_simulated_last(finished):
     expected = run.part.surface.displaced(state.displacement)
     assert state.simulated_at == state.iteration
     assert np.abs(np.sort(delivered.vertices, axis=0) - np.sort(expected.vertices, axis=0)).max() < 1e-4  # decimals of the file
+
+
+def test_a_part_that_was_thickened_first_is_not_called_the_original(finished):
+    run = Run.open(finished[1])
+    for gained, name in ((0.0, "original"), (1.5, "thicker")):
+        run.__dict__["part"] = replace(run.part, mass_gained=gained)  # a cached property
+        with out.capture() as said:
+            report(run, as_json=False)
+        assert {line.split()[0] for line in said.get().splitlines() if line} & {"original", "thicker", "styled"} == {name, "styled"}
 
 
 def test_the_same_command_again_changes_nothing_and_says_the_same(finished):

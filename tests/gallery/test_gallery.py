@@ -17,7 +17,7 @@ from mechstyle.errors import BadInput
 DESIGN = {
     "pen_holder": (0, (80.0, 80.0, 100.0)),
     "phone_stand": (1, (72.0, 96.0, 104.0)),  # the triangle under the back
-    "tablet_stand": (3, (128.0, 128.3, 143.8)),  # the triangle, a window through back and leg
+    "tablet_stand": (2, (128.0, 116.7, 131.8)),  # a triangle at each side
     "spectacle_frame": (2, (139.0, 49.5, 4.4)),  # two lenses
     "pill_box": (0, (142.0, 30.0, 17.2)),
     "utensil_grip": (0, (34.0, 112.0, 27.0)),

@@ -148,6 +148,8 @@ def _figures(run: LaneOfRun, told: Sequence[Step]) -> Markup:
     if run.finished:
         shown += _informing(run.summary.baseline, run.summary.result)
     shown.append(("held back", f"{told[-1].share:.0%}", f"{told[-1].restrained} of {told[-1].vertices} vertices"))
+    if run.part.mass_gained:
+        shown.append(("thickened first", f"{run.part.mass_gained:+.1f} g", "before the style: the original here is the thickened part"))
     if run.finished:
         shown.append(("relief kept", f"{run.summary.kept:.0%}", "of what the style alone would have made"))
     return joined(

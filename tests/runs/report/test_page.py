@@ -5,6 +5,7 @@ import gzip
 import hashlib
 import json
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 
 import msgspec
@@ -78,6 +79,15 @@ def test_it_says_what_the_material_and_the_standard_leave_open(sheet):
     assert "0.55 of that along them" in text
     assert "Layers printed along (0, 0, 1) are judged with 0.55" in text
     assert "pass" not in text.lower()
+
+
+def test_a_part_that_was_thickened_first_is_not_taken_for_the_one_it_was(sheet):
+    run = sheet(iterations=3)
+    assert "thickened first" not in Reader(report_page(run)).text
+    run.__dict__["part"] = replace(run.part, mass_gained=1.5)  # a cached property
+    text = Reader(report_page(run)).text
+    assert "thickened first" in text
+    assert "+1.5 g" in text
 
 
 def test_every_setting_is_explained(read, lane):

@@ -26,6 +26,11 @@ def test_what_is_dropped_at_the_end_only_is_not_dropped_on_the_way():
     assert not any("on the way" in step for step in steps({**SETTINGS, "schedule": "never"}))
 
 
+def test_thickening_comes_before_all_else_where_it_is_asked_for():
+    assert steps({**SETTINGS, "strengthen": 1.5})[0].startswith("Thicken it by up to 1.5 mm")
+    assert not any("hicken" in step for step in steps({**SETTINGS, "strengthen": 0.0}))
+
+
 def test_nothing_is_promised_while_the_settings_are_not_known():
     assert steps({}) == []
 

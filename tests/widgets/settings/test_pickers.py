@@ -346,6 +346,17 @@ def test_a_standard_brings_its_landings_and_says_where_it_is_departed_from():
     assert "after" not in options._note.value
 
 
+def test_a_part_may_be_thickened_first_and_a_run_brings_what_it_asked_for():
+    options = DropOptions()
+    assert "thickened" not in options._note.value
+    control = next(one for one in options.children if getattr(one, "description", "") == "thicken [mm]")
+    control.value = 1.5
+    assert options.settings["strengthen"] == 1.5
+    assert "thickened by up to 1.5 mm before the style" in options._note.value
+    options.take(recipe(strengthen=0.5))
+    assert control.value == 0.5
+
+
 LOADS = """
 [[case]]
 name = "heavy coat"

@@ -2,8 +2,10 @@
 
 import shlex
 import threading
+from dataclasses import replace
 from html import escape
 from itertools import pairwise
+from types import SimpleNamespace
 
 import msgspec
 import pytest
@@ -111,6 +113,37 @@ def test_other_settings_begin_another_run_with_the_part_at_hand(controller, sett
     assert controller.state.run.store.root == tmp_path / "other"
     assert controller.state.run.recipe.threshold == 0.5
     assert controller.state.run.record.origin == Origin(model="sheet.stl", vertices=500)
+
+
+def test_another_thickening_begins_with_the_part_as_it_came(controller, settle, monkeypatch, tmp_path, sphere):
+    """The part of the run before may be thickened already."""
+    part, meshes = controller.state.run.part, []
+
+    def prepared(mesh, **_):
+        meshes.append(mesh)
+        return part
+
+    monkeypatch.setattr(module, "prepare_aside", prepared)
+    unchanged = SimpleNamespace(result=sphere, noted=lambda prepared: prepared)
+    monkeypatch.setattr("mechstyle.simulation.strengthen.strengthened", lambda *_, **__: unchanged)
+    for budget in (0.0, 1.0, 2.0):
+        wanted = msgspec.structs.replace(controller.state.run.recipe, strengthen=budget)
+        controller.wanted = lambda wanted=wanted: Wanted(wanted, sphere, 500, "sheet", str(tmp_path / "begun"))
+        controller.step()
+        settle(controller)
+        controller.stop()
+        settle(controller)
+    assert [mesh is sphere for mesh in meshes] == [True] * 3
+
+
+def test_a_thickened_part_without_the_one_it_was_is_not_thickened_otherwise(controller, tmp_path):
+    run = controller.state.run
+    run.__dict__["part"] = replace(run.part, mass_gained=3.0)  # a cached property
+    other = msgspec.structs.replace(run.recipe, strengthen=2.0)
+    controller.wanted = lambda: Wanted(other, None, 500, "sheet", str(tmp_path / "other"))
+    controller.step()
+    assert "was thickened already" in controller.state.message
+    assert not (tmp_path / "other").exists()
 
 
 @pytest.mark.parametrize(("model", "scale"), [("gallery:wall_hook", None), ("cup.stl", 2.5)])

@@ -55,8 +55,9 @@ def steps(settings: Mapping[str, Any]) -> list[str]:
     if plan is None:
         return []
     between = len(plan.places) - 1
-    about = "" if plan.certain else "about "
+    about, budget = "" if plan.certain else "about ", settings.get("strengthen", 0.0)
     return [
+        *([f"Thicken it by up to {budget:g} mm where it does not hold as it came"] if budget else []),
         "Drop the part as it came",
         f"Style it in {plan.places[-1]} small steps",
         *([f"Drop it on the way, {about}{_times(between)}"] if between else []),

@@ -46,12 +46,15 @@ class DropOptions(Section):
         criterion: What viable means, `robust` or `paper`.
         guarantee: Whether the finished relief is corrected until it is viable.
         minimum_wall: The thinnest wall the style may leave [mm], 0 for no rule.
+        strengthen: The most that a part that does not hold as it is may be thickened by before its style [mm], 0 to leave it as it is.
         vertices: Of the standardised surface.
         device: `auto`, `cpu` or `cuda`.
         folder: Run directory, "" for one named by prompt and recipe.
     """
 
-    FIELDS = ("standard", "drop_height", "orientations", "poses", "tilts", "loads", "criterion", "guarantee", "minimum_wall")
+    FIELDS = (
+        "standard", "drop_height", "orientations", "poses", "tilts", "loads", "criterion", "guarantee", "minimum_wall", "strengthen",
+    )  # fmt: skip
     OWN = ("vertices", "device", "folder")
 
     drop_height = setting("drop_height")
@@ -63,6 +66,7 @@ class DropOptions(Section):
     criterion = setting("criterion")
     guarantee = setting("guarantee")
     minimum_wall = setting("minimum_wall")
+    strengthen = setting("strengthen")
     vertices = traitlets.Int(STANDARD_VERTICES, min=1)
     device = traitlets.Enum(DEVICES, "auto")
     folder = traitlets.Unicode("")
@@ -86,6 +90,12 @@ class DropOptions(Section):
             "minimum_wall": lean(
                 ipywidgets.BoundedFloatText,
                 description="thinnest [mm]", step=0.1, tooltip="The thinnest wall the style may leave", **range_of("minimum_wall"), **look
+            ),
+            "strengthen": lean(
+                ipywidgets.BoundedFloatText,
+                description="thicken [mm]", step=0.5,
+                tooltip="The most that is added before the style where the part does not hold as it is; 0 leaves it as it is",
+                **range_of("strengthen"), **look,
             ),
             "vertices": lean(ipywidgets.BoundedIntText, description="vertices", min=1, max=400_000, step=1000, **look),
             "device": lean(ipywidgets.Dropdown, options=DEVICES, description="device", **look),
@@ -136,7 +146,7 @@ class DropOptions(Section):
     def _as_records(self, proposal: dict[str, Any]) -> tuple[LoadCase, ...]:
         return load_cases(proposal["value"])
 
-    @traitlets.observe("orientations", "poses", "standard", "drop_height", "loads")
+    @traitlets.observe("orientations", "poses", "standard", "drop_height", "loads", "strengthen")
     def _tell(self, _change: object = None) -> None:
         """Bring the way up to date, and say what will be tested."""
         self._way.value, self._standard.value = self.way, self.standard
@@ -144,7 +154,12 @@ class DropOptions(Section):
         show(self._unload, self.loads)
         drops, carried = WAYS[self.way][1].format(self.orientations), "; ".join(case.name for case in self.loads)
         after = landings_after(self.standard, poses=self.poses, orientations=self.orientations, drop_height=self.drop_height)
-        said = (drops, f"{after[:1].upper()}{after[1:]}", f"Besides, it must carry: {carried}" if carried else "")
+        said = (
+            drops,
+            f"{after[:1].upper()}{after[1:]}",
+            f"Besides, it must carry: {carried}" if carried else "",
+            f"Where it does not hold as it is, it is thickened by up to {self.strengthen:g} mm before the style" if self.strengthen else "",
+        )
         self.note(". ".join(filter(None, said)))
 
     @traitlets.observe("loads")

@@ -147,13 +147,17 @@ class Controller:
 
     def _asked(self, wanted: Wanted, run: Run) -> tuple[Any, ...]:
         """What tells whether a run was begun here with a part; () for the part of the run on show."""
-        return () if wanted.mesh is None else (run.store.root, wanted.mesh.digest, wanted.vertices)
+        if wanted.mesh is None:
+            return ()
+        return (run.store.root, wanted.mesh.digest, wanted.vertices, wanted.recipe.strengthen)
 
     def _begin(self, wanted: Wanted, earlier: Run | None, *, then_freely: bool = False) -> Session:
         """A session that prepares the part, unless an earlier run has it, begins the run and carries it on."""
         device = resolve_device(wanted.device)  # refused at once, not in the session
         part, origin = (wanted.mesh, None) if earlier is None else (earlier.part, earlier.record.origin)
         assert part is not None, "a part that is not prepared comes with its mesh"
+        if earlier is not None and earlier.part.mass_gained and wanted.recipe.strengthen != earlier.recipe.strengthen:
+            raise BadInput("the part of this run was thickened already: to thicken it otherwise choose the part again, as it came")
 
         def events(progress: Progress) -> Generator[Event, None, None]:
             self.state.tell(status="preparing", fraction=0.0)
