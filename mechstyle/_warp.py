@@ -26,8 +26,7 @@ def _without_native_stderr() -> Iterator[None]:
         os.close(nowhere)
 
 
-wp.config.quiet = True  # before Warp 1.12
-wp.config.log_level = 40  # since Warp 1.12: errors only
+wp.config.log_level = 40  # errors only
 with _without_native_stderr():
     wp.init()
 

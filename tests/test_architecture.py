@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 import typer
 from packaging.requirements import Requirement
+from packaging.specifiers import SpecifierSet
 from packaging.utils import canonicalize_name
 
 import mechstyle
@@ -234,14 +235,25 @@ def test_exceptions_from_the_gates_still_excuse_something():
             assert list(ROOT.glob(module.replace(".", "/") + ".py")), module
 
 
+PINNED = (ROOT / "constraints.txt").read_text().splitlines()[1:]
+PINS = {canonicalize_name(name): version for name, version in (line.split("==") for line in PINNED)}
+
+
 def test_every_dependency_is_pinned_within_what_the_package_asks_for():
-    lines = (ROOT / "constraints.txt").read_text().splitlines()[1:]
-    pins = {canonicalize_name(name): version for name, version in (line.split("==") for line in lines)}
-    assert lines == sorted(lines)
+    assert sorted(PINNED) == PINNED
     extras = PROJECT["project"]["optional-dependencies"]
     for text in [*PROJECT["project"]["dependencies"], *extras["dev"], *extras["jupyter"], *extras["docs"], "torch==2.13.0"]:
         needed = Requirement(text)
-        assert needed.specifier.contains(pins[canonicalize_name(needed.name)]), text
+        assert needed.specifier.contains(PINS[canonicalize_name(needed.name)]), text
+
+
+def test_what_is_pinned_installs_on_the_oldest_python_that_is_promised():
+    """Debian 12 has Python 3.11.2, where a package that asks for 3.11.5 ends `make`."""
+    oldest = PROJECT["project"]["requires-python"].removeprefix(">=") + ".0"
+    asked = {one.name: one.metadata["Requires-Python"] or "" for one in importlib.metadata.distributions()
+             if PINS.get(canonicalize_name(one.name)) == one.version}  # fmt: skip
+    assert len(asked) > 100
+    assert [name for name, python in asked.items() if not SpecifierSet(python).contains(oldest)] == []
 
 
 def test_installed_is_what_was_written():

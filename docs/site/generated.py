@@ -35,7 +35,7 @@ def _of_command(name: str, command: Any) -> str:
     arguments = [one for one in command.params if one.param_type_name == "argument"]
     typed = " ".join([name, *map(_metavar, arguments), "[OPTIONS]"])
     rows = [f"| {_called(one)} | {_plain(one.help or '')} | {_default(one)} |" for one in command.params if one.name != "help"]
-    table = ["| | | unless told |", "|---|---|---|", *rows] if rows else []
+    table = ["| given | what it is | unless told |", "|---|---|---|", *rows] if rows else []
     return "\n".join([f"## `{name}`", "", _plain(command.help or ""), "", f"```text\n{typed}\n```", "", *table])
 
 

@@ -98,6 +98,29 @@ def touches(vertex: wp.int32, a: wp.int32, b: wp.int32, c: wp.int32) -> bool:
     return vertex == a or vertex == b or vertex == c  # noqa: PLR1714 (Warp knows no `in`)
 
 
+@wp.func
+def between(axis: wp.vec3d, p: wp.vec3d, q: wp.vec3d, r: wp.vec3d, d: wp.vec3d, e: wp.vec3d, f: wp.vec3d) -> bool:
+    """Whether a plane across an axis lies between two triangles."""
+    one, two, three = wp.dot(axis, p), wp.dot(axis, q), wp.dot(axis, r)
+    four, five, six = wp.dot(axis, d), wp.dot(axis, e), wp.dot(axis, f)
+    below = wp.max(wp.max(one, two), three) < wp.min(wp.min(four, five), six)
+    return below or wp.max(wp.max(four, five), six) < wp.min(wp.min(one, two), three)
+
+
+@wp.func
+def beside(p: wp.vec3d, q: wp.vec3d, r: wp.vec3d, d: wp.vec3d, e: wp.vec3d, f: wp.vec3d) -> bool:
+    """Whether all of a triangle lies beyond a side of another, seen along its normal.
+
+    In one plane Möller's test is decided by rounding: it finds crossings of triangles that lie apart.
+    """
+    normal = wp.cross(q - p, r - p)
+    return (
+        between(wp.cross(normal, q - p), p, q, r, d, e, f)
+        or between(wp.cross(normal, r - q), p, q, r, d, e, f)
+        or between(wp.cross(normal, p - r), p, q, r, d, e, f)
+    )
+
+
 @wp.kernel
 def count_crossings(
     mesh: wp.uint64,
@@ -116,7 +139,9 @@ def count_crossings(
         if j > i:
             d, e, f = faces[3 * j], faces[3 * j + 1], faces[3 * j + 2]
             joined = touches(d, a, b, c) or touches(e, a, b, c) or touches(f, a, b, c)
-            if not joined and wp.intersect_tri_tri(p, q, r, points[d], points[e], points[f]) == 1:
+            s, t, u = points[d], points[e], points[f]
+            apart = joined or beside(p, q, r, s, t, u) or beside(s, t, u, p, q, r)
+            if not apart and wp.intersect_tri_tri(p, q, r, s, t, u) == 1:
                 count += 1
                 wp.atomic_max(other, i, j)
                 wp.atomic_max(other, j, i)

@@ -57,6 +57,19 @@ def test_two_triangles_that_cross_are_one_pair():
     assert crossings(both(flat, apart)).pairs == 0
 
 
+def test_triangles_apart_in_one_plane_do_not_cross():
+    """Two of a chamfer 0.43 mm wide that the remesher made: their planes differ by rounding alone."""
+    corners = [
+        [-62.77106711327218, -33.564125366527705, 23.9499010663031],
+        [-63.168775821437315, -31.905572237261914, 23.79465066509506],
+        [-63.16871496273629, -33.53951679782279, 23.794675873594407],
+        [-62.77105588871996, -31.927140186632684, 23.949902544043436],
+        [-62.77104463022873, -30.290157141517177, 23.949904026251925],
+        [-63.16883667438814, -30.271634794656237, 23.794625458977514],
+    ]
+    assert crossings(SurfaceMesh(corners, [[0, 1, 2], [3, 4, 5]])).pairs == 0
+
+
 def test_crossings_do_not_depend_on_where_the_part_stands():
     pair = both(box(), box((5.0, 0.3, 0.2)))
     there = pair.moved(pair.vertices + np.array([3e4, -2e4, 1e4]))

@@ -32,7 +32,8 @@ UPRIGHT = ((0.0, 0.0, 1.0),)
 ELSEWHERE = """
 import sys
 from mechstyle._warp import wp
-wp.config.cpu_compiler_flags = wp.config.cpu_compiler_flags.replace("-march=native", "-target-cpu x86-64")
+own = wp.config.cpu_compiler_flags or "-march=native"  # None means the same
+wp.config.cpu_compiler_flags = own.replace("-march=native", "-target-cpu x86-64")
 from mechstyle.simulation.validation.impacts import _plate
 sys.stdout.buffer.write(_plate(sys.argv[1]).tobytes())
 """
