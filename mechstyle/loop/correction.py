@@ -103,7 +103,9 @@ class Correction:
         if self.failing is not None:
             tries.append((0.5 * (viable + self.failing), "half of what was too much given back"))
         for relief, words in tries:
-            raised = np.where(self.standing, viable, relief).astype(np.float32)
+            # What the part stands on is given back whole, and only while nothing has failed: a lower gap carries no more.
+            under = viable if self.failing is not None else np.where(relief != viable, self.wanted, viable)
+            raised = np.where(self.standing, under, relief).astype(np.float32)
             if self.kept(raised) - self.kept(viable) >= WORTH:
                 return raised, words
         return None

@@ -223,10 +223,25 @@ def test_half_of_what_was_too_much_is_given_back():
     assert found.viable is tested[0]
 
 
-def test_what_the_part_stands_on_and_the_demand_it_has_used_up_are_given_nothing_back():
-    tested, _ = search(lambda _: True, lambda _: np.zeros(COUNT, np.float32), standing=UNDER, begun=HELD_BACK)
-    assert np.array_equal(tested[1][UNDER], HELD_BACK[UNDER])
-    assert np.all(tested[1][~UNDER] == 1.0)
+def test_what_the_part_stands_on_is_given_back_whole_where_there_is_reserve():
+    """The loop lays it flat at the first high landing of a relief that is half grown; the finished one may well hold with it."""
+    flat = np.where(UNDER, 0.0, HELD_BACK).astype(np.float32)
+    tested, found = search(lambda _: True, lambda _: peak(20, height=0.9, elsewhere=0.4), standing=UNDER, begun=flat)
+    assert np.all(tested[1][UNDER & (np.abs(np.arange(COUNT) - 20) > 3)] == 1.0), "a lower gap carries no more than a high one"
+    assert not tested[1][18:23].any()
+    assert np.all(tested[1][~UNDER] < 1.0)
+    assert found.viable is tested[-1]
+
+
+def test_where_it_has_failed_with_it_nothing_is_given_back_under_the_part():
+    flat = np.where(UNDER, 0.0, HELD_BACK).astype(np.float32)
+    tested, found = search(lambda share: not share[UNDER].any(), lambda _: peak(height=0.0, elsewhere=0.4), standing=UNDER, begun=flat)
+    assert [bool(share[UNDER].any()) for share in tested] == [False, True, False]
+    assert tested[2][~UNDER].mean() > flat[~UNDER].mean()
+    assert found.viable is tested[2]
+
+
+def test_where_demand_has_used_up_the_aim_nothing_is_given_back():
     tested, _ = search(lambda _: True, lambda _: peak(height=0.0, elsewhere=AIM), begun=HELD_BACK)
     assert len(tested) == 1
 
