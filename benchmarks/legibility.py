@@ -133,7 +133,8 @@ def main() -> None:
 def page(known: dict[str, dict[str, float]]) -> str:
     """The page in Markdown."""
     low = sum(figure < LEGIBLE for row in known.values() for figure in row.values())
-    below = f"{low} of {sum(map(len, known.values()))} pictures fall short of that (in italics)."
+    whole = sum(map(len, known.values()))
+    below = f"{low} of {whole} pictures fall short of that (in italics)." if low else f"All {whole} pictures reach that."
     lines = ["| style | " + " | ".join(CUPS) + " |", "|---" * (len(CUPS) + 1) + "|"]
     for style, row in sorted(known.items()):
         lines.append(f"| {style.replace('_', ' ')} | " + " | ".join(_figure(row.get(told)) for told in CUPS) + " |")

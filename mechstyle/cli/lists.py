@@ -41,7 +41,7 @@ def materials_command(as_json: Json = False) -> None:
 @app.command("styles")
 @command
 def styles_command(
-    sheet: Annotated[Path | None, typer.Option(help="PNG to write: every style on three parts, coloured and grey; takes minutes.")] = None,
+    sheet: Annotated[Path | None, typer.Option(help="PNG to write: every style on five parts, coloured and grey; takes minutes.")] = None,
     as_json: Json = False,
 ) -> None:
     """List the offline styles and the words that call them."""

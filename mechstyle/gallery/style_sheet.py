@@ -35,10 +35,10 @@ PARTS: Mapping[str, Mapping[str, float]] = MappingProxyType(
     }
 )
 """Models with the measures [mm] that are not their own: a curved, a prismatic, a thin, an organic and a small part."""
-CELL, LINE, MARGIN, GAP = 120, 26, 18, 28
+CELL, LINE, MARGIN, GAP = 100, 26, 18, 28
 """Side of a picture, height of the line above a row, border of the page, way between its columns [pixels]."""
-SHADES = 36
-"""Levels of a channel: fewer than a screen has halve the file, and nobody sees it on a textured part."""
+SHADES, COLOURS = 36, 256
+"""Levels of a channel, and colours in all: fewer than a screen has take two thirds off the file, and nobody sees it on a textured part."""
 
 Pixels = NDArray[np.uint8]
 
@@ -154,12 +154,13 @@ def lettered(page: Pixels, places: Sequence[tuple[int, int]], labels: Sequence[t
 def png(sheet: Figure, shades: int = SHADES) -> bytes:
     """A figure as a PNG of few shades, which packs well."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415 — as above
-    from matplotlib.image import imsave  # noqa: PLC0415
+    from PIL import Image  # noqa: PLC0415
 
     canvas: Any = FigureCanvasAgg(sheet)
     canvas.draw()
     step = 256 // shades
     pixels = np.minimum(np.asarray(canvas.buffer_rgba())[..., :3].astype(np.int16) + step // 2, 255) // step * step
     buffer = io.BytesIO()
-    imsave(buffer, pixels.astype(np.uint8), format="png", pil_kwargs={"optimize": True})
+    few = Image.fromarray(pixels.astype(np.uint8)).quantize(COLOURS, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
+    few.save(buffer, "PNG", optimize=True)
     return buffer.getvalue()

@@ -88,7 +88,8 @@ def clustered(colours: NDArray[np.floating], count: int = USUAL) -> Palette:
     _check_count(count)
     eight_bits = np.round(np.clip(colours, 0.0, 1.0) * 255.0).astype(np.uint8)
     label: NDArray[np.integer]
-    exact, label = np.unique(eight_bits, axis=0, return_inverse=True)
+    names, label = np.unique(eight_bits.astype(np.int32) @ (1 << 16, 1 << 8, 1), return_inverse=True)  # rows are sorted ten times as slowly
+    exact = np.stack([names >> 16, names >> 8 & 255, names & 255], axis=1).astype(np.uint8)
     if len(exact) > count:
         centres, label = _means(oklab(srgb_to_linear(eight_bits / 255.0)), count)
         exact = np.round(linear_to_srgb(from_oklab(centres)) * 255.0).astype(np.uint8)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -29,7 +28,11 @@ UPRIGHT, OPENING = 0.9, 0.1
 """Least cosine of the angle between the way out of a container and straight up, and least opening over the box around it."""
 
 
-@lru_cache(maxsize=4)  # a run asks again for each picture; meshes are frozen and differ by identity
+KEPT = 4
+"""Surfaces whose answer is kept: a run asks for each picture, and first while it prepares the part, which it then reads from disk."""
+_known: dict[str, NDArray[np.bool_]] = {}
+
+
 def is_inside(mesh: SurfaceMesh, *, device: str = "cpu") -> NDArray[np.bool_]:
     """Whether each vertex lies in a hollow that opens to the outside, shape [vertex_count].
 
@@ -38,10 +41,20 @@ def is_inside(mesh: SurfaceMesh, *, device: str = "cpu") -> NDArray[np.bool_]:
     the rim, and the open floor of a flat tray goes with the walls around it.
 
     Args:
-        mesh: A closed surface.
+        mesh: A closed surface; one of the same vertices and faces as a few before is not asked again.
         device: Warp device.
     """
-    sky = openness(mesh, device=device)
+    inside = _known.get(mesh.digest)
+    if inside is None:
+        inside = _told_apart(mesh, openness(mesh, device=device))
+        while len(_known) >= KEPT:
+            _known.pop(next(iter(_known)), None)
+        _known[mesh.digest] = inside
+    return inside
+
+
+def _told_apart(mesh: SurfaceMesh, sky: Floats) -> NDArray[np.bool_]:
+    """Whether each vertex is inside, given the share of the sky that it sees, shape [vertex_count]; write-protected."""
     inside, outside = sky < HIDDEN, sky > OPEN
     if inside.any() and outside.any():
         inside = _without_specks(mesh, _walked(mesh, inside, outside) > 0.5)

@@ -24,9 +24,25 @@ def words(filament: Indices) -> list[str]:
     Args:
         filament: Filament of each corner, counted from 0, shape [face_count, 3].
     """
-    kinds, which = np.unique(filament, axis=0, return_inverse=True)
+    kinds, which = distinct(filament)
     table = [_word(*(int(corner) + 1 for corner in kind)) for kind in kinds]
-    return [table[kind] for kind in which.reshape(-1)]
+    return [table[kind] for kind in which.tolist()]
+
+
+def distinct(filament: Indices) -> tuple[Indices, Indices]:
+    """The triples that occur, in order, and which of them each triangle is: as `np.unique` has it, but counted instead of sorted.
+
+    Args:
+        filament: Filament of each corner, counted from 0, shape [face_count, 3].
+
+    Returns:
+        The triples, shape [kind_count, 3], and places in them, shape [face_count].
+    """
+    base = int(filament.max(initial=0)) + 1
+    name = np.ravel_multi_index(tuple(filament.T), (base, base, base))
+    occurs = np.bincount(name, minlength=base**3) > 0
+    kinds = np.stack(np.unravel_index(np.flatnonzero(occurs), (base, base, base)), axis=1)
+    return kinds.astype(np.int32), (np.cumsum(occurs) - 1)[name].astype(np.int32)
 
 
 def _word(a: int, b: int, c: int) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import msgspec
 import numpy as np
 
+from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.geometry.self_intersections import crossings
 from mechstyle.geometry.thickness import wall_thickness
 from mechstyle.records.mesh import SurfaceMesh
@@ -63,12 +64,13 @@ def quality(original: SurfaceMesh, styled: SurfaceMesh, density: float, *, devic
         density: Density of the material [g/mm³].
         device: Warp device of the searches.
     """
-    before, after = (np.sort(mesh.dilated(wall_thickness(mesh, device=device))) for mesh in (original, styled))
+    trees = [TriangleTree(mesh.vertices, mesh.faces, device) for mesh in (original, styled)]
+    before, after = (np.sort(mesh.dilated(wall_thickness(mesh, tree))) for mesh, tree in zip((original, styled), trees, strict=True))
     one_percent = len(before) // 100
     return Quality(
         folds=folded_faces(original, styled),
-        crossings=crossings(styled, device=device).pairs,
-        crossings_before=crossings(original, device=device).pairs,
+        crossings=crossings(styled, trees[1]).pairs,
+        crossings_before=crossings(original, trees[0]).pairs,
         thinnest=float(after[0]),
         thinnest_before=float(before[0]),
         thin=float(after[one_percent]),

@@ -37,12 +37,17 @@ class Crossings(NamedTuple):
     other: Indices
 
 
-def crossings(mesh: SurfaceMesh, *, device: str = "cpu") -> Crossings:
+def crossings(mesh: SurfaceMesh, tree: TriangleTree | None = None) -> Crossings:
     """The faces that cross another without sharing a corner with it (Möller 1997, through a bounding volume hierarchy).
 
     Faces that share a corner touch by nature; where they fold onto each other, `print_quality.folded_faces` tells.
+
+    Args:
+        mesh: The surface.
+        tree: The tree over its faces, if there is one already.
     """
-    tree, count = TriangleTree(mesh.vertices, mesh.faces, device), len(mesh.faces)
+    tree, count = tree or TriangleTree(mesh.vertices, mesh.faces), len(mesh.faces)
+    device = tree.device
     centre = 0.5 * (mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0))
     points: Any = wp.array(mesh.vertices - centre, dtype=wp.vec3d, device=device)
     faces: Any = wp.array(mesh.faces.ravel(), dtype=wp.int32, device=device)

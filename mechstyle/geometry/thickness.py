@@ -39,24 +39,27 @@ def local_thickness(mesh: SurfaceMesh, *, separation: float = 100.0, slope: floa
     Returns:
         Thickness [mm], shape [vertex_count]. A ball is at most 10 % too large, because shallower contacts are not searched for.
     """
-    balls, _ = _inner_balls(mesh, separation, device)
+    balls, _ = _inner_balls(mesh, separation, TriangleTree(mesh.vertices, mesh.faces, device))
     return balls if math.isinf(slope) else _limited(balls, mesh, slope)
 
 
-def wall_thickness(mesh: SurfaceMesh, *, device: str = "cpu") -> Floats:
+def wall_thickness(mesh: SurfaceMesh, tree: TriangleTree | None = None) -> Floats:
     """Thickness between two sides that face each other [mm], shape [vertex_count]; the size of the part where there is no such other side.
 
     Beside an edge the ball that touches both of its faces shrinks with the distance from the edge. That is no wall, and the finer the
     mesh the closer its vertices come. So both contacts must lie `FACING` apart: a wedge of more than 60 degrees has no wall.
+
+    Args:
+        mesh: A closed surface.
+        tree: The tree over its faces, if there is one already.
     """
-    balls, cosine = _inner_balls(mesh, FACING, device)
+    balls, cosine = _inner_balls(mesh, FACING, tree or TriangleTree(mesh.vertices, mesh.faces))
     return np.where(cosine < math.cos(math.radians(FACING)), balls, mesh.size)
 
 
-def _inner_balls(mesh: SurfaceMesh, separation: float, device: str) -> tuple[Floats, Floats]:
+def _inner_balls(mesh: SurfaceMesh, separation: float, tree: TriangleTree) -> tuple[Floats, Floats]:
     """Diameter of the ball at each vertex [mm] and the cosine of the angle between its contacts, shape [vertex_count] each."""
-    tree = TriangleTree(mesh.vertices, mesh.faces, device)
-    count = len(mesh.vertices)
+    count, device = len(mesh.vertices), tree.device
     diameter, cosine = (wp.empty(count, dtype=wp.float32, device=device) for _ in range(2))
     normals: Any = wp.array(mesh.vertex_normals.astype(np.float32), dtype=wp.vec3, device=device)
     skin = 1e-4 * mesh.size

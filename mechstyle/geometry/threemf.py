@@ -10,7 +10,8 @@ from __future__ import annotations
 import io
 import json
 import zipfile
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from itertools import chain
 from typing import NamedTuple
 from xml.sax.saxutils import escape
 
@@ -18,7 +19,7 @@ import numpy as np
 
 from mechstyle.errors import unknown
 from mechstyle.geometry.filaments import MOST, Painted, Palette, clustered, painted
-from mechstyle.geometry.painting import words
+from mechstyle.geometry.painting import distinct, words
 from mechstyle.records.mesh import Indices, SurfaceMesh
 
 SLICERS = ("standard", "prusa", "bambu", "orca")
@@ -77,10 +78,8 @@ def threemf_bytes(
     shown = paint
     if shown is None and mesh.colours is not None:
         shown = painted(mesh, clustered(mesh.colours, MOST), line=0.0)
-    attributes: Iterable[str] = [""] * len(mesh.faces) if shown is None else _coloured(shown.filament[mesh.faces])
-    if paint is not None:
-        key = "slic3rpe:mmu_segmentation" if _strict(slicer) else "paint_color"
-        attributes = (f'{colour} {key}="{word}"' for colour, word in zip(attributes, words(paint.filament[mesh.faces]), strict=True))
+    key = "" if paint is None else "slic3rpe:mmu_segmentation" if _strict(slicer) else "paint_color"
+    attributes = [""] * len(mesh.faces) if shown is None else _coloured(shown.filament[mesh.faces], key)
     palette = () if shown is None else shown.palette
     thing = _object(1, called, mesh, attributes, 0 if palette else None)
     settings = {} if paint is None or _strict(slicer) else _bambu_settings(called, palette, filament_type, 1, [])
@@ -151,22 +150,24 @@ def _model(name: str, palette: Palette, things: str, built: int, *, painting: bo
     )
 
 
-def _object(number: int, name: str, mesh: SurfaceMesh, attributes: Iterable[str], colour: int | None) -> str:
+def _object(number: int, name: str, mesh: SurfaceMesh, attributes: Sequence[str], colour: int | None) -> str:
     """An object of one mesh, with attributes of each triangle and the colour of those that have none."""
     own = "" if colour is None else f' pid="{_GROUP}" pindex="{colour}"'
-    vertices = "".join(f'<vertex x="{x:.9g}" y="{y:.9g}" z="{z:.9g}"/>' for x, y, z in mesh.vertices)
-    triangles = "".join(
-        f'<triangle v1="{a}" v2="{b}" v3="{c}"{more}/>' for (a, b, c), more in zip(mesh.faces.tolist(), attributes, strict=True)
-    )
+    # One template for all is filled in three times as fast as one for each.
+    vertices = '<vertex x="%.9g" y="%.9g" z="%.9g"/>' * len(mesh.vertices) % tuple(mesh.vertices.ravel().tolist())
+    corners = zip(*mesh.faces.T.tolist(), attributes, strict=True)
+    triangles = '<triangle v1="%d" v2="%d" v3="%d"%s/>' * len(mesh.faces) % tuple(chain.from_iterable(corners))
     whole = f"<vertices>{vertices}</vertices><triangles>{triangles}</triangles>"
     return f'<object id="{number}" type="model" name="{name}"{own}><mesh>{whole}</mesh></object>'
 
 
-def _coloured(corners: Indices) -> list[str]:
-    """Attributes that give each corner its colour, shape [face_count, 3]."""
-    kinds, which = np.unique(corners, axis=0, return_inverse=True)
+def _coloured(corners: Indices, key: str = "") -> list[str]:
+    """Attributes that give each corner its colour, shape [face_count, 3]; with a key, the word that slicers paint by as well."""
+    kinds, which = distinct(corners)
     table = [f' pid="{_GROUP}" p1="{p}" p2="{q}" p3="{r}"' for p, q, r in kinds]
-    return [table[kind] for kind in which.reshape(-1)]
+    if key:
+        table = [f'{colour} {key}="{word}"' for colour, word in zip(table, words(kinds), strict=True)]
+    return [table[kind] for kind in which.tolist()]
 
 
 def _prusa_bodies(bodies: Sequence[Body]) -> str:

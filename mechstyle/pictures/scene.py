@@ -99,9 +99,10 @@ def _across(mesh: SurfaceMesh, seen: Visibility, hit: NDArray[np.bool_], values:
 
 def _normals(mesh: SurfaceMesh, seen: Visibility, hit: NDArray[np.bool_], camera: Camera) -> NDArray[np.float32]:
     """Unit shading normals at the pixels that hit the surface, on the side that is seen, shape [hit_count, 3]."""
-    away = np.einsum("ij,ij->i", mesh.face_normals, mesh.corners[:, 0] - camera.eye) > 0
-    normals = (corner_normals(mesh) * np.where(away, -1.0, 1.0)[:, None, None]).astype(np.float32)
-    face, weights = seen.face[hit], seen.barycentrics[hit]
+    faces, face = np.unique(seen.face[hit], return_inverse=True)
+    away = np.einsum("ij,ij->i", mesh.face_normals[faces], mesh.corners[faces, 0] - camera.eye) > 0
+    normals = (corner_normals(mesh, faces=faces) * np.where(away, -1.0, 1.0)[:, None, None]).astype(np.float32)
+    weights = seen.barycentrics[hit]
     blend = np.asarray(sum(normals[face, k] * weights[:, k, None] for k in range(3)), dtype=np.float32)
     return np.asarray(blend / np.maximum(np.linalg.norm(blend, axis=1, keepdims=True), 1e-6))
 

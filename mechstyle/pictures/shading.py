@@ -21,27 +21,34 @@ SKY_LIGHT, GROUND_LIGHT = 0.26, 0.12
 FLATNESS = 0.35  # share of the light on a coloured field that does not depend on the shape, so that colours stay near their legend
 
 
-def corner_normals(mesh: SurfaceMesh, crease: float = 40.0) -> NDArray[np.float64]:
+def corner_normals(mesh: SurfaceMesh, crease: float = 40.0, faces: NDArray[np.integer] | None = None) -> NDArray[np.float64]:
     """Unit normals per face corner, shape [face_count, 3, 3].
 
     Each is the angle-weighted mean over the faces around the vertex that turn by less than `crease` [degrees] against the corner's own
     face, so that smooth parts shade smoothly and edges stay crisp.
+
+    Args:
+        mesh: The surface.
+        crease: From which turn on an edge is one [degrees].
+        faces: Those whose corners are wanted, shape [k]: a picture shows a third of them. All by default.
     """
     vertex = mesh.faces.ravel()
     order = np.argsort(vertex, kind="stable")
     degree = np.bincount(vertex, minlength=len(mesh.vertices))
     start = np.cumsum(degree) - degree
-    count = degree[vertex]
-    corner = np.repeat(np.arange(len(vertex)), count)
+    wanted = np.arange(len(vertex)) if faces is None else (3 * faces[:, None] + np.arange(3)).ravel()
+    count = degree[vertex[wanted]]
+    place = np.repeat(np.arange(len(wanted)), count)
+    corner = wanted[place]
     within = np.arange(len(corner)) - np.repeat(np.cumsum(count) - count, count)
     other = order[start[vertex[corner]] + within]
     normals = mesh.face_normals
     smooth = np.einsum("ij,ij->i", normals[corner // 3], normals[other // 3]) > math.cos(math.radians(crease))
-    corner, other = corner[smooth], other[smooth]
+    place, other = place[smooth], other[smooth]
     weighted = np.repeat(normals, 3, axis=0) * _corner_angles(mesh).reshape(-1, 1)
-    total = np.stack([np.bincount(corner, weighted[other, axis], len(vertex)) for axis in range(3)], axis=1)
+    total = np.stack([np.bincount(place, weighted[other, axis], len(wanted)) for axis in range(3)], axis=1)
     length = np.linalg.norm(total, axis=1, keepdims=True)
-    unit = np.divide(total, length, out=np.repeat(normals, 3, axis=0), where=length > 1e-12)
+    unit = np.divide(total, length, out=normals[wanted // 3], where=length > 1e-12)
     return unit.reshape(-1, 3, 3)
 
 

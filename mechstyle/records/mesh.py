@@ -101,14 +101,16 @@ class SurfaceMesh:
     @cached_property
     def vertex_normals(self) -> Floats:
         """Angle-weighted outward unit normals (Thürmer and Wüthrich 1998), shape [vertex_count, 3]."""
-        total = np.zeros_like(self.vertices)
+        weighted = []
         for corner in range(3):
             here = self.corners[:, corner]
             ahead = self.corners[:, (corner + 1) % 3] - here
             behind = self.corners[:, (corner + 2) % 3] - here
             sine = np.linalg.norm(np.cross(ahead, behind), axis=1)
             angle = np.arctan2(sine, np.einsum("ij,ij->i", ahead, behind))
-            np.add.at(total, self.faces[:, corner], self.face_normals * angle[:, None])
+            weighted.append(self.face_normals * angle[:, None])
+        around, count = self.faces.T.ravel(), len(self.vertices)
+        total = np.stack([np.bincount(around, part, count) for part in np.concatenate(weighted).T], axis=1)
         lengths = np.linalg.norm(total, axis=1, keepdims=True)
         return np.divide(total, lengths, out=np.zeros_like(total), where=lengths > 1e-12)
 
@@ -122,8 +124,8 @@ class SurfaceMesh:
     def edges(self) -> Indices:
         """Undirected edges, lower index first, sorted, shape [edge_count, 2]."""
         start, end, count = self.faces.ravel(), np.roll(self.faces, -1, axis=1).ravel(), len(self.vertices)
-        names = np.unique(np.minimum(start, end) * np.int64(count) + np.maximum(start, end))  # rows are sorted ten times as slowly
-        return np.stack(np.divmod(names, max(count, 1)), axis=1).astype(np.int32)
+        names = np.sort(np.minimum(start, end) * np.int64(count) + np.maximum(start, end))  # rows are sorted ten times as slowly
+        return np.stack(np.divmod(names[np.diff(names, prepend=-1) > 0], max(count, 1)), axis=1).astype(np.int32)
 
     @cached_property
     def edge_length(self) -> float:
@@ -178,11 +180,22 @@ class SurfaceMesh:
 
     def moved(self, vertices: ArrayLike) -> SurfaceMesh:
         """The same faces and colours on other vertex positions [mm], shape [vertex_count, 3]."""
-        return SurfaceMesh(np.asarray(vertices, np.float64), self.faces, self.colours)
+        return self._handing_on(SurfaceMesh(np.asarray(vertices, np.float64), self.faces, self.colours), ("edges",))
 
     def coloured(self, colours: ArrayLike | None) -> SurfaceMesh:
         """The same surface with other colours in [0, 1], shape [vertex_count, 3]."""
-        return SurfaceMesh(self.vertices, self.faces, None if colours is None else np.asarray(colours, np.float32))
+        other = SurfaceMesh(self.vertices, self.faces, None if colours is None else np.asarray(colours, np.float32))
+        return self._handing_on(other, _DERIVED)
+
+    def _handing_on(self, other: SurfaceMesh, names: tuple[str, ...]) -> SurfaceMesh:
+        """Another surface that knows what this one has worked out already, as far as it holds for both."""
+        known = vars(self)
+        vars(other).update({name: known[name] for name in names if name in known})
+        return other
+
+
+_DERIVED = tuple(name for name, value in vars(SurfaceMesh).items() if isinstance(value, cached_property))
+"""What follows from vertices and faces."""
 
 
 @dataclass(frozen=True, eq=False)

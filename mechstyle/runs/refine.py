@@ -16,11 +16,13 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mechstyle.errors import BadInput
+from mechstyle.geometry.going_on import GoOn, regardless
 from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.subdivision import Subdivided, refined_to
 from mechstyle.loop import correction, minimum_wall
@@ -103,6 +105,10 @@ class Refined:
         return self.cut.mesh
 
 
+_last: WeakKeyDictionary[SurfaceMesh, tuple[int, Subdivided]] = WeakKeyDictionary()
+"""The last smaller faces of each surface, and the vertices wanted: test, file and picture of a run are all about them."""
+
+
 def vertices_for(surface: SurfaceMesh, asked: int | None) -> int:
     """Vertices that the delivered surface of a part is to have at least: those asked for, or what its size and a printer's lines need."""
     if asked:
@@ -130,7 +136,12 @@ class Refinement:
     @cached_property
     def cut(self) -> Subdivided:
         """The part in smaller faces."""
-        return refined_to(self.part.surface, vertices_for(self.part.surface, self.asked), most_parts=MOST_PARTS)
+        wanted = vertices_for(self.part.surface, self.asked)
+        known, cut = _last.get(self.part.surface, (0, None))
+        if cut is None or known != wanted:
+            cut = refined_to(self.part.surface, wanted, most_parts=MOST_PARTS)
+            _last[self.part.surface] = wanted, cut
+        return cut
 
     def tested(self, state: Checkpoint) -> Simulation:
         """Of `loop.engine.Delivery`: what drawing finer leaves of the state is no part of the loop, so its displacement stays."""
@@ -205,9 +216,12 @@ class Refinement:
         simulation = self._dropped(relief, state.displacement) if drop else None
         return Fine(relief if simulation is None else simulation.displacement, colour, twin.interpolated, simulation)
 
+    def _go_on(self) -> None:
+        self.simulator.progress(0.0)
+
     @cached_property
     def _twin(self) -> _Twin:
-        return _Twin(self.part, self.cut, self.store.objects)
+        return _Twin(self.part, self.cut, self.store.objects, self._go_on)
 
     def _led_to(self, state: Checkpoint) -> _Twin:
         """The twin led to a state from wherever it stands, which must be in the past of the state or one of its iteration."""
@@ -215,7 +229,7 @@ class Refinement:
         while past[-1].parent and (self._twin.stands is None or past[-1].iteration > self._twin.stands.iteration):
             past.append(self.store.checkpoint(past[-1].parent))
         for before, after in pairwise([*([] if self._twin.stands is None else [self._twin.stands]), *past[::-1]]):
-            self.simulator.progress(0.0)  # a run has hundreds
+            self._go_on()  # a run has hundreds
             self._twin.follow(before, after, self.store.recipe(after.recipe))
         return self._twin
 
@@ -228,6 +242,7 @@ class _Twin:
         part: The part.
         cut: The same in smaller faces.
         objects: Those of the run, which keep its picture; None for cached ones.
+        go_on: Asked while a style is drawn whether to; what it raises ends it.
         displacement: The twin's [mm], shape [fine_count].
         stands: The state it was led to, None before the first.
         interpolated: Whether a style on the way was.
@@ -236,6 +251,7 @@ class _Twin:
     part: Workpiece
     cut: Subdivided
     objects: Objects | None = None
+    go_on: GoOn = regardless
     displacement: Field = field(init=False)
     stands: Checkpoint | None = None
     interpolated: bool = False
@@ -318,9 +334,10 @@ class _Twin:
         if recipe.guidance == "clip" or recipe.field == "network":
             return None
         reading = reading_of(recipe)
-        coarse = drawing_of(self.part, self._bounds, recipe, reading, self.objects)
+        coarse = drawing_of(self.part, self._bounds, recipe, reading, self.objects, self.go_on)
         canvases = [FineCanvas(self.cut.mesh, self.cut.interpolation, canvas) for canvas in coarse.canvases]
-        fine = drawn(recipe, reading, canvases, self._spread(coarse.shares.T).T.astype(np.float64), self._fine_bounds)
+        shares = self._spread(coarse.shares.T).T.astype(np.float64)
+        fine = drawn(recipe, reading, canvases, shares, self._fine_bounds, self.go_on)
         return ProceduralStylizer(self.part.surface, coarse.target), ProceduralStylizer(self.cut.mesh, fine)
 
     def _increments(self, coarse: Stylizer, fine: Stylizer) -> tuple[Field, Field]:

@@ -276,7 +276,7 @@ class Run:
 
     def _engine(self, progress: Progress) -> tuple[Engine, tuple[str, ...]]:
         recipe, part = self.recipe, self.part
-        stylizer, notes = stylizer_for(part, recipe, self.device, self.store.objects)
+        stylizer, notes = stylizer_for(part, recipe, self.device, self.store.objects, lambda: progress(0.0))
         bounds, protected = bounds_for(part, recipe)
         simulator = self.simulator(recipe, progress)
         delivery = None if recipe.delivered == 0 else self._refinement(simulator)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from mechstyle._files import clip_folder
 from mechstyle.errors import BadInput
+from mechstyle.geometry.going_on import GoOn, regardless
 from mechstyle.loop.bounds import Bounds, advanced
 from mechstyle.loop.engine import Stylizer
 from mechstyle.loop.objects import Objects
@@ -65,7 +66,7 @@ def settled(recipe: Recipe, *, clip_asked_for: bool) -> Recipe:
 
 
 def stylizer_for(
-    part: Workpiece, recipe: Recipe, device: str = "cpu", objects: Objects | None = None
+    part: Workpiece, recipe: Recipe, device: str = "cpu", objects: Objects | None = None, go_on: GoOn = regardless
 ) -> tuple[Stylizer, tuple[str, ...]]:
     """The stylizer of a recipe, and what its user should know about how the prompt was read and what the mesh can carry.
 
@@ -74,14 +75,16 @@ def stylizer_for(
         recipe: The recipe.
         device: Where learned styles are learned.
         objects: Those of the run, which keep its picture; None for cached ones.
+        go_on: Asked while a style is drawn whether to; what it raises ends it.
     """
     bounds = bounds_for(part, recipe)[0]
+    go_on()
     if recipe.stylizer:
         return made(part.surface, bounds, recipe), ()
     if recipe.guidance == "clip":
         return _towards_prompt(part, bounds, recipe, device), ()
     reading = reading_of(recipe)
-    aim = _drawn(part, bounds, recipe, reading, objects)
+    aim = drawing_of(part, bounds, recipe, reading, objects, go_on).target
     notes = (f"prompt read as {reading.words}", *reading.notes, *aim.notes)
     if recipe.field != "network":
         return ProceduralStylizer(part.surface, aim), notes
@@ -107,25 +110,22 @@ class FinishedStyle(NamedTuple):
     notes: tuple[str, ...]
 
 
-def finished_style(part: Workpiece | Shape, recipe: Recipe) -> FinishedStyle | None:
-    """The finished style of a recipe; None where only running it tells."""
+def finished_style(part: Workpiece | Shape, recipe: Recipe, go_on: GoOn = regardless) -> FinishedStyle | None:
+    """The finished style of a recipe; None where only running it tells. What `go_on` raises ends it."""
     if recipe.stylizer or recipe.guidance == "clip" or recipe.field == "network":
         return None
     bounds = bounds_for(part, recipe)[0]
-    aim = _drawn(part, bounds, recipe, reading_of(recipe))
+    go_on()
+    aim = drawing_of(part, bounds, recipe, reading_of(recipe), go_on=go_on).target
     wanted = bounds.freedom * bounds.levelled(aim.displacement)
     relief = advanced(np.zeros_like(wanted), np.ones_like(wanted), wanted, bounds, recipe)
     return FinishedStyle(relief, np.where(bounds.uncoloured, NEUTRAL, aim.colour), bounds.freedom == 0.0, aim.notes)
 
 
-def finished_relief(part: Workpiece | Shape, recipe: Recipe) -> Field | None:
-    """The relief of the finished style [mm], shape [vertex_count]; None where only running it tells."""
-    style = finished_style(part, recipe)
+def finished_relief(part: Workpiece | Shape, recipe: Recipe, go_on: GoOn = regardless) -> Field | None:
+    """The relief of the finished style [mm], shape [vertex_count]; None where only running it tells. What `go_on` raises ends it."""
+    style = finished_style(part, recipe, go_on)
     return None if style is None else style.relief
-
-
-def _drawn(part: Workpiece | Shape, bounds: Bounds, recipe: Recipe, reading: Reading, objects: Objects | None = None) -> Target:
-    return drawing_of(part, bounds, recipe, reading, objects).target
 
 
 class Drawing(NamedTuple):
@@ -147,7 +147,7 @@ _last: WeakKeyDictionary[Workpiece | Shape, tuple[str, Drawing]] = WeakKeyDictio
 
 
 def drawing_of(
-    part: Workpiece | Shape, bounds: Bounds, recipe: Recipe, reading: Reading, objects: Objects | None = None
+    part: Workpiece | Shape, bounds: Bounds, recipe: Recipe, reading: Reading, objects: Objects | None = None, go_on: GoOn = regardless
 ) -> Drawing:
     """What the prompt of a recipe asks for on a part, within its bounds; the last one on a part is remembered.
 
@@ -157,6 +157,7 @@ def drawing_of(
         recipe: The recipe.
         reading: Its prompt.
         objects: Those of the run, which keep its picture; None for cached ones.
+        go_on: Asked in between whether to; what it raises ends it.
     """
     digest, known = _last.get(part, ("", None))
     if known is not None and digest == recipe.digest:
@@ -166,13 +167,15 @@ def drawing_of(
     for before, canvas in pairwise([*(known.canvases[:1] if known else ()), *canvases]):
         canvas.share(before)
     where = places(reading, part.surface, part.thickness)
-    aim = drawn(recipe, reading, canvases, where.shares, bounds)
+    aim = drawn(recipe, reading, canvases, where.shares, bounds, go_on)
     found = Drawing(aim._replace(notes=(*where.notes, *aim.notes)), canvases, where.shares)
     _last[part] = recipe.digest, found
     return found
 
 
-def drawn(recipe: Recipe, reading: Reading, canvases: Sequence[Canvas], shares: Floats, bounds: Bounds) -> Target:
+def drawn(
+    recipe: Recipe, reading: Reading, canvases: Sequence[Canvas], shares: Floats, bounds: Bounds, go_on: GoOn = regardless
+) -> Target:
     """What a prompt asks for, each wish drawn on a canvas of its own, all of one surface.
 
     Args:
@@ -181,21 +184,16 @@ def drawn(recipe: Recipe, reading: Reading, canvases: Sequence[Canvas], shares: 
         canvases: One for each wish.
         shares: Of each wish at each vertex, as `styling.combination.places` gives them, shape [wish_count, vertex_count].
         bounds: How far it may go on that surface.
+        go_on: Asked in between whether to; what it raises ends it.
     """
-    mesh = canvases[0].mesh
-    targets = [
-        target(
-            mesh,
-            wish,
-            Dimensions.of(recipe, wish),
-            seed=recipe.seed,
-            thickness=bounds.thickness,
-            inward=bounds.inward,
-            outward=bounds.outward,
-            canvas=canvas,
-        )
-        for wish, canvas in zip(reading.wishes, canvases, strict=True)
-    ]
+    mesh, targets = canvases[0].mesh, []
+    limits = {"thickness": bounds.thickness, "inward": bounds.inward, "outward": bounds.outward}
+    for wish, canvas in zip(reading.wishes, canvases, strict=True):
+        canvas.go_on = go_on
+        try:
+            targets.append(target(mesh, wish, Dimensions.of(recipe, wish), seed=recipe.seed, canvas=canvas, **limits))
+        finally:
+            canvas.go_on = regardless  # it is drawn on again, when whoever asked may have been told to stop
     return combined(mesh, targets, shares).without(bounds.plain)
 
 

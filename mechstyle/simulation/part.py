@@ -6,6 +6,7 @@ import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Protocol
 
 import msgspec
 import numpy as np
@@ -142,8 +143,11 @@ class Shape:
         return resting_weight(self.surface, high=min(max(quarter, 2.0), 5.0)).astype(np.float32)
 
 
-Relief = Callable[[Shape], "NDArray[np.float32] | None"]
-"""The finished relief of a style on a part [mm], shape [vertex_count], or None where it is not known beforehand."""
+class Relief(Protocol):
+    """The finished relief of a style."""
+
+    def __call__(self, part: Shape, /, *, go_on: GoOn) -> NDArray[np.float32] | None:
+        """That on a part [mm], shape [vertex_count], or None where it is not known beforehand; what `go_on` raises ends it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,7 +212,7 @@ def prepare(
     stands = resting_face(surface) is not None
     notes = () if stands else ("it has no flat face to stand on, so its base is neither levelled nor protected",)
     stage("filling it with tetrahedra")
-    whole = None if relief is None else relief(Shape(surface, thickness))
+    whole = None if relief is None else relief(Shape(surface, thickness), go_on=go_on)
     if whole is None or not whole.any():
         return Workpiece(surface, at_rest(surface, go_on), thickness, stands, notes)
     solid, half = carrying(surface, whole, go_on)
@@ -217,7 +221,7 @@ def prepare(
 
 def refilled(part: Workpiece, relief: Relief, stage: Stage = say_nothing, go_on: GoOn = regardless) -> Workpiece:
     """A part with tetrahedra that carry another relief; as it is if that is not known. What `go_on` raises ends it."""
-    whole = relief(part.shape)
+    whole = relief(part.shape, go_on=go_on)
     if whole is None or not whole.any():
         return part
     stage("filling it with tetrahedra")

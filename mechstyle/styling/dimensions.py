@@ -137,11 +137,13 @@ class Dimensions:
             amount: Factor of the prompt on a depth that is not told in mm.
         """
         wall = np.asarray(thickness, dtype=np.float64)
-        wanted = self._depth(gradual_thickness(operators, wall if feature is None else np.minimum(wall, feature)), feature, amount)
+        counted = wall if feature is None else np.minimum(wall, feature)
+        gradual = gradual_thickness(operators, counted)
+        wanted = self._depth(gradual, feature, amount)
         span = None if self.amplitude is None or self.relief is not None else NOMINAL
         if self.side == "both":
             return Layout(self.side, wanted, np.full(len(wall), np.inf), span, ())
-        whole = gradual_thickness(operators, wall)
+        whole = gradual if np.array_equal(counted, wall) else gradual_thickness(operators, wall)
         room = _room(self.side, whole, self.minimum_wall)
         depth = np.minimum(wanted, room if self.side == "inwards" else outwards(whole) + room)
         return Layout(self.side, depth, room, span, self._notes(operators.mesh, depth, room, feature, amount))
@@ -212,8 +214,10 @@ def _median_of_ring(operators: Operators, values: Floats) -> Floats:
     count = len(values)
     centre = np.concatenate([operators.tail, operators.head, np.arange(count)])
     other = np.concatenate([operators.head, operators.tail, np.arange(count)])
-    order = np.lexsort((values[other], centre))
+    rising = np.argsort(values)
+    rank = np.empty(count, np.int64)
+    rank[rising] = np.arange(count)
     size = np.bincount(centre, minlength=count)
     first = np.concatenate([[0], np.cumsum(size)[:-1]])
-    ranked = values[other][order]
+    ranked = values[rising][np.sort(centre * np.int64(count) + rank[other]) % count]  # whole numbers sort several times as fast as pairs
     return np.asarray(0.5 * (ranked[first + (size - 1) // 2] + ranked[first + size // 2]))

@@ -76,9 +76,11 @@ def target(
     tint = tinted(relief, wish).astype(np.float32)
     if not relief.height.any():
         return Target(np.zeros(len(mesh.vertices), np.float32), tint, tuple(canvas.notes))
+    canvas.go_on()
     layout = dimensions.layout(canvas.operators, thickness, style.feature_mm * canvas.scale, wish.amount)
     raised = layout.depth * relief.height if relief.stands else layout.displacement(relief.height, mesh.vertex_areas, relief.cover)
     limited = np.clip(raised, -np.asarray(inward, dtype=np.float64), np.asarray(outward, dtype=np.float64))
+    canvas.go_on()
     smooth = unfolded(canvas.operators, limited)
     notes = (*canvas.notes, *layout.notes, *_fold_notes(mesh, np.abs(smooth - limited) > _NOTICEABLE * np.abs(limited)))
     return Target(smooth.astype(np.float32), tint, notes)

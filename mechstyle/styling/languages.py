@@ -11,7 +11,7 @@ LANGUAGES = ("German", "French", "Spanish", "Portuguese", "Italian", "Chinese", 
 TABLE = """
 picture | Bild Foto | image photo | imagen foto | imagem foto | immagine foto | 图片 照片 | 画像 写真
 bamboo | Bambus Bambusrohr | bambou | bambú bambu caña | bambu cana | bambù canne | 竹 竹子 | 竹 バンブー
-basket_weave | Korbgeflecht Flechtwerk Korb Flechtkorb geflochten Weide Rattan | vannerie osier panier tressage tressé rotin | cesta mimbre cestería trenzado ratán | cesto vime cestaria trançado entrançado | cesto vimini intreccio intrecciato rattan | 编织 藤编 篮子 竹编 | 籠 かご 籠目 編み籠 籐
+basket_weave | Korbgeflecht Flechtwerk Korb Flechtkorb geflochten Weide Rattan | vannerie osier panier tressage tressé rotin | cesta mimbre cestería trenzado ratán | cesto vime cestaria trançado entrançado | cesto vimini intreccio intrecciato rattan | 编织 藤编 篮子 竹编 | 籠 かご 籠目 編み籠 籐 竹編み 竹籠
 brick | Ziegel Backstein Klinker Ziegelstein Ziegelmauer Mauerwerk Backsteine Ziegelsteine | brique briques maçonnerie | ladrillo ladrillos mampostería | tijolo tijolos alvenaria | mattone mattoni laterizio muratura | 砖 砖块 砖墙 红砖 砖头 | レンガ 煉瓦 れんが
 cactus | Kaktus Kakteen | cactus | cactus cacto nopal | cacto cactos | cactus | 仙人掌 | サボテン
 circuit | Platine Leiterplatte Schaltkreis Elektronik | circuit circuit_imprimé électronique | circuito placa_de_circuito electrónica | circuito placa_de_circuito eletrônica eletrónica | circuito circuito_stampato elettronica | 电路 电路板 | 回路 基板 電子回路
@@ -23,7 +23,7 @@ fish_scales | Fischschuppen Schuppen Schuppe Fisch | écailles_de_poisson écail
 floral | Blumen Blume Blüten Blüte geblümt Blumenmuster | fleur fleurs floral florale fleuri | flor flores floral florido | flor flores floral florido | fiore fiori floreale | 花 花朵 花卉 花纹 | 花 花柄 フローラル
 leaf | Blätter Blatt Laub Efeu Blattwerk | feuille feuilles feuillage lierre | hoja hojas hiedra follaje | folha folhas hera folhagem | foglia foglie edera fogliame | 树叶 叶子 常春藤 绿叶 | 葉 葉っぱ 蔦 ツタ
 hammered | gehämmert Hammerschlag Metall Stahl Eisen | martelé métal acier fer métallique | martillado metal acero hierro metálico | martelado metal aço ferro metálico | martellato metallo acciaio ferro metallico | 锤纹 锤打 金属 钢 铁 | 鎚目 槌目 金属 鋼 鉄 メタル
-honeycomb | Honigwabe Waben Wabe Bienenwabe Sechsecke Sechseck | nid_d_abeille nid_d_abeilles alvéole alvéoles hexagone hexagones rayon_de_miel | panal nido_de_abeja hexágono hexágonos | favo favo_de_mel colmeia hexágono hexágonos | nido_d_ape favo alveare esagono esagoni alveolare | 蜂窝 蜂巢 六边形 | ハニカム 蜂の巣 六角形
+honeycomb | Honigwabe Waben Wabe Bienenwabe Sechsecke Sechseck | nid_d_abeille nid_d_abeilles alvéole alvéoles hexagone hexagones rayon_de_miel | panal panal_de_abeja nido_de_abeja hexágono hexágonos | favo favo_de_mel colmeia hexágono hexágonos | nido_d_ape favo alveare esagono esagoni alveolare | 蜂窝 蜂巢 六边形 | ハニカム 蜂の巣 六角形
 knit | Strick gestrickt Wolle Strickmuster | tricot tricoté laine maille mailles | punto tejido lana tejido_de_punto | tricô malha tricotado | maglia lana a_maglia lavorato_a_maglia | 针织 编织毛衣 毛线 羊毛 | 編み物 ニット 毛糸 ウール
 leather | Leder ledern | cuir | cuero piel | couro | pelle cuoio | 皮革 皮 真皮 | 革 レザー 皮革
 mandala | Mandala Mandalas | mandala | mandala mándala | mandala | mandala | 曼陀罗 曼荼罗 | 曼荼羅 マンダラ
@@ -43,7 +43,7 @@ dots | Punkte gepunktet Tupfen | pois à_pois points pointillé | lunares puntos
 bubbles | Blasen Seifenblasen Blase | bulle bulles | burbuja burbujas | bolha bolhas | bolla bolle | 气泡 泡泡 | 泡 バブル 気泡
 crystal | Kristall Kristalle kristallin | cristal cristaux | cristal cristales | cristal cristais | cristallo cristalli | 水晶 晶体 结晶 | 水晶 結晶 クリスタル
 stripes | Streifen gestreift | rayure rayures rayé bandes | raya rayas rayado franjas | listras listrado riscas | strisce righe a_strisce a_righe rigato | 条纹 | 縞 縞模様 ストライプ
-grid | Gitter Raster kariert Karo | grille quadrillage quadrillé | cuadrícula rejilla cuadriculado | grade quadriculado grelha | griglia quadrettato | 网格 方格 格子 | 格子 グリッド
+grid | Gitter Raster kariert Karo | grille quadrillage quadrillé | cuadrícula rejilla cuadriculado | grade quadriculado grelha xadrez | griglia quadrettato | 网格 方格 格子 | 格子 グリッド
 twill | Köper Köperbindung Twill | sergé | sarga | sarja | saia_diagonale spigato twill | 斜纹 | 綾織 ツイル 綾織り
 low_poly | Low_Poly Lowpoly facettiert Facetten | low_poly facettes à_facettes | low_poly facetas facetado poligonal | low_poly facetado poligonal | low_poly sfaccettato poligonale | 低多边形 低面 | ローポリ 低ポリゴン
 cable_knit | Zopfmuster Zopfstrick Zöpfe | torsades maille_torsadée | trenzas punto_de_trenzas ochos | tranças tricô_de_tranças | trecce maglia_a_trecce | 绞花 麻花针织 | 縄編み ケーブル編み アラン編み
@@ -79,7 +79,7 @@ tan | hellbraun gelbbraun | fauve havane | canela | bronzeado | cuoio_chiaro | �
 beige | beige | beige | beige | bege | beige | 米色 米黄色 | ベージュ
 khaki | khaki | kaki | caqui | cáqui | cachi kaki | 卡其 卡其色 | カーキ
 sand | sand sandfarben | sable | arena | areia | sabbia | 沙色 沙 | 砂色 砂
-cream | creme cremefarben | crème | crema | creme | crema | 奶油色 奶油 | クリーム クリーム色
+cream | creme cremefarben | crème | crema | creme | crema panna | 奶油色 奶油 | クリーム クリーム色
 ivory | elfenbein elfenbeinfarben | ivoire | marfil | marfim | avorio | 象牙 象牙色 象牙白 | 象牙色 アイボリー 象牙
 yellow | gelb | jaune | amarillo amarilla | amarelo amarela | giallo gialla gialli gialle | 黄 黄色 | 黄 黄色 黄色い
 gold | gold golden goldfarben vergoldet | or doré dorée dorés dorées | oro dorado dorada dorados doradas | ouro dourado dourada dourados douradas | oro dorato dorata dorati dorate | 金 金色 黄金 | 金 金色 ゴールド
@@ -96,7 +96,7 @@ petrol | petrol | bleu_pétrole pétrole | petróleo azul_petróleo | petróleo 
 turquoise | türkis türkisfarben türkisblau | turquoise | turquesa | turquesa | turchese | 绿松石 绿松石色 青绿 | ターコイズ トルコ石
 aqua | aqua wasserblau | aqua bleu_d_eau | aguamarina | água_marinha | acquamarina | 水绿色 | 水色
 cyan | zyan cyan | cyan | cian | ciano | ciano | 青色 青 | シアン
-blue | blau | bleu bleue | azul | azul | blu | 蓝 蓝色 | 青 青い 青色 ブルー
+blue | blau | bleu bleue | azul | azul azuis | blu | 蓝 蓝色 | 青 青い 青色 ブルー
 sky_blue | himmelblau | bleu_ciel | celeste azul_cielo | azul_celeste azul_céu | celeste azzurro_cielo | 天蓝 天蓝色 | 空色
 royal_blue | königsblau | bleu_roi | azul_real azul_rey | azul_real | blu_reale | 宝蓝 宝蓝色 | ロイヤルブルー
 baby_blue | babyblau | bleu_layette bleu_bébé | azul_bebé | azul_bebê | celestino azzurro_bebè | 婴儿蓝 | ベビーブルー
@@ -125,10 +125,12 @@ black | schwarz | noir noire | negro negra | preto preta negro | nero nera neri 
 mahogany | mahagoni | acajou | caoba | mogno | mogano | 红木 桃花心木 | マホガニー
 tiny | winzig | minuscule minuscules | diminuto minúsculo | minúsculo | minuscolo piccolissimo | 极小 微小 迷你 | 極小 ごく小さい 極小の
 small | klein fein kleine | petit petite fin fine | pequeño chico fino | pequeno fino miúdo | piccolo piccola piccoli piccole fine | 小 小的 细 细小 | 小さい 小さな 小 細かい 細かな
+wide | breit | large larges | ancho ancha | largo larga | largo larga larghi larghe | 宽 宽的 | 幅広 幅広い
 large | groß gross grob | grand grande gros grosse | grande grandes grueso | grande grandes grosso | grande grandi grosso | 大 大的 粗 粗大 | 大きい 大きな 大
 huge | riesig gigantisch | énorme géant immense | enorme gigante | enorme gigante | enorme gigante | 巨大 巨大的 超大 | 巨大 巨大な 特大
 flat | flach | plat | plano plana | plano plana | piatto piatta | 平 平坦 | 平ら 平らな 平坦
-subtle | dezent subtil glatt zart | subtil subtile lisse discret | sutil liso suave | sutil liso suave subtil | sottile liscio leggero | 微妙 光滑 轻微 | 控えめ 控えめな なめらか 滑らか 滑らかな
+smooth | glatt | lisse lisses | liso lisa | liso lisa | liscio liscia lisci lisce | 光滑 平滑 | なめらか なめらかな 滑らか 滑らかな つるつる
+subtle | dezent subtil zart | subtil subtile discret | sutil suave | sutil suave subtil | sottile leggero | 微妙 轻微 | 控えめ 控えめな
 shallow | seicht sanft weich | peu_profond doux douce | poco_profundo blando | pouco_profundo raso macio | poco_profondo morbido | 浅 柔和 | 浅い 浅 柔らかい
 rough | rau rauh | rugueux rugueuse brut | áspero rugoso | áspero rugoso | ruvido grezzo | 粗糙 | 粗い ざらざら 荒い
 strong | kräftig stark ausgeprägt | fort forte marqué | fuerte marcado | forte marcado | forte marcato | 强烈 明显 | 強い はっきり
@@ -142,8 +144,8 @@ slightly | leicht etwas | légèrement un_peu | ligeramente un_poco | ligeiramen
 outside | außen aussen Außenseite Aussenseite äußere draußen | extérieur dehors à_l_extérieur | exterior fuera afuera por_fuera | exterior fora por_fora | esterno fuori all_esterno esterna | 外 外面 外侧 外部 外表面 外壁 | 外側 外 外面 表面
 inside | innen Innenseite innere drinnen | intérieur dedans à_l_intérieur | interior dentro adentro por_dentro | interior dentro por_dentro | interno dentro all_interno interna | 里 里面 内侧 内部 内 内壁 | 内側 中 内 内部
 rim | Rand Kante Randes | bord rebord | borde | borda beirada aro | bordo orlo | 边缘 口沿 边 沿 | 縁 ふち リム 口縁
-top | oben Oberseite obere Oberteil | haut dessus en_haut | arriba superior parte_superior | topo cima superior em_cima parte_de_cima | sopra alto superiore in_alto | 上 顶部 上面 上部 顶 上半部 | 上 上部 上側 上面 上半分
-bottom | unten Unterseite untere Unterteil | bas dessous en_bas | abajo inferior fondo parte_inferior | baixo inferior fundo embaixo parte_de_baixo | sotto basso inferiore in_basso fondo | 下 底部 下面 下部 底 下半部 | 下 下部 下側 底 底面 下半分
+top | oben Oberseite obere Oberteil | haut dessus en_haut | arriba superior parte_superior | topo cima superior em_cima parte_de_cima | sopra alto superiore in_alto | 上 顶部 上面 上部 顶 上半部 | 上 上部 上側 上面 上半分 上から
+bottom | unten Unterseite untere Unterteil Boden | bas dessous en_bas | abajo inferior fondo parte_inferior | baixo inferior fundo embaixo parte_de_baixo | sotto basso inferiore in_basso fondo | 下 底部 下面 下部 底 下半部 | 下 下部 下側 底 底面 下半分 下から 底から
 left | links linke | gauche | izquierda izquierdo | esquerda esquerdo | sinistra sinistro | 左 左边 左侧 | 左 左側
 right | rechts rechte | droite droit | derecha derecho | direita direito | destra destro | 右 右边 右侧 | 右 右側
 front | vorn vorne Vorderseite vordere | avant devant | frente delante frontal | frente frontal | fronte davanti | 前 前面 正面 | 前 前面 正面
@@ -154,7 +156,8 @@ above | oberhalb über | au_dessus_de au_dessus | encima_de por_encima_de | acim
 below | unterhalb unter | au_dessous_de en_dessous_de | debajo_de por_debajo_de | abaixo_de abaixo | al_di_sotto_di | 低于 | より下
 handle | Griff Henkel | poignée anse manche | asa mango | alça cabo pega | manico maniglia | 把手 手柄 | 取っ手 持ち手 ハンドル
 plain | schlicht unverziert kahl | uni nu sans_motif | simple sin_decorar | simples sem_decoração | semplice nudo | 素 素面 无花纹 | 無地 プレーン
-not | nicht kein keine keinen keiner ohne außer statt anstatt | pas sans sauf ni aucun aucune jamais | no sin excepto salvo ni ningún ninguna | não sem exceto nem nenhum nenhuma | non senza tranne eccetto né nessun nessuna | 不 不是 不要 没有 无 除了 别 |
+not | nicht kein keine keinen keiner ohne außer statt anstatt | pas sans sauf ni aucun aucune jamais | no sin excepto salvo menos_el menos_la menos_los menos_las menos_en ni ningún ninguna | não sem exceto menos_o menos_a menos_os menos_as menos_no menos_na nem nenhum nenhuma | non senza tranne eccetto né nessun nessuna | 不 不是 不要 没有 无 除了 别 |
+nothing | nichts | rien | nada | nada | niente nulla | 什么都没有 | 何も
 not_before | | | | | | 除外 | ではなく じゃなく ではない なし 以外 でなく ではなくて なしで じゃない
 but | sondern aber | mais | sino pero | mas senão | ma bensì | 而是 但是 但 而 | しかし
 and | und sowie | et | y e | e | e ed | 和 与 以及 跟 | と および そして
@@ -164,7 +167,7 @@ background | Grund Hintergrund Untergrund | fond | fondo_liso | base_lisa | sfon
 depth | tief_eingeprägt Relief erhaben geprägt | profondeur relief gravé | profundidad relieve grabado | profundidade relevo gravado | profondità rilievo inciso | 深度 浮雕 高浮雕 | 深さ 浮き彫り レリーフ
 mm | Millimeter | millimètre millimètres | milímetro milímetros | milímetro milímetros | millimetro millimetri | 毫米 公厘 | ミリ ミリメートル
 cm | Zentimeter | centimètre centimètres | centímetro centímetros | centímetro centímetros | centimetro centimetri | 厘米 公分 | センチ センチメートル
-the | der die das den dem des ein eine einen einem einer eines aus von auf im in am an zu für wie nur bitte mach mache soll sein ist bitte Muster Optik Stil Struktur Textur Wand Mauer farben farbig Farbe Look Art werden wird bei zum zur doch auch hoch breit lieber | le la les un une des du de d l à au aux en sur dans pour comme style motif texture mur couleur seulement juste s qu qui est soit mettre plutôt façon effet aspect de_couleur large haut_de | el la los las un una unos unas de del al a en sobre para como estilo textura patrón pared muro color solo sólo que es por_favor tipo efecto lo alto ancho | o a os as um uma uns umas de do da dos das no na nos nas em sobre para como estilo textura padrão parede cor só apenas que por_favor tipo efeito feito feita ao | il lo la i gli le un uno una di del dello della dei degli delle d l a al allo alla ai alle in nel nella nei nelle su sul sulla sui per come stile trama motivo muro parete colore solo soltanto che effetto fatto fatta tipo color | 的 了 是 在 用 风格 纹理 图案 效果 墙 色 做成 样式 只 只有 仅 仅在 个 一 请 样 般 把 做 得 上的 看起来 像 感 质感 部分 | の に を は が で へ も だけ のみ 風 模様 調 スタイル です ます な い した して する 柄 壁 色 部分 ように みたいな 感じ ください 仕上げ 大きさ 幅 高さ
+the | der die das den dem des ein eine einen einem einer eines aus von auf im in am an zu für wie nur bitte mach mache soll sein ist bitte Muster Optik Stil Struktur Textur Wand Mauer farben farbig Farbe Look Art werden wird bei zum zur doch auch hoch lieber | le la les un une des du de d l à au aux en sur dans pour comme style motif texture mur couleur seulement juste s qu qui est soit mettre plutôt façon effet aspect de_couleur haut_de | el la los las un una unos unas de del al a en sobre para como estilo textura patrón pared muro color solo sólo que es por_favor tipo efecto lo alto mejor | o a os as um uma uns umas de do da dos das no na nos nas em sobre para como estilo textura padrão parede cor só apenas que por_favor tipo efeito feito feita ao | il lo la i gli le un uno una di del dello della dei degli delle d l a al allo alla ai alle in nel nella nei nelle su sul sulla sui per come stile trama motivo muro parete colore solo soltanto che effetto fatto fatta tipo color | 的 了 是 在 用 风格 纹理 图案 效果 墙 色 做成 样式 只 只有 仅 仅在 个 一 请 样 般 把 做 得 上的 看起来 像 感 质感 部分 要 | の に を は が で へ も だけ のみ 風 模様 調 スタイル です ます な い した して する 柄 壁 色 部分 ように みたいな 感じ ください 仕上げ 大きさ 幅 高さ
 """.strip()
 """A row a word: English | the columns of LANGUAGES. Spaces stand between words for the same, "_" between the words of one."""
 

@@ -30,6 +30,8 @@ NOTHING = Word("", "the")
 ADJECTIVES = english.SIZES.keys() | english.AMOUNTS.keys() | english.SHADES.keys() | english.COLOURS.keys()
 """Words that describe a style."""
 _LARGE = {"wide", "large", "big"}
+_LINKS, _NOUNS = {"of", "in", "the"}, {"depth", "relief"}
+"""Words between a length and the second ones that say it is one of depth: "1 mm of depth", but "5 mm in deep blue"."""
 _NO_CONTENT = {"", "or", ":", ";"} | english.FILLERS | english.SEPARATORS | english.DEGREES.keys()
 
 
@@ -85,6 +87,8 @@ def _with_lengths(found: Sequence[Word], notes: list[str]) -> list[Item]:
         at = next((at for at in range(len(items) - 1, -1, -1) if meaning(items[at]) not in english.FILLERS), None)
         before = items[at] if at is not None else NOTHING
         deep = _says_deep(rest)
+        while deep and rest[0].means in _LINKS:  # 1 mm of depth
+            rest.pop(0)
         if deep or (rest and rest[0].means in _LARGE):
             rest.pop(0)
         if at is not None and not deep and meaning(before) in english.DEPTHS and not _describes(before, rest):
@@ -99,7 +103,11 @@ def _with_lengths(found: Sequence[Word], notes: list[str]) -> list[Item]:
 
 def _says_deep(rest: Sequence[Word]) -> bool:
     """Whether the next word makes the length before it one of depth, and is not said of a length that follows: "4 mm, relief 1 mm"."""
-    return bool(rest) and rest[0].means in english.DEPTHS and not (len(rest) > 1 and rest[1].number is not None)
+    if not rest:
+        return False
+    links = next((at for at, word in enumerate(rest) if word.means not in _LINKS), 0)
+    says = _NOUNS if links else english.DEPTHS
+    return rest[links].means in says and not (len(rest) > links + 1 and rest[links + 1].number is not None)
 
 
 def _describes(word: Item, rest: Sequence[Word]) -> bool:
@@ -184,6 +192,8 @@ def without_negated(items: Sequence[Item], *, adjectives_only: bool) -> tuple[li
             start = max((k + 1 for k, other in enumerate(kept) if _ends_scope(other)), default=0)
             unwanted += [other for other in kept[start:] if is_content(other)]
             kept[start:] = [_spared(other) for other in kept[start:]]
+        elif means == "nothing" and _ends_here(items[at + 1 :]):
+            kept.append(item._replace(means="plain") if isinstance(item, Word) else item)  # outside bark, inside nothing
         elif means in english.NEGATIONS or (means == "but" and _excepts_a_place(items[at + 1 :])):
             scope = True
             kept.append(NOTHING)
@@ -197,6 +207,12 @@ def without_negated(items: Sequence[Item], *, adjectives_only: bool) -> tuple[li
         else:
             kept.append(item)
     return kept, unwanted
+
+
+def _ends_here(rest: Sequence[Item]) -> bool:
+    """Whether nothing more is asked for up to the next comma."""
+    end = next((at for at, item in enumerate(rest) if _ends_scope(item)), len(rest))
+    return not any(is_content(item) for item in rest[:end])
 
 
 def _ends_scope(item: Item) -> bool:

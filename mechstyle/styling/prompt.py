@@ -143,7 +143,8 @@ def _with_picture(found: Sequence[Word]) -> list[Word]:
 
 def _wish(clause: Clause, notes: list[str]) -> tuple[Wish, bool]:
     """What the items of one place ask for, and whether they say of what style; notes are added on what a wish has no room for."""
-    items = clause.items if clause.named or clause.titled else _measuring_its_place(clause.items)
+    whole = clause.named or (clause.titled and not clause.plain)
+    items = clause.items if whole else _measuring_its_place(clause.items, plain=clause.plain)
     style, alike = _style(items, notes)
     colour, second = _colours(items, alike, notes)
     shade = next((english.SHADES[means] for means in map(meaning, _loose_shades(items))), 1.0)
@@ -166,9 +167,14 @@ def _wish(clause: Clause, notes: list[str]) -> tuple[Wish, bool]:
     return (msgspec.structs.replace(wish, amount=1.0) if clause.plain else wish), clause.named or clause.plain
 
 
-def _measuring_its_place(items: Sequence[Item]) -> list[Item]:
-    """The items of a place without a style, where a length before the place is that of the place: "a 5 mm gold rim"."""
+def _measuring_its_place(items: Sequence[Item], *, plain: bool) -> list[Item]:
+    """The items of a place without a style, where a length before the place is that of the place: "a 5 mm gold rim".
+
+    So is one after it where there is to be no relief, which has no features: "rim smooth 8 mm".
+    """
     first, *others = [at for at, item in enumerate(items) if isinstance(item, Length | Place)] or [0]
+    if plain and others and isinstance(items[first], Place):
+        first, others = others[0], [first]
     length, place = items[first], items[others[0]] if others else None
     if not isinstance(length, Length) or not isinstance(place, Place) or not isinstance(place.region, End | Rim):
         return list(items)

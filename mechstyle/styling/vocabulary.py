@@ -59,7 +59,8 @@ FILLERS = _of("""
     which ones so too then there here half side area region zone section material inspired themed theme design decor decorated
     decoration ornament kind sort type size sized high tall long height diameter spacing every each instead rather crest peak
     highlight leave keep put add paint draw two both feature first touch change anything was were been cup mug vase bowl pot planter
-    lamp lampshade holder pen phone stand case tray bracket toy figure x z s t d ll
+    lamp lampshade holder pen phone stand case tray bracket toy figure x z s t d ll w about approximately around circa ca
+    board else
     """)
 """Words that ask for nothing."""
 PICTURES = _of("picture image photo logo")
@@ -71,7 +72,7 @@ NEGATED_BEFORE = "not_before"
 """The same of what stands before it; only other languages have such a word."""
 SEPARATORS = _of(", and with but while plus")
 """Between two of them may stand another place with a style of its own."""
-PLAIN = _of("plain bare untouched unstyled unstylised unstylized blank undecorated")
+PLAIN = _of("plain bare untouched alone unstyled unstylised unstylized blank undecorated")
 """As the part is, without relief …"""
 SMOOTH = _of("smooth flat")
 """… and what says so of a place that is given no style."""

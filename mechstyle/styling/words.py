@@ -102,6 +102,8 @@ def _folded(text: str) -> str:
     """The text in lower case, without accents, and with what is written in more than one way written in one."""
     plain = "".join(sign for sign in unicodedata.normalize("NFKD", text.casefold()) if not "\u0300" <= sign <= "\u036f")
     plain = unicodedata.normalize("NFC", plain).replace("n't", " not").replace("n’t", " not")
+    plain = re.sub(r"(?<![\d.])(\d+)/([1-9]\d*)(?=\s*(?:in\b|inch|[\"″]))", lambda of: f"{int(of[1]) / int(of[2]):g}", plain)  # 1/4 inch
+    plain = re.sub(r"(?<=\d)(?:in\b|\s*[\"″])", " inch", plain)  # 2in: two words would be "2", "inside"
     plain = re.sub(r"(?<=\d),(?=\d+\s*(?:mm|cm|milli|centi|毫米|ミリ))", ".", plain)  # a decimal comma
     return re.sub(r"[- ]ish\b", "", plain).replace("・", "")
 

@@ -6,8 +6,10 @@ import manifold3d
 import numpy as np
 import pytest
 
+from mechstyle.geometry import inside_outside as module
 from mechstyle.geometry.inside_outside import _walked, is_container, is_inside, openness
 from mechstyle.geometry.remesh import standardise, surface_of
+from mechstyle.records.mesh import SurfaceMesh
 
 
 def test_a_ball_sees_the_whole_sky(sphere):
@@ -82,3 +84,17 @@ WELL = manifold3d.Manifold.cylinder(40.0, 20.0, 20.0, 64) - manifold3d.Manifold.
 )
 def test_a_container_opens_upwards_only_and_is_mostly_hollow(what, holds):
     assert is_container(standardise(surface_of(what), 2500)) is holds
+
+
+def test_a_surface_read_again_is_not_asked_again_and_few_answers_are_kept(cup, monkeypatch):
+    """A run reads the part it prepared from disk: of 25 000 vertices the answer takes two seconds."""
+    asked = []
+    monkeypatch.setattr(module, "openness", lambda mesh, **how: asked.append(mesh) or openness(mesh, **how))
+    monkeypatch.setattr(module, "_known", {})
+    first = is_inside(cup)
+    assert np.array_equal(is_inside(SurfaceMesh(cup.vertices, cup.faces)), first)
+    assert len(asked) == 1
+    for lift in range(1, module.KEPT + 1):
+        is_inside(cup.moved(cup.vertices + lift))
+    assert len(module._known) == module.KEPT
+    assert cup.digest not in module._known

@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from mechstyle.geometry.painting import words
+from mechstyle.geometry.painting import distinct, words
 from support.painting import decoded, state_at
 
 # `CONST_FILAMENTS` of Bambu Studio and OrcaSlicer; PrusaSlicer reads the same.
@@ -33,3 +33,12 @@ def test_the_middle_is_of_two_corners_or_of_the_first_filament():
     middle = (0.4, 0.3, 0.3)
     for filaments, state in (((2, 1, 1), 2), ((1, 2, 1), 2), ((1, 1, 2), 2), ((3, 1, 2), 2), ((5, 9, 0), 1)):
         assert state_at(decoded(words(np.array([filaments]))[0]), middle) == state
+
+
+@pytest.mark.parametrize("filaments", [1, 2, 16])
+def test_distinct_triples_are_those_that_occur_in_order(filaments):
+    corners = np.random.default_rng(filaments).integers(0, filaments, (500, 3)).astype(np.int32)
+    kinds, which = distinct(corners)
+    expected, places = np.unique(corners, axis=0, return_inverse=True)
+    assert np.array_equal(kinds, expected)
+    assert np.array_equal(which, places.reshape(-1))

@@ -14,6 +14,11 @@ def test_a_ball_is_smooth(ball):
     assert np.einsum("ijk,ijk->ij", corner_normals(ball), radial).min() > np.cos(np.radians(1.0))  # facets turn by 2.8 degrees
 
 
+def test_corners_of_some_faces_are_those_of_all(ball):
+    some = np.array([3, 40, 41, len(ball.faces) - 1])
+    assert np.array_equal(corner_normals(ball, faces=some), corner_normals(ball)[some])
+
+
 def test_a_crease_angle_beyond_a_right_angle_rounds_the_cube(block):
     outward = block.corners - (0, 0, 10)
     outward /= np.linalg.norm(outward, axis=2, keepdims=True)

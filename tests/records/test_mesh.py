@@ -223,6 +223,16 @@ def test_participles_leave_the_original_alone(cube):
     assert painted.coloured(None).colours is None
 
 
+def test_what_was_worked_out_is_handed_on_as_far_as_it_holds(sphere):
+    fresh = SurfaceMesh(sphere.vertices, sphere.faces)
+    areas, edges = fresh.face_areas, fresh.edges
+    painted, grown = fresh.coloured(np.full(sphere.vertices.shape, 0.5)), fresh.displaced(np.ones(len(sphere.vertices)))
+    assert painted.face_areas is areas
+    assert painted.edges is grown.edges is edges
+    assert grown.face_areas.sum() == pytest.approx(1.21 * areas.sum(), rel=1e-3)  # of radius 11 instead of 10
+    assert grown.digest != fresh.digest
+
+
 @pytest.mark.parametrize("wrong", [np.ones(7), np.ones(1), np.ones((8, 1)), 1.0])
 def test_displaced_refuses_a_wrong_shape_instead_of_spreading_it(cube, wrong):
     with pytest.raises(ValueError, match=r"displacement must have shape \(8\)"):

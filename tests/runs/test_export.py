@@ -394,6 +394,13 @@ def test_leading_a_surface_through_a_run_can_be_stopped_at_every_iteration(run, 
         stopped._led_to(run.checkpoint())
 
 
+def test_the_smaller_faces_of_a_part_are_made_once(run, finer):
+    simulator = run.simulator(run.recipe)
+    first, again, others = (module.Refinement(run.store, run.part, simulator, count) for count in (3500, 3500, 9000))
+    assert again.cut is first.cut
+    assert len(others.cut.mesh.vertices) > len(first.cut.mesh.vertices)
+
+
 def test_a_peak_between_the_vertices_of_the_loop_is_lowered_where_it_is():
     """A correction saw no overloaded vertex where the delivered surface of a tealight holder had 49.5 of 45.6 MPa."""
     box = trimesh.creation.box((40.0, 30.0, 20.0))

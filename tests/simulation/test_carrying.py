@@ -85,10 +85,10 @@ def test_whole_base_and_volume_each_must_be_good_enough(fit, enough):
 def test_a_part_is_filled_again_for_another_relief_and_left_alone_where_it_is_not_known(slab, relief, filled):
     tets, half = filled
     part = Workpiece(slab, tets, np.full(len(slab.vertices), 6.0, np.float32), True, at=half)
-    assert refilled(part, lambda _: None) is part
-    again = refilled(part, lambda _: relief)
+    assert refilled(part, lambda _, **__: None) is part
+    again = refilled(part, lambda _, **__: relief)
     assert again.tets.digest == tets.digest, "cached by content"
-    other = refilled(part, lambda _: 0.5 * relief)
+    other = refilled(part, lambda _, **__: 0.5 * relief)
     assert other.tets.digest != tets.digest
     assert other.at == pytest.approx(0.25 * relief)
 

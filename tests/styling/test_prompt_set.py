@@ -1,4 +1,4 @@
-"""Some three hundred prompts as people write them, and what each must give."""
+"""Some four hundred prompts as people write them, and what each must give."""
 
 import re
 from pathlib import Path

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from mechstyle.geometry.going_on import GoOn, regardless
 from mechstyle.records.mesh import Floats, Indices, SurfaceMesh
 from mechstyle.styling.drawing import noise, scatter
 from mechstyle.styling.drawing.charts import Chart, chart_of
@@ -54,6 +55,7 @@ class Canvas:
         notes: What the user should know of this drawing, in sentences.
         picture: The picture to draw, None for none.
         found_pieces: What `pieces` has answered so far.
+        go_on: Asked before each of the tools that take long; what it raises ends the drawing.
     """
 
     def __init__(
@@ -78,6 +80,7 @@ class Canvas:
         self.notes: list[str] = []
         self.picture: PlacedPicture | None = None
         self.found_pieces: list[Indices] = []
+        self.go_on: GoOn = regardless
 
     @property
     def points(self) -> Floats:
@@ -128,14 +131,19 @@ class Canvas:
             margin: How far inside the outermost cells a box-like part ends [mm].
             grip: How firmly cells stay above each other where the part gets narrower; below 1 they rather keep their length.
         """
-        row = self.chart.rows(height, margin)
+        self.go_on()
+        chart = self.chart
+        self.go_on()
+        row = chart.rows(height, margin)
         nearest = np.round(row)
         odd = nearest % 2 == 1
-        column = self.chart.columns(length, margin, grip) + shift * odd
+        self.go_on()
+        column = chart.columns(length, margin, grip) + shift * odd
         return Bond(column - np.round(column), row - nearest, odd)
 
     def noise(self, wavelength: float, octaves: int = 4, salt: str = "", at: Floats | None = None) -> Floats:
         """Fractal solid noise, three deviations scaled to 1, free of what the mesh would alias; shape [n]."""
+        self.go_on()
         where = self.points if at is None else at
         return noise.fbm(where, wavelength, octaves, self._seed(salt), finest=2.5 * self.edge)
 
@@ -153,6 +161,7 @@ class Canvas:
 
         None is on a sharp edge or nearer to one than `room` [mm]; on a part too slim for that, none in the half that is nearest to edges.
         """
+        self.go_on()
         free = self.operators.room
         wanted = max(room, 0.5 * self.edge)
         return scatter.poisson_disc(self.mesh, spacing, self._seed(salt), free >= min(wanted, float(np.median(free))))
@@ -165,6 +174,7 @@ class Canvas:
 
     def stamps(self, points: Indices, spacing: float, count: int = 1) -> scatter.Stamps:
         """The `count` nearest stamps at each vertex, placed at vertices `points` and upright, `spacing` [mm] apart."""
+        self.go_on()
         return scatter.stamps(self.operators, points, self.chart.along, count, spacing)
 
     def pieces(self, inside: NDArray[np.bool_], label: NDArray[np.generic] | None = None) -> Indices:
@@ -186,6 +196,7 @@ class Canvas:
 
     def smoothed(self, values: Floats, length: float) -> Floats:
         """Values diffused over `length` [mm]."""
+        self.go_on()
         return self.operators.diffused(values, length)
 
     def _seed(self, salt: str) -> int:

@@ -8,18 +8,13 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components, dijkstra
-from scipy.sparse.linalg import SuperLU, splu
 
 from mechstyle.records.mesh import Floats, Indices, SurfaceMesh
+from mechstyle.styling.drawing.dissection import Factors, dissected
 
 Complexes = NDArray[np.complex128]
 
 _SHARP = float(np.cos(np.radians(20.0)))  # a vertex is on a sharp edge if a face around it leans more than this from its normal
-
-
-def factorised(matrix: sp.sparray) -> SuperLU:
-    """Sparse LU of a symmetric positive matrix, ordered for symmetry, which fills in least."""
-    return splu(sp.csc_array(matrix), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
 
 
 class Operators:
@@ -108,6 +103,11 @@ class Operators:
         return np.asarray(vectors - along[:, None] * (before + after))
 
     @cached_property
+    def order(self) -> NDArray[np.int64]:
+        """Vertices in the order in which systems over them are solved, shape [vertex_count]."""
+        return dissected(self.mesh.vertices, self.mesh.edges)
+
+    @cached_property
     def laplacian(self) -> sp.csr_array:
         """Positive cotangent Laplacian, shape [vertex_count, vertex_count]."""
         return self.connection(np.zeros(len(self.tail)), self.weights).real
@@ -143,7 +143,7 @@ class Operators:
     def diffused(self, values: Floats, length: float) -> Floats:
         """Values [n] or [n, k] smoothed over `length` [mm]: one implicit step of heat flow."""
         mass = sp.diags_array(self.mesh.vertex_areas)
-        solver = factorised(mass + 0.5 * length**2 * self.laplacian)
+        solver = Factors(mass + 0.5 * length**2 * self.laplacian, self.order)
         areas = self.mesh.vertex_areas if values.ndim == 1 else self.mesh.vertex_areas[:, None]
         return np.asarray(solver.solve(areas * values))
 

@@ -13,7 +13,8 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from mechstyle.records.mesh import Floats
-from mechstyle.styling.drawing.operators import Complexes, Operators, factorised
+from mechstyle.styling.drawing.dissection import Factors
+from mechstyle.styling.drawing.operators import Complexes, Operators
 
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -44,7 +45,7 @@ def horizontal_lines(operators: Operators) -> Floats:
     bend = np.einsum("ij,ij->i", normal[operators.tail], normal[operators.head])
     weights = operators.weights * np.maximum(bend, 0.1) ** 4  # a floor should not turn the lines of the wall it meets
     system = operators.connection(2.0 * operators.transport, weights) + sp.diags_array(trust)
-    root = np.sqrt(factorised(system).solve(trust * square))
+    root = np.sqrt(Factors(system, operators.order).solve(trust * square))
     root /= np.maximum(np.abs(root), 1e-12)
     lines = root.real[:, None] * x + root.imag[:, None] * y
     against = np.einsum("ij,ij->i", lines, np.where(flat[:, None], axis, wanted)) < 0.0
@@ -78,7 +79,8 @@ def stripes(
     energy = _stripe_energy(count, operators, 2.0 * np.pi / period * along, sign, weights)
 
     mass = np.tile(operators.mesh.vertex_areas, 2)
-    solver = factorised(energy + sp.diags_array(1e-6 * mass))
+    both = np.stack([operators.order, operators.order + count], axis=1).ravel()
+    solver = Factors(energy + sp.diags_array(1e-6 * mass), both)
     psi = np.random.default_rng(0).normal(size=2 * count)
     if start is not None:
         psi = 1e-3 * psi + np.concatenate([start.real, start.imag])

@@ -26,12 +26,12 @@ def dragon_scales(canvas: Canvas) -> Relief:
 
     heights, colours = [], []
     for scale in (beneath(upper), upper):
-        keel = smoothstep(0.34, 0.0, scale.aside) * smoothstep(-1.0, 0.3, scale.down)
-        heights.append(0.95 * scale.down - 0.25 * scale.aside**2 + 0.50 * keel - 0.25 + 0.06 * horn + 0.10 * own)
+        keel = smoothstep(0.34, 0.0, scale.aside) * smoothstep(-1.0, 0.3, scale.down) * smoothstep(1.1, 0.5, scale.down)
+        heights.append(0.95 * scale.down - 0.25 * scale.aside**2 + 0.60 * keel - 0.25 + 0.06 * horn + 0.10 * own)
         body = ramp(["2a0d12", "64161d", "9c2723", "c64d2c"], np.clip(0.40 + 0.30 * scale.down + 0.30 * own + 0.12 * horn, 0.0, 1.0))
         colours.append(canvas.painted(mix(body, rgb("e2b04c"), 0.35 * keel)))
     # The lip stands off and leaves a gap above the scale it covers.
-    below, above = heights[0] - 0.45 * shade, heights[1] + 0.30 * rim
+    below, above = heights[0] - 0.45 * shade, heights[1] + 0.50 * rim
     colour = mix(mix(colours[0], rgb("1a080a"), 0.80 * shade), mix(colours[1], rgb("e2b04c"), 0.65 * rim), over)
     return Relief(canvas.softened(below + (above - below) * over), canvas.softened(colour))
 

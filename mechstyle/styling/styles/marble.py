@@ -26,7 +26,7 @@ def marble(canvas: Canvas) -> Relief:
     for apart, across, bend, length, width in SHEETS:
         sheet = canvas.points @ np.array(across) / (apart * unit) + bend * canvas.noise(length * unit, 2, f"sheet {apart}")
         away = np.abs(sheet - np.round(sheet)) / np.maximum(canvas.softened(canvas.operators.slope(sheet)), 0.3 / (apart * unit))
-        there = smoothstep(-0.55, 0.10, canvas.noise(40.0 * unit, 2, f"there {apart}"))
+        there = smoothstep(-0.60, 0.0, canvas.noise(40.0 * unit, 2, f"there {apart}"))
         veins.append(there * smoothstep(0.80 * width * unit, 0.0, away))
     vein = np.max([veins[0], 0.8 * veins[1], 0.6 * veins[2]], axis=0)
     halo = canvas.smoothed(vein, 7.0 * unit)
@@ -34,7 +34,7 @@ def marble(canvas: Canvas) -> Relief:
     white = ramp(["b4b8be", "dadbde", "f0efec", "faf8f3"], np.clip(0.82 + 0.35 * cloud - 0.85 * halo, 0.0, 1.0))
     colour = mix(canvas.painted(white), rgb("565b64"), 0.85 * vein)
     colour = mix(colour, rgb("b8995f"), 0.50 * halo * smoothstep(0.0, 0.4, cloud))
-    return Relief(canvas.softened(0.55 + 0.25 * uneven - 1.25 * vein - 0.6 * sunk), canvas.softened(colour))
+    return Relief(canvas.softened(0.55 + 0.20 * uneven - 1.40 * vein - 0.45 * sunk), canvas.softened(colour))
 
 
 STYLE = Style(

@@ -13,13 +13,13 @@ def realistic(canvas: Canvas) -> Relief:
     """Strokes of a trowel, pits, cracks, and patches where the coat has fallen off; colour follows shape as dirt and wear do."""
     unit = canvas.unit("cracks", 3.4)
     broad = canvas.noise(40.0 * unit, 2, "broad")
-    lumps = canvas.noise(9.0 * unit, 3, "lumps")
+    lumps = canvas.noise(7.5 * unit, 3, "lumps")
     strokes = canvas.cells(24.0 * unit, "strokes", at=canvas.warped(18.0 * unit, 7.0 * unit, "strokes"))
     ridge = smoothstep(3.0, 0.4, strokes.edge / unit)
     cracks = canvas.cells(55.0 * unit, "cracks", at=canvas.warped(18.0 * unit, 9.0 * unit, "cracks"))
     there = smoothstep(0.05, 0.35, canvas.noise(45.0 * unit, 2, "where cracked"))
     crack = smoothstep(2.6, 0.6, cracks.edge / unit) * there
-    pit = smoothstep(0.34, 0.52, canvas.noise(8.5 * unit, 2, "pits"))
+    pit = smoothstep(0.31, 0.49, canvas.noise(8.5 * unit, 2, "pits"))
     worn = smoothstep(0.22, 0.32, canvas.noise(30.0 * unit, 4, "worn"))
     coat = 0.35 + 0.50 * (canvas.random(strokes.identity, "stroke") - 0.5) + 0.45 * ridge + 0.15 * broad + 0.90 * lumps - 0.90 * pit
     height = 0.8 * canvas.softened(np.clip(coat - 1.10 * crack + worn * (-0.70 + 0.90 * lumps - coat), -1.6, 1.6))
