@@ -166,7 +166,7 @@ def test_view_and_timeline_take_the_room_that_the_page_has_and_keep_it():
     studio = Studio("gallery:wall_hook")
     studio.frame.size = [1100, 560]
     assert [(view.width, view.height) for view in studio._viewer._views] == [(1100, 560)]
-    assert studio._timeline._figure.layout.width == 1100
+    assert studio._timeline._curves.frame["width"] == 1100
     studio.part_picker._gallery.press("vase")
     assert [(view.width, view.height) for view in studio._viewer._views] == [(1100, 560)]
 
@@ -261,7 +261,7 @@ def test_settings_without_a_control_are_those_of_the_lane_on_show(tmp_path, fake
 def test_what_freestyle_leaves_out_is_left_out_of_what_is_asked_for():
     studio = Studio("gallery:wall_hook", freestyle=True, iterations=50)
     assert studio.state.settings["schedule"] == "never"
-    assert studio._timeline._figure.data[-1].x == (0, 50)
+    assert studio._timeline._curves.data[-1]["x"] == [0, 50]
     studio.control_selector.freestyle = False
     assert len(studio._timeline._figure.data[-1].x) > 2
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Sequence
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +26,7 @@ from mechstyle_widgets.jupyter.frame import Frame
 from mechstyle_widgets.jupyter.looks import lean, sharing
 from mechstyle_widgets.panels.branches import Branches
 from mechstyle_widgets.panels.keys import Keys
-from mechstyle_widgets.panels.mask_inspector import MaskInspector
+from mechstyle_widgets.panels.mask_inspector import DECIDES, MaskInspector
 from mechstyle_widgets.panels.result import Result
 from mechstyle_widgets.panels.run_controls import RunControls
 from mechstyle_widgets.panels.take_away import TakeAway
@@ -116,7 +115,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self.state.observe(self._other_run, "run")
         self.state.observe(self._first_checkpoint, "checkpoint")
         self.part_picker.observe(self._other_part, "mesh")
-        self.mask_inspector.observe(self._derive, "would_be")
+        self.mask_inspector.selector.observe(self._derive, ("freestyle", *DECIDES))
         self.state.observe(self._stand_beside, ("pinned", "third"))
         self.regions_picker.observe(self._hatch, "protect")
         for section in self._sections:
@@ -278,9 +277,9 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             viewer.probed = None if away is None else int(away.argmin())
 
     def _derive(self, _change: object = None) -> None:
-        """Let the viewer work out anew the mask that would be."""
+        """Let the viewer work out the mask that would be with other settings."""
         if isinstance(self._viewer, RunViewer):
-            self._viewer.derived = (partial(self.mask_inspector.layer),)  # a new object each time: traitlets notifies on change only
+            self._viewer.derived = (self.mask_inspector.layer(),)
 
     def _show(self, viewer: Viewer) -> None:
         old, self._viewer = self._viewer, viewer

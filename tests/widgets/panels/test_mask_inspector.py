@@ -67,7 +67,7 @@ def test_use_this_branches_with_the_very_mask_that_was_shown(inspector, settle):
 
 
 def test_it_is_a_layer_for_the_viewer(inspector):
-    layer = inspector.layer(inspector.state.run, inspector.state.checkpoint)
+    layer = inspector.layer()(inspector.state.run, inspector.state.checkpoint)
     assert np.allclose(layer.values, 1.0 - inspector.would_be)
     inspector._show_layer.value = True
     assert inspector.state.layer == LAYER

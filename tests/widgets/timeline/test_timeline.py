@@ -24,15 +24,19 @@ def timeline(state):
 
 
 def trace(timeline, number):
-    return timeline._figure.data[number]
+    return timeline._curves.data[number]
+
+
+def frame(timeline):
+    return timeline._curves.frame
 
 
 def test_every_simulation_is_a_mark_by_its_verdict(timeline, state):
     for number, word in ((VIABLE, "VIABLE"), (MARGINAL, "MARGINAL"), (FAILS, "FAILS"), (UNKNOWN, "UNKNOWN")):
         of_this = [row.iteration for row in state.histories["main"] if row.word == word]
-        marks = zip(trace(timeline, number).x, trace(timeline, number).y, strict=True)
+        marks = zip(trace(timeline, number)["x"], trace(timeline, number)["y"], strict=True)
         assert [x for x, lane in marks if lane == "main"] == of_this
-    assert sum(len(trace(timeline, number).x) for number in (VIABLE, MARGINAL, FAILS, UNKNOWN)) == 4 + 2
+    assert sum(len(trace(timeline, number)["x"]) for number in (VIABLE, MARGINAL, FAILS, UNKNOWN)) == 4 + 2
 
 
 def test_verdicts_differ_in_shape_and_not_by_colour_alone():
@@ -47,28 +51,28 @@ def test_hovering_tells_reason_verdict_and_figures(state):
 
 
 def test_a_branch_starts_where_it_forks_on_its_parents_line(timeline):
-    lines = list(zip(trace(timeline, LANES).x, trace(timeline, LANES).y, strict=True))
+    lines = list(zip(trace(timeline, LANES)["x"], trace(timeline, LANES)["y"], strict=True))
     assert lines == [(0, "main"), (12, "main"), (None, "main"), (6, "main"), (6, "soft"), (7, "soft"), (12, "soft"), (None, "soft")]
 
 
 def test_the_axis_of_lanes_is_one_of_names_before_a_run_as_well():
     timeline = Timeline(StudioState(settings=ASKED))
-    assert set(trace(timeline, LANES).y) == {"main"}, "plotly would take it for an axis of numbers, on which no mark is seen"
+    assert set(trace(timeline, LANES)["y"]) == {"main"}, "plotly would take it for an axis of numbers, on which no mark is seen"
 
 
 def test_the_peak_stands_beside_its_limit(timeline, state):
     simulated = [row for row in state.history if row.peak is not None]
-    assert trace(timeline, PEAKS).y == tuple(row.peak for row in simulated)
-    assert trace(timeline, LIMIT).y[: len(simulated)] == tuple(row.limit for row in simulated)
+    assert trace(timeline, PEAKS)["y"] == [row.peak for row in simulated]
+    assert trace(timeline, LIMIT)["y"][: len(simulated)] == [row.limit for row in simulated]
 
 
 def test_the_curve_can_be_chosen(timeline, state):
-    assert trace(timeline, CURVE).y == tuple(row.style_loss for row in state.history)
+    assert trace(timeline, CURVE)["y"] == [row.style_loss for row in state.history]
     timeline.curve = "travel"
-    assert trace(timeline, CURVE).y == tuple(row.travel for row in state.history)
+    assert trace(timeline, CURVE)["y"] == [row.travel for row in state.history]
     timeline.curve = "seconds"
-    assert trace(timeline, CURVE).y == ()  # this notebook did not see it run
-    assert timeline._figure.layout.yaxis3.title.text == "seconds"
+    assert trace(timeline, CURVE)["y"] == []  # this notebook did not see it run
+    assert frame(timeline)["yaxis3"]["title"]["text"] == "seconds"
 
 
 def test_the_line_stands_at_the_iteration(timeline, state):
@@ -110,10 +114,10 @@ def test_the_browser_is_told_the_end_of_the_slider_before_a_value_beyond_it(fake
 
 
 def test_a_click_shows_lane_and_iteration(timeline, state):
-    place = next(number for number, lane in enumerate(trace(timeline, STEPS).y) if lane == "soft") + 1
+    place = next(number for number, lane in enumerate(trace(timeline, STEPS)["y"]) if lane == "soft") + 1
     timeline._curves._handle_custom_msg({"kind": "click", "trace": STEPS, "point": place}, [])
     assert (state.lane, timeline.lane, state.iteration) == ("soft", "soft", 8)
-    assert trace(timeline, LIMIT).x[-2] == 12
+    assert trace(timeline, LIMIT)["x"][-2] == 12
 
 
 def test_keys_go_from_lane_to_lane_and_stop_at_the_last(timeline, state):
@@ -131,29 +135,29 @@ def test_it_grows_with_the_run(fake):
     fake.go("late")
     state.tell(stale=True)
     state.pump()
-    assert set(trace(timeline, STEPS).y) == {"main", "late"}
-    assert timeline._figure.layout.height > 0
+    assert set(trace(timeline, STEPS)["y"]) == {"main", "late"}
+    assert frame(timeline)["height"] > 0
 
 
 ASKED = {"schedule": "every", "every": 5, "travel": 0.1, "iterations": 20, "relief": None, "amplitude": None}
 
 
 def sentence(timeline):
-    return timeline._figure.layout.annotations[0].text.replace("<br>", " ")
+    return frame(timeline)["annotations"][0]["text"].replace("<br>", " ")
 
 
 def test_before_there_is_a_run_it_says_what_will_appear():
     timeline = Timeline(StudioState())
-    assert trace(timeline, STEPS).x == trace(timeline, PLANNED).x == ()
+    assert trace(timeline, STEPS)["x"] == trace(timeline, PLANNED)["x"] == []
     assert "Nothing has run yet" in sentence(timeline)
 
 
 def test_before_there_is_a_run_it_shows_where_the_schedule_will_simulate():
     timeline = Timeline(StudioState(settings=ASKED))
-    assert trace(timeline, PLANNED).x == (0, 5, 10, 15, 20)
+    assert trace(timeline, PLANNED)["x"] == [0, 5, 10, 15, 20]
     assert "the unstylized part, then 4 simulations." in sentence(timeline)
     timeline._state.settings = {**ASKED, "every": 10}
-    assert trace(timeline, PLANNED).x == (0, 10, 20)
+    assert trace(timeline, PLANNED)["x"] == [0, 10, 20]
     timeline._state.settings = {**ASKED, "schedule": "stress"}
     assert "the run decides" in sentence(timeline)
     timeline._clicked(PLANNED, 1)
@@ -163,22 +167,22 @@ def test_before_there_is_a_run_it_shows_where_the_schedule_will_simulate():
 def test_the_plan_gives_way_to_what_was_simulated(fake):
     state = StudioState(fake.run, settings=ASKED)
     timeline = Timeline(state)
-    assert trace(timeline, PLANNED).x == (0, 5, 10, 15, 20)
+    assert trace(timeline, PLANNED)["x"] == [0, 5, 10, 15, 20]
     fake.go()
     state.tell(stale=True)
     state.pump()
     state.settings = {**ASKED, "every": 10}
-    assert trace(timeline, PLANNED).x == ()
-    assert trace(timeline, STEPS).x == tuple(range(13))
-    assert timeline._figure.layout.yaxis2.showticklabels
+    assert trace(timeline, PLANNED)["x"] == []
+    assert trace(timeline, STEPS)["x"] == list(range(13))
+    assert frame(timeline)["yaxis2"]["showticklabels"]
     assert "limit" in sentence(timeline)
 
 
 def test_the_theme_changes_the_template(timeline):
-    before = timeline._figure.layout.template
+    before = frame(timeline)["template"]
     timeline.theme = "dark"
-    assert timeline._figure.layout.template != before
-    assert timeline._figure.layout.annotations[0].font.color == "#ff8a80", "the red of a mark is no ink for small words on a dark ground"
+    assert frame(timeline)["template"] != before
+    assert frame(timeline)["annotations"][0]["font"]["color"] == "#ff8a80", "the red of a mark is no ink for small words on a dark ground"
 
 
 def test_closing_leaves_nothing_behind(state):
@@ -195,11 +199,11 @@ def test_closing_leaves_nothing_behind(state):
 def test_a_page_that_is_loaded_anew_gets_what_the_figure_shows(done):
     state = StudioState()
     timeline = Timeline(state)
-    assert "Nothing has run yet" in str(timeline._curves.get_state()["figure"])
+    assert "Nothing has run yet" in str(timeline._curves.get_state()["frame"])
     state.open(done)
     sent = timeline._curves.get_state()
-    assert "Nothing has run yet" not in str(sent["figure"])
-    assert [list(trace.get("x", [])) for trace in sent["figure"]["data"]] == [list(trace.x or []) for trace in timeline._figure.data]
+    assert "Nothing has run yet" not in str(sent["frame"])
+    assert sent["data"][STEPS]["x"] == [row.iteration for row in state.history] + [7, 8, 9, 10, 11, 12]
     assert sent["head"] == 12
 
 

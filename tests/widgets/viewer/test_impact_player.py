@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from mechstyle.errors import SimulationFailed
-from mechstyle.loop.objects import Objects
-from mechstyle.records import Landing, Simulation
+from mechstyle.records import Landing
 from mechstyle.simulation.impact import Impact
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.viewer import impact_player
@@ -67,15 +66,15 @@ def test_it_opens_at_the_peak_and_plays_up_to_it(viewer, impact, monkeypatch):
 
 
 def test_any_landing_that_was_tested_can_be_seen(state, viewer, monkeypatch):
-    tested, read = state.run.simulation(12), Objects.get_record
+    tested, known = state.run.simulation(12), state.simulation
     ways = {"as placed": (0.0, 0.0, 1.0), "on its side": (1.0, 0.0, 0.0)}
     landings = tuple(Landing(name=name, normal=normal, weight=0.5, measures=tested.as_placed) for name, normal in ways.items())
 
-    def with_landings(objects, digest, kind):
-        found = read(objects, digest, kind)
-        return replace(found, landings=landings) if kind is Simulation and digest == state.run.checkpoint(12).simulation else found
+    def with_landings(store, checkpoint):
+        found = known(store, checkpoint)
+        return replace(found, landings=landings) if checkpoint.iteration == 12 else found
 
-    monkeypatch.setattr(Objects, "get_record", with_landings)
+    monkeypatch.setattr(state, "simulation", with_landings)
     state.iteration = 4
     state.iteration = 12
     player = viewer.player

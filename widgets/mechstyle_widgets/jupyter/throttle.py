@@ -68,5 +68,5 @@ class Paced:
 
     def _now(self) -> None:
         self._waiting = None
-        self._acted = time.monotonic()
         self._act()
+        self._acted = time.monotonic()  # what acts for long leaves the loop time for others all the same

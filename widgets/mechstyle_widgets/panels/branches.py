@@ -13,7 +13,7 @@ import traitlets
 
 from mechstyle.errors import MechStyleError
 from mechstyle.loop.history import Branch, Row
-from mechstyle.records import Checkpoint, Simulation
+from mechstyle.records import Checkpoint
 from mechstyle.records.load_cases import LoadCase
 from mechstyle.records.material import Material
 from mechstyle.records.regions import Point
@@ -131,7 +131,7 @@ class Branches(Section):
         if len(judged) < 2:
             return None
         (run, _, checkpoint), verdict = min(judged, key=lambda one: one[1].safety_factor)
-        place = worst_place(verdict, run.store.objects.get_record(checkpoint.simulation, Simulation))
+        place = worst_place(verdict, self.state.simulation(run.store, checkpoint))
         vertex = int(np.linalg.norm(run.part.surface.vertices - np.asarray(place), axis=1).argmin())
         there = ", ".join(f"{one.lane} {state.stress[vertex]:.0f} MPa" for (one, _, state), _ in judged)
         return place, f"✕ marks where {run.lane} has least left ({verdict.tightest.short}); stress there as it stands: {there}."

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
 from typing import Any
@@ -47,7 +48,7 @@ class MaskInspector(Section):
     def __init__(self, controller: Controller) -> None:
         """Inspect what a controller's state shows."""
         self.controller, self.state = controller, controller.state
-        self._freedom = lru_cache(maxsize=4)(_freedom)
+        self._freedom, self._original = lru_cache(maxsize=4)(_freedom), lru_cache(maxsize=4)(_original)
         self.selector = ControlSelector()
         self._plots = Words(layout=WIDE)
         self._show_layer = lean(
@@ -75,17 +76,21 @@ class MaskInspector(Section):
         tried = self.selector
         return {"control": "none" if tried.freestyle else tried.control, **{name: getattr(tried, name) for name in DECIDES[1:]}}
 
-    def layer(self, run: Run, checkpoint: Checkpoint) -> Layer:
-        """The mask that would be, as a layer for a viewer's `derived`."""
-        would_be = replace(RESTRAINT, name=LAYER, label="movement held back, what if", note="1 = might not move any further")
-        return layer_of(would_be, would_be.made(self.mask(run, checkpoint, **self.settings)))
+    def layer(self) -> Callable[[Run, Checkpoint], Layer]:
+        """What makes the mask that would be with the settings tried now, as a layer for a viewer's `derived`, in any thread."""
+        settings = self.settings
+
+        def made(run: Run, checkpoint: Checkpoint) -> Layer:
+            would_be = replace(RESTRAINT, name=LAYER, label="movement held back, what if", note="1 = might not move any further")
+            return layer_of(would_be, would_be.made(self.mask(run, checkpoint, **settings)))
+
+        return made
 
     def mask(self, run: Run, checkpoint: Checkpoint, **settings: Any) -> Field:
         """The mask that settings make of a checkpoint's stress, as a branch from there would begin with, shape [vertex_count]."""
         recipe = msgspec.structs.replace(run.recipe, **settings)
-        first = self.state.checkpoint_at(0)
-        tested, original = (run.store.objects.get_record(each.simulation, Simulation) for each in (checkpoint, first or checkpoint))
-        return mask_of(tested, original, recipe) * self._freedom(run, run.recipe)
+        tested = self.state.simulation(run.store, checkpoint)
+        return mask_of(tested, self._original(run), recipe) * self._freedom(run, run.recipe)
 
     def use(self) -> None:
         """Branch from the iteration on show with the settings that are tried."""
@@ -133,6 +138,11 @@ def mask_of(simulation: Simulation, original: Simulation, recipe: Recipe) -> Fie
     """
     demand = control.demand(simulation, original, recipe.material, recipe.normalisation)
     return control.mask(demand, recipe.control, recipe.threshold)
+
+
+def _original(run: Run) -> Simulation:
+    """The simulation of the unstylized part."""
+    return run.store.objects.get_record(run.checkpoint(0).simulation, Simulation)
 
 
 def _freedom(run: Run, recipe: Recipe) -> Field:

@@ -16,7 +16,8 @@ import traitlets
 from mechstyle.errors import MechStyleError
 from mechstyle.loop.events import Checkpointed, Corrected, Event, Finished, SimulationStarted, Stylized
 from mechstyle.loop.history import Branch, Row, lanes, per_iteration, rows
-from mechstyle.records import Checkpoint
+from mechstyle.loop.store import Store
+from mechstyle.records import Checkpoint, Simulation
 from mechstyle.runs.run import Run
 from mechstyle.runs.session import Session
 from mechstyle_widgets.jupyter.throttle import running_loop
@@ -91,6 +92,7 @@ class StudioState(traitlets.HasTraits):
         self._seconds: dict[str, float] = {}
         self._rows: dict[str, Row] = {}
         self._read = lru_cache(maxsize=KEPT)(_checkpoint)
+        self._tested = lru_cache(maxsize=KEPT)(_simulation)
         if run is not None:
             self.open(run)
 
@@ -113,6 +115,10 @@ class StudioState(traitlets.HasTraits):
         """The newest checkpoint of an iteration, from memory or from the store; None if it is not there."""
         row = self.row(iteration, lane)
         return None if row is None or self.run is None else self._read(self.run.store, row.digest)
+
+    def simulation(self, store: Store, checkpoint: Checkpoint) -> Simulation:
+        """The last simulation of a checkpoint, from memory or from the store; from any thread."""
+        return self._tested(store, checkpoint.simulation)
 
     @traitlets.validate("iteration")
     def _within_lane(self, proposal: dict[str, Any]) -> int:
@@ -210,7 +216,6 @@ class StudioState(traitlets.HasTraits):
             noted, self._noted = self._noted, {}
             stale, self._stale, self._due = self._stale, False, False
             opened, self._opened = self._opened, None
-        self._pumped = time.monotonic()
         of_it = {name: noted.pop(name) for name in OF_A_RUN & noted.keys()}
         for name, value in noted.items():
             setattr(self, name, value)
@@ -223,6 +228,7 @@ class StudioState(traitlets.HasTraits):
                 setattr(self, name, value)
         except MechStyleError as error:  # the event loop would keep it to itself
             self.message = str(error)
+        self._pumped = time.monotonic()  # what takes long leaves the loop as much time for others
 
     def _soon(self) -> None:
         assert self._loop is not None, "only a loop calls this"
@@ -268,8 +274,12 @@ class StudioState(traitlets.HasTraits):
         self.tell(status="idle" if state == "ready" else state, pausing=False)
 
 
-def _checkpoint(store: Any, digest: str) -> Checkpoint:
+def _checkpoint(store: Store, digest: str) -> Checkpoint:
     return store.checkpoint(digest)
+
+
+def _simulation(store: Store, digest: str) -> Simulation:
+    return store.objects.get_record(digest, Simulation)
 
 
 def _sentence(error: BaseException | None) -> str:

@@ -20,12 +20,14 @@ class Curves(PageWidget):
     """A figure that is drawn by plotly in the page.
 
     Attributes:
-        figure: `data` and `layout` as plotly writes them; the first shape is an upright line.
+        data: The traces, as plotly's scripts read them.
+        frame: The layout that goes with them, which is sent when it changes; its first shape is an upright line.
         head: Where that line stands, in units of the axis across.
     """
 
     _esm = files("mechstyle_widgets.timeline").joinpath("static", "curves.js").read_text(encoding="utf-8")
-    figure = traitlets.Dict().tag(sync=True)
+    data: Any = traitlets.List().tag(sync=True)
+    frame = traitlets.Dict().tag(sync=True)
     head = traitlets.Float(0.0).tag(sync=True)
 
     def __init__(self, clicked: Callable[[int, int], None]) -> None:
@@ -34,9 +36,10 @@ class Curves(PageWidget):
         self._told = clicked
         self.on_msg(self._hear)
 
-    def show(self, figure: Any) -> None:
-        """Draw a figure as it is now."""
-        self.figure = figure.to_dict()
+    def show(self, data: list[dict[str, Any]], frame: dict[str, Any]) -> None:
+        """Draw these traces in this layout."""
+        with self.hold_sync():
+            self.data, self.frame = data, frame
 
     def _hear(self, _widget: Any, message: Any, _buffers: Any) -> None:
         kind = message.get("kind") if isinstance(message, dict) else None

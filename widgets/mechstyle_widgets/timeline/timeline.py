@@ -48,7 +48,7 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
         """
         self._state, self.theme = state, theme
         self._width = width
-        self._figure, self._curves = timeline_figure.empty(), Curves(self._clicked)
+        self._curves = Curves(self._clicked)
         self._draw_curves()
         self.scrubber = Scrubber(state)
         options = [(label, name) for name, label in CURVES.items()]
@@ -106,15 +106,12 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
 
     def _draw_curves(self) -> None:
         """Draw what the state holds."""
-        state, lane, figure = self._state, self._state.lane, self._figure
+        state, lane = self._state, self._state.lane
         if self._begun:
             traces, layout = timeline_figure.contents(state.histories, state.branches, lane, self.curve, self.theme)
         else:
             traces, layout = timeline_figure.before(plan_of(state.settings), lane, self.curve, self.theme)
-        for trace, content in zip(figure.data, traces, strict=True):
-            trace.update(content)
-        figure.update_layout(layout, width=self._width)
-        self._curves.show(figure)
+        self._curves.show(*timeline_figure.filled(traces, {**layout, "width": self._width}))
 
     def _move_line(self) -> None:
         self._set_slider()
@@ -137,7 +134,7 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
 
     def _clicked(self, trace: int, point: int) -> None:
         """Show the lane and the iteration of a point."""
-        marks = self._figure.data[trace]
-        if marks.customdata is not None:
-            self._state.lane = marks.customdata[point][0]
-            self.iteration = int(marks.x[point])
+        marks = self._curves.data[trace]
+        if "customdata" in marks:
+            [self._state.lane] = marks["customdata"][point]
+            self.iteration = int(marks["x"][point])

@@ -13,7 +13,7 @@ from mechstyle.errors import MechStyleError
 from mechstyle.fea.explicit import Progress
 from mechstyle.fea.orientations import AS_PLACED, UP
 from mechstyle.pictures.fields import moment
-from mechstyle.records import Landing, Simulation
+from mechstyle.records import Landing
 from mechstyle.simulation.impact import Impact, impact_of
 from mechstyle_widgets.jupyter.closing import close_family
 from mechstyle_widgets.jupyter.frame import unseen
@@ -169,7 +169,7 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         run, checkpoint = self._state.run, self._state.checkpoint
         found: tuple[Landing, ...] = ()
         if run is not None and checkpoint is not None and checkpoint.simulation:
-            found = run.store.objects.get_record(checkpoint.simulation, Simulation).landings
+            found = self._state.simulation(run.store, checkpoint).landings
         others = [(f"{one.name or 'landing'} · {one.measures.peak:.0f} MPa", one.normal) for one in found]
         options = others or [(AS_PLACED, UP)]
         if tuple(self._which.options) != tuple(options):

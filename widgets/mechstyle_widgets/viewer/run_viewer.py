@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import traitlets
@@ -10,10 +11,11 @@ import traitlets
 from mechstyle.errors import BadInput
 from mechstyle.fea.orientations import UP
 from mechstyle.pictures.fields import MOMENT
-from mechstyle.records import Checkpoint, Simulation
+from mechstyle.records import Checkpoint
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.run import Run
 from mechstyle_widgets.jupyter.looks import sharing
+from mechstyle_widgets.jupyter.newest import Newest
 from mechstyle_widgets.jupyter.throttle import Paced
 from mechstyle_widgets.state.linked import Linked
 from mechstyle_widgets.state.studio_state import StudioState
@@ -29,6 +31,15 @@ JUDGED = ("history", "checkpoint", "status")
 PASSED = (STYLE, "stress", "demand", "restraint", "displacement")
 """Layers a page can draw by itself: those of `quantities`, which a replay holds."""
 Derived = Callable[[Run, Checkpoint], Layer]
+
+
+@dataclass(frozen=True, eq=False)
+class _Wish:
+    """An iteration that is to be seen, with layers that are derived from it."""
+
+    run: Run
+    state: Checkpoint
+    derived: tuple[Derived, ...]
 
 
 class RunViewer(Linked, Viewer):
@@ -64,15 +75,17 @@ class RunViewer(Linked, Viewer):
         """
         if state.run is None or state.checkpoint is None:
             raise BadInput("there is no iteration to show yet: start a run, or open one with Run.open")
-        self._catch_up, self._root = Paced(self._show_checkpoint), state.run.store.root
+        self._catch_up, self._moment = Paced(self._show_checkpoint), Paced(self._show_moment)
+        self._newest, self._root = Newest(_seen, self._bring), state.run.store.root
         self._drawn = state.checkpoint.iteration
-        subject = subject_of(state.run, state.checkpoint)
+        subject, self._limit = _seen(_Wish(state.run, state.checkpoint, ()))
+        self._still = subject
         original = subject_of(state.run, state.run.checkpoint(0))
         wanted = state.layer if subject.layer(state.layer) else STYLE
         super().__init__(subject.mesh, subject.layers, original=original, theme=theme, width=width, height=height)
         self.player = ImpactPlayer(state)
         self._add_under_view(self.player)
-        self.player.observe(self._follow, ("impact", "frame", "exaggeration"))
+        self.player.observe(lambda _: self._moment(), ("frame", "exaggeration"))
         self.player.observe(self._show_stress, "impact")
         self.layer = state.layer = wanted
         self.link(state, "layer")
@@ -85,7 +98,8 @@ class RunViewer(Linked, Viewer):
     def let_go(self) -> None:
         """Follow the state no longer, which may come to show a part with other faces."""
         if self._links:
-            self._catch_up.cancel()
+            for work in (self._catch_up, self._moment, self._newest):
+                work.cancel()
             self.unlink()
             self._state.unobserve(self._follow, FOLLOWED)
             self._state.unobserve(self._judge, JUDGED)
@@ -140,26 +154,38 @@ class RunViewer(Linked, Viewer):
         run, shown = self._state.run, self._state.checkpoint
         _, verdict = badge.of_state(self._state)
         if run is not None and shown is not None and verdict is not None:
-            self.fly(badge.worst_place(verdict, run.store.objects.get_record(shown.simulation, Simulation)))
+            self.fly(badge.worst_place(verdict, self._state.simulation(run.store, shown)))
 
     def _follow(self, _change: Any) -> None:
         self._catch_up()
 
     def _show_checkpoint(self) -> None:
         run, state = self._state.run, self._state.checkpoint
-        if run is None or state is None or run.store.root != self._root:  # another part needs another viewer
-            return
-        subject = subject_of(run, state)
-        for layer in self.derived:
-            subject = subject.with_layer(layer(run, state))
-        self._drawn = state.iteration
-        self.subject = self.player.at_the_moment(subject, run.store.allowable(state))
+        if run is not None and state is not None and run.store.root == self._root:  # another part needs another viewer
+            self._newest.ask(_Wish(run, state, self.derived))
+
+    def _bring(self, wish: _Wish, seen: tuple[Subject, float]) -> None:
+        self._drawn = wish.state.iteration
+        self._still, self._limit = seen
+        self._show_moment()
+
+    def _show_moment(self) -> None:
+        self.subject = self.player.at_the_moment(self._still, self._limit)
 
     def _show_stress(self, change: Any) -> None:
         """An impact begins with its stress on show, and when it is put away the stress of the whole drop takes its place."""
-        self._show_checkpoint()
+        self._show_moment()
         if change["new"] is not None:
             self.layer = MOMENT
             if change["new"].normal != UP:  # it does not stand where it stood
                 self._orbit.follow(self.subject.mesh)
                 self.fit()
+
+
+def _seen(wish: _Wish) -> tuple[Subject, float]:
+    """In whatever thread: what is to be seen of an iteration, and the stress that is allowed there [MPa]."""
+    subject = subject_of(wish.run, wish.state)
+    for layer in wish.derived:
+        subject = subject.with_layer(layer(wish.run, wish.state))
+    _ = subject.mesh.vertex_normals  # are kept with the mesh, and are most of the work
+    return subject, wish.run.store.allowable(wish.state)

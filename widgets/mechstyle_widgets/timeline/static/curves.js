@@ -32,24 +32,36 @@ function render({ model, el }) {
   const plotly = library();
   let Plotly = null, gone = false;
   el.classList.add("mechstyle-curves");
-  el.style.minHeight = `${model.get("figure").layout?.height ?? 0}px`; // nothing moves when it comes
+  el.style.minHeight = `${model.get("frame").height ?? 0}px`; // nothing moves when it comes
   el.textContent = plotly.there ? "" : "The curves are drawn as soon as the kernel answers.";
 
   const layout = () => {
-    const { shapes, ...rest } = structuredClone(model.get("figure").layout), at = model.get("head");
+    const { shapes, ...rest } = structuredClone(model.get("frame")), at = model.get("head");
     return { ...rest, shapes: [{ ...shapes[0], x0: at, x1: at }, ...shapes.slice(1)] };
   };
   const draw = () => {
-    if (gone || !Plotly) return;
-    el.style.minHeight = `${model.get("figure").layout.height}px`;
-    return Plotly.react(el, structuredClone(model.get("figure").data), layout(), CONFIG);
+    el.style.minHeight = `${model.get("frame").height}px`;
+    return Plotly.react(el, structuredClone(model.get("data")), layout(), CONFIG);
   };
   const move = () => {
     const at = model.get("head");
-    if (!gone && Plotly && el.layout) Plotly.relayout(el, { "shapes[0].x0": at, "shapes[0].x1": at });
+    return Plotly.relayout(el, { "shapes[0].x0": at, "shapes[0].x1": at });
   };
-  model.on("change:figure", draw);
-  model.on("change:head", move);
+  // What comes in one message, or faster than the page draws, is drawn once; a page that nobody sees draws nothing until somebody does.
+  let act = null;
+  const soon = (wanted) => () => {
+    if (!Plotly || gone) return;
+    if (act === null) requestAnimationFrame(() => {
+      const due = act;
+      act = null;
+      if (!gone) due();
+    });
+    if (act !== draw) act = wanted;
+  };
+  const redraw = soon(draw), point = soon(move);
+  model.on("change:data", redraw);
+  model.on("change:frame", redraw);
+  model.on("change:head", point);
   plotly.ready.then(async (loaded) => {
     if (gone) return;
     Plotly = loaded;
@@ -60,8 +72,9 @@ function render({ model, el }) {
   if (!plotly.there) model.send({ kind: "plotly" });
   return () => {
     gone = true;
-    model.off("change:figure", draw);
-    model.off("change:head", move);
+    model.off("change:data", redraw);
+    model.off("change:frame", redraw);
+    model.off("change:head", point);
     if (Plotly) Plotly.purge(el);
   };
 }
