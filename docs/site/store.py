@@ -14,13 +14,15 @@ import nbformat
 from nbclient import NotebookClient
 from PIL import Image
 
-COLOURS = 96
+COLOURS = 256
 
 
 def small(png: str) -> str:
     """A picture in base64, with fewer colours."""
     whole, reduced = Image.open(io.BytesIO(base64.b64decode(png))).convert("RGB"), io.BytesIO()
-    whole.quantize(COLOURS, dither=Image.Dither.NONE).save(reduced, "PNG", optimize=True)
+    # The palette covers all colours and is refined: the median cut has none left for what is small, such as the hatch above a limit.
+    palette = whole.quantize(COLOURS, Image.Quantize.MAXCOVERAGE, kmeans=1, dither=Image.Dither.NONE)
+    palette.save(reduced, "PNG", optimize=True)
     return base64.b64encode(reduced.getvalue()).decode()
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import stat
 import subprocess
 
@@ -41,50 +42,66 @@ def test_neighbours_in_space_are_neighbours_in_memory(cup_tets):
     assert np.median(spread) < 0.25 * len(cup_tets.vertices)
 
 
-def test_a_kept_mesh_is_used_again_to_the_byte(block, tmp_path, monkeypatch):
-    first = tetrahedralise(block, 600, cache=tmp_path)
+@pytest.fixture(scope="module")
+def kept(block, tmp_path_factory):
+    """The folder a mesh of the block is kept in, the mesh, and the folder it was made in."""
+    cache, here = tmp_path_factory.mktemp("cache"), tmp_path_factory.mktemp("here")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(here)
+        return cache, tetrahedralise(block, 600, cache=cache), here
+
+
+def test_nothing_is_left_in_the_working_directory(kept):
+    assert not list(kept[2].iterdir())
+
+
+def test_a_kept_mesh_is_used_again_to_the_byte(block, kept, monkeypatch):
+    cache, first, _ = kept
     monkeypatch.setattr(module, "tetwild", None)
-    assert tetrahedralise(block, 600, cache=tmp_path).digest == first.digest
+    assert tetrahedralise(block, 600, cache=cache).digest == first.digest
 
 
 @pytest.mark.skipif(os.name != "posix", reason="rights are those of POSIX")
-def test_others_may_read_a_kept_mesh_which_is_as_numpy_writes_it(block, tmp_path):
+def test_others_may_read_a_kept_mesh_which_is_as_numpy_writes_it(kept, tmp_path):
     """A cache that several people share is of use to them only if it is as readable as everything else that is written."""
-    tets = tetrahedralise(block, 600, cache=tmp_path / "cache")
-    (entry,) = (tmp_path / "cache").iterdir()
+    cache, tets, _ = kept
+    (entry,) = cache.iterdir()
     np.savez_compressed(tmp_path / "expected.npz", vertices=tets.vertices, tets=tets.tets, digest=np.array(tets.digest))
     assert entry.read_bytes() == (tmp_path / "expected.npz").read_bytes()
     assert stat.S_IMODE(entry.stat().st_mode) == 0o644
 
 
-def test_a_mesh_that_cannot_be_kept_is_returned_all_the_same(block, tmp_path):
+def test_a_mesh_that_cannot_be_kept_is_returned_all_the_same(block, kept, tmp_path, monkeypatch):
     (tmp_path / "taken").write_bytes(b"")
-    assert len(tetrahedralise(block, 600, cache=tmp_path / "taken").tets)
+    monkeypatch.setattr(module, "_meshed", lambda *_, **__: kept[1])
+    assert tetrahedralise(block, 600, cache=tmp_path / "taken").digest == kept[1].digest
 
 
-def test_of_two_that_mesh_the_same_part_at_once_both_get_the_mesh_of_the_first(block, tmp_path, monkeypatch):
+def test_of_two_that_mesh_the_same_part_at_once_both_get_the_mesh_of_the_first(block, kept, tmp_path, monkeypatch):
     """Else the second would begin its run on another mesh than everybody finds in the cache afterwards."""
-    theirs, meshed = [], module._meshed
+    cache, theirs, _ = kept
+    mine = theirs.moved(1.01 * theirs.vertices)
 
-    def overtaken(*arguments, **options):
-        monkeypatch.setattr(module, "_meshed", meshed)
-        theirs.append(tetrahedralise(block, 600, cache=tmp_path))
-        return meshed(*arguments, **options)
+    def overtaken(*_arguments, **_options):
+        shutil.copytree(cache, tmp_path, dirs_exist_ok=True)
+        return mine
 
     monkeypatch.setattr(module, "_meshed", overtaken)
-    assert tetrahedralise(block, 600, cache=tmp_path).digest == theirs[0].digest
-    assert tetrahedralise(block, 600, cache=tmp_path).digest == theirs[0].digest
+    assert tetrahedralise(block, 600, cache=tmp_path).digest == theirs.digest
+    assert tetrahedralise(block, 600, cache=tmp_path).digest == theirs.digest
 
 
-def test_a_damaged_cache_entry_is_not_used(block, tmp_path, monkeypatch):
-    tetrahedralise(block, 600, cache=tmp_path)
+def test_a_damaged_cache_entry_is_not_used(block, kept, tmp_path, monkeypatch):
+    cache, sound, _ = kept
+    shutil.copytree(cache, tmp_path, dirs_exist_ok=True)
     (entry,) = tmp_path.glob("*.npz")
-    entry.write_bytes(entry.read_bytes()[:-200])
+    whole = entry.read_bytes()
+    entry.write_bytes(whole[:-200])
     asked = []
-    real = module.tetwild
-    monkeypatch.setattr(module, "tetwild", lambda *args, **options: asked.append(1) or real(*args, **options))
-    tetrahedralise(block, 600, cache=tmp_path)
+    monkeypatch.setattr(module, "_meshed", lambda *_, **__: asked.append(1) or sound)
+    assert tetrahedralise(block, 600, cache=tmp_path).digest == sound.digest
     assert asked
+    assert entry.read_bytes() == whole, "the next finds a sound one"
 
 
 def test_running_out_of_time_is_said_and_leaves_no_process(cup):
@@ -104,12 +121,6 @@ def test_a_worker_that_dies_is_named(block, monkeypatch):
     monkeypatch.setattr(worker.subprocess, "Popen", dying)
     with pytest.raises(SimulationFailed, match=r"exit code 3.*out of luck"):
         tetrahedralise(block, 1000)
-
-
-def test_nothing_is_left_in_the_working_directory(block, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    tetrahedralise(block, 600)
-    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("target", [0, 499, 10**7])

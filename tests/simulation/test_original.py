@@ -86,7 +86,7 @@ def test_an_original_above_its_strength_is_confirmed_although_the_style_passes_b
     fakes |= {"_carried": lambda *_: Carried(1.0, None, 0.0), "_made_for_relief": property(lambda _: True), "_on": lambda self, _: self}
     for name, fake in fakes.items():
         monkeypatch.setattr(DropSimulator, name, fake)
-    test = DropSimulator(None, block[1], Recipe(surface="", tetrahedra=block[1].digest, prompt="", material=PLA), None)
+    test = DropSimulator(*block, Recipe(surface="", tetrahedra=block[1].digest, prompt="", material=PLA), None)
     assert not test.judge(replace(simulated(40.0, tilted=180.0), mesh=block[1].digest)).viable
     assert test.judge(replace(simulated(40.0, tilted=90.0), mesh=block[1].digest)).viable
 
@@ -100,7 +100,19 @@ def test_tetrahedra_that_cannot_come_back_to_the_original_raise_no_limit(stands,
     for name, fake in fakes.items():
         monkeypatch.setattr(DropSimulator, name, fake)
     recipe = Recipe(surface="", tetrahedra=block[1].digest, prompt="", material=PLA)
-    test = DropSimulator(None, block[1], recipe, None)
+    test = DropSimulator(*block, recipe, None)
     monkeypatch.setattr(DropSimulator, "_on", lambda self, _: self)
     assert (test.baseline_of(styled) is not own) is raises
     assert test.judge(styled).viable is raises
+
+
+def test_a_verdict_on_a_finer_surface_asks_the_tetrahedra_about_their_own(monkeypatch, block):
+    """A fine file that failed was refused for the number of its vertices."""
+    asked, finer = [], replace(simulated(49.0), mesh=block[1].digest)
+    fakes = {"baseline": property(lambda _: simulated(40.0)), "_without_relief": property(lambda _: simulated(50.0))}
+    fakes |= {"_carried": lambda _, displacement: asked.append(len(displacement)) or Carried(1.0, None, 0.0)}
+    fakes |= {"_made_for_relief": property(lambda _: True), "_on": lambda self, _: self}
+    for name, fake in fakes.items():
+        monkeypatch.setattr(DropSimulator, name, fake)
+    DropSimulator(*block, Recipe(surface="", tetrahedra=block[1].digest, prompt="", material=PLA), None).judge(finer)
+    assert asked == [len(block[0].vertices)] != [len(finer.displacement)]
