@@ -32,7 +32,8 @@ beside the drop, and the regions are suggestions for `--protect`.
 Made by `python benchmarks/gallery.py`. The peak is that of the unstyled part in PLA, dropped from 1.5 m as placed and, where it has one,
 under the load, whose own peak stands in the next column. Measured with 6000 vertices on one NVIDIA H100 that sixteen parts shared; the
 drawer knob's time compiles what the others found compiled, and the tablet stand, drawn anew since, was dropped with 2000 on two cores.
-Three parts do not hold as they are: the lampshade by a fifth, the key turner and the book end by less than one per cent. With 1200 vertices the key turner read 36.8 MPa: coarse tetrahedra read less where waves meet.
+Three parts do not hold as they are: the lampshade by a fifth, the key turner and the book end by less than one per cent. With 1200
+vertices the key turner read 36.8 MPa: coarse tetrahedra read less where waves meet.
 
 What a flat landing does to a part hangs on its shape and hardly on its thickness. Up what stands on edge runs a wave of ρ c v, 11 MPa
 in PLA. What lies level and reaches out, or spans between two feet, goes on falling where its ends have stopped, or jumps up while they
