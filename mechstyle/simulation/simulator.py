@@ -102,9 +102,8 @@ class DropSimulator:
         own, there, material = self.baseline, self._on(simulation.mesh), self.recipe.material
         made_for_it = there.tets.digest == simulation.mesh and there._made_for_relief  # noqa: SLF001 — another of this class
         asked = excuses(own, material) or judge(simulation, own, material, self.recipe.criterion).outcome == "FAILS"
-        nothing = np.zeros(len(there.surface.vertices), np.float32)  # the simulation may be one of a finer surface
         # On tetrahedra that cannot come back to it the original stands on a few nodes and bears more, which would let the style bear more.
-        if not (made_for_it and asked and there._carried(nothing).enough):  # noqa: SLF001 — as above
+        if not (made_for_it and asked and there._carried(np.zeros(len(self.surface.vertices), np.float32)).enough):  # noqa: SLF001 — as above
             return own
         return beside(own, there._without_relief, material)  # noqa: SLF001 — as above
 
