@@ -116,7 +116,8 @@ def _unsure(told: Told) -> Told:
 
 
 def _hidden(simulation: Simulation) -> str:
-    return f"its tetrahedra carry only {simulation.least_carried:.0%} of the relief, and may hide stress of the rest"
+    where = " under the part" if simulation.least_carried < simulation.carried else ""
+    return f"its tetrahedra carry only {simulation.least_carried:.0%} of the relief{where}, and may hide stress of the rest"
 
 
 def _as_placed(simulation: Simulation, baseline: Simulation, limits: Limits, material: Material, trouble: str) -> Told:
