@@ -109,6 +109,17 @@ UNDRAWN = """() => { for (const gl of [WebGLRenderingContext.prototype, WebGL2Re
 Row = tuple[str, str, str]
 """What was measured, the figure, and what is allowed."""
 PATIENCE = 300_000  # to the first iteration of a run [ms]
+HELD = """
+import asyncio, time
+held, run = [], asyncio.Handle._run
+def timed(handle):
+    began = time.thread_time()
+    run(handle)
+    held.append(1000.0 * (time.thread_time() - began))
+asyncio.Handle._run, done = timed, studio.state.iterations_done
+"""
+"""Notes for how long the kernel's event loop is held, in its own CPU time, whatever else the machine does [ms]."""
+LONG = "long = [one for one in held if one > 5.0]; print(max(held), sum(long), studio.state.iterations_done - done)"
 WIDGETS = "from ipywidgets.widgets import widget; print(len(widget._instances))"
 WATCH = """() => {
     window.drawn = [];
@@ -227,15 +238,18 @@ def of_a_run(shown: Page) -> Iterator[Row]:
     """How soon the kernel answers while a run goes on, its drop tests among it."""
     shown.notebook.python("studio.controller.run()")
     shown.notebook.until("studio.state.iterations_done > 0", True, PATIENCE)
+    shown.notebook.python(HELD)
     times = []
     for _ in range(ANSWERS):
         began = time.perf_counter()
         shown.notebook.python("pass")
         times.append(1000.0 * (time.perf_counter() - began))
         shown.page.evaluate(browser.SETTLED)
+    longest, long, iterations = map(float, shown.notebook.python(LONG).split())
     done = shown.notebook.python("print(studio.state.status, studio.state.iterations_done)")
     shown.notebook.python("studio.controller.stop()")
     yield f"Studio: an answer of the kernel during a run ({done})", spread(times), f"{ANSWER:g} ms"
+    yield "Studio: its event loop is held, CPU", f"{long / max(iterations, 1.0):.0f} ms an iteration, {longest:.0f} ms at a time", ""
 
 
 def of_reruns(shown: Page) -> Iterator[Row]:

@@ -263,7 +263,7 @@ def test_what_freestyle_leaves_out_is_left_out_of_what_is_asked_for():
     assert studio.state.settings["schedule"] == "never"
     assert studio._timeline._curves.data[-1]["x"] == [0, 50]
     studio.control_selector.freestyle = False
-    assert len(studio._timeline._figure.data[-1].x) > 2
+    assert len(studio._timeline._curves.data[-1]["x"]) > 2
 
 
 @pytest.mark.usefixtures("unprotected")

@@ -21,6 +21,7 @@ from mechstyle.runs.run import Run
 from mechstyle.simulation.part import bounds_for
 from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.jupyter.svg import Frame, drawing, shares
+from mechstyle_widgets.jupyter.throttle import Paced
 from mechstyle_widgets.settings.control import ControlSelector
 from mechstyle_widgets.settings.section import WIDE, Section, Words
 from mechstyle_widgets.state.controller import Controller
@@ -65,10 +66,16 @@ class MaskInspector(Section):
         self._use.on_click(lambda _: self.use())
         self._show_layer.observe(self._switch, "value")
         self.state.observe(self._restore, "run")
-        self.state.observe(self._redraw, "checkpoint")
+        self._soon = Paced(self._redraw)
+        self.state.observe(lambda _: self._soon(), "checkpoint")
         self.state.observe(self._follow_layer, "layer")
         self.selector.observe(self._redraw, ("freestyle", *DECIDES))
         self._restore()
+
+    def close(self) -> None:
+        """Close it; what was still to be drawn is not."""
+        self._soon.cancel()
+        super().close()
 
     @property
     def settings(self) -> dict[str, Any]:
