@@ -92,9 +92,9 @@ def test_the_baseline_of_a_part_that_is_not_the_one_its_recipe_names_is_for_itse
 def test_without_a_window_the_impact_ends_by_the_period_of_the_unstylized_part(block, memo, tmp_path, monkeypatch):
     asked, real = [], physics_module.lowest_period
 
-    def counting(body, material):
+    def counting(body):
         asked.append(len(body.volumes))
-        return real(body, material)
+        return real(body)
 
     monkeypatch.setattr(physics_module, "lowest_period", counting)
     shared = Memo(tmp_path / "shared", Objects(tmp_path / "shared-objects"))
