@@ -107,7 +107,7 @@ def test_without_a_window_the_impact_ends_by_the_period_of_the_unstylized_part(b
                 assert landing.touches[0] == pytest.approx(np.sqrt(2 * 9.81e-3 * 1500.0))
                 assert landing.ended
     assert asked == [len(block[1].tets)]
-    assert physics_module.period_of(lambda: block[1], sim.recipe, shared) == real(discretised(block), LIBRARY["PLA"])
+    assert physics_module.period_of(lambda: block[1], sim.recipe, shared) == real(discretised(block))
     simulator(block, memo).simulate(bumps(block), thorough=False)
     assert len(asked) == 1, "a window needs no period"
 
