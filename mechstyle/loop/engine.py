@@ -290,7 +290,7 @@ class Engine:
         finished, best = state.displacement, state
         wanted = unrestrained(self.stylizer.proposal().displacement, self.bounds, self.recipe)
         search = correction.Correction(self.surface, wanted, lambda relief: self._kept(relief, wanted), self.bounds.standing)
-        tried = self._tested(search, finished, state) if self.recipe.guarantee else None
+        tried = self._tested(search, finished, state, holds=state.viable) if self.recipe.guarantee else None
         while tried is not None:
             relief, words = tried
             yield Corrected(words, search.kept(relief))
@@ -301,8 +301,9 @@ class Engine:
             yield simulated
             digest, event = self._save(corrected)
             yield event
-            tried = self._tested(search, relief, corrected)
-            if simulated.verdict.viable or not best.viable:
+            holds = corrected.viable and (_sure(corrected) or not _sure(best))  # what is given back must not cost the margin
+            tried = self._tested(search, relief, corrected, holds=holds)
+            if holds or not best.viable:
                 best = corrected
         if not best.final:
             digest, event = self._save(replace(best, parent=digest, keyframe=None, final=True))
@@ -310,14 +311,14 @@ class Engine:
         assert best.verdict is not None, "every correction is simulated"
         yield Finished(best.verdict, digest)
 
-    def _tested(self, search: correction.Correction, relief: Field, state: Checkpoint) -> tuple[Field, str] | None:
+    def _tested(self, search: correction.Correction, relief: Field, state: Checkpoint, *, holds: bool) -> tuple[Field, str] | None:
         """What a correction is to try after a relief was found to be what `state` says."""
         assert state.verdict is not None, "what is corrected was simulated"
         if state.verdict.outcome == "UNKNOWN":
             return search.tested(relief, viable=False, demand=None)
         simulation = self.store.objects.get_record(state.simulation, Simulation)
         demand, landed = self._demand(simulation, state.verdict), control.landed(simulation, state.verdict)
-        return search.tested(relief, viable=state.viable, demand=demand, landed=landed)
+        return search.tested(relief, viable=holds, demand=demand, landed=landed)
 
     def _kept(self, displacement: Field, reference: Field) -> float:
         return kept(displacement, reference, self.surface.vertex_areas)
@@ -328,6 +329,11 @@ class Engine:
         lane = self.store.lane(self.lane)
         self.store.move(self.lane, Lane(recipe=lane.recipe, head=digest, forked_from=lane.forked_from))
         return digest, Checkpointed(digest, state)
+
+
+def _sure(state: Checkpoint) -> bool:
+    """Whether a simulated state is viable, and not marginally so."""
+    return state.verdict is not None and state.verdict.viable and not state.verdict.marginal
 
 
 def kept(displacement: Field, reference: Field, areas: NDArray[np.float64]) -> float:
