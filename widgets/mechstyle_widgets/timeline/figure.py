@@ -1,7 +1,7 @@
 """The picture of a timeline: a fixed set of traces, filled anew from the rows of every lane.
 
 It is filled as plain dictionaries: plotly's own objects check every value they are given, which for a run of 120 iterations kept the
-kernel for 30 ms each time (CPU; 3 ms so).
+kernel for 30 ms each time (CPU; 1 ms so).
 Verdicts are told by shape as well as by colour. Whatever can be clicked carries the name of its lane as custom data.
 """
 
