@@ -197,9 +197,11 @@ def prepare(
         go_on: Asked in between whether to; what it raises ends the work.
 
     Raises:
-        BadInput: If the shape cannot be standardised or meshed.
+        BadInput: If it is no surface, or one that cannot be standardised or meshed.
         SimulationFailed: If meshing takes too long or fails.
     """
+    if not isinstance(mesh, SurfaceMesh):  # a file's name, most likely
+        raise BadInput(f"a part is a surface, not {mesh!r:.80}: open it with ms.load first, which takes a file or gallery:NAME")
     if not mesh.is_closed:
         raise BadInput(
             "the surface is not closed, so it has no inside to simulate: load it from a file, which repairs it, or close it first"

@@ -228,10 +228,10 @@ def made_ready(
     if recipe.strengthen and not before:
         thicker = strengthened(mesh, recipe, vertices=vertices, device=device, stage=stage, prepare=prepare, go_on=go_on)
     rough = mesh if thicker is None else thicker.result
-    if isinstance(rough, SurfaceMesh):
-        part = prepare(rough, vertices=vertices, stage=stage, relief=relief, go_on=go_on)
-    else:
+    if isinstance(rough, Workpiece):
         part = refilled(rough, relief, stage, go_on)
+    else:
+        part = prepare(rough, vertices=vertices, stage=stage, relief=relief, go_on=go_on)
     return part if thicker is None else thicker.noted(part)
 
 

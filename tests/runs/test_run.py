@@ -3,6 +3,7 @@
 import pytest
 
 import mechstyle as ms
+from mechstyle.errors import BadInput
 from mechstyle.geometry.files import save
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.report.reproduce import command_for
@@ -32,6 +33,14 @@ def test_a_model_of_the_gallery_is_named_in_the_record_and_made_again_by_the_com
     assert run.record.origin == Origin(model="gallery:vase", vertices=900)
     assert command_for(run, run.history) == "mechstyle run gallery:vase --prompt brick --vertices 900 --out again-part"
     assert asked == [900]
+
+
+@pytest.mark.parametrize("given", [lambda: ms.stylize("cup.stl", "brick"), lambda: ms.simulate("cup.stl"), lambda: ms.prepare("cup.stl")])
+def test_a_name_in_place_of_a_surface_says_what_opens_it(given, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(BadInput, match=r"not 'cup\.stl': open it with ms\.load first"):
+        given()
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_file_is_named_with_its_scale(asked, cube, tmp_path):
