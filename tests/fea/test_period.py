@@ -27,6 +27,18 @@ def test_it_is_the_first_mode_past_the_rigid_ones(element, block, pla):
     assert lowest_period(body) == pytest.approx(2.0 * np.pi / np.sqrt(values[6]), rel=1e-3)
 
 
+@pytest.mark.parametrize("size", [(60.0, 60.0, 2.0), (60.0, 58.0, 2.0), (60.0, 60.0, 0.2), (12.0, 12.0, 6.0)])
+def test_no_lower_mode_is_missed_and_no_period_is_told_too_short(box, pla, size):
+    """The unsafe side: with a shorter period the impact would be over too soon. A square plate bends alike both ways.
+
+    In thin plates of flat tetrahedra the preconditioner is no good, and what it took for found was 0.1 % short, or nothing at all.
+    """
+    body = discretise(box((5, 5, 1), size), pla, 0.0, QUADRATIC)
+    root = np.repeat(body.masses, 3) ** -0.5
+    values = eigvalsh(root[:, None] * body.stiffness.matrix().toarray() * root)
+    assert lowest_period(body) == pytest.approx(2.0 * np.pi / np.sqrt(values[6]), rel=1e-4)
+
+
 def test_pieces_apart_and_single_tetrahedra_have_one_too(block, pla):
     beside = block.moved(block.vertices + np.array([30.0, 0.0, 0.0]))
     pair = TetMesh(np.concatenate([block.vertices, beside.vertices]), np.concatenate([block.tets, block.tets + len(block.vertices)]))
