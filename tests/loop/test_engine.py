@@ -182,7 +182,7 @@ def test_a_finished_relief_is_corrected_until_it_is_viable_and_some_is_given_bac
     viable = [event.verdict.viable for event in events if isinstance(event, Simulated)][1:]
     lowered = viable.index(True) + 1
     assert left[:lowered] == sorted(left[:lowered], reverse=True)
-    assert len(left) > lowered, "half of the last lowering is tried again"
+    assert len(left) > lowered, "some of what was lowered is tried again"
     assert events[-1].verdict.viable
     best = max(share for share, holds in zip(left, viable, strict=True) if holds)
     assert best > left[lowered - 1]
