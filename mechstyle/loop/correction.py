@@ -1,10 +1,11 @@
-"""When the finished relief is not viable: lower it where it is overloaded; when it is: give back what was held back or lowered too far.
+"""When the finished relief is not viable: lower it where it is overloaded; when it is: give back what was held back on the way.
 
 Where a rule's limit is nearly used up, the relief around is lowered, and to nothing on the faces the part stands on: a gap under it
 carries no load, however low it is. Until it is viable it is only ever lowered, because raising some of it while lowering other places
 was seen to creep up to the limit. If lowering here and there is not enough, the whole relief is halved and at last removed: no relief is
-the original part, which is viable by definition. A viable relief is raised towards what the style asks for, by the reserve that its own
-test leaves around each vertex, as often as that is worth a drop; the part that was viable last is what is delivered.
+the original part, which is viable by definition. Lowering begins at all that the style asks for: masks hold back what half a relief
+overloads, and that is seldom what the finished one does. For the same reason a viable relief of which they held much back is exchanged
+for the whole, or for what lowering leaves of that, if it holds; the part that was viable last is what is delivered.
 """
 
 from __future__ import annotations
@@ -36,8 +37,8 @@ PATCH_ROUNDS = 1
 part stands on decides how it bends far from there."""
 WHOLE = (0.6, 0.5, 0.0)
 """Factors on the whole relief after that."""
-GIVE_BACK = 2
-"""Times some of what was held back or lowered is given back."""
+GIVE_BACK = 3
+"""Times it is tried to give back some of what was held back or lowered."""
 WORTH = 0.02
 """Share of the style's relief that giving back must promise to be worth a drop."""
 
@@ -48,7 +49,7 @@ class Correction:
 
     Attributes:
         surface: The unstylized surface.
-        wanted: What the style asks for within its bounds [mm], shape [vertex_count].
+        wanted: What the style asks for within its bounds [mm], shape [vertex_count]; the finished relief if nothing held any of it back.
         kept: Share of it that a relief keeps.
         standing: Whether a vertex belongs to the faces the part stands on, shape [vertex_count].
         viable: The most relief known to be viable [mm], shape [vertex_count]; None as long as none is.
@@ -61,7 +62,6 @@ class Correction:
     standing: Bools
     viable: Field | None = None
     failing: Field | None = None
-    _reserve: Field | None = None
     _lowered: int = 0
     _given_back: int = 0
     _near: list[csr_array] = field(default_factory=list, repr=False)
@@ -76,14 +76,13 @@ class Correction:
             landed: Whether a landing failed it: to what fails under a load alone, what the part stands on is a place like any other.
         """
         if viable:
-            self.viable, self._reserve = relief, None if demand is None else reserve(demand, self._neighbours())
+            self.viable = relief
         else:
             self.failing = relief
         if self.viable is not None:
-            return self._raised(self.viable)
+            return self._more(self.viable, None if viable else demand, landed=landed)
         if demand is not None and self._lowered < LOCAL_ROUNDS:
-            self._lowered += 1
-            return self._lowered_locally(relief, demand, landed=landed)
+            return self._lowered_locally(relief if self._lowered else self.wanted, demand, landed=landed)
         self._lowered = max(self._lowered, LOCAL_ROUNDS) + 1
         if self._lowered > LOCAL_ROUNDS + len(WHOLE):
             return None
@@ -91,26 +90,24 @@ class Correction:
         # Adding zero turns -0 into 0: the same bytes as the unstylized part, whose simulation is remembered.
         return relief * np.float32(factor) + np.float32(0.0), "the whole relief lowered" if factor else "the relief removed"
 
-    def _raised(self, viable: Field) -> tuple[Field, str] | None:
-        """More than a viable relief, towards what the style asks for, or half the way to what was too much; None if not worth a drop."""
+    def _more(self, viable: Field, failed: Field | None, *, landed: bool) -> tuple[Field, str] | None:
+        """What more than a viable relief is to be tested, given the demand of what has just failed; None if nothing is worth a drop."""
         if self._given_back == GIVE_BACK:
             return None
         self._given_back += 1
         tries = []
-        if self._reserve is not None:
-            tries.append((viable + self._reserve * missing(viable, self.wanted), "relief given back where reserve is left"))
-            self._reserve = None  # once for each viable relief
-        if self.failing is not None:
-            tries.append((0.5 * (viable + self.failing), "half of what was too much given back"))
-        for relief, words in tries:
-            # What the part stands on is given back whole, and only while nothing has failed: a lower gap carries no more.
-            under = viable if self.failing is not None else np.where(relief != viable, self.wanted, viable)
-            raised = np.where(self.standing, under, relief).astype(np.float32)
-            if self.kept(raised) - self.kept(viable) >= WORTH:
-                return raised, words
-        return None
+        if self.failing is None:
+            tries.append((self.wanted, "all that was held back given back"))
+        else:
+            if failed is not None and self._lowered < LOCAL_ROUNDS:
+                tries.append(self._lowered_locally(self.failing, failed, landed=landed))
+            # Half the way under the part would be a gap under all of it, and carry nothing.
+            half = np.where(self.standing, viable, 0.5 * (viable + self.failing)).astype(np.float32)
+            tries.append((half, "half of what was too much given back"))
+        return next((tried for tried in tries if self.kept(tried[0]) - self.kept(viable) >= WORTH), None)
 
     def _lowered_locally(self, relief: Field, demand: Field, *, landed: bool) -> tuple[Field, str]:
+        self._lowered += 1
         taken = lowering(demand, self._neighbours())
         if landed:
             patches = self.standing & (overload(demand, self._neighbours()) > 0.0)
@@ -135,20 +132,6 @@ def lowering(demand: Field, near: csr_array) -> Field:
     around = overload(demand, near)
     taken = np.minimum(GAIN * around / (1.0 + 0.3 * around), MOST)
     return np.asarray((near @ taken) / np.diff(near.indptr), np.float32)
-
-
-def reserve(demand: Field, near: csr_array) -> Field:
-    """Share of what is missing that a vertex may be given back, in [0, 1], shape [vertex_count].
-
-    One less the largest demand within reach over the aim, smoothed over the reach, but nowhere more than it was: none beside an overload.
-
-    Args:
-        demand: Demand, shape [vertex_count].
-        near: Who lies within reach of whom, itself included, shape [vertex_count, vertex_count].
-    """
-    around = np.maximum.reduceat(demand[near.indices], near.indptr[:-1])
-    left = np.clip(1.0 - around / AIM, 0.0, 1.0)
-    return np.minimum(left, (near @ left) / np.diff(near.indptr)).astype(np.float32)
 
 
 def missing(relief: Field, wanted: Field) -> Field:

@@ -288,7 +288,7 @@ class Engine:
         """Correct the finished relief until it is viable (if the recipe asks for it), then mark the best as final."""
         assert state.verdict is not None, "the last iteration is always simulated"
         finished, best = state.displacement, state
-        wanted = unrestrained(self.stylizer.proposal().displacement, self.bounds, self.recipe)
+        wanted = self._wanted(state)
         search = correction.Correction(self.surface, wanted, lambda relief: self._kept(relief, wanted), self.bounds.standing)
         tried = self._tested(search, finished, state, holds=state.viable) if self.recipe.guarantee else None
         while tried is not None:
@@ -310,6 +310,12 @@ class Engine:
             yield event
         assert best.verdict is not None, "every correction is simulated"
         yield Finished(best.verdict, digest)
+
+    def _wanted(self, finished: Checkpoint) -> Field:
+        """What the style asks for within its bounds [mm], shape [vertex_count]: the finished relief itself where nothing held any of it back."""
+        if self.recipe.control == "none" and np.all(finished.share == 1.0):
+            return finished.displacement
+        return unrestrained(self.stylizer.proposal().displacement, self.bounds, self.recipe)
 
     def _tested(self, search: correction.Correction, relief: Field, state: Checkpoint, *, holds: bool) -> tuple[Field, str] | None:
         """What a correction is to try after a relief was found to be what `state` says."""

@@ -174,7 +174,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     normalisation: str = "headroom"
     threshold: float = 1.0
     memory: bool = True
-    retraction: bool = True
+    retraction: bool = False
     base: str = "level"
     protect: tuple[Region, ...] = ()
     minimum_wall: float = 0.8

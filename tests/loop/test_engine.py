@@ -26,11 +26,11 @@ def test_the_last_checkpoint_of_a_viable_relief_is_the_surface_that_was_simulate
     engine = bench.engine(bench.recipe(schedule="every", every=5))
     events = list(engine.run())
     last = states(events)[-1]
-    simulated = [event.simulation for event in events if isinstance(event, Simulated)]
+    viable = [event.simulation for event in events if isinstance(event, Simulated) and event.verdict.viable]
     assert isinstance(events[-1], Finished)
     assert last.final
-    assert np.array_equal(last.displacement, simulated[-1].displacement)
-    assert events[-1].verdict == engine.simulator.judge(simulated[-1])
+    assert np.array_equal(last.displacement, viable[-1].displacement)
+    assert events[-1].verdict == engine.simulator.judge(viable[-1])
 
 
 def test_a_checkpoint_names_the_simulation_its_stress_comes_from(bench):
@@ -42,7 +42,7 @@ def test_a_checkpoint_names_the_simulation_its_stress_comes_from(bench):
         elif isinstance(event, Checkpointed):
             kept_one = engine.store.objects.get_record(event.checkpoint.simulation, Simulation)
             assert np.array_equal(kept_one.stress, event.checkpoint.stress)
-            assert last is None or kept_one.as_placed == last.as_placed
+            assert last is None or event.checkpoint.final or kept_one.as_placed == last.as_placed  # the final one is the best
 
 
 def test_every_iteration_is_checkpointed_and_names_its_parent(bench):
@@ -110,15 +110,18 @@ def test_with_memory_the_mask_never_recovers(bench):
     assert masks.max() <= 1
 
 
+RETRACTED = {"control": "frozen", "normalisation": "yield", "retraction": True}
+
+
 def test_without_memory_the_mask_may_recover_after_retraction(bench):
-    settings = {"control": "frozen", "normalisation": "yield", "memory": False, "guarantee": False}
+    settings = {"control": "frozen", "normalisation": "yield", "memory": False, "retraction": True, "guarantee": False}
     saved = states(bench.engine(bench.recipe(schedule="every", every=20, **settings)).run())
     masks = np.stack([state.mask for state in saved])
     assert np.any(np.diff(masks, axis=0) > 0)
 
 
 def test_retraction_takes_back_relief_where_stress_nears_the_limit(bench):
-    with_it = states(bench.engine(bench.recipe(schedule="every", every=20, control="frozen", normalisation="yield")).run())
+    with_it = states(bench.engine(bench.recipe(schedule="every", every=20, **RETRACTED)).run())
     assert with_it[-1].share.min() < 1.0
     simulated = next(state for state in with_it if state.iteration == 20)
     before = next(state for state in with_it if state.iteration == 19)
@@ -127,7 +130,7 @@ def test_retraction_takes_back_relief_where_stress_nears_the_limit(bench):
 
 def test_where_the_part_stands_retraction_leaves_no_relief_and_none_grows_again(bench):
     bench.base = LooseBase(np.arange(64) >= 60)
-    saved = states(bench.engine(bench.recipe(schedule="every", every=20, control="frozen", normalisation="yield", guarantee=False)).run())
+    saved = states(bench.engine(bench.recipe(schedule="every", every=20, guarantee=False, **RETRACTED)).run())
     overloaded = np.flatnonzero((saved[20].demand > 0.9) & bench.base.standing)
     assert len(overloaded)
     assert all(not state.displacement[overloaded].any() for state in saved[20:])
@@ -144,7 +147,7 @@ def test_under_a_load_alone_retraction_takes_what_the_part_stands_on_as_any_othe
 
     monkeypatch.setattr(LeverSimulator, "_measured", hung)
     bench.base = LooseBase(np.arange(64) >= 60)
-    saved = states(bench.engine(bench.recipe(schedule="every", every=20, control="frozen", normalisation="yield", guarantee=False)).run())
+    saved = states(bench.engine(bench.recipe(schedule="every", every=20, guarantee=False, **RETRACTED)).run())
     overloaded = np.flatnonzero((saved[20].demand > 0.9) & bench.base.standing)
     assert len(overloaded)
     assert 0.0 < saved[20].displacement[overloaded].max() < saved[19].displacement[overloaded].max()
@@ -206,7 +209,7 @@ def test_what_masks_held_back_is_given_back_where_the_finished_relief_leaves_res
     events = list(bench.engine(bench.recipe(schedule="every", every=5, threshold=0.05)).run())
     grown = next(state for state in states(events) if state.iteration == 60)
     raised = [event for event in events if isinstance(event, Corrected)]
-    assert [event.step for event in raised] == ["relief given back where reserve is left"] * 2
+    assert [event.step for event in raised] == ["all that was held back given back"]
     last, asked = states(events)[-1], BumpStylizer(len(grown.displacement)).target
     assert last.viable
     assert np.all(last.displacement >= grown.displacement)

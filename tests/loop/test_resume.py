@@ -16,7 +16,7 @@ from mechstyle.loop.events import Checkpointed, Simulated
 from mechstyle.loop.store import Lane, Store
 from support import ROOT
 
-SETTINGS = {"schedule": "every", "every": 7, "iterations": 45}
+SETTINGS = {"schedule": "every", "every": 7, "iterations": 45, "retraction": True}
 
 
 def objects_of(root) -> dict[str, bytes]:

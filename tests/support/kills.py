@@ -39,7 +39,7 @@ def contents(root: Path) -> dict[str, bytes]:
 
 def on_a_sheet(root: Path) -> object:
     """A lane on a sheet, from wherever it stands; with restraint, retraction and corrections to resume into."""
-    return lane_on_a_sheet(root, gain=200.0, iterations=25, every=7)
+    return lane_on_a_sheet(root, gain=200.0, iterations=25, every=7, retraction=True)
 
 
 def on_a_block(root: Path) -> object:
