@@ -175,10 +175,10 @@ def _use(judgement: Judgement) -> float:
 def _stress(what: str, judgement: Judgement, drop: Measures, before: float, material: Material, *, bending: bool) -> str:
     """A judgement on a stress in words."""
     limit = _strength(material)
-    if before > material.yield_strength:
-        limit = f"the original's own {before:.1f} MPa, which itself exceeds {limit}"
-    elif judgement.limit > material.yield_strength:
-        limit = f"{judgement.limit:.1f} MPa, {judgement.limit / before:.2f} times the original's own {before:.1f} MPa"
+    if judgement.limit > material.yield_strength:
+        told = f"the original's own {before:.1f} MPa"
+        told += f", which itself exceeds {limit}" if before > material.yield_strength else ""
+        limit = told if judgement.limit <= before else f"{judgement.limit:.1f} MPa, {judgement.limit / before:.2f} times {told}"
     where = drop.surface_where if bending else drop.contact_where
     told = f"{what} is {judgement.value:.1f} MPa at {_place(where or drop.where)}, {_side(judgement)} {limit}"
     if judgement.outcome == "VIABLE" and judgement.marginal and before >= (1.0 - SURFACE_BAND) * judgement.limit:

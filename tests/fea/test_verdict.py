@@ -255,6 +255,13 @@ def test_an_original_below_the_yield_strength_is_not_said_to_exceed_it():
     assert "itself exceeds" not in words
 
 
+def test_around_a_contact_the_limit_is_told_that_was_applied():
+    """It was told as «48.1 MPa, within the original's own 47.9 MPa», which it is not: there a tenth more is let pass."""
+    words = judge(simulation(contact=48.1), simulation(contact=47.9), PLA, "robust").words
+    assert "48.1 MPa" in words
+    assert "within (MARGINAL) 52.7 MPa, 1.10 times the original's own 47.9 MPa, which itself exceeds the 45.6 MPa" in words
+
+
 def test_a_wall_is_said_to_yield_through_only_where_the_material_is_ductile():
     brittle, ductile = (judge(simulation(90.0), simulation(), material, "robust").words for material in (PLA, PETG))
     assert "yields through" not in brittle
