@@ -119,7 +119,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         normalisation: What stress is compared with, one of NORMALISATIONS. Demand is stress over that.
         threshold: Demand at which a vertex may move no further; 1 is the normalisation's own limit, less is stricter.
         memory: Whether a vertex once restrained stays so (running minimum of the mask).
-        retraction: Whether the relief shrinks by half where stress exceeds 0.9 of the allowable.
+        retraction: Whether the relief shrinks by half on the way where stress exceeds 0.9 of the allowable.
         base: Relief under the part, one of BASES: drawn inwards so that the part stands level, faded out, or as it comes.
         protect: Regions protected from the style.
         minimum_wall: The thinnest wall the style may leave [mm]; 0 for no rule.

@@ -41,7 +41,7 @@ WORDS: dict[str, tuple[str, str]] = {
         ),
     ),
     "memory": ("memory", "A place that was held back is not let go later in the run."),
-    "retraction": ("retraction", "Where stress comes near its limit, the relief there shrinks."),
+    "retraction": ("retraction", "Where stress comes near its limit on the way, the relief there shrinks; off unless asked for."),
     "guarantee": ("correction", "A finished part that fails is lowered where it is overloaded, step by step, until it passes."),
     "schedule": ("schedule", "At which iterations the part is dropped on the way; the last one always is."),
     "travel": ("travel", "How far the surface has moved since it was last dropped, as a share of the wall."),
