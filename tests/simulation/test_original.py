@@ -85,6 +85,12 @@ def test_of_a_hopeless_part_other_tetrahedra_need_not_be_asked_unless_something_
     assert not asked(styled, own, msgspec.structs.replace(FREELY, **alone))
 
 
+def test_all_orientations_are_compared_with_the_original_itself_so_what_fails_by_them_alone_is_hopeless():
+    own = simulated(18.0)
+    assert not asked(simulated(20.0, p99=12.3), own, FREELY)
+    assert asked(simulated(20.0, p99=11.3), own, FREELY), "it is marginal"
+
+
 @pytest.mark.parametrize(
     ("own", "styled", "why"),
     [
