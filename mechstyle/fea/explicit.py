@@ -146,6 +146,9 @@ class Batch(Protocol):
     def forget_peak(self) -> None:
         """Begin the running maximum of the stress anew."""
 
+    def pays(self, going: int) -> bool:
+        """Whether to compute on together though no more than `going` drops are looked at still: the others cost as much."""
+
     def motion(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Displacement since the start [mm] and velocity [mm/ms] of each node, each of shape [orientations, node_count, 3]."""
 

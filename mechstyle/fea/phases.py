@@ -288,9 +288,9 @@ class _Phase:
             return [self]
         self._keep(closed)
         self._open = [lane for lane in self._open if lane not in closed]
-        if 2 * len(self._open) > len(self._tracks):
-            return [self]
-        return self._packed() if self._open else []
+        if not self._open:
+            return []
+        return [self] if self._batch.pays(len(self._open)) else self._packed()
 
     def _keep(self, lanes: Sequence[int]) -> None:
         peak, corners, touched = self._batch.peak(), self._batch.corners(), self._batch.touched()

@@ -233,6 +233,11 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         return self.control != "none"
 
     @property
+    def steered(self) -> bool:
+        """Whether anything of the style hangs on what is simulated of it: how it grows, or what a correction leaves of it."""
+        return self.guarantee or (self.schedule != "never" and (self.feedback or self.retraction))
+
+    @property
     def random_drops(self) -> bool:
         """Whether the landings of the final test are a sample of random drops, so that shares of them are probabilities."""
         return self.orientations > 1 and self.poses in RANDOM_POSES

@@ -26,7 +26,7 @@ from mechstyle.loop.objects import AT_REST, LAST_MESH, MESH, MESH_FOR, Memo
 from mechstyle.records import Landing, LoadResult, Measures, Recipe, Simulation, Verdict
 from mechstyle.records.mesh import SurfaceMesh, TetMesh, digest_of
 from mechstyle.simulation.carrying import MORPHED, Carried, KeptMesh, at_rest, carried, carrying
-from mechstyle.simulation.original import beside, excuses
+from mechstyle.simulation.original import asked, beside
 from mechstyle.simulation.physics import PHYSICS_VERSION, memo_key, period_of, physics, prescribed
 
 
@@ -96,14 +96,14 @@ class DropSimulator:
         return judge(simulation, self.baseline_of(simulation), self.recipe.material, self.recipe.criterion)
 
     def baseline_of(self, simulation: Simulation) -> Simulation:
-        """What a simulation is compared with: the baseline, and where that excuses a style or it failed the original here, too."""
+        """What a simulation is compared with: the baseline, and where `original.asked` says so the original here, too."""
         if self.coarser is not None:
             return self.coarser.baseline_of(simulation)
         own, there, material = self.baseline, self._on(simulation.mesh), self.recipe.material
         made_for_it = there.tets.digest == simulation.mesh and there._made_for_relief  # noqa: SLF001 — another of this class
-        asked = excuses(own, material) or judge(simulation, own, material, self.recipe.criterion).outcome == "FAILS"
         # On tetrahedra that cannot come back to it the original stands on a few nodes and bears more, which would let the style bear more.
-        if not (made_for_it and asked and there._carried(np.zeros(len(self.surface.vertices), np.float32)).enough):  # noqa: SLF001 — as above
+        nothing = np.zeros(len(self.surface.vertices), np.float32)
+        if not (made_for_it and asked(simulation, own, self.recipe) and there._carried(nothing).enough):  # noqa: SLF001 — as above
             return own
         return beside(own, there._without_relief, material)  # noqa: SLF001 — as above
 

@@ -15,8 +15,10 @@ from mechstyle.fea.elasticity import ElasticLaw
 from mechstyle.fea.explicit import QUANTITIES, RECORD_EVERY, Scheme, Starts, cores, law_number
 from mechstyle.records.mesh import Floats
 
-ONE_BY_ONE = 4
-"""Drops that a core does one by one faster than eight lanes of drops, filled or not: lanes are 1.4 to 2 times as fast as drops alone."""
+ONE_BY_ONE = 6
+"""Drops that a core does one by one faster than eight lanes of drops, filled or not: lanes are 1.2 times as fast as drops alone …"""
+LANES_UP_TO = 20_000
+"""… up to so many nodes. The state of eight drops of more lies too far from the core, and lanes are no faster even if all are filled."""
 
 
 class CoreBody:
@@ -54,10 +56,10 @@ class CoreBody:
         return _cpu(np.pad(each, (0, -self.tet_count % simd_by_element.LANES)))
 
     def batches(self, scheme: Scheme, starts: Starts) -> list[CoreDrop | CoreDrops]:
-        """Jobs of eight orientations each; a small remainder runs one per job."""
+        """Jobs of eight orientations each; a small remainder, and all of a large body, runs one per job."""
         count = len(starts)
         rest = count % (simd_by_drop.LANES * cores())
-        together = count - (rest if rest <= ONE_BY_ONE * cores() else 0)
+        together = count - (rest if rest <= ONE_BY_ONE * cores() else 0) if self.node_count <= LANES_UP_TO else 0
         parts = [slice(first, min(first + simd_by_drop.LANES, together)) for first in range(0, together, simd_by_drop.LANES)]
         jobs: list[CoreDrop | CoreDrops] = [CoreDrops(self, scheme, starts.of(part)) for part in parts]
         return jobs + [CoreDrop(self, scheme, starts.of(slice(index, index + 1))) for index in range(together, count)]
@@ -105,6 +107,10 @@ class CoreDrop:
         """Begin the running maxima of the stress anew."""
         self.state.peak_squared.zero_()
         self.state.corners_squared.zero_()
+
+    def pays(self, going: int) -> bool:
+        """Whether its one drop goes on."""
+        return going == self.count
 
     def motion(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Displacement since the start [mm] and velocity [mm/ms] of each node, each of shape [1, node_count, 3]."""
@@ -166,6 +172,10 @@ class CoreDrops:
         """Begin the running maxima of the stress anew."""
         self.state.peak_squared.zero_()
         self.state.corners_squared.zero_()
+
+    def pays(self, going: int) -> bool:
+        """Whether so many of its drops are done together faster than one by one."""
+        return going > ONE_BY_ONE
 
     def motion(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Displacement since the start [mm] and velocity [mm/ms] of each node, each of shape [orientations, node_count, 3]."""

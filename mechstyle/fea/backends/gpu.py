@@ -134,6 +134,10 @@ class DeviceBatch:
         self.peak_squared.zero_()
         self.corners_squared.zero_()
 
+    def pays(self, going: int) -> bool:
+        """Whether so many of its drops are worth their share of it; drops that are packed anew need a new graph."""
+        return 2 * going > self.count
+
     def motion(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Displacement since the start [mm] and velocity [mm/ms] of each node, each of shape [orientations, node_count, 3]."""
         u, v = (np.ascontiguousarray(np.swapaxes(field.numpy(), 0, 1)) for field in (self.u, self.v))

@@ -1,8 +1,9 @@
 """One drop on one CPU core, sixteen tetrahedra at a time: the lanes are tetrahedra.
 
 State is [node][x y z 0], one row of four floats a node, so that a row is one load; rows of sixteen tetrahedra are transposed into lanes
-and back. Tetrahedra come in blocks of LANES, their indices and geometry as [block][quantity][lane]; the last block is filled up with
-tetrahedra without volume. Forces are added to the nodes in the order of the tetrahedra: the same inputs give the same bytes.
+and back, four in a register, and nodes are moved four at a time. Tetrahedra come in blocks of LANES, their indices and geometry as
+[block][quantity][lane]; the last block is filled up with tetrahedra without volume. Forces are added to the nodes in the order of the
+tetrahedra: the same inputs give the same bytes.
 """
 
 # mypy: disable-error-code="untyped-decorator,valid-type"
@@ -25,21 +26,40 @@ _LAYOUT = """
     typedef float Row __attribute__((vector_size(16), aligned(4)));  // x, y, z, 0 of one node
     typedef Lanes Number;  // the bodies in the lanes differ
     auto geometry = [&](int block) { return (const Number *)body.geometry.data + 10 * block; };
-    // Four rows at a time are transposed into lanes: row(node, lane) of every node of every tetrahedron.
+    // Rows of four tetrahedra side by side fill a register; what lies in lanes 4 i + j of it is read as component j of tetrahedron i.
+    auto side_by_side = [](Row p, Row q, Row r, Row s) INLINE {
+        typedef float Half __attribute__((vector_size(32)));
+        const Half pq = __builtin_shufflevector(p, q, 0, 1, 2, 3, 4, 5, 6, 7), rs = __builtin_shufflevector(r, s, 0, 1, 2, 3, 4, 5, 6, 7);
+        return (Lanes)__builtin_shufflevector(pq, rs, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+    };
+    // Within each four lanes: single numbers of a and b in turn, from the lower or upper two; then pairs of them, the lower or upper ones.
+    auto lower = [](Lanes a, Lanes b) INLINE {
+        return __builtin_shufflevector(a, b, 0, 16, 1, 17, 4, 20, 5, 21, 8, 24, 9, 25, 12, 28, 13, 29);
+    };
+    auto upper = [](Lanes a, Lanes b) INLINE {
+        return __builtin_shufflevector(a, b, 2, 18, 3, 19, 6, 22, 7, 23, 10, 26, 11, 27, 14, 30, 15, 31);
+    };
+    auto lower_pairs = [](Lanes a, Lanes b) INLINE {
+        return __builtin_shufflevector(a, b, 0, 1, 16, 17, 4, 5, 20, 21, 8, 9, 24, 25, 12, 13, 28, 29);
+    };
+    auto upper_pairs = [](Lanes a, Lanes b) INLINE {
+        return __builtin_shufflevector(a, b, 2, 3, 18, 19, 6, 7, 22, 23, 10, 11, 26, 27, 14, 15, 30, 31);
+    };
+    // Four times four numbers are transposed at once, sixteen tetrahedra in four registers: row(node, lane) of every node of each.
     auto transposed = [&](auto element, int block, Lanes (*buffer)[3], const Lanes **x, auto row) INLINE {
         constexpr int nodes = decltype(element)::nodes;
         const int *numbers = body.nodes_of.data + nodes * LANES * block;
+        UNROLL
         for (int a = 0; a < nodes; a++) {
             x[a] = buffer[a];
-            for (int l = 0; l < LANES; l += 4) {
-                const int *node = numbers + LANES * a + l;
-                const Row p = row(node[0], l), q = row(node[1], l + 1), r = row(node[2], l + 2), s = row(node[3], l + 3);
-                const Row pq = __builtin_shufflevector(p, q, 0, 4, 1, 5), rs = __builtin_shufflevector(r, s, 0, 4, 1, 5);
-                ((Row *)&buffer[a][0])[l / 4] = __builtin_shufflevector(pq, rs, 0, 1, 4, 5);
-                ((Row *)&buffer[a][1])[l / 4] = __builtin_shufflevector(pq, rs, 2, 3, 6, 7);
-                const Row pq_z = __builtin_shufflevector(p, q, 2, 6, 3, 7), rs_z = __builtin_shufflevector(r, s, 2, 6, 3, 7);
-                ((Row *)&buffer[a][2])[l / 4] = __builtin_shufflevector(pq_z, rs_z, 0, 1, 4, 5);
-            }
+            auto at = [&](int lane) INLINE { return row(numbers[LANES * a + lane], lane); };
+            Lanes r[4];
+            UNROLL
+            for (int j = 0; j < 4; j++) r[j] = side_by_side(at(j), at(j + 4), at(j + 8), at(j + 12));
+            const Lanes xy = lower(r[0], r[1]), xy_2 = lower(r[2], r[3]);
+            buffer[a][0] = lower_pairs(xy, xy_2);
+            buffer[a][1] = upper_pairs(xy, xy_2);
+            buffer[a][2] = lower_pairs(upper(r[0], r[1]), upper(r[2], r[3]));
         }
     };
     auto load = [&](auto element, const float *field, int block, Lanes (*buffer)[3], const Lanes **x) INLINE {
@@ -55,47 +75,65 @@ _LAYOUT = """
         constexpr int nodes = decltype(element)::nodes;
         Lanes f[nodes][3];
         forces([&](int a, int k, Lanes value) INLINE { f[a][k] = value; });
-        Row rows[nodes][LANES];
-        for (int a = 0; a < nodes; a++)
-            for (int l = 0; l < LANES; l += 4) {
-                const Row x = ((Row *)&f[a][0])[l / 4], y = ((Row *)&f[a][1])[l / 4], z = ((Row *)&f[a][2])[l / 4], zero = {};
-                const Row xy = __builtin_shufflevector(x, y, 0, 4, 1, 5), xy_2 = __builtin_shufflevector(x, y, 2, 6, 3, 7);
-                const Row z0 = __builtin_shufflevector(z, zero, 0, 4, 1, 5), z0_2 = __builtin_shufflevector(z, zero, 2, 6, 3, 7);
-                rows[a][l] = __builtin_shufflevector(xy, z0, 0, 1, 4, 5);
-                rows[a][l + 1] = __builtin_shufflevector(xy, z0, 2, 3, 6, 7);
-                rows[a][l + 2] = __builtin_shufflevector(xy_2, z0_2, 0, 1, 4, 5);
-                rows[a][l + 3] = __builtin_shufflevector(xy_2, z0_2, 2, 3, 6, 7);
-            }
+        Lanes rows[nodes][4];  // of tetrahedra j, j + 4, j + 8 and j + 12
+        UNROLL
+        for (int a = 0; a < nodes; a++) {
+            const Lanes zero = {}, xy = lower(f[a][0], f[a][1]), z0 = lower(f[a][2], zero);
+            const Lanes xy_2 = upper(f[a][0], f[a][1]), z0_2 = upper(f[a][2], zero);
+            rows[a][0] = lower_pairs(xy, z0);
+            rows[a][1] = upper_pairs(xy, z0);
+            rows[a][2] = lower_pairs(xy_2, z0_2);
+            rows[a][3] = upper_pairs(xy_2, z0_2);
+        }
         const int *numbers = body.nodes_of.data + nodes * LANES * block;
         for (int l = 0; l < LANES; l++)
-            for (int a = 0; a < nodes; a++) *(Row *)(state.forces.data + 4 * numbers[LANES * a + l]) += rows[a][l];
+            for (int a = 0; a < nodes; a++)
+                *(Row *)(state.forces.data + 4 * numbers[LANES * a + l]) += ((const Row *)&rows[a][l % 4])[l / 4];
     };
 """
 
 _ADVANCE = CONTRACT + """
     typedef float Row __attribute__((vector_size(16), aligned(4)));
+    typedef float Rows __attribute__((vector_size(64), aligned(4)));  // of four nodes
+    auto of_all = [](Row a) { return __builtin_shufflevector(a, a, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3); };
+    auto of_each = [](Row a) { return __builtin_shufflevector(a, a, 0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3); };
     auto dot = [](Row a, Row b) { const Row p = a * b; return p[0] + p[1] + p[2]; };
-    const float dt = scheme.time_step;
-    const float *normal_of = scheme.normals.data;
+    const float dt = scheme.time_step, *normal_of = scheme.normals.data, *masses = body.masses.data, *heights = state.heights.data;
     const Row n = {normal_of[0], normal_of[1], normal_of[2], 0.0f}, weight = scheme.gravity * n;
     Row *U = (Row *)state.u.data, *V = (Row *)state.v.data, *F = (Row *)state.forces.data;
-    for (int i = 0; i < body.masses.shape[0]; i++) {
-        const float mass = body.masses.data[i];
-        const Row before = V[i], free = before + dt * (F[i] / mass - weight);
-        const float gap = state.heights.data[i] + dot(n, U[i] + dt * free);
+    // Moves a node with the velocity it would have in the air, or with what the floor makes of it where that ends below the floor.
+    auto move = [&](int i, Row free, float gap) {
         Row velocity = free;
         if (gap < 0.0f) {
-            const float push = -gap / dt;
+            const float push = -gap / dt, mass = masses[i];
             const Row landed = free + push * n, normal = dot(landed, n) * n, tangential = landed - normal;
             const float length = sqrtf(dot(tangential, tangential));
             const float clipped = scheme.friction * push / (length > 1.0e-12f ? length : 1.0e-12f);
             velocity = normal + (clipped < 1.0f ? 1.0f - clipped : 0.0f) * tangential;
             state.impulse.data[i] += mass * push;
-            state.contact_loss.data[i] -= 0.5f * mass * dot(velocity - free, before + velocity);
+            state.contact_loss.data[i] -= 0.5f * mass * dot(velocity - free, V[i] + velocity);
         }
         V[i] = velocity;
         U[i] = U[i] + dt * velocity;
         F[i] = Row{};
+    };
+    const int count = body.masses.shape[0], fours = count / 4 * 4;
+    for (int i = 0; i < fours; i += 4) {  // four nodes at once, and one by one where one of them lands
+        Rows &u = *(Rows *)(U + i), &v = *(Rows *)(V + i), &force = *(Rows *)(F + i);
+        const Rows free = v + dt * (force / of_each(*(const Row *)(masses + i)) - of_all(weight)), p = of_all(n) * (u + dt * free);
+        const Row x = __builtin_shufflevector(p, p, 0, 4, 8, 12), y = __builtin_shufflevector(p, p, 1, 5, 9, 13);
+        const Row gap = *(const Row *)(heights + i) + (x + y + __builtin_shufflevector(p, p, 2, 6, 10, 14));
+        if (gap[0] < 0.0f || gap[1] < 0.0f || gap[2] < 0.0f || gap[3] < 0.0f) {
+            for (int k = 0; k < 4; k++) move(i + k, ((const Row *)&free)[k], gap[k]);
+        } else {
+            v = free;
+            u += dt * free;
+            force = Rows{};
+        }
+    }
+    for (int i = fours; i < count; i++) {
+        const Row free = V[i] + dt * (F[i] / masses[i] - weight);
+        move(i, free, heights[i] + dot(n, U[i] + dt * free));
     }
 """
 

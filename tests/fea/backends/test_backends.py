@@ -173,6 +173,14 @@ def test_eight_drops_side_by_side_are_the_eight_drops(discretisation, pla, monke
         np.testing.assert_allclose(side_by_side.astype(float), alone.astype(float), rtol=0, atol=1e-4 * np.abs(alone).max())
 
 
+def test_drops_of_a_large_body_are_done_one_by_one_whatever_the_cores(discretisation, pla, monkeypatch):
+    scheme, starts = scheme_of(discretisation, pla), starts_of(discretisation, directions(16))
+    monkeypatch.setattr(cpu, "cores", lambda: 1)
+    for most, kinds in ((len(discretisation.masses), [CoreDrops] * 2), (len(discretisation.masses) - 1, [CoreDrop] * 16)):
+        monkeypatch.setattr(cpu, "LANES_UP_TO", most)
+        assert [type(batch) for batch in CoreBody(discretisation).batches(scheme, starts)] == kinds
+
+
 def test_vectorised_and_gathering_kernels_agree_over_a_whole_bounce(discretisation, pla):
     scheme, starts = scheme_of(discretisation, pla, samples=100), starts_of(discretisation)
     results = []
