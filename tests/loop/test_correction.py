@@ -6,7 +6,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mechstyle.loop.correction import (
-    AIM,
     EDGES,
     GIVE_BACK,
     LOCAL_ROUNDS,
