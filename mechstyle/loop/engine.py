@@ -312,7 +312,7 @@ class Engine:
         yield Finished(best.verdict, digest)
 
     def _wanted(self, finished: Checkpoint) -> Field:
-        """What the style asks for within its bounds [mm], shape [vertex_count]: the finished relief itself if nothing held any of it back."""
+        """What the style asks for within its bounds [mm], shape [vertex_count]: the finished relief if nothing held any of it back."""
         if self.recipe.control == "none" and np.all(finished.share == 1.0):
             return finished.displacement
         return unrestrained(self.stylizer.proposal().displacement, self.bounds, self.recipe)
