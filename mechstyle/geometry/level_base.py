@@ -13,7 +13,7 @@ from scipy.sparse.csgraph import connected_components
 from mechstyle.geometry.resting_face import resting_face
 from mechstyle.records.mesh import Bools, Field, Floats, Indices, SurfaceMesh
 
-QUANTILES = (0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1, 0.0)
+QUANTILES = (0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1, 0.0)
 """Share of a flat face that a relief may leave the floor on: the first that keeps LEAST_SHARE of it level is taken.
 
 A relief shifted by its maximum stands on points, and the points carry the impact; level areas of a sixth of the base were enough.
