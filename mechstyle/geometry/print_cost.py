@@ -1,7 +1,7 @@
 """What a print costs, estimated before any slicer has seen it: hours, changes of filament, and what they purge.
 
 Of a changer that feeds one nozzle. The changes are counted: a layer of n colours takes n − 1, and one more where it shares none with the
-layer below. The hours are estimated: see the figures below and where they come from.
+layer below. The hours are estimated as a slicer plans them (`print_time`), and what a change takes is added.
 """
 
 from __future__ import annotations
@@ -12,19 +12,15 @@ import msgspec
 import numpy as np
 
 from mechstyle.geometry.filaments import Painted, display, in_bands, nearest
-from mechstyle.records.mesh import Bools, SurfaceMesh
+from mechstyle.geometry.print_time import Slices
+from mechstyle.records.mesh import Bools
 
 LAYER = 0.2
 """Height of a layer [mm]."""
-SKIN, INFILL = 1.45, 0.2
-"""Depth of walls, floors and tops [mm], and share of plastic between them …"""
-FLOW = 3.6
-"""… and plastic laid down in a second [mm³], moves included: with these three, nine parts of the gallery take what PrusaSlicer 2.5 says
-with its own settings, within 9 %. A faster printer takes less, whatever the part."""
-SECONDS = (20.0, 72.0)
-"""A change of filament [s]: as PrusaSlicer 2.5 counts it (17 and 23 in two parts), and as an AMS was timed that purges 400 mm³ …"""
+SECONDS = (27.0, 72.0)
+"""A change of filament [s]: 12 to unload and 15 to load in Prusa's profiles of its changer, and as an AMS was timed …"""
 PURGED = (107.0, 400.0)
-"""… and plastic purged with it [mm³]: least and most of what was timed (forum.bambulab.com, thread 10037)."""
+"""… that purges 400 mm³ (forum.bambulab.com, thread 10037); least and most plastic purged with a change there [mm³]."""
 
 
 class PrintCost(msgspec.Struct, frozen=True, kw_only=True):
@@ -35,6 +31,7 @@ class PrintCost(msgspec.Struct, frozen=True, kw_only=True):
         layers: How many.
         changes: Changes of filament.
         hours_plain: Hours of the same part in one colour.
+        hours_laying: Hours in these colours without the changes themselves: each region of one colour gets walls of its own.
         hours: Hours with the changes, for a fast changer and a slow one.
         purged: Plastic purged [mm³], the same.
     """
@@ -43,6 +40,7 @@ class PrintCost(msgspec.Struct, frozen=True, kw_only=True):
     layers: int
     changes: int
     hours_plain: float
+    hours_laying: float
     hours: tuple[float, float]
     purged: tuple[float, float]
 
@@ -59,17 +57,19 @@ class PrintCost(msgspec.Struct, frozen=True, kw_only=True):
         )
 
 
-def print_cost(paint: Painted, layer: float = LAYER) -> PrintCost:
-    """What a painted part costs to print as it stands, in layers of a height [mm]."""
+def print_cost(paint: Painted, layer: float = LAYER, slices: Slices | None = None) -> PrintCost:
+    """What a painted part costs to print as it stands, in layers of a height [mm]; its slices, if there are some already."""
+    slices = slices or Slices.of(paint.mesh, layer)
     shown = colours_by_layer(paint, layer)
     changes = changes_of(shown)
-    plain = seconds_plain(paint.mesh, layer)
-    fast, slow = (plain + changes * each for each in SECONDS)
+    laying = slices.seconds(paint.filament)
+    fast, slow = (laying + changes * each for each in SECONDS)
     return PrintCost(
         palette=tuple(colour for colour, used in zip(paint.palette, np.asarray(shown.any(axis=0)), strict=True) if used),
         layers=len(shown),
         changes=changes,
-        hours_plain=plain / 3600.0,
+        hours_plain=slices.seconds(np.zeros_like(paint.filament)) / 3600.0,
+        hours_laying=laying / 3600.0,
         hours=(fast / 3600.0, slow / 3600.0),
         purged=(changes * PURGED[0], changes * PURGED[1]),
     )
@@ -97,27 +97,19 @@ def changes_of(shown: Bools) -> int:
     return within + sum(not (below & above).any() for below, above in pairwise(shown))
 
 
-def seconds_plain(mesh: SurfaceMesh, layer: float = LAYER) -> float:
-    """Seconds that a part takes in one colour, in layers of a height [mm]: its plastic (SKIN, and INFILL of the rest) over FLOW.
-
-    The flow is that of layers of LAYER; thinner ones take longer in proportion, since a printer's speed stays.
-    """
-    skin = min(float(mesh.face_areas.sum()) * SKIN, mesh.volume)
-    return (skin + INFILL * (mesh.volume - skin)) / FLOW * LAYER / layer
-
-
-def cheaper(paint: Painted, layer: float = LAYER) -> list[PrintCost]:
+def cheaper(paint: Painted, layer: float = LAYER, slices: Slices | None = None) -> list[PrintCost]:
     """What the part would cost with fewer of its filaments, one less each time, leaving out the one that saves most changes."""
     offers, now = [], paint
+    slices = slices or Slices.of(paint.mesh, layer)
     while (used := np.unique(now.filament)).size > 2:
         now = min((_without(now, int(one)) for one in used), key=lambda other: changes_of(colours_by_layer(other, layer)))
-        offers.append(print_cost(now, layer))
+        offers.append(print_cost(now, layer, slices))
     return offers
 
 
-def banded(paint: Painted, layer: float = LAYER) -> PrintCost:
+def banded(paint: Painted, layer: float = LAYER, slices: Slices | None = None) -> PrintCost:
     """What the part would cost with its filaments in bands one above the other."""
-    return print_cost(in_bands(paint.mesh, paint.palette), layer)
+    return print_cost(in_bands(paint.mesh, paint.palette), layer, slices)
 
 
 def _without(paint: Painted, left_out: int) -> Painted:

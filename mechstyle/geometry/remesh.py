@@ -19,7 +19,7 @@ from mechstyle.geometry.degenerate import heights, without_degenerate
 from mechstyle.geometry.going_on import GoOn, regardless
 from mechstyle.geometry.isotropic_remeshing import isotropic
 from mechstyle.geometry.proximity import TriangleTree
-from mechstyle.geometry.slivers import edge_pairs, mended
+from mechstyle.geometry.slivers import EdgePairs, edge_pairs, mended
 from mechstyle.records.mesh import STANDARD_VERTICES, Floats, SurfaceMesh
 
 FEWEST, MOST = 500, 400_000
@@ -123,7 +123,7 @@ def remeshed(body: Any, edge: float, *, tolerance: float, iterations: int = ITER
     go_on()
     if simple.is_empty():
         raise BadInput(f"this part is thinner than {2.0 * tolerance:.2g} mm everywhere: check its unit (--scale), or ask for more vertices")
-    fine = surface_of(simple.refine_to_length(edge))
+    fine = surface_of(_without_false_creases(simple, tolerance).refine_to_length(edge))
     go_on()
     creases, rounds = _fixed(fine, edge)
     part = TriangleTree(original.vertices, original.faces)
@@ -132,6 +132,19 @@ def remeshed(body: Any, edge: float, *, tolerance: float, iterations: int = ITER
     there = part.nearest(even.vertices)
     landed = even.moved(np.where(there.distance[:, None] > ON_THE_PART, there.point, even.vertices))
     return without_degenerate(mended(landed, part, len(creases)), LOWEST * edge)
+
+
+def _without_false_creases(body: Any, tolerance: float) -> Any:
+    """The Manifold, where it has needles lower than a tolerance [mm] along two creases, without what is that low.
+
+    Needles are what is left of rounds that were simplified. They look anywhere, so that the surface seems to turn sharply on both of their
+    long sides, and the vertices fixed there came to stand side by side in either order.
+    """
+    mesh = surface_of(body)
+    pairs = edge_pairs(mesh.faces)
+    sharp = np.bincount(pairs.faces[_turns(mesh, pairs) > SHARP].ravel(), minlength=len(mesh.faces))
+    needles = (sharp > 1) & (heights(mesh.corners) < tolerance)
+    return manifold_of(without_degenerate(mesh, tolerance)) if needles.any() else body
 
 
 def _fixed(mesh: SurfaceMesh, edge: float) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
@@ -175,11 +188,16 @@ def _bends(mesh: SurfaceMesh) -> tuple[NDArray[np.int32], Floats, Floats]:
     over the angle.
     """
     pairs = edge_pairs(mesh.faces)
-    one, other = mesh.face_normals[pairs.faces].transpose(1, 0, 2)
-    turns = np.arccos(np.clip(np.einsum("ij,ij->i", one, other), -1.0, 1.0))
+    turns = _turns(mesh, pairs)
     start, end = mesh.vertices[pairs.edges].transpose(1, 0, 2)
     heights = mesh.face_areas[pairs.faces].sum(axis=1) / np.linalg.norm(end - start, axis=1)
     return pairs.edges, turns, heights / np.maximum(turns, 1e-9)
+
+
+def _turns(mesh: SurfaceMesh, pairs: EdgePairs) -> Floats:
+    """The angle by which a closed surface turns at each of its edges, shape [k]."""
+    one, other = mesh.face_normals[pairs.faces].transpose(1, 0, 2)
+    return np.asarray(np.arccos(np.clip(np.einsum("ij,ij->i", one, other), -1.0, 1.0)))
 
 
 def _spread(points: Floats, steps: Floats, rows: Floats) -> NDArray[np.int64]:

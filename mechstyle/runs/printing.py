@@ -12,7 +12,8 @@ from mechstyle.errors import BadInput
 from mechstyle.geometry.bodies import shell_and_rest
 from mechstyle.geometry.filaments import MOST, USUAL, Painted, Palette, clustered, in_bands, painted, palette_of
 from mechstyle.geometry.files import write_file
-from mechstyle.geometry.print_cost import PrintCost, banded, cheaper, print_cost
+from mechstyle.geometry.print_cost import LAYER, PrintCost, banded, cheaper, print_cost
+from mechstyle.geometry.print_time import Slices
 from mechstyle.geometry.threemf import Body, bodies_bytes, check_slicer, threemf_bytes, together
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import SurfaceMesh
@@ -111,8 +112,12 @@ def write_for_printing(
         paint = in_bands(mesh, palette) if printing.bands else painted(mesh, palette)
         content = threemf_bytes(mesh, called, paint=paint, slicer=printing.slicer, filament_type=kind)
     write_file(path, content)
-    cost = print_cost(paint)
-    offers = (*([] if printing.bands else cheaper(paint)), *([] if printing.bands or printing.bodies else [banded(paint)]))
+    slices = Slices.of(paint.mesh, LAYER)
+    cost = print_cost(paint, slices=slices)
+    offers = (
+        *([] if printing.bands else cheaper(paint, slices=slices)),
+        *([] if printing.bands or printing.bodies else [banded(paint, slices=slices)]),
+    )
     return PrintPlan(
         slicer=printing.slicer,
         palette=palette,

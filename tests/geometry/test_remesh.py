@@ -10,7 +10,7 @@ from manifold3d import CrossSection, Manifold, OpType
 from mechstyle.errors import BadInput
 from mechstyle.gallery import make
 from mechstyle.geometry.proximity import TriangleTree
-from mechstyle.geometry.remesh import _bends, shell_count, standardise, surface_of
+from mechstyle.geometry.remesh import _bends, _fixed, _without_false_creases, manifold_of, shell_count, standardise, surface_of
 from mechstyle.geometry.self_intersections import crossings
 from mechstyle.records.mesh import SurfaceMesh
 
@@ -174,3 +174,28 @@ def _resting_area(mesh):
 def test_a_count_that_a_part_jumps_over_is_missed_by_a_tenth_at_most():
     """A coaster's rounds take a whole row more or less at once: 2830 vertices or 3160, whatever the edge length."""
     assert abs(len(standardise(make("coaster"), 3000).vertices) / 3000 - 1) <= 0.1
+
+@pytest.fixture
+def needled():
+    """A chamfered bar of 60 mm; along the middle of its chamfer runs a needle 0.01 mm high that looks 45° elsewhere."""
+    section = ((0, 0), (10, 0), (10, 8), (8, 10), (0, 10))
+    near, far = ([(x, y, z) for y, z in section] for x in (0.0, 60.0))
+    needle = [(0.0, 9.0, 9.0), (60.0, 9.0, 9.0), (60.14, 8.99, 9.0)]
+    sides = [face for i in (0, 1, 3, 4) for j in [(i + 1) % 5] for face in ((i, i + 5, j + 5), (i, j + 5, j))]
+    chamfer = [(2, 7, 11), (2, 11, 10), (10, 11, 12), (10, 12, 8), (10, 8, 3)]
+    ends = [(0, 1, 2), (0, 2, 10), (0, 10, 3), (0, 3, 4), (5, 7, 6), (5, 11, 7), (5, 12, 11), (5, 8, 12), (5, 9, 8)]
+    return SurfaceMesh(np.array([*near, *far, *needle]), np.array([*sides, *chamfer, *ends], np.int32)[:, ::-1])
+
+
+def test_a_needle_left_of_a_simplified_round_is_no_crease(needled):
+    """Vertices were fixed on both its long sides: put down on the part some passed each other, and triangles crossed."""
+    assert needled.is_closed
+    assert needled.volume > 0.0
+    fine = surface_of(_without_false_creases(manifold_of(needled), 0.0165).refine_to_length(1.65))
+    fixed = fine.vertices[_fixed(fine, 1.65)[0]]
+    assert len(fixed) > 200, "the edges of the bar"
+    assert not ((np.abs(fixed[:, 0] - 30.0) < 25.0) & (fixed[:, 1:] > 8.5).all(axis=1)).any()
+
+
+def test_triangles_of_a_bracket_do_not_cross():
+    assert crossings(standardise(make("shelf_bracket"), 10_000)).pairs == 0

@@ -4,8 +4,6 @@ import io
 import json
 import os
 import re
-import shutil
-import subprocess
 import zipfile
 from collections import Counter
 from xml.etree import ElementTree as ET
@@ -18,6 +16,7 @@ from mechstyle.geometry.bodies import shell_and_rest
 from mechstyle.geometry.filaments import MOST, Painted, clustered, display, nearest
 from mechstyle.geometry.threemf import SLICERS, Body, bodies_bytes, threemf_bytes
 from support.painting import decoded, state_at
+from support.slicer import prusa_slicer
 
 CORE = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
 MATERIAL = "{http://schemas.microsoft.com/3dmanufacturing/material/2015/02}"
@@ -222,14 +221,6 @@ def test_the_file_for_bambu_studio_departs_from_the_standard_in_its_painting_alo
     """Number 32935: an attribute that is not in the namespace."""
     (tmp_path / "part.3mf").write_bytes(threemf_bytes(sphere, paint=sectors(sphere), slicer="bambu"))
     assert read_by_lib3mf(tmp_path / "part.3mf", strict=False) == ({32935: len(sphere.faces)}, [True])
-
-
-def prusa_slicer(*arguments):
-    """Run PrusaSlicer without its window."""
-    if shutil.which("prusa-slicer") is None:
-        assert "MECHSTYLE_SKIP_NOTHING" not in os.environ, "there is no prusa-slicer on PATH"
-        pytest.skip("NO PRUSASLICER: painted files were NOT sliced; apt-get install --no-install-recommends prusa-slicer")
-    subprocess.run(["prusa-slicer", *map(str, arguments)], capture_output=True, check=True)
 
 
 MACHINE = (

@@ -47,6 +47,9 @@ SECONDS = 20
 MEMORY = 600_000_000
 """Bytes that a case may add to the memory of the process at its fullest: its files are a few kilobytes each."""
 
+CASE, WRONG = "case ", "WRONG: "
+"""How lines of stderr begin: the case that is about to be tried, and what was wrong with one."""
+
 Case = Callable[[random.Random, Path], None]
 
 WORDS = (b"nan", b"inf", b"-1", b"0", b"99999999999999999999", b"1e400", b"4294967295", b"-2147483648", b"9" * 5000, b"../../etc/passwd", b"file:///etc/passwd",
@@ -428,12 +431,13 @@ def main(folder: Path, seed: int, count: int) -> dict[str, object]:
     _ = _bomb(sound("part.3mf")), _packed_zeros()  # what makes cases is no case
     for number in range(seed * count, (seed + 1) * count):
         kind = names[number % len(names)]
-        sys.stderr.write(f"{kind} {number}\n")
+        sys.stderr.write(f"{CASE}{kind} {number}\n")
         outcome = tried(kind, number, folder)
         counts[outcome if outcome in ("read", "refused") else "wrong"] += 1
         counts[kind] += 1
         if outcome not in ("read", "refused"):
             wrong.append(outcome)
+            sys.stderr.write(f"{WRONG}{outcome!r}\n")
     return {"counts": dict(counts), "wrong": wrong, "cpu": round(time.process_time() - begun, 1), "megabytes": _fullest() // 1_000_000}
 
 
