@@ -70,8 +70,8 @@ def standardise(mesh: SurfaceMesh, vertices: int = STANDARD_VERTICES, tolerance:
     if body.status() != manifold3d.Error.NoError or body.is_empty():
         raise BadInput("cannot standardise a surface that is not closed; load it with mechstyle, which repairs it or says why not")
     shape, edge = _shape(mesh), even_edge(mesh, 2 * vertices)  # a closed surface has about two faces per vertex (Euler)
-    if (crowded := _crowded(body, edge, vertices, tolerance, go_on)) is not None and _shape(crowded) == shape and _has_area(crowded, edge):
-        return crowded
+    if (kept := _by_shape(body, edge, vertices, tolerance, go_on)) is not None:
+        return kept
     short, long, nearly = 0.0, math.inf, None
     for trial in range(TRIALS):
         found = remeshed(body, edge, tolerance=SIMPLIFIED * edge, iterations=TRIAL_ITERATIONS if trial == 0 else ITERATIONS, go_on=go_on)
@@ -88,15 +88,21 @@ def standardise(mesh: SurfaceMesh, vertices: int = STANDARD_VERTICES, tolerance:
                    f"ask for {'more' if len(found.vertices) > vertices else 'another number'}")
 
 
-def _crowded(body: Any, edge: float, vertices: int, tolerance: float, go_on: GoOn) -> SurfaceMesh | None:
-    """A Manifold in so many vertices, decimated, if those on its creases are too many for even triangles; None if they are not."""
+def crowded(mesh: SurfaceMesh, vertices: float) -> bool:
+    """Whether the creases of a closed surface have too many vertices for even triangles of so many vertices to keep them."""
+    edges, turns, _ = _bends(mesh)
+    return len(np.unique(edges[turns > SHARP])) >= CROWDED * vertices
+
+
+def _by_shape(body: Any, edge: float, vertices: int, tolerance: float, go_on: GoOn) -> SurfaceMesh | None:
+    """A Manifold decimated to so many vertices if its creases are too many for even triangles; None if not, or if that cannot be."""
     fine = _refined(body, edge, SIMPLIFIED * edge, go_on)
-    edges, turns, _ = _bends(fine)
-    if len(np.unique(edges[turns > SHARP])) < CROWDED * vertices:
+    if not crowded(fine, vertices):
         return None
     fewer = decimated(fine, len(fine.faces) - 2 * (len(fine.vertices) - vertices), go_on, longest=REACH * edge)
     found = without_degenerate(fewer, LOWEST * edge)
-    return found if abs(len(found.vertices) / vertices - 1.0) <= tolerance else None
+    met = abs(len(found.vertices) / vertices - 1.0) <= tolerance
+    return found if met and _shape(found) == _shape(surface_of(body)) and _has_area(found, edge) else None
 
 
 def _has_area(mesh: SurfaceMesh, edge: float) -> bool:

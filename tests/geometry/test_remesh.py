@@ -117,14 +117,6 @@ def test_too_few_vertices_for_the_features_are_refused_with_advice():
         standardise(surface_of(comb), 500)
 
 
-@pytest.fixture(scope="module")
-def embossed():
-    """A ball and the same under a relief 0.8 mm deep, whose creases alone have more vertices than are asked for below."""
-    ball = trimesh.creation.icosphere(5, 20.0)
-    plain, checks = SurfaceMesh(ball.vertices, ball.faces), np.floor(ball.vertices / 4.0).sum(axis=1) % 2
-    return plain, plain.displaced((0.8 * checks - 0.4).astype(np.float32))
-
-
 def test_a_relief_finer_than_the_triangles_is_kept_in_as_many_vertices_as_asked_for(embossed):
     """A delivered surface was refused: every vertex of its creases stayed, and 4580 was the nearest to 2500."""
     plain, styled = embossed
