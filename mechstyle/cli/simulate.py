@@ -46,8 +46,9 @@ def simulate_command(
     mesh, name = read_model(model, scale, up, quiet=as_json)
     before = read_model(original, None, "", quiet=as_json)[0] if original else None
     with telling(1, quiet=as_json) as teller:
-        watched = {"stage": teller.stage, "progress": teller.fraction}
-        dropped = simulate(mesh, original=before, **settings, vertices=vertices, device=device, **watched)
+        dropped = simulate(
+            mesh, original=before, **settings, vertices=vertices, device=device, stage=teller.stage, progress=teller.fraction
+        )  # fmt: skip
         teller.stage("writing files")
         files = _written(dropped, folder or Path(), name, vtu=vtu or vtu_each, each=vtu_each)
     if as_json:

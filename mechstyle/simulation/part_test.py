@@ -191,25 +191,35 @@ def simulate(
         **with_drops({"standard": standard, **landings}),
     )  # fmt: skip
     part = prepare(mesh, vertices=vertices, stage=stage)
-    recipe = fitted(wanted, part)
+    plain = None if original is None else prepare(original, vertices=vertices, stage=stage)
+    return _tested(mesh, part, plain, wanted, where, stage, progress)
+
+
+def _tested(
+    mesh: SurfaceMesh, part: Workpiece, plain: Workpiece | None, wanted: Recipe, device: str, stage: Stage, progress: Progress
+) -> PartTest:
+    """The test of a prepared part, beside its prepared original if there is one; `mesh` is the part as it was given."""
+
+    def dropper(one: Workpiece) -> DropSimulator:
+        return DropSimulator(one.surface, one.tets, fitted(wanted, one), memo, device=device, progress=progress)
+
+    memo, material, recipe = cached_memo(), wanted.material, fitted(wanted, part)
+    unstyled = np.zeros(len(part.surface.vertices), np.float32)
     stage("dropping it")
-    memo, unstyled = cached_memo(), np.zeros(len(part.surface.vertices), np.float32)
-    tets, detail = DropSimulator(part.surface, part.tets, recipe, memo, device=where, progress=progress).detail(unstyled)
-    simulation, before, plain = detail.simulation, None, None
-    if original is not None:
-        plain = prepare(original, vertices=vertices, stage=stage)
-        stage("dropping the original")
-        dropper = DropSimulator(plain.surface, plain.tets, fitted(wanted, plain), memo, device=where, progress=progress)
-        before = dropper.simulate(np.zeros(len(plain.surface.vertices), np.float32), thorough=True)
-    fit = fit_of(tets, mesh, None if plain is None else plain.surface)
-    if fit.relief is not None:
+    tets, detail = dropper(part).detail(unstyled)
+    fit, simulation, original = fit_of(tets, mesh, None if plain is None else plain.surface), detail.simulation, None
+    if plain is None or fit.relief is None:
+        verdict = judge_alone(simulation, material, wanted.criterion)
+    else:
+        stage("dropping its original")
+        original = dropper(plain).baseline
         simulation = replace(simulation, carried=fit.relief.carried, carried_base=fit.relief.carried_base)
+        verdict = judge(simulation, original, material, wanted.criterion)
     stage("looking at the impact")
     impact = None if detail.drop.failure else impact_of(part, recipe, unstyled, memo, progress)
-    thin = wall_warnings(part.surface, part.thickness, unstyled, minimum_wall)
-    warning = " ".join(filter(None, (input_warning(before or simulation, chosen), *(f"{sentence}." for sentence in thin))))
-    verdict = judge_alone(simulation, chosen, criterion) if before is None else judge(simulation, before, chosen, criterion)
-    return PartTest(part, recipe, simulation, verdict, warning, tets, detail, impact, fit, before)
+    thin = wall_warnings(part.surface, part.thickness, unstyled, wanted.minimum_wall)
+    warning = " ".join(filter(None, (input_warning(original or simulation, material), *(f"{sentence}." for sentence in thin))))
+    return PartTest(part, recipe, simulation, verdict, warning, tets, detail, impact, fit, original)
 
 
 def judge_alone(simulation: Simulation, material: Material, criterion: str) -> Verdict:
