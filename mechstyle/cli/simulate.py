@@ -48,7 +48,7 @@ def simulate_command(
     with telling(1, quiet=as_json) as teller:
         dropped = simulate(
             mesh, original=before, **settings, vertices=vertices, device=device, stage=teller.stage, progress=teller.fraction
-        )  # fmt: skip
+        )
         teller.stage("writing files")
         files = _written(dropped, folder or Path(), name, vtu=vtu or vtu_each, each=vtu_each)
     if as_json:
