@@ -5,8 +5,8 @@ from __future__ import annotations
 import msgspec
 import numpy as np
 
-from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.proximity import TriangleTree
+from mechstyle.geometry.resting_face import resting_face
 from mechstyle.records.mesh import Floats, SurfaceMesh, TetMesh
 from mechstyle.simulation.carrying import slope
 
@@ -57,7 +57,7 @@ def fit_of(tets: TetMesh, part: SurfaceMesh, original: SurfaceMesh | None = None
     Args:
         tets: The tetrahedra.
         part: The part as it was given, before it was standardised.
-        original: What it was styled from, in the same place; None if that is not known.
+        original: What it was styled from, as it was given, in the same place; None if that is not known.
     """
     there = TriangleTree(tets.vertices, tets.boundary_faces).nearest(part.vertices)
     return Fit(
@@ -72,13 +72,14 @@ def _relief(part: SurfaceMesh, original: SurfaceMesh, followed: Floats) -> Relie
     normals, gone = original.face_normals[near.face], part.vertices - near.point
     side = np.where(np.einsum("ij,ij->i", gone, normals) < 0.0, -1.0, 1.0)
     outwards = np.divide(gone, side[:, None] * near.distance[:, None], out=normals.copy(), where=near.distance[:, None] > SEEN)
-    heights = side * near.distance, np.einsum("ij,ij->i", followed - near.point, outwards)
-    resting = np.einsum("ij,ij->i", near.weights, LevelBase(original).resting[original.faces[near.face]])
+    heights = side * np.where(near.distance > SEEN, near.distance, 0.0), np.einsum("ij,ij->i", followed - near.point, outwards)
+    base = resting_face(original)
+    resting = np.zeros(len(part.vertices)) if base is None else np.isin(near.face, base.faces).astype(np.float64)
     under = part.vertex_areas * resting
     wanted, found = (_without_shift(height, resting, under) for height in heights)
-    whole, base = slope(wanted, found, part.vertex_areas), slope(wanted, found, under)
+    whole, low = slope(wanted, found, part.vertex_areas), slope(wanted, found, under)
     lowest, highest = float(heights[0].min()), float(heights[0].max())
-    return Relief(lowest=lowest, highest=highest, carried=1.0 if whole is None else whole, carried_base=base)
+    return Relief(lowest=lowest, highest=highest, carried=1.0 if whole is None else whole, carried_base=low)
 
 
 def _without_shift(heights: Floats, resting: Floats, areas: Floats) -> Floats:

@@ -192,13 +192,14 @@ def simulate(
     )  # fmt: skip
     part = prepare(mesh, vertices=vertices, stage=stage)
     plain = None if original is None else prepare(original, vertices=vertices, stage=stage)
-    return _tested(mesh, part, plain, wanted, where, stage, progress)
+    return _tested((mesh, original), part, plain, wanted, where, stage, progress)
 
 
 def _tested(
-    mesh: SurfaceMesh, part: Workpiece, plain: Workpiece | None, wanted: Recipe, device: str, stage: Stage, progress: Progress
-) -> PartTest:
-    """The test of a prepared part, beside its prepared original if there is one; `mesh` is the part as it was given."""
+    given: tuple[SurfaceMesh, SurfaceMesh | None], part: Workpiece, plain: Workpiece | None, wanted: Recipe,
+    device: str, stage: Stage, progress: Progress,
+) -> PartTest:  # fmt: skip
+    """The test of a prepared part, beside its prepared original if there is one; `given` are both as they came."""
 
     def dropper(one: Workpiece) -> DropSimulator:
         return DropSimulator(one.surface, one.tets, fitted(wanted, one), memo, device=device, progress=progress)
@@ -207,7 +208,7 @@ def _tested(
     unstyled = np.zeros(len(part.surface.vertices), np.float32)
     stage("dropping it")
     tets, detail = dropper(part).detail(unstyled)
-    fit, simulation, original = fit_of(tets, mesh, None if plain is None else plain.surface), detail.simulation, None
+    fit, simulation, original = fit_of(tets, *given), detail.simulation, None
     if plain is None or fit.relief is None:
         verdict = judge_alone(simulation, material, wanted.criterion)
     else:

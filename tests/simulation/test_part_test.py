@@ -121,6 +121,7 @@ def test_beside_its_original_a_part_is_judged_as_in_a_run(drop_it, found, block)
     assert compared.verdict.tilted.limit >= compared.simulation.tilted.surface
     assert compared.verdict.all_orientations.value == pytest.approx(1.0)
     assert "1.00 times the original's stress" in compared.verdict.words
+    assert compared.simulation.least_carried == 1.0, "what standardising changed is no relief"
 
 
 def test_a_relief_that_the_tetrahedra_do_not_carry_is_marginal_beside_the_original(drop_it, block):
