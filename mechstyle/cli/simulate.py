@@ -18,6 +18,11 @@ if TYPE_CHECKING:
 
 app = typer.Typer()
 
+Original = Annotated[
+    str,
+    typer.Option(help="What it was styled from, a file or gallery:NAME in the same place; it is then judged beside that, as in its run."),
+]
+
 
 @app.command("simulate")
 @command
@@ -25,6 +30,7 @@ app = typer.Typer()
 def simulate_command(
     model: Model,
     settings: Settings,
+    original: Original = "",
     vertices: Vertices = STANDARD_VERTICES,
     scale: Scale = None,
     up: Up = "",
@@ -34,12 +40,15 @@ def simulate_command(
     vtu_each: Annotated[bool, typer.Option("--vtu-each", help="The same, with stress and contact of every orientation.")] = False,
     as_json: Json = False,
 ) -> None:
-    """Drop a part as it is, without any style, and load it if asked to."""
+    """Drop a part as it is, without any style, and load it if asked to; beside the original it was styled from if that is named."""
     from mechstyle.simulation.part_test import simulate  # noqa: PLC0415 — physics is loaded when something is run
 
     mesh, name = read_model(model, scale, up, quiet=as_json)
+    before = read_model(original, None, "", quiet=as_json)[0] if original else None
     with telling(1, quiet=as_json) as teller:
-        dropped = simulate(mesh, **settings, vertices=vertices, device=device, stage=teller.stage, progress=teller.fraction)
+        dropped = simulate(
+            mesh, original=before, **settings, vertices=vertices, device=device, stage=teller.stage, progress=teller.fraction
+        )
         teller.stage("writing files")
         files = _written(dropped, folder or Path(), name, vtu=vtu or vtu_each, each=vtu_each)
     if as_json:
@@ -76,6 +85,9 @@ def _figures(dropped: PartTest, files: dict[str, str]) -> dict[str, Any]:
         "notes": dropped.part.notes,
         "material": dropped.recipe.material,
         "tetrahedra": len(dropped.tets.tets),
+        "fit": dropped.fit,
+        "original": None if dropped.original is None else dropped.original.as_placed,
+        "original_tilted": None if dropped.original is None else dropped.original.tilted,
         "steps": simulation.steps,
         "time_step": simulation.time_step,
         "added_mass": simulation.added_mass,
@@ -100,6 +112,8 @@ def _report(dropped: PartTest, files: dict[str, str]) -> None:
         *((escape(f"load {case.name!r}"), case.words) for case in simulation.loaded),
         ("literal maximum", f"{strength.maximum:.1f} MPa (depends on the mesh)"),
         *_course_rows(dropped),
+        ("shape", f"tetrahedra {dropped.fit.words}"),
+        *_original_rows(dropped),
         *([("layers", escape(dropped.recipe.layers_judged))] if dropped.recipe.build_direction else []),
         ("tetrahedra", f"{len(dropped.tets.tets)}; {simulation.steps} steps of {1e3 * simulation.time_step:.3f} µs"),
         *((what, escape(path)) for what, path in files.items()),
@@ -109,8 +123,24 @@ def _report(dropped: PartTest, files: dict[str, str]) -> None:
     out.print(f"\n{escape(strength.words)}")
     if dropped.recipe.standard:
         out.print(f"[dim]{escape(STANDARDS[dropped.recipe.standard].departs)}[/]")
+    if dropped.original is None:
+        out.print("[dim]judged alone, by the strength of its material: a styled part is judged as in its run with --original FILE[/]")
     if dropped.warning:
         err.print(f"[yellow]warning:[/] {escape(dropped.warning)}")
+
+
+def _original_rows(dropped: PartTest) -> list[tuple[str, str]]:
+    """Table rows of what a part is compared with."""
+    original, relief = dropped.original, dropped.fit.relief
+    if original is None or relief is None:
+        return []
+    tilted = "" if original.tilted is None else f", tilted {original.tilted.surface:.1f} MPa"
+    under = "" if relief.carried_base is None else f" ({relief.carried_base:.0%} under the part)"
+    carried = f"{relief.carried:.0%} of it carried by the tetrahedra{under}"
+    return [
+        ("original", f"{original.as_placed.peak:.1f} MPa as placed{tilted}"),
+        ("relief", f"{relief.lowest:.2f} to {relief.highest:.2f} mm over the original, {carried}"),
+    ]
 
 
 def _orientation_rows(dropped: PartTest) -> list[tuple[str, str]]:

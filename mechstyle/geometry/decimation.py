@@ -41,13 +41,14 @@ class _Quadrics(NamedTuple):
         return near + np.linalg.solve(self.a + weight[:, None, None] * np.eye(3), downhill[:, :, None])[:, :, 0]
 
 
-def decimated(mesh: SurfaceMesh, faces: int, go_on: GoOn = regardless) -> SurfaceMesh:
+def decimated(mesh: SurfaceMesh, faces: int, go_on: GoOn = regardless, *, longest: float = np.inf) -> SurfaceMesh:
     """The surface in so many triangles, or in as few as keep its shells and handles and turn none over.
 
     Args:
         mesh: A closed surface.
         faces: Triangles wished for, an even number; one with fewer stays as it is.
         go_on: Asked before every round.
+        longest: Edge that no collapse may make [mm]: without it nothing is left of a flat face but its corners.
     """
     centre = mesh.vertices.mean(axis=0)
     vertices, corners = mesh.vertices - centre, mesh.faces
@@ -55,7 +56,7 @@ def decimated(mesh: SurfaceMesh, faces: int, go_on: GoOn = regardless) -> Surfac
     for _ in range(ROUNDS):
         go_on()
         excess = (len(corners) - faces + 1) // 2  # a collapse takes two triangles
-        edges, places = _cheapest(vertices, corners, quadrics, excess)
+        edges, places = _cheapest(vertices, corners, quadrics, excess, longest)
         if not len(edges):
             break
         (stays, goes), vertices = edges.T, vertices.copy()
@@ -83,13 +84,13 @@ def _quadrics(vertices: Floats, faces: Indices) -> _Quadrics:
     return _Quadrics(whole[:, :3, :3].copy(), whole[:, :3, 3].copy(), whole[:, 3, 3].copy())
 
 
-def _cheapest(vertices: Floats, faces: Indices, quadrics: _Quadrics, most: int) -> tuple[Indices, Floats]:
+def _cheapest(vertices: Floats, faces: Indices, quadrics: _Quadrics, most: int, longest: float) -> tuple[Indices, Floats]:
     """The cheapest edges that can collapse together, at most so many, and where their ends meet."""
     edges = edges_of(faces)
     shared = quadrics.of(edges)
     places = shared.lowest(0.5 * (vertices[edges[:, 0]] + vertices[edges[:, 1]]))
     costs = shared.at(places)
-    sound = np.flatnonzero(sound_ones(vertices, faces, edges, places, longest=np.inf, cosine=STEADY))
+    sound = np.flatnonzero(sound_ones(vertices, faces, edges, places, longest=longest, cosine=STEADY))
     cheap = sound[np.argsort(costs[sound], kind="stable")][: max(int(CHEAP * len(edges)), 1)]
     chosen = cheap[far_apart(edges[cheap], np.floor(np.log2(np.maximum(costs[cheap], 1e-12))), faces, len(vertices))][: max(most, 0)]
     return edges[chosen], places[chosen]

@@ -15,6 +15,7 @@ from scipy.spatial import cKDTree
 
 from mechstyle.errors import BadInput
 from mechstyle.geometry.collapses import edges_of
+from mechstyle.geometry.decimation import decimated
 from mechstyle.geometry.degenerate import heights, without_degenerate
 from mechstyle.geometry.going_on import GoOn, regardless
 from mechstyle.geometry.isotropic_remeshing import isotropic
@@ -32,7 +33,10 @@ NO_AREA = 1e-5  # the same, below which none is left
 ROW = 0.05  # of the edge length: vertices of a round whose distances from its border differ by less are in one row
 NEXT = 1.6  # steps within which the next one of a row is looked for
 CLEARANCE = 0.7  # of such a step, to the nearest crease
+CROWDED = 0.75  # of the vertices wished for: with so many on creases alone, hardly any are left for what lies between them
+REACH = 2.0  # of the edge length: what an edge may then grow to where the surface is flat
 TRIALS = 9
+SIMPLIFIED = 0.01  # of the edge length: most by which needless vertices may move the surface when they go
 TRIAL_ITERATIONS, ITERATIONS = 3, 8  # of the remesher: few suffice to see the count
 
 
@@ -44,6 +48,9 @@ def standardise(mesh: SurfaceMesh, vertices: int = STANDARD_VERTICES, tolerance:
     Rounds narrower than a triangle would come out ragged; they are sampled by fixed vertices as close as they are narrow, in rows.
     The edge length is corrected until the count fits.
 
+    A relief that is finer than the triangles, as a delivered surface has it, may have more vertices on its creases than are wished for.
+    Such a surface is decimated instead (Garland and Heckbert 1997): its triangles are less even, but it keeps its shape.
+
     Args:
         mesh: A closed surface, any triangulation.
         vertices: Vertices wanted, 500 to 400 000.
@@ -51,8 +58,8 @@ def standardise(mesh: SurfaceMesh, vertices: int = STANDARD_VERTICES, tolerance:
         go_on: Asked in between.
 
     Returns:
-        A closed surface with the same number of handles and shells, its vertices on the part and none of its
-        triangles without area; the same input gives the same bytes. Colours are dropped.
+        A closed surface with the same number of handles and shells, its vertices on the part (beside it where it was decimated) and
+        none of its triangles without area; the same input gives the same bytes. Colours are dropped.
 
     Raises:
         BadInput: If the count is out of range or cannot be reached, or the surface is not closed.
@@ -63,9 +70,11 @@ def standardise(mesh: SurfaceMesh, vertices: int = STANDARD_VERTICES, tolerance:
     if body.status() != manifold3d.Error.NoError or body.is_empty():
         raise BadInput("cannot standardise a surface that is not closed; load it with mechstyle, which repairs it or says why not")
     shape, edge = _shape(mesh), even_edge(mesh, 2 * vertices)  # a closed surface has about two faces per vertex (Euler)
+    if (kept := _by_shape(body, edge, vertices, tolerance, go_on)) is not None:
+        return kept
     short, long, nearly = 0.0, math.inf, None
     for trial in range(TRIALS):
-        found = remeshed(body, edge, tolerance=0.01 * edge, iterations=TRIAL_ITERATIONS if trial == 0 else ITERATIONS, go_on=go_on)
+        found = remeshed(body, edge, tolerance=SIMPLIFIED * edge, iterations=TRIAL_ITERATIONS if trial == 0 else ITERATIONS, go_on=go_on)
         missed = abs(len(found.vertices) / vertices - 1.0)
         if trial > 0 and missed <= 2.0 * tolerance and _shape(found) == shape and _has_area(found, edge):
             if missed <= tolerance:
@@ -77,6 +86,23 @@ def standardise(mesh: SurfaceMesh, vertices: int = STANDARD_VERTICES, tolerance:
     left = "" if _has_area(found, edge) else ", with triangles without area"
     raise BadInput(f"this part could not be brought to {vertices} even vertices (the nearest was {len(found.vertices)}{left}); "
                    f"ask for {'more' if len(found.vertices) > vertices else 'another number'}")
+
+
+def crowded(mesh: SurfaceMesh, vertices: float) -> bool:
+    """Whether the creases of a closed surface have too many vertices for even triangles of so many vertices to keep them."""
+    edges, turns, _ = _bends(mesh)
+    return len(np.unique(edges[turns > SHARP])) >= CROWDED * vertices
+
+
+def _by_shape(body: Any, edge: float, vertices: int, tolerance: float, go_on: GoOn) -> SurfaceMesh | None:
+    """A Manifold decimated to so many vertices if its creases are too many for even triangles; None if not, or if that cannot be."""
+    fine = _refined(body, edge, SIMPLIFIED * edge, go_on)
+    if not crowded(fine, vertices):
+        return None
+    fewer = decimated(fine, len(fine.faces) - 2 * (len(fine.vertices) - vertices), go_on, longest=REACH * edge)
+    found = without_degenerate(fewer, LOWEST * edge)
+    met = abs(len(found.vertices) / vertices - 1.0) <= tolerance
+    return found if met and _shape(found) == _shape(surface_of(body)) and _has_area(found, edge) else None
 
 
 def _has_area(mesh: SurfaceMesh, edge: float) -> bool:
@@ -119,12 +145,7 @@ def remeshed(body: Any, edge: float, *, tolerance: float, iterations: int = ITER
     Raises:
         BadInput: If nothing is left of the part within the tolerance.
     """
-    original, simple = surface_of(body), body.simplify(tolerance)
-    go_on()
-    if simple.is_empty():
-        raise BadInput(f"this part is thinner than {2.0 * tolerance:.2g} mm everywhere: check its unit (--scale), or ask for more vertices")
-    fine = surface_of(_without_false_creases(simple, tolerance).refine_to_length(edge))
-    go_on()
+    original, fine = surface_of(body), _refined(body, edge, tolerance, go_on)
     creases, rounds = _fixed(fine, edge)
     part = TriangleTree(original.vertices, original.faces)
     even = isotropic(fine, edge, part, creases=creases, rounds=rounds, iterations=iterations, go_on=go_on)
@@ -132,6 +153,21 @@ def remeshed(body: Any, edge: float, *, tolerance: float, iterations: int = ITER
     there = part.nearest(even.vertices)
     landed = even.moved(np.where(there.distance[:, None] > ON_THE_PART, there.point, even.vertices))
     return without_degenerate(mended(landed, part, len(creases)), LOWEST * edge)
+
+
+def _refined(body: Any, edge: float, tolerance: float, go_on: GoOn) -> SurfaceMesh:
+    """A Manifold without the vertices that it needs for no more than a tolerance [mm], long edges cut.
+
+    Raises:
+        BadInput: If nothing is left of it.
+    """
+    simple = body.simplify(tolerance)
+    go_on()
+    if simple.is_empty():
+        raise BadInput(f"this part is thinner than {2.0 * tolerance:.2g} mm everywhere: check its unit (--scale), or ask for more vertices")
+    fine = surface_of(_without_false_creases(simple, tolerance).refine_to_length(edge))
+    go_on()
+    return fine
 
 
 def _without_false_creases(body: Any, tolerance: float) -> Any:

@@ -19,12 +19,12 @@ from mechstyle.geometry.decimation import decimated
 from mechstyle.geometry.degenerate import without_degenerate
 from mechstyle.geometry.going_on import GoOn, regardless
 from mechstyle.geometry.proximity import TriangleTree
-from mechstyle.geometry.remesh import even_edge, manifold_of, remeshed
+from mechstyle.geometry.remesh import crowded, even_edge, manifold_of, remeshed
 from mechstyle.geometry.tet_improvement import improved
 from mechstyle.geometry.tetwild import Settings, tetwild
 from mechstyle.records.mesh import Floats, Indices, SurfaceMesh, TetMesh, digest_of
 
-VERSION = "11"  # of what is cached: raise it when the result for the same input may change
+VERSION = "12"  # of what is cached: raise it when the result for the same input may change
 FEWEST, MOST = 500, 400_000
 RUNS = 3
 LEAST_COUNT, MOST_COUNT = 0.6, 1.6  # of the target
@@ -51,7 +51,8 @@ def tetrahedralise(
         surface: A closed surface.
         target: Tetrahedra wanted, 500 to 400 000; -40 % to +60 % is accepted, and fine detail may ask for more.
         keep: The surface with its relief exaggerated, vertex by vertex. Its triangles are kept, those that this one needs most if there
-            are more than KEPT of them; without it they become as large as the target asks for and the detail allows.
+            are more than KEPT of them; without it they become as large as the target asks for and the detail allows, unless the surface
+            itself has a relief finer than that.
         timeout: Most time for one run of fTetWild [s]; there are one or two, three at most.
         cache: Folder of earlier results by content, or None. fTetWild gives another mesh every time, so that only a kept one
             makes a run repeatable.
@@ -127,10 +128,8 @@ def _attempt(surface: SurfaceMesh, aim: float, sharpness: float, timeout: float,
     tolerance = sharpness * min(ENVELOPE * wall, WIDEST * surface.size)
     epsilon = (1.0 if keep is None else 0.5) * tolerance
     loose = sharpness * LOOSE * wall
-    if keep is None:
-        even = _evened(surface, _first_edge(surface, aim), loose, go_on)
-    else:
-        even = _kept(surface, keep, loose, 0.5 * DEVIATION * wall, go_on)
+    detail = 0.5 * DEVIATION * wall
+    even = _filled_as(surface, aim, loose, detail, go_on) if keep is None else _kept(surface, keep, loose, detail, go_on)
     edge = _edge(surface.volume, len(even.faces), aim)
     found = _tidied(*tetwild(even.vertices, even.faces, Settings(edge, epsilon / surface.size), timeout=timeout, go_on=go_on))
     settled = _set_down(surface, found, max(FLAT, 1.5 * epsilon))
@@ -152,6 +151,16 @@ def _first_edge(surface: SurfaceMesh, aim: float) -> float:
     """The edge length [mm] of `_edge` when the surface, too, is cut into triangles of that edge: F = 4 A / (√3 l²)."""
     roots = np.roots([aim, 0.0, -2.0 / math.sqrt(3.0) * float(surface.face_areas.sum()), -9.0 * surface.volume])
     return float(roots[np.isreal(roots)].real.max())
+
+
+def _filled_as(surface: SurfaceMesh, aim: float, deviation: float, detail: float, go_on: GoOn) -> SurfaceMesh:
+    """The surface in even triangles, or in its own where even ones are fewer than its creases ask for.
+
+    Half a millimetre of relief is within the tolerance of a thick part. Of a delivered knob in brick, of 2500 vertices, even triangles
+    carried 0.60 of the relief and its own 0.81.
+    """
+    even = _evened(surface, _first_edge(surface, aim), deviation, go_on)
+    return _kept(surface, surface, deviation, detail, go_on) if crowded(surface, len(even.vertices)) else even
 
 
 def _kept(surface: SurfaceMesh, exaggerated: SurfaceMesh, deviation: float, detail: float, go_on: GoOn) -> SurfaceMesh:

@@ -116,12 +116,12 @@ def carried(morph: Morph, morphed: Morphed, base: LevelBase) -> Carried:
     styled = surface.displaced(morphed.displacement)
     errors = (float(morphed.tets.volumes.sum()) / styled.volume - 1.0, morph.volume_without_relief / surface.volume - 1.0)
     under = base.resting * surface.vertex_areas
-    whole = _slope(wanted, found, surface.vertex_areas)
+    whole = slope(wanted, found, surface.vertex_areas)
     lifted = (base.share(morphed.displacement) or 0.0) - (base.share(morphed.followed) or 0.0)
-    return Carried(1.0 if whole is None else whole, _slope(wanted, found, under), max(errors, key=abs), 1.0 - max(lifted, 0.0))
+    return Carried(1.0 if whole is None else whole, slope(wanted, found, under), max(errors, key=abs), 1.0 - max(lifted, 0.0))
 
 
-def _slope(wanted: Floats, found: Floats, weights: Floats) -> float | None:
+def slope(wanted: Floats, found: Floats, weights: Floats) -> float | None:
     """Σ w x y / Σ w x², None where there is nothing wanted."""
     total = float((weights * wanted**2).sum())
     return float((weights * wanted * found).sum()) / total if total > 0.0 else None

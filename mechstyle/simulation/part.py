@@ -30,7 +30,7 @@ from mechstyle.simulation.carrying import at_rest, carrying
 from mechstyle.styling.dimensions import outwards
 from mechstyle.styling.prompt import reading_of
 
-PREPARATION_VERSION = 7
+PREPARATION_VERSION = 8
 """Counts changes that alter the prepared part, so that cached parts of older code are not reused."""
 
 INWARD_SHARE = 0.25

@@ -29,6 +29,7 @@ from mechstyle.records.load_cases import LoadCase, load_cases
 from mechstyle.records.material import Material, material_named
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh, TetMesh
 from mechstyle.records.recipe import DEFAULTS, direction_of
+from mechstyle.simulation.beside_original import Fit, fit_of
 from mechstyle.simulation.drop_history import Course, history_picture, vtu_bytes
 from mechstyle.simulation.impact import Impact, impact_of
 from mechstyle.simulation.part import Stage, Workpiece, cached_memo, fitted, prepare, say_nothing
@@ -52,6 +53,8 @@ class PartTest:
         tets: The tetrahedra that were dropped.
         detail: The test in full.
         impact: The drop as placed, moment by moment; None for one that failed.
+        fit: How the tetrahedra follow the part as it was given.
+        original: The same test of what the part is compared with, None if that was not told.
     """
 
     part: Workpiece
@@ -62,6 +65,8 @@ class PartTest:
     tets: TetMesh
     detail: Detail
     impact: Impact | None
+    fit: Fit
+    original: Simulation | None = None
 
     @property
     def strength(self) -> Strength:
@@ -136,6 +141,7 @@ class PartTest:
 def simulate(
     mesh: SurfaceMesh,
     *,
+    original: SurfaceMesh | None = None,
     material: str | Material = "PLA",
     orientations: int | None = None,
     poses: str | None = None,
@@ -155,6 +161,8 @@ def simulate(
 
     Args:
         mesh: A closed surface [mm], z up, as it stands.
+        original: What it was styled from, in the same place: that is dropped, too, and it is judged by the rules of a run. None judges it
+            alone, by the strength of its material.
         material: A library name, a .toml/.json file, or a Material.
         orientations: Drops, the first as placed; by default as many as the poses or the standard need.
         poses: How the others land, one of `Recipe.poses`: every way by default.
@@ -183,16 +191,36 @@ def simulate(
         **with_drops({"standard": standard, **landings}),
     )  # fmt: skip
     part = prepare(mesh, vertices=vertices, stage=stage)
-    recipe = fitted(wanted, part)
+    plain = None if original is None else prepare(original, vertices=vertices, stage=stage)
+    return _tested((mesh, original), part, plain, wanted, where, stage, progress)
+
+
+def _tested(
+    given: tuple[SurfaceMesh, SurfaceMesh | None], part: Workpiece, plain: Workpiece | None, wanted: Recipe,
+    device: str, stage: Stage, progress: Progress,
+) -> PartTest:  # fmt: skip
+    """The test of a prepared part, beside its prepared original if there is one; `given` are both as they came."""
+
+    def dropper(one: Workpiece) -> DropSimulator:
+        return DropSimulator(one.surface, one.tets, fitted(wanted, one), memo, device=device, progress=progress)
+
+    memo, material, recipe = cached_memo(), wanted.material, fitted(wanted, part)
+    unstyled = np.zeros(len(part.surface.vertices), np.float32)
     stage("dropping it")
-    memo, unstyled = cached_memo(), np.zeros(len(part.surface.vertices), np.float32)
-    tets, detail = DropSimulator(part.surface, part.tets, recipe, memo, device=where, progress=progress).detail(unstyled)
-    simulation = detail.simulation
+    tets, detail = dropper(part).detail(unstyled)
+    fit, simulation, original = fit_of(tets, *given), detail.simulation, None
+    if plain is None or fit.relief is None:
+        verdict = judge_alone(simulation, material, wanted.criterion)
+    else:
+        stage("dropping its original")
+        original = dropper(plain).baseline
+        simulation = replace(simulation, carried=fit.relief.carried, carried_base=fit.relief.carried_base)
+        verdict = judge(simulation, original, material, wanted.criterion)
     stage("looking at the impact")
     impact = None if detail.drop.failure else impact_of(part, recipe, unstyled, memo, progress)
-    thin = wall_warnings(part.surface, part.thickness, unstyled, minimum_wall)
-    warning = " ".join(filter(None, (input_warning(simulation, chosen), *(f"{sentence}." for sentence in thin))))
-    return PartTest(part, recipe, simulation, judge_alone(simulation, chosen, criterion), warning, tets, detail, impact)
+    thin = wall_warnings(part.surface, part.thickness, unstyled, wanted.minimum_wall)
+    warning = " ".join(filter(None, (input_warning(original or simulation, material), *(f"{sentence}." for sentence in thin))))
+    return PartTest(part, recipe, simulation, verdict, warning, tets, detail, impact, fit, original)
 
 
 def judge_alone(simulation: Simulation, material: Material, criterion: str) -> Verdict:

@@ -38,7 +38,7 @@ NAMES = {
     "freestyle": f"model --out --scale --strengthen --up --vertices {STYLED}",
     "branch": f"address --lane {STYLED} {RESTRAINED}",
     "simulate": "model --build-direction "
-    "--criterion --device --json --load --material -m --minimum-wall --orientations --out --poses --scale --standard "
+    "--criterion --device --json --load --material -m --minimum-wall --orientations --original --out --poses --scale --standard "
     "--tilts --up --vertices --vtu --vtu-each --window",
     "demo": "--device --json --model --out --prompt --vertices -p",
     "ablation": "models --arm --amplitude --device --iterations --jobs --json --load --material -m --orientations --out --poses --prompt "
@@ -221,4 +221,4 @@ def test_a_drop_without_style_has_the_defaults_of_the_python_function(monkeypatc
     monkeypatch.setattr(part_test, "simulate", catch)
     monkeypatch.setattr(simulate, "read_model", lambda *_, **__: (None, "vase"))
     CliRunner().invoke(app, ["simulate", "gallery:vase", "--criterion", "paper"])
-    assert {"material", "criterion"} == set(caught[0]) - {"vertices", "device", "stage", "progress"}
+    assert {"material", "criterion"} == set(caught[0]) - {"original", "vertices", "device", "stage", "progress"}

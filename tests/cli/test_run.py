@@ -219,6 +219,18 @@ def test_simulate_reports_the_part_as_it_is(mechstyle):
     assert len(outcome["history"]["time"]) == len(outcome["history"]["contact_force"]) > 100
 
 
+def test_simulate_judges_beside_an_original_that_is_named(mechstyle):
+    small = ("simulate", "gallery:pen_holder", "--vertices", "2000", "--orientations", "1", "--window", "0.4")
+    assert "judged alone, by the strength of its material" in " ".join(mechstyle(*small).stdout.split())
+    beside = (*small, "--original", "gallery:pen_holder")
+    outcome, said = mechstyle(*beside, "--json").json, " ".join(mechstyle(*beside).stdout.split())
+    assert outcome["original"]["peak"] == outcome["peak_stress"]
+    assert outcome["tilted_limit"] > outcome["tilted"] == outcome["original_tilted"]["surface"]
+    assert outcome["fit"]["most"] > outcome["fit"]["mean"] > 0.0
+    assert re.search(r"original [\d.]+ MPa as placed, tilted [\d.]+ MPa", said)
+    assert "judged alone" not in said
+
+
 def test_simulate_after_a_standard_names_landings_and_claims_nothing(mechstyle):
     flat = ("--orientations", "2", "--tilts", "0", "--window", "0.3")
     small = ("simulate", "gallery:pen_holder", "--vertices", "2000", "--standard", "ista-1a", *flat)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import manifold3d
+import numpy as np
 import pytest
+import trimesh
 
 from mechstyle.geometry.remesh import standardise, surface_of
 from mechstyle.geometry.tetrahedra import tetrahedralise
@@ -30,3 +32,11 @@ def cup_tets(cup) -> TetMesh:
 def block() -> SurfaceMesh:
     """A 20 mm cube, filled in a second."""
     return standardise(surface_of(manifold3d.Manifold.cube((20.0, 20.0, 20.0))), 600)
+
+
+@pytest.fixture(scope="session")
+def embossed() -> tuple[SurfaceMesh, SurfaceMesh]:
+    """A ball and the same under a relief 0.8 mm deep, whose creases alone have more vertices than are asked for below."""
+    ball = trimesh.creation.icosphere(5, 20.0)
+    plain, checks = SurfaceMesh(ball.vertices, ball.faces), np.floor(ball.vertices / 4.0).sum(axis=1) % 2
+    return plain, plain.displaced((0.8 * checks - 0.4).astype(np.float32))

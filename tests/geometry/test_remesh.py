@@ -10,7 +10,16 @@ from manifold3d import CrossSection, Manifold, OpType
 from mechstyle.errors import BadInput
 from mechstyle.gallery import make
 from mechstyle.geometry.proximity import TriangleTree
-from mechstyle.geometry.remesh import _bends, _fixed, _without_false_creases, manifold_of, shell_count, standardise, surface_of
+from mechstyle.geometry.remesh import (
+    _bends,
+    _fixed,
+    _without_false_creases,
+    even_edge,
+    manifold_of,
+    shell_count,
+    standardise,
+    surface_of,
+)  # fmt: skip
 from mechstyle.geometry.self_intersections import crossings
 from mechstyle.records.mesh import SurfaceMesh
 
@@ -115,6 +124,26 @@ def test_too_few_vertices_for_the_features_are_refused_with_advice():
     comb = Manifold.batch_boolean([Manifold.cube((45.0, 20.0, 1.0)), *teeth], OpType.Add)
     with pytest.raises(BadInput, match=r"could not be brought to 500 even vertices .*; ask for "):
         standardise(surface_of(comb), 500)
+
+
+def test_a_relief_finer_than_the_triangles_is_kept_in_as_many_vertices_as_asked_for(embossed):
+    """A delivered surface was refused: every vertex of its creases stayed, and 4580 was the nearest to 2500."""
+    plain, styled = embossed
+    even = standardise(styled, 2500)
+    there = TriangleTree(even.vertices, even.faces).nearest(styled.vertices).point
+    wanted, found = (np.einsum("ij,ij->i", there - plain.vertices, plain.vertex_normals) for there in (styled.vertices, there))
+    assert len(even.vertices) == pytest.approx(2500, rel=0.05)
+    assert len(even.vertices) - len(even.edges) + len(even.faces) == 2
+    assert even.volume == pytest.approx(styled.volume, rel=0.01)
+    assert (wanted @ found) / (wanted @ wanted) > 0.9  # 0.94; only a third of the vertices are left
+
+
+def test_flat_faces_beside_such_a_relief_still_have_triangles(embossed):
+    half = manifold_of(embossed[1]).split_by_plane((0.0, 0.0, 1.0), 0.0)[0]
+    even = standardise(surface_of(half), 2000)
+    below = even.corners[(even.corners[:, :, 2] < 1e-6).all(axis=1)]
+    longest = np.linalg.norm(below - np.roll(below, 1, axis=1), axis=2).max()
+    assert longest < 2.1 * even_edge(even, len(even.faces))
 
 
 class Unwanted(Exception):

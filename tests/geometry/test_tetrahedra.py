@@ -15,6 +15,7 @@ from mechstyle.geometry import tetrahedra as module
 from mechstyle.geometry import tetwild as worker
 from mechstyle.geometry.going_on import regardless
 from mechstyle.geometry.proximity import TriangleTree
+from mechstyle.geometry.remesh import standardise
 from mechstyle.geometry.tetrahedra import tetrahedralise
 from mechstyle.records.mesh import SurfaceMesh, TetMesh
 
@@ -280,6 +281,14 @@ def test_triangles_that_are_to_be_kept_are_kept_or_given_up_where_they_are_neede
     assert fewer.vertices[:, 2].max() == pytest.approx(ridged.vertices[:, 2].max(), abs=0.05), "as high as the surface, not as exaggerated"
     high = np.mean(fewer.vertices[:, 2] > 19.0), np.mean(ridged.vertices[:, 2] > 19.0)
     assert high[0] > 1.5 * high[1], "the flat sides can spare theirs"
+
+
+def test_a_relief_of_the_surface_itself_keeps_its_triangles(embossed):
+    """It is lower than the tolerance of so thick a part, and was lost to two fifths."""
+    plain, styled = (standardise(mesh, 2500) for mesh in embossed)
+    even, own = (module._filled_as(mesh, 5000.0, 1.0, 2.0, regardless) for mesh in (plain, styled))
+    assert len(even.vertices) < 0.6 * len(plain.vertices)
+    assert len(own.vertices) > 0.95 * len(styled.vertices)
 
 
 def test_a_relief_is_exaggerated_no_further_than_the_shape_of_the_part_allows(block, monkeypatch):

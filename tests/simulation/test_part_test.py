@@ -99,11 +99,11 @@ def block():
 def drop_it(block, tmp_path_factory):
     """Drops the block, with a memory of its own."""
 
-    def dropping(**settings):
+    def dropping(mesh=block.surface, **settings):
         with pytest.MonkeyPatch.context() as patch:
             patch.setenv("MECHSTYLE_CACHE", str(tmp_path_factory.getbasetemp() / "memory"))
             patch.setattr(module, "prepare", lambda *_, **__: block)
-            return simulate(block.surface, device="cpu", **{"orientations": 3, **settings})
+            return simulate(mesh, device="cpu", **{"orientations": 3, **settings})
 
     return dropping
 
@@ -111,6 +111,26 @@ def drop_it(block, tmp_path_factory):
 @pytest.fixture(scope="module")
 def found(drop_it):
     return drop_it()
+
+
+def test_beside_its_original_a_part_is_judged_as_in_a_run(drop_it, found, block):
+    """Alone the other landings have nothing to be compared with; its own original bears exactly as much."""
+    compared = drop_it(original=block.surface)
+    assert compared.original.as_placed == compared.simulation.as_placed == found.simulation.as_placed
+    assert found.verdict.tilted is None
+    assert compared.verdict.tilted.limit >= compared.simulation.tilted.surface
+    assert compared.verdict.all_orientations.value == pytest.approx(1.0)
+    assert "1.00 times the original's stress" in compared.verdict.words
+    assert compared.simulation.least_carried == 1.0, "what standardising changed is no relief"
+
+
+def test_a_relief_that_the_tetrahedra_do_not_carry_is_marginal_beside_the_original(drop_it, block):
+    x, y, z = block.surface.vertices.T
+    relief = (0.2 * np.sin(x) * np.cos(y) * np.cos(z)).astype(np.float32)
+    compared = drop_it(block.surface.displaced(relief), original=block.surface)
+    assert compared.simulation.carried < 0.1
+    assert (compared.strength.verdict, compared.strength.marginal) == ("VIABLE", True)
+    assert "its tetrahedra carry only" in compared.verdict.words
 
 
 def test_energy_goes_somewhere_and_adds_up(block, found):

@@ -46,6 +46,11 @@ class FineCanvas(Canvas):
         """The points scattered on the coarse surface."""
         return self._coarse.scattered(spacing, salt, room)
 
+    def smoothed(self, values: Floats, length: float) -> Floats:
+        """Values diffused over `length` [mm], without factors of so large a surface."""
+        self.go_on()
+        return self.operators.diffused_in_steps(values, length)
+
     def pieces(self, inside: NDArray[np.bool_], label: NDArray[np.generic] | None = None) -> Indices:
         """Identity of the connected piece each vertex is in: that of the coarse piece it shares most vertices with, or a new one."""
         count, asked = len(self._coarse.points), len(self.found_pieces)
