@@ -42,9 +42,9 @@ tablet stand was a closed band on a wide base with a ledge and a window: 51 MPa,
 on edge, hooks that reach down to the floor and a back without a middle make it 37 MPa at 212 g.
 
 Three others did not hold. The **key turner**'s cheek over the slot fell on in its middle: a scoop takes that middle away and shows the key,
-and its screw comes from below, since a hole through that cheek read 49 MPa on a mesh of 6000 vertices and some 30 on others. The **lampshade**
-had a ring on three spokes and read 56 MPa; with ribs at 45° under the ring it read 54 beside them, and with all of it flat on the
-floor, at 56: it is a bell now, whose shoulder hands on what it is struck with. The **book end**'s window stood broad in the way of the
+and its screw comes from below, since a hole through that cheek read 49 MPa on a mesh of 6000 vertices and some 30 on others. The
+**lampshade** had a ring on three spokes and read 56 MPa; with ribs at 45° under the ring it read 54 beside them, and with all of it flat
+on the floor, 56: it is a bell now, whose shoulder hands on what it is struck with. The **book end**'s window stood broad in the way of the
 wave; now it is slender. On other meshes the key turner's safety factor is 1.31 with 6000 vertices and 1.22 with 2500, the book end's 1.22
 with 2500; the lampshade was not dropped on finer tetrahedra than the table says.
 
