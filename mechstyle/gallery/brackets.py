@@ -83,7 +83,7 @@ def book_end(
     depth: float = 100.0,
     width: float = 104.0,
     thickness: float = 5.0,
-    window: float = 46.0,
+    window: float = 26.0,
 ) -> SurfaceMesh:
     """A book-end: a plate that books stand on, and one with rounded shoulders and a window that they lean against.
 
@@ -92,10 +92,10 @@ def book_end(
         depth: Depth of the plate under the books [mm].
         width: Width [mm].
         thickness: Thickness of both plates [mm].
-        window: Width of the arched window [mm].
+        window: Width of the window, whose ends are round [mm].
     """
     _solids.within(height=(height, 80, 200), depth=(depth, 60, 160), width=(width, 60, 160), thickness=(thickness, 3, 10))
-    _solids.within(window=(window, 16, width - 40))
+    _solids.within(window=(window, 16, min(width - 40, 0.4 * height)))
     line = [(depth, thickness / 2), (thickness / 2, thickness / 2), (thickness / 2, height - thickness / 2)]
     body = _solids.bar(_solids.softened(_solids.stroke(line, thickness), 0.38 * thickness, 9.0), width, 0.3 * thickness)
     corner = 0.24 * width
@@ -103,8 +103,7 @@ def book_end(
     plan = _solids.box(2 * depth + thickness, width, corner)
     body = body ^ _solids.through(front, -1.0, depth + thickness).rotate((90.0, 0.0, 90.0))
     body = body ^ _solids.through(plan, -1.0, height + 1.0)
-    sill, spring = 0.3 * height, 0.82 * height - window / 2
-    head, foot = _solids.disc(window / 2).translate((0.0, spring)), _solids.box(window, 12.0, 5.0).translate((0.0, sill))
-    arch = CrossSection.batch_hull([head, foot])
-    body -= _solids.through(arch, -1.0, 1.5 * thickness).rotate((90.0, 0.0, 90.0))
+    foot, head = (_solids.disc(window / 2).translate((0.0, share * height)) for share in (0.36, 0.64))
+    slot = CrossSection.batch_hull([head, foot])
+    body -= _solids.through(slot, -1.0, 1.5 * thickness).rotate((90.0, 0.0, 90.0))
     return _solids.standing(body.rotate((0.0, 0.0, 90.0)))

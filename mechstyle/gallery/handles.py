@@ -48,12 +48,14 @@ def key_turner(
     length: float = 104.0,
     width: float = 40.0,
     thickness: float = 16.0,
-    slot_width: float = 23.0,
-    slot_height: float = 3.2,
+    slot_width: float = 22.0,
+    slot_height: float = 3.6,
     slot_depth: float = 24.0,
     pin: float = 3.4,
 ) -> SurfaceMesh:
-    """A wide handle for a key, for hands that cannot pinch; it lies flat, its slot to the right.
+    """A wide handle for a key, for hands that cannot pinch; it lies flat, its slot to the right, and shows the key in a scoop.
+
+    Without the scoop the cheek over the slot goes on falling in its middle where its sides have landed, and tears at the ends of the slot.
 
     Args:
         length: Length [mm].
@@ -62,20 +64,22 @@ def key_turner(
         slot_width: Width of the slot for the head of the key [mm].
         slot_height: Height of that slot [mm].
         slot_depth: How far the slot reaches in [mm].
-        pin: Diameter of the hole for the screw through the eye of the key [mm].
+        pin: Diameter of the hole for the screw from below through the eye of the key [mm].
     """
     _solids.within(length=(length, 70, 160), width=(width, 26, 60), thickness=(thickness, slot_height + 4, 26))
     _solids.within(slot_width=(slot_width, 10, width - 8), slot_height=(slot_height, 2, 6), slot_depth=(slot_depth, 12, 0.4 * length))
     _solids.within(pin=(pin, 2, 6))
     end = length / 2 - width / 2
-    outline = _solids.disc(width / 2).translate((-end, 0.0)) + _solids.box(width, width, 4.2).translate((end, 0.0))
-    outline = _solids.softened(outline + _solids.stroke([(-end, 0.0), (end, 0.0)], 0.58 * width), 4.0, 0.7 * width)
-    body = _solids.lofted(outline, _pillow(thickness, 0.2 * thickness))
-    mouth = _solids.box(slot_height, slot_width, 0.4 * slot_height)
+    outline = _solids.disc(width / 2).translate((-end, 0.0)) + _solids.box(width, width, 7.0).translate((end, 0.0))
+    outline = _solids.softened(outline + _solids.stroke([(-end, 0.0), (end, 0.0)], 0.58 * width), 5.0, 0.7 * width)
+    scoop = min(0.4 * slot_width, width / 2 - 11.0)  # leaves cheeks wider than both their rounded corners
+    outline -= _solids.disc(scoop).translate((length / 2 + 2.0, 0.0))
+    body = _solids.lofted(_solids.softened(outline, 5.0, 1.0), _pillow(thickness, min(0.27 * thickness, 4.6)))
+    mouth = _solids.box(slot_height, slot_width, 0.45 * slot_height)
     slot = _solids.pocket(mouth, slot_depth, floor=0.35 * slot_height, flare=0.8).rotate((0.0, 90.0, 0.0))
-    hole = _solids.through(_solids.disc(pin / 2), -1.0, thickness + 1.0)
+    hole = _solids.through(_solids.disc(pin / 2), -1.0, 0.75 * thickness)  # from below: through the upper cheek it would be torn at
     body -= slot.translate((length / 2, 0.0, thickness / 2))
-    return _solids.standing(body - hole.translate((length / 2 - 0.55 * slot_depth, 0.0, 0.0)))
+    return _solids.standing(body - hole.translate((length / 2 - 0.75 * slot_depth, 0.0, 0.0)))
 
 
 def bottle_opener(

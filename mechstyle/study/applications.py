@@ -45,7 +45,7 @@ APPLICATIONS: Mapping[str, Application] = MappingProxyType(
         ),
         "utensil_grip": Application("utensil_grip", "Damascus steel", "A grip falls often, and onto its ends."),
         "lampshade": Application(
-            "lampshade", "colorful mandala texture on mahogany wood", "A thin, wide wall hangs from three spokes."
+            "lampshade", "colorful mandala texture on mahogany wood", "A thin, wide wall hangs from a narrow collar."
         ),
     }
 )
