@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ctypes
 import faulthandler
+import math
 import signal
 import sys
 import types
@@ -26,6 +27,7 @@ def main(request: str, answer: str) -> None:
     with np.load(request, allow_pickle=False) as asked:
         # A C thread ends this process even if the parent died and can no longer kill it.
         faulthandler.dump_traceback_later(float(asked["limit"]), exit=True)
+        _limit_processor_time(math.ceil(asked["processor"]))
         tetrahedralize = _tetrahedralize()
         vertices, tets = tetrahedralize(
             asked["vertices"],
@@ -45,6 +47,15 @@ def _end_with_parent() -> None:
     """Have the system end this process as soon as its parent ends, in whatever way; Linux only, elsewhere there is the limit."""
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+
+
+def _limit_processor_time(seconds: int) -> None:
+    """Have the system end this process by SIGXCPU when it has computed for so long [s]; on Windows there is only the limit by the clock."""
+    if sys.platform != "win32":
+        import resource  # noqa: PLC0415 (not there on Windows)
+
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        resource.setrlimit(resource.RLIMIT_CPU, (seconds, resource.getrlimit(resource.RLIMIT_CPU)[1]))
 
 
 def _tetrahedralize() -> Callable[..., tuple[NDArray[np.float64], NDArray[np.int32]]]:

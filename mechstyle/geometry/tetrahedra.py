@@ -53,7 +53,7 @@ def tetrahedralise(
         keep: The surface with its relief exaggerated, vertex by vertex. Its triangles are kept, those that this one needs most if there
             are more than KEPT of them; without it they become as large as the target asks for and the detail allows, unless the surface
             itself has a relief finer than that.
-        timeout: Most time for one run of fTetWild [s]; there are one or two, three at most.
+        timeout: Most time for one run of fTetWild [s], as `tetwild` counts it; there are one or two, three at most.
         cache: Folder of earlier results by content, or None. fTetWild gives another mesh every time, so that only a kept one
             makes a run repeatable.
         go_on: Called while fTetWild works; what it raises ends it.

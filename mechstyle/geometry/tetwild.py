@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 import tempfile
@@ -20,6 +21,10 @@ from mechstyle.records.mesh import Floats
 
 GRACE = 10.0  # seconds after the limit at which an orphaned worker ends itself
 LOOK = 0.2  # seconds between two looks whether to go on
+PATIENCE = 4.0
+"""The clock may run on for so many times what the processor may: on a busy machine a part was refused that takes a tenth of its time."""
+OUT_OF_TIME = -getattr(signal, "SIGXCPU", 0)
+"""What a worker ends with that has used up its time."""
 
 
 class Settings(NamedTuple):
@@ -44,7 +49,8 @@ def tetwild(
 ) -> tuple[Floats, NDArray[np.int32]]:
     """Vertices [mm] and tetrahedra of the inside of a surface, in whatever order and orientation fTetWild leaves them.
 
-    The worker is killed after `timeout` seconds and when anything is raised here, by `go_on` or Ctrl-C.
+    The worker ends after `timeout` seconds of processor time, or PATIENCE times as long by the clock, and is killed when anything is raised
+    here, by `go_on` or Ctrl-C.
 
     Raises:
         SimulationFailed: If it runs out of time, dies, or finds nothing inside.
@@ -52,14 +58,20 @@ def tetwild(
     with tempfile.TemporaryDirectory(prefix="mechstyle-") as name:
         folder = Path(name)
         request, answer = folder / "request.npz", folder / "answer.npz"
-        np.savez(request, vertices=vertices, faces=faces, limit=timeout + GRACE, **settings._asdict())
+        longest = PATIENCE * timeout
+        np.savez(request, vertices=vertices, faces=faces, processor=timeout, limit=longest + GRACE, **settings._asdict())
         command = [sys.executable, "-m", "mechstyle.geometry._tetwild_worker", str(request), str(answer)]
         try:
-            done = _ended(command, folder, timeout, go_on)
+            done = _ended(command, folder, longest, go_on)
         except subprocess.TimeoutExpired as error:
-            raise SimulationFailed(f"fTetWild was stopped after {timeout:.0f} s without a mesh; the part may have walls or details "
-                                   "too fine for it") from error
+            raise _out_of_time(f"{longest:.0f} s") from error
+        if done.returncode == OUT_OF_TIME:
+            raise _out_of_time(f"{timeout:.0f} s of processor time")
         return _answer(answer, done)
+
+
+def _out_of_time(spent: str) -> SimulationFailed:
+    return SimulationFailed(f"fTetWild was stopped after {spent} without a mesh; the part may have walls or details too fine for it")
 
 
 def _ended(command: list[str], folder: Path, timeout: float, go_on: GoOn) -> subprocess.CompletedProcess[bytes]:

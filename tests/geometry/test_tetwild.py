@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from manifold3d import Manifold
 from mechstyle.errors import SimulationFailed
 from mechstyle.geometry import tetwild as module
 from mechstyle.geometry.remesh import surface_of
-from mechstyle.geometry.tetwild import Settings, tetwild
+from mechstyle.geometry.tetwild import PATIENCE, Settings, tetwild
 from mechstyle.records.mesh import TetMesh
 
 
@@ -63,10 +64,17 @@ def test_whoever_waits_may_end_it_and_is_asked_again_and_again(box, monkeypatch)
     assert next(looks, None) is None
 
 
-def test_a_worker_that_takes_too_long_is_ended(box, monkeypatch):
+def test_a_worker_that_takes_too_long_by_the_clock_is_ended(box, monkeypatch):
     answering(monkeypatch, "import time; time.sleep(600)")
-    with pytest.raises(SimulationFailed, match="stopped after 1 s"):
-        tetwild(box.vertices, box.faces, Settings(8.0, 1e-3), timeout=1.0)
+    with pytest.raises(SimulationFailed, match="stopped after 2 s without"):
+        tetwild(box.vertices, box.faces, Settings(8.0, 1e-3), timeout=2.0 / PATIENCE)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows limits no processor time")
+def test_a_worker_that_computes_too_long_is_ended(box):
+    """By its own time, not the clock: where others compute as well, a part was refused that needs a tenth of its time."""
+    with pytest.raises(SimulationFailed, match="stopped after 2 s of processor time"):
+        tetwild(box.vertices, box.faces, Settings(0.3, 1e-3), timeout=2.0)
 
 
 def test_the_last_words_of_a_dead_worker_are_passed_on(box, monkeypatch):
