@@ -88,8 +88,15 @@ def standardise(mesh: SurfaceMesh, vertices: int = STANDARD_VERTICES, tolerance:
                    f"ask for {'more' if len(found.vertices) > vertices else 'another number'}")
 
 
-def crowded(mesh: SurfaceMesh, vertices: float) -> bool:
-    """Whether the creases of a closed surface have too many vertices for even triangles of so many vertices to keep them."""
+def crowded(body: Any, edge: float, vertices: float, go_on: GoOn = regardless) -> bool:
+    """Whether the creases of a Manifold have too many vertices for even triangles of so many vertices to keep them.
+
+    Those count that are left where straight creases are simplified and cut into edges of this length [mm].
+    """
+    return _too_many_creases(_refined(body, edge, SIMPLIFIED * edge, go_on), vertices)
+
+
+def _too_many_creases(mesh: SurfaceMesh, vertices: float) -> bool:
     edges, turns, _ = _bends(mesh)
     return len(np.unique(edges[turns > SHARP])) >= CROWDED * vertices
 
@@ -97,7 +104,7 @@ def crowded(mesh: SurfaceMesh, vertices: float) -> bool:
 def _by_shape(body: Any, edge: float, vertices: int, tolerance: float, go_on: GoOn) -> SurfaceMesh | None:
     """A Manifold decimated to so many vertices if its creases are too many for even triangles; None if not, or if that cannot be."""
     fine = _refined(body, edge, SIMPLIFIED * edge, go_on)
-    if not crowded(fine, vertices):
+    if not _too_many_creases(fine, vertices):
         return None
     fewer = decimated(fine, len(fine.faces) - 2 * (len(fine.vertices) - vertices), go_on, longest=REACH * edge)
     found = without_degenerate(fewer, LOWEST * edge)

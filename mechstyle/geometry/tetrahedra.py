@@ -24,7 +24,7 @@ from mechstyle.geometry.tet_improvement import improved
 from mechstyle.geometry.tetwild import Settings, tetwild
 from mechstyle.records.mesh import Floats, Indices, SurfaceMesh, TetMesh, digest_of
 
-VERSION = "12"  # of what is cached: raise it when the result for the same input may change
+VERSION = "13"  # of what is cached: raise it when the result for the same input may change
 FEWEST, MOST = 500, 400_000
 RUNS = 3
 LEAST_COUNT, MOST_COUNT = 0.6, 1.6  # of the target
@@ -159,8 +159,10 @@ def _filled_as(surface: SurfaceMesh, aim: float, deviation: float, detail: float
     Half a millimetre of relief is within the tolerance of a thick part. Of a delivered knob in brick, of 2500 vertices, even triangles
     carried 0.60 of the relief and its own 0.81.
     """
-    even = _evened(surface, _first_edge(surface, aim), deviation, go_on)
-    return _kept(surface, surface, deviation, detail, go_on) if crowded(surface, len(even.vertices)) else even
+    edge = _first_edge(surface, aim)
+    even = _evened(surface, edge, deviation, go_on)
+    too_coarse = crowded(manifold_of(surface), edge, len(even.vertices), go_on)
+    return _kept(surface, surface, deviation, detail, go_on) if too_coarse else even
 
 
 def _kept(surface: SurfaceMesh, exaggerated: SurfaceMesh, deviation: float, detail: float, go_on: GoOn) -> SurfaceMesh:

@@ -198,6 +198,15 @@ def simulated(history: Iterable[E]) -> Iterator[tuple[E, Verdict]]:
             yield entry, entry.verdict
 
 
+def standing(history: Sequence[E]) -> tuple[E, Verdict]:
+    """What a lane has come to, with its verdict: of what is delivered once it has ended, which need not be what was simulated last.
+
+    Args:
+        history: Its checkpoints or their rows, oldest first; the first is simulated always.
+    """
+    return next((entry, entry.verdict) for entry in reversed(history) if entry.verdict is not None)
+
+
 def measured_at(history: Iterable[Entry], digest: str) -> int | None:
     """Iteration of the last drop up to a checkpoint that gave an answer, None if there is none; history is oldest first."""
     measured = None

@@ -13,8 +13,8 @@ import msgspec
 
 from mechstyle._files import write_whole
 from mechstyle.errors import BadInput
-from mechstyle.loop.history import Step, Strength, largest_mask_change, steps
-from mechstyle.records import Judgement, Recipe
+from mechstyle.loop.history import Row, Step, Strength, largest_mask_change, standing, steps
+from mechstyle.records import Judgement, Recipe, Verdict
 from mechstyle.records.landings import STANDARDS
 from mechstyle.records.material import SPREAD, Material
 from mechstyle.records.recipe import described
@@ -62,12 +62,12 @@ def report_page(run: LaneOfRun) -> str:
         script_digest=_source(script),
         title=f"{run.record.name}, “{run.recipe.prompt}”",
         style=Markup(static("report.css") + static("player.css")),
-        head=_head(run, told, history[-1].iteration),
-        figures=_figures(run, told),
+        head=_head(run, history, len(told) - 1),
+        figures=_figures(run, history, told[0].verdict),
         still=still(run),
-        rules=_rules(told),
+        rules=_rules(standing(history)[1], told[0].verdict),
         chart=timeline(told, history[-1].iteration),
-        story=_story(told),
+        story=_story(told, standing(history)[0]),
         notes=_notes(run),
         settings=_settings(run.recipe),
         material=_material(run.recipe.material),
@@ -119,8 +119,8 @@ def _impact_payloads(struck: Sequence[ReplayData]) -> Markup:
     return joined([headers, *payloads])
 
 
-def _head(run: LaneOfRun, told: Sequence[Step], last: int) -> Markup:
-    verdict = told[-1].verdict
+def _head(run: LaneOfRun, history: Sequence[Row], simulations: int) -> Markup:
+    last, (_, verdict) = history[-1].iteration, standing(history)
     kind = "marginal" if verdict.marginal else verdict.outcome.lower()
     stands = "finished" if run.finished else f"stands at iteration {last} of {run.recipe.iterations}"
     return fill(
@@ -128,15 +128,15 @@ def _head(run: LaneOfRun, told: Sequence[Step], last: int) -> Markup:
         '<p class="facts">{material} · {iterations} iterations · {simulations} simulations · lane {lane}, {stands}</p>'
         '<div class="verdict {kind}"><strong>{outcome}</strong><div><p>{meaning}{marginal}</p><p class="faint">{words}</p></div></div>',
         name=run.record.name.replace("_", " "), prompt=run.recipe.prompt, material=run.recipe.material.label,
-        iterations=last, simulations=len(told) - 1, lane=run.lane, stands=stands, kind=kind,
+        iterations=last, simulations=simulations, lane=run.lane, stands=stands, kind=kind,
         outcome=verdict.outcome, meaning=texts.OUTCOMES[verdict.outcome], marginal=f" {texts.MARGINAL}" if verdict.marginal else "",
         words=verdict.words,
     )  # fmt: skip
 
 
-def _figures(run: LaneOfRun, told: Sequence[Step]) -> Markup:
-    """The figures one looks for first."""
-    verdict, first = told[-1].verdict, told[0].verdict
+def _figures(run: LaneOfRun, history: Sequence[Row], first: Verdict) -> Markup:
+    """The figures one looks for first, `first` being the verdict on the original."""
+    now, verdict = standing(history)
     decides, unknown = verdict.deciding, verdict.outcome == "UNKNOWN"
     shown = [
         ("peak stress", "–" if unknown else f"{decides.value:.1f} MPa", f"limit {decides.limit:.1f}, before {first.deciding.value:.1f}"),
@@ -147,7 +147,7 @@ def _figures(run: LaneOfRun, told: Sequence[Step]) -> Markup:
         shown.append(("all orientations", f"{spread.value:.2f} ×", f"the original's stress, limit {spread.limit:.2f}"))
     if run.finished:
         shown += _informing(run.summary.baseline, run.summary.result)
-    shown.append(("held back", f"{told[-1].share:.0%}", f"{told[-1].restrained} of {told[-1].vertices} vertices"))
+    shown.append(("held back", f"{now.share:.0%}", f"{now.restrained} of {now.vertices} vertices"))
     if run.part.mass_gained:
         shown.append(("thickened first", f"{run.part.mass_gained:+.1f} g", "before the style: the original here is the thickened part"))
     if run.finished:
@@ -169,9 +169,8 @@ def _informing(before: Strength, now: Strength) -> list[tuple[str, str, str]]:
     return shown
 
 
-def _rules(told: Sequence[Step]) -> Markup:
+def _rules(now: Verdict, first: Verdict) -> Markup:
     """Each rule applied to the styled part and to the original."""
-    now, first = told[-1].verdict, told[0].verdict
     rows: list[tuple[str, Judgement, Judgement | None]] = [("as placed", now.as_placed, first.as_placed)]
     if now.tilted is not None:
         rows.append(("tilted by 3°", now.tilted, first.tilted))
@@ -209,9 +208,9 @@ def _figure(value: float, unit: str) -> str:
     return f"{value:.1f} MPa" if unit == "MPa" else f"{value:.2f} {unit}"
 
 
-def _story(told: Sequence[Step]) -> Markup:
-    """The history of the mask: a sentence, then every simulation."""
-    last, jump = told[-1], largest_mask_change(told)
+def _story(told: Sequence[Step], last: Row) -> Markup:
+    """The history of the mask up to what is delivered: a sentence, then every simulation."""
+    jump = largest_mask_change(told)
     sentence = f"{last.restrained} of {last.vertices} vertices ({last.share:.0%}) ended up held back by more than half. "
     sentence += f"{told[0].restrained} were so from the start: by the stress of the original part, or because they are protected. "
     sentence += (

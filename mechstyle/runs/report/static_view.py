@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 from collections.abc import Sequence
 
-from mechstyle.loop.history import Step, rows, steps
+from mechstyle.loop.history import Step, rows, standing, steps
 from mechstyle.pictures.panels import Picture, picture
 from mechstyle.runs.report.markup import Markup, fill, joined, table
 from mechstyle.runs.report.run_protocol import LaneOfRun
@@ -17,21 +17,22 @@ def mimebundle(run: LaneOfRun) -> dict[str, str]:
     if not history:
         return {"text/plain": repr(run)}
     told = steps(run.store, history)
-    return {"text/plain": as_text(run, told), "text/html": as_html(run, told)}
+    words = standing(history)[1].words
+    return {"text/plain": as_text(run, told, words), "text/html": as_html(run, told, words)}
 
 
-def as_text(run: LaneOfRun, told: Sequence[Step]) -> str:
-    """The run and its simulations, a line each."""
+def as_text(run: LaneOfRun, told: Sequence[Step], words: str) -> str:
+    """The run, its verdict in words and its simulations, a line each."""
     lines = [f"{step.iteration:>5}  {step.outcome:<8} {_peak(step):>7} MPa  {step.reason}" for step in told]
-    return "\n".join([repr(run), told[-1].verdict.words, *lines])
+    return "\n".join([repr(run), words, *lines])
 
 
-def as_html(run: LaneOfRun, told: Sequence[Step]) -> str:
+def as_html(run: LaneOfRun, told: Sequence[Step], words: str) -> str:
     """The same as a table under a picture; no style sheet and no script, which such places strip."""
     lines = [(step.iteration, step.reason, step.outcome, _peak(step), f"{step.share:.0%}") for step in told]
     return fill(
         "<p><strong>{name}</strong> as “{prompt}”</p>{picture}<p>{words}</p>{rows}",
-        name=run.record.name, prompt=run.recipe.prompt, picture=still(run), words=told[-1].verdict.words,
+        name=run.record.name, prompt=run.recipe.prompt, picture=still(run), words=words,
         rows=table(("iteration", "why it was simulated", "verdict", "peak [MPa]", "held back"), lines, "Simulations"),
     )  # fmt: skip
 
