@@ -32,8 +32,7 @@ beside the drop, and the regions are suggestions for `--protect`.
 Made by `python benchmarks/gallery.py`. The peak is that of the unstyled part in PLA, dropped from 1.5 m as placed and, where it has one,
 under the load, whose own peak stands in the next column. Measured with 6000 vertices on one NVIDIA H100 that sixteen parts shared; the
 drawer knob's time compiles what the others found compiled. Four parts were drawn anew since and dropped on two processor cores that
-others were using too: key turner and book end with 6000 vertices, the lampshade with 2500, all three without the look at the impact in
-their time, and the tablet stand with 2000.
+others were using too: key turner, book end and lampshade with 6000 vertices, and the tablet stand with 2000.
 
 What a flat landing does to a part hangs on its shape and hardly on its thickness. Up what stands on edge runs a wave of ρ c v, 11 MPa
 in PLA. What lies level and reaches out, or spans between two feet, goes on falling where its ends have stopped, or jumps up while they
