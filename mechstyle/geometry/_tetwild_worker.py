@@ -55,7 +55,8 @@ def _limit_processor_time(seconds: int) -> None:
         import resource  # noqa: PLC0415 (not there on Windows)
 
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-        resource.setrlimit(resource.RLIMIT_CPU, (seconds, resource.getrlimit(resource.RLIMIT_CPU)[1]))
+        _, most = resource.getrlimit(resource.RLIMIT_CPU)
+        resource.setrlimit(resource.RLIMIT_CPU, (seconds if most == resource.RLIM_INFINITY else min(seconds, most), most))
 
 
 def _tetrahedralize() -> Callable[..., tuple[NDArray[np.float64], NDArray[np.int32]]]:

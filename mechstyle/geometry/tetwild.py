@@ -23,8 +23,6 @@ GRACE = 10.0  # seconds after the limit at which an orphaned worker ends itself
 LOOK = 0.2  # seconds between two looks whether to go on
 PATIENCE = 4.0
 """The clock may run on for so many times what the processor may: on a busy machine a part was refused that takes a tenth of its time."""
-OUT_OF_TIME = -getattr(signal, "SIGXCPU", 0)
-"""What a worker ends with that has used up its time."""
 
 
 class Settings(NamedTuple):
@@ -65,7 +63,7 @@ def tetwild(
             done = _ended(command, folder, longest, go_on)
         except subprocess.TimeoutExpired as error:
             raise _out_of_time(f"{longest:.0f} s") from error
-        if done.returncode == OUT_OF_TIME:
+        if hasattr(signal, "SIGXCPU") and done.returncode == -signal.SIGXCPU:
             raise _out_of_time(f"{timeout:.0f} s of processor time")
         return _answer(answer, done)
 

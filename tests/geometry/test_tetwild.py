@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import subprocess
 import sys
 
@@ -75,6 +76,22 @@ def test_a_worker_that_computes_too_long_is_ended(box):
     """By its own time, not the clock: where others compute as well, a part was refused that needs a tenth of its time."""
     with pytest.raises(SimulationFailed, match="stopped after 2 s of processor time"):
         tetwild(box.vertices, box.faces, Settings(0.3, 1e-3), timeout=2.0)
+
+
+def test_where_a_system_has_no_signal_for_that_a_mesh_is_a_mesh(box, monkeypatch):
+    """Windows: the signal's number was taken as 0 there, which is also how a worker ends that has done its work."""
+    monkeypatch.delattr(signal, "SIGXCPU", raising=False)
+    assert len(run(box)[1])
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows limits no processor time")
+def test_a_limit_that_is_set_already_is_not_asked_to_be_raised():
+    """A cluster's own limit for its users; asking for more than that ended every worker."""
+    script = "import resource; resource.setrlimit(resource.RLIMIT_CPU, (60, 60)); "
+    script += "from mechstyle.geometry._tetwild_worker import _limit_processor_time; _limit_processor_time(300); "
+    script += "print(resource.getrlimit(resource.RLIMIT_CPU))"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False, env=module._environment())
+    assert done.stdout.strip() == "(60, 60)", done.stderr
 
 
 def test_the_last_words_of_a_dead_worker_are_passed_on(box, monkeypatch):

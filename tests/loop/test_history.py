@@ -6,7 +6,17 @@ import msgspec
 import numpy as np
 import pytest
 
-from mechstyle.loop.history import LaneSummary, SimulationLine, lanes, largest_mask_change, per_iteration, rows, simulations, steps
+from mechstyle.loop.history import (
+    LaneSummary,
+    SimulationLine,
+    lanes,
+    largest_mask_change,
+    per_iteration,
+    rows,
+    simulations,
+    standing,
+    steps,
+)  # fmt: skip
 from mechstyle.loop.objects import Objects
 from mechstyle.loop.store import Lane, Store
 from support.bench import Bench
@@ -102,6 +112,18 @@ def test_arrays_are_read_only_where_they_are_asked_for(store, read):
     assert len(masks) < len(found) / 2  # a mask stays from one simulation to the next
     assert sorted(read) == sorted([*(row.digest for row in found), *masks])
     assert all(row.travel is None and row.seconds is None for row in found)
+
+
+def test_what_a_lane_has_come_to_is_what_is_delivered_not_what_was_simulated_last(store):
+    """A report told FAILS of a part that holds, because more had been tried after it in vain."""
+    found = rows(store)
+    last = steps(store, found)[-1]
+    entry, verdict = standing(found)
+    assert not last.verdict.viable, "the last that was tried failed"
+    assert entry.final
+    assert verdict.viable
+    begun = found[:6]  # of a lane that has not ended: its last simulation
+    assert standing(begun)[0] is [row for row in begun if row.verdict is not None][-1]
 
 
 def test_seconds_are_those_that_were_measured(store):
