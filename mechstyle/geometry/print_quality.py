@@ -8,7 +8,7 @@ import numpy as np
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.geometry.self_intersections import crossings
 from mechstyle.geometry.thickness import wall_thickness
-from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.records.mesh import Bools, SurfaceMesh
 
 
 class Quality(msgspec.Struct, frozen=True, kw_only=True):
@@ -68,7 +68,7 @@ def quality(original: SurfaceMesh, styled: SurfaceMesh, density: float, *, devic
     before, after = (np.sort(mesh.dilated(wall_thickness(mesh, tree))) for mesh, tree in zip((original, styled), trees, strict=True))
     one_percent = len(before) // 100
     return Quality(
-        folds=folded_faces(original, styled),
+        folds=int(turned_over(original, styled).sum()),
         crossings=crossings(styled, trees[1]).pairs,
         crossings_before=crossings(original, trees[0]).pairs,
         thinnest=float(after[0]),
@@ -82,6 +82,6 @@ def quality(original: SurfaceMesh, styled: SurfaceMesh, density: float, *, devic
     )
 
 
-def folded_faces(original: SurfaceMesh, styled: SurfaceMesh) -> int:
-    """Number of faces whose normal turned over."""
-    return int((np.einsum("ij,ij->i", original.face_vectors, styled.face_vectors) < 0.0).sum())
+def turned_over(original: SurfaceMesh, styled: SurfaceMesh) -> Bools:
+    """Whether the normal of a face turned over, shape [face_count]: there the relief folded over itself."""
+    return np.asarray(np.einsum("ij,ij->i", original.face_vectors, styled.face_vectors) < 0.0)

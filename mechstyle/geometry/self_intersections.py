@@ -40,7 +40,7 @@ class Crossings(NamedTuple):
 def crossings(mesh: SurfaceMesh, tree: TriangleTree | None = None) -> Crossings:
     """The faces that cross another without sharing a corner with it (Möller 1997, through a bounding volume hierarchy).
 
-    Faces that share a corner touch by nature; where they fold onto each other, `print_quality.folded_faces` tells.
+    Faces that share a corner touch by nature; where they fold onto each other, `print_quality.turned_over` tells.
 
     Args:
         mesh: The surface.

@@ -25,6 +25,7 @@ from mechstyle.errors import BadInput
 from mechstyle.geometry.going_on import GoOn, regardless
 from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.subdivision import Subdivided, refined_to
+from mechstyle.geometry.untangling import untangled
 from mechstyle.loop import correction, minimum_wall
 from mechstyle.loop.bounds import Bounds, advanced, unrestrained
 from mechstyle.loop.engine import STEP_LIMIT, STYLE_FIELDS, Stylizer
@@ -40,7 +41,7 @@ from mechstyle.styling.drawing.fine_canvas import FineCanvas
 from mechstyle.styling.drawn import ProceduralStylizer
 from mechstyle.styling.prompt import reading_of
 
-VERSION = 1
+VERSION = 2
 """Counts changes that alter the delivered surface, so that what older code kept is drawn again."""
 LEAST = 100_000
 """Vertices of a delivered surface unless told …"""
@@ -145,7 +146,7 @@ class Refinement:
 
     def tested(self, state: Checkpoint) -> Simulation:
         """Of `loop.engine.Delivery`: what drawing finer leaves of the state is no part of the loop, so its displacement stays."""
-        relief = self._led_to(state).displacement
+        relief = self._relief(self._led_to(state))
         if not relief.any():
             return self._unstylized
         return _of_the_loop(self._dropped(relief, state.displacement), state.displacement, self.cut)
@@ -212,9 +213,13 @@ class Refinement:
         if state.iteration == 0:
             raise BadInput("iteration 0 is the original part, which has no style to draw finer: export it with --coarse")
         twin = self._led_to(state)
-        relief, colour = twin.displacement, twin.coloured(state, self.store.recipe(state.recipe)).astype(np.float16)
+        relief, colour = self._relief(twin), twin.coloured(state, self.store.recipe(state.recipe)).astype(np.float16)
         simulation = self._dropped(relief, state.displacement) if drop else None
         return Fine(relief if simulation is None else simulation.displacement, colour, twin.interpolated, simulation)
+
+    def _relief(self, twin: _Twin) -> Field:
+        """The twin's [mm], shape [fine_count], lowered where it would pass through itself."""
+        return untangled(self.cut.mesh, twin.displacement, self._go_on)
 
     def _go_on(self) -> None:
         self.simulator.progress(0.0)

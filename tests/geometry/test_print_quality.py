@@ -7,7 +7,7 @@ import pytest
 import trimesh
 from manifold3d import Manifold
 
-from mechstyle.geometry.print_quality import folded_faces, quality
+from mechstyle.geometry.print_quality import quality, turned_over
 from mechstyle.geometry.remesh import standardise, surface_of
 from mechstyle.geometry.subdivision import subdivided
 from mechstyle.records.mesh import SurfaceMesh
@@ -27,8 +27,8 @@ def both(one, other):
 
 def test_faces_that_look_the_other_way_are_counted(cube):
     mirrored = cube.moved(cube.vertices * [1.0, 1.0, -1.0])  # top and bottom change places, the sides are turned inside out
-    assert folded_faces(cube, cube) == 0
-    assert folded_faces(cube, mirrored) == 8
+    assert turned_over(cube, cube).sum() == 0
+    assert turned_over(cube, mirrored).sum() == 8
 
 
 def test_a_relief_driven_through_the_part_is_told(sphere):

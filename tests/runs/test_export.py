@@ -14,9 +14,13 @@ import msgspec
 import numpy as np
 import pytest
 import trimesh
+from manifold3d import CrossSection, Manifold
 
 from mechstyle.errors import BadInput
+from mechstyle.geometry.remesh import surface_of
+from mechstyle.geometry.self_intersections import crossings
 from mechstyle.geometry.subdivision import Subdivided, subdivided
+from mechstyle.geometry.untangling import untangled
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs import refine as module
 from mechstyle.runs.export import COARSE, NOT_DROPPED, Exported, sidecar, unsimulated
@@ -415,3 +419,23 @@ def test_a_peak_between_the_vertices_of_the_loop_is_lowered_where_it_is():
     assert found.stress.max() == 50.0
     assert np.flatnonzero(found.stress > 20.0).tolist() == [cut.nearest[-1]]
     assert not found.contact.any()
+
+
+def test_what_is_delivered_does_not_pass_through_itself(tmp_path, monkeypatch):
+    """Drawn finely, bricks on both sides of an edge or an inner corner reach into each other."""
+    monkeypatch.setenv("MECHSTYLE_CACHE", str(tmp_path / "cache"))
+    crossed = []
+
+    def told(surface, relief, go_on):
+        crossed.append(crossings(surface.displaced(relief)).pairs)
+        return untangled(surface, relief, go_on)
+
+    monkeypatch.setattr(module, "untangled", told)
+    profile = CrossSection([[(0.0, 0.0), (20.0, 0.0), (20.0, 4.0), (4.0, 4.0), (4.0, 20.0), (0.0, 20.0)]])
+    angle = surface_of(Manifold.extrude(profile, 12.0))
+    free = {**QUICK, "vertices": 1500, "iterations": 40, "schedule": "never", "control": "none", "guarantee": False}
+    run = stylize(angle, "brick", relief=1.0, feature=5.0, out=tmp_path / "run", device="cpu", delivered=15_000, **free)
+    assert crossed[-1] > 10
+    found = run.exported(tmp_path / "part.stl")
+    assert found.fine
+    assert (found.quality.crossings, found.quality.folds) == (0, 0)
