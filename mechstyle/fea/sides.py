@@ -25,6 +25,9 @@ ROUND_AN_EDGE = math.cos(math.radians(110.0))
 SMOOTH = math.cos(math.radians(30.0))
 """Faces within 30° of the mean normal of their vertex meet smoothly there."""
 
+ISLAND = 12.6
+"""Area of a piece of surface that belongs to the zone around it [mm²]: smaller than a disc of 2 mm, over which a mean along it is taken."""
+
 SPACING = 1.0
 """Distance of the points that stand for the surface, about [mm]."""
 
@@ -43,6 +46,7 @@ class Sides:
     def __init__(self, tets: TetMesh) -> None:
         boundary = SurfaceMesh(tets.vertices, tets.boundary_faces)
         self.faces, self._vertices, self._normals = boundary.faces, boundary.vertices, boundary.face_normals
+        self._areas = boundary.face_areas
         # By angle, so that a corner of a floor does not look sideways where its triangle of the floor is small.
         self._means = boundary.vertex_normals
         self.spots, self.vertices, self._directions = _spots(self.faces, self._normals, self._means)
@@ -115,7 +119,23 @@ class Sides:
         kept = reached & np.isin(label, label[marked[self.faces].any(axis=1)])
         zone = np.zeros(len(self.vertices), dtype=bool)
         zone[self.spots[kept]] = True
-        return zone & close
+        zone &= close
+        zone[self.spots[self._islands(zone)]] = True
+        return zone
+
+    def _islands(self, zone: Bools) -> Bools:
+        """Faces outside a zone that it surrounds, in pieces smaller than ISLAND; shape [face_count].
+
+        Next to a contact the walls of a brick look away from it: what they part from the zone is no other side of the wall.
+        """
+        outside = np.asarray(~zone[self.spots].all(axis=1))
+        one, other = self._beside.nonzero()
+        both = outside[one] & outside[other]
+        links = coo_array((np.ones(both.sum()), (one[both], other[both])), shape=self._beside.shape)
+        piece = connected_components(links, directed=False)[1]
+        sizes = np.bincount(piece, self._areas * outside)
+        small = (sizes < ISLAND) & (sizes < sizes.max())
+        return np.asarray(outside & small[piece])
 
     def _connected(self, spot: Indices, face: Indices) -> Bools:
         """Which pairs of a spot and a face near it are joined to the spot by such faces; a pair may be named several times."""

@@ -134,10 +134,11 @@ def impact_of(
         return known
     if part.at is not None and not np.any(displacement):
         part = replace(part, tets=at_rest(part.surface), at=None)
-    tets = Morph(part.surface, part.tets, part.at).morphed(displacement).tets
+    morph = Morph(part.surface, part.tets, part.at)
+    tets = morph.morphed(displacement).tets
     period = period_of(lambda: part.tets if part.at is None else at_rest(part.surface), recipe, memo)
     seen = snapshots(tets, recipe.material, prescribed(recipe), normal=normal, progress=progress, period=period)
-    impact = _on_surface(seen, part, tets, recipe.transfer, normal)
+    impact = _on_surface(seen, part, tets, SurfaceStress(morph.finished), recipe.transfer, normal)
     memo.remember(key, impact)
     return impact
 
@@ -148,10 +149,10 @@ def impact_key(recipe: Recipe, displacement: NDArray[np.float32], normal: Point 
     return memo_key(("impact", PHYSICS_VERSION, *physics(recipe), *landing), displacement)
 
 
-def _on_surface(seen: Snapshots, part: Workpiece, tets: TetMesh, transfer: str, normal: Point) -> Impact:
+def _on_surface(seen: Snapshots, part: Workpiece, tets: TetMesh, reading: SurfaceStress, transfer: str, normal: Point) -> Impact:
     """Frames at the vertices of the tetrahedra as frames at those of the surface; stress by the transfer the verdict's field came by."""
     made_for = part.surface if part.at is None else part.surface.displaced(part.at)
-    smooth, reading = Transfer(made_for, part.tets), SurfaceStress(part.tets)
+    smooth = Transfer(made_for, part.tets)
     of_stress = smooth if transfer == smooth.method else Transfer(made_for, part.tets, transfer)
     moved = [np.stack([smooth.to_surface(frame[:, axis]) for axis in range(3)], axis=1) for frame in seen.displacement]
     recorded = zip(seen.von_mises, seen.corners, strict=True)

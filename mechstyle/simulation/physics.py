@@ -18,7 +18,7 @@ from mechstyle.loop.objects import Memo
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import TetMesh
 
-PHYSICS_VERSION = 10
+PHYSICS_VERSION = 11
 """Counts changes that alter results, so that remembered simulations of older code are not reused."""
 
 def prescribed(recipe: Recipe) -> DropTest:

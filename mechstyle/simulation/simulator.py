@@ -245,7 +245,11 @@ class DropSimulator:
     def _reading(self) -> SurfaceStress:
         if self.coarser is not None and self.coarser.tets is self.tets:
             return self.coarser._reading  # noqa: SLF001 — as above
-        return SurfaceStress(self.tets)
+        return SurfaceStress(self._morph.finished)
+
+    def _reading_of(self, displacement: NDArray[np.float32]) -> SurfaceStress:
+        """What reads the stress with a relief: places of a body that has none lie on the sides that it has then."""
+        return self._reading if np.any(displacement) else SurfaceStress(self.tets)
 
     @cached_property
     def _orientations(self) -> Orientations:
@@ -294,9 +298,9 @@ class DropSimulator:
             responses = self._static.run(tets, self.recipe.material, self.recipe.across_layers)
         except SimulationFailed as error:
             return replace(dropped, failure=str(error))
-        result = dropped
+        result, reading = dropped, self._reading_of(dropped.displacement)
         for name, response in responses.items():
-            deciding = self._reading.of_load(tets, response.von_mises, response.corners, self._static.borders[name])
+            deciding = reading.of_load(tets, response.von_mises, response.corners, self._static.borders[name])
             case = measures(tets, response.von_mises, deciding)
             field = self._transfer.to_surface(deciding.field).astype(np.float32)
             told = LoadResult(
@@ -329,7 +333,7 @@ class DropSimulator:
 
     def _measured(self, morphed: Morphed, result: Drop) -> Simulation:
         """Measures and surface fields of a drop; all zero, with the reason, for one that failed."""
-        reading, transfer, fit = self._reading, self._transfer, carried(self._morph, morphed, self._base)
+        transfer, fit = self._transfer, carried(self._morph, morphed, self._base)
         tets, zeros = morphed.tets, np.zeros(len(self.surface.vertices), np.float32)
         nothing = Measures(peak=0.0, p999=0.0, p99=0.0, maximum=0.0, where=(0.0, 0.0, 0.0), volume=float(tets.volumes.sum()))
         several, tilts = len(result.von_mises) > 1 + self.recipe.tilts, slice(1, 1 + self.recipe.tilts)
@@ -341,21 +345,16 @@ class DropSimulator:
             contact=np.zeros(len(zeros), bool),
             as_placed=nothing,
             overall=nothing if several else None,
-            backed_off=morphed.backed_off,
-            deviation=morphed.deviation,
-            carried=fit.whole,
-            carried_base=fit.base,
-            volume_error=fit.volume,
+            backed_off=morphed.backed_off, deviation=morphed.deviation,
+            carried=fit.whole, carried_base=fit.base, volume_error=fit.volume,
             mesh=self.tets.digest,
             level_share=self._base.share(morphed.displacement),
-            time_step=result.time_step,
-            steps=result.steps,
-            added_mass=result.added_mass,
+            time_step=result.time_step, steps=result.steps, added_mass=result.added_mass,
             failure=result.failure,
-        )
+        )  # fmt: skip
         if result.failure:
             return failed
-        stresses = zip(result.von_mises, result.corners, result.contact, strict=True)
+        reading, stresses = self._reading_of(morphed.displacement), zip(result.von_mises, result.corners, result.contact, strict=True)
         deciding = [reading.of_landing(tets, points, corners, touched) for points, corners, touched in stresses]
         landings = self._landings(tets, result, deciding)
         fields = np.stack([transfer.to_surface(one.field) for one in deciding])

@@ -103,3 +103,30 @@ def test_a_zone_reaches_so_far_round_an_edge_and_no_farther(box):
         large = facing(sides, np.array(outwards))
         assert np.array_equal(zone[large], sides.positions[large, 2] < 3.5)
     assert not around(sides, np.zeros(len(mesh.vertices), bool)).any()
+
+
+@pytest.mark.parametrize(("half_width", "joins"), [(0.0, True), (2.0, False)])
+def test_what_a_zone_surrounds_belongs_to_it_unless_it_is_as_large_as_what_a_mean_is_taken_over(box, half_width, joins):
+    """Steep walls in a zone part pieces from it; a larger one is a side of its own."""
+    mesh = box((24, 24, 2), (24.0, 24.0, 4.0))
+    sides = Sides(mesh)
+    above = facing(sides, UP) & np.isclose(sides.positions[:, 2], 4.0)
+    patch = above & (np.abs(sides.positions[:, :2] - 12.0).max(axis=1) < half_width + 0.1)
+    found = sides._islands(above & ~patch)
+    within = sides.faces[found]
+    assert found.any() == joins
+    assert np.isclose(mesh.vertices[within, 2], 4.0).all()
+    assert np.isin(sides.vertices[patch], within).all() == joins
+
+
+def test_ledges_of_bricks_next_to_a_contact_are_in_its_zone(box):
+    """Pits in the side of a block that lands on its edge: their ledges look up, away from the floor, and are no other side of a wall."""
+    straight = box((24, 6, 24), (24.0, 6.0, 24.0))
+    vertices = straight.vertices.copy()
+    pits = np.isclose(vertices[:, 1], 0.0) & (vertices[:, 0] % 4.0 < 1.5) & np.isin(vertices[:, 2].round(), [3.0, 4.0])
+    vertices[pits, 1] = 3.0  # rows of vertices are 1 mm apart, so their walls are 72° steep
+    sides = Sides(straight.moved(vertices))
+    zone = sides.around(np.isclose(vertices[:, 2], 0.0), 6.0, np.zeros(len(sides.vertices), bool))
+    near = (sides.positions[:, 2] < 4.1) & (np.abs(sides.positions[:, 0] - 12.0) < 8.0) & (sides.positions[:, 1] < 3.5)
+    assert near.sum() > 60
+    assert zone[near].all()

@@ -256,3 +256,19 @@ def test_zones_reach_5_mm_from_contact_and_2_mm_from_a_border(box):
     assert one.sum() == 1
     assert np.array_equal(reading.contact_zone(one), distance <= 5.0), "a mean over 2 mm sees nothing nearer than 3 mm"
     assert np.array_equal(reading.border_zone(one), distance <= 2.0)
+
+
+def test_the_floor_of_a_joint_is_read_without_the_bricks_beside_it_on_a_mesh_with_all_of_its_relief(box):
+    """With half of the relief its walls are less than 60° steep, and a mean over 2 mm takes them and the bricks for the same side."""
+    straight = box((40, 10, 4), (40.0, 10.0, 6.0))
+    joint = np.isclose(straight.vertices[:, 2], 6.0) & (np.abs(straight.vertices[:, 0] - 20.0) < 1.1)
+    half, whole = (straight.moved(straight.vertices - np.outer(depth * joint, [0.0, 0.0, 1.0])) for depth in (1.3, 2.6))
+
+    def read(made_from):
+        reading = SurfaceStress(made_from)
+        middle = np.isclose(straight.vertices[reading.sides.vertices], [20.0, 5.0, 6.0]).all(axis=1)
+        assert middle.sum() == 1
+        return reading.along(whole, joint.astype(np.float64))[middle][0]
+
+    assert read(whole) == pytest.approx(1.0)
+    assert read(half) < 0.85

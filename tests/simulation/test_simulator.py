@@ -196,6 +196,18 @@ def test_a_run_on_tets_made_for_its_relief_needs_no_others(block, memo):
     assert min(result.carried, result.carried_base) >= LEAST_CARRIED
 
 
+def test_stress_is_read_on_the_sides_of_the_finished_relief_and_without_one_on_those_of_the_mesh_as_made(block, memo, monkeypatch):
+    """Tetrahedra made for half of a relief have gentler walls than the part, over which a mean would reach from a joint to its bricks."""
+    read, real = [], module.SurfaceStress
+    monkeypatch.setattr(module, "SurfaceStress", lambda tets: read.append(tets) or real(tets))
+    tets, at = carrying(block[0], ripples(block))
+    sim = replace(simulator((block[0], tets), memo, orientations=1), at=at)
+    sim.simulate(ripples(block), thorough=True)
+    assert len(read) == 1
+    assert read[0].digest == sim._morph.morphed(ripples(block)).tets.digest != tets.digest
+    assert sim._without_relief.displacement.max() == 0.0
+    assert [one.digest for one in read[1:]] == [tets.digest]
+
 def test_a_drop_that_breaks_down_is_unknown_never_viable(block, memo, monkeypatch):
     sim = simulator(block, memo)
     assert sim.judge(sim.baseline).viable
