@@ -25,8 +25,9 @@ ROUND_AN_EDGE = math.cos(math.radians(110.0))
 SMOOTH = math.cos(math.radians(30.0))
 """Faces within 30° of the mean normal of their vertex meet smoothly there."""
 
-ISLAND = 12.6
-"""Area of a piece of surface that belongs to the zone around it [mm²]: smaller than a disc of 2 mm, over which a mean along it is taken."""
+ISLAND = 4.0
+"""Area of a piece of surface that belongs to the zone around it [mm²]: a third of the disc over which a mean along the surface is taken.
+Ledges of bricks are that small: on a towel hook 2 mm² would do."""
 
 SPACING = 1.0
 """Distance of the points that stand for the surface, about [mm]."""
@@ -120,22 +121,31 @@ class Sides:
         zone = np.zeros(len(self.vertices), dtype=bool)
         zone[self.spots[kept]] = True
         zone &= close
-        zone[self.spots[self._islands(zone)]] = True
+        near = np.zeros(len(self.vertices), dtype=bool)
+        near[found["i"]] = True
+        zone[self.spots[self._islands(zone, near)]] = True
         return zone
 
-    def _islands(self, zone: Bools) -> Bools:
-        """Faces outside a zone that it surrounds, in pieces smaller than ISLAND; shape [face_count].
+    def _islands(self, zone: Bools, near: Bools) -> Bools:
+        """Faces in pieces smaller than ISLAND that a zone surrounds, none of them farther away than it reaches; shape [face_count].
 
-        Next to a contact the walls of a brick look away from it: what they part from the zone is no other side of the wall.
+        Next to a contact the walls of a brick look away from it: what they part from the zone is no other side of the wall. A hole inside
+        the body that no zone touches is a side of its own, however small and near.
+
+        Args:
+            zone: Spots in the zone, shape [spot_count].
+            near: Spots within its reach, whichever way they look, shape [spot_count].
         """
         outside = np.asarray(~zone[self.spots].all(axis=1))
         one, other = self._beside.nonzero()
         both = outside[one] & outside[other]
         links = coo_array((np.ones(both.sum()), (one[both], other[both])), shape=self._beside.shape)
-        piece = connected_components(links, directed=False)[1]
-        sizes = np.bincount(piece, self._areas * outside)
-        small = (sizes < ISLAND) & (sizes < sizes.max())
-        return np.asarray(outside & small[piece])
+        count, piece = connected_components(links, directed=False)
+        joins = np.bincount(piece, self._areas * outside, count) < ISLAND
+        joins[piece[outside & ~near[self.spots].all(axis=1)]] = False
+        touched = np.zeros(count, dtype=bool)
+        touched[piece[one[outside[one] & ~outside[other]]]] = True
+        return np.asarray(outside & (joins & touched)[piece])
 
     def _connected(self, spot: Indices, face: Indices) -> Bools:
         """Which pairs of a spot and a face near it are joined to the spot by such faces; a pair may be named several times."""

@@ -138,7 +138,8 @@ def impact_of(
     tets = morph.morphed(displacement).tets
     period = period_of(lambda: part.tets if part.at is None else at_rest(part.surface), recipe, memo)
     seen = snapshots(tets, recipe.material, prescribed(recipe), normal=normal, progress=progress, period=period)
-    impact = _on_surface(seen, part, tets, SurfaceStress(morph.finished), recipe.transfer, normal)
+    reading = SurfaceStress(tets if part.at is None else morph.finished)  # as the verdict's: see `DropSimulator._reading_of`
+    impact = _on_surface(seen, part, tets, reading, recipe.transfer, normal)
     memo.remember(key, impact)
     return impact
 

@@ -18,8 +18,9 @@ from mechstyle.loop.objects import Memo
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import TetMesh
 
-PHYSICS_VERSION = 11
+PHYSICS_VERSION = 12
 """Counts changes that alter results, so that remembered simulations of older code are not reused."""
+
 
 def prescribed(recipe: Recipe) -> DropTest:
     """The drop test a recipe prescribes."""

@@ -247,9 +247,11 @@ class DropSimulator:
             return self.coarser._reading  # noqa: SLF001 — as above
         return SurfaceStress(self._morph.finished)
 
-    def _reading_of(self, displacement: NDArray[np.float32]) -> SurfaceStress:
-        """What reads the stress with a relief: places of a body that has none lie on the sides that it has then."""
-        return self._reading if np.any(displacement) else SurfaceStress(self.tets)
+    def _reading_of(self, body: TetMesh, relief: NDArray[np.float32]) -> SurfaceStress:
+        """What reads the stress of a body: on the sides of its finished relief or, if it is not known, its own; without any of the mesh."""
+        if np.any(relief):
+            return self._reading if self._made_for_relief else SurfaceStress(body)
+        return SurfaceStress(self.tets)
 
     @cached_property
     def _orientations(self) -> Orientations:
@@ -298,7 +300,7 @@ class DropSimulator:
             responses = self._static.run(tets, self.recipe.material, self.recipe.across_layers)
         except SimulationFailed as error:
             return replace(dropped, failure=str(error))
-        result, reading = dropped, self._reading_of(dropped.displacement)
+        result, reading = dropped, self._reading_of(tets, dropped.displacement)
         for name, response in responses.items():
             deciding = reading.of_load(tets, response.von_mises, response.corners, self._static.borders[name])
             case = measures(tets, response.von_mises, deciding)
@@ -347,14 +349,12 @@ class DropSimulator:
             overall=nothing if several else None,
             backed_off=morphed.backed_off, deviation=morphed.deviation,
             carried=fit.whole, carried_base=fit.base, volume_error=fit.volume,
-            mesh=self.tets.digest,
-            level_share=self._base.share(morphed.displacement),
-            time_step=result.time_step, steps=result.steps, added_mass=result.added_mass,
-            failure=result.failure,
+            mesh=self.tets.digest, level_share=self._base.share(morphed.displacement),
+            time_step=result.time_step, steps=result.steps, added_mass=result.added_mass, failure=result.failure,
         )  # fmt: skip
         if result.failure:
             return failed
-        reading, stresses = self._reading_of(morphed.displacement), zip(result.von_mises, result.corners, result.contact, strict=True)
+        reading, stresses = self._reading_of(tets, morphed.displacement), zip(result.von_mises, result.corners, result.contact, strict=True)
         deciding = [reading.of_landing(tets, points, corners, touched) for points, corners, touched in stresses]
         landings = self._landings(tets, result, deciding)
         fields = np.stack([transfer.to_surface(one.field) for one in deciding])

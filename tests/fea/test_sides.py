@@ -105,28 +105,55 @@ def test_a_zone_reaches_so_far_round_an_edge_and_no_farther(box):
     assert not around(sides, np.zeros(len(mesh.vertices), bool)).any()
 
 
-@pytest.mark.parametrize(("half_width", "joins"), [(0.0, True), (2.0, False)])
-def test_what_a_zone_surrounds_belongs_to_it_unless_it_is_as_large_as_what_a_mean_is_taken_over(box, half_width, joins):
-    """Steep walls in a zone part pieces from it; a larger one is a side of its own."""
-    mesh = box((24, 24, 2), (24.0, 24.0, 4.0))
-    sides = Sides(mesh)
+@pytest.fixture
+def plate(box):
+    """A plate, and which of its spots are on its upper side within so much of the middle, all else of that side being a zone."""
+    sides = Sides(box((24, 24, 2), (24.0, 24.0, 4.0)))
     above = facing(sides, UP) & np.isclose(sides.positions[:, 2], 4.0)
-    patch = above & (np.abs(sides.positions[:, :2] - 12.0).max(axis=1) < half_width + 0.1)
-    found = sides._islands(above & ~patch)
-    within = sides.faces[found]
+    return sides, above, lambda half_width: above & (np.abs(sides.positions[:, :2] - 12.0).max(axis=1) < half_width + 0.1)
+
+
+@pytest.mark.parametrize(("half_width", "joins"), [(0.0, True), (1.0, False)])
+def test_a_piece_that_a_zone_surrounds_belongs_to_it_unless_it_is_a_side_of_its_own(plate, half_width, joins):
+    """Four faces around a vertex that is not in the zone, 4 mm² less rounding, and sixteen."""
+    sides, above, within = plate
+    scale = sides._areas.copy()
+    sides._areas = 0.99 * scale
+    found = sides._islands(above & ~within(half_width), np.ones(len(above), bool))
     assert found.any() == joins
-    assert np.isclose(mesh.vertices[within, 2], 4.0).all()
-    assert np.isin(sides.vertices[patch], within).all() == joins
+    assert np.isin(sides.vertices[within(half_width)], sides.faces[found]).all() == joins
+
+
+def test_a_piece_that_goes_on_beyond_the_reach_of_a_zone_is_no_part_of_it(plate):
+    sides, above, within = plate
+    sides._areas = 0.99 * sides._areas
+    assert not sides._islands(above & ~within(0.0), above & ~within(0.0)).any()
+
+
+def test_a_small_hole_inside_a_body_is_a_side_of_its_own_however_near(box):
+    """Its surface of 2.4 mm² touches no zone; taken for an island, a mean over a ball would have read half of what its wall bears."""
+    straight = box((9, 9, 9), (9.0, 9.0, 9.0))
+    middle = straight.vertices[straight.tets].mean(axis=1)
+    mesh = TetMesh(straight.vertices, straight.tets[~(np.abs(middle - [4.5, 4.5, 2.5]) < 0.5).all(axis=1)])
+    hollow = mesh.moved(mesh.vertices)
+    sides = Sides(hollow)
+    inside = ((sides.positions > 0.5) & (sides.positions < 8.5)).all(axis=1)
+    assert inside.sum() >= 8
+    sides._areas = 0.4 * sides._areas  # of a cube of 1 mm, 6 mm²
+    zone = sides.around(np.isclose(hollow.vertices[:, 2], 0.0), 5.0, np.zeros(len(sides.vertices), bool))
+    looks_away = inside & (sides._directions[:, 2] > 0.9)
+    assert looks_away.any()
+    assert not zone[looks_away].any()
 
 
 def test_ledges_of_bricks_next_to_a_contact_are_in_its_zone(box):
     """Pits in the side of a block that lands on its edge: their ledges look up, away from the floor, and are no other side of a wall."""
-    straight = box((24, 6, 24), (24.0, 6.0, 24.0))
+    straight = box((24, 6, 24), (12.0, 3.0, 12.0))
     vertices = straight.vertices.copy()
-    pits = np.isclose(vertices[:, 1], 0.0) & (vertices[:, 0] % 4.0 < 1.5) & np.isin(vertices[:, 2].round(), [3.0, 4.0])
-    vertices[pits, 1] = 3.0  # rows of vertices are 1 mm apart, so their walls are 72° steep
+    pits = np.isclose(vertices[:, 1], 0.0) & (vertices[:, 0] % 2.0 < 0.75) & (np.abs(vertices[:, 2] - 1.75) < 0.3)
+    vertices[pits, 1] = 1.5  # rows of vertices are 0.5 mm apart, so their walls are 72° steep
     sides = Sides(straight.moved(vertices))
-    zone = sides.around(np.isclose(vertices[:, 2], 0.0), 6.0, np.zeros(len(sides.vertices), bool))
-    near = (sides.positions[:, 2] < 4.1) & (np.abs(sides.positions[:, 0] - 12.0) < 8.0) & (sides.positions[:, 1] < 3.5)
+    zone = sides.around(np.isclose(vertices[:, 2], 0.0), 3.0, np.zeros(len(sides.vertices), bool))
+    near = (sides.positions[:, 2] < 2.1) & (np.abs(sides.positions[:, 0] - 6.0) < 4.0) & (sides.positions[:, 1] < 1.75)
     assert near.sum() > 60
     assert zone[near].all()

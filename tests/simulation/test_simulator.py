@@ -208,6 +208,17 @@ def test_stress_is_read_on_the_sides_of_the_finished_relief_and_without_one_on_t
     assert sim._without_relief.displacement.max() == 0.0
     assert [one.digest for one in read[1:]] == [tets.digest]
 
+
+def test_on_tets_of_the_part_at_rest_stress_is_read_on_the_sides_of_the_body_that_was_dropped(block, memo, monkeypatch):
+    """A relief that is not known beforehand: the flat surface the tetrahedra were made for has no joints."""
+    read, real = [], module.SurfaceStress
+    monkeypatch.setattr(module, "SurfaceStress", lambda tets: read.append(tets) or real(tets))
+    sim = simulator(block, memo, orientations=1)
+    sim.simulate(bumps(block), thorough=False)
+    assert [one.digest for one in read] == [sim._morph.morphed(bumps(block)).tets.digest]
+    assert read[0].digest != block[1].digest
+
+
 def test_a_drop_that_breaks_down_is_unknown_never_viable(block, memo, monkeypatch):
     sim = simulator(block, memo)
     assert sim.judge(sim.baseline).viable
