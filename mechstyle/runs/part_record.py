@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
 
 import msgspec
 import numpy as np
@@ -27,7 +26,7 @@ class PartRecord(msgspec.Struct, frozen=True, kw_only=True):
     origin: Origin = Origin()
     at: str = ""
     mass_gained: float = 0.0
-    finer: Annotated[int, msgspec.Meta(ge=0, le=1_000_000)] = 0
+    finer: int = 0
 
     @classmethod
     def kept(cls, part: Workpiece, name: str, origin: Origin, objects: Objects) -> PartRecord:

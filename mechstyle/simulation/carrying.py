@@ -26,10 +26,7 @@ EXAGGERATED = np.float32(2.0)
 """Share of the relief by which triangles are chosen to be kept: as many then carry 0.915 instead of 0.90 of a pen holder's bricks."""
 
 MADE_FOR = 0.7, 1.4
-"""Shares of the relief that tetrahedra were made for: a relief between is one they were made for, and others would carry no more."""
-STANDING = 0.7
-"""Share of what the surface has on the floor that tetrahedra made for it must have there: 0.74 to 0.93 where bricks and cactus stood, half
-where a base was left hanging."""
+"""Shares of the relief that tetrahedra were made for: a relief between is one they were made for, and others are not looked for."""
 
 MORPHED = "morphed"
 AGAIN = "meshed again at half of this relief"
@@ -68,11 +65,6 @@ class Carried(NamedTuple):
     def enough(self) -> bool:
         """Whether a verdict may rest on them."""
         return self.least >= LEAST_CARRIED and abs(self.volume) <= VOLUME_ERROR
-
-    @property
-    def sound(self) -> bool:
-        """Whether they are no better made again where they were made for this relief: they stand, and have its volume."""
-        return self.stands >= STANDING and abs(self.volume) <= VOLUME_ERROR
 
     def serves_instead_of(self, other: Carried) -> bool:
         """Whether these are taken rather than new ones made: no worse than others that are not enough, and standing as the surface does."""

@@ -84,7 +84,8 @@ class DropSimulator:
             return self
         at = self.at
         if at is not None and len(at) != len(finer.mesh.vertices):
-            at = (TriangleTree(self._followed.vertices, self._followed.faces).interpolation(finer.mesh.vertices) @ at).astype(np.float32)
+            there = TriangleTree(self._followed.vertices, self._followed.faces).interpolation(finer.mesh.vertices)
+            at = (there @ at).astype(np.float32)
         return replace(self, at=at, finer=finer)
 
     @property
@@ -93,8 +94,7 @@ class DropSimulator:
 
     def _spread(self, displacement: NDArray[np.float32]) -> NDArray[np.float32]:
         """A displacement of the surface, or of the finer one, as one of what the tetrahedra follow."""
-        coarse = len(displacement) == len(self.surface.vertices)
-        return self.finer.spread(displacement) if self.finer is not None and coarse else displacement
+        return displacement if self.finer is None or len(displacement) == len(self._followed.vertices) else self.finer.spread(displacement)
 
     def _morphed(self, displacement: NDArray[np.float32]) -> Morphed:
         return self._morph.morphed(self._spread(displacement))
@@ -170,10 +170,10 @@ class DropSimulator:
         time, was never seen to carry more.
         """
         here = self._carried(displacement)
-        if here.enough or (here.sound and made_for(self._morph, self._spread(displacement))):
+        if here.enough or made_for(self._morph, self._spread(displacement)):
             return self, MORPHED
-        again = self._on(self.memo.recall(self._last_mesh, str) or "")
-        if again is not self and (there := again._carried(displacement)).serves_instead_of(here):  # noqa: SLF001
+        last = self.memo.recall(self._last_mesh, str)
+        if last is not None and (there := (again := self._on(last))._carried(displacement)).serves_instead_of(here):  # noqa: SLF001
             return again, there.again
         try:
             again = self._meshed_again(displacement)
@@ -196,13 +196,11 @@ class DropSimulator:
         return self._on(tets.digest)
 
     def _on(self, mesh: str) -> DropSimulator:
-        """The same test on tetrahedra of a digest; this one for its own, unknown ones and those of a surface cut otherwise."""
+        """The same test on tetrahedra that a thorough test was run on, by their digest; this one for its own and those it does not know."""
         kept = None if mesh in ("", self.tets.digest) else self.memo.recall(f"{MESH}{mesh}", KeptMesh)
         if kept is None:
             return self
         tets, at = self.memo.objects.get_mesh(kept.tets, TetMesh), self._spread(self.memo.objects.get_array(kept.at))
-        if len(at) != len(self._followed.vertices):
-            return self
         return replace(self, tets=tets, at=at, recipe=msgspec.structs.replace(self.recipe, tetrahedra=tets.digest), settled=True)
 
     @property
@@ -247,7 +245,7 @@ class DropSimulator:
     def _key(self, displacement: NDArray[np.float32], *, thorough: bool) -> str:
         recipe = self.recipe
         drops = (recipe.tilts, recipe.poses, recipe.orientations) if thorough else (recipe.tilts,)
-        finer = [] if self.finer is None else [len(self._followed.vertices)]
+        finer = () if self.finer is None else (len(self._followed.vertices),)
         mesh = ("" if self.at is None else digest_of(self.at), self.settled, *finer)
         return memo_key((PHYSICS_VERSION, self.device, *physics(recipe), recipe.loads, drops, mesh), displacement)
 

@@ -55,7 +55,6 @@ def test_a_base_that_is_laid_flat_but_left_hanging_is_not_carried(slab, relief, 
     assert 0.3 < fit.stands < 0.7
     assert not fit.enough
     assert "of its base off the floor" in fit.words
-    assert not fit.sound, "nor are they kept because they were made for it"
     assert Carried(1.0, None, 0.0).serves_instead_of(fit)
     assert not fit.serves_instead_of(fit)
 
@@ -118,13 +117,6 @@ def test_a_relief_tetrahedra_were_made_for_half_of_is_known_again(slab, relief, 
     tets, half = filled
     assert made_for(Morph(slab, tets, half), np.float32(share) * relief) == told
     assert not made_for(Morph(slab, tets), relief), "those of the part at rest were made for none"
-
-
-@pytest.mark.parametrize(("fit", "sound"), [
-    (Carried(0.85, 0.85, 0.01, 0.75), True), (Carried(0.95, 0.95, 0.0, 0.6), False), (Carried(0.95, 0.95, 0.04), False),
-])  # fmt: skip
-def test_tetrahedra_made_for_a_relief_are_kept_unless_they_hang_or_lack_volume(fit, sound):
-    assert fit.sound == sound
 
 
 def test_a_run_that_is_told_to_stop_does_not_wait_for_the_mesh(slab, monkeypatch, tmp_path):

@@ -244,21 +244,6 @@ def test_tets_of_one_finer_surface_follow_another(finely):
     assert carried_share(other, spread) == pytest.approx(carried_share(sim, sim.finer.spread(ripples((sim.surface,)))), abs=0.03)
 
 
-def test_tets_kept_for_another_surface_are_not_known_and_the_original_then_stands_for_itself(block, memo, finely):
-    """What is delivered is the finer surface, also of a style that the loop knows on the part only: its limits were a ValueError."""
-    plain = simulator(block, memo, orientations=1)
-    cut = finer(block[0], 1200)
-    found = plain.on(cut).simulate(ripples((cut.mesh,)), thorough=True)
-    assert found.meshing == AGAIN
-    weak = msgspec.structs.replace(plain.recipe, material=msgspec.structs.replace(plain.recipe.material, yield_strength=1.0))
-    asked = replace(plain, recipe=weak)
-    assert asked.judge(found).outcome == "FAILS"
-    assert asked.baseline_of(found) is asked.baseline
-    other = plain.on(finer(block[0], 3000))
-    assert other._on(found.mesh) is other
-    assert plain.carrier(ripples(block))[0] is not plain, "tetrahedra that are not known serve nobody"
-
-
 def carried_share(sim, relief):
     return sim._carried(relief).whole
 
