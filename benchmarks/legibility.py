@@ -19,11 +19,11 @@ import numpy as np
 
 from mechstyle.gallery.style_sheet import Specimen, lettered, png
 from mechstyle.geometry.remesh import surface_of
-from mechstyle.geometry.subdivision import Subdivided, finer
+from mechstyle.geometry.subdivision import Subdivided, refined_to
 from mechstyle.pictures.colormap import PLAIN
 from mechstyle.pictures.scene import BACKGROUND, Camera, render
 from mechstyle.records.mesh import SurfaceMesh
-from mechstyle.runs.refine import vertices_for
+from mechstyle.runs.refine import MOST_PARTS, vertices_for
 from mechstyle.styling.dimensions import Dimensions
 from mechstyle.styling.drawing.fine_canvas import FineCanvas
 from mechstyle.styling.library import names
@@ -80,7 +80,7 @@ class Delivered:
     def of(cls, mesh: SurfaceMesh) -> Delivered:
         """A closed surface [mm] made ready."""
         coarse = Specimen.of(mesh, ASKED)
-        return cls(coarse, finer(coarse.surface, vertices_for(coarse.surface, None)))
+        return cls(coarse, refined_to(coarse.surface, vertices_for(coarse.surface, None), most_parts=MOST_PARTS))
 
     def styled(self, style: str) -> SurfaceMesh:
         """The finished style, drawn as a run draws what it delivers."""

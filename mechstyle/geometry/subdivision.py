@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from typing import NamedTuple
-from weakref import WeakKeyDictionary
 
 import numpy as np
 import scipy.sparse as sp
@@ -13,10 +12,6 @@ from mechstyle.records.mesh import Bools, Indices, SurfaceMesh
 
 NEARLY = 0.9
 """Share of the wanted vertices from which on the rest comes from halving the longest edges, instead of cutting all of them once more."""
-
-MOST_PARTS = 4
-"""Parts that an edge of a run's surface is cut into at most: where a style lies was decided there, and what that surface could not show is
-not in it."""
 
 
 class Subdivided(NamedTuple):
@@ -37,29 +32,6 @@ class Subdivided(NamedTuple):
         order = np.lexsort((-matrix.col, matrix.data, matrix.row))
         last = np.flatnonzero(np.diff(matrix.row[order], append=-1))
         return matrix.col[order][last].astype(np.int32)
-
-    def spread(self, values: NDArray[np.floating]) -> NDArray[np.float32]:
-        """Values at the coarse vertices, interpolated at the fine ones, shape [fine_count, ...]."""
-        return np.asarray(self.interpolation @ values.astype(np.float32), np.float32)
-
-    def largest_near(self, values: NDArray[np.floating]) -> NDArray[np.float32]:
-        """At each coarse vertex the largest of the values at the fine ones nearest to it, 0 if all are less, shape [coarse_count]."""
-        largest = np.zeros(self.interpolation.shape[1], np.float32)
-        np.maximum.at(largest, self.nearest, values.astype(np.float32))
-        return largest
-
-
-_last: WeakKeyDictionary[SurfaceMesh, tuple[int, Subdivided]] = WeakKeyDictionary()
-"""The last smaller faces of each surface, and the vertices wanted: test, file and picture of a run are all about them."""
-
-
-def finer(mesh: SurfaceMesh, vertices: int) -> Subdivided:
-    """The surface of a run as it is delivered, in so many vertices; arguments as for `refined_to`. The last is remembered."""
-    known, cut = _last.get(mesh, (0, None))
-    if cut is None or known != vertices:
-        cut = refined_to(mesh, vertices, most_parts=MOST_PARTS)
-        _last[mesh] = vertices, cut
-    return cut
 
 
 def refined_to(mesh: SurfaceMesh, vertices: int, *, most_parts: int) -> Subdivided:

@@ -24,11 +24,10 @@ from mechstyle.geometry.tet_improvement import improved
 from mechstyle.geometry.tetwild import Settings, tetwild
 from mechstyle.records.mesh import Floats, Indices, SurfaceMesh, TetMesh, digest_of
 
-VERSION = "14"  # of what is cached: raise it when the result for the same input may change
+VERSION = "13"  # of what is cached: raise it when the result for the same input may change
 FEWEST, MOST = 500, 400_000
 RUNS = 3
 LEAST_COUNT, MOST_COUNT = 0.6, 1.6  # of the target
-BESIDE_KEPT = 0.55  # of the target is aimed at inside triangles that are kept, which make more than it alone and are no fewer for less
 VOLUME_ERROR = 0.03
 PINCHED = 1e-3  # of the boundary's edges, at which it may touch itself
 # The rest in walls, a wall being 2 V / A: what a part is thick on average.
@@ -42,29 +41,18 @@ EXAGGERATION = (1.0, 0.3, 0.0)  # shares of the exaggeration wished for, at whic
 FLAT = 0.05  # mm above the floor within which a vertex on a flat base is set down onto it
 
 
-class Kept(NamedTuple):
-    """Which triangles of a surface are kept.
-
-    Attributes:
-        exaggerated: The surface with its relief exaggerated, vertex by vertex: of too many triangles those that it needs most are kept.
-        faces: How many, at most.
-    """
-
-    exaggerated: SurfaceMesh
-    faces: int = KEPT
-
-
 def tetrahedralise(
     surface: SurfaceMesh, target: int = 16_000, *,
-    keep: Kept | None = None, timeout: float = 300.0, cache: Path | None = None, go_on: GoOn = regardless,
+    keep: SurfaceMesh | None = None, timeout: float = 300.0, cache: Path | None = None, go_on: GoOn = regardless,
 ) -> TetMesh:  # fmt: skip
     """Tetrahedra of about the wished number inside a closed surface.
 
     Args:
         surface: A closed surface.
         target: Tetrahedra wanted, 500 to 400 000; -40 % to +60 % is accepted, and fine detail may ask for more.
-        keep: Which triangles of the surface are kept; None for none: they become as large as the target asks for and the detail allows,
-            unless the surface itself has a relief finer than that.
+        keep: The surface with its relief exaggerated, vertex by vertex. Its triangles are kept, those that this one needs most if there
+            are more than KEPT of them; without it they become as large as the target asks for and the detail allows, unless the surface
+            itself has a relief finer than that.
         timeout: Most time for one run of fTetWild [s], as `tetwild` counts it; there are one or two, three at most.
         cache: Folder of earlier results by content, or None. fTetWild gives another mesh every time, so that only a kept one
             makes a run repeatable.
@@ -78,8 +66,7 @@ def tetrahedralise(
         SimulationFailed: If no mesh that passes the checks was found, saying what the last one failed.
     """
     _check(surface, target)
-    asked = np.array([target] if keep is None or keep.faces == KEPT else [target, keep.faces])
-    digest = digest_of(surface.vertices, surface.faces, asked, *([] if keep is None else [keep.exaggerated.vertices]))
+    digest = digest_of(surface.vertices, surface.faces, np.array([target]), *([] if keep is None else [keep.vertices]))
     file = None if cache is None else Path(cache) / f"{digest[:32]}-{VERSION}.npz"
     if file is not None and (kept := _read(file)) is not None:
         return kept
@@ -114,13 +101,13 @@ class Attempt(NamedTuple):
     detailed: bool
 
 
-def _meshed(surface: SurfaceMesh, target: int, timeout: float, go_on: GoOn, *, keep: Kept | None) -> TetMesh:
+def _meshed(surface: SurfaceMesh, target: int, timeout: float, go_on: GoOn, *, keep: SurfaceMesh | None) -> TetMesh:
     """Run fTetWild until count and checks are met, aiming lower or higher or sharpening the tolerances, at most RUNS times.
 
-    A mesh of the wrong size is better than none: after one correction the nearest count is taken, and at once if the surface's detail, or
-    that triangles are kept, is why there are too many.
+    A mesh of the wrong size is better than none: after one correction the nearest count is taken, and at once if the surface's detail is
+    why there are too many.
     """
-    aim, sharpness, sound, fault = float(target) * (1.0 if keep is None else BESIDE_KEPT), 1.0, list[TetMesh](), ""
+    aim, sharpness, sound, fault = float(target), 1.0, list[TetMesh](), ""
     for _ in range(RUNS):
         tets, fault, detailed = _attempt(surface, aim, sharpness, timeout, go_on, keep=keep)
         if fault:
@@ -128,7 +115,7 @@ def _meshed(surface: SurfaceMesh, target: int, timeout: float, go_on: GoOn, *, k
             continue
         sound.append(tets)
         ratio = len(tets.tets) / target
-        if LEAST_COUNT <= ratio <= MOST_COUNT or len(sound) == 2 or (ratio > 1.0 and (detailed or keep is not None)):
+        if LEAST_COUNT <= ratio <= MOST_COUNT or len(sound) == 2 or (ratio > 1.0 and detailed):
             break
         aim /= ratio
     if not sound:
@@ -136,7 +123,7 @@ def _meshed(surface: SurfaceMesh, target: int, timeout: float, go_on: GoOn, *, k
     return min(sound, key=lambda tets: abs(math.log(len(tets.tets) / target)))
 
 
-def _attempt(surface: SurfaceMesh, aim: float, sharpness: float, timeout: float, go_on: GoOn, *, keep: Kept | None) -> Attempt:
+def _attempt(surface: SurfaceMesh, aim: float, sharpness: float, timeout: float, go_on: GoOn, *, keep: SurfaceMesh | None) -> Attempt:
     wall = 2.0 * surface.volume / float(surface.face_areas.sum())
     tolerance = sharpness * min(ENVELOPE * wall, WIDEST * surface.size)
     epsilon = (1.0 if keep is None else 0.5) * tolerance
@@ -175,26 +162,26 @@ def _filled_as(surface: SurfaceMesh, aim: float, deviation: float, detail: float
     edge = _first_edge(surface, aim)
     even = _evened(surface, edge, deviation, go_on)
     too_coarse = crowded(manifold_of(surface), edge, len(even.vertices), go_on)
-    return _kept(surface, Kept(surface), deviation, detail, go_on) if too_coarse else even
+    return _kept(surface, surface, deviation, detail, go_on) if too_coarse else even
 
 
-def _kept(surface: SurfaceMesh, keep: Kept, deviation: float, detail: float, go_on: GoOn) -> SurfaceMesh:
+def _kept(surface: SurfaceMesh, exaggerated: SurfaceMesh, deviation: float, detail: float, go_on: GoOn) -> SurfaceMesh:
     """The surface in its own triangles; of too many, those that its exaggerated relief needs least are given up.
 
     Low ones go in any case, as far as that moves the surface by no more than `deviation` [mm]. Even triangles of the same number round
     the edges of a relief off. The more a relief is exaggerated, the less is left for the shape of the part: less exaggerated where a
     detail larger than `detail` [mm] would be lost.
     """
-    fewer = _decimated(surface, keep, detail, go_on) if len(surface.faces) > keep.faces else surface
+    fewer = _decimated(surface, exaggerated, detail, go_on) if len(surface.faces) > KEPT else surface
     edge = math.sqrt(4.0 / math.sqrt(3.0) * float(fewer.face_areas.mean()))
     return without_degenerate(fewer, min(LOW * edge, deviation))
 
 
-def _decimated(surface: SurfaceMesh, keep: Kept, detail: float, go_on: GoOn) -> SurfaceMesh:
-    """The surface in as few triangles as that, losing no detail larger than `detail` [mm], or the least; itself if none stay closed."""
-    losses, stretch = list[tuple[float, SurfaceMesh]](), keep.exaggerated.vertices - surface.vertices
+def _decimated(surface: SurfaceMesh, exaggerated: SurfaceMesh, detail: float, go_on: GoOn) -> SurfaceMesh:
+    """The surface in KEPT triangles that lose no detail larger than `detail` [mm], or the least; itself if none stay closed."""
+    losses: list[tuple[float, SurfaceMesh]] = []
     for share in EXAGGERATION:
-        fewer = _by_quadrics(surface, Kept(surface.moved(surface.vertices + share * stretch), keep.faces), go_on)
+        fewer = _by_quadrics(surface, surface.moved(surface.vertices + share * (exaggerated.vertices - surface.vertices)), go_on)
         lost = float(TriangleTree(fewer.vertices, fewer.faces).nearest(surface.vertices).distance.max())
         if fewer.is_closed:
             losses.append((lost, fewer))
@@ -203,9 +190,9 @@ def _decimated(surface: SurfaceMesh, keep: Kept, detail: float, go_on: GoOn) -> 
     return min(losses, key=lambda found: found[0])[1] if losses else surface
 
 
-def _by_quadrics(surface: SurfaceMesh, keep: Kept, go_on: GoOn) -> SurfaceMesh:
-    """The surface in as few triangles, chosen on the exaggerated one."""
-    exaggerated, fewer = keep.exaggerated, decimated(keep.exaggerated, keep.faces, go_on)
+def _by_quadrics(surface: SurfaceMesh, exaggerated: SurfaceMesh, go_on: GoOn) -> SurfaceMesh:
+    """The surface in KEPT triangles, chosen on the exaggerated one."""
+    fewer = decimated(exaggerated, KEPT, go_on)
     there = TriangleTree(exaggerated.vertices, exaggerated.faces).nearest(fewer.vertices)
     stretch = (exaggerated.vertices - surface.vertices)[surface.faces[there.face]]
     return fewer.moved(fewer.vertices - np.einsum("vi,vij->vj", there.weights, stretch))

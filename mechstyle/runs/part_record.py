@@ -15,7 +15,7 @@ from mechstyle.simulation.part import Origin, Workpiece
 
 
 class PartRecord(msgspec.Struct, frozen=True, kw_only=True):
-    """The prepared part as a run directory keeps it: digests of stored meshes and arrays, "" for an `at` of nothing; see `Workpiece`."""
+    """The prepared part as a run directory keeps it: digests of stored meshes and arrays, "" for an `at` of nothing."""
 
     name: str
     surface: str
@@ -26,7 +26,6 @@ class PartRecord(msgspec.Struct, frozen=True, kw_only=True):
     origin: Origin = Origin()
     at: str = ""
     mass_gained: float = 0.0
-    finer: int = 0
 
     @classmethod
     def kept(cls, part: Workpiece, name: str, origin: Origin, objects: Objects) -> PartRecord:
@@ -41,7 +40,6 @@ class PartRecord(msgspec.Struct, frozen=True, kw_only=True):
             origin=origin,
             at="" if part.at is None else objects.put_array(part.at),
             mass_gained=part.mass_gained,
-            finer=part.finer,
         )
 
     @property
@@ -53,9 +51,7 @@ class PartRecord(msgspec.Struct, frozen=True, kw_only=True):
         """The part, read from its objects; DamagedStore, naming the record's file, if they are not of one part."""
         surface, tets = objects.get_mesh(self.surface, SurfaceMesh), objects.get_mesh(self.tets, TetMesh)
         thickness, at = objects.get_array(self.thickness), objects.get_array(self.at) if self.at else None
-        part = Workpiece(surface, tets, thickness, self.stands, self.notes, at, self.mass_gained, self.finer)
-        followed = surface if part.cut is None else part.cut.mesh
-        for values, mesh in ((thickness, surface), *([] if at is None else [(at, followed)])):
-            if values.shape != (len(mesh.vertices),) or not np.issubdtype(values.dtype, np.floating):
+        for values in (thickness, thickness if at is None else at):
+            if values.shape != (len(surface.vertices),) or not np.issubdtype(values.dtype, np.floating):
                 raise DamagedStore(f"{file} has walls of another part: restore it from a copy, or start the run again")
-        return part
+        return Workpiece(surface, tets, thickness, self.stands, self.notes, at, self.mass_gained)

@@ -34,9 +34,9 @@ from mechstyle.runs.known_fields import known_fields
 from mechstyle.runs.part_record import PartRecord
 from mechstyle.runs.printing import Printing
 from mechstyle.runs.recipes import changed, draft
-from mechstyle.runs.refine import Refined, Refinement, delivered_relief, notes_on
+from mechstyle.runs.refine import Refined, Refinement, notes_on
 from mechstyle.runs.session import Session
-from mechstyle.runs.stylizers import stylizer_for
+from mechstyle.runs.stylizers import finished_relief, stylizer_for
 from mechstyle.runs.summary import Clock, Summary, summarise
 from mechstyle.simulation.part import Origin, Stage, Workpiece, bounds_for, cached_memo, fitted, prepare, say_nothing
 from mechstyle.simulation.simulator import DropSimulator
@@ -285,7 +285,7 @@ class Run:
     def simulator(self, recipe: Recipe, progress: Progress = no_progress) -> DropSimulator:
         """The drop test of the part under a recipe."""
         part, shared = self.part, cached_memo() if self.trusting else None
-        return DropSimulator(part.surface, part.tets, recipe, self.store.memo, shared, self.device, progress, at=part.at, finer=part.cut)
+        return DropSimulator(part.surface, part.tets, recipe, self.store.memo, shared, self.device, progress, at=part.at)
 
     def _refinement(self, simulator: DropSimulator) -> Refinement:
         """What draws the surface of a lane finer, under the recipe of a simulator."""
@@ -388,7 +388,7 @@ def started(
         beside: As for `begin`.
     """
     device, clock = resolve_device(device), Clock()
-    relief = partial(delivered_relief, recipe=wanted)
+    relief = partial(finished_relief, recipe=wanted)
     with clock.stages(stage) as begun:
         origin = Origin.of(part, vertices) if isinstance(part, SurfaceMesh) else origin
         part = made_ready(part, wanted, relief, prepare=prepare, vertices=vertices, device=device, stage=begun, go_on=go_on)

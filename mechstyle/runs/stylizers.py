@@ -117,14 +117,9 @@ def finished_style(part: Workpiece | Shape, recipe: Recipe, go_on: GoOn = regard
     bounds = bounds_for(part, recipe)[0]
     go_on()
     aim = drawing_of(part, bounds, recipe, reading_of(recipe), go_on=go_on).target
-    relief = finished(aim.displacement, bounds, recipe)
+    wanted = bounds.freedom * bounds.levelled(aim.displacement)
+    relief = advanced(np.zeros_like(wanted), np.ones_like(wanted), wanted, bounds, recipe)
     return FinishedStyle(relief, np.where(bounds.uncoloured, NEUTRAL, aim.colour), bounds.freedom == 0.0, aim.notes)
-
-
-def finished(target: Field, bounds: Bounds, recipe: Recipe) -> Field:
-    """What a target comes to at once within the bounds of a style [mm], shape [vertex_count]."""
-    wanted = bounds.freedom * bounds.levelled(target)
-    return advanced(np.zeros_like(wanted), np.ones_like(wanted), wanted, bounds, recipe)
 
 
 def finished_relief(part: Workpiece | Shape, recipe: Recipe, go_on: GoOn = regardless) -> Field | None:

@@ -12,7 +12,7 @@ from mechstyle._files import cache_folder
 from mechstyle.geometry.going_on import GoOn, regardless
 from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.morph import Morph, Morphed
-from mechstyle.geometry.tetrahedra import KEPT, VOLUME_ERROR, Kept, tetrahedralise
+from mechstyle.geometry.tetrahedra import KEPT, VOLUME_ERROR, tetrahedralise
 from mechstyle.records.mesh import Floats, SurfaceMesh, TetMesh
 from mechstyle.records.simulation import LEAST_CARRIED
 
@@ -24,9 +24,6 @@ HALF = np.float32(0.5)
 """Share of the relief that tetrahedra are made for: from there the way to none and to all of it turns the fewest inside out."""
 EXAGGERATED = np.float32(2.0)
 """Share of the relief by which triangles are chosen to be kept: as many then carry 0.915 instead of 0.90 of a pen holder's bricks."""
-
-MADE_FOR = 0.7, 1.4
-"""Shares of the relief that tetrahedra were made for: a relief between is one they were made for, and others are not looked for."""
 
 MORPHED = "morphed"
 AGAIN = "meshed again at half of this relief"
@@ -83,24 +80,16 @@ class Carried(NamedTuple):
         return f"{self.whole:.0%} of the relief{base}{stands}, volume {self.volume:+.1%}"
 
 
-def carrying(
-    surface: SurfaceMesh, relief: NDArray[np.float32], go_on: GoOn = regardless, *, vertices: int | None = None
-) -> tuple[TetMesh, NDArray[np.float32]]:
-    """Tetrahedra that carry a relief, and the half of it they were made for [mm], shape [vertex_count]; cached by content.
+def carrying(surface: SurfaceMesh, relief: NDArray[np.float32], go_on: GoOn = regardless) -> tuple[TetMesh, NDArray[np.float32]]:
+    """Tetrahedra that carry a relief [mm], shape [vertex_count], and the half of it they were made for; cached by content.
 
-    Args:
-        surface: The surface the relief is known on.
-        relief: The relief [mm], shape [vertex_count].
-        go_on: Asked in between whether to; what it raises ends it.
-        vertices: Of the surface they are to be as fine as, where `surface` is a finer one of the same part; None for those it has.
+    What `go_on` raises ends it.
 
     Raises:
         SimulationFailed: If the surface with half of the relief cannot be meshed.
     """
     half, exaggerated = (HALF * relief).astype(np.float32), surface.displaced(EXAGGERATED * relief)
-    keep = Kept(exaggerated) if vertices is None else Kept(exaggerated, min(2 * vertices, KEPT))
-    count = _count(vertices or len(surface.vertices))
-    return tetrahedralise(surface.displaced(half), count, keep=keep, cache=cache_folder() / "tets", go_on=go_on), half
+    return tetrahedralise(surface.displaced(half), _count(surface), keep=exaggerated, cache=cache_folder() / "tets", go_on=go_on), half
 
 
 def at_rest(surface: SurfaceMesh, go_on: GoOn = regardless) -> TetMesh:
@@ -109,11 +98,11 @@ def at_rest(surface: SurfaceMesh, go_on: GoOn = regardless) -> TetMesh:
     Raises:
         SimulationFailed: If it cannot be meshed.
     """
-    return tetrahedralise(surface, _count(len(surface.vertices)), cache=cache_folder() / "tets", go_on=go_on)
+    return tetrahedralise(surface, _count(surface), cache=cache_folder() / "tets", go_on=go_on)
 
 
-def _count(vertices: int) -> int:
-    return max(FEWEST_TETS, round(TETS_PER_KEPT_VERTEX * min(vertices, KEPT // 2)))
+def _count(surface: SurfaceMesh) -> int:
+    return max(FEWEST_TETS, round(TETS_PER_KEPT_VERTEX * min(len(surface.vertices), KEPT // 2)))
 
 
 def carried(morph: Morph, morphed: Morphed, base: LevelBase) -> Carried:
@@ -130,12 +119,6 @@ def carried(morph: Morph, morphed: Morphed, base: LevelBase) -> Carried:
     whole = slope(wanted, found, surface.vertex_areas)
     lifted = (base.share(morphed.displacement) or 0.0) - (base.share(morphed.followed) or 0.0)
     return Carried(1.0 if whole is None else whole, slope(wanted, found, under), max(errors, key=abs), 1.0 - max(lifted, 0.0))
-
-
-def made_for(morph: Morph, relief: NDArray[np.float32]) -> bool:
-    """Whether tetrahedra were made for half of about that relief [mm], shape [vertex_count]."""
-    share = slope(morph.at.astype(np.float64), HALF * relief.astype(np.float64), morph.surface.vertex_areas)
-    return share is not None and MADE_FOR[0] <= share <= MADE_FOR[1]
 
 
 def slope(wanted: Floats, found: Floats, weights: Floats) -> float | None:

@@ -133,14 +133,13 @@ def impact_of(
     if known is not None:
         return known
     if part.at is not None and not np.any(displacement):
-        part = replace(part, tets=at_rest(part.surface), at=None, finer=0)
-    cut = part.cut
-    morph = Morph(part.surface if cut is None else cut.mesh, part.tets, part.at)
-    tets = morph.morphed(displacement if cut is None else cut.spread(displacement)).tets
+        part = replace(part, tets=at_rest(part.surface), at=None)
+    morph = Morph(part.surface, part.tets, part.at)
+    tets = morph.morphed(displacement).tets
     period = period_of(lambda: part.tets if part.at is None else at_rest(part.surface), recipe, memo)
     seen = snapshots(tets, recipe.material, prescribed(recipe), normal=normal, progress=progress, period=period)
     reading = SurfaceStress(tets if part.at is None else morph.finished)  # as the verdict's: see `DropSimulator._reading_of`
-    impact = _on_surface(seen, morph, tets, reading, recipe.transfer, normal, len(displacement))
+    impact = _on_surface(seen, part, tets, reading, recipe.transfer, normal)
     memo.remember(key, impact)
     return impact
 
@@ -151,17 +150,12 @@ def impact_key(recipe: Recipe, displacement: NDArray[np.float32], normal: Point 
     return memo_key(("impact", PHYSICS_VERSION, *physics(recipe), *landing), displacement)
 
 
-def _on_surface(
-    seen: Snapshots, morph: Morph, tets: TetMesh, reading: SurfaceStress, transfer: str, normal: Point, count: int
-) -> Impact:
-    """Frames at the vertices of the tetrahedra as frames at so many of the surface, its first: those of a finer one come after.
-
-    Stress goes by the transfer the verdict's field came by.
-    """
-    made_for = morph.surface.displaced(morph.at)
-    smooth = Transfer(made_for, morph.tets)
-    of_stress = smooth if transfer == smooth.method else Transfer(made_for, morph.tets, transfer)
-    moved = [np.stack([smooth.to_surface(frame[:, axis])[:count] for axis in range(3)], axis=1) for frame in seen.displacement]
+def _on_surface(seen: Snapshots, part: Workpiece, tets: TetMesh, reading: SurfaceStress, transfer: str, normal: Point) -> Impact:
+    """Frames at the vertices of the tetrahedra as frames at those of the surface; stress by the transfer the verdict's field came by."""
+    made_for = part.surface if part.at is None else part.surface.displaced(part.at)
+    smooth = Transfer(made_for, part.tets)
+    of_stress = smooth if transfer == smooth.method else Transfer(made_for, part.tets, transfer)
+    moved = [np.stack([smooth.to_surface(frame[:, axis]) for axis in range(3)], axis=1) for frame in seen.displacement]
     recorded = zip(seen.von_mises, seen.corners, strict=True)
-    stress = [of_stress.to_surface(reading.of_landing(tets, *frame, seen.contact).field)[:count] for frame in recorded]
+    stress = [of_stress.to_surface(reading.of_landing(tets, *frame, seen.contact).field) for frame in recorded]
     return Impact(seen.time, np.array(moved, np.float32), np.array(stress, np.float32), normal)

@@ -6,7 +6,7 @@ import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 import msgspec
 import numpy as np
@@ -20,7 +20,6 @@ from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.region_selection import protection
 from mechstyle.geometry.remesh import standardise
 from mechstyle.geometry.resting_face import resting_face, resting_weight
-from mechstyle.geometry.subdivision import Subdivided, finer
 from mechstyle.geometry.thickness import local_thickness
 from mechstyle.loop.bounds import Bounds
 from mechstyle.loop.objects import Memo, Objects
@@ -144,23 +143,11 @@ class Shape:
         return resting_weight(self.surface, high=min(max(quarter, 2.0), 5.0)).astype(np.float32)
 
 
-class Finished(NamedTuple):
-    """The finished relief of a style.
-
-    Attributes:
-        relief: Along the normals [mm], shape [vertex_count], or [fine_count] of the part in smaller faces.
-        finer: Vertices that were asked of that finer surface; 0 for the part's own.
-    """
-
-    relief: NDArray[np.float32]
-    finer: int = 0
-
-
 class Relief(Protocol):
-    """Draws the finished relief of a style."""
+    """The finished relief of a style."""
 
-    def __call__(self, part: Shape, /, *, go_on: GoOn) -> Finished | None:
-        """That on a part, or None where it is not known beforehand; what `go_on` raises ends it."""
+    def __call__(self, part: Shape, /, *, go_on: GoOn) -> NDArray[np.float32] | None:
+        """That on a part [mm], shape [vertex_count], or None where it is not known beforehand; what `go_on` raises ends it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,13 +156,12 @@ class Workpiece:
 
     Attributes:
         surface: Standardised surface M_0.
-        tets: Tetrahedra of it, or of the finer one, displaced by `at`.
+        tets: Tetrahedra of it displaced by `at`.
         thickness: Local wall thickness [mm], shape [vertex_count].
         stands: Whether it rests on a flat face.
         notes: What a user should know about it, one sentence each.
-        at: Displacement its tetrahedra were made for [mm], shape [vertex_count], or [fine_count] of the finer one; None for none.
+        at: Displacement its tetrahedra were made for [mm], shape [vertex_count]; None for none.
         mass_gained: What strengthening added to it [g].
-        finer: Vertices asked of the surface in smaller faces whose relief its tetrahedra carry; 0 for `surface` itself.
     """
 
     surface: SurfaceMesh
@@ -185,17 +171,11 @@ class Workpiece:
     notes: tuple[str, ...] = ()
     at: NDArray[np.float32] | None = None
     mass_gained: float = 0.0
-    finer: int = 0
 
     @cached_property
     def shape(self) -> Shape:
         """Surface and walls."""
         return Shape(self.surface, self.thickness)
-
-    @property
-    def cut(self) -> Subdivided | None:
-        """The surface in smaller faces whose relief its tetrahedra carry, None for its own."""
-        return finer(self.surface, self.finer) if self.finer else None
 
 
 def cached_memo() -> Memo:
@@ -234,27 +214,21 @@ def prepare(
     stands = resting_face(surface) is not None
     notes = () if stands else ("it has no flat face to stand on, so its base is neither levelled nor protected",)
     stage("filling it with tetrahedra")
-    finished = None if relief is None else relief(Shape(surface, thickness), go_on=go_on)
-    if finished is None or not finished.relief.any():
+    whole = None if relief is None else relief(Shape(surface, thickness), go_on=go_on)
+    if whole is None or not whole.any():
         return Workpiece(surface, at_rest(surface, go_on), thickness, stands, notes)
-    solid, half = _carrying(surface, finished, go_on)
-    return Workpiece(surface, solid, thickness, stands, notes, half, finer=finished.finer)
-
-
-def _carrying(surface: SurfaceMesh, finished: Finished, go_on: GoOn) -> tuple[TetMesh, NDArray[np.float32]]:
-    """As `carrying`, of a finished relief."""
-    on = finer(surface, finished.finer).mesh if finished.finer else surface
-    return carrying(on, finished.relief, go_on, vertices=len(surface.vertices) if finished.finer else None)
+    solid, half = carrying(surface, whole, go_on)
+    return Workpiece(surface, solid, thickness, stands, notes, half)
 
 
 def refilled(part: Workpiece, relief: Relief, stage: Stage = say_nothing, go_on: GoOn = regardless) -> Workpiece:
     """A part with tetrahedra that carry another relief; as it is if that is not known. What `go_on` raises ends it."""
-    finished = relief(part.shape, go_on=go_on)
-    if finished is None or not finished.relief.any():
+    whole = relief(part.shape, go_on=go_on)
+    if whole is None or not whole.any():
         return part
     stage("filling it with tetrahedra")
-    tets, at = _carrying(part.surface, finished, go_on)
-    return replace(part, tets=tets, at=at, finer=finished.finer)
+    tets, at = carrying(part.surface, whole, go_on)
+    return replace(part, tets=tets, at=at)
 
 
 def standardised(mesh: SurfaceMesh, vertices: int, go_on: GoOn = regardless) -> SurfaceMesh:

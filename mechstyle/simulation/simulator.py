@@ -10,25 +10,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mechstyle.errors import MechStyleError, SimulationFailed
-from mechstyle.fea.criterion import measures
+from mechstyle.fea.criterion import exceedance, measures
 from mechstyle.fea.drop import Drop, drop
 from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.fea.orientations import Orientations, nearly, orientation_set
 from mechstyle.fea.statics.load_test import StaticTest
-from mechstyle.fea.surface_stress import SurfaceStress, worst
+from mechstyle.fea.surface_stress import Deciding, SurfaceStress, worst
 from mechstyle.fea.verdict import judge
 from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.morph import Morph, Morphed
-from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.geometry.resting_face import centre_of_mass
 from mechstyle.geometry.subdivision import Subdivided
 from mechstyle.geometry.transfer import Transfer
 from mechstyle.loop.objects import AT_REST, LAST_MESH, MESH, MESH_FOR, Memo
-from mechstyle.records import LoadResult, Measures, Recipe, Simulation, Verdict
+from mechstyle.records import Landing, LoadResult, Measures, Recipe, Simulation, Verdict
 from mechstyle.records.mesh import SurfaceMesh, TetMesh, digest_of
-from mechstyle.simulation.carrying import MORPHED, Carried, KeptMesh, at_rest, carried, carrying, made_for
-from mechstyle.simulation.finer import on_coarse
-from mechstyle.simulation.landings import landings, with_probability
+from mechstyle.simulation.carrying import MORPHED, Carried, KeptMesh, at_rest, carried, carrying
 from mechstyle.simulation.original import asked, beside
 from mechstyle.simulation.physics import PHYSICS_VERSION, memo_key, period_of, physics, prescribed
 
@@ -61,10 +58,9 @@ class DropSimulator:
         shared: Where the unstylized part's result is remembered for other runs too, once computed here; None for nowhere.
         device: `cpu` or `cuda`.
         progress: Called with the fraction done of the drop in hand, and while tetrahedra are made; may raise to cancel either.
-        at: Displacement of what they follow that the tetrahedra were made for [mm], shape [vertex_count] or [fine_count]; None for none.
+        at: Displacement the tetrahedra were made for [mm], shape [vertex_count]; None for none.
         settled: Whether it keeps to these tetrahedra whatever they carry.
-        finer: The surface in smaller faces, which the tetrahedra then follow: a relief is known at its vertices or, interpolated, at those
-            of the surface. None if they follow the surface itself.
+        coarser: The test of the surface that this one is subdivided from, which knows the unstylized part; None if it is not.
     """
 
     surface: SurfaceMesh
@@ -76,28 +72,13 @@ class DropSimulator:
     progress: Progress = field(default=no_progress)
     at: NDArray[np.float32] | None = None
     settled: bool = False
-    finer: Subdivided | None = None
+    coarser: DropSimulator | None = None
 
     def on(self, finer: Subdivided) -> DropSimulator:
-        """The same test on the same tetrahedra, which follow a finer surface, or one cut otherwise."""
-        if finer is self.finer:
-            return self
-        at = self.at
-        if at is not None and len(at) != len(finer.mesh.vertices):
-            there = TriangleTree(self._followed.vertices, self._followed.faces).interpolation(finer.mesh.vertices)
-            at = (there @ at).astype(np.float32)
-        return replace(self, at=at, finer=finer)
-
-    @property
-    def _followed(self) -> SurfaceMesh:
-        return self.surface if self.finer is None else self.finer.mesh
-
-    def _spread(self, displacement: NDArray[np.float32]) -> NDArray[np.float32]:
-        """A displacement of the surface, or of the finer one, as one of what the tetrahedra follow."""
-        return displacement if self.finer is None or len(displacement) == len(self._followed.vertices) else self.finer.spread(displacement)
-
-    def _morphed(self, displacement: NDArray[np.float32]) -> Morphed:
-        return self._morph.morphed(self._spread(displacement))
+        """The same test of the same part on a finer surface, which moves these very tetrahedra and is compared with the same original."""
+        recipe = msgspec.structs.replace(self.recipe, surface=finer.mesh.digest)
+        at = None if self.at is None else (finer.interpolation @ self.at).astype(np.float32)
+        return replace(self, surface=finer.mesh, recipe=recipe, at=at, settled=True, coarser=self)
 
     @cached_property
     def baseline(self) -> Simulation:
@@ -106,6 +87,8 @@ class DropSimulator:
         On those of a relief it would take three times the steps, because their triangles are flattened on the way back, and where some
         would be turned inside out a notch would be left over, which may bear several times what the original does.
         """
+        if self.coarser is not None:
+            return self.coarser.baseline
         return self.simulate(np.zeros(len(self.surface.vertices), np.float32), thorough=True)
 
     def judge(self, simulation: Simulation) -> Verdict:
@@ -114,6 +97,8 @@ class DropSimulator:
 
     def baseline_of(self, simulation: Simulation) -> Simulation:
         """What a simulation is compared with: the baseline, and where `original.asked` says so the original here, too."""
+        if self.coarser is not None:
+            return self.coarser.baseline_of(simulation)
         own, there, material = self.baseline, self._on(simulation.mesh), self.recipe.material
         made_for_it = there.tets.digest == simulation.mesh and there._made_for_relief  # noqa: SLF001 — another of this class
         # On tetrahedra that cannot come back to it the original stands on a few nodes and bears more, which would let the style bear more.
@@ -136,12 +121,11 @@ class DropSimulator:
     def simulate(self, displacement: NDArray[np.float32], *, thorough: bool) -> Simulation:
         """Drop the displaced part, as placed and tilted or (`thorough`) in all orientations, and load it; remembered by its inputs.
 
-        Fields are at the vertices that the displacement is known at; without any, at those of the surface. A thorough test rests on
-        tetrahedra that carry the relief: where these do not, the part is meshed again at half of that very relief. The unstylized part has
-        tetrahedra of its own: see `baseline`.
+        A thorough test rests on tetrahedra that carry the relief: where these do not, the part is meshed again at half of that very
+        relief. The unstylized part has tetrahedra of its own: see `baseline`.
         """
-        if not (np.any(displacement) or self._plain is self):
-            return self._plain.simulate(np.zeros(len(self.surface.vertices), np.float32), thorough=thorough)
+        if self._made_for_relief and not np.any(displacement):
+            return self._at_rest.simulate(displacement, thorough=thorough)
         key = self._key(displacement, thorough=thorough)
         memos = [self.memo] if np.any(displacement) or self._trusted is None else [self._trusted, self.memo]
         simulation = next((found for memo in memos if (found := memo.recall(key, Simulation)) is not None), None)
@@ -152,8 +136,7 @@ class DropSimulator:
             simulation = self._on_a_mesh_that_carries(displacement) if decides else self._on_morphed_mesh(displacement, thorough=thorough)
         for memo in memos:
             memo.remember(key, simulation)
-            if len(displacement) == len(self._followed.vertices):  # what the tets did follow has the same answer
-                memo.remember(self._key(simulation.displacement, thorough=thorough), simulation)
+            memo.remember(self._key(simulation.displacement, thorough=thorough), simulation)  # what the tets did follow has the same answer
         return simulation
 
     def _on_a_mesh_that_carries(self, displacement: NDArray[np.float32]) -> Simulation:
@@ -166,11 +149,10 @@ class DropSimulator:
     def carrier(self, displacement: NDArray[np.float32]) -> tuple[DropSimulator, str]:
         """The same test on tetrahedra that carry a relief [mm], shape [vertex_count], and how these came about, in words.
 
-        They are its own, those that were made last for such a relief, or new ones; meshing again for what they were made for, or a third
-        time, was never seen to carry more.
+        They are its own, those that were made last for such a relief, or new ones; meshing a third time was never seen to carry more.
         """
         here = self._carried(displacement)
-        if here.enough or made_for(self._morph, self._spread(displacement)):
+        if here.enough:
             return self, MORPHED
         last = self.memo.recall(self._last_mesh, str)
         if last is not None and (there := (again := self._on(last))._carried(displacement)).serves_instead_of(here):  # noqa: SLF001
@@ -186,8 +168,7 @@ class DropSimulator:
         name, objects = f"{MESH_FOR}{digest_of(displacement)}", self.memo.objects
         kept = self.memo.recall(name, KeptMesh)
         if kept is None:
-            vertices = None if self.finer is None else len(self.surface.vertices)
-            made, half = carrying(self._followed, self._spread(displacement), partial(self.progress, 0.0), vertices=vertices)
+            made, half = carrying(self.surface, displacement, partial(self.progress, 0.0))
             kept = KeptMesh(tets=objects.put_mesh(made), at=objects.put_array(half))
             self.memo.remember(name, kept)
         tets = objects.get_mesh(kept.tets, TetMesh)
@@ -200,7 +181,7 @@ class DropSimulator:
         kept = None if mesh in ("", self.tets.digest) else self.memo.recall(f"{MESH}{mesh}", KeptMesh)
         if kept is None:
             return self
-        tets, at = self.memo.objects.get_mesh(kept.tets, TetMesh), self._spread(self.memo.objects.get_array(kept.at))
+        tets, at = self.memo.objects.get_mesh(kept.tets, TetMesh), self.memo.objects.get_array(kept.at)
         return replace(self, tets=tets, at=at, recipe=msgspec.structs.replace(self.recipe, tetrahedra=tets.digest), settled=True)
 
     @property
@@ -208,20 +189,20 @@ class DropSimulator:
         return f"{LAST_MESH}{self.recipe.digest}"
 
     def _carried(self, displacement: NDArray[np.float32]) -> Carried:
-        return carried(self._morph, self._morphed(displacement), self._base)
+        return carried(self._morph, self._morph.morphed(displacement), self._base)
 
     def detail(self, displacement: NDArray[np.float32]) -> tuple[TetMesh, Detail]:
         """The morphed tetrahedra and the whole drop test in all orientations, with its history in time; remembered as well."""
-        if not (np.any(displacement) or self._plain is self):
-            return self._plain.detail(np.zeros(len(self.surface.vertices), np.float32))
+        if self._made_for_relief and not np.any(displacement):
+            return self._at_rest.detail(displacement)
         key = self._key(displacement, thorough=True)
-        morphed = self._morphed(displacement)
+        morphed = self._morph.morphed(displacement)
         detail = self.memo.recall(f"{key}-detail", Detail)
         if detail is None:
             self._static.check()
             result = self._drop(morphed.tets, thorough=True)
             balance = None if result.failure else self._balance_error(morphed.tets, result.phases[0][0].end)
-            detail = Detail(self._told(morphed, result, displacement), result, balance)
+            detail = Detail(self._told(morphed, result), result, balance)
             self.memo.remember(f"{key}-detail", detail)
             if not np.any(displacement):  # a relief may ask for other tetrahedra
                 self.memo.remember(key, detail.simulation)
@@ -245,24 +226,25 @@ class DropSimulator:
     def _key(self, displacement: NDArray[np.float32], *, thorough: bool) -> str:
         recipe = self.recipe
         drops = (recipe.tilts, recipe.poses, recipe.orientations) if thorough else (recipe.tilts,)
-        finer = () if self.finer is None else (len(self._followed.vertices),)
-        mesh = ("" if self.at is None else digest_of(self.at), self.settled, *finer)
+        mesh = ("" if self.at is None else digest_of(self.at), self.settled)
         return memo_key((PHYSICS_VERSION, self.device, *physics(recipe), recipe.loads, drops, mesh), displacement)
 
     @cached_property
     def _morph(self) -> Morph:
-        return Morph(self._followed, self.tets, self.at)
+        return Morph(self.surface, self.tets, self.at)
 
     @cached_property
     def _base(self) -> LevelBase:
-        return LevelBase(self._followed)
+        return LevelBase(self.surface)
 
     @cached_property
     def _transfer(self) -> Transfer:
-        return Transfer(self._followed.displaced(self._morph.at), self.tets, self.recipe.transfer)
+        return Transfer(self.surface.displaced(self._morph.at), self.tets, self.recipe.transfer)
 
     @cached_property
     def _reading(self) -> SurfaceStress:
+        if self.coarser is not None and self.coarser.tets is self.tets:
+            return self.coarser._reading  # noqa: SLF001 — as above
         return SurfaceStress(self._morph.finished)
 
     def _reading_of(self, body: TetMesh, relief: NDArray[np.float32]) -> SurfaceStress:
@@ -274,18 +256,15 @@ class DropSimulator:
     @cached_property
     def _orientations(self) -> Orientations:
         """Orientations of the unstylized part, so that both are compared in the same landings: as placed, tilted, then the others."""
+        if self.coarser is not None:
+            return self.coarser._orientations  # noqa: SLF001 — another of this class
         recipe, points = self.recipe, self.surface.vertices
         return nearly(orientation_set(recipe.poses, recipe.orientations, points, centre_of_mass(self.surface)), recipe.tilts)
 
     def _on_morphed_mesh(self, displacement: NDArray[np.float32], *, thorough: bool) -> Simulation:
-        morphed = self._morphed(displacement)
+        morphed = self._morph.morphed(displacement)
         self._static.check()  # before the long drop
-        return self._told(morphed, self._drop(morphed.tets, thorough=thorough), displacement)
-
-    @cached_property
-    def _plain(self) -> DropSimulator:
-        """What tests the unstylized part: this one, unless it is on tetrahedra of a relief or follows a finer surface."""
-        return self._at_rest if self._made_for_relief else self if self.finer is None else replace(self, at=None, finer=None)
+        return self._told(morphed, self._drop(morphed.tets, thorough=thorough))
 
     @cached_property
     def _at_rest(self) -> DropSimulator:
@@ -302,18 +281,15 @@ class DropSimulator:
         for one in (self.memo, memo):
             one.remember(name, one.objects.put_mesh(tets))
         recipe = msgspec.structs.replace(self.recipe, tetrahedra=tets.digest)  # those of another machine are for this run only
-        return replace(self, tets=tets, at=None, recipe=recipe, memo=memo, settled=True, finer=None)
+        return replace(self, tets=tets, at=None, recipe=recipe, memo=memo, settled=True)
 
-    def _told(self, morphed: Morphed, result: Drop, displacement: NDArray[np.float32]) -> Simulation:
-        """Result of the drop and the load cases on morphed tetrahedra, at the vertices the displacement is known at."""
-        found = self._under_loads(self._measured(morphed, result), morphed.tets)
-        if self.finer is None or len(displacement) == len(self._followed.vertices):
-            return found
-        return on_coarse(found, self.finer, found.displacement[: len(displacement)])
+    def _told(self, morphed: Morphed, result: Drop) -> Simulation:
+        """Result of the drop and the load cases on morphed tetrahedra."""
+        return self._under_loads(self._measured(morphed, result), morphed.tets)
 
     @cached_property
     def _static(self) -> StaticTest:
-        original = self._morphed(np.zeros(len(self.surface.vertices), np.float32)).tets
+        original = self._morph.morphed(np.zeros(len(self.surface.vertices), np.float32)).tets
         return StaticTest(original, self.recipe.loads, self.recipe.element)
 
     def _under_loads(self, dropped: Simulation, tets: TetMesh) -> Simulation:
@@ -349,6 +325,8 @@ class DropSimulator:
     @cached_property
     def _period(self) -> float | None:
         """Of `period_of`."""
+        if self.coarser is not None:
+            return self.coarser._period  # noqa: SLF001 — another of this class
         return period_of(lambda: self._at_rest.tets if self._made_for_relief else self.tets, self.recipe, self.memo, self._trusted)
 
     @property
@@ -358,7 +336,7 @@ class DropSimulator:
     def _measured(self, morphed: Morphed, result: Drop) -> Simulation:
         """Measures and surface fields of a drop; all zero, with the reason, for one that failed."""
         transfer, fit = self._transfer, carried(self._morph, morphed, self._base)
-        tets, zeros = morphed.tets, np.zeros(len(self._followed.vertices), np.float32)
+        tets, zeros = morphed.tets, np.zeros(len(self.surface.vertices), np.float32)
         nothing = Measures(peak=0.0, p999=0.0, p99=0.0, maximum=0.0, where=(0.0, 0.0, 0.0), volume=float(tets.volumes.sum()))
         several, tilts = len(result.von_mises) > 1 + self.recipe.tilts, slice(1, 1 + self.recipe.tilts)
         failed = Simulation(
@@ -378,15 +356,15 @@ class DropSimulator:
             return failed
         reading, stresses = self._reading_of(tets, morphed.displacement), zip(result.von_mises, result.corners, result.contact, strict=True)
         deciding = [reading.of_landing(tets, points, corners, touched) for points, corners, touched in stresses]
-        told = landings(self._orientations, tets, result, deciding)
+        landings = self._landings(tets, result, deciding)
         fields = np.stack([transfer.to_surface(one.field) for one in deciding])
         found = replace(
             failed,
             stress=fields[0],
             envelope=fields.max(axis=0),  # what each landing does in its own zones: no average is taken over maxima of several landings
             contact=transfer.to_surface(result.contact[0].astype(np.float64)) > 0.5,
-            as_placed=told[0].measures,
-            landings=told,
+            as_placed=landings[0].measures,
+            landings=landings,
         )
         if nearly_as_placed := deciding[tilts]:
             outside = np.stack([transfer.to_surface(one.outside) for one in nearly_as_placed])
@@ -395,4 +373,27 @@ class DropSimulator:
         if not several:
             return found
         found = replace(found, overall=measures(tets, result.von_mises.max(axis=0), worst(deciding)))
-        return with_probability(found, fields, self.recipe.material) if self.recipe.random_drops else found
+        if not self.recipe.random_drops:
+            return found
+        allowable, weights = self.recipe.material.yield_strength, self._orientations.weights
+        return replace(
+            found,
+            probability=exceedance(fields, weights, allowable).astype(np.float32),
+            failure_probability=float(exceedance([landing.measures.peak for landing in landings], weights, allowable)),
+        )
+
+    def _landings(self, tets: TetMesh, result: Drop, deciding: list[Deciding]) -> tuple[Landing, ...]:
+        """Measures and phases of each landing."""
+        ways, known = self._orientations, (result.von_mises, deciding, result.phases, result.endings)
+        drops = zip(ways.names, ways.normals, ways.weights, *known, strict=False)  # as placed may be all
+        return tuple(
+            Landing(
+                name=name,
+                normal=(float(x), float(y), float(z)),
+                weight=float(weight),
+                measures=measures(tets, stress, one),
+                touches=tuple(phase.speed for phase in phases),
+                ended=ended,
+            )
+            for name, (x, y, z), weight, stress, one, phases, ended in drops
+        )

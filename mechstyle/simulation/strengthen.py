@@ -189,7 +189,7 @@ def strengthened(
     def asking(_fraction: float) -> None:
         go_on()
 
-    simulator = DropSimulator(part.surface, part.tets, plain, memo, memo, where, asking, at=part.at, finer=part.cut)
+    simulator = DropSimulator(part.surface, part.tets, plain, memo, memo, where, asking, at=part.at)
     free = _freedom(part, recipe)
     added = np.zeros(len(part.surface.vertices), np.float32)
     stage("testing the part as it came")

@@ -147,11 +147,6 @@ class ProceduralStylizer:
         self._reference = mean_square**0.5 if mean_square > 0 else 1.0
         self.start_from(np.zeros(len(mesh.vertices)), np.full((len(mesh.vertices), 3), NEUTRAL))
 
-    @property
-    def target(self) -> NDArray[np.float32]:
-        """The displacement it goes towards [mm], shape [n]."""
-        return self._target[0].astype(np.float32)
-
     def proposal(self) -> Proposal:
         """The current proposal; at first no displacement and a neutral light grey."""
         return Proposal(self._displacement, self._colour)

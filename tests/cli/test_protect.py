@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from mechstyle.geometry.subdivision import MOST_PARTS
+from mechstyle.runs.refine import MOST_PARTS
 from mechstyle.runs.run import Run
 
 

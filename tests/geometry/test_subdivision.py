@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mechstyle.geometry.subdivision import finer, halved, refined_to, subdivided
+from mechstyle.geometry.subdivision import halved, refined_to, subdivided
 
 
 def test_normals_of_coarse_vertices_stay_what_they_were(cup):
@@ -33,24 +33,6 @@ def test_the_nearest_coarse_vertex_is_that_of_the_largest_weight(cup):
     ends = fine.interpolation[on_edges].indices.reshape(-1, 2)
     away = np.linalg.norm(fine.mesh.vertices[on_edges][:, None] - cup.vertices[ends], axis=2)
     assert there[on_edges] == pytest.approx(away.min(axis=1))
-
-
-def test_values_go_to_the_finer_surface_and_their_peaks_come_back(cup):
-    fine, count = subdivided(cup, 3), len(cup.vertices)
-    spread = fine.spread(cup.vertices)
-    assert (spread.dtype, spread.shape) == (np.float32, (len(fine.mesh.vertices), 3))
-    assert spread == pytest.approx(fine.mesh.vertices, abs=1e-4)
-    peaks = np.zeros(len(fine.mesh.vertices))
-    peaks[-1] = 7.0  # in the middle of a face
-    found = fine.largest_near(peaks)
-    assert found.shape == (count,)
-    assert np.flatnonzero(found).tolist() == [fine.nearest[-1]]
-    assert found.max() == 7.0
-
-
-def test_the_last_finer_surface_is_remembered(cup):
-    assert finer(cup, 5000) is finer(cup, 5000)
-    assert len(finer(cup, 20_000).mesh.vertices) > len(finer(cup, 5000).mesh.vertices)
 
 
 def test_the_longest_edges_are_halved_and_none_shares_a_face(cup):

@@ -268,15 +268,15 @@ def test_the_first_edge_length_is_the_root_with_faces_of_that_edge(cup):
     assert 9 * cup.volume / edge**3 + faces / 2 == pytest.approx(4000.0)
 
 
-def test_triangles_that_are_to_be_kept_are_kept_or_given_up_where_they_are_needed_least(block):
+def test_triangles_that_are_to_be_kept_are_kept_or_given_up_where_they_are_needed_least(block, monkeypatch):
     x, _, z = block.vertices.T
     relief = np.where(z > 19.9, 0.2 * np.sin(1.5 * x), 0.0)
     ridged, exaggerated = block.displaced(0.5 * relief), block.displaced(4.0 * relief)
-    assert len(module._kept(ridged, module.Kept(exaggerated), 0.2, 1.0, regardless).faces) == len(ridged.faces)
-    half = len(ridged.faces) // 2
-    fewer = module._kept(ridged, module.Kept(exaggerated, half), 0.2, 1.0, regardless)
+    assert len(module._kept(ridged, exaggerated, 0.2, 1.0, regardless).faces) == len(ridged.faces)
+    monkeypatch.setattr(module, "KEPT", len(ridged.faces) // 2)
+    fewer = module._kept(ridged, exaggerated, 0.2, 1.0, regardless)
     assert fewer.is_closed
-    assert len(fewer.faces) <= half
+    assert len(fewer.faces) <= module.KEPT
     assert fewer.volume == pytest.approx(ridged.volume, rel=0.01)
     assert fewer.vertices[:, 2].max() == pytest.approx(ridged.vertices[:, 2].max(), abs=0.05), "as high as the surface, not as exaggerated"
     high = np.mean(fewer.vertices[:, 2] > 19.0), np.mean(ridged.vertices[:, 2] > 19.0)
@@ -291,17 +291,17 @@ def test_a_relief_of_the_surface_itself_keeps_its_triangles(embossed):
     assert len(own.vertices) > 0.95 * len(styled.vertices)
 
 
-def test_a_relief_is_exaggerated_no_further_than_the_shape_of_the_part_allows(block):
+def test_a_relief_is_exaggerated_no_further_than_the_shape_of_the_part_allows(block, monkeypatch):
     """A lampshade lost 0.9 mm of a rim of 2 mm to the triangles that its bricks were given."""
     x, y, z = block.vertices.T
     knob = 0.6 * np.exp(-((y - y.mean()) ** 2 + (z - z.mean()) ** 2) / 2.0) * (x > x.max() - 1e-6)
     relief = np.where(z > z.max() - 0.1, 0.2 * np.sin(1.5 * x) * np.sin(1.7 * y), 0.0)
     knobbed = block.displaced(knob)
     exaggerated = knobbed.moved(knobbed.vertices + block.vertex_normals * (60.0 * relief)[:, None])
-    keep = module.Kept(exaggerated, len(block.faces) // 16)
+    monkeypatch.setattr(module, "KEPT", len(block.faces) // 16)
 
     def lost(detail):
-        fewer = module._kept(knobbed, keep, 0.0, detail, regardless)
+        fewer = module._kept(knobbed, exaggerated, 0.0, detail, regardless)
         return TriangleTree(fewer.vertices, fewer.faces).nearest(knobbed.vertices).distance.max()
 
     assert lost(np.inf) > 0.3

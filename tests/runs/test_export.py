@@ -19,15 +19,14 @@ from manifold3d import CrossSection, Manifold
 from mechstyle.errors import BadInput
 from mechstyle.geometry.remesh import surface_of
 from mechstyle.geometry.self_intersections import crossings
-from mechstyle.geometry.subdivision import MOST_PARTS, Subdivided, subdivided
+from mechstyle.geometry.subdivision import Subdivided, subdivided
 from mechstyle.geometry.untangling import untangled
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs import refine as module
 from mechstyle.runs.export import COARSE, NOT_DROPPED, Exported, sidecar, unsimulated
 from mechstyle.runs.printing import Printing
-from mechstyle.runs.refine import INTERPOLATED
+from mechstyle.runs.refine import INTERPOLATED, MOST_PARTS
 from mechstyle.runs.run import Run, stylize
-from mechstyle.simulation.finer import on_coarse
 from mechstyle.styling.drawn import ProceduralStylizer, Target
 from support.records import simulation
 
@@ -413,9 +412,9 @@ def test_a_peak_between_the_vertices_of_the_loop_is_lowered_where_it_is():
     count = len(cut.mesh.vertices)
     stress = np.full(count, 10.0, np.float32)
     stress[-1] = 50.0
-    found = on_coarse(
+    found = module._of_the_loop(
         simulation(**dict.fromkeys(("displacement", "envelope", "probability"), np.zeros(count)), stress=stress, contact=stress > 20.0),
-        cut, np.zeros(8, np.float32),
+        np.zeros(8, np.float32), cut,
     )  # fmt: skip
     assert found.stress.max() == 50.0
     assert np.flatnonzero(found.stress > 20.0).tolist() == [cut.nearest[-1]]

@@ -11,10 +11,9 @@ from manifold3d import Manifold
 from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.morph import Morph
 from mechstyle.geometry.remesh import standardise, surface_of
-from mechstyle.geometry.subdivision import finer
 from mechstyle.geometry.tetrahedra import VOLUME_ERROR
-from mechstyle.simulation.carrying import LEAST_CARRIED, Carried, carried, carrying, made_for
-from mechstyle.simulation.part import Finished, Workpiece, refilled
+from mechstyle.simulation.carrying import LEAST_CARRIED, Carried, carried, carrying
+from mechstyle.simulation.part import Workpiece, refilled
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +48,7 @@ def test_a_base_that_is_laid_flat_but_left_hanging_is_not_carried(slab, relief, 
     morph, base = Morph(slab, made, half), LevelBase(slab)
     flat = np.where(base.standing, np.float32(0.0), relief)
     followed = morph.morphed(flat)
-    assert carried(morph, followed, base).stands >= LEAST_CARRIED
+    assert carried(morph, followed, base).stands > 0.95
     hanging = replace(followed, followed=np.where(base.standing & (slab.vertices[:, 0] > 12.0), np.float32(-0.2), followed.followed))
     fit = carried(morph, hanging, base)
     assert 0.3 < fit.stands < 0.7
@@ -87,36 +86,11 @@ def test_a_part_is_filled_again_for_another_relief_and_left_alone_where_it_is_no
     tets, half = filled
     part = Workpiece(slab, tets, np.full(len(slab.vertices), 6.0, np.float32), True, at=half)
     assert refilled(part, lambda _, **__: None) is part
-    again = refilled(part, lambda _, **__: Finished(relief))
+    again = refilled(part, lambda _, **__: relief)
     assert again.tets.digest == tets.digest, "cached by content"
-    other = refilled(part, lambda _, **__: Finished(0.5 * relief))
+    other = refilled(part, lambda _, **__: 0.5 * relief)
     assert other.tets.digest != tets.digest
     assert other.at == pytest.approx(0.25 * relief)
-
-
-def test_a_relief_that_is_known_finer_is_carried_by_no_more_triangles_and_to_a_greater_part(slab):
-    """Of a wall hook in brick, delivered at 100 000 vertices, tetrahedra of the run's surface carried .84, and of the delivered one .90."""
-
-    def ribs(mesh):
-        return np.where(np.sin(2.6 * mesh.vertices[:, 0]) > 0.4, 0.5, 0.0).astype(np.float32)
-
-    fine, few = finer(slab, 12_000), len(slab.vertices)
-    known = {"coarse": (slab, ribs(slab), None), "fine": (fine.mesh, ribs(fine.mesh), few)}
-    shares, counts = [], []
-    for mesh, relief, vertices in known.values():
-        tets, half = carrying(mesh, relief, vertices=vertices)
-        morph = Morph(fine.mesh, tets, fine.spread(half) if vertices is None else half)
-        shares.append(carried(morph, morph.morphed(ribs(fine.mesh)), LevelBase(fine.mesh)).whole)
-        counts.append(len(tets.tets))
-    assert shares[1] > shares[0] + 0.03
-    assert counts[1] < 1.7 * counts[0], "the fine surface has eight times as many triangles"
-
-
-@pytest.mark.parametrize(("share", "told"), [(0.5, False), (0.8, True), (1.0, True), (1.3, True), (2.0, False), (-1.0, False)])
-def test_a_relief_tetrahedra_were_made_for_half_of_is_known_again(slab, relief, filled, share, told):
-    tets, half = filled
-    assert made_for(Morph(slab, tets, half), np.float32(share) * relief) == told
-    assert not made_for(Morph(slab, tets), relief), "those of the part at rest were made for none"
 
 
 def test_a_run_that_is_told_to_stop_does_not_wait_for_the_mesh(slab, monkeypatch, tmp_path):

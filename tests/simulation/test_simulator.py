@@ -11,8 +11,7 @@ import trimesh
 
 from mechstyle.errors import SimulationFailed
 from mechstyle.geometry.level_base import LevelBase
-from mechstyle.geometry.subdivision import finer
-from mechstyle.geometry.tetrahedra import VOLUME_ERROR, Kept, tetrahedralise
+from mechstyle.geometry.tetrahedra import VOLUME_ERROR, tetrahedralise
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.simulation import simulator as module
@@ -126,7 +125,7 @@ def test_a_lower_gap_under_a_part_carries_no_more_but_standing_on_more_does(memo
     middle, standing = np.hypot(surface.vertices[:, 0], surface.vertices[:, 1]), LevelBase(surface).standing
     gap = np.where(standing & (middle > 3.0), -0.3, 0.0).astype(np.float32)
     half = np.float32(0.5) * gap
-    tets = tetrahedralise(surface.displaced(half), 1500, keep=Kept(surface.displaced(2.0 * gap)))
+    tets = tetrahedralise(surface.displaced(half), 1500, keep=surface.displaced(2.0 * gap))
     sim = replace(simulator((surface, tets), memo), at=half, settled=True)
     gaps = (gap, np.float32(0.5) * gap, np.where(middle < 8.0, np.float32(0.0), gap))
     whole, lower, wider = (sim.simulate(displacement, thorough=False) for displacement in gaps)
@@ -170,7 +169,7 @@ def test_the_original_is_dropped_on_its_own_tets_and_beside_a_part_that_fails_on
 
 def test_the_tets_of_a_relief_are_taken_for_the_next_that_they_carry(block, memo, monkeypatch):
     asked, real = [], module.carrying
-    monkeypatch.setattr(module, "carrying", lambda *given, **named: asked.append(1) or real(*given, **named))
+    monkeypatch.setattr(module, "carrying", lambda *given: asked.append(1) or real(*given))
     sim = simulator(block, memo, orientations=1)
     first = sim.simulate(ripples(block), thorough=True)
     lower = sim.simulate(0.8 * ripples(block), thorough=True)
@@ -195,57 +194,6 @@ def test_a_run_on_tets_made_for_its_relief_needs_no_others(block, memo):
     result = sim.simulate(ripples(block), thorough=True)
     assert (result.meshing, result.mesh) == ("morphed", tets.digest)
     assert min(result.carried, result.carried_base) >= LEAST_CARRIED
-
-
-@pytest.fixture
-def finely(block, memo):
-    """A drop test of the block whose tetrahedra carry a relief that is known on a finer surface, and that relief."""
-    cut = finer(block[0], 1200)
-    relief = ripples((cut.mesh,))
-    tets, at = carrying(cut.mesh, relief, vertices=len(block[0].vertices))
-    return replace(simulator((block[0], tets), memo, orientations=1), at=at, finer=cut), relief
-
-
-def test_a_relief_may_be_known_on_a_finer_surface_and_at_the_vertices_of_the_part(block, finely):
-    sim, relief = finely
-    count = len(block[0].vertices)
-    fine, coarse = (sim.simulate(given, thorough=False) for given in (relief, relief[:count]))
-    assert (len(fine.stress), len(coarse.stress)) == (len(relief), count)
-    assert fine.mesh == coarse.mesh == sim.tets.digest
-    assert np.mean(coarse.displacement == relief[:count]) > 0.9, "all but what a tetrahedron would be spoilt by"
-    spread = sim.simulate(sim.finer.spread(relief[:count]), thorough=False)
-    assert spread.as_placed == coarse.as_placed, "between its vertices the relief of the part is interpolated"
-    assert coarse.stress.max() == spread.stress.max(), "no peak is lost between the vertices"
-    assert spread.as_placed != fine.as_placed
-    again = replace(sim).simulate(relief[:count], thorough=False)
-    assert np.array_equal(again.stress, coarse.stress)
-
-
-def test_the_original_is_that_of_the_part_whatever_its_relief_is_known_on(block, finely, memo):
-    sim, relief = finely
-    plain = replace(simulator((block[0], sim.tets), memo, orientations=1), at=sim.at[: len(block[0].vertices)])
-    assert sim.baseline.as_placed == plain.baseline.as_placed
-    assert len(sim.baseline.stress) == len(block[0].vertices)
-    none = sim.simulate(np.zeros_like(relief), thorough=True)
-    assert len(none.stress) == len(block[0].vertices)
-    assert none.as_placed == sim.baseline.as_placed
-    assert len(sim._without_relief.stress) == len(block[0].vertices)
-    assert sim.judge(sim.simulate(relief, thorough=True)).as_placed.limit > 0.0
-
-
-def test_tets_of_one_finer_surface_follow_another(finely):
-    """A branch may ask for more vertices than the run that the tetrahedra were made for."""
-    sim, _ = finely
-    assert sim.on(sim.finer) is sim
-    other = sim.on(finer(sim.surface, 3000))
-    assert len(other.at) > len(sim.at)
-    assert other._morph.morphed(other.at).tets.digest == sim.tets.digest
-    spread = other.finer.spread(ripples((sim.surface,)))
-    assert carried_share(other, spread) == pytest.approx(carried_share(sim, sim.finer.spread(ripples((sim.surface,)))), abs=0.03)
-
-
-def carried_share(sim, relief):
-    return sim._carried(relief).whole
 
 
 def test_stress_is_read_on_the_sides_of_the_finished_relief_and_without_one_on_those_of_the_mesh_as_made(block, memo, monkeypatch):
