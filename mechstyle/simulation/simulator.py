@@ -189,14 +189,14 @@ class DropSimulator:
         return f"{LAST_MESH}{self.recipe.digest}"
 
     def _carried(self, displacement: NDArray[np.float32]) -> Carried:
-        return carried(self._morph, self._morph.morphed(displacement), self._base)
+        return carried(self.morph, self.morph.morphed(displacement), self._base)
 
     def detail(self, displacement: NDArray[np.float32]) -> tuple[TetMesh, Detail]:
         """The morphed tetrahedra and the whole drop test in all orientations, with its history in time; remembered as well."""
         if self._made_for_relief and not np.any(displacement):
             return self._at_rest.detail(displacement)
         key = self._key(displacement, thorough=True)
-        morphed = self._morph.morphed(displacement)
+        morphed = self.morph.morphed(displacement)
         detail = self.memo.recall(f"{key}-detail", Detail)
         if detail is None:
             self._static.check()
@@ -230,7 +230,8 @@ class DropSimulator:
         return memo_key((PHYSICS_VERSION, self.device, *physics(recipe), recipe.loads, drops, mesh), displacement)
 
     @cached_property
-    def _morph(self) -> Morph:
+    def morph(self) -> Morph:
+        """What moves the tetrahedra with the surface."""
         return Morph(self.surface, self.tets, self.at)
 
     @cached_property
@@ -239,13 +240,13 @@ class DropSimulator:
 
     @cached_property
     def _transfer(self) -> Transfer:
-        return Transfer(self.surface.displaced(self._morph.at), self.tets, self.recipe.transfer)
+        return Transfer(self.surface.displaced(self.morph.at), self.tets, self.recipe.transfer)
 
     @cached_property
     def _reading(self) -> SurfaceStress:
         if self.coarser is not None and self.coarser.tets is self.tets:
             return self.coarser._reading  # noqa: SLF001 — as above
-        return SurfaceStress(self._morph.finished)
+        return SurfaceStress(self.morph.finished)
 
     def _reading_of(self, body: TetMesh, relief: NDArray[np.float32]) -> SurfaceStress:
         """What reads the stress of a body: on the sides of its finished relief or, if it is not known, its own; without any of the mesh."""
@@ -262,7 +263,7 @@ class DropSimulator:
         return nearly(orientation_set(recipe.poses, recipe.orientations, points, centre_of_mass(self.surface)), recipe.tilts)
 
     def _on_morphed_mesh(self, displacement: NDArray[np.float32], *, thorough: bool) -> Simulation:
-        morphed = self._morph.morphed(displacement)
+        morphed = self.morph.morphed(displacement)
         self._static.check()  # before the long drop
         return self._told(morphed, self._drop(morphed.tets, thorough=thorough))
 
@@ -289,7 +290,7 @@ class DropSimulator:
 
     @cached_property
     def _static(self) -> StaticTest:
-        original = self._morph.morphed(np.zeros(len(self.surface.vertices), np.float32)).tets
+        original = self.morph.morphed(np.zeros(len(self.surface.vertices), np.float32)).tets
         return StaticTest(original, self.recipe.loads, self.recipe.element)
 
     def _under_loads(self, dropped: Simulation, tets: TetMesh) -> Simulation:
@@ -335,7 +336,7 @@ class DropSimulator:
 
     def _measured(self, morphed: Morphed, result: Drop) -> Simulation:
         """Measures and surface fields of a drop; all zero, with the reason, for one that failed."""
-        transfer, fit = self._transfer, carried(self._morph, morphed, self._base)
+        transfer, fit = self._transfer, carried(self.morph, morphed, self._base)
         tets, zeros = morphed.tets, np.zeros(len(self.surface.vertices), np.float32)
         nothing = Measures(peak=0.0, p999=0.0, p99=0.0, maximum=0.0, where=(0.0, 0.0, 0.0), volume=float(tets.volumes.sum()))
         several, tilts = len(result.von_mises) > 1 + self.recipe.tilts, slice(1, 1 + self.recipe.tilts)

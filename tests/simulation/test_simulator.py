@@ -204,7 +204,7 @@ def test_stress_is_read_on_the_sides_of_the_finished_relief_and_without_one_on_t
     sim = replace(simulator((block[0], tets), memo, orientations=1), at=at)
     sim.simulate(ripples(block), thorough=True)
     assert len(read) == 1
-    assert read[0].digest == sim._morph.morphed(ripples(block)).tets.digest != tets.digest
+    assert read[0].digest == sim.morph.morphed(ripples(block)).tets.digest != tets.digest
     assert sim._without_relief.displacement.max() == 0.0
     assert [one.digest for one in read[1:]] == [tets.digest]
 
@@ -215,7 +215,7 @@ def test_on_tets_of_the_part_at_rest_stress_is_read_on_the_sides_of_the_body_tha
     monkeypatch.setattr(module, "SurfaceStress", lambda tets: read.append(tets) or real(tets))
     sim = simulator(block, memo, orientations=1)
     sim.simulate(bumps(block), thorough=False)
-    assert [one.digest for one in read] == [sim._morph.morphed(bumps(block)).tets.digest]
+    assert [one.digest for one in read] == [sim.morph.morphed(bumps(block)).tets.digest]
     assert read[0].digest != block[1].digest
 
 
