@@ -13,14 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mechstyle.geometry.going_on import GoOn, regardless
-from mechstyle.geometry.level_base import LevelBase
+from mechstyle.geometry.level_base import WHOLLY, LevelBase
 from mechstyle.geometry.subdivision import Subdivided
 from mechstyle.loop import correction
 from mechstyle.loop.bounds import Bounds, advanced, unrestrained
 from mechstyle.loop.engine import STEP_LIMIT, STYLE_FIELDS, Stylizer
 from mechstyle.loop.objects import Objects
 from mechstyle.records import Checkpoint, Recipe
-from mechstyle.records.mesh import Field
+from mechstyle.records.mesh import Bools, Field
 from mechstyle.runs.plugins import made
 from mechstyle.runs.stylizers import drawing_of, drawn
 from mechstyle.simulation.part import Workpiece, bounds_for
@@ -89,6 +89,7 @@ class Twin:
         if not relief.any():
             return np.zeros_like(finer)
         kept = finer * self._spread(correction.left(reached, relief))
+        kept[self._laid_flat(reached, relief)] = 0.0
         if self._drawn is None or not np.any(np.abs(relief) > np.abs(reached)):
             return kept
         coarse, fine = self._drawn
@@ -96,6 +97,16 @@ class Twin:
         asked = unrestrained(fine.proposal().displacement, self.bounds, recipe)
         share = self._spread(correction.given_back(reached, relief, wanted))
         return np.asarray(kept + share * correction.missing(finer, asked), np.float32)
+
+    def _laid_flat(self, reached: Field, relief: Field) -> Bools:
+        """Whether a vertex of the twin lies between some that a correction laid flat under the part, shape [fine_count].
+
+        Of a level base the highest areas had no relief to be taken; drawn finer, what lies between them has.
+        """
+        standing = self._bounds.standing
+        if not np.any(standing & (relief == 0.0) & (reached != 0.0)):
+            return np.zeros(len(self.displacement), bool)
+        return self._spread(np.asarray(standing & (relief == 0.0), np.float32)) > WHOLLY
 
     def coloured(self, last: Checkpoint, recipe: Recipe) -> Field:
         """Display RGB of the twin, shape [fine_count, 3]: drawn anew, but interpolated where it was learnt or the part keeps its own."""

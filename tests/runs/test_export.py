@@ -293,6 +293,20 @@ def test_what_was_taken_back_is_taken_back_from_the_twin(run):
     assert grown[(of == 0.0) & moved].any()
 
 
+def test_what_is_laid_flat_under_the_part_is_flat_between_the_vertices_too(run):
+    """Of a level base the highest areas have no relief in the loop; between them the finer drawing has, and it stayed when all was laid flat."""
+    twin, (start, first) = Twin(run.part, subdivided(run.part.surface)), (run.checkpoint(0), run.checkpoint(1))
+    standing = run.part.shape.level_base.standing
+    level = np.where(standing & (np.arange(len(standing)) % 3 == 0), np.float32(0.0), first.displacement)
+    twin.follow(start, replace(first, displacement=level), run.recipe)
+    twin._grown = level, twin._grown[1]
+    between = twin.cut.interpolation @ standing.astype(np.float32) > 0.999
+    assert twin.displacement[between].any()
+    twin.follow(first, replace(first, displacement=np.where(standing, np.float32(0.0), level)), run.recipe)
+    assert not twin.displacement[between].any()
+    assert twin.displacement[~between].any()
+
+
 def test_what_was_given_back_is_given_back_to_the_twin_as_it_would_have_been_drawn(run):
     """Held back to a quarter and given all of it back, the twin is what it is without restraint, between the loop's vertices, too."""
     free, held = (Twin(run.part, subdivided(run.part.surface)) for _ in range(2))
