@@ -294,7 +294,7 @@ def test_what_was_taken_back_is_taken_back_from_the_twin(run):
 
 
 def test_what_is_laid_flat_under_the_part_is_flat_between_the_vertices_too(run):
-    """Of a level base the highest areas have no relief in the loop; between them the finer drawing has, and it stayed when all was laid flat."""
+    """Of a level base the highest areas have no relief in the loop; between them the finer drawing has, and it stayed."""
     twin, (start, first) = Twin(run.part, subdivided(run.part.surface)), (run.checkpoint(0), run.checkpoint(1))
     standing = run.part.shape.level_base.standing
     level = np.where(standing & (np.arange(len(standing)) % 3 == 0), np.float32(0.0), first.displacement)
