@@ -5,6 +5,7 @@ from __future__ import annotations
 import msgspec
 import numpy as np
 
+from mechstyle.errors import BadInput
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.geometry.self_intersections import crossings
 from mechstyle.geometry.thickness import wall_thickness
@@ -63,7 +64,12 @@ def quality(original: SurfaceMesh, styled: SurfaceMesh, density: float, *, devic
         styled: The same faces on displaced vertices.
         density: Density of the material [g/mm³].
         device: Warp device of the searches.
+
+    Raises:
+        BadInput: If the original encloses nothing.
     """
+    if not original.volume > 0.0:
+        raise BadInput("the unstylized part encloses nothing, so nobody can print it: begin the run again with a part that is closed")
     trees = [TriangleTree(mesh.vertices, mesh.faces, device) for mesh in (original, styled)]
     before, after = (np.sort(mesh.dilated(wall_thickness(mesh, tree))) for mesh, tree in zip((original, styled), trees, strict=True))
     one_percent = len(before) // 100
