@@ -85,15 +85,17 @@ def factor(value: float | None) -> str:
 
 
 def table(*columns: str, title: str = "", width: int | None = None) -> Table:
-    """A table in the house style; on a narrow terminal headings take a line for each word, so that no word is broken.
+    """A table in the house style; on a narrow terminal headings take a line for each word, many columns stand closer: no word is broken.
 
     Args:
         columns: Headings.
         title: What stands above it.
         width: Width of the terminal [characters], by default that of standard output.
     """
-    made = Table(title=title or None, title_justify="left", header_style="bold", box=None, pad_edge=False, padding=(0, 2, 0, 0))
-    narrow = (out.width if width is None else width) < 100
+    many = len(columns) > 8
+    narrow = (out.width if width is None else width) < (120 if many else 100)
+    gap = 1 if narrow and many else 2
+    made = Table(title=title or None, title_justify="left", header_style="bold", box=None, pad_edge=False, padding=(0, gap, 0, 0))
     for column in columns:
         made.add_column("\n".join(column.split()) if narrow else column, overflow="fold")
     return made
