@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import json
 import sys
 import unicodedata
 import warnings
@@ -32,8 +33,13 @@ COLOURS = {"VIABLE": "green", "FAILS": "red", "UNKNOWN": "yellow"}
 
 
 def print_json(value: object) -> None:
-    """Print one JSON object on stdout."""
-    sys.stdout.write(msgspec.json.format(msgspec.json.encode(value, enc_hook=str), indent=2).decode() + "\n")
+    """Print one JSON object on stdout; signs that its encoding lacks, as cp1252 does ρ, are escaped, so that it stays the same JSON."""
+    text = msgspec.json.format(msgspec.json.encode(value, enc_hook=str), indent=2).decode() + "\n"
+    try:
+        text.encode(sys.stdout.encoding or "utf-8")
+    except UnicodeEncodeError:
+        text = json.dumps(json.loads(text), indent=2) + "\n"
+    sys.stdout.write(text)
 
 
 def command(function: Callable[P, R]) -> Callable[P, R]:
