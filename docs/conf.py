@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import furo
 from docutils import nodes
 from docutils.utils.math.latex2mathml import tex2mathml
 
@@ -18,12 +19,15 @@ sys.path.insert(0, str(ROOT / "docs" / "site"))
 sys.path.insert(0, str(ROOT))
 
 import generated  # noqa: E402 — of the folder that has just been named
+import page  # noqa: E402 — likewise
 
 import mechstyle  # noqa: E402
 
 EXECUTE = os.environ.get("MECHSTYLE_DOCS_EXECUTE", "cache")
 """`cache` runs each notebook once, and again when its code changes; `off` shows what is stored in them."""
 CACHE = ROOT / "build" / "docs-cache"
+POLICY = page.policy((Path(furo.__file__).parent / "theme" / "furo" / "base.html").read_text(encoding="utf-8"))
+"""The theme makes a page dark by a script in the page, before it is seen."""
 
 project = "MechStyle"
 release = version = mechstyle.__version__
@@ -32,7 +36,7 @@ root_doc = "docs/index"
 include_patterns = ["docs/*.md", "notebooks/**", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md"]
 exclude_patterns = ["build", ".*", "**/.*", "**/node_modules", "notebooks/slides"]
 extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx.ext.viewcode"]
-suppress_warnings = ["mystnb.unknown_mime_type"]  # live widgets, beside which a picture is kept
+suppress_warnings = ["mystnb.unknown_mime_type"]  # figures to turn, beside which a picture is kept
 smartquotes = False  # two hyphens begin an option
 
 html_theme = "furo"
@@ -70,9 +74,9 @@ napoleon_numpy_docstring = False
 napoleon_use_ivar = True
 
 
-def filled(_app: Any, page: str, source: list[str]) -> None:
+def filled(_app: Any, name: str, source: list[str]) -> None:
     """Put what is generated where a page asks for it, and the words of a figure where myst-nb looks for them."""
-    if (ROOT / f"{page}.ipynb").is_file():
+    if (ROOT / f"{name}.ipynb").is_file():
         source[0] = with_words(source[0])
         return
     for marker, made in generated.PAGES.items():
@@ -91,20 +95,35 @@ def with_words(text: str) -> str:
 
 def formula(self: Any, node: nodes.math) -> None:
     """A formula within a line."""
-    self.body.append(tex2mathml(node.astext()))
+    self.body.append(page.with_roots(tex2mathml(node.astext())))
     raise nodes.SkipNode
 
 
 def formulas(self: Any, node: nodes.math_block) -> None:
     """A formula on a line of its own."""
-    self.body.append(f'<div class="math">{tex2mathml(node.astext(), as_block=True)}</div>')
+    self.body.append(f'<div class="math">{page.with_roots(tex2mathml(node.astext(), as_block=True))}</div>')
     raise nodes.SkipNode
+
+
+def without_widgets(app: Any, document: nodes.document) -> None:
+    """A sentence for each live widget, and none of their state, which is megabytes that nothing on a page reads."""
+    getattr(app.env, "nb_metadata", {}).get(app.env.docname, {}).pop("js_files", None)
+    for shown in document.findall(nodes.container):
+        if shown.get("mime_type") == page.WIDGET:
+            shown.children = [nodes.paragraph("", "", nodes.emphasis("", page.LIVE))]
+
+
+def sealed(_app: Any, _name: str, _template: str, context: dict[str, Any], _document: nodes.document | None) -> None:
+    """A page that loads nothing from elsewhere."""
+    context["metatags"] = POLICY + context.get("metatags", "")
 
 
 def setup(app: Any) -> None:
     """Tell Sphinx of the above."""
     app.add_html_math_renderer("mathml", (formula, None), (formulas, None))
     app.connect("source-read", filled)
+    app.connect("doctree-read", without_widgets)
+    app.connect("html-page-context", sealed)
     (CACHE / "extra").mkdir(parents=True, exist_ok=True)
     if EXECUTE != "off":
         generated.report(CACHE)

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import io
 import signal
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Annotated, Any
 
 import typer
@@ -11,6 +15,12 @@ from typer.core import TyperGroup
 
 from mechstyle import __version__
 from mechstyle.cli import ablation, demo, doctor, inspect_run, keep, lists, orient, protect, report, run, simulate, study, validate, weights
+from mechstyle.cli.console import print_json
+
+UsageError: type[Exception] = typer.BadParameter.__bases__[0]
+"""What is wrong with a command line: Click's, or that of the Click within newer versions of typer."""
+AS_JSON = "mechstyle.as_json"
+"""What a context remembers of the command line, of which nothing is left once it is parsed."""
 
 
 class PlainHelp(TyperGroup):
@@ -20,6 +30,30 @@ class PlainHelp(TyperGroup):
         """Take the commands over; their help is marked as plain."""
         super().__init__(**attributes)
         _mark_as_plain(self)
+
+    def make_context(self, info_name: str | None, args: list[str], parent: Any = None, **extra: Any) -> Any:
+        """Parse what stands before the command."""
+        as_json = "--json" in args
+        with _usage_errors(as_json):
+            context = super().make_context(info_name, args, parent, **extra)
+        context.meta[AS_JSON] = as_json
+        return context
+
+    def invoke(self, ctx: Any) -> Any:
+        """Parse the rest and run the command."""
+        with _usage_errors(ctx.meta[AS_JSON]):
+            return super().invoke(ctx)
+
+
+@contextmanager
+def _usage_errors(as_json: bool) -> Iterator[None]:
+    """With --json what is wrong with a command line is JSON on standard output as well, as every other refusal is."""
+    try:
+        yield
+    except UsageError as error:
+        if as_json:
+            print_json({"error": error.format_message()})  # type: ignore[attr-defined]
+        raise
 
 
 def _mark_as_plain(command: Any) -> None:
@@ -62,6 +96,8 @@ def of_all_commands(
 def main() -> None:
     """Run the command line. What asks it to end (SIGTERM, as of a queue or a container) ends it as Ctrl-C does, and its workers with it."""
     signal.signal(signal.SIGTERM, signal.default_int_handler)
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="replace" if sys.stdout.errors == "strict" else sys.stdout.errors)
     app()
 
 

@@ -14,7 +14,7 @@ import warp as wp
 
 
 @contextmanager
-def _without_native_stderr() -> Iterator[None]:
+def without_native_stderr() -> Iterator[None]:
     """Send what C code writes to standard error nowhere."""
     nowhere, kept = os.open(os.devnull, os.O_WRONLY), os.dup(2)
     os.dup2(nowhere, 2)
@@ -27,7 +27,7 @@ def _without_native_stderr() -> Iterator[None]:
 
 
 wp.config.log_level = 40  # errors only
-with _without_native_stderr():
+with without_native_stderr():
     wp.init()
 
-__all__ = ["wp"]
+__all__ = ["without_native_stderr", "wp"]

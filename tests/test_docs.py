@@ -112,6 +112,22 @@ def test_a_site_that_loads_from_a_network_is_refused(tmp_path, text, loads):
     assert bool(generated("check").loaded_from_elsewhere(tmp_path)) is loads
 
 
+def test_a_page_runs_no_script_but_those_its_policy_names(tmp_path):
+    page, check = generated("page"), generated("check")
+    sealed = f"<head>{page.policy('<script>dark()</script>')}<script>dark()</script><script src='a.js'></script></head>"
+    data = '<script type="application/json">{}</script>'
+    assert page.stopped(sealed + data) == []
+    assert page.stopped(sealed + "<script>other()</script>") == ["other()"]
+    (tmp_path / "page.html").write_text("<p>no policy</p>")
+    assert check.unsealed(tmp_path) == ["page.html: no Content-Security-Policy"]
+
+
+def test_a_root_is_drawn_without_a_mathematical_font():
+    """Chromium wrote v = 2gh for v = √(2gh)."""
+    drawn = generated("page").with_roots("<msqrt><mn>2</mn><mi>h</mi></msqrt>")
+    assert drawn == '<mrow><mo stretchy="false">√</mo><mrow class="under-root"><mn>2</mn><mi>h</mi></mrow></mrow>'
+
+
 def test_the_citation_names_this_version():
     assert f"\nversion: {mechstyle.__version__}\n" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")
 

@@ -28,7 +28,8 @@ from support.hostile import tried
 from support.part_files import PART, exported, refusal, threemf, xml_object
 
 CASES = 500
-ONCE_WRONG = (("part.3mf", 7), ("part.3mf", 301), ("part.obj", 366), ("store", 165), ("words.stl", 22), ("node.glb", 76), ("forged", 880))
+ONCE_WRONG = (("part.3mf", 7), ("part.3mf", 301), ("part.obj", 366), ("store", 165), ("words.stl", 22), ("node.glb", 76), ("forged", 880),
+              ("command line", 4_007_191))  # fmt: skip
 """Cases of the fuzzer that crashed, took a gigabyte or two minutes, or showed a traceback."""
 
 

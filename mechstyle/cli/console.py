@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import json
 import sys
 import unicodedata
 import warnings
@@ -32,8 +33,13 @@ COLOURS = {"VIABLE": "green", "FAILS": "red", "UNKNOWN": "yellow"}
 
 
 def print_json(value: object) -> None:
-    """Print one JSON object on stdout."""
-    sys.stdout.write(msgspec.json.format(msgspec.json.encode(value, enc_hook=str), indent=2).decode() + "\n")
+    """Print one JSON object on stdout; signs that its encoding lacks, as cp1252 does ρ, are escaped, so that it stays the same JSON."""
+    text = msgspec.json.format(msgspec.json.encode(value, enc_hook=str), indent=2).decode() + "\n"
+    try:
+        text.encode(sys.stdout.encoding or "utf-8")
+    except UnicodeEncodeError:
+        text = json.dumps(json.loads(text), indent=2) + "\n"
+    sys.stdout.write(text)
 
 
 def command(function: Callable[P, R]) -> Callable[P, R]:
@@ -85,15 +91,17 @@ def factor(value: float | None) -> str:
 
 
 def table(*columns: str, title: str = "", width: int | None = None) -> Table:
-    """A table in the house style; on a narrow terminal headings take a line for each word, so that no word is broken.
+    """A table in the house style; on a narrow terminal headings take a line for each word, many columns stand closer: no word is broken.
 
     Args:
         columns: Headings.
         title: What stands above it.
         width: Width of the terminal [characters], by default that of standard output.
     """
-    made = Table(title=title or None, title_justify="left", header_style="bold", box=None, pad_edge=False, padding=(0, 2, 0, 0))
-    narrow = (out.width if width is None else width) < 100
+    many = len(columns) > 8
+    narrow = (out.width if width is None else width) < (120 if many else 100)
+    gap = 1 if narrow and many else 2
+    made = Table(title=title or None, title_justify="left", header_style="bold", box=None, pad_edge=False, padding=(0, gap, 0, 0))
     for column in columns:
         made.add_column("\n".join(column.split()) if narrow else column, overflow="fold")
     return made

@@ -115,13 +115,16 @@ def finish(run: Any, teller: Any) -> Any:
     return run
 
 
+COLUMNS = ("stresses in MPa", "verdict", "as placed", "of", "tilted", "of", "all orientations", "safety", "worst landing", "yield in")
+
+
 def report(run: Any, *, as_json: bool) -> None:
     """Print what a run came to."""
     summary = run.summary
     if as_json:
         print_json(summary)
         return
-    rows = table("stresses in MPa", "verdict", "as placed", "of", "tilted", "of", "all orientations", "safety", "worst landing", "yield in")
+    rows = table(*COLUMNS)
     before = "thicker" if run.part.mass_gained else "original"
     for name, strength in ((before, summary.baseline), ("styled", summary.result)):
         rows.add_row(name, verdict_text(strength.verdict, marginal=strength.marginal), *_figures(strength))

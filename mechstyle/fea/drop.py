@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mechstyle._warp import wp
+from mechstyle._warp import without_native_stderr, wp
 from mechstyle.errors import BadInput, MissingPiece
 from mechstyle.fea.backends.cpu import CoreBody
 from mechstyle.fea.backends.gpu import DeviceBody
@@ -199,7 +199,8 @@ def resolve_device(device: str) -> str:
     if device != "cpu" and not device.startswith("cuda"):
         raise BadInput(f"unknown device {device!r}: known are 'auto', 'cpu', 'cuda', 'cuda:0', 'cuda:1', …")
     try:
-        return str(wp.get_device(device))
+        with without_native_stderr():
+            return str(wp.get_device(device))
     except (ValueError, RuntimeError) as error:
         raise MissingPiece(f"device {device!r} is not there; use 'cpu' or 'auto', or install an NVIDIA driver") from error
 

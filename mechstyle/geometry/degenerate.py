@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
+from mechstyle.geometry.going_on import GoOn, regardless
 from mechstyle.records.mesh import Floats, SurfaceMesh
 
 PASSES = 20
@@ -28,7 +30,7 @@ def heights(corners: Floats) -> Floats:
     return np.divide(double, longest, out=np.zeros_like(double), where=longest > 0)
 
 
-def without_degenerate(mesh: SurfaceMesh, least: float) -> SurfaceMesh:
+def without_degenerate(mesh: SurfaceMesh, least: float, go_on: GoOn = regardless) -> SurfaceMesh:
     """The mesh without triangles lower than a height, as far as that keeps its shells and handles.
 
     Where two corners of such a triangle are as near as that, they become one, the first of them; else its longest side is turned
@@ -38,11 +40,14 @@ def without_degenerate(mesh: SurfaceMesh, least: float) -> SurfaceMesh:
     Args:
         mesh: A closed surface.
         least: The height [mm].
+        go_on: Asked at the beginning, if there is anything to do, and before every pass over them.
     """
     if not (heights(mesh.corners) < least).any():
         return mesh
+    go_on()
     triangles = _Triangles(mesh)
     for _ in range(PASSES):
+        go_on()
         flat = [face for face, height in zip(triangles.alive(), triangles.heights(triangles.alive()), strict=True) if height < least]
         if not sum(triangles.mend(face, least) for face in flat if triangles.faces[face] is not None):
             break
@@ -62,10 +67,10 @@ class _Triangles:
 
     def __init__(self, mesh: SurfaceMesh) -> None:
         self.vertices = mesh.vertices
-        self.faces: list[Face | None] = [(int(a), int(b), int(c)) for a, b, c in mesh.faces]
-        self.around: list[set[int]] = [set() for _ in mesh.vertices]
-        for number, face in enumerate(self.faces):
-            self._join(number, face)
+        self.faces: list[Face | None] = list(zip(*mesh.faces.T.tolist(), strict=True))
+        around = (np.argsort(mesh.faces.ravel(), kind="stable") // 3).tolist()  # vertex by vertex
+        ends = np.cumsum(np.bincount(mesh.faces.ravel(), minlength=len(mesh.vertices))).tolist()
+        self.around: list[set[int]] = [set(around[start:end]) for start, end in pairwise([0, *ends])]
 
     def alive(self) -> list[int]:
         return [number for number, face in enumerate(self.faces) if face is not None]

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from mechstyle.geometry.collapses import edges_of, far_apart, least, merged, ranks, sound_ones
 from mechstyle.geometry.going_on import GoOn, regardless
 from mechstyle.geometry.proximity import TriangleTree
-from mechstyle.geometry.slivers import EdgePairs, edge_pairs
+from mechstyle.geometry.slivers import EdgePairs, among, edge_keys, edge_pairs
 from mechstyle.records.mesh import Bools, Floats, Indices, SurfaceMesh
 
 LONG, SHORT = 4.0 / 3.0, 4.0 / 5.0  # of the edge length wished for: what is longer is split, what is shorter collapses
@@ -135,10 +135,10 @@ def _flipped(state: _State, go_on: GoOn) -> _State:
     for _ in range(FLIPS):
         go_on()
         pairs = edge_pairs(faces)
-        there = _keys(pairs.edges, len(vertices))  # ascending
+        there = edge_keys(pairs.edges, len(vertices))  # ascending
         gain = _regularity_gain(pairs, np.bincount(faces.ravel(), minlength=len(vertices)))
         pairs, gain = pairs.some(gain > 0), gain[gain > 0]
-        new = ~_found(_keys(pairs.across, len(vertices)), there)
+        new = ~among(edge_keys(pairs.across, len(vertices)), there)
         wanted = new & ~_held(vertices, faces, pairs, fixed) & _flips_well(vertices, faces, pairs)
         pairs, gain = pairs.some(wanted), gain[wanted]
         pairs = pairs.some(_foremost(np.column_stack([pairs.edges, pairs.across]), -gain, len(vertices)))
@@ -254,17 +254,6 @@ def _regularity_gain(pairs: EdgePairs, valence: NDArray[np.int64]) -> NDArray[np
     gaining = np.abs(valence - REGULAR) - np.abs(valence + 1 - REGULAR)
     (a, b), (c, d) = pairs.edges.T, pairs.across.T
     return losing[a] + losing[b] + gaining[c] + gaining[d]
-
-
-def _found(wanted: NDArray[np.int64], there: NDArray[np.int64]) -> Bools:
-    """Whether keys are among others, which ascend."""
-    return there[np.minimum(np.searchsorted(there, wanted), len(there) - 1)] == wanted
-
-
-def _keys(pairs: Indices, count: int) -> NDArray[np.int64]:
-    """A number for each unordered pair of vertices, in the order in which `edge_pairs` lists edges."""
-    one, other = pairs.T
-    return np.maximum(one, other).astype(np.int64) * count + np.minimum(one, other)
 
 
 def _halves(pairs: EdgePairs) -> tuple[Indices, Indices]:

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import msgspec
 import numpy as np
+import scipy.sparse as sp
+from scipy.spatial import cKDTree
 
+from mechstyle.errors import BadInput
+from mechstyle.geometry.filaments import LINE
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.geometry.self_intersections import crossings
 from mechstyle.geometry.thickness import wall_thickness
-from mechstyle.records.mesh import Bools, SurfaceMesh
+from mechstyle.records.mesh import Bools, Floats, SurfaceMesh
 
 
 class Quality(msgspec.Struct, frozen=True, kw_only=True):
@@ -18,7 +22,7 @@ class Quality(msgspec.Struct, frozen=True, kw_only=True):
         folds: Faces that look the other way than before: there the relief folded over itself.
         crossings: Pairs of faces that cross each other without sharing a corner.
         crossings_before: The same of the unstylized surface.
-        thinnest: Thinnest wall, over an area of some vertices [mm].
+        thinnest: Thinnest wall, thin all over a spot as wide as two lines of plastic [mm].
         thinnest_before: The same of the unstylized surface.
         thin: Wall thickness that 1 % of the surface falls short of [mm].
         thin_before: The same of the unstylized surface.
@@ -63,23 +67,50 @@ def quality(original: SurfaceMesh, styled: SurfaceMesh, density: float, *, devic
         styled: The same faces on displaced vertices.
         density: Density of the material [g/mm³].
         device: Warp device of the searches.
+
+    Raises:
+        BadInput: If the original encloses nothing.
     """
+    if not original.volume > 0.0:
+        raise BadInput("the unstylized part encloses nothing, so nobody can print it: begin the run again with a part that is closed")
     trees = [TriangleTree(mesh.vertices, mesh.faces, device) for mesh in (original, styled)]
-    before, after = (np.sort(mesh.dilated(wall_thickness(mesh, tree))) for mesh, tree in zip((original, styled), trees, strict=True))
+    before, after = (mesh.dilated(wall_thickness(mesh, tree)) for mesh, tree in zip((original, styled), trees, strict=True))
     one_percent = len(before) // 100
     return Quality(
         folds=int(turned_over(original, styled).sum()),
         crossings=crossings(styled, trees[1]).pairs,
         crossings_before=crossings(original, trees[0]).pairs,
-        thinnest=float(after[0]),
-        thinnest_before=float(before[0]),
-        thin=float(after[one_percent]),
-        thin_before=float(before[one_percent]),
+        thinnest=_thinnest(styled, after),
+        thinnest_before=_thinnest(original, before),
+        thin=float(np.sort(after)[one_percent]),
+        thin_before=float(np.sort(before)[one_percent]),
         volume=styled.volume,
         volume_change=styled.volume / original.volume - 1.0,
         mass=density * styled.volume,
         mass_change=density * (styled.volume - original.volume),
     )
+
+
+def _thinnest(mesh: SurfaceMesh, thickness: Floats) -> float:
+    """The least thickness [mm] of which a whole spot two lines wide is, of that at each vertex, shape [vertex_count].
+
+    A ridge of the relief that is narrower is thin, too, and no wall: no nozzle draws it. The spot lies along the surface, because what is
+    near in space may be the next wall. Vertices are tried in ascending order, until those left are thicker than a spot that was found.
+    """
+    (one, other), count = mesh.edges.T, len(mesh.vertices)
+    pairs = np.ones(2 * len(one), bool), (np.concatenate([one, other]), np.concatenate([other, one]))
+    links, tree, least = sp.csr_array(pairs, shape=(count, count)), cKDTree(mesh.vertices), np.inf
+    for vertex in np.argsort(thickness, kind="stable").tolist():
+        if thickness[vertex] >= least:
+            break
+        near, spot, waiting = set(tree.query_ball_point(mesh.vertices[vertex], LINE)), {vertex}, [vertex]
+        while waiting:
+            at = waiting.pop()
+            beside = near.intersection(links.indices[links.indptr[at] : links.indptr[at + 1]].tolist()) - spot
+            spot |= beside
+            waiting += beside
+        least = min(least, float(thickness[list(spot)].max()))
+    return float(least)
 
 
 def turned_over(original: SurfaceMesh, styled: SurfaceMesh) -> Bools:

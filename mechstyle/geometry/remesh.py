@@ -107,7 +107,7 @@ def _by_shape(body: Any, edge: float, vertices: int, tolerance: float, go_on: Go
     if not _too_many_creases(fine, vertices):
         return None
     fewer = decimated(fine, len(fine.faces) - 2 * (len(fine.vertices) - vertices), go_on, longest=REACH * edge)
-    found = without_degenerate(fewer, LOWEST * edge)
+    found = without_degenerate(fewer, LOWEST * edge, go_on)
     met = abs(len(found.vertices) / vertices - 1.0) <= tolerance
     return found if met and _shape(found) == _shape(surface_of(body)) and _has_area(found, edge) else None
 
@@ -159,7 +159,7 @@ def remeshed(body: Any, edge: float, *, tolerance: float, iterations: int = ITER
     go_on()
     there = part.nearest(even.vertices)
     landed = even.moved(np.where(there.distance[:, None] > ON_THE_PART, there.point, even.vertices))
-    return without_degenerate(mended(landed, part, len(creases)), LOWEST * edge)
+    return without_degenerate(mended(landed, part, len(creases), go_on), LOWEST * edge, go_on)
 
 
 def _refined(body: Any, edge: float, tolerance: float, go_on: GoOn) -> SurfaceMesh:

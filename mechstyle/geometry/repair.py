@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 
 from mechstyle.errors import BadInput, SimulationFailed
 from mechstyle.geometry.remesh import manifold_of, surface_of
-from mechstyle.geometry.self_intersections import overlaps
+from mechstyle.geometry.self_intersections import encloses, overlaps
 from mechstyle.geometry.tetwild import Settings, tetwild
 from mechstyle.records.mesh import Floats, Indices, SurfaceMesh, TetMesh
 
@@ -122,7 +122,7 @@ def _is_flat(surface: SurfaceMesh) -> bool:
 def _closed(surface: SurfaceMesh, name: str, notes: list[str]) -> Any:
     """The surface as a valid Manifold of positive volume, mended no more than it takes."""
     body = _accepted(surface)
-    for mend in (_joined, _wound, _plugged):
+    for mend in (_joined, _wound, _emptied, _plugged):
         if body is None:
             surface = mend(surface, name, notes)
             body = _accepted(surface)
@@ -186,6 +186,23 @@ def _wound(surface: SurfaceMesh, _name: str, notes: list[str]) -> SurfaceMesh:
     if turned.any():
         notes.append("made the winding of its faces consistent")
     return SurfaceMesh(single.vertices, np.where(turned[:, None], single.faces[:, ::-1], single.faces))
+
+
+def _emptied(surface: SurfaceMesh, _name: str, notes: list[str]) -> SurfaceMesh:
+    """Loose sheets dropped that lie within what is closed: they enclose nothing, and their rims are no openings of what is around them."""
+    piece = _linked(surface.edges, len(surface.vertices))
+    sheet = np.isin(piece, piece[_rim(surface)])
+    whole = ~sheet[surface.faces[:, 0]]
+    if not sheet.any() or not whole.any():
+        return surface
+    around = _of(surface.vertices, surface.faces[whole])
+    outside = piece[sheet][~encloses(around, surface.vertices[sheet])]
+    within = sheet & ~np.isin(piece, outside)
+    if not within.any():
+        return surface
+    number = len(np.unique(piece[within]))
+    notes.append(f"dropped {_counted(number, 'sheet', 'sheets')} without thickness inside it")
+    return _of(surface.vertices, surface.faces[~within[surface.faces[:, 0]]])
 
 
 class _Openings(NamedTuple):

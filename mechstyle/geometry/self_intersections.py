@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 from mechstyle._warp import wp
 from mechstyle.geometry.kernels import count_crossings, turns_exceed
 from mechstyle.geometry.proximity import TriangleTree
-from mechstyle.records.mesh import Floats, Indices, SurfaceMesh
+from mechstyle.records.mesh import Bools, Floats, Indices, SurfaceMesh
 
 DEEP = 0.1
 """Parts of a body that reach less far into each other are no overlap: printers do not resolve it [mm]."""
@@ -76,6 +76,12 @@ def overlaps(mesh: SurfaceMesh) -> Floats:
     twice = _turns_exceed(tree, lines - depth, 1.5)
     inside_out = ~_turns_exceed(tree, lines + depth, -0.5)
     return _middles(lines[twice | inside_out], APART * mesh.size)
+
+
+def encloses(mesh: SurfaceMesh, points: Floats) -> Bools:
+    """Whether points [mm], shape [k, 3], lie within a closed surface, whichever way it faces."""
+    tree = TriangleTree(mesh.vertices, mesh.faces, winding=True)
+    return _turns_exceed(tree, points, 0.5) | ~_turns_exceed(tree, points, -0.5)
 
 
 def _depth(mesh: SurfaceMesh, one: NDArray[np.int64], other: Indices) -> Floats:

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from mechstyle.geometry.going_on import GoOn, regardless
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.geometry.self_intersections import crossings
 from mechstyle.records.mesh import Bools, Floats, Indices, SurfaceMesh
@@ -50,6 +51,17 @@ def edge_pairs(faces: Indices) -> EdgePairs:
     return EdgePairs(directed[order][::2], (order // 3).reshape(-1, 2), across.reshape(-1, 2))
 
 
+def edge_keys(pairs: Indices, count: int) -> NDArray[np.int64]:
+    """A number for each unordered pair of so many vertices, in the order in which `edge_pairs` lists edges."""
+    one, other = pairs.T
+    return np.maximum(one, other).astype(np.int64) * count + np.minimum(one, other)
+
+
+def among(wanted: NDArray[np.int64], there: NDArray[np.int64]) -> Bools:
+    """Whether keys are among others, which ascend."""
+    return there[np.minimum(np.searchsorted(there, wanted), len(there) - 1)] == wanted
+
+
 class _Fit(NamedTuple):
     """Fit of triangles to the part: cosine between their normals, and their quality, shape [face_count] each."""
 
@@ -72,7 +84,7 @@ class _Fit(NamedTuple):
         return _Fit(cosine, quality)
 
 
-def mended(mesh: SurfaceMesh, part: TriangleTree, creases: int) -> SurfaceMesh:
+def mended(mesh: SurfaceMesh, part: TriangleTree, creases: int, go_on: GoOn = regardless) -> SurfaceMesh:
     """The mesh without the flaps, slivers and notches that can be mended without moving a vertex.
 
     A vertex of three triangles, one of them bad, is taken out; an edge of a bad triangle is turned if that makes the worse of its
@@ -82,21 +94,23 @@ def mended(mesh: SurfaceMesh, part: TriangleTree, creases: int) -> SurfaceMesh:
         mesh: A closed surface near the part.
         part: What its triangles should lie on.
         creases: The first so many vertices are on creases of the part; they and the edges between them stay.
+        go_on: Asked before every round of turning edges.
     """
     for _ in range(PASSES):
-        before, mesh = mesh, _turned(_pruned(mesh, part, creases), part, creases)
+        before, mesh = mesh, _turned(_pruned(mesh, part, creases), part, creases, go_on)
         if mesh is before:
             break
-    return _without_notches(mesh, part, creases)
+    return _without_notches(mesh, part, creases, go_on)
 
 
-def _without_notches(mesh: SurfaceMesh, part: TriangleTree, creases: int) -> SurfaceMesh:
+def _without_notches(mesh: SurfaceMesh, part: TriangleTree, creases: int, go_on: GoOn) -> SurfaceMesh:
     """The mesh with edges turned that lie across rounds, except near where that would make walls cross each other."""
     loose, most = np.ones(len(mesh.vertices), bool), -1
     for _ in range(UNDOINGS):
-        found = _turned(mesh, part, creases, loose)
+        found = _turned(mesh, part, creases, go_on, loose)
         if found is mesh:
             break
+        go_on()
         crossed, most = crossings(found), crossings(mesh).pairs if most < 0 else most
         if crossed.pairs <= most:
             return found
@@ -138,7 +152,7 @@ def _pruned(mesh: SurfaceMesh, part: TriangleTree, creases: int) -> SurfaceMesh:
     return SurfaceMesh(mesh.vertices[used], index.reshape(-1, 3).astype(np.int32))
 
 
-def _turned(mesh: SurfaceMesh, part: TriangleTree, creases: int, loose: Bools | None = None) -> SurfaceMesh:
+def _turned(mesh: SurfaceMesh, part: TriangleTree, creases: int, go_on: GoOn, loose: Bools | None = None) -> SurfaceMesh:
     """The mesh with edges of bad triangles turned while that helps, in each round the most helpful first.
 
     Those across rounds, too, where all four vertices around are `loose`, shape [vertex_count]; None for nowhere.
@@ -146,11 +160,14 @@ def _turned(mesh: SurfaceMesh, part: TriangleTree, creases: int, loose: Bools | 
     vertices, faces = mesh.vertices, mesh.faces.copy()
     fit = _fit(vertices, faces, part)
     for _ in range(TURNINGS):
+        go_on()
         pairs = edge_pairs(faces)
+        there = edge_keys(pairs.edges, len(vertices))  # ascending
         off = np.zeros(len(pairs.edges)) if loose is None else _off(vertices, pairs.edges, part)
         if loose is not None:
             off[~(loose[pairs.edges].all(axis=1) & loose[pairs.across].all(axis=1))] = 0.0
-        suspect = (fit.bad[pairs.faces].any(axis=1) | (off > OFF)) & (pairs.edges >= creases).any(axis=1) & ~_joined(pairs)
+        suspect = (fit.bad[pairs.faces].any(axis=1) | (off > OFF)) & (pairs.edges >= creases).any(axis=1)
+        suspect[suspect] = ~among(edge_keys(pairs.across[suspect], len(vertices)), there)  # else there would be two such edges
         pairs, off = pairs.some(suspect), off[suspect]
         (a, b), (c, d) = pairs.edges.T, pairs.across.T
         halves = np.stack([np.stack([a, d, c], axis=1), np.stack([d, b, c], axis=1)], axis=1)
@@ -172,12 +189,6 @@ def _off(vertices: Floats, edges: Indices, part: TriangleTree) -> Floats:
     one, other = vertices[edges].transpose(1, 0, 2)
     length = np.linalg.norm(other - one, axis=1)
     return np.asarray(part.nearest(0.5 * (one + other)).distance / np.maximum(length, 1e-12))
-
-
-def _joined(pairs: EdgePairs) -> NDArray[np.bool_]:
-    """Whether an edge between the two vertices across from an edge is there already, shape [k]."""
-    count = int(pairs.edges.max()) + 1
-    return np.isin(np.sort(pairs.across, axis=1) @ [count, 1], np.sort(pairs.edges, axis=1) @ [count, 1])
 
 
 def _apart(pairs: EdgePairs, gain: Floats) -> NDArray[np.int64]:

@@ -23,6 +23,7 @@ from mechstyle._colour import linear_to_srgb
 from mechstyle.errors import BadInput
 from mechstyle.pictures.camera import Camera
 from mechstyle.pictures.colormap import STRIPE, Scale, hatch
+from mechstyle.pictures.png import as_png
 from mechstyle.pictures.raster.visibility import visible
 from mechstyle.pictures.scene import BACKGROUND, Field, render
 from mechstyle.records.mesh import SurfaceMesh
@@ -129,9 +130,7 @@ def save_figure(
     device: str = "cpu",
 ) -> Path:
     """Write the figure as PNG, aside first and then renamed, and return its path; arguments and errors as for `figure`."""
-    target = Path(path)
-    if target.suffix.lower() != ".png":
-        raise BadInput(f"pictures are written as PNG: give {target.with_suffix('.png')} instead of {target}")
+    target = as_png(path)
     if not target.parent.is_dir():
         raise BadInput(f"folder {target.parent} does not exist; create it or write {target.name} elsewhere")
     png = figure_png(panels, columns=columns, title=title, panel_size=panel_size, device=device)

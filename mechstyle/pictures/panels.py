@@ -13,6 +13,7 @@ from mechstyle._files import write_whole
 from mechstyle.errors import unknown
 from mechstyle.pictures import fields
 from mechstyle.pictures.fields import Known, Quantity
+from mechstyle.pictures.png import as_png
 from mechstyle.records import Checkpoint, Recipe, Verdict
 from mechstyle.records.mesh import SurfaceMesh
 
@@ -36,9 +37,10 @@ class Picture:
         return self.png
 
     def save(self, path: str | Path) -> Path:
-        """Write the PNG to a file."""
-        write_whole(Path(path), self.png)
-        return Path(path)
+        """Write the PNG to a file, and return its path; BadInput for one that is called something else."""
+        target = as_png(path)
+        write_whole(target, self.png)
+        return target
 
 
 def field_panel(

@@ -89,13 +89,14 @@ def ways_up(
 
     Raises:
         BadInput: If there are no ways to compare.
+        DamagedStore: If the part encloses nothing.
     """
     if not 1 <= count <= 26:
         raise BadInput(f"{count} ways up: compare 1 to 26")
     state, recipe = run.checkpoint(iteration), run.store.recipe(run.checkpoint(iteration).recipe)
     delivered = run.delivered(iteration)
     mesh = run.surface(iteration) if delivered is None else delivered.styled
-    plain = run.part.surface  # whose flat sides are flat
+    plain = run.record.droppable(run.part, run.store.root / "part.json").surface  # whose flat sides are flat
     ways = resting(plain.vertices, centre_of_mass(plain), count)
     known = _Layers(run, recipe, run.simulation(iteration), state.displacement, stage, progress)
     limit = recipe.material.yield_strength

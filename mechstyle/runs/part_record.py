@@ -55,3 +55,10 @@ class PartRecord(msgspec.Struct, frozen=True, kw_only=True):
             if values.shape != (len(surface.vertices),) or not np.issubdtype(values.dtype, np.floating):
                 raise DamagedStore(f"{file} has walls of another part: restore it from a copy, or start the run again")
         return Workpiece(surface, tets, thickness, self.stands, self.notes, at, self.mass_gained)
+
+    @staticmethod
+    def droppable(part: Workpiece, file: Path) -> Workpiece:
+        """The part; DamagedStore, naming the record's file, if it encloses nothing, as no part does that was loaded to be styled."""
+        if not part.surface.volume > 0.0:
+            raise DamagedStore(f"{file} has a part that encloses nothing: restore it from a copy, or start the run again")
+        return part

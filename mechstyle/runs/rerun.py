@@ -102,8 +102,8 @@ def rerun(run: Run, out: Path, on_event: Callable[[Event], None] = lambda _: Non
 
 def _begun(run: Run, out: Path) -> Run:
     """A run directory with the part and the tetrahedra of another, and no results."""
-    store, record = Store(out), run.record
-    part = record.part(run.store.objects, run.store.root / "part.json")
+    store, record, file = Store(out), run.record, run.store.root / "part.json"
+    part = record.droppable(record.part(run.store.objects, file), file)
     write_whole(out / "part.json", msgspec.json.encode(type(record).kept(part, record.name, record.origin, store.objects)))
     for name in (*run.store.memo.named(AT_REST), *run.store.memo.named(MESH_FOR)):
         memo = run.store.memo

@@ -284,7 +284,7 @@ class Run:
 
     def simulator(self, recipe: Recipe, progress: Progress = no_progress) -> DropSimulator:
         """The drop test of the part under a recipe."""
-        part, shared = self.part, cached_memo() if self.trusting else None
+        part, shared = self.record.droppable(self.part, self.store.root / "part.json"), cached_memo() if self.trusting else None
         return DropSimulator(part.surface, part.tets, recipe, self.store.memo, shared, self.device, progress, at=part.at)
 
     def _refinement(self, simulator: DropSimulator) -> Refinement:

@@ -5,16 +5,23 @@ import io
 import pytest
 from rich.console import Console
 
+from mechstyle.cli import run
 from mechstyle.cli.console import table
-from mechstyle.study.applications import COLUMNS
+from mechstyle.study import applications
+
+ROWS = {
+    applications.COLUMNS: ("MechStyle", "VIABLE", "27.1", "45.6", "1.68", "0.99 x", "3", "82%"),
+    run.COLUMNS: ("original", "VIABLE, MARGINAL", "38.6", "45.6", "44.7", "45.6", "1.07 x", "1.02", "117.7", "97%"),
+}
 
 
-@pytest.mark.parametrize("width", [80, 100])
-def test_no_word_of_a_heading_is_broken(width):
-    rows = table(*COLUMNS, width=width)
-    rows.add_row("MechStyle", "VIABLE", "27.1", "45.6", "1.68", "0.99 x", "3", "82%")
+@pytest.mark.parametrize("width", [80, 100, 120])
+@pytest.mark.parametrize("columns", ROWS)
+def test_no_word_of_a_table_is_broken(columns, width):
+    rows = table(*columns, width=width)
+    rows.add_row(*ROWS[columns])
     page = io.StringIO()
     Console(file=page, width=width).print(rows)
     words = page.getvalue().split()
-    assert all(word in words for column in COLUMNS for word in column.split())
+    assert all(word in words for cell in (*columns, *ROWS[columns]) for word in cell.split())
     assert max(map(len, page.getvalue().splitlines())) <= width

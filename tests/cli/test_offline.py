@@ -8,9 +8,11 @@ import subprocess
 import sys
 
 import pytest
+import typer
 
 import mechstyle as package
 import mechstyle_widgets
+from mechstyle.__main__ import app
 
 CLOSED = """
 import sys
@@ -61,6 +63,10 @@ for words in {commands!r}:
 """
 
 
+LONG = {"demo", "ablation", "study"}
+"""Commands that take minutes, each of them runs as `run` and `freestyle` make them."""
+
+
 def test_every_command_works_without_a_network(finished, offline):
     """One after the other in one process; the tetrahedra are made, or read, in processes of their own."""
     _, root, _ = finished
@@ -72,7 +78,13 @@ def test_every_command_works_without_a_network(finished, offline):
         ["show", f"{root}", "--out", f"{out}/picture.png"], ["export", f"{root}", "--coarse", "--out", f"{out}/part.glb"],
         ["report", f"{root}", "--out", f"{out}/page.html"],
         ["run", "gallery:pen_holder", "--prompt", "brick", *quick, "--out", f"{out}/run"], ["gc", f"{out}/run"],
+        ["freestyle", "gallery:pen_holder", "--prompt", "brick", *quick, "--out", f"{out}/free"],
+        ["branch", f"{out}/run@1", "--control", "frozen"], ["rerun", f"{out}/run"], ["orient", f"{out}/run"],
+        ["validate", "--case", "rigid"],
+        ["simulate", f"{out}/part.glb", "--vertices=2000", "--orientations=1", "--tilts=0", "--window=0.05", "--out", f"{out}"],
+        ["protect", "gallery:pen_holder", "--protect", "rim", "--vertices", "2000", "--out", f"{out}/rim.png"],
     ]  # fmt: skip
+    assert {words[0] for words in commands} | LONG >= set(typer.main.get_command(app).commands)
     done = in_python(COMMANDS.format(commands=commands))
     assert done.returncode == 0, done.stderr[-2000:]
     assert "the network was asked for" not in done.stdout + done.stderr

@@ -45,7 +45,7 @@ NAMES = {
     "-p --seed --set --vertices",
     "application": "name --device --iterations --json --orientations --out --vertices",
     "validate": "--case --json --out --page --quick",
-    "log": "directory --json",
+    "log": "address --json",
     "show": "address --field --json --out",
     "export": "address --bands --bodies --coarse --colours --device --fields --fine --format -f --json --out --palette --slicer --texture",
     "orient": "address --count --device --json",

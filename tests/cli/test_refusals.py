@@ -134,6 +134,34 @@ def test_with_json_the_sentence_is_json_too(mechstyle):
     assert "nowhere.stl" in json.loads(outcome.stdout)["error"]
 
 
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("run", "gallery:vase", "--nonsense"), "--nonsense"),
+        (("run", "gallery:vase", "--prompt", "brick", "--iterations", "many"), "--iterations"),
+        (("run",), "MODEL"),
+        (("rum",), "rum"),
+        (("--nonsense",), "--nonsense"),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",
+)
+def test_with_json_a_wrong_command_line_is_json_too(mechstyle, arguments, said):
+    assert said in json.loads(mechstyle(*arguments, "--json", code=2).stdout)["error"]
+
+
+def test_a_picture_is_a_png_and_called_so(finished, tmp_path):
+    line, root, _ = finished
+    said = line("show", root, "--out", tmp_path / "part.jpg", code=2).stderr
+    assert f"give {tmp_path / 'part.png'} instead of {tmp_path / 'part.jpg'}" in said
+    assert not (tmp_path / "part.jpg").exists()
+
+
+def test_a_log_is_of_whole_lanes(finished):
+    line, root, _ = finished
+    assert "lists whole lanes" in line("log", f"{root}@main:3", code=2).stderr
+    assert "unknown lane" in line("log", f"{root}@mian", code=2).stderr
+
+
 def test_an_unknown_export_format(finished):
     line, root, _ = finished
     assert "did you mean" in line("export", f"{root}", "--format", "3fm", code=2).stderr
@@ -154,4 +182,13 @@ def test_a_damaged_object_is_named(finished, tmp_path):
 @pytest.mark.parametrize("command", ["materials", "styles", "gallery", "doctor"])
 def test_lists_print_one_json_object(mechstyle, command):
     assert mechstyle(command, "--json").json
+    assert mechstyle(command).stdout.strip()
+
+
+@pytest.mark.parametrize("command", ["materials", "styles", "gallery"])
+def test_lists_are_printed_whatever_signs_a_terminal_has(mechstyle, monkeypatch, command):
+    """As under Windows' cp1252, which has no ρ: ascii, which lacks even more and can be read back by anybody."""
+    known = mechstyle(command, "--json").json
+    monkeypatch.setenv("PYTHONIOENCODING", "ascii")
+    assert mechstyle(command, "--json").json == known
     assert mechstyle(command).stdout.strip()

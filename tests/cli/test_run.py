@@ -155,6 +155,11 @@ def test_log_lists_both_lanes_with_reasons(branched):
     assert "every 3 iterations" in text
 
 
+def test_log_lists_one_lane_where_one_is_named(branched):
+    line, root, _ = branched
+    assert [lane["lane"] for lane in line("log", f"{root}@main", "--json").json["lanes"]] == ["main"]
+
+
 def test_a_branch_needs_an_iteration_that_exists(finished):
     line, root, _ = finished
     assert "holds 0 to 12" in line("branch", f"{root}@99", "--control", "linear", code=2).stderr

@@ -252,7 +252,7 @@ def test_directions_that_are_none_are_refused(block, pla, normals):
         directions(0)
 
 
-def test_devices_are_resolved_or_refused():
+def test_devices_are_resolved_or_refused(capfd):
     assert resolve_device("cpu") == "cpu"
     assert resolve_device("auto") in {"cpu", "cuda:0"}
     with pytest.raises(BadInput, match="unknown device 'gpu'"):
@@ -262,6 +262,7 @@ def test_devices_are_resolved_or_refused():
     if not wp.get_cuda_device_count():
         with pytest.raises(MissingPiece, match="install an NVIDIA driver"):
             resolve_device("cuda")
+        assert capfd.readouterr() == ("", ""), "Warp's own words for it"
 
 
 def test_nothing_is_printed_to_standard_output():

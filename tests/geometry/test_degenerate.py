@@ -38,6 +38,15 @@ def test_seams_without_area_are_closed(sphere, apart):
     assert (mended.face_normals * mended.corners.mean(axis=1)).sum(axis=1).min() > 0  # none was turned over
 
 
+def test_whoever_waits_is_asked_before_every_pass_and_may_end_it(sphere):
+    def no_longer():
+        raise InterruptedError
+
+    assert without_degenerate(sphere, LEAST, no_longer) is sphere  # nothing to do, nothing to ask
+    with pytest.raises(InterruptedError):
+        without_degenerate(seamed(sphere, 0.0), LEAST, no_longer)
+
+
 @pytest.mark.parametrize("apart", [0.0, 1e-10, 1e-5])
 def test_vertices_in_one_place_become_one_and_the_first_of_them_stays(sphere, apart):
     broken = twinned(sphere, range(0, 4000, 100), apart)
@@ -143,7 +152,7 @@ def test_a_part_too_thin_to_hold_a_triangle_is_refused(thick):
 
 
 def test_what_cannot_be_had_without_them_is_refused(monkeypatch):
-    monkeypatch.setattr("mechstyle.geometry.remesh.without_degenerate", lambda mesh, _least: mesh)
+    monkeypatch.setattr("mechstyle.geometry.remesh.without_degenerate", lambda mesh, _least, _go_on=None: mesh)
     with pytest.raises(BadInput, match="without area"):
         standardise(twinned(cone(), range(0, 60, 7), 1e-10), 2000)
 

@@ -274,6 +274,24 @@ def test_a_body_within_another_is_taken_for_material():
     assert surface.volume == pytest.approx(6000)
 
 
+def sheet(side, at):
+    """A square of no thickness, parallel to the floor."""
+    corners = 0.5 * side * np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]) + at
+    return corners, np.array([(0, 1, 2), (0, 2, 3)])
+
+
+def test_a_loose_sheet_within_a_body_is_dropped_and_said():
+    """It was called an opening of the body around it, which is closed."""
+    surface, notes = fixed(together(box(), sheet(8.0, (0.0, 0.0, 0.0)), sheet(8.0, (0.0, 0.0, 3.0))))
+    assert notes == ("dropped 2 sheets without thickness inside it",)
+    assert surface.volume == pytest.approx(6000)
+
+
+@pytest.mark.parametrize("at", [(0.0, 0.0, 30.0), (5.0, 0.0, 0.0)], ids=["outside", "through a side"])
+def test_a_sheet_that_is_not_within_the_body_is_refused(at):
+    assert "is open and cannot be closed" in refusal(together(box(), sheet(8.0, at)))
+
+
 def test_a_loose_body_in_a_cavity_is_refused():
     rattle = together(box(), box((8.0, 8.0, 8.0), inwards=True), box((5.0, 5.0, 5.0)))
     assert "holds 2 separate bodies" in refusal(rattle)

@@ -59,6 +59,24 @@ def test_what_is_good_and_what_is_on_creases_stays(block, part):
     assert len(mended(folded, part, len(folded.vertices)).vertices) == len(folded.vertices)
 
 
+class Unwanted(Exception):
+    """Raised by who no longer waits."""
+
+
+def test_whoever_waits_is_asked_in_every_round_and_may_end_it(block, part):
+    """Of 250 000 vertices that were standardised, 19 CPU seconds went by in here without a question."""
+    asked = []
+
+    def go_on():
+        asked.append(len(asked))
+        if len(asked) > 2:
+            raise Unwanted
+
+    with pytest.raises(Unwanted):
+        mended(pricked(block, 100, 1.3), part, 0, go_on)
+    assert len(asked) == 3
+
+
 def test_every_edge_has_its_two_faces_and_what_lies_across(block):
     pairs = edge_pairs(block.faces)
     assert len(pairs.edges) == len(block.edges)

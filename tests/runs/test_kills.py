@@ -66,7 +66,7 @@ def test_a_folder_on_a_disk_that_cannot_be_written_to_is_read_all_the_same(tmp_p
     assert left.value.code == 2
     assert "Read-only file system" in capsys.readouterr().err
     with failing_at(Steps("EROFS", 0, lasting=True)):
-        log_command(root)
+        log_command(str(root))
         assert Store.open(root).find(25).final
         assert Run.open(root, "cpu").show().png.startswith(b"\x89PNG")
     show_command(str(root), out / "picture.png")

@@ -10,11 +10,13 @@ import pytest
 
 from mechstyle.cli.inspect_run import export_command, show_command
 from mechstyle.cli.report import report_command
-from mechstyle.errors import DamagedStore, MechStyleError
+from mechstyle.errors import BadInput, DamagedStore, MechStyleError
 from mechstyle.geometry.print_quality import Quality
 from mechstyle.loop.store import Store
 from mechstyle.runs import export
+from mechstyle.runs.orient import ways_up
 from mechstyle.runs.report.reproduce import command_for
+from mechstyle.runs.rerun import rerun
 from mechstyle.runs.run import Run
 from support.lanes import lane_on_a_sheet
 
@@ -96,6 +98,17 @@ def test_a_damaged_record_is_named_in_one_sentence(tmp_path, file, read, damage)
     path.write_bytes(damage(path.read_bytes()))
     with pytest.raises(DamagedStore, match=path.name):
         read(run)
+
+
+def test_a_part_that_encloses_nothing_is_not_dropped_turned_or_measured(tmp_path):
+    """`mechstyle rerun`, `orient` and `export` of a folder with a flat sheet in it showed a traceback."""
+    run = lane_on_a_sheet(tmp_path / "run")
+    for asked in (lambda: rerun(run, tmp_path / "again"), lambda: ways_up(run), run.branch(10, threshold=0.5).go):
+        with pytest.raises(DamagedStore, match=r"part\.json.* encloses nothing"):
+            asked()
+    with pytest.raises(BadInput, match="encloses nothing"):
+        run.export(tmp_path / "sheet.stl", fine=False)
+    assert not (tmp_path / "again").exists()
 
 
 def test_a_run_without_a_record_of_its_part_is_damaged(tmp_path):

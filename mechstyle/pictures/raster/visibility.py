@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mechstyle._warp import wp
+from mechstyle._warp import without_native_stderr, wp
 from mechstyle.errors import BadInput, MissingPiece
 from mechstyle.pictures.raster import kernels
 
@@ -82,7 +82,8 @@ def visible(points_ndc: ArrayLike, faces: ArrayLike, width: int, height: int, *,
 
 def _device(name: str) -> Any:
     try:
-        return wp.get_device(name)
+        with without_native_stderr():
+            return wp.get_device(name)
     except (ValueError, RuntimeError) as error:
         raise MissingPiece(f"pictures cannot be drawn on {name!r}, which is not there: use 'cpu'") from error
 
