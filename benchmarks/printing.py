@@ -55,8 +55,8 @@ by `python benchmarks/printing.py`, which writes this page.
 
 * **watertight**: closed and oriented, as the 3MF Consortium's lib3mf has it, which reads each file in its strict mode; and by PrusaSlicer.
 * **slicer warnings**: what PrusaSlicer repaired or warned of while it read and sliced.
-* **thinnest wall** (thin over a spot two lines, 0.84 mm, wide; these were measured when a few vertices were enough) and **crossings**: of the surface
-  in the file, before and after the style.
+* **thinnest wall** (thin over a spot two lines, 0.84 mm, wide; these were measured when a few vertices were enough) and
+  **crossings**: of the surface in the file, before and after the style.
 * **worst demand**: largest stress of the drop as placed over what it may at most be; above 1 the part fails.
 * **changes** and **hours**: as MechStyle says before slicing, and as the G-code has them, both with a fast changer (27 s a change):
   [how they are estimated, and more parts](printing.md). A dash: not measured since the estimate is a new one.
