@@ -1,15 +1,17 @@
-"""Every part of the gallery brought to even triangles and measured: count, quality, crossings, deviation, time. Writes docs/meshing.md.
+"""Every part of the gallery in even triangles, filled: count, quality, deviation, elements x steps. Writes docs/meshing.md.
 
 What was measured before is kept in its .json; a part takes some five CPU seconds.
 
 python benchmarks/meshing.py                  # every part, 10 000 vertices asked for
 python benchmarks/meshing.py lampshade vase   # some of them
+python benchmarks/meshing.py --drops          # what a drop on their tetrahedra takes, the surfaces as measured before
 python benchmarks/meshing.py --page           # the page alone
 """
 
 from __future__ import annotations
 
 import argparse
+import math
 import time
 from pathlib import Path
 
@@ -17,10 +19,16 @@ import msgspec
 import numpy as np
 
 from mechstyle import gallery
+from mechstyle.fea.discretisation import discretise
+from mechstyle.fea.drop import DropTest, scheme_for
+from mechstyle.fea.elements import element_named
+from mechstyle.fea.period import lowest_period
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.geometry.remesh import standardise
 from mechstyle.geometry.self_intersections import crossings
+from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.simulation.part import prepare
 
 DOCS = Path(__file__).parent.parent / "docs"
 ASKED = 10_000
@@ -37,17 +45,22 @@ What the remesher makes of the parts of the gallery when {asked} vertices are as
 * **crossing pairs**: triangles that cross without sharing a corner, before and after.
 * **deviation**: the largest distance of either surface from the other, at corners, middles of sides and middles of triangles.
 * **CPU**: all trials of the edge length included.
+* **tetrahedra**: what the part as it is is filled with, and **steps**: of a drop through one lowest period of the part, the least
+  that a drop takes (PLA, quadratic tetrahedra). Their **product** is what a drop costs: a core does 28 to 47 million a second
+  ([measured](simulation.md)). A dash: not counted yet. Why fTetWild's sizing field is not used stands among the
+  [decisions](decisions.md).
 
 In all, {crossed} of these surfaces have triangles that cross{which}. The shelf bracket had 13 such pairs: simplifying its rounds
 leaves needles a hundredth of a millimetre high that look anywhere, and both their long sides were taken for creases.
 Pairs that a printed file has more of come from the relief: [the print benchmark](print-benchmark.md) counts them.
 
 """
-COLUMNS = ("part", "vertices", "edge [mm]", "quality", "crossing pairs", "deviation [mm]", "CPU [s]")
+COLUMNS = ("part", "vertices", "edge [mm]", "quality", "crossing pairs", "deviation [mm]", "CPU [s]",
+           "tetrahedra", "steps", "product [million]")
 
 
 class Measured(msgspec.Struct):
-    """What became of a part; lengths in mm."""
+    """What became of a part; lengths in mm; tetrahedra and steps None where they were not counted."""
 
     vertices: tuple[int, int]
     edge: float
@@ -55,6 +68,8 @@ class Measured(msgspec.Struct):
     crossings: tuple[int, int]
     deviation: float
     seconds: float
+    tetrahedra: int | None = None
+    steps: int | None = None
 
 
 def measure(name: str) -> Measured:
@@ -75,6 +90,15 @@ def measure(name: str) -> Measured:
     )
 
 
+def counted(name: str) -> tuple[int, int]:
+    """Tetrahedra of a part as it is, and steps of a drop through its lowest period."""
+    test, pla = DropTest(), LIBRARY["PLA"]
+    tets = prepare(gallery.make(name), vertices=ASKED).tets
+    body = discretise(tets, pla, test.added_mass, element_named(test.element))
+    period = lowest_period(body)
+    return len(tets.tets), math.ceil(period / scheme_for(body, pla, test, period).time_step)
+
+
 def farthest(one: SurfaceMesh, other: SurfaceMesh) -> float:
     """Largest distance of places on a surface from another [mm]."""
     tree = TriangleTree(other.vertices, other.faces)
@@ -85,9 +109,16 @@ def row(name: str, found: Measured) -> str:
     """A line of the table."""
     cells = (
         name.replace("_", " "), "{} → {}".format(*found.vertices), f"{found.edge:.2f}", "{:.2f}, {:.2f}".format(*found.quality),
-        "{} → {}".format(*found.crossings), f"{found.deviation:.2f}", f"{found.seconds:.1f}",
+        "{} → {}".format(*found.crossings), f"{found.deviation:.2f}", f"{found.seconds:.1f}", *work(found),
     )  # fmt: skip
     return "| " + " | ".join(cells) + " |"
+
+
+def work(found: Measured) -> tuple[str, str, str]:
+    """What a drop takes, in cells."""
+    if found.tetrahedra is None or found.steps is None:
+        return "–", "–", "–"
+    return str(found.tetrahedra), str(found.steps), f"{found.tetrahedra * found.steps / 1e6:.0f}"
 
 
 def page(known: dict[str, Measured]) -> str:
@@ -103,12 +134,15 @@ def main() -> None:
     """Measure the parts named, or all; write what is known of all."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("parts", nargs="*", choices=[*gallery.names(), []])
+    parser.add_argument("--drops", action="store_true", help="measure what a drop takes, and not the surfaces")
     parser.add_argument("--page", action="store_true", help="write the page alone")
     given = parser.parse_args()
     kept = DOCS / "meshing.json"
     known = msgspec.json.decode(kept.read_bytes(), type=dict[str, Measured]) if kept.is_file() else {}
     for name in [] if given.page else given.parts or gallery.names():
-        known[name] = measure(name)
+        found = known[name] if given.drops else measure(name)
+        tetrahedra, steps = counted(name)
+        known[name] = msgspec.structs.replace(found, tetrahedra=tetrahedra, steps=steps)
         print(row(name, known[name]), flush=True)
         kept.write_bytes(msgspec.json.format(msgspec.json.encode(known), indent=1))
     (DOCS / "meshing.md").write_text(page(known))

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import atexit
 import contextlib
 import errno
+import functools
 import os
 import re
+import shutil
 import tempfile
 import unicodedata
 from pathlib import Path
@@ -62,7 +65,24 @@ def write_aside(path: Path, data: bytes) -> None:
 
 
 def cache_folder() -> Path:
-    """Folder of prepared parts: $MECHSTYLE_CACHE, else the user's cache folder; safe to delete."""
+    """Folder of prepared parts: $MECHSTYLE_CACHE, else the user's cache folder; safe to delete.
+
+    Where it cannot be written to, a temporary one for as long as this process lasts: nothing that is asked for may fail for a cache.
+    """
+    wished = _wished_folder()
+    with contextlib.suppress(OSError):
+        wished.mkdir(parents=True, exist_ok=True)
+    return wished if os.access(wished, os.W_OK) else _temporary_folder()
+
+
+@functools.cache
+def _temporary_folder() -> Path:
+    folder = tempfile.mkdtemp(prefix="mechstyle-cache-")  # a new one: a name others can guess could be theirs already
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return Path(folder)
+
+
+def _wished_folder() -> Path:
     given = os.environ.get("MECHSTYLE_CACHE")
     base = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
     return Path(given) if given else Path(base) / "mechstyle"
@@ -70,4 +90,4 @@ def cache_folder() -> Path:
 
 def clip_folder() -> Path:
     """Folder of fetched CLIP weights."""
-    return cache_folder() / "clip"
+    return _wished_folder() / "clip"

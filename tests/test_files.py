@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mechstyle._files import file_stem
+from mechstyle._files import cache_folder, clip_folder, file_stem
 
 RESERVED = ("CON", "PRN", "AUX", "NUL", "COM1", "com9", "LPT1", "nul.txt", "aux.tar.gz", "con ")
 
@@ -47,3 +47,14 @@ def test_any_text_becomes_one_short_name(name):
     assert not any(unicodedata.category(letter)[0] == "C" for letter in stem)
     assert stem == stem.strip(" .")
     assert file_stem(stem) == stem
+
+
+def test_a_cache_that_cannot_be_written_to_stands_in_nobodys_way(tmp_path, monkeypatch):
+    """Every command that prepares a part was refused. A file in its place refuses the administrator, too, as a read-only disk does."""
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("MECHSTYLE_CACHE", str(tmp_path / "file" / "cache"))
+    (cache_folder() / "part").write_text("prepared")
+    assert (cache_folder() / "part").read_text() == "prepared", "for as long as this process lasts"
+    assert clip_folder() == tmp_path / "file" / "cache" / "clip", "weights are looked for where they were told to be"
+    monkeypatch.setenv("MECHSTYLE_CACHE", str(tmp_path / "new"))
+    assert cache_folder() == tmp_path / "new"
