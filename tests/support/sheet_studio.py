@@ -9,6 +9,7 @@ from mechstyle.geometry.files import save
 from mechstyle.loop.bounds import Bounds
 from mechstyle.loop.engine import Engine
 from mechstyle.records.mesh import SurfaceMesh, TetMesh
+from mechstyle.runs.part_record import PartRecord
 from mechstyle.runs.run import Run
 from mechstyle.simulation.impact import Impact
 from mechstyle.simulation.part import Workpiece
@@ -47,6 +48,7 @@ def without_physics(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(Run, "events", lambda run, _progress: engine_of(run).run())
     patch.setattr(controller_module, "prepare_aside", prepared)
     patch.setattr("mechstyle.simulation.strengthen.refilled", lambda part, *_: part)  # a sheet cannot be meshed
+    patch.setattr(PartRecord, "droppable", staticmethod(lambda part, _file: part))  # nor does it enclose anything
     patch.setattr(impact_player, "impact_of", impact_of)
     patch.setattr(Run, "export", lambda run, path, iteration=None, **_: save(run.surface(iteration), path))  # nor has it a volume
     patch.setattr("mechstyle_widgets.panels.mask_inspector._freedom", lambda run, _recipe: np.ones_like(run.part.thickness))
