@@ -28,7 +28,7 @@ from mechstyle.loop import minimum_wall
 from mechstyle.loop.store import Store
 from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict
 from mechstyle.records.mesh import Field, SurfaceMesh, frozen_array
-from mechstyle.runs.gentle import borne, gentle
+from mechstyle.runs.gentle import CRISP, borne, gentle
 from mechstyle.runs.twin import Twin
 from mechstyle.simulation.part import Workpiece
 from mechstyle.simulation.simulator import DropSimulator
@@ -162,6 +162,8 @@ class Refinement:
     def _gentle(self, relief: Field, test: DropSimulator) -> Field:
         """A relief as its test has it where the part bears much [mm], shape [fine_count]."""
         share = self.cut.interpolation @ borne(self.simulator.baseline, self.simulator.recipe.material)
+        if share.max() <= CRISP:
+            return relief
         softened = gentle(self.cut.mesh, relief, test.morph.morphed(relief).followed, test.tets, share, self._twin.bounds)
         return relief if softened is relief else untangled(self.cut.mesh, softened, self._go_on)
 
