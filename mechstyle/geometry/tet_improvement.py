@@ -27,7 +27,7 @@ OUTWARDS = 0.05  # of the reach, at which a vertex that slides along a bent surf
 INSIDE = 5.0  # reaches for a vertex inside, which no surface asks to stay
 ROUNDS = 150  # of the minimiser in a pass: it has converged, or wins no more than rounding does
 PEELED = 10  # rounds of peeling: a flat tetrahedron may lie under another one
-LEANING = 0.5  # cosine between the two boundary faces of a tetrahedron up to which peeling would cut an edge of the part off
+LEANING = 0.5  # cosine between two faces of a tetrahedron up to which peeling would cut an edge of the part off, or cut a crack into it
 TURNED_OVER = 1e3  # the value of a mesh in which a tetrahedron has no volume; values are logarithms of a height over another one
 POWER = 2.0  # of Σ 1/h² in the mean that is made small: the higher, the more the very lowest count
 
@@ -60,7 +60,10 @@ def heights(vertices: Floats, tets: Indices) -> Floats:
 
 
 def _peeled(tets: TetMesh, low: float) -> TetMesh:
-    """Without tetrahedra lower than `low` [mm] of which two faces lie side by side, almost flat, in the boundary."""
+    """Without tetrahedra lower than `low` [mm] of which two faces lie side by side in the boundary, and so do the two then laid bare.
+
+    A flat one that lies with one face on others and has another upon it, at an inner edge of the part, would leave a crack.
+    """
     kept = tets.tets
     for _ in range(PEELED):
         gone = _to_peel(tets.vertices, kept, low)
@@ -82,14 +85,19 @@ def _to_peel(vertices: Floats, tets: Indices, low: float) -> list[int]:
     for number in np.argsort(height[candidates]):
         corners = tets[candidates[number]]
         across = np.flatnonzero(outer[candidates[number]])
-        one, other = normals[number, across]
-        if one @ other <= LEANING * np.linalg.norm(one) * np.linalg.norm(other):
+        bared = np.flatnonzero(~outer[candidates[number]])
+        if not (_side_by_side(*normals[number, across]) and _side_by_side(*normals[number, bared])):
             continue
         if tuple(sorted(corners[across].tolist())) in edges or touched & set(corners.tolist()):
             continue
         touched |= set(corners.tolist())
         gone.append(int(candidates[number]))
     return gone
+
+
+def _side_by_side(one: Floats, other: Floats) -> bool:
+    """Whether two faces are almost one, by their normals, shape [3]."""
+    return bool(one @ other > LEANING * np.linalg.norm(one) * np.linalg.norm(other))
 
 
 def _boundary(tets: Indices) -> tuple[NDArray[np.bool_], set[tuple[int, int]]]:
