@@ -24,10 +24,11 @@ from mechstyle.geometry.tet_improvement import improved
 from mechstyle.geometry.tetwild import Settings, tetwild
 from mechstyle.records.mesh import Floats, Indices, SurfaceMesh, TetMesh, digest_of
 
-VERSION = "13"  # of what is cached: raise it when the result for the same input may change
+VERSION = "15"  # of what is cached: raise it when the result for the same input may change
 FEWEST, MOST = 500, 400_000
 RUNS = 3
 LEAST_COUNT, MOST_COUNT = 0.6, 1.6  # of the target
+PER_FACE, PER_KEPT_FACE = 0.5, 0.75  # tetrahedra that an even triangle of the input makes, and one that is kept as it is
 VOLUME_ERROR = 0.03
 PINCHED = 1e-3  # of the boundary's edges, at which it may touch itself
 # The rest in walls, a wall being 2 V / A: what a part is thick on average.
@@ -104,8 +105,8 @@ class Attempt(NamedTuple):
 def _meshed(surface: SurfaceMesh, target: int, timeout: float, go_on: GoOn, *, keep: SurfaceMesh | None) -> TetMesh:
     """Run fTetWild until count and checks are met, aiming lower or higher or sharpening the tolerances, at most RUNS times.
 
-    A mesh of the wrong size is better than none: after one correction the nearest count is taken, and at once if the surface's detail is
-    why there are too many.
+    A mesh of the wrong size is better than none: after one correction the nearest count is taken, and at once if the surface's detail, or
+    that its triangles are kept, is why there are too many.
     """
     aim, sharpness, sound, fault = float(target), 1.0, list[TetMesh](), ""
     for _ in range(RUNS):
@@ -130,21 +131,23 @@ def _attempt(surface: SurfaceMesh, aim: float, sharpness: float, timeout: float,
     loose = sharpness * LOOSE * wall
     detail = 0.5 * DEVIATION * wall
     even = _filled_as(surface, aim, loose, detail, go_on) if keep is None else _kept(surface, keep, loose, detail, go_on)
-    edge = _edge(surface.volume, len(even.faces), aim)
+    own = (PER_FACE if keep is None else PER_KEPT_FACE) * len(even.faces)
+    edge = _edge(surface.volume, own, aim)
     found = _tidied(*tetwild(even.vertices, even.faces, Settings(edge, epsilon / surface.size), timeout=timeout, go_on=go_on))
     settled = _set_down(surface, found, max(FLAT, 1.5 * epsilon))
     better = improved(settled, reach=tolerance, floor=float(surface.vertices[:, 2].min()), go_on=go_on)
     tets = _tidied(better.vertices, better.tets)
-    return Attempt(tets, _fault(surface, tets, DEVIATION * wall), detailed=0.5 * len(even.faces) > aim)
+    return Attempt(tets, _fault(surface, tets, DEVIATION * wall), detailed=keep is not None or own > aim)
 
 
-def _edge(volume: float, faces: int, aim: float) -> float:
-    """Edge length l [mm] for about `aim` tetrahedra inside a surface of `faces` even triangles: the root of 9 V / l³ + F / 2 = aim.
+def _edge(volume: float, own: float, aim: float) -> float:
+    """Edge length l [mm] for about `aim` tetrahedra inside a surface whose triangles make `own`: the root of 9 V / l³ + own = aim.
 
-    Fitted to fTetWild's counts for six parts, from a 1 mm frame to a solid hook, within 20 %. Where the faces alone ask for more
-    than three quarters of the aim, the inside gets the other quarter and the count comes out higher.
+    Fitted to fTetWild's counts for six parts in even triangles, from a 1 mm frame to a solid hook, within 20 %. Where the triangles alone
+    ask for more than three quarters of the aim, the inside gets the other quarter and the count comes out higher: by up to 1.65 times
+    where they are kept.
     """
-    return float(np.cbrt(9.0 * volume / max(aim - 0.5 * faces, 0.25 * aim)))
+    return float(np.cbrt(9.0 * volume / max(aim - own, 0.25 * aim)))
 
 
 def _first_edge(surface: SurfaceMesh, aim: float) -> float:

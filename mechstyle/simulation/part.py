@@ -20,6 +20,7 @@ from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.region_selection import protection
 from mechstyle.geometry.remesh import standardise
 from mechstyle.geometry.resting_face import resting_face, resting_weight
+from mechstyle.geometry.tetrahedra import VERSION as TETRAHEDRA
 from mechstyle.geometry.thickness import local_thickness
 from mechstyle.loop.bounds import Bounds
 from mechstyle.loop.objects import Memo, Objects
@@ -179,8 +180,8 @@ class Workpiece:
 
 
 def cached_memo() -> Memo:
-    """The user-wide memo: standardised surfaces, thickness and baseline simulations."""
-    return Memo(cache_folder() / "memo", Objects(cache_folder() / "objects"))
+    """The user-wide memo: standardised surfaces, thickness and baseline simulations; a folder for each way of making tetrahedra."""
+    return Memo(cache_folder() / f"memo-{TETRAHEDRA}", Objects(cache_folder() / "objects"))
 
 
 def prepare(

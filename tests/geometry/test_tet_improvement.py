@@ -94,7 +94,7 @@ def folds(mesh):
 
 def test_peeling_cuts_no_crack_into_an_inner_edge():
     vertices = np.array([(0, 0, 0), (4, 0, 0), (2, 4, 0), (2, 1.3, 0.1), (2, 1, -5), (2, -2, 1)], np.float64)
-    tets = np.array([(0, 1, 2, 4), (0, 1, 4, 5), (0, 1, 3, 5), (0, 1, 2, 3)], np.int32)  # the last lies on one, and another upon a third of it
+    tets = np.array([(0, 1, 2, 4), (0, 1, 4, 5), (0, 1, 3, 5), (0, 1, 2, 3)], np.int32)  # the last lies on one, under another
     upright = np.where((TetMesh(vertices, tets).volumes < 0)[:, None], tets[:, [0, 2, 1, 3]], tets)
     whole = TetMesh(vertices, upright)
     assert heights(vertices, upright)[3] < 0.11

@@ -36,6 +36,14 @@ def test_a_second_preparation_gives_the_same_bytes_from_the_cache(ready):
     assert np.array_equal(first.thickness, second.thickness)
 
 
+def test_what_rests_on_tetrahedra_made_otherwise_is_not_recalled(tmp_path, monkeypatch):
+    monkeypatch.setenv("MECHSTYLE_CACHE", str(tmp_path))
+    module.cached_memo().remember("rest-of-a-part", "a digest")
+    assert module.cached_memo().recall("rest-of-a-part", str) == "a digest"
+    monkeypatch.setattr(module, "TETRAHEDRA", "of tomorrow")
+    assert module.cached_memo().recall("rest-of-a-part", str) is None
+
+
 def test_the_wall_of_a_block_is_its_shortest_side(ready):
     surface, thickness = ready[0].surface, ready[0].thickness
     top = np.abs(surface.face_normals[:, 2]) > 0.99
