@@ -152,7 +152,7 @@ def _edge(volume: float, own: float, aim: float) -> float:
 
 def _first_edge(surface: SurfaceMesh, aim: float) -> float:
     """The edge length [mm] of `_edge` when the surface, too, is cut into triangles of that edge: F = 4 A / (√3 l²)."""
-    roots = np.roots([aim, 0.0, -2.0 / math.sqrt(3.0) * float(surface.face_areas.sum()), -9.0 * surface.volume])
+    roots = np.roots([aim, 0.0, -4.0 * PER_FACE / math.sqrt(3.0) * float(surface.face_areas.sum()), -9.0 * surface.volume])
     return float(roots[np.isreal(roots)].real.max())
 
 

@@ -21,6 +21,7 @@ from mechstyle import __version__
 from mechstyle._files import file_stem, write_whole
 from mechstyle.errors import MechStyleError
 from mechstyle.gallery import PREFIX, load
+from mechstyle.geometry.tetrahedra import VERSION as TETRAHEDRA
 from mechstyle.loop.lock import exclusive
 from mechstyle.records import Judgement, Recipe
 from mechstyle.runs.run import Run, started
@@ -145,8 +146,9 @@ class Cell(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def key(self) -> str:
-        """Digest of what decides the result: model, recipe, vertices, and the physics of this version."""
-        asked = {"model": self.model, "recipe": self.recipe.digest, "vertices": self.vertices, "physics": PHYSICS_VERSION}
+        """Digest of what decides the result: model, recipe, vertices, and the tetrahedra and physics of this version."""
+        version = f"{TETRAHEDRA}-{PHYSICS_VERSION}"
+        asked = {"model": self.model, "recipe": self.recipe.digest, "vertices": self.vertices, "version": version}
         return hashlib.sha256(msgspec.json.encode(asked, order="sorted")).hexdigest()[:24]
 
     def run(self, out: Path) -> Run:

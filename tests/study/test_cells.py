@@ -33,6 +33,13 @@ def test_a_cell_is_named_by_all_that_decides_it_and_by_nothing_else():
     assert len({one.key for one in [cell(), *different]}) == 5
 
 
+@pytest.mark.parametrize("version", ["PHYSICS_VERSION", "TETRAHEDRA"])
+def test_a_study_that_goes_on_with_a_newer_version_does_not_mix_its_rows_with_older_ones(version, monkeypatch):
+    before = cell().key
+    monkeypatch.setattr(module, version, "of tomorrow")
+    assert cell().key != before
+
+
 def test_a_cell_travels_as_json_without_loss():
     one = cell(recipe=draft("brick", protect=["inside"], orientations=2))
     assert msgspec.json.decode(msgspec.json.encode(one), type=Cell) == one
