@@ -7,7 +7,7 @@ import json
 import sys
 import unicodedata
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any, NoReturn, ParamSpec, TypeVar
 
@@ -115,6 +115,7 @@ class Teller:
         self._progress = progress
         self._task = progress.add_task("preparing", total=iterations)
         self._what = "preparing"
+        self._warned: set[str] = set()
 
     def stage(self, what: str) -> None:
         """Say what is being done."""
@@ -129,6 +130,13 @@ class Teller:
     def fraction(self, done: float) -> None:
         """Say how far the drop in hand is."""
         self._progress.update(self._task, description=f"{self._what} {done:4.0%}")
+
+    def warn(self, sentences: Iterable[str]) -> None:
+        """Say what is to be known before the end, each sentence once, however often a part is prepared."""
+        for sentence in sentences:
+            if sentence not in self._warned:
+                self._progress.console.print(f"[yellow]warning:[/] {escape(sentence)}")
+                self._warned.add(sentence)
 
     def event(self, event: Event) -> None:
         """Show an event."""

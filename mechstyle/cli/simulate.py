@@ -12,6 +12,7 @@ from mechstyle.cli.options import Device, Json, Model, Scale, Settings, Up, Vert
 from mechstyle.cli.run import read_model
 from mechstyle.records.landings import STANDARDS
 from mechstyle.records.mesh import STANDARD_VERTICES
+from mechstyle.records.recipe import DEFAULTS
 
 if TYPE_CHECKING:
     from mechstyle.simulation.part_test import PartTest
@@ -47,8 +48,9 @@ def simulate_command(
     before = read_model(original, None, "", quiet=as_json)[0] if original else None
     with telling(1, quiet=as_json) as teller:
         dropped = simulate(
-            mesh, original=before, **settings, vertices=vertices, device=device, stage=teller.stage, progress=teller.fraction
-        )
+            mesh, original=before, **settings, vertices=vertices, device=device, stage=teller.stage, progress=teller.fraction,
+            measured=lambda shape: teller.warn(shape.too_thin(settings.get("minimum_wall", DEFAULTS["minimum_wall"]))),
+        )  # fmt: skip
         teller.stage("writing files")
         files = _written(dropped, folder or Path(), name, vtu=vtu or vtu_each, each=vtu_each)
     if as_json:

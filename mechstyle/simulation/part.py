@@ -22,6 +22,7 @@ from mechstyle.geometry.remesh import standardise
 from mechstyle.geometry.resting_face import resting_face, resting_weight
 from mechstyle.geometry.tetrahedra import VERSION as TETRAHEDRA
 from mechstyle.geometry.thickness import local_thickness
+from mechstyle.loop import minimum_wall as walls
 from mechstyle.loop.bounds import Bounds
 from mechstyle.loop.objects import Memo, Objects
 from mechstyle.records import Recipe
@@ -51,8 +52,8 @@ LEFT_PLAIN = "its inside is left plain, because it holds things as it stands: wi
 Stage = Callable[[str], None]
 
 
-def say_nothing(stage: str) -> None:
-    """Tell nobody what is being done."""
+def say_nothing(what: object) -> None:
+    """Tell nobody what is being done or was found."""
 
 
 class Origin(msgspec.Struct, frozen=True, kw_only=True):
@@ -130,6 +131,10 @@ class Shape:
         inward = (resting * spared + (1.0 - resting) * quarter).astype(np.float32)
         return Bounds(self.thickness, inward, self._outward, whole, base=self.level_base)
 
+    def too_thin(self, minimum: float) -> tuple[str, ...]:
+        """One sentence if it has a wall below the minimum [mm] before any style is on it."""
+        return walls.warnings(self.surface, self.thickness, np.zeros_like(self.thickness), minimum)
+
     @cached_property
     def _outward(self) -> NDArray[np.float32]:
         return outwards(self.thickness).astype(np.float32)
@@ -186,7 +191,7 @@ def cached_memo() -> Memo:
 
 def prepare(
     mesh: SurfaceMesh, *, vertices: int = STANDARD_VERTICES, stage: Stage = say_nothing, relief: Relief | None = None,
-    go_on: GoOn = regardless,
+    go_on: GoOn = regardless, measured: Callable[[Shape], None] = say_nothing,
 ) -> Workpiece:  # fmt: skip
     """Standardise, tetrahedralise and measure a part, reusing what was done before for the same shape.
 
@@ -196,6 +201,7 @@ def prepare(
         stage: Told what is being done, in words.
         relief: What it is prepared for: tetrahedra are made for half of it, so that they carry it. None for the part as it is.
         go_on: Asked in between whether to; what it raises ends the work.
+        measured: Told surface and walls, before the minutes that tetrahedra may take.
 
     Raises:
         BadInput: If it is no surface, or one that cannot be standardised or meshed.
@@ -210,16 +216,17 @@ def prepare(
     stage("standardising the surface")
     surface = standardised(mesh, vertices, go_on)
     stage("measuring its walls")
-    thickness = local_thickness(surface).astype(np.float32)
+    shape = Shape(surface, local_thickness(surface).astype(np.float32))
+    measured(shape)
     go_on()
     stands = resting_face(surface) is not None
     notes = () if stands else ("it has no flat face to stand on, so its base is neither levelled nor protected",)
     stage("filling it with tetrahedra")
-    whole = None if relief is None else relief(Shape(surface, thickness), go_on=go_on)
+    whole = None if relief is None else relief(shape, go_on=go_on)
     if whole is None or not whole.any():
-        return Workpiece(surface, at_rest(surface, go_on), thickness, stands, notes)
+        return Workpiece(surface, at_rest(surface, go_on), shape.thickness, stands, notes)
     solid, half = carrying(surface, whole, go_on)
-    return Workpiece(surface, solid, thickness, stands, notes, half)
+    return Workpiece(surface, solid, shape.thickness, stands, notes, half)
 
 
 def refilled(part: Workpiece, relief: Relief, stage: Stage = say_nothing, go_on: GoOn = regardless) -> Workpiece:

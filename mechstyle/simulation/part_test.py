@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -20,7 +20,6 @@ from mechstyle.fea.snapshots import snapshot
 from mechstyle.fea.verdict import input_warning, judge
 from mechstyle.fea.vtu import vtu_path
 from mechstyle.loop.history import Strength
-from mechstyle.loop.minimum_wall import warnings as wall_warnings
 from mechstyle.pictures import fields
 from mechstyle.pictures.panels import Picture, field_panel, picture, verdict_note
 from mechstyle.records import Recipe, Simulation, Verdict
@@ -32,7 +31,7 @@ from mechstyle.records.recipe import DEFAULTS, direction_of
 from mechstyle.simulation.beside_original import Fit, fit_of
 from mechstyle.simulation.drop_history import Course, history_picture, vtu_bytes
 from mechstyle.simulation.impact import Impact, impact_of
-from mechstyle.simulation.part import Stage, Workpiece, cached_memo, fitted, prepare, say_nothing
+from mechstyle.simulation.part import Shape, Stage, Workpiece, cached_memo, fitted, prepare, say_nothing
 from mechstyle.simulation.physics import period_of, prescribed
 from mechstyle.simulation.simulator import Detail, DropSimulator
 
@@ -156,6 +155,7 @@ def simulate(
     device: str = "auto",
     stage: Stage = say_nothing,
     progress: Progress = no_progress,
+    measured: Callable[[Shape], None] = say_nothing,
 ) -> PartTest:
     """Drop a part as it is.
 
@@ -178,6 +178,7 @@ def simulate(
         device: `auto`, `cpu` or `cuda`.
         stage: Told what is being prepared, in words.
         progress: Called with the fraction of the drop done; may raise to cancel.
+        measured: Told the part's surface and walls, before the minutes that meshing and drop may take.
 
     Raises:
         BadInput: If the part or a setting cannot be used, in one sentence.
@@ -190,7 +191,7 @@ def simulate(
         build_direction=None if build_direction is None else direction_of(build_direction),
         **with_drops({"standard": standard, **landings}),
     )  # fmt: skip
-    part = prepare(mesh, vertices=vertices, stage=stage)
+    part = prepare(mesh, vertices=vertices, stage=stage, measured=measured)
     plain = None if original is None else prepare(original, vertices=vertices, stage=stage)
     return _tested((mesh, original), part, plain, wanted, where, stage, progress)
 
@@ -218,8 +219,8 @@ def _tested(
         verdict = judge(simulation, original, material, wanted.criterion)
     stage("looking at the impact")
     impact = None if detail.drop.failure else impact_of(part, recipe, unstyled, memo, progress)
-    thin = wall_warnings(part.surface, part.thickness, unstyled, wanted.minimum_wall)
-    warning = " ".join(filter(None, (input_warning(original or simulation, material), *(f"{sentence}." for sentence in thin))))
+    thin = (f"{sentence}." for sentence in part.shape.too_thin(wanted.minimum_wall))
+    warning = " ".join(filter(None, (input_warning(original or simulation, material), *thin)))
     return PartTest(part, recipe, simulation, verdict, warning, tets, detail, impact, fit, original)
 
 

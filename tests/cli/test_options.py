@@ -221,4 +221,4 @@ def test_a_drop_without_style_has_the_defaults_of_the_python_function(monkeypatc
     monkeypatch.setattr(part_test, "simulate", catch)
     monkeypatch.setattr(simulate, "read_model", lambda *_, **__: (None, "vase"))
     CliRunner().invoke(app, ["simulate", "gallery:vase", "--criterion", "paper"])
-    assert {"material", "criterion"} == set(caught[0]) - {"original", "vertices", "device", "stage", "progress"}
+    assert {"material", "criterion"} == set(caught[0]) - {"original", "vertices", "device", "stage", "progress", "measured"}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from mechstyle.errors import BadInput
+from mechstyle.errors import BadInput, SimulationFailed
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.records.recipe import BASES
 from mechstyle.simulation import part as module
@@ -98,6 +98,17 @@ def test_a_ball_stands_on_nothing_and_says_so(tmp_path, monkeypatch):
     assert not part.stands
     assert np.all(part.shape.bounds("protected", 0.8).freedom == 1.0)
     assert "no flat face" in part.notes[0]
+
+
+def test_walls_are_told_before_the_part_is_filled_which_takes_minutes_if_they_are_thin(tmp_path, monkeypatch):
+    def filled(*_: object) -> None:
+        raise SimulationFailed(f"filled after {told}")
+
+    told: list[str] = []
+    monkeypatch.setenv("MECHSTYLE_CACHE", str(tmp_path))
+    monkeypatch.setattr(module, "at_rest", filled)
+    with pytest.raises(SimulationFailed, match=r"filled after \['the part itself has a wall of .*, thinner than the 15 mm minimum"):
+        prepare(block(), vertices=1200, measured=lambda shape: told.extend(shape.too_thin(15.0)))
 
 
 def test_an_open_surface_is_refused():

@@ -146,6 +146,18 @@ def test_a_preview_is_shown_on_the_part_with_what_stays_plain_until_it_cannot_be
     assert "ask for 500 vertices" in viewer.badge._words.value
 
 
+def test_walls_too_thin_are_said_with_the_part_as_soon_as_a_preview_has_measured_them():
+    studio = Studio("gallery:wall_hook")
+    surface = studio.part_picker.mesh
+    preview = Preview(Shape(surface, np.full(len(surface.vertices), 0.4, np.float32)), None, 0.1)
+    for minimum, told in ((0.8, True), (0.3, False)):
+        studio.drop_options.minimum_wall = minimum
+        studio._arrived(preview)
+        said = studio.part_picker._note.value
+        assert ("a wall of 0.40 mm" in said) is told
+        assert "wall hook: " in said
+
+
 def test_a_place_off_the_part_is_said():
     studio = Studio("gallery:wall_hook")
     studio.regions_picker.protect = ["sphere 900 0 0 1"]

@@ -344,6 +344,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         viewer = self._viewer
         if not isinstance(viewer, PartViewer):
             return
+        self.part_picker.remark(preview.shape.too_thin(self.drop_options.minimum_wall))
         if viewer.at_rest is not preview.shape.surface:
             width, height = self._size
             finer = PartViewer(preview.shape.surface, theme=self.shown_theme, width=width, height=height)

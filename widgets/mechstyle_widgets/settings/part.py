@@ -98,10 +98,15 @@ class PartPicker(Section):
             self.model, self.scale, self.name, self.mesh = "", None, name, mesh
         self._say(())
 
-    def _say(self, notes: tuple[str, ...]) -> None:
+    def remark(self, found: tuple[str, ...]) -> None:
+        """Say of the part, beside what was said when it was read, what was found when it was measured."""
         assert self.mesh is not None, "there is a part to speak of"
         x, y, z = self.mesh.extents
-        self.note("; ".join([f"{self.name.replace('_', ' ')}: {x:.1f} × {y:.1f} × {z:.1f} mm", *notes]))
+        self.note("; ".join([f"{self.name.replace('_', ' ')}: {x:.1f} × {y:.1f} × {z:.1f} mm", *self._notes, *found]))
+
+    def _say(self, notes: tuple[str, ...]) -> None:
+        self._notes = notes
+        self.remark(())
         self.complain("")
         from_gallery = self.model.startswith(gallery.PREFIX)
         self._gallery.value = self.model.removeprefix(gallery.PREFIX) if from_gallery else ""
