@@ -14,10 +14,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from mechstyle.__main__ import app
-from mechstyle.cli.console import out, telling
+from mechstyle.cli.console import out
 from mechstyle.cli.run import report
-from mechstyle.errors import BadInput, SimulationFailed
+from mechstyle.errors import BadInput
 from mechstyle.geometry.filaments import clustered
 from mechstyle.loop.events import Checkpointed
 from mechstyle.loop.store import Store
@@ -273,34 +272,6 @@ def test_simulate_carries_the_loads_of_a_file_and_warns_of_thin_walls(mechstyle)
     assert 0.0 < hand["peak"] <= outcome["peak_stress"]
     assert "which is worse than any load" in outcome["words"]
     assert "thinner than the 5 mm minimum" in outcome["warning"]
-
-
-@pytest.mark.parametrize("command", ["run", "freestyle", "simulate"])
-@pytest.mark.parametrize("as_json", [False, True])
-def test_walls_too_thin_are_warned_of_before_the_minutes_of_meshing(command, as_json, tmp_path, monkeypatch, capsys):
-    """… but not where nothing but JSON is wanted."""
-
-    def never(*_: object) -> None:
-        raise SimulationFailed("meshed too soon, or at all")
-
-    monkeypatch.setenv("MECHSTYLE_CACHE", str(tmp_path / "cache"))
-    for name in ("at_rest", "carrying"):
-        monkeypatch.setattr(f"mechstyle.simulation.part.{name}", never)
-    style = () if command == "simulate" else ("--prompt", "brick")
-    words = [command, "gallery:pen_holder", *style, "--vertices", "1500", "--minimum-wall", "5", "--out", str(tmp_path / "part")]
-    with pytest.raises(SystemExit):
-        app([*words, *(["--json"] if as_json else [])])
-    said = " ".join(capsys.readouterr().err.split())
-    before, _, after = said.partition("thinner than the 5 mm minimum: it may not print")
-    assert ("warning: the part itself has a wall of" in before) is not as_json
-    assert ("error: meshed too soon, or at all" in after) is not as_json
-
-
-def test_a_warning_is_given_once_however_often_a_part_is_prepared(capsys):
-    with telling(3, quiet=False) as teller:
-        teller.warn(["a wall is thin [1]"])
-        teller.warn(["a wall is thin [1]", "so is another"])
-    assert capsys.readouterr().err.count("warning: a wall is thin [1]") == 1
 
 
 def test_simulate_names_the_stress_its_criterion_looks_at(mechstyle):
