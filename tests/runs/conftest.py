@@ -1,10 +1,14 @@
-"""Parts whose walls are known, without tetrahedra that fill them: recipes and stylizers look at none."""
+"""Parts whose walls are known, without tetrahedra that fill them, as recipes and stylizers look at none; and a small block in marble."""
 
 import numpy as np
 import pytest
+import trimesh
 
-from mechstyle.records.mesh import TetMesh
+from mechstyle.records.mesh import SurfaceMesh, TetMesh
+from mechstyle.runs.run import Run, stylize
 from mechstyle.simulation.part import Workpiece
+
+QUICK = {"vertices": 900, "iterations": 6, "orientations": 1, "tilts": 0, "window": 0.2, "element": "tet4", "schedule": "every", "every": 3}
 
 
 @pytest.fixture
@@ -18,3 +22,32 @@ def part(cube):
 def ball(sphere):
     tets = TetMesh(np.vstack([np.zeros(3), 10.0 * np.eye(3)]), [[0, 1, 2, 3]])
     return Workpiece(sphere, tets, thickness=np.full(len(sphere.vertices), 20.0, np.float32), stands=False)
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory) -> Run:
+    """A finished run of a small block, its top protected."""
+    folder = tmp_path_factory.mktemp("block")
+    box = trimesh.creation.box((40.0, 30.0, 20.0))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("MECHSTYLE_CACHE", str(folder / "cache"))
+        mesh = SurfaceMesh(box.vertices, box.faces)
+        yield stylize(mesh, "marble", out=folder / "run", protect="above 9.9 colour", amplitude=0.3, device="cpu", delivered=3500, **QUICK)
+
+
+@pytest.fixture(scope="module")
+def coarse(run) -> Run:
+    """The same from iteration 4 on, delivered as it ran."""
+    return run.branch(4, lane="coarse", delivered=0).go()
+
+
+@pytest.fixture(scope="module")
+def finer(run):
+    """What that run delivered."""
+    return run.delivered()
+
+
+@pytest.fixture
+def dropless(monkeypatch):
+    """Fails what drops anything."""
+    monkeypatch.setattr("mechstyle.simulation.simulator.drop", lambda *_, **__: pytest.fail("it was dropped again"))
