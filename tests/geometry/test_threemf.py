@@ -3,7 +3,6 @@
 import io
 import json
 import os
-import re
 import zipfile
 from collections import Counter
 from xml.etree import ElementTree as ET
@@ -16,7 +15,7 @@ from mechstyle.geometry.bodies import shell_and_rest
 from mechstyle.geometry.filaments import MOST, Painted, clustered, display, nearest
 from mechstyle.geometry.threemf import SLICERS, Body, bodies_bytes, threemf_bytes
 from support.painting import decoded, state_at
-from support.slicer import prusa_slicer
+from support.slicer import FOUR_FILAMENTS, prusa_slicer, tools_by_height
 
 CORE = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
 MATERIAL = "{http://schemas.microsoft.com/3dmanufacturing/material/2015/02}"
@@ -223,25 +222,6 @@ def test_the_file_for_bambu_studio_departs_from_the_standard_in_its_painting_alo
     assert read_by_lib3mf(tmp_path / "part.3mf", strict=False) == ({32935: len(sphere.faces)}, [True])
 
 
-MACHINE = (
-    *("--nozzle-diameter=0.4,0.4,0.4,0.4", "--filament-diameter=1.75,1.75,1.75,1.75", "--temperature=210,210,210,210"),
-    *("--single-extruder-multi-material", "--layer-height=0.3", "--first-layer-height=0.3", "--fill-density=0%", "--skirts=0"),
-)
-
-
-def tools_by_height(gcode):
-    """Which tools lay plastic at each height [mm]."""
-    found, tool, height = {}, 0, 0.0
-    for line in gcode.splitlines():
-        if re.fullmatch(r"T\d", line):
-            tool = int(line[1])
-        elif place := re.search(r"^G1 Z([\d.]+)", line):
-            height = float(place[1])
-        elif re.search(r"^G1 X\S+ Y\S+ E[\d.]", line):
-            found.setdefault(height, set()).add(tool)
-    return found
-
-
 def test_prusaslicer_gives_our_words_back(sphere, tmp_path):
     (tmp_path / "part.3mf").write_bytes(threemf_bytes(sphere, paint=sectors(sphere)))
     prusa_slicer("--export-3mf", "-o", tmp_path / "back.3mf", tmp_path / "part.3mf")
@@ -257,7 +237,7 @@ def test_prusaslicer_prints_each_layer_with_the_filaments_that_are_there(cube, t
     filament = np.zeros(8, dtype=np.int32)
     filament[[0, 7]] = 1, 2  # the corners (0, 0, 0) and (10, 10, 10)
     (tmp_path / "part.3mf").write_bytes(threemf_bytes(cube, paint=Painted(cube, FOUR, filament)))
-    prusa_slicer("--export-gcode", *MACHINE, "-o", tmp_path / "part.gcode", tmp_path / "part.3mf")
+    prusa_slicer("--export-gcode", *FOUR_FILAMENTS, "-o", tmp_path / "part.gcode", tmp_path / "part.3mf")
     found = tools_by_height((tmp_path / "part.gcode").read_text())
     assert set().union(*(tools for height, tools in found.items() if 1.0 < height < 4.5)) == {0, 1}
     assert set().union(*(tools for height, tools in found.items() if 5.5 < height < 9.0)) == {0, 2}
@@ -266,7 +246,7 @@ def test_prusaslicer_prints_each_layer_with_the_filaments_that_are_there(cube, t
 def test_prusaslicer_prints_two_bodies_with_two_filaments(cube, tmp_path):
     shell, rest = shell_and_rest(cube, cube, np.ones(8, dtype=bool), np.full(8, 10.0))
     (tmp_path / "part.3mf").write_bytes(bodies_bytes([Body("shell", shell, 1), Body("rest", rest, 0)], FOUR))
-    prusa_slicer("--export-gcode", *MACHINE, "-o", tmp_path / "part.gcode", tmp_path / "part.3mf")
+    prusa_slicer("--export-gcode", *FOUR_FILAMENTS, "-o", tmp_path / "part.gcode", tmp_path / "part.3mf")
     found = tools_by_height((tmp_path / "part.gcode").read_text())
     assert found[min(found)] == {1}
     assert all(tools == {0, 1} for height, tools in found.items() if 2.0 < height < 8.0)

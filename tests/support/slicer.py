@@ -7,6 +7,12 @@ import subprocess
 
 import pytest
 
+FOUR_FILAMENTS = (
+    *("--nozzle-diameter=0.4,0.4,0.4,0.4", "--filament-diameter=1.75,1.75,1.75,1.75", "--temperature=210,210,210,210"),
+    *("--single-extruder-multi-material", "--layer-height=0.3", "--first-layer-height=0.3", "--fill-density=0%", "--skirts=0"),
+)
+"""A printer of four filaments and one nozzle, layers of 0.3 mm, no infill."""
+
 
 def prusa_slicer(*arguments):
     """Run PrusaSlicer without its window."""
@@ -21,3 +27,16 @@ def hours_in(gcode):
     words = re.search(r"estimated printing time \(normal mode\) = (.*)", gcode)[1]
     hours = {"d": 24.0, "h": 1.0, "m": 1 / 60, "s": 1 / 3600}
     return sum(int(number) * hours[unit] for number, unit in re.findall(r"(\d+)([dhms])", words))
+
+
+def tools_by_height(gcode):
+    """Which tools lay plastic at each height [mm]."""
+    found, tool, height = {}, 0, 0.0
+    for line in gcode.splitlines():
+        if re.fullmatch(r"T\d", line):
+            tool = int(line[1])
+        elif place := re.search(r"^G1 Z([\d.]+)", line):
+            height = float(place[1])
+        elif re.search(r"^G1 X\S+ Y\S+ E[\d.]", line):
+            found.setdefault(height, set()).add(tool)
+    return found
