@@ -24,8 +24,10 @@ def exclusive(path: Path, what: str, *, wait: bool = False) -> Iterator[None]:
     removed, or one process could lock the file that another has just unlinked.
 
     Raises:
-        BadInput: If somebody else holds it, another session of this process included, and this does not wait.
+        BadInput: If somebody else holds it, another session of this process included, and this does not wait; or if `path` is a link.
     """
+    if path.is_symlink():  # in a folder from somebody else it could lead to a file of the user's, which would be emptied
+        raise BadInput(f"{path} is a link, which no lock is: remove it if you do not know what it is for")
     path.parent.mkdir(parents=True, exist_ok=True)
     with path.open("a+", encoding="utf-8") as file:
         _lock(file.fileno(), path, what, wait=wait)

@@ -6,6 +6,7 @@ Layout of a run directory:
     lanes/main.json     where a lane stands: its recipe, its newest checkpoint, where it was forked
     memo/0123…          digest of the result of a computation, named by the digest of its inputs
     locks/main.lock     which process carries the lane on
+    summaries/…         what a finished lane came to
 
 Everything is written aside and renamed, so a process killed at any moment loses at most the iteration in flight.
 """
@@ -25,6 +26,9 @@ from mechstyle.loop.lock import exclusive
 from mechstyle.loop.objects import Memo, Objects, read_record
 from mechstyle.records import Checkpoint, Recipe, Verdict
 from mechstyle.records.earlier import translated
+
+FOLDERS = ("objects", "lanes", "memo", "locks", "summaries")
+"""Of a run directory."""
 
 
 class Lane(msgspec.Struct, frozen=True, kw_only=True):
@@ -59,8 +63,14 @@ class Store:
     """One run directory: checkpoints, lanes, recipes, meshes and the memo of its simulations."""
 
     def __init__(self, root: str | Path) -> None:
-        """Use `root`, which is created by the first write."""
+        """Use `root`, which is created by the first write; DamagedStore if a folder in it is a link.
+
+        A run that somebody else sent could have written, and `gc` removed, what is wherever the link leads.
+        """
         self.root = Path(root)
+        for folder in FOLDERS:
+            if (self.root / folder).is_symlink():
+                raise DamagedStore(f"{self.root / folder} is a link, and a run is kept in one folder: put what it leads to in its place")
         self.objects = Objects(self.root / "objects")
         self.memo = Memo(self.root / "memo", self.objects)
 

@@ -70,6 +70,17 @@ def test_another_process_is_refused_and_the_lock_of_a_killed_one_taken_over(tmp_
         assert str(os.getpid()) in path.read_text()
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="links are for administrators")
+def test_a_lock_that_is_a_link_is_refused_and_where_it_leads_is_left(tmp_path):
+    """What holds a lock is written into it: a run folder from somebody else had a file of yours emptied."""
+    path, mine = tmp_path / "main.lock", tmp_path / "thesis.txt"
+    mine.write_text("years of work")
+    path.symlink_to(mine)
+    with pytest.raises(BadInput, match=r"main\.lock is a link"), exclusive(path, "lane"):
+        pytest.fail("it was held")
+    assert mine.read_text() == "years of work"
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="there are no locks")
 def test_a_file_system_without_locks_is_used_without(tmp_path, monkeypatch):
     def refuse(*_):

@@ -3,12 +3,14 @@
 import contextlib
 import json
 import shlex
+import shutil
 
 import msgspec
 import numpy as np
 import pytest
 
-from mechstyle.cli.inspect_run import export_command, show_command
+from mechstyle.cli.inspect_run import export_command, log_command, show_command
+from mechstyle.cli.keep import gc_command
 from mechstyle.cli.report import report_command
 from mechstyle.errors import BadInput, DamagedStore, MechStyleError
 from mechstyle.geometry.print_quality import Quality
@@ -60,6 +62,28 @@ def test_the_command_that_makes_a_run_again_writes_into_one_folder(forged):
     folder = shlex.split(command_for(forged, forged.history))[-1]
     assert folder.startswith("again-")
     assert not {"/", "\\", "\n"} & set(folder)
+
+
+@pytest.mark.parametrize("name", ["objects", "lanes", "memo", "locks", "summaries"])
+def test_a_folder_of_a_run_that_is_a_link_is_not_followed(tmp_path, outside, name):
+    """With `memo` as a link to somebody's documents `mechstyle gc DIR --remove` removed them: no lane reaches a thesis."""
+    root = lane_on_a_sheet(tmp_path / "run", iterations=2).store.root
+    (outside / "thesis.txt").write_text("years of work")
+    with contextlib.suppress(FileNotFoundError):
+        shutil.rmtree(root / name)
+    (root / name).symlink_to(outside)
+    for look in (lambda: gc_command(root, remove=True), lambda: show_command(str(root), None), lambda: log_command(str(root))):
+        with pytest.raises(SystemExit):
+            look()
+    with pytest.raises(DamagedStore, match=f"{name} is a link"):
+        Store(root)
+    assert [(path.name, path.read_text()) for path in outside.iterdir()] == [("thesis.txt", "years of work")]
+
+
+def test_a_run_folder_may_itself_be_reached_by_a_link(tmp_path):
+    run = lane_on_a_sheet(tmp_path / "run", iterations=2)
+    (tmp_path / "link").symlink_to(run.store.root)
+    assert Store.open(tmp_path / "link").lanes() == ("main",)
 
 
 def test_a_lane_file_by_another_name_than_a_lane_can_have_is_no_lane(tmp_path):
