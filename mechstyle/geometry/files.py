@@ -169,7 +169,7 @@ def _check_size(name: str, vertices: Floats, factor: float) -> None:
         raise BadInput(f"{name} has no extent: all its vertices coincide")
     guesses = [f"{unit} (--scale {other:g})" for unit, other in GUESSES.items() if SMALLEST <= length * other <= LARGEST]
     hint = f"if its coordinates are {' or '.join(guesses)}, say so" if guesses else "give a factor with --scale"
-    shown = f"{length * factor:.0f}" if length * factor >= 100.0 else f"{length * factor:.3g}"
+    shown = f"{length * factor:.0f}" if 100.0 <= length * factor < 1e9 else f"{length * factor:.3g}"
     raise BadInput(f"{name} is {shown} mm long; parts must be {SMALLEST:g} to {LARGEST:g} mm: {hint}")
 
 

@@ -118,7 +118,7 @@ def _reached(store: Store, start: Iterable[str], known: Iterable[str] = ()) -> s
         if content[:1] in (b"{", b'"', b"["):
             try:
                 ahead += _digests(msgspec.json.decode(content))
-            except msgspec.DecodeError as error:
+            except (msgspec.DecodeError, RecursionError) as error:
                 raise DamagedStore(f"{store.objects.path(digest)} is no record: restore it from a copy, or start the run again") from error
     return seen
 

@@ -98,6 +98,12 @@ def test_coordinates_that_are_not_finite_are_refused(tmp_path, capfd, name, valu
     assert capfd.readouterr() == ("", "")
 
 
+def test_an_absurd_size_is_told_in_few_signs(tmp_path):
+    """Once in 308 digits."""
+    path = put(tmp_path, "part.obj", exported("obj", PART.vertices * 1e300))
+    assert len(refusal(path)) < 120
+
+
 def test_remarks_of_the_reader_go_no_further(tmp_path, monkeypatch):
     path, reader = put(tmp_path, "part.stl", exported("stl")), trimesh.load_scene
 

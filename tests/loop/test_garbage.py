@@ -85,6 +85,15 @@ def test_where_a_record_is_damaged_nothing_is_removed(run):
     assert garbage_is_there(store)
 
 
+@pytest.mark.parametrize("forged", [b"[" * 100_000, b'{"a": ' + b"9" * 5000 + b"}"], ids=["deep", "a number of 5000 digits"])
+def test_a_record_that_nothing_can_read_is_one_sentence(run, forged):
+    """A nest of 100 000 brackets, under its own digest, showed a traceback."""
+    store = run.store
+    store.move("main", msgspec.structs.replace(store.lane(), forked_from=store.objects.put(forged)))
+    with pytest.raises(DamagedStore, match="is no record"):
+        garbage(store)
+
+
 def garbage_is_there(store):
     return (store.root / "objects" / "ab" / ".new-x").is_file()
 
