@@ -20,8 +20,8 @@ def read_table(file: Path) -> Any:
     try:
         if file.stat().st_size > MOST_BYTES:
             raise ValueError(f"it has more than {MOST_BYTES // 1000} kB")
-        content = file.read_bytes()
-        return msgspec.json.decode(content) if file.suffix.lower() == ".json" else tomllib.loads(content.decode())
+        text = file.read_bytes().decode("utf-8-sig")  # editors of Windows begin a file with a mark, which is no part of either format
+        return msgspec.json.decode(text) if file.suffix.lower() == ".json" else tomllib.loads(text)
     except OSError as error:
         raise ValueError(error.strerror or str(error)) from error
     except RecursionError as error:

@@ -191,6 +191,15 @@ def test_a_bad_file_is_refused_in_one_sentence_that_names_it(name, text, words, 
     assert "\n" not in str(refusal.value)
 
 
+@pytest.mark.parametrize("suffix", ["toml", "json"])
+def test_the_mark_that_windows_editors_begin_a_file_with_is_no_part_of_it(suffix, tmp_path):
+    """Notepad and PowerShell write it: «Invalid statement (at line 1, column 1)»."""
+    text = toml() if suffix == "toml" else msgspec.json.encode(STEEL).decode()
+    file = tmp_path / f"mine.{suffix}"
+    file.write_text(text, encoding="utf-8-sig")
+    assert read_material(file).yield_strength in (40.0, 235.0)
+
+
 def test_bytes_that_are_no_text_are_refused(tmp_path):
     (tmp_path / "binary.toml").write_bytes(b"\xff\xfe\x00")
     with pytest.raises(BadInput, match="decode"):
