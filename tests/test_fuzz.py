@@ -24,8 +24,8 @@ from mechstyle.loop.objects import Objects
 from mechstyle.records.load_cases import read_loads
 from mechstyle.records.material import read_material
 from support import ROOT
-from support.hostile import tried
-from support.part_files import PART, exported, refusal, threemf, xml_object
+from support.hostile import MESHES, sound, tried
+from support.part_files import PART, exported, put, refusal, threemf, xml_object
 
 CASES = 500
 ONCE_WRONG = (("part.3mf", 7), ("part.3mf", 301), ("part.obj", 366), ("store", 165), ("words.stl", 22), ("node.glb", 76), ("forged", 880),
@@ -43,6 +43,13 @@ def test_five_hundred_hostile_files_and_command_lines_are_read_or_refused_in_a_s
     assert told["wrong"] == []
     assert told["counts"]["read"] + told["counts"]["refused"] == CASES
     assert told["counts"]["read"] > CASES // 20, "cases that are all refused at their first byte try nothing"
+
+
+@pytest.mark.parametrize("kind", [*MESHES, "material.toml", "material.json", "loads.toml"])
+def test_what_is_damaged_was_sound(kind, tmp_path):
+    """The loads once were not: every case was refused at the same word, and tried nothing behind it."""
+    file = put(tmp_path, kind, sound(kind))
+    {"mater": read_material, "loads": read_loads}.get(kind[:5], read)(file)
 
 
 @pytest.mark.parametrize(("kind", "number"), ONCE_WRONG)
@@ -68,11 +75,6 @@ def unread(monkeypatch):
         pytest.fail("a parser was asked")
 
     monkeypatch.setattr(trimesh, "load_scene", parsed)
-
-
-def put(folder, name, content):
-    (folder / name).write_bytes(content)
-    return folder / name
 
 
 def glb(change):

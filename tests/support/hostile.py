@@ -105,7 +105,7 @@ def sound(kind: str) -> bytes:
         "material.toml": 'name = "x"\nyoungs_modulus = 2000.0\npoisson_ratio = 0.35\ndensity = 1.2e-3\n'
         'yield_strength = 40.0\nlayer_ratio = 0.5\nsource = "me"\n',
         "loads.toml": '[[case]]\nname = "hand"\n[[case.supports]]\nat = "resting face"\n'
-        "[[case.loads]]\nat = {centre = [1.0, 2.0, 3.0], radius = 4.0}\nforce = [0.0, 0.0, -10.0]\n",
+        "[[case.loads]]\nat = {sphere = [1.0, 2.0, 3.0, 4.0]}\nforce = [0.0, 0.0, -10.0]\n",
     }  # fmt: skip
     if kind in texts:
         return texts[kind].encode()
