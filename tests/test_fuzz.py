@@ -118,6 +118,40 @@ def test_a_package_that_unpacks_to_more_than_a_part_needs(unread, monkeypatch, t
     assert "unpacks to more than 1 MB" in refusal(put(tmp_path, "part.3mf", made.getvalue()))
 
 
+def relabelled(content, **fields):
+    """A package of one entry, whose directory says something else of it."""
+    changed, directory = bytearray(content), content.rfind(b"PK\1\2")
+    for name, value in fields.items():
+        at, width = {"flags": (8, "<H"), "crc": (16, "<I"), "size": (24, "<I")}[name]
+        struct.pack_into(width, changed, directory + at, value)
+    return bytes(changed)
+
+
+def packed(data, method=zipfile.ZIP_DEFLATED):
+    made = io.BytesIO()
+    with zipfile.ZipFile(made, "w", method) as package:
+        package.writestr("3D/3dmodel.model", data)
+    return made.getvalue()
+
+
+@pytest.mark.parametrize("told", [0, 1000, 99_999, 100_001])
+def test_a_package_that_lies_about_its_size_is_not_unpacked(unread, tmp_path, told):
+    """1.8 MB took 2.4 GB: parsers unpack all there is and keep as much as the directory says, whose checksum may be right for that."""
+    lie = relabelled(packed(bytes(100_000)), size=told, crc=zlib.crc32(bytes(told)))
+    assert "another size than it says" in refusal(put(tmp_path, "part.3mf", lie))
+
+
+def test_a_package_that_is_packed_in_a_way_of_its_own(unread, tmp_path):
+    """What LZMA and bzip2 unpack to has no bound, and no 3MF file may use them."""
+    for method in (zipfile.ZIP_LZMA, zipfile.ZIP_BZIP2):
+        assert "packed in a way that 3MF does not know" in refusal(put(tmp_path, "part.3mf", packed(b"x", method)))
+
+
+def test_an_encrypted_package(unread, tmp_path):
+    """It showed a traceback."""
+    assert "is encrypted" in refusal(put(tmp_path, "part.3mf", relabelled(packed(b"x"), flags=1)))
+
+
 @pytest.mark.parametrize("declared", ['<!DOCTYPE model [<!ENTITY a "aaaa">]>', '<!DOCTYPE model SYSTEM "file:///etc/passwd">'])
 def test_a_model_that_declares_entities(unread, tmp_path, declared):
     made = io.BytesIO()

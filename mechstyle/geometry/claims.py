@@ -6,6 +6,7 @@ all of that; these counts are held against the size of the file and against what
 
 from __future__ import annotations
 
+import copy
 import io
 import json
 import re
@@ -26,6 +27,10 @@ MOST_PIECES = 10_000
 """Objects, components and nodes: a part is one body."""
 MOST_MARKS = 16_000_000
 """Elements and attributes of XML; a million faces and their vertices take ten million."""
+PIECE = 1_000_000
+"""Bytes that are unpacked at a time."""
+ENCRYPTED = 1
+"""Of the flags of an entry of a ZIP package."""
 
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 BYTES = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
@@ -44,8 +49,8 @@ def check_claims(name: str, content: bytes, suffix: str) -> None:
         faces = COUNTED[suffix](content)
     except _Beyond as error:
         raise BadInput(f"{name} {error}") from error
-    except (ArithmeticError, LookupError, RecursionError, TypeError, ValueError, AttributeError, NotImplementedError, OSError, struct.error,
-            zipfile.BadZipFile, zlib.error, expat.ExpatError):  # fmt: skip
+    except (ArithmeticError, EOFError, LookupError, RecursionError, TypeError, ValueError, AttributeError, NotImplementedError, OSError,
+            struct.error, zipfile.BadZipFile, zlib.error, expat.ExpatError):  # fmt: skip
         return  # damaged in a way that the parser stumbles over as well
     if faces > MOST_FACES:
         raise BadInput(f"{name} has {faces} faces, more than {MOST_FACES}: simplify it in the program it was made with")
@@ -118,10 +123,27 @@ def _of_3mf(content: bytes) -> int:
             raise _Beyond(f"unpacks to more than {MOST_BYTES / 1e6:.0f} MB: simplify it in the program it was made with")
         models = _Models()
         for entry in entries:
+            _check_packing(package, entry)
             if entry.filename.lower().endswith(".model"):
                 with package.open(entry) as model:
                     models.read("/" + entry.filename.lstrip("/"), model)
     return models.built()
+
+
+def _check_packing(package: zipfile.ZipFile, entry: zipfile.ZipInfo) -> None:
+    """Refuse an entry that does not unpack to the size that the package says: parsers unpack all of it, and keep no more than that."""
+    if entry.flag_bits & ENCRYPTED:
+        raise _Beyond("is encrypted: save it without a password")
+    if entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):  # of others no piece has a bound
+        raise _Beyond("is packed in a way that 3MF does not know: export it again")
+    unbelieved = copy.copy(entry)
+    unbelieved.file_size, unbelieved.CRC = MOST_BYTES + 1, None  # type: ignore[assignment]
+    size = 0
+    with package.open(unbelieved) as file:
+        while size <= entry.file_size and (piece := file.read(PIECE)):
+            size += len(piece)
+    if size != entry.file_size:
+        raise _Beyond("unpacks to another size than it says: it is damaged or was made to do harm; export it again")
 
 
 def _of_built(uses: Mapping[str, Counter[str]], own: Mapping[str, int], start: str) -> Iterator[tuple[str, int]]:
