@@ -75,6 +75,8 @@ def spread(rows: Sequence[Row], field: str, label: str, *, log: bool = False) ->
         label: Of the axis, with its unit.
         log: Whether the axis is logarithmic.
     """
+    from matplotlib.ticker import LogLocator  # noqa: PLC0415 — loaded when a picture is wanted
+
     arms = list(dict.fromkeys(row.arm for row in rows))
     sheet, axes = _sheet(0.9 + 0.26 * len(arms), 1)
     for y, arm in enumerate(arms):
@@ -90,9 +92,9 @@ def spread(rows: Sequence[Row], field: str, label: str, *, log: bool = False) ->
     _named(axes[0], arms)
     if log:
         axes[0].set_xscale("log")
+        axes[0].xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         axes[0].xaxis.set_major_formatter("{x:g}")
-        axes[0].xaxis.set_minor_formatter("{x:g}")
-        axes[0].tick_params(axis="x", which="minor", labelsize=7)
+        axes[0].xaxis.set_minor_formatter("")
     axes[0].set_xlabel(f"{label}; bar: median", size=8)
     return _png(sheet)
 

@@ -81,6 +81,13 @@ def _order(row: Row) -> tuple[str, ...]:
     return row.part, row.prompt, row.arm, str(row.amplitude), str(row.loaded), str(row.seed)
 
 
+def _freely(done: Sequence[Row]) -> list[Row]:
+    """The style alone where it was run finest; coarser ones stand beside the ways that were run as coarse, and would count a part twice."""
+    free = [row for row in done if row.arm == FREE]
+    finest = max((row.vertices for row in free), default=0)
+    return [row for row in free if row.vertices == finest]
+
+
 def _is_way(row: Row) -> bool:
     return " × " in row.arm
 
@@ -91,12 +98,14 @@ def _is_arm(row: Row) -> bool:
 
 def _pictures(done: Sequence[Row]) -> dict[str, Callable[[], bytes]]:
     """The figures there is something to show in, not yet drawn."""
-    free, ways, arms = ([row for row in done if of(row)] for of in (lambda row: row.arm == FREE, _is_way, _is_arm))
+    free, (ways, arms) = _freely(done), ([row for row in done if of(row)] for of in (_is_way, _is_arm))
+    blocks = {_block(row) for row in ways}
+    beside = [row for row in done if row.arm == FREE and _block(row) in blocks]
     made: dict[str, Callable[[], bytes]] = {}
     if free:
         made["freestyle"] = lambda: figures.matrix(free, "Stress over its limit, style alone")
     if ways:
-        made["viable"] = lambda: figures.viability([*free, *ways], PUBLISHED)
+        made["viable"] = lambda: figures.viability([*beside, *ways], PUBLISHED)
         made["time"] = lambda: figures.spread(ways, "cpu_seconds", "processor time of a run [s]", log=True)
         found = _equivalences(done)
         if found:
@@ -123,7 +132,7 @@ def _what(own: Sequence[Row], done: Sequence[Row]) -> str:
 
 
 def _free(done: Sequence[Row], pictures: dict[str, str]) -> str:
-    free = [row for row in done if row.arm == FREE]
+    free = _freely(done)
     if not free:
         return ""
     lines = [("rule", "viable", "95 % Wilson interval", "drawn over models")]
@@ -237,11 +246,10 @@ def _arms(done: Sequence[Row], pictures: dict[str, str]) -> str:
 def _beside(done: Sequence[Row]) -> str:
     """Our shares and the published ones, where both are."""
     lines = [("", "here", "here, published rule", "published")]
-    for name, published in PUBLISHED.items():
-        told = [row for row in done if row.arm == name]
-        if told:
-            here, literal = (_share(sum(values), len(told)) for values in ([r.viable for r in told], [r.literally_viable for r in told]))
-            lines.append((f"viable, {name}", here, literal, f"{published:g} % (46 of 180)"))
+    free = _freely(done)
+    if free:
+        here, literal = (_share(count, len(free)) for count in (sum(r.viable for r in free), sum(r.literally_viable for r in free)))
+        lines.append((f"viable, {FREE}", here, literal, f"{PUBLISHED[FREE]:g} % (46 of 180)"))
     worst = [(sum(row.viable for row in told) / len(told), arm, told) for arm, told in _grouped([r for r in done if _is_way(r)]).items()]
     if worst:
         _, arm, told = min(worst, key=lambda one: one[:2])

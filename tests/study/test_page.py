@@ -66,6 +66,16 @@ def test_runs_of_another_depth_are_no_partners(page, tmp_path):
     assert both[: both.index("![")] == alike[: alike.index("![")]
 
 
+def test_a_part_that_was_also_run_coarsely_counts_once_in_the_style_alone(page, tmp_path):
+    """Coarser runs stand beside the ways that were run as coarse: pairs and their tests are of one surface."""
+    coarse = [msgspec.structs.replace(row, vertices=2000, recipe=f"{row.recipe}!", verdict="VIABLE") for row in study()[:13]]
+    write_page(study() + coarse, tmp_path / "two.md")
+    counted = [line for line in page[1].splitlines() if line.startswith(("| the verdict here", "| viable, freestyle"))]
+    assert len(counted) == 2
+    assert set(counted) <= set((tmp_path / "two.md").read_text().splitlines())
+    assert "19 pairs, exact McNemar" in (tmp_path / "two.md").read_text()
+
+
 def test_every_figure_is_there_and_is_a_picture(page):
     files, text = page
     names = {"freestyle", "viable", "time", "loss", "arms", "kept"}
