@@ -13,8 +13,8 @@ MOST_STEPS = 10_000
 """Diffusion over fifteen edges takes 270."""
 
 
-def solved(matrix: sp.csr_array, right: Floats, start: Floats) -> Floats:
-    """The solution for one right-hand side, shape [n], preconditioned by the diagonal.
+def solved(matrix: sp.csr_array, right: Floats, start: Floats) -> Floats | None:
+    """The solution for one right-hand side, shape [n], preconditioned by the diagonal; None if most steps do not lead to it.
 
     Sums are einsum's, not BLAS', so that they come out the same on any number of cores.
 
@@ -30,7 +30,7 @@ def solved(matrix: sp.csr_array, right: Floats, start: Floats) -> Floats:
     size = float(np.einsum("i,i", rest, downhill))
     for _ in range(MOST_STEPS):
         if size <= goal:
-            break
+            return solution
         pushed = matrix @ downhill
         step = size / float(np.einsum("i,i", downhill, pushed))
         solution += step * downhill
@@ -38,4 +38,4 @@ def solved(matrix: sp.csr_array, right: Floats, start: Floats) -> Floats:
         before, scaled = size, inverse * rest
         size = float(np.einsum("i,i", rest, scaled))
         downhill = scaled + (size / before) * downhill
-    return solution
+    return None

@@ -149,7 +149,8 @@ class Operators:
 
     def diffused_in_steps(self, values: Floats, length: float) -> Floats:
         """The same for values [n], to eight digits, in a sixth of the time where vertices are many and close."""
-        return solved(self._heat_flow(length), self.mesh.vertex_areas * values, values)
+        found = solved(self._heat_flow(length), self.mesh.vertex_areas * values, values)
+        return self.diffused(values, length) if found is None else found
 
     def _heat_flow(self, length: float) -> sp.csr_array:
         return sp.csr_array(sp.diags_array(self.mesh.vertex_areas) + 0.5 * length**2 * self.laplacian)

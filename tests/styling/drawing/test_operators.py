@@ -49,6 +49,14 @@ def test_diffusion_in_steps_comes_to_the_same(sphere, length):
     assert np.allclose(operators.diffused_in_steps(flat, length), flat)
 
 
+def test_diffusion_that_would_take_too_many_steps_is_solved_directly(sphere, monkeypatch):
+    """It once ended where it was, without a word."""
+    monkeypatch.setattr("mechstyle.styling.drawing.conjugate_gradients.MOST_STEPS", 2)
+    operators = Operators(sphere)
+    values = np.random.default_rng(1).normal(size=len(sphere.vertices))
+    assert np.allclose(operators.diffused_in_steps(values, 1.0), operators.diffused(values, 1.0), atol=1e-7)
+
+
 def test_components_are_the_pieces_held_together_by_the_edges_kept(sphere):
     operators = Operators(sphere)
     above = sphere.vertices[:, 2] > 0.0
