@@ -44,7 +44,7 @@ FLAT = 0.05  # mm above the floor within which a vertex on a flat base is set do
 
 def tetrahedralise(
     surface: SurfaceMesh, target: int = 16_000, *,
-    keep: SurfaceMesh | None = None, timeout: float = 300.0, cache: Path | None = None, go_on: GoOn = regardless,
+    keep: SurfaceMesh | None = None, timeout: float = 600.0, cache: Path | None = None, go_on: GoOn = regardless,
 ) -> TetMesh:  # fmt: skip
     """Tetrahedra of about the wished number inside a closed surface.
 
