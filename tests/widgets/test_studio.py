@@ -137,6 +137,7 @@ def test_a_preview_is_shown_on_the_part_with_what_stays_plain_until_it_cannot_be
     np.testing.assert_allclose(viewer.subject.mesh.vertices, surface.displaced(style.relief).vertices)
     np.testing.assert_array_equal(viewer.protected, spared)
     assert "NOT TESTED" in viewer.badge._words.value
+    assert "drawn in 0.4 s" in viewer.badge._words.value
     viewer.beside = True
     np.testing.assert_allclose(viewer.original.mesh.vertices, surface.vertices)
     studio.prompt_box.prompt = "nonsense"
@@ -155,6 +156,7 @@ def test_walls_too_thin_are_said_with_the_part_as_soon_as_a_preview_has_measured
         studio._arrived(preview)
         said = studio.part_picker._note.value
         assert ("a wall of 0.40 mm" in said) is told
+        assert ("mechstyle-warning" in said) is told, "among grey notes on the file nobody sees it"
         assert "wall hook: " in said
 
 

@@ -99,10 +99,10 @@ class PartPicker(Section):
         self._say(())
 
     def remark(self, found: tuple[str, ...]) -> None:
-        """Say of the part, beside what was said when it was read, what was found when it was measured."""
+        """Warn of what was found when the part was measured, under what was said when it was read."""
         assert self.mesh is not None, "there is a part to speak of"
         x, y, z = self.mesh.extents
-        self.note("; ".join([f"{self.name.replace('_', ' ')}: {x:.1f} × {y:.1f} × {z:.1f} mm", *self._notes, *found]))
+        self.note("; ".join([f"{self.brief}: {x:.1f} × {y:.1f} × {z:.1f} mm", *self._notes]), found)
 
     def _say(self, notes: tuple[str, ...]) -> None:
         self._notes = notes

@@ -77,9 +77,10 @@ class Section(Framed, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has 
         """What is chosen, in a few words; "" where there is nothing to tell."""
         return ""
 
-    def note(self, words: str) -> None:
-        """Say something beside the matter, "" for nothing."""
-        self._note.say(f'<div class="mechstyle-note">{escape(words)}</div>' if words else "")
+    def note(self, words: str, warnings: Sequence[str] = ()) -> None:
+        """Say something beside the matter, "" for nothing, and what to beware of, each on a line that is seen."""
+        plain = f'<div class="mechstyle-note">{escape(words)}</div>' if words else ""
+        self._note.say(plain + "".join(f'<div class="mechstyle-warning" role="status">{escape(one)}</div>' for one in warnings))
 
     def complain(self, words: str) -> None:
         """Say what is wrong, in one sentence; "" once it is right again."""
