@@ -182,6 +182,7 @@ def test_the_theme_changes_the_template(timeline):
     before = frame(timeline)["template"]
     timeline.theme = "dark"
     assert frame(timeline)["template"] != before
+    assert frame(timeline)["paper_bgcolor"] == "#111111", "pale words need a dark ground where the notebook is light"
     assert frame(timeline)["annotations"][0]["font"]["color"] == "#ff8a80", "the red of a mark is no ink for small words on a dark ground"
 
 

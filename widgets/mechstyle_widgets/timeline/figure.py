@@ -24,6 +24,8 @@ CURVES = {"style_loss": "style loss", "travel": "travel", "seconds": "seconds"}
 UNITS = {"style_loss": "style loss", "travel": "travel / threshold", "seconds": "seconds"}
 TEMPLATES = {"light": "plotly_white", "dark": "plotly_dark"}
 PAPER = {"light": "#ffffff", "dark": "#26272b"}
+GROUND = {"light": "#ffffff", "dark": "#111111"}
+"""Those of JupyterLab's themes, so that a figure held in one of them can be read in a notebook of the other."""
 BEYOND = {"light": "#b3261e", "dark": "#ff8a80"}  # of small words, 4.5:1 at least
 INK, FAINT = "#1f7a8c", "rgba(140,140,140,0.45)"
 LANE, STRESS, CURVE, MARGINS = 24, 120, 90, 64  # heights [pixels]
@@ -235,7 +237,7 @@ def _layout(lanes: Sequence[str], lane: str, curve: str, theme: str, iterations:
         "template": template(theme),
         "height": inside + MARGINS,
         "hoverlabel": {"bgcolor": PAPER[theme], "align": "left"},
-        "paper_bgcolor": "rgba(0,0,0,0)",
+        "paper_bgcolor": GROUND[theme],
         "plot_bgcolor": "rgba(0,0,0,0)",
         "yaxis": {"domain": domains[0], "type": "category", "range": [-0.6, len(lanes) - 0.4], "showgrid": False, **rows},
         "yaxis2": {"domain": domains[1], "title": {"text": "peak [MPa]"}, "rangemode": "tozero", "nticks": 5, "showticklabels": True},
