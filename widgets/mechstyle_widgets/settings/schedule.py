@@ -71,7 +71,8 @@ class ScheduleSelector(Section):
     @property
     def brief(self) -> str:
         """How many iterations, and when they are simulated."""
-        return f"{self.iterations} iterations, {self.schedule}"
+        often = f" {self.every}" if self.schedule == "every" else ""
+        return f"{self.iterations} iterations, {self.schedule}{often}"
 
     @property
     def plan(self) -> Plan:
