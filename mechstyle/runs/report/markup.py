@@ -42,6 +42,14 @@ def cells(row: Iterable[object]) -> Markup:
     return joined([fill('<th scope="row">{cell}</th>', cell=first), *(fill("<td>{cell}</td>", cell=cell) for cell in rest)])
 
 
+def with_code(text: str) -> Markup:
+    """Text in which `what one types` stands between backticks, which become letters of their own."""
+    parts = text.split("`")
+    if len(parts) % 2 == 0:  # one of them is no quote
+        return fill("{text}", text=text)
+    return Markup("".join(fill("<code>{part}</code>" if k % 2 else "{part}", part=part) for k, part in enumerate(parts)))
+
+
 def script_json(value: Any) -> Markup:
     """JSON that cannot end the script element it stands in."""
     text = json.dumps(value, separators=(",", ":"), ensure_ascii=True, allow_nan=False)

@@ -21,7 +21,7 @@ from mechstyle.records.recipe import described
 from mechstyle.runs.report import texts
 from mechstyle.runs.report.bundle import IN_A_REPORT, bundle, static
 from mechstyle.runs.report.impact_data import impacts, work_out
-from mechstyle.runs.report.markup import Markup, cells, fill, joined, script_json, table
+from mechstyle.runs.report.markup import Markup, cells, fill, joined, script_json, table, with_code
 from mechstyle.runs.report.replay_data import ReplayData, replay_data
 from mechstyle.runs.report.reproduce import command_for
 from mechstyle.runs.report.run_protocol import LaneOfRun, begun
@@ -181,7 +181,8 @@ def _rules(now: Verdict, first: Verdict) -> Markup:
         ("test", "rule", "counts", "outcome", "now", "original", "limit"),
         [
             (
-                name, judged.rule, "yes" if judged in now.counting else "shown only", _outcome(judged), _value(judged),
+                name, judged.rule, "yes" if judged in now.counting else "shown only",
+                _badge(judged.outcome, marginal=judged.marginal), _value(judged),
                 "–" if before is None else _value(before), _figure(judged.limit, judged.unit),
             )
             for name, judged, before in rows
@@ -191,12 +192,9 @@ def _rules(now: Verdict, first: Verdict) -> Markup:
     )  # fmt: skip
 
 
-def _outcome(judged: Judgement) -> Markup:
-    kind = "marginal" if judged.marginal else judged.outcome.lower()
-    return fill(
-        '<span class="{kind}">{outcome}</span>{marginal}', kind=kind, outcome=judged.outcome,
-        marginal=", marginal" if judged.marginal else "",
-    )  # fmt: skip
+def _badge(outcome: str, *, marginal: bool) -> Markup:
+    kind = "marginal" if marginal else outcome.lower()
+    return fill('<span class="{kind}">{outcome}</span>{more}', kind=kind, outcome=outcome, more=", marginal" if marginal else "")
 
 
 def _value(judged: Judgement) -> str:
@@ -232,7 +230,7 @@ def _story(told: Sequence[Step], last: Row) -> Markup:
 
 
 def _row(step: Step) -> tuple[object, ...]:
-    badge = fill('<span class="{kind}">{outcome}</span>', kind=step.outcome.lower(), outcome=step.outcome)
+    badge = _badge(step.outcome, marginal=step.verdict.marginal)
     peak = "–" if step.peak is None else f"{step.peak:.1f}"
     return step.iteration, step.reason, badge, peak, f"{step.restrained} ({step.share:.1%})", step.added
 
@@ -241,14 +239,14 @@ def _notes(run: LaneOfRun) -> Markup:
     notes = run.summary.notes if run.finished else run.part.notes
     if not notes:
         return Markup("")
-    return fill('<ul class="notes">{items}</ul>', items=joined(fill("<li>{note}</li>", note=note) for note in notes))
+    return fill('<ul class="notes">{items}</ul>', items=joined(fill("<li>{note}</li>", note=with_code(note)) for note in notes))
 
 
 def _settings(recipe: Recipe) -> Markup:
     return table(
         ("setting", "value", "what it is"),
         [
-            (name.replace("_", " "), _plain(value), described(name))
+            (name.replace("_", " "), _plain(value), with_code(described(name)))
             for name, value in recipe.settings.items()
             if name != "material"  # in a table of its own
         ],

@@ -16,7 +16,8 @@ from mechstyle.loop.history import largest_mask_change, rows, steps
 from mechstyle.records.landings import STANDARDS
 from mechstyle.records.recipe import described
 from mechstyle.runs.report import texts
-from mechstyle.runs.report.page import report_page, write_report
+from mechstyle.runs.report.markup import cells
+from mechstyle.runs.report.page import _row, report_page, write_report
 from mechstyle.runs.report.replay_data import replay_data
 from mechstyle.runs.report.timeline import SHAPES, ticks, timeline
 
@@ -92,7 +93,8 @@ def test_a_part_that_was_thickened_first_is_not_taken_for_the_one_it_was(sheet):
 
 def test_every_setting_is_explained(read, lane):
     for name in lane.recipe.settings:
-        assert name == "material" or described(name) in read.text
+        assert name == "material" or described(name).replace("`", "") in read.text
+    assert "`" not in read.text, "what one types is set apart by its letters"
     assert "Height of fall [mm]." in read.text
 
 
@@ -118,6 +120,12 @@ def test_an_outcome_that_is_not_sure_has_a_mark_of_its_own(lane):
     assert 'class="mark marginal"' in drawn
     assert "VIABLE, marginal" in drawn
     assert SHAPES["MARGINAL"] in drawn
+    assert '<span class="marginal">VIABLE</span>, marginal' in cells(_row(msgspec.structs.replace(step, verdict=unsure)))
+
+
+def test_the_legend_tells_every_mark(page):
+    for word, shape in SHAPES.items():
+        assert f'class="mark {word.lower()}">{shape}</svg> {word.lower()}' in page
 
 
 def test_the_story_of_the_mask_counts_vertices(lane):
