@@ -65,7 +65,7 @@ class Quantity:
     @property
     def title(self) -> str:
         """What a button or a menu calls it."""
-        return TITLES.get(self.name, self.name)
+        return TITLES.get(self.name, self.name.replace("_", " "))
 
     @property
     def source(self) -> str:

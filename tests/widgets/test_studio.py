@@ -314,6 +314,7 @@ def test_the_what_if_layer_moves_with_the_threshold(done):
     studio = Studio(done)
     studio.state.iteration, studio.state.layer = 8, "what_if"
     before = studio._viewer.subject.layer("what_if").values
+    assert ("what if", "what_if") in studio._viewer._toolbar.choice.options
     studio.mask_inspector.selector.threshold = 0.05
     assert studio._viewer.subject.layer("what_if").values.sum() > before.sum()
 
