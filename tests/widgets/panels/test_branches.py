@@ -55,6 +55,9 @@ def test_a_branch_from_the_iteration_on_show_takes_what_was_changed_at_the_left(
     controller.state.iteration = 5
     branches.branch()
     assert "change a setting at the left first" in branches.trouble
+    controller.state.iteration = 6
+    assert branches.trouble == "", "it is about what was asked for, and stays no longer than that"
+    controller.state.iteration = 5
     changed = msgspec.structs.replace(controller.state.run.recipe, every=2)
     controller.wanted = lambda: Wanted(changed, None, 500, "sheet")
     branches._name.value = "often"

@@ -63,6 +63,7 @@ class Branches(Section):
         self.state.observe(self._list, ("branches", "lane"))
         self.state.observe(self._redraw, ("checkpoint", "status", "settings"))
         self.state.observe(self._forget, "run")
+        self.state.observe(lambda _: self.complain(""), ("lane", "iteration", "settings"))
         self.observe(self._redraw, ("pinned", "third"))
         self._list()
 
