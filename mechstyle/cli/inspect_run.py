@@ -52,7 +52,8 @@ def log_command(
     for lane in lanes:
         rows = table("iteration", "verdict", "MPa", "reason", title=lane_title(lane))
         for line in lane.simulations:
-            rows.add_row(str(line.iteration), verdict_text(line.verdict), f"{line.peak_stress:.1f}", escape(line.reason))
+            verdict = verdict_text(line.verdict, marginal=line.marginal)
+            rows.add_row(str(line.iteration), verdict, f"{line.peak_stress:.1f}", escape(line.reason))
         out.print(rows)
         out.print()
 
@@ -173,7 +174,7 @@ def report_export(place: Path, written: Exported) -> None:
     """Print what was written, and what is known of that very surface."""
     q, verdict = written.quality, written.verdict
     rows = table(escape(str(place)), "before", "written")
-    rows.add_row("verdict", "", "not simulated" if verdict is None else verdict_text(verdict.outcome))
+    rows.add_row("verdict", "", "not simulated" if verdict is None else verdict_text(verdict.outcome, marginal=verdict.marginal))
     if verdict is not None:
         rows.add_row("peak stress, MPa", "", f"{verdict.deciding.value:.1f} of {verdict.deciding.limit:.1f}")
     rows.add_row("folded faces", "", str(q.folds))

@@ -249,6 +249,11 @@ class SimulationLine(msgspec.Struct, frozen=True, kw_only=True):
     peak_stress: float
     words: str
 
+    @property
+    def marginal(self) -> bool:
+        """Whether the verdict is too close to a limit to be sure."""
+        return self.words.partition(":")[0].endswith("MARGINAL")
+
     @classmethod
     def of(cls, entry: Entry, verdict: Verdict) -> SimulationLine:
         """The line of a simulated checkpoint and its verdict."""

@@ -152,3 +152,9 @@ def test_programs_that_read_the_log_find_what_they_always_found(store):
     summary = LaneSummary.of(store, "soft", store.history("soft"))
     assert set(msgspec.to_builtins(summary)) == {"lane", "recipe", "iteration", "finished", "forked_at", "simulations"}
     assert SimulationLine.__struct_fields__ == ("iteration", "reason", "verdict", "peak_stress", "words")
+
+
+@pytest.mark.parametrize(("words", "marginal"), [("VIABLE, MARGINAL: 45 MPa", True), ("VIABLE: 30 MPa; in all (MARGINAL)", False)])
+def test_a_line_knows_whether_its_verdict_is_marginal(words, marginal):
+    line = SimulationLine(iteration=60, reason="last iteration", verdict="VIABLE", peak_stress=45.0, words=words)
+    assert line.marginal is marginal
