@@ -90,6 +90,7 @@ def test_what_is_generated_names_every_command_setting_and_public_name():
         options = {option for one in command.params if one.name != "help" for option in one.opts if option.startswith("-")}
         assert options <= set(re.findall(r"`(-[\w-]+)`", section))
     assert all(f"| `{name}` |" in pages["every setting"] for name in SETTINGS)
+    assert not re.search(r"(?<![\w`-])--[a-z]", pages["every command"] + pages["every setting"]), "an option in a sentence stays whole"
     assert all(f"mechstyle.{name}" in pages["every name"] for name in mechstyle.__all__ if name != "LIBRARY")
     asked = {marker for page in PAGES for marker in re.findall(r"<!-- (.+?) -->", words(page))}
     assert set(pages) <= asked

@@ -1,6 +1,7 @@
 """The pages of the site that are made of the code: every command, every setting, every public name, and a report."""
 
 import inspect
+import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -57,9 +58,9 @@ def _default(one: Any) -> str:
 
 
 def _plain(text: str) -> str:
-    """Words that Markdown leaves alone in a cell of a table."""
+    """Words that Markdown leaves alone in a cell of a table, options among them as code."""
     unmarked = text.replace("\\[", "[").replace("|", "\\|").replace("<", "&lt;").replace("*", "\\*").replace("_", "\\_")
-    return " ".join(unmarked.split())
+    return re.sub(r"(?<![\w`-])--[a-z][a-z-]*", r"`\g<0>`", " ".join(unmarked.split()))
 
 
 def settings(*_: object) -> str:
