@@ -218,13 +218,23 @@ def test_a_file_in_its_unit(tmp_path, cube):
     assert "254.0 × 254.0 × 254.0 mm" in picker._note.value
 
 
+def test_the_unit_of_the_file_itself_is_named_and_can_be_chosen_again(tmp_path, cube):
+    """A menu of ipywidgets takes None for no choice at all, and is empty."""
+    picker = PartPicker(str(save(cube, tmp_path / "brick.stl")))
+    assert picker._unit.label == "as the file says"
+    for index in (2, 0):  # as a browser sends it
+        picker._unit.set_state({"index": index})
+    assert (picker._unit.label, picker.scale) == ("as the file says", None)
+    assert picker.mesh.size == pytest.approx(cube.size)
+
+
 @pytest.mark.parametrize(("scale", "unit"), [(2.5, None), (25.4, 25.4)])
 def test_a_scale_given_by_name_is_kept(tmp_path, cube, scale, unit):
     picker = PartPicker(str(save(cube, tmp_path / "brick.stl")), scale=scale)
     assert (picker.scale, picker._unit.value) == (scale, unit)
     assert np.allclose(picker.mesh.extents, 10.0 * scale)
     picker._path.value = "gallery:wall_hook"
-    assert (picker.scale, picker._unit.value, picker.trouble) == (None, None, "")
+    assert (picker.scale, picker._unit.label, picker.trouble) == (None, "as the file says", "")
 
 
 def test_a_scale_is_for_files():

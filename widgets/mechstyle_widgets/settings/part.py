@@ -18,8 +18,8 @@ from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section
 from mechstyle_widgets.settings.thumbnail_buttons import PictureChoice
 
-UNITS = {"as the file says": None, "millimetres": 1.0, "centimetres": 10.0, "inches": 25.4, "metres": 1000.0}
-"""Units a file may be in, and the factor that brings it to millimetres."""
+UNITS = {"as the file says": 0.0, "millimetres": 1.0, "centimetres": 10.0, "inches": 25.4, "metres": 1000.0}
+"""Units a file may be in, and the factor that brings it to millimetres; 0 for its own, as None chooses nothing in a menu of ipywidgets."""
 UPLOADS = Path("mechstyle-runs") / "uploads"
 """Where uploaded files are put, under the folder the notebook runs in."""
 
@@ -66,7 +66,7 @@ class PartPicker(Section):
         self._gallery.observe(lambda _: self._wish(gallery.PREFIX + self._gallery.value, None), "pressed")
         self._path.observe(self._typed, "value")
         self._upload.observe(self._uploaded, "value")
-        self._unit.observe(lambda change: self._wish(self.model, change["new"]), "value")
+        self._unit.observe(self._measured_in, "value")
         if isinstance(model, SurfaceMesh):
             self.show(model, name)
         elif model:
@@ -111,8 +111,7 @@ class PartPicker(Section):
         from_gallery = self.model.startswith(gallery.PREFIX)
         self._gallery.value = self.model.removeprefix(gallery.PREFIX) if from_gallery else ""
         self._path.value = "" if from_gallery else self.model
-        if self.scale in UNITS.values():
-            self._unit.value = self.scale
+        self._unit.value = next((factor for factor in UNITS.values() if factor == (self.scale or 0.0)), None)
         self._unit.disabled = from_gallery or not self.model
         show(self._unit, not self._unit.disabled)
 
@@ -125,13 +124,17 @@ class PartPicker(Section):
         except BadInput as error:
             self.complain(str(error))
 
+    def _measured_in(self, change: dict[str, Any]) -> None:
+        if change["new"] is not None:  # a factor that no unit has
+            self._wish(self.model, change["new"] or None)
+
     def _typed(self, change: dict[str, Any]) -> None:
         model = change["new"].strip()
         if model != self.model:
-            self._wish(model, None if model.startswith(gallery.PREFIX) else self._unit.value)
+            self._wish(model, None if model.startswith(gallery.PREFIX) else self._unit.value or None)
 
     def _uploaded(self, change: dict[str, Any]) -> None:
         for file in change["new"]:
             place = UPLOADS / Path(file["name"]).name
             write_whole(place, bytes(file["content"]))
-            self._wish(str(place), self._unit.value)
+            self._wish(str(place), self._unit.value or None)
