@@ -113,6 +113,13 @@ def without_widgets(app: Any, document: nodes.document) -> None:
             shown.children = [nodes.paragraph("", "", nodes.emphasis("", page.LIVE))]
 
 
+def whole_figures(_app: Any, document: nodes.document) -> None:
+    """No figure is broken at the end of a line; what one types stays as it is."""
+    for text in list(document.findall(nodes.Text)):
+        if not isinstance(text.parent, nodes.literal | nodes.FixedTextElement | nodes.raw) and (whole := page.unbroken(text)) != text:
+            text.parent.replace(text, nodes.Text(whole))
+
+
 def sealed(_app: Any, _name: str, _template: str, context: dict[str, Any], _document: nodes.document | None) -> None:
     """A page that loads nothing from elsewhere."""
     context["metatags"] = POLICY + context.get("metatags", "")
@@ -123,6 +130,7 @@ def setup(app: Any) -> None:
     app.add_html_math_renderer("mathml", (formula, None), (formulas, None))
     app.connect("source-read", filled)
     app.connect("doctree-read", without_widgets)
+    app.connect("doctree-read", whole_figures)
     app.connect("html-page-context", sealed)
     (CACHE / "extra").mkdir(parents=True, exist_ok=True)
     if EXECUTE != "off":

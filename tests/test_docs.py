@@ -129,6 +129,11 @@ def test_a_root_is_drawn_without_a_mathematical_font():
     assert drawn == '<mrow><mo stretchy="false">√</mo><mrow class="under-root"><mn>2</mn><mi>h</mi></mrow></mrow>'
 
 
+def test_a_figure_stays_on_one_line_with_its_unit():
+    whole = generated("page").unbroken("25 000 vertices, 45.6 MPa, 3 mm and 92 % in 2 ways")
+    assert whole.replace("\N{NO-BREAK SPACE}", "_") == "25_000 vertices, 45.6_MPa, 3_mm and 92_% in 2 ways"
+
+
 def test_the_citation_names_this_version():
     assert f"\nversion: {mechstyle.__version__}\n" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")
 

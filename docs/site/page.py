@@ -32,6 +32,11 @@ def stopped(page: str) -> list[str]:
     return [script.strip()[:60] for script in SCRIPT.findall(page) if digest(script) not in page]
 
 
+def unbroken(text: str) -> str:
+    """Words in which no line ends within a figure, or between a figure and its unit."""
+    return re.sub(r"(?<=\d) (?=\d{3}\b|(?:MPa|mm|cm³|kB|MB|GB|ms|mJ|s|h|g|N)\b|%)", "\N{NO-BREAK SPACE}", text)
+
+
 def with_roots(formula: str) -> str:
     """MathML whose roots are a letter and a line: without a mathematical font Chromium leaves the sign out, and says 2gh for its root."""
     return formula.replace("<msqrt>", '<mrow><mo stretchy="false">√</mo><mrow class="under-root">').replace("</msqrt>", "</mrow></mrow>")
