@@ -36,7 +36,7 @@ def main() -> None:
     with laboratory() as (chromium, lab, notebooks):
         of_a_run(Page(chromium, lab, "studio", STUDIO), chromium, notebooks)
         painted = Page(chromium, lab, "painted", PAINTED)
-        painted.page.get_by_text("of the surface").wait_for()
+        painted.page.get_by_text("Changes as you choose").wait_for()
         keep(painted, "studio-paint")
 
 
