@@ -5,20 +5,14 @@
     run.verdict
     run.show()
 
-Units everywhere: mm, g, ms, N, MPa. Importing this package loads numpy and msgspec only; the rest comes when asked for.
+Units everywhere: mm, g, ms, N, MPa. Importing this package loads nothing; everything comes when asked for.
 """
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from mechstyle.errors import BadInput, DamagedStore, MechStyleError, MissingPiece, SimulationFailed
-from mechstyle.records import Checkpoint, Judgement, Measures, Recipe, Simulation, Verdict
-from mechstyle.records.load_cases import Load, LoadCase, Patch, Support
-from mechstyle.records.material import LIBRARY, Material, material_named
-from mechstyle.records.mesh import SurfaceMesh, TetMesh
-from mechstyle.records.regions import Box, End, HalfSpace, Inside, Outside, Rim, Segment, Sides, Sphere, Vertices
-
 if TYPE_CHECKING:
+    from mechstyle.errors import BadInput, DamagedStore, MechStyleError, MissingPiece, SimulationFailed
     from mechstyle.gallery import load
     from mechstyle.gallery.style_swatches import styles
     from mechstyle.geometry.files import save
@@ -26,6 +20,11 @@ if TYPE_CHECKING:
     from mechstyle.loop.engine import Engine, Stylizer
     from mechstyle.loop.store import Store
     from mechstyle.pictures.panels import Picture
+    from mechstyle.records import Checkpoint, Judgement, Measures, Recipe, Simulation, Verdict
+    from mechstyle.records.load_cases import Load, LoadCase, Patch, Support
+    from mechstyle.records.material import LIBRARY, Material, material_named
+    from mechstyle.records.mesh import SurfaceMesh, TetMesh
+    from mechstyle.records.regions import Box, End, HalfSpace, Inside, Outside, Rim, Segment, Sides, Sphere, Vertices
     from mechstyle.runs.deepest import Depth, deepest
     from mechstyle.runs.plugins import register_stylizer
     from mechstyle.runs.printing import Printing
@@ -42,27 +41,57 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _WHERE = {
+    "BadInput": "errors",
     "Bounds": "loop.bounds",
+    "Box": "records.regions",
+    "Checkpoint": "records",
+    "DamagedStore": "errors",
     "Depth": "runs.deepest",
     "DropSimulator": "simulation.simulator",
+    "End": "records.regions",
     "Engine": "loop.engine",
+    "HalfSpace": "records.regions",
+    "Inside": "records.regions",
+    "Judgement": "records",
+    "LIBRARY": "records.material",
+    "Load": "records.load_cases",
+    "LoadCase": "records.load_cases",
+    "Material": "records.material",
+    "Measures": "records",
+    "MechStyleError": "errors",
+    "MissingPiece": "errors",
     "Model": "simulation.part",
+    "Outside": "records.regions",
     "PartTest": "simulation.part_test",
+    "Patch": "records.load_cases",
     "Picture": "pictures.panels",
     "Printing": "runs.printing",
     "ProceduralStylizer": "styling.drawn",
     "ProtectedPart": "runs.protection",
+    "Recipe": "records",
+    "Rim": "records.regions",
     "Run": "runs.run",
+    "Segment": "records.regions",
     "Session": "runs.session",
+    "Sides": "records.regions",
+    "Simulation": "records",
+    "SimulationFailed": "errors",
+    "Sphere": "records.regions",
     "Store": "loop.store",
     "Strengthened": "simulation.strengthen",
     "Stylizer": "loop.engine",
+    "Support": "records.load_cases",
+    "SurfaceMesh": "records.mesh",
     "Target": "styling.drawn",
+    "TetMesh": "records.mesh",
+    "Verdict": "records",
+    "Vertices": "records.regions",
     "Workpiece": "simulation.part",
     "begin": "runs.run",
     "changed": "runs.recipes",
     "deepest": "runs.deepest",
     "load": "gallery",
+    "material_named": "records.material",
     "plan": "runs.recipes",
     "prepare": "simulation.part",
     "protect": "runs.protection",

@@ -1,104 +1,23 @@
-"""`mechstyle` and `python -m mechstyle`."""
+"""`mechstyle` and `python -m mechstyle`: the commands are loaded within, so that who ends them while they are is not shown where."""
 
 from __future__ import annotations
 
 import io
 import signal
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
-from typing import Annotated, Any
-
-import typer
-from rich.markup import escape
-from typer.core import TyperGroup
-
-from mechstyle import __version__
-from mechstyle.cli import ablation, demo, doctor, inspect_run, keep, lists, orient, protect, report, run, simulate, study, validate, weights
-from mechstyle.cli.console import print_json
-
-UsageError: type[Exception] = typer.BadParameter.__bases__[0]
-"""What is wrong with a command line: Click's, or that of the Click within newer versions of typer."""
-AS_JSON = "mechstyle.as_json"
-"""What a context remembers of the command line, of which nothing is left once it is parsed."""
-
-
-class PlainHelp(TyperGroup):
-    """Commands whose help is plain text: [mm] in it is a unit, though typer would have rich read it as markup."""
-
-    def __init__(self, **attributes: Any) -> None:
-        """Take the commands over; their help is marked as plain."""
-        super().__init__(**attributes)
-        _mark_as_plain(self)
-
-    def make_context(self, info_name: str | None, args: list[str], parent: Any = None, **extra: Any) -> Any:
-        """Parse what stands before the command."""
-        as_json = "--json" in args
-        with _usage_errors(as_json):
-            context = super().make_context(info_name, args, parent, **extra)
-        context.meta[AS_JSON] = as_json
-        return context
-
-    def invoke(self, ctx: Any) -> Any:
-        """Parse the rest and run the command."""
-        with _usage_errors(ctx.meta[AS_JSON]):
-            return super().invoke(ctx)
-
-
-@contextmanager
-def _usage_errors(as_json: bool) -> Iterator[None]:
-    """With --json what is wrong with a command line is JSON on standard output as well, as every other refusal is."""
-    try:
-        yield
-    except UsageError as error:
-        if as_json:
-            print_json({"error": error.format_message()})  # type: ignore[attr-defined]
-        raise
-
-
-def _mark_as_plain(command: Any) -> None:
-    """Escape the help of a command, of what it takes and of the commands below it."""
-    for documented in (command, *command.params):
-        if documented.help:
-            documented.help = escape(documented.help)
-    for below in getattr(command, "commands", {}).values():
-        _mark_as_plain(below)
-
-
-app = typer.Typer(
-    name="mechstyle",
-    cls=PlainHelp,
-    help="Style a 3D-printable model from a prompt while a drop test watches its strength. Lengths in mm, stresses in MPa.",
-    context_settings={"help_option_names": ["-h", "--help"]},
-    no_args_is_help=True,
-    add_completion=False,
-    pretty_exceptions_enable=False,
-    rich_markup_mode="rich",
-)
-for family in (run, simulate, demo, ablation, study, validate, inspect_run, keep, orient, protect, report, lists, doctor, weights):
-    app.add_typer(family.app)
-
-
-def _say_version(wanted: bool) -> None:
-    if wanted:
-        typer.echo(f"mechstyle {__version__}")
-        raise typer.Exit
-
-
-@app.callback()
-def of_all_commands(
-    *,
-    version: Annotated[bool, typer.Option("--version", callback=_say_version, is_eager=True, help="Show the version and exit.")] = False,
-) -> None:
-    """Options that stand before a command."""
 
 
 def main() -> None:
     """Run the command line. What asks it to end (SIGTERM, as of a queue or a container) ends it as Ctrl-C does, and its workers with it."""
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    if isinstance(sys.stdout, io.TextIOWrapper):
-        sys.stdout.reconfigure(errors="replace" if sys.stdout.errors == "strict" else sys.stdout.errors)
-    app()
+    try:
+        from mechstyle.cli.app import app  # noqa: PLC0415 — takes a third of a second
+
+        if isinstance(sys.stdout, io.TextIOWrapper):
+            sys.stdout.reconfigure(errors="replace" if sys.stdout.errors == "strict" else sys.stdout.errors)
+        app()
+    except KeyboardInterrupt:
+        raise SystemExit(128 + signal.SIGINT) from None
 
 
 if __name__ == "__main__":

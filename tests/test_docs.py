@@ -85,7 +85,7 @@ def test_every_page_is_reached_from_the_first():
 def test_what_is_generated_names_every_command_setting_and_public_name():
     made = generated("generated")
     pages = {marker: make(Path("nowhere"), "off") for marker, make in made.PAGES.items()}
-    for name, command in made.commands(typer.main.get_command(importlib.import_module("mechstyle.__main__").app)):
+    for name, command in made.commands(typer.main.get_command(importlib.import_module("mechstyle.cli.app").app)):
         section = pages["every command"].partition(f"## `{name}`\n")[2].partition("\n## ")[0]
         options = {option for one in command.params if one.name != "help" for option in one.opts if option.startswith("-")}
         assert options <= set(re.findall(r"`(-[\w-]+)`", section))

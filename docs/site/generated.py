@@ -9,7 +9,7 @@ from typing import Any
 import typer
 
 import mechstyle
-from mechstyle.__main__ import app
+from mechstyle.cli.app import app
 from mechstyle.records.recipe import CHOICES, DEFAULTS, LIMITS, SETTINGS, described
 from mechstyle.runs.run import Run
 

@@ -3,7 +3,7 @@
 import pytest
 from typer.testing import CliRunner
 
-from mechstyle.__main__ import app
+from mechstyle.cli.app import app
 
 
 def test_applications_are_listed_with_model_and_style(mechstyle):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import subprocess
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -77,3 +78,20 @@ def test_a_run_that_is_asked_to_end_does_so_and_the_same_command_goes_on(asked_t
     monkeypatch.undo()
     line(*arguments)
     assert contents(root) == contents(whole)
+
+
+@pytest.mark.parametrize("module", ["numpy", "typer", "mechstyle.cli.run"])
+def test_who_presses_ctrl_c_while_it_is_loaded_is_not_shown_where_it_was(module):
+    program = f"""
+import signal, sys
+class Pressed:
+    def find_spec(self, name, *_):
+        if name == {module!r}:
+            signal.raise_signal(signal.SIGINT)
+sys.meta_path.insert(0, Pressed())
+sys.argv = ["mechstyle", "--help"]
+from mechstyle.__main__ import main
+main()
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "")

@@ -12,7 +12,7 @@ import typer
 
 import mechstyle as package
 import mechstyle_widgets
-from mechstyle.__main__ import app
+from mechstyle.cli.app import app
 
 CLOSED = """
 import sys
@@ -54,7 +54,7 @@ def test_what_asks_for_the_network_says_so_in_a_sentence(offline):
 
 COMMANDS = """
 import sys
-from mechstyle.__main__ import app
+from mechstyle.cli.app import app
 for words in {commands!r}:
     try:
         app(args=words, standalone_mode=True)

@@ -14,8 +14,8 @@ from typer.testing import CliRunner
 
 import mechstyle
 from mechstyle import Recipe
-from mechstyle.__main__ import app
 from mechstyle.cli import run, simulate
+from mechstyle.cli.app import app
 from mechstyle.cli.options import OPTIONS
 from mechstyle.records.recipe import CHOICES, DEFAULTS, described
 from mechstyle.simulation import part_test
@@ -165,7 +165,7 @@ def test_the_version_is_told():
 def test_help_loads_no_physics(arguments):
     program = f"""
 import sys
-from mechstyle.__main__ import app
+from mechstyle.cli.app import app
 try:
     app({arguments})
 except SystemExit:

@@ -2,7 +2,7 @@
 
 from typer.testing import CliRunner
 
-from mechstyle.__main__ import app
+from mechstyle.cli.app import app
 from mechstyle.runs.orient import WaysUp, WayUp
 
 

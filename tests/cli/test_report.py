@@ -4,7 +4,7 @@ import json
 
 from typer.testing import CliRunner
 
-from mechstyle.__main__ import app
+from mechstyle.cli.app import app
 
 RUNNER = CliRunner()
 

@@ -5,7 +5,7 @@ import json
 import pytest
 from typer.testing import CliRunner
 
-from mechstyle.__main__ import app
+from mechstyle.cli.app import app
 from mechstyle.study import walk as walking
 
 

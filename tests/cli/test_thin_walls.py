@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from mechstyle.__main__ import app
+from mechstyle.cli.app import app
 from mechstyle.cli.console import telling
 from mechstyle.errors import SimulationFailed
 

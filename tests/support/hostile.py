@@ -327,7 +327,7 @@ ARGUMENTS = (
 
 def _command_line(draw: random.Random, folder: Path) -> None:
     """A command that is asked for anything; what would take minutes is cut short where it begins."""
-    from mechstyle.__main__ import app  # noqa: PLC0415 — here only
+    from mechstyle.cli.app import app  # noqa: PLC0415 — here only
     from mechstyle.errors import BadInput  # noqa: PLC0415
 
     _copied(folder)

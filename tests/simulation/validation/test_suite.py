@@ -8,7 +8,7 @@ import re
 import pytest
 from typer.testing import CliRunner
 
-from mechstyle.__main__ import app
+from mechstyle.cli.app import app
 from mechstyle.errors import MissingPiece
 from mechstyle.simulation.validation import calculix, suite
 from mechstyle.simulation.validation.cases import Case, bounded, compared
