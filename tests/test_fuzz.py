@@ -235,6 +235,7 @@ def test_tables_that_no_one_writes_are_one_sentence(tmp_path, text):
         with pytest.raises(BadInput, match=r"file\.toml") as refused:
             reader(path)
         assert len(str(refused.value)) < 1000
+        assert "sys." not in str(refused.value), "advice for who writes Python"
 
 
 # --- what is printed -----------------------------------------------------------------------------------------------
