@@ -111,6 +111,8 @@ def load(model: str | Path, *, scale: float | None = None, up: str = "") -> Mode
     from mechstyle.simulation.part import Model, Origin  # noqa: PLC0415
 
     address = str(model)
+    if address in names():
+        raise BadInput(f"{address} is a model of the gallery: write {PREFIX}{address}")
     if not address.startswith(PREFIX):
         mesh, notes = read(model, scale=scale, up=up)
         origin = Origin(model=Path(model).name, scale=scale, up=up)
