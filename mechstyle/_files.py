@@ -45,7 +45,7 @@ def write_whole(path: Path, data: bytes) -> None:
     except OSError as error:
         full = error.errno in (errno.ENOSPC, errno.EDQUOT)
         why = "the disk is full" if full else (error.strerror or str(error))
-        remedy = "free some space" if full else "make the folder writable"
+        remedy = "free some space" if full else "make the folder writable or choose another place"
         raise MechStyleError(f"could not write {path}: {why}; everything saved before is intact, {remedy} and run again") from error
 
 

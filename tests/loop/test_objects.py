@@ -318,6 +318,7 @@ def test_another_refusal_gives_its_own_reason(tmp_path):
     message = str(caught.value)
     assert "could not write" in message
     assert "Not a directory" in message
+    assert "choose another place" in message
     assert "space" not in message
 
 
