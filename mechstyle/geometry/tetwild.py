@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
+import shutil
 import signal
 import subprocess
 import sys
 import tempfile
 import zipfile
 from pathlib import Path
-from time import monotonic
+from time import monotonic, time
 from typing import NamedTuple
 
 import numpy as np
@@ -23,6 +25,11 @@ GRACE = 10.0  # seconds after the limit at which an orphaned worker ends itself
 LOOK = 0.2  # seconds between two looks whether to go on
 PATIENCE = 4.0
 """The clock may run on for so many times what the processor may: on a busy machine a part was refused that takes a tenth of its time."""
+
+FOLDER = "mechstyle-mesh-"
+"""How the temporary folders of workers are called."""
+ABANDONED = 86400.0
+"""Age [s] of such a folder at which nobody works in it any more: what was killed cannot remove its own."""
 
 
 class Settings(NamedTuple):
@@ -53,7 +60,8 @@ def tetwild(
     Raises:
         SimulationFailed: If it runs out of time, dies, or finds nothing inside.
     """
-    with tempfile.TemporaryDirectory(prefix="mechstyle-") as name:
+    _remove_abandoned()
+    with tempfile.TemporaryDirectory(prefix=FOLDER) as name:
         folder = Path(name)
         request, answer = folder / "request.npz", folder / "answer.npz"
         longest = PATIENCE * timeout
@@ -66,6 +74,14 @@ def tetwild(
         if hasattr(signal, "SIGXCPU") and done.returncode == -signal.SIGXCPU:
             raise _out_of_time(f"{timeout:.0f} s of processor time")
         return _answer(answer, done)
+
+
+def _remove_abandoned() -> None:
+    """Remove the folders of processes that were killed; links, and what belongs to somebody else, stay."""
+    for folder in Path(tempfile.gettempdir()).glob(f"{FOLDER}*"):
+        with contextlib.suppress(OSError):  # another process may be removing it
+            if time() - folder.lstat().st_mtime > ABANDONED:
+                shutil.rmtree(folder, ignore_errors=True)
 
 
 def _out_of_time(spent: str) -> SimulationFailed:

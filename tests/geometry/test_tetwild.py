@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import subprocess
 import sys
+import tempfile
 
 import numpy as np
 import pytest
@@ -35,6 +37,19 @@ def answering(monkeypatch, script):
 def test_a_box_is_filled(box):
     vertices, tets = run(box)
     assert np.abs(TetMesh(vertices, tets).volumes).sum() == pytest.approx(6000.0, rel=0.01)  # the envelope: .04 mm of 2200 mm²
+
+
+def test_what_a_killed_process_left_is_removed_by_the_next_when_nobody_can_be_using_it(box, monkeypatch, tmp_path):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    for name in ("mechstyle-mesh-new", "mechstyle-mesh-old", "else-old"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "request.npz").touch()
+    (tmp_path / "mechstyle-mesh-link").symlink_to(tmp_path / "else-old")
+    for name in ("mechstyle-mesh-old", "mechstyle-mesh-link", "else-old"):
+        os.utime(tmp_path / name, (0.0, 0.0), follow_symlinks=False)
+    run(box)
+    assert {path.name for path in tmp_path.iterdir()} == {"mechstyle-mesh-new", "mechstyle-mesh-link", "else-old"}
+    assert (tmp_path / "else-old" / "request.npz").exists()
 
 
 @pytest.mark.parametrize("interruption", [KeyboardInterrupt, SystemExit, RuntimeError])
