@@ -13,7 +13,8 @@ from typing import Any, NoReturn, ParamSpec, TypeVar
 
 import msgspec
 from rich import markup
-from rich.console import Console
+from rich.console import Console, ConsoleOptions, RenderResult
+from rich.measure import Measurement
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
 
@@ -29,6 +30,8 @@ EXIT_INTERRUPTED = 130
 out = Console(highlight=False, soft_wrap=True)
 err = Console(stderr=True, highlight=False, soft_wrap=True)
 
+UNBOUNDED = 10_000
+"""More characters than any line of a table has."""
 COLOURS = {"VIABLE": "green", "FAILS": "red", "UNKNOWN": "yellow"}
 
 
@@ -90,6 +93,25 @@ def factor(value: float | None) -> str:
     return "–" if value is None else f"{value:.2f}"
 
 
+class FittingTable(Table):
+    """A table that is a list, with a line for each cell, on a terminal too narrow for its longest words."""
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
+        """The table as rich draws it, or the list."""
+        if Measurement.get(console, options.update(width=UNBOUNDED), self).minimum <= options.max_width:
+            yield from super().__rich_console__(console, options)
+            return
+        if self.title:
+            yield self.title
+        headings = [str(column.header).replace("\n", " ") for column in self.columns]
+        for row in zip(*(column.cells for column in self.columns), strict=True):
+            listed = Table.grid(padding=(0, 2, 0, 0))
+            for heading, cell in zip(headings, row, strict=True):
+                listed.add_row(f"[bold]{heading}[/]", cell)
+            yield listed
+            yield ""
+
+
 def table(*columns: str, title: str = "", width: int | None = None) -> Table:
     """A table in the house style; on a narrow terminal headings take a line for each word, many columns stand closer: no word is broken.
 
@@ -101,7 +123,7 @@ def table(*columns: str, title: str = "", width: int | None = None) -> Table:
     many = len(columns) > 8
     narrow = (out.width if width is None else width) < (120 if many else 100)
     gap = 1 if narrow and many else 2
-    made = Table(title=title or None, title_justify="left", header_style="bold", box=None, pad_edge=False, padding=(0, gap, 0, 0))
+    made = FittingTable(title=title or None, title_justify="left", header_style="bold", box=None, pad_edge=False, padding=(0, gap, 0, 0))
     for column in columns:
         made.add_column("\n".join(column.split()) if narrow else column, overflow="fold")
     return made

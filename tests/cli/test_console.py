@@ -15,7 +15,7 @@ ROWS = {
 }
 
 
-@pytest.mark.parametrize("width", [80, 100, 120])
+@pytest.mark.parametrize("width", [40, 60, 80, 100, 120])
 @pytest.mark.parametrize("columns", ROWS)
 def test_no_word_of_a_table_is_broken(columns, width):
     rows = table(*columns, width=width)
