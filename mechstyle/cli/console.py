@@ -116,7 +116,7 @@ def table(*columns: str, title: str = "", width: int | None = None) -> Table:
     """A table in the house style; on a narrow terminal headings take a line for each word, many columns stand closer: no word is broken.
 
     Args:
-        columns: Headings.
+        columns: Headings, which are plain text: [mm] is a unit.
         title: What stands above it.
         width: Width of the terminal [characters], by default that of standard output.
     """
@@ -125,7 +125,7 @@ def table(*columns: str, title: str = "", width: int | None = None) -> Table:
     gap = 1 if narrow and many else 2
     made = FittingTable(title=title or None, title_justify="left", header_style="bold", box=None, pad_edge=False, padding=(0, gap, 0, 0))
     for column in columns:
-        made.add_column("\n".join(column.split()) if narrow else column, overflow="fold")
+        made.add_column(escape("\n".join(column.split()) if narrow else column), overflow="fold")
     return made
 
 

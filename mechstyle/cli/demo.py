@@ -84,7 +84,7 @@ def tell(pair: Pair, folder: Path, *, as_json: bool) -> None:
     if as_json:
         print_json({"freestyle": pair.free.summary, "mechstyle": pair.fed.summary, "files": files})
         return
-    rows = table(*(column.replace("[", r"\[") for column in COLUMNS))
+    rows = table(*COLUMNS)
     for label, verdict, *figures in pair.rows():
         rows.add_row(label, verdict_text(verdict), *figures)
     out.print(rows)

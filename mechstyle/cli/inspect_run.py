@@ -173,7 +173,7 @@ def export_command(
 def report_export(place: Path, written: Exported) -> None:
     """Print what was written, and what is known of that very surface."""
     q, verdict = written.quality, written.verdict
-    rows = table(escape(str(place)), "before", "written")
+    rows = table(str(place), "before", "written")
     rows.add_row("verdict", "", "not simulated" if verdict is None else verdict_text(verdict.outcome, marginal=verdict.marginal))
     if verdict is not None:
         rows.add_row("peak stress, MPa", "", f"{verdict.deciding.value:.1f} of {verdict.deciding.limit:.1f}")

@@ -25,3 +25,12 @@ def test_no_word_of_a_table_is_broken(columns, width):
     words = page.getvalue().split()
     assert all(word in words for cell in (*columns, *ROWS[columns]) for word in cell.split())
     assert max(map(len, page.getvalue().splitlines())) <= width
+
+
+@pytest.mark.parametrize("width", [20, 120])
+def test_units_stand_in_the_headings_of_a_table(width):
+    rows = table("density [g/mm³]", "name [/red]", width=width)
+    rows.add_row("0.00124", "PLA")
+    page = io.StringIO()
+    Console(file=page, width=width).print(rows)
+    assert {"density", "[g/mm³]", "[/red]"} <= set(page.getvalue().split())
