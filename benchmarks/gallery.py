@@ -31,7 +31,7 @@ beside the drop, and the regions are suggestions for `--protect`.
 
 Made by `python benchmarks/gallery.py`. The peak is that of the unstyled part in PLA, dropped from 1.5 m as placed and, where it has one,
 under the load, whose own peak stands in the next column. Measured with 6000 vertices on one NVIDIA H100 that sixteen parts shared; the
-drawer knob's time compiles what the others found compiled. Four parts were drawn anew since and dropped on two processor cores that
+drawer knob came first, so its time includes compiling. Four parts were drawn anew since and dropped on two processor cores that
 others were using too: key turner, book end and lampshade with 6000 vertices, and the tablet stand with 2000.
 
 What a flat landing does to a part hangs on its shape and hardly on its thickness. Up what stands on edge runs a wave of ρ c v, 11 MPa
