@@ -36,6 +36,7 @@ LEAST = 5
 """Fewer blocks than these are told, but not tested."""
 PUBLISHED = {FREE: 25.55}
 """Viable in the published study [%] (Faruqi et al. 2025)."""
+NUMBERS = "Numbers are the stress as placed over its limit; ✗ beside one below 1: another landing fails."
 SLIPS = """\
 * Free stylization: 25.55 % is 46 of 180 (25.56 %, cut off).
 * The worst way, 80.2 %, is no share of 180 (144 are 80.0 %, 145 are 80.6 %): its count must differ, or it is a slip. Only that and three
@@ -103,7 +104,7 @@ def _pictures(done: Sequence[Row]) -> dict[str, Callable[[], bytes]]:
     beside = [row for row in done if row.arm == FREE and _block(row) in blocks]
     made: dict[str, Callable[[], bytes]] = {}
     if free:
-        made["freestyle"] = lambda: figures.matrix(free, "Stress over its limit, style alone")
+        made["freestyle"] = lambda: figures.matrix(free, "Stress as placed over its limit; ✗ below 1: another landing fails")
     if ways:
         made["viable"] = lambda: figures.viability([*beside, *ways], PUBLISHED)
         made["time"] = lambda: figures.spread(ways, "cpu_seconds", "processor time of a run [s]", log=True)
@@ -120,12 +121,13 @@ def _pictures(done: Sequence[Row]) -> dict[str, Callable[[], bytes]]:
 def _what(own: Sequence[Row], done: Sequence[Row]) -> str:
     """What was run, in one paragraph and a list of what was not."""
     models, styles = ({getattr(row, field) for row in done} for field in ("part", "prompt"))
-    sizes = sorted({row.tetrahedra for row in done})
-    iterations, vertices = (", ".join(map(str, sorted({getattr(row, field) for row in done}))) for field in ("iterations", "vertices"))
+    sizes, seeds = sorted({row.tetrahedra for row in done}), len({row.seed for row in done})
+    tetrahedra = str(sizes[0]) if len(sizes) == 1 else f"{sizes[0]} to {sizes[-1]}"
+    iterations, vertices = (_either(sorted({getattr(row, field) for row in done})) for field in ("iterations", "vertices"))
     hours = sum(row.cpu_seconds for row in done) / 3600.0
     text = (
         f"{len(done)} runs: {len(models)} models in {len(styles)} styles, {iterations} iterations, {vertices} vertices, "
-        f"{sizes[0]} to {sizes[-1]} tetrahedra, {len({row.seed for row in done})} seed(s), {hours:.1f} hours of processor time."
+        f"{tetrahedra} tetrahedra, {'one seed' if seeds == 1 else f'{seeds} seeds'}, {hours:.1f} hours of processor time."
     )
     lost = [f"* {row.part} as {row.prompt!r}, {row.arm}: {row.status}, {row.refused}" for row in own if row.status != "done"]
     return text + ("\n\nNot run:\n\n" + "\n".join(lost) if lost else "")
@@ -140,7 +142,8 @@ def _free(done: Sequence[Row], pictures: dict[str, str]) -> str:
         low, high = wilson(sum(holds), len(holds))
         over = bootstrap_over([row.part for row in free], np.array(holds, float))
         lines.append((rule, _share(sum(holds), len(holds)), _range(100 * low, 100 * high, "%"), _range(100 * over[0], 100 * over[1], "%")))
-    return f"## The style alone\n\n{_markdown(lines)}\n![{len(free)} runs, part by style]({pictures['freestyle']})"
+    shown = f"![{len(free)} runs, part by style]({pictures['freestyle']})"
+    return f"## The style alone\n\n{_markdown(lines)}\n{shown}\n\n{NUMBERS}"
 
 
 def _ways(done: Sequence[Row], pictures: dict[str, str]) -> str:
@@ -300,6 +303,12 @@ def _equivalences(done: Sequence[Row]) -> dict[str, Equivalence]:
 def _arm_name(row: Row) -> str:
     depth = "default depth" if row.amplitude is None else f"depth {row.amplitude:g}"
     return f"{row.arm}, {depth}, {'drop and load' if row.loaded else 'drop'}"
+
+
+def _either(values: Sequence[int]) -> str:
+    """Such as "40 or 200"."""
+    *others, last = map(str, values)
+    return f"{', '.join(others)} or {last}" if others else last
 
 
 def _interval(count: int, total: int) -> str:

@@ -76,6 +76,18 @@ def test_a_part_that_was_also_run_coarsely_counts_once_in_the_style_alone(page, 
     assert "19 pairs, exact McNemar" in (tmp_path / "two.md").read_text()
 
 
+def test_what_was_run_is_told_in_words(tmp_path):
+    write_page(study()[:-2], tmp_path / "one.md")
+    assert "60 iterations, 6000 vertices, 9000 tetrahedra, one seed, " in (tmp_path / "one.md").read_text()
+    coarse = [msgspec.structs.replace(row, vertices=2000, iterations=40, seed=7, recipe=f"{row.recipe}!") for row in study()[:13]]
+    write_page(study()[:-2] + coarse, tmp_path / "two.md")
+    assert "40 or 60 iterations, 2000 or 6000 vertices, 9000 tetrahedra, 2 seeds, " in (tmp_path / "two.md").read_text()
+
+
+def test_a_number_below_one_that_fails_is_explained_beside_its_figure(page):
+    assert "Numbers are the stress as placed over its limit; ✗ beside one below 1: another landing fails." in page[1]
+
+
 def test_every_figure_is_there_and_is_a_picture(page):
     files, text = page
     names = {"freestyle", "viable", "time", "loss", "arms", "kept"}
