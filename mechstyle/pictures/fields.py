@@ -49,6 +49,7 @@ class Quantity:
         bounded: Whether the colours reach from and to `least` and no farther, whatever the values.
         stored: Name of the stored array it is made from; "" for that of its own name.
         formed: Makes it from that array, None if it is that array.
+        said: How a value at one place is told; as a figure with its unit if None.
     """
 
     name: str
@@ -61,6 +62,7 @@ class Quantity:
     bounded: bool = False
     stored: str = ""
     formed: Callable[[NDArray[Any]], NDArray[Any]] | None = None
+    said: Callable[[float], str] | None = None
 
     @property
     def title(self) -> str:
@@ -132,7 +134,18 @@ def demand(recipe: Recipe) -> Quantity:
 
 def probability(strength: float) -> Quantity:
     """Probability that a random drop exceeds a strength [MPa]."""
-    return Quantity("probability", f"probability to exceed {strength:.1f} MPa", least=(0.0, 1.0), note="of a random drop")
+    label = f"probability to exceed {strength:.1f} MPa"
+    return Quantity("probability", label, least=(0.0, 1.0), note="of a random drop", said=_per_cent)
+
+
+def _per_cent(share: float) -> str:
+    if 0.0 < share < 0.001:
+        return "under 0.1 %"
+    return f"{100.0 * share:.{1 if 0.0 < share < 0.1 else 0}f} %"
+
+
+def _yes_or_no(value: float) -> str:
+    return "yes" if value >= 0.5 else "no"
 
 
 def _against(threshold: float, name: str, label: str, unit: str = "") -> Quantity:
@@ -146,7 +159,7 @@ RESTRAINT = Quantity(
 DISPLACEMENT = Quantity("displacement", "displacement along the normal", "mm", note="positive is outwards", mirrored=True)
 ADDED = Quantity("added", "added along the normal", "mm", least=(0.0, 0.1), note="what strengthening put on")
 THICKNESS = Quantity("thickness", "wall thickness", "mm")
-CONTACT = Quantity("contact", "touched the floor", least=(0.0, 1.0), note="1 = touched the floor as placed")
+CONTACT = Quantity("contact", "touched the floor", least=(0.0, 1.0), note="1 = touched the floor as placed", said=_yes_or_no)
 
 
 TITLES = {

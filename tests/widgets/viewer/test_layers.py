@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,7 @@ from mechstyle.pictures.fields import safety_factor
 from mechstyle.runs import run as module
 from mechstyle.runs.report.replay_data import replay_data
 from mechstyle_widgets.viewer.layers import subject_of
+from mechstyle_widgets.viewer.probe import brief, table
 from support.lanes import lane_on_a_sheet
 
 
@@ -61,6 +64,18 @@ def test_the_least_safety_factor_is_that_of_the_rule_and_what_is_below_one_is_se
     over = done.store.allowable(done.checkpoint(12)) * np.array([0.25, 0.99, 1.01])
     factors = safety_factor(done.store.allowable(done.checkpoint(12))).made(over)
     assert layer.scale.beyond(factors).tolist() == [False, False, True]
+
+
+def test_contact_is_told_in_words_and_a_probability_in_per_cent(done):
+    subject = subject_of(done, done.checkpoint(12))
+    contact, probability = subject.layer("contact"), subject.layer("probability")
+    assert [replace(contact, values=[value]).told(0) for value in (0.0, 1.0)] == ["no", "yes"]
+    shares = {0.0: "0 %", 0.0004: "under 0.1 %", 0.01508: "1.5 %", 0.4: "40 %", 1.0: "100 %", np.nan: "not known"}
+    assert [replace(probability, values=[share]).told(0) for share in shares] == list(shares.values())
+    assert replace(subject.layer("stress"), values=[12.345]).told(0) == "12.35 MPa"
+    told = {name: subject.layer(name).told(5) for name in ("contact", "probability")}
+    assert all(f">{value}</td>" in table(subject, 5) for value in told.values())
+    assert f"<b>{told['contact']}</b>" in brief(subject, 5, "contact")
 
 
 def test_all_orientations_are_shown_only_where_they_were_run(done):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -33,6 +34,7 @@ class Layer:
         threshold: Values beyond it are set apart by colour, hatch and outline; None for none.
         note: What a reader should know about it, "" for nothing.
         title: What the menu calls it; the name by default.
+        said: How a value at one place is told; as a figure with its unit if None.
     """
 
     name: str
@@ -43,6 +45,7 @@ class Layer:
     threshold: float | None = None
     note: str = ""
     title: str = ""
+    said: Callable[[float], str] | None = None
 
     def __post_init__(self) -> None:
         """Freeze the values and refuse a scale that is none."""
@@ -75,6 +78,11 @@ class Layer:
         """The value at a vertex, with its unit."""
         value = float(self.values[vertex])
         return f"{value:.4g} {self.unit}".rstrip() if np.isfinite(value) else "not known"
+
+    def told(self, vertex: int) -> str:
+        """The value at a vertex as a person is told it."""
+        value = float(self.values[vertex])
+        return self.at(vertex) if self.said is None or not np.isfinite(value) else self.said(value)
 
     def extremes(self) -> tuple[int, int] | None:
         """Vertices of the greatest and of the least value; None where nothing is known or all is alike."""
@@ -127,8 +135,8 @@ def layer_of(quantity: Quantity, values: NDArray[Any], seen: NDArray[Any] | None
         seen: What the colours have to show, of any shape; the values by default.
         note: What a reader should know of these values, the quantity's own note by default.
     """
-    limits = quantity.limits(values if seen is None else seen)
-    return Layer(quantity.name, values, quantity.label, quantity.unit, limits, quantity.threshold, note or quantity.note, quantity.title)
+    limits, told = quantity.limits(values if seen is None else seen), note or quantity.note
+    return Layer(quantity.name, values, quantity.label, quantity.unit, limits, quantity.threshold, told, quantity.title, quantity.said)
 
 
 def subject_of(run: Run, state: Checkpoint) -> Subject:

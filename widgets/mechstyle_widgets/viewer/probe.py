@@ -95,14 +95,14 @@ def carried_over(face: int, point: Any, shown: SurfaceMesh, rest: SurfaceMesh) -
 def brief(subject: Subject, vertex: int, name: str) -> str:
     """HTML of where a vertex is, and of its value in the layer of a name."""
     layer, place = subject.layer(name), ", ".join(f"{value:.1f}" for value in subject.mesh.vertices[vertex])
-    value = "" if layer is None else f"<b>{escape(layer.at(vertex))}</b> &ensp;"
+    value = "" if layer is None else f"<b>{escape(layer.told(vertex))}</b> &ensp;"
     return f"<span>✕ {value}at ({place}) mm</span>"
 
 
 def table(subject: Subject, vertex: int) -> str:
     """HTML of a vertex's place and of its value in every layer."""
     place = ", ".join(f"{value:.2f}" for value in subject.mesh.vertices[vertex])
-    rows = [("place", f"({place}) mm"), *((layer.label, layer.at(vertex)) for layer in subject.layers)]
+    rows = [("place", f"({place}) mm"), *((layer.label, layer.told(vertex)) for layer in subject.layers)]
     cells = "".join(
         f'<tr><td style="color:{FAINT};padding-right:12px">{escape(name)}</td>'
         f'<td style="font-variant-numeric:tabular-nums">{escape(value)}{_swatch(subject, vertex) if name == "place" else ""}</td></tr>'
