@@ -164,6 +164,15 @@ def test_before_there_is_a_run_it_shows_where_the_schedule_will_simulate():
     assert timeline.iteration == 0
 
 
+@pytest.mark.parametrize("width", [240, 320, 400, 900])
+def test_before_there_is_a_run_its_words_fit_beside_the_axis(width):
+    """Letters of the figure's font are at most 6.6 pixels wide on average."""
+    timeline = Timeline(StudioState(settings=ASKED), width=width)
+    lines = frame(timeline)["annotations"][0]["text"].split("<br>")
+    assert max(map(len, lines)) * 6.6 <= width - 96 - 12
+    assert "the unstylized part, then 4 simulations." in sentence(timeline)
+
+
 def test_the_plan_gives_way_to_what_was_simulated(fake):
     state = StudioState(fake.run, settings=ASKED)
     timeline = Timeline(state)

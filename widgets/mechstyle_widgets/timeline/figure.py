@@ -29,8 +29,9 @@ GROUND = {"light": "#ffffff", "dark": "#111111"}
 BEYOND = {"light": "#b3261e", "dark": "#ff8a80"}  # of small words, 4.5:1 at least
 INK, FAINT = "#1f7a8c", "rgba(140,140,140,0.45)"
 LANE, STRESS, CURVE, MARGINS = 24, 120, 90, 64  # heights [pixels]
-NARROW = 52
-"""Letters of a line that fit the narrowest timeline."""
+LEFT, RIGHT = 96, 12  # beside the axes [pixels]
+LINE, LETTER = 52, 6.6
+"""Letters of the longest line of words, and how wide one is at most on average [pixels]."""
 
 Rows = Sequence[Row]
 
@@ -78,7 +79,7 @@ def _empty() -> dict[str, Any]:
     rule = {"type": "line", "xref": "x", "yref": "paper", "x0": 0, "x1": 0, "y0": 0, "y1": 1, "line": {"color": "#e08e0b", "width": 2}}
     figure.update_layout(
         shapes=[rule], dragmode=False, hovermode="closest", paper_bgcolor="rgba(0,0,0,0)", plot_bgcolor="rgba(0,0,0,0)",
-        margin={"l": 96, "r": 12, "t": 24, "b": 36}, font={"size": 11},
+        margin={"l": LEFT, "r": RIGHT, "t": 24, "b": 36}, font={"size": 11},
         legend={"orientation": "h", "x": 1.0, "xanchor": "right", "y": 1.02, "yanchor": "bottom", "itemclick": False},
     )
     figure.update_xaxes(fixedrange=True, zeroline=False)
@@ -118,7 +119,7 @@ def contents(
     return traces, {**layout, "annotations": [] if limit is None else [_limit_note(limit, theme)]}
 
 
-def before(plan: Plan | None, lane: str, curve: str, theme: str) -> tuple[list[dict[str, Any]], dict[str, Any]]:
+def before(plan: Plan | None, lane: str, curve: str, theme: str, width: int) -> tuple[list[dict[str, Any]], dict[str, Any]]:
     """As `contents`, for a run without an iteration.
 
     Args:
@@ -126,24 +127,26 @@ def before(plan: Plan | None, lane: str, curve: str, theme: str) -> tuple[list[d
         lane: Name of its lane.
         curve: As for `contents`.
         theme: As for `contents`.
+        width: Of the figure [pixels].
     """
     places = (0, *plan.places) if plan else ()
     traces, layout = contents({lane: []}, [], lane, curve, theme)
-    words = {"text": "<br>".join(_prospect(plan)), "showarrow": False, "font": {"size": 12}}
+    words = {"text": "<br>".join(_prospect(plan, width)), "showarrow": False, "font": {"size": 12}}
     middle = {"x": 0.5, "xref": "paper", "xanchor": "center", "y": 0.5, "yref": "y2 domain", "yanchor": "middle"}
     empty_axes = {axis: {**layout[axis], "showticklabels": False} for axis in ("yaxis2", "yaxis3")}
     ranges = {axis: _range(places[-1] if places else 1) for axis in ("xaxis", "xaxis2")}
     return [*traces[:-1], _planned(lane, places)], {**layout, **empty_axes, **ranges, "annotations": [{**words, **middle}]}
 
 
-def _prospect(plan: Plan | None) -> list[str]:
-    """Text shown before a run, in lines."""
+def _prospect(plan: Plan | None, width: int) -> list[str]:
+    """Text shown before a run, in lines that fit between the axes of a figure so wide [pixels]."""
+    letters = min(max(int((width - LEFT - RIGHT) / LETTER), 12), LINE)
     later = "Verdicts, peak stress against its limit and the style loss will appear here."
     if plan is None:
-        return ["Nothing has run yet.", *textwrap.wrap(later, NARROW)]
+        return ["Nothing has run yet.", *textwrap.wrap(later, letters)]
     where = "" if plan.certain else ", about there: the run decides"
     told = f"Nothing has run yet. Hollow marks are to come: the unstylized part, then {plan.count}{where}."
-    return [*textwrap.wrap(told, NARROW), *textwrap.wrap(later, NARROW)]
+    return [*textwrap.wrap(told, letters), *textwrap.wrap(later, letters)]
 
 
 def _planned(lane: str, places: Sequence[int]) -> dict[str, Any]:

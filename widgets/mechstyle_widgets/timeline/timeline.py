@@ -110,7 +110,7 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
         if self._begun:
             traces, layout = timeline_figure.contents(state.histories, state.branches, lane, self.curve, self.theme)
         else:
-            traces, layout = timeline_figure.before(plan_of(state.settings), lane, self.curve, self.theme)
+            traces, layout = timeline_figure.before(plan_of(state.settings), lane, self.curve, self.theme, self._width)
         self._curves.show(*timeline_figure.filled(traces, {**layout, "width": self._width}))
 
     def _move_line(self) -> None:
