@@ -80,7 +80,7 @@ def test_three_views_share_the_camera_and_the_width(done):
     viewer.also, viewer.compared = ("soft", 8), ("main", 4)
     assert [view.width for view in viewer._stage.children] == [300, 300, 300]
     assert len({view.camera for view in viewer._stage.children}) == 1
-    assert viewer.names == ("on show", "main, iteration 4", "soft, iteration 8")
+    assert viewer.names == ("main, iteration 12", "main, iteration 4", "soft, iteration 8")
     assert np.allclose(viewer.third.mesh.vertices, done.surface().vertices) is False
     assert len(viewer.picture().png) > 0
     viewer.also = None

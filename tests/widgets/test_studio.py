@@ -138,6 +138,8 @@ def test_a_preview_is_shown_on_the_part_with_what_stays_plain_until_it_cannot_be
     np.testing.assert_array_equal(viewer.protected, spared)
     assert "NOT TESTED" in viewer.badge._words.value
     assert "drawn in 0.4 s" in viewer.badge._words.value
+    studio._arrived(Preview(Shape(surface, np.full(count, 8.0, np.float32)), style, 0.04))
+    assert "drawn at once" in viewer.badge._words.value
     viewer.beside = True
     np.testing.assert_allclose(viewer.original.mesh.vertices, surface.vertices)
     studio.prompt_box.prompt = "nonsense"
@@ -300,7 +302,9 @@ def test_a_pinned_iteration_stands_beside_the_one_on_show(done):
     studio.state.lane, studio.state.iteration = "soft", 9
     viewer = studio._viewer
     assert viewer.beside
-    assert viewer.names == ("on show", "main, iteration 4")
+    assert viewer.names == ("soft, iteration 9", "main, iteration 4")
+    studio.state.iteration = 8
+    assert viewer.names == ("soft, iteration 8", "main, iteration 4")
     assert np.allclose(viewer.original.mesh.vertices, done.surface(4).vertices)
     assert not np.allclose(viewer.subject.mesh.vertices, viewer.original.mesh.vertices)
     studio.state.lane, studio.state.iteration = "main", 4

@@ -354,7 +354,8 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         if preview.style is None:
             viewer.take_off("Only running it tells what this comes to")
             return
-        viewer.put_on(preview.surface, f"Changes as you choose · drawn in {preview.seconds:.1f} s")
+        drawn = "at once" if preview.seconds < 0.05 else f"in {preview.seconds:.1f} s"
+        viewer.put_on(preview.surface, f"Changes as you choose · drawn {drawn}")
         viewer.protected = preview.style.spared
 
     def _not_drawn(self, why: str) -> None:

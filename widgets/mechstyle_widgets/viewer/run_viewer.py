@@ -77,7 +77,7 @@ class RunViewer(Linked, Viewer):
             raise BadInput("there is no iteration to show yet: start a run, or open one with Run.open")
         self._catch_up, self._moment = Paced(self._show_checkpoint), Paced(self._show_moment)
         self._newest, self._root = Newest(_seen, self._bring), state.run.store.root
-        self._drawn = state.checkpoint.iteration
+        self._drawn, self._drawn_lane = state.checkpoint.iteration, state.run.lane
         subject, self._limit = _seen(_Wish(state.run, state.checkpoint, ()))
         self._still = subject
         original = subject_of(state.run, state.run.checkpoint(0))
@@ -129,11 +129,15 @@ class RunViewer(Linked, Viewer):
             also = self.also if self.compared else None
             places = [self.compared or (self._state.lane, 0), *([also] if also else [])]
             with self.hold_trait_notifications():
-                beside = [f"{lane}, iteration {iteration}" for lane, iteration in places]
-                self.names = ("on show", *beside) if self.compared else ("styled", "original")
+                self.names = tuple(map(_named, (self._drawn_place, *places))) if self.compared else ("styled", "original")
                 self.outcomes = ("", *(badge.outcome(self._state.row(iteration, lane)) for lane, iteration in places))
                 self.original, self.third = self._subject_at(*places[0]), self._subject_at(*also) if also else None
                 self.beside = self.compared is not None
+
+    @property
+    def _drawn_place(self) -> tuple[str, int]:
+        """Lane and iteration of what is drawn, which may be a step behind what the state shows."""
+        return self._drawn_lane, self._drawn
 
     def _subject_at(self, lane: str, iteration: int) -> Subject:
         """An iteration of a lane of the run on show."""
@@ -165,9 +169,12 @@ class RunViewer(Linked, Viewer):
             self._newest.ask(_Wish(run, state, self.derived))
 
     def _bring(self, wish: _Wish, seen: tuple[Subject, float]) -> None:
-        self._drawn = wish.state.iteration
+        self._drawn, self._drawn_lane = wish.state.iteration, wish.run.lane
         self._still, self._limit = seen
-        self._show_moment()
+        with self.hold_trait_notifications():
+            if self.compared:
+                self.names = (_named(self._drawn_place), *self.names[1:])
+            self._show_moment()
 
     def _show_moment(self) -> None:
         self.subject = self.player.at_the_moment(self._still, self._limit)
@@ -180,6 +187,11 @@ class RunViewer(Linked, Viewer):
             if change["new"].normal != UP:  # it does not stand where it stood
                 self._orbit.follow(self.subject.mesh)
                 self.fit()
+
+
+def _named(place: tuple[str, int]) -> str:
+    lane, iteration = place
+    return f"{lane}, iteration {iteration}"
 
 
 def _seen(wish: _Wish) -> tuple[Subject, float]:
