@@ -65,6 +65,11 @@ def test_freestyle_has_nothing_to_set():
     assert selector._restraint.layout.display == "none"
 
 
+def test_the_folded_restraint_names_its_threshold():
+    assert ControlSelector(PLA, control="linear", threshold=0.5).brief == "linear, threshold 0.5"
+    assert ControlSelector(PLA, freestyle=True).brief == "Freestyle"
+
+
 def test_it_takes_what_a_recipe_has():
     stricter = msgspec.structs.replace(PLA, safety_coefficient=0.4)
     recipe = Recipe(surface="", tetrahedra="", prompt="", material=stricter, control="linear", normalisation="sigma_c", threshold=0.7)

@@ -315,6 +315,12 @@ def test_clicks_paint_where_the_switch_is_on():
     assert not picker._clicked.disabled
 
 
+def test_the_folded_regions_say_what_becomes_of_the_underside_or_how_many_there_are():
+    briefs = {base: RegionsPicker(base=base).brief for base in ("level", "protected", "free")}
+    assert briefs == {"level": "underside level", "protected": "underside smooth", "free": "underside as it comes"}
+    assert RegionsPicker(["inside", "below 5"]).brief == "2 regions"
+
+
 # --- drop test ----------------------------------------------------------------------------------------------------
 
 

@@ -83,8 +83,8 @@ class ControlSelector(Section):
 
     @property
     def brief(self) -> str:
-        """The strategy."""
-        return "Freestyle" if self.freestyle else f"{self.control}, stops at {self.threshold:.2g}"
+        """The strategy and its threshold."""
+        return "Freestyle" if self.freestyle else f"{self.control}, threshold {self.threshold:.2g}"
 
     def _make_controls(self) -> None:
         self._mode = lean(

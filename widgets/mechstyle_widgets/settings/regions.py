@@ -18,6 +18,8 @@ from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, sett
 
 UNDERSIDES = {"level": "relief, standing level", "protected": "smooth", "free": "relief as it comes"}
 """What becomes of the base, one of `BASES`, in words."""
+BRIEFS = {"level": "underside level", "protected": "underside smooth", "free": "underside as it comes"}
+"""The same where nothing says that it is of the underside."""
 
 
 class RegionsPicker(Section):
@@ -67,9 +69,9 @@ class RegionsPicker(Section):
 
     @property
     def brief(self) -> str:
-        """How many regions."""
+        """How many regions, or what becomes of the underside."""
         count = len(self.protect)
-        return UNDERSIDES[self.base] if not count else f"{count} region{'s' * (count > 1)}"
+        return BRIEFS[self.base] if not count else f"{count} region{'s' * (count > 1)}"
 
     def click(self, place: Point) -> None:
         """Handle a click on the part at a position [mm]."""
