@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator, Sequence
 
@@ -12,6 +13,12 @@ WIDTH, HEIGHT = 960, 330
 LEFT, RIGHT = 62, 944
 STRESS_TOP, STRESS_BOTTOM = 34, 204
 HELD_TOP, HELD_BOTTOM = 244, 296
+NAME = (96, 14)
+"""Width and height of the name of the limit, at most."""
+OVER, UNDER = -7, 16
+"""Where its letters stand over and under the line."""
+REACH, ROOM = 7.0, 3.0
+"""How far a mark reaches, and what is to be free between the name and whatever is drawn."""
 
 SHAPES = {
     "VIABLE": '<circle r="6"/>',
@@ -37,18 +44,20 @@ def timeline(told: Sequence[Step], last: int) -> Markup:
         return STRESS_BOTTOM - (STRESS_BOTTOM - STRESS_TOP) * stress / top
 
     known = [step for step in told if step.verdict.outcome != "UNKNOWN"]
-    peaks = " ".join(f"{x[step.iteration]:.1f},{height(step.verdict.deciding.value):.1f}" for step in known)
+    line = [(x[step.iteration], height(step.verdict.deciding.value)) for step in known]
+    peaks = " ".join(f"{right:.1f},{down:.1f}" for right, down in line)
     limit = told[-1].verdict.deciding.limit
+    beside, name = _free_place(height(limit), line, [(x[step.iteration], height(step.verdict.deciding.value)) for step in told])
     return fill(
         '<svg class="timeline" viewBox="0 0 {width} {height}" role="group" tabindex="0"'
         ' data-left="{left}" data-right="{right}" data-last="{last}"'
         ' aria-label="Timeline: peak stress and restraint at each simulation. Arrow keys move the replay.">'
         '{axes}<line class="limit" x1="{left}" x2="{right}" y1="{y}" y2="{y}"/>'
-        '<text class="limit-name" x="{beside}" y="{above}" text-anchor="end">limit {limit} MPa</text>'
+        '<text class="limit-name" x="{beside}" y="{name}" text-anchor="end">limit {limit} MPa</text>'
         '{held}<polyline class="peaks" points="{peaks}"/>{marks}'
         '<g class="cursor"><line y1="{top}" y2="{bottom}"/></g></svg>',
         width=WIDTH, height=HEIGHT, left=LEFT, right=RIGHT, last=span,
-        beside=RIGHT - 10, y=f"{height(limit):.1f}", above=f"{height(limit) - 7:.1f}",
+        beside=beside, y=f"{height(limit):.1f}", name=f"{name:.1f}",
         limit=f"{limit:.1f}", peaks=peaks, axes=_axes(span, top), held=_held(told, x, RIGHT if last else LEFT),
         marks=joined(_mark(step, x[step.iteration], height(step.verdict.deciding.value)) for step in told),
         top=STRESS_TOP - 8, bottom=HELD_BOTTOM,
@@ -62,6 +71,32 @@ def ticks(top: float, about: int) -> Iterator[float]:
     step = next(factor * power for factor in (1, 2, 5, 10) if factor * power >= rough * (1 - 1e-9))
     for k in range(int(top / step + 1e-9) + 1):
         yield k * step
+
+
+def _free_place(limit: float, line: Sequence[tuple[float, float]], marks: Sequence[tuple[float, float]]) -> tuple[int, float]:
+    """Where the name of a limit ends and stands: as far to the right as neither line nor marks are in its way, else where most is free."""
+    drawn = [(x, y, REACH) for x, y in marks] + [(x, y, 0.0) for x, y in _along(line)]
+    best, most = (RIGHT - 10, limit + OVER), -math.inf
+    for right in range(RIGHT - 10, LEFT + 10 + NAME[0], -10):
+        for base in (limit + OVER, limit + UNDER):
+            free = min((_distance(x, y, right, base) - reach for x, y, reach in drawn), default=math.inf)
+            if free > most and base <= STRESS_BOTTOM:
+                best, most = (right, base), free
+            if most >= ROOM:
+                return best
+    return best
+
+
+def _along(line: Sequence[tuple[float, float]]) -> Iterator[tuple[float, float]]:
+    """Places on a line, a few units apart."""
+    for (x, y), (right, down) in itertools.pairwise(line):
+        count = 1 + int(math.hypot(right - x, down - y) / 3)
+        yield from ((x + (right - x) * k / count, y + (down - y) * k / count) for k in range(count + 1))
+
+
+def _distance(x: float, y: float, right: float, base: float) -> float:
+    """From a place to the name that ends at `right` and stands on `base`, along the axis where it is farther; 0 within it."""
+    return max(right - NAME[0] - x, x - right, base + 3 - NAME[1] - y, y - base - 3, 0.0)
 
 
 def _mark(step: Step, x: float, y: float) -> Markup:

@@ -3,12 +3,14 @@
 import base64
 import gzip
 import hashlib
+import itertools
 import json
 import re
 from dataclasses import replace
 from html.parser import HTMLParser
 
 import msgspec
+import numpy as np
 import pytest
 
 from mechstyle.errors import BadInput
@@ -121,6 +123,27 @@ def test_an_outcome_that_is_not_sure_has_a_mark_of_its_own(lane):
     assert "VIABLE, marginal" in drawn
     assert SHAPES["MARGINAL"] in drawn
     assert '<span class="marginal">VIABLE</span>, marginal' in cells(_row(msgspec.structs.replace(step, verdict=unsure)))
+
+
+@pytest.mark.parametrize(
+    "peaks", [(26, 27, 27, 27), (30, 60, 55, 45.4), (20, 44, 45, 45.5), (60, 44, 47, 44), (45, 46, 45, 46, 44, 46, 45, 80)], ids=str
+)
+def test_the_name_of_the_limit_stands_where_the_curve_is_not(lane, peaks):
+    """Far below the limit of 45.6 MPa, falling to it, rising to it, across it, and along it."""
+    step = steps(lane.store, rows(lane.store))[0]
+    told = []
+    for iteration, peak in enumerate(peaks):
+        rule = msgspec.structs.replace(step.verdict.as_placed, value=float(peak), limit=45.6)
+        verdict = msgspec.structs.replace(step.verdict, as_placed=rule, tilted=None, all_orientations=None, outcome="VIABLE")
+        told.append(msgspec.structs.replace(step, iteration=iteration, verdict=verdict))
+    drawn = str(timeline(told, len(peaks) - 1))
+    right, base = (float(re.search(rf'class="limit-name"[^>]* {name}="([-.\d]+)"', drawn)[1]) for name in "xy")
+    line = [tuple(map(float, point.split(","))) for point in re.search(r'class="peaks" points="([^"]+)"', drawn)[1].split()]
+    curve = np.concatenate([np.linspace(one, other, 200) for one, other in itertools.pairwise(line)])
+    for points, room in ((curve, 2.0), (np.array(line), 8.0)):
+        beside = np.maximum(right - 95.0 - points[:, 0], points[:, 0] - right)
+        over_or_under = np.maximum(base - 11.0 - points[:, 1], points[:, 1] - base - 3.0)
+        assert np.maximum(beside, over_or_under).min() >= room
 
 
 def test_the_legend_tells_every_mark(page):
