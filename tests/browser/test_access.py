@@ -41,6 +41,17 @@ MOVING = """() => [...document.querySelectorAll('.mechstyle-studio, .mechstyle-s
 }).map(one => one.className)"""
 
 
+CUT = """buttons => buttons.filter(button => {
+    const [style, text] = [button.style, document.createRange()];
+    style.fontWeight = "600";
+    text.selectNodeContents(button);
+    const [all, room] = [text.getBoundingClientRect(), button.getBoundingClientRect()];
+    style.fontWeight = "";
+    return all.left < room.left || all.right > room.right || all.bottom > room.bottom;
+}).map(button => button.textContent)"""
+"""Names of buttons that do not fit into them once they are bold."""
+
+
 @pytest.fixture(scope="module")
 def shown(notebook):
     notebook.open(STUDIO)
@@ -165,6 +176,15 @@ def test_a_grid_of_pictures_is_one_stop(shown):
     stops = "grid => [...grid.querySelectorAll('button')].filter(one => one.tabIndex >= 0).length === 1"
     shown.page.wait_for_function(stops, arg=grid.element_handle())
     shown.python("studio.prompt_box._chips.all = False")
+
+
+def test_every_name_under_a_picture_is_whole_chosen_or_not(shown):
+    choices = ("studio.part_picker._gallery", "studio.prompt_box._chips")
+    shown.python("; ".join(f"{choice}.all = True" for choice in choices))
+    buttons = shown.page.locator(".mechstyle-studio .mechstyle-pictures button:visible")
+    buttons.nth(30 + 40).wait_for()
+    assert buttons.evaluate_all(CUT) == []
+    shown.python("; ".join(f"{choice}.all = False" for choice in choices))
 
 
 def test_nothing_moves_for_those_who_asked_for_that(shown):
