@@ -84,6 +84,7 @@ def test_a_run_that_is_asked_to_end_does_so_and_the_same_command_goes_on(asked_t
 def test_who_presses_ctrl_c_while_it_is_loaded_is_not_shown_where_it_was(module):
     program = f"""
 import signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)  # what runs in the background may be started with it ignored
 class Pressed:
     def find_spec(self, name, *_):
         if name == {module!r}:
