@@ -86,7 +86,8 @@ def tell(pair: Pair, folder: Path, *, as_json: bool) -> None:
         return
     rows = table(*COLUMNS)
     for label, verdict, *figures in pair.rows():
-        rows.add_row(label, verdict_text(verdict), *figures)
+        outcome, _, close = verdict.partition(", ")
+        rows.add_row(label, verdict_text(outcome, marginal=bool(close)), *figures)
     out.print(rows)
     for label, run in (("Freestyle", pair.free), ("MechStyle", pair.fed)):
         out.print(f"\n{label}: {escape(run.summary.words)}")

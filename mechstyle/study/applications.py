@@ -102,7 +102,8 @@ def _figures(strength: Strength) -> tuple[str, ...]:
     """Verdict, peak, limit, safety factor and p99 over all orientations relative to the original part."""
     safety = "–" if strength.safety_factor is None else f"{strength.safety_factor:.2f}"
     turns = "–" if strength.all_orientations is None else f"{strength.all_orientations:.2f} x"
-    return strength.verdict, f"{strength.peak_stress:.1f}", f"{strength.allowable:.1f}", safety, turns
+    outcome = f"{strength.verdict}, MARGINAL" if strength.marginal else strength.verdict
+    return outcome, f"{strength.peak_stress:.1f}", f"{strength.allowable:.1f}", safety, turns
 
 
 def apply(name: str, out: str | Path, *, vertices: int = STANDARD_VERTICES, device: str = "auto", **settings: Any) -> Pair:
