@@ -25,9 +25,6 @@ HALF = np.float32(0.5)
 EXAGGERATED = np.float32(2.0)
 """Share of the relief by which triangles are chosen to be kept: as many then carry 0.915 instead of 0.90 of a pen holder's bricks."""
 
-FAINT = 0.01
-"""Root of the mean square of a relief [mm] below which it is none: no printer shows it, and other triangles of a flat face make as much."""
-
 MORPHED = "morphed"
 AGAIN = "meshed again at half of this relief"
 """How the tetrahedra of a thorough test came about: those of the run, or others."""
@@ -125,6 +122,6 @@ def carried(morph: Morph, morphed: Morphed, base: LevelBase) -> Carried:
 
 
 def slope(wanted: Floats, found: Floats, weights: Floats) -> float | None:
-    """Σ w x y / Σ w x² of a relief x that is wanted and y that is found of it [mm]; None where what is wanted is too faint to tell."""
+    """Σ w x y / Σ w x² of a relief x that is wanted and y that is found of it [mm]; None where there is nothing wanted."""
     total = float((weights * wanted**2).sum())
-    return float((weights * wanted * found).sum()) / total if total > FAINT**2 * float(weights.sum()) else None
+    return float((weights * wanted * found).sum()) / total if total > 0.0 else None

@@ -70,6 +70,14 @@ def test_a_base_laid_flat_has_no_relief_whatever_the_tetrahedra_make_of_it(block
     assert fit.relief.carried > 0.8
 
 
+def test_a_small_deep_mark_under_a_part_that_is_lost_is_not_overlooked(block):
+    """Averaged over all of the base it is less than a hundredth of a millimetre."""
+    _, plain, _ = block
+    mark = np.zeros(len(plain.vertices), np.float32)
+    mark[np.linalg.norm(plain.vertices - [6.0, 5.2, plain.vertices[:, 2].min()], axis=1).argmin()] = -0.2
+    assert fit_of(followed(block, plain), plain.displaced(mark), plain).relief.carried_base == pytest.approx(0.0, abs=0.05)
+
+
 def test_without_an_original_nothing_is_told_of_a_relief(block):
     tets, plain, _ = block
     fit = fit_of(tets, plain.displaced(np.full(len(plain.vertices), 0.2, np.float32)))
