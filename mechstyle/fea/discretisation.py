@@ -38,7 +38,7 @@ class Discretisation:
         masses: Lumped masses, some heavier than they are [g], shape [node_count].
         heavier: By what factor each is, shape [node_count].
         added_mass: Mass added so over the mass of the body.
-        highest: Positive vector with which the masses bound the highest frequency, shape [3 node_count]: see `mass_scaling`.
+        highest: Positive vector with which the masses bound the highest frequency, shape [node_count]: see `mass_scaling`.
         slots: Where an element's share of a force on a node goes before the shares are added up, shape [tet_count, nodes]: the slots
             of a node follow each other in the order of the tetrahedra.
         first_slot: Where each node's slots start, shape [node_count + 1].
@@ -92,7 +92,7 @@ def discretise(tets: TetMesh, material: Material, added_mass: float, element: El
     lumped = np.empty(len(mesh.nodes))
     lumped[place] = lumped_masses(mesh, material.density * mesh.tets.volumes)
     stiffness = Stiffness(numbering.pairs, gradients, volumes, element, material)
-    masses, highest, limit = lengthened(stiffness.magnitudes(np.ones(len(volumes))), lumped, added_mass)
+    masses, highest, limit = lengthened(stiffness.norms, lumped, added_mass)
     return Discretisation(
         mesh=mesh,
         vertices=numbering.vertices,

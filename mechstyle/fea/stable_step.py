@@ -8,8 +8,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from mechstyle.fea.discretisation import Discretisation
 from mechstyle.fea.mass_scaling import bound
 from mechstyle.records.mesh import Floats
@@ -29,11 +27,11 @@ def damped_step(body: Discretisation, share: float) -> tuple[float, Floats]:
     A = K + 2/Δt C and λ a bound of M⁻¹A, Δt min(1, 4/(Δt² λ)) is stable, since 2 Δt C falls more slowly with Δt than Δt² K.
     """
     stiffness = body.stiffness
-    frequency = math.sqrt(bound(stiffness.magnitudes(np.ones(len(body.volumes))), body.masses, body.highest))
+    frequency = math.sqrt(bound(stiffness.norms, body.masses, body.highest))
     each = frequency * body.frequencies / body.frequencies.max()
     damping = 2.0 * share / each
     step = stable_step(frequency, 2.0 * share / frequency)
     if share > 0.0:
-        weighted = stiffness.magnitudes(1.0 + 2.0 * damping / step)
+        weighted = stiffness.weighted_norms(1.0 + 2.0 * damping / step)
         step *= min(1.0, 4.0 / (step**2 * bound(weighted, body.masses, body.highest)))
     return step, damping

@@ -84,7 +84,7 @@ def test_the_bound_is_above_the_largest_frequency_and_close(seed, element, box, 
     weights = np.random.default_rng(0).uniform(0.5, 1.5, len(body.volumes))
     for each in (np.ones(len(weights)), weights):
         exact = weighted(body, pla, each)[-1]
-        assert exact <= bound(body.stiffness.magnitudes(each), body.masses, body.highest) < 1.6 * exact
+        assert exact <= bound(body.stiffness.weighted_norms(each), body.masses, body.highest) < 1.6 * exact
 
 
 @each_element
@@ -107,7 +107,7 @@ def test_each_tetrahedron_is_damped_by_the_same_share_of_its_own_critical_dampin
     products = damping * body.frequencies
     np.testing.assert_allclose(products, products[0], rtol=1e-12)
     highest = int(body.frequencies.argmax())
-    limit = bound(body.stiffness.magnitudes(np.ones(len(damping))), body.masses, body.highest)
+    limit = bound(body.stiffness.norms, body.masses, body.highest)
     assert damping[highest] == pytest.approx(0.2 / np.sqrt(limit))
 
 

@@ -99,6 +99,7 @@ class DeviceBatch:
         self.corners_squared = body.zeros(body.tet_count, body.corners, self.count)
         self.impulse, self.contact_loss = body.zeros(*each_node), body.zeros(*each_node)
         self.parts = body.zeros(len(QUANTITIES), int(sampling_kernels.PARTS), self.count)
+        self.groups = body.zeros(len(QUANTITIES), int(sampling_kernels.GROUPS), self.count)
         self.samples = body.zeros(scheme.samples, len(QUANTITIES), self.count)
         self.row = body.zeros(1, dtype=int)
         self._graph: Any = None
@@ -158,7 +159,8 @@ class DeviceBatch:
         sums = (self.impulse, self.contact_loss, self.parts)
         body.launch(sampling_kernels.sample_nodes, parts, body.masses, self.normals, *motion, *sums)
         body.launch(sampling_kernels.sample_motion, parts, body.masses, body.arms, *motion, self.parts)
-        body.launch(sampling_kernels.sample_total, (len(QUANTITIES), self.count), self.parts, self.row, self.samples)
+        body.launch(sampling_kernels.sample_groups, self.groups.shape, self.parts, self.groups)
+        body.launch(sampling_kernels.sample_total, (len(QUANTITIES), self.count), self.groups, self.row, self.samples)
         body.launch(sampling_kernels.next_row, (1,), self.row)
 
     def _step(self, record: int) -> None:

@@ -8,8 +8,9 @@ from mechstyle.fea.backends.laws import energy_density, equivalent_squared, firs
 
 wp.set_module_options({"enable_backward": False})
 
-PARTS = wp.constant(1024)
-"""Partial sums per history quantity: parallel enough for a GPU, a fixed order of summation everywhere."""
+PARTS, GROUPS = wp.constant(4096), wp.constant(64)
+"""Partial sums per history quantity, and groups of them that are added up before the groups are: parallel enough for a GPU, a fixed order
+of summation everywhere."""
 
 KINETIC, STRAIN, IMPULSE, CONTACT_LOSS, HEIGHT, MOMENTUM, PEAK, MOTION = range(8)
 """Places of `explicit.QUANTITIES`; from MOTION on those of `explicit.MOTION`."""
@@ -114,16 +115,31 @@ def sample_motion(
             parts[MOTION + 9 + 3 * k + j, part, b] = turn[k, j]
 
 
+@wp.func
+def together(one: float, other: float, quantity: int):
+    """The sum of two partial sums, the maximum for PEAK."""
+    if quantity == PEAK:
+        return wp.max(one, other)
+    return one + other
+
+
 @wp.kernel
-def sample_total(parts: wp.array3d(dtype=float), row: wp.array(dtype=int), samples: wp.array3d(dtype=float)):
-    """Sum the parts (maximum for PEAK) into the current row of samples[row, quantity, b]."""
+def sample_groups(parts: wp.array3d(dtype=float), groups: wp.array3d(dtype=float)):
+    """Every GROUPS-th part together, into groups[quantity, group, b]."""
+    quantity, group, b = wp.tid()
+    total = float(0.0)
+    for part in range(group, PARTS, GROUPS):
+        total = together(total, parts[quantity, part, b], quantity)
+    groups[quantity, group, b] = total
+
+
+@wp.kernel
+def sample_total(groups: wp.array3d(dtype=float), row: wp.array(dtype=int), samples: wp.array3d(dtype=float)):
+    """The groups together, into the current row of samples[row, quantity, b]."""
     quantity, b = wp.tid()
     total = float(0.0)
-    for part in range(PARTS):
-        if quantity == PEAK:
-            total = wp.max(total, parts[quantity, part, b])
-        else:
-            total += parts[quantity, part, b]
+    for group in range(GROUPS):
+        total = together(total, groups[quantity, group, b], quantity)
     samples[row[0], quantity, b] = total
 
 
