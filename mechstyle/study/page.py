@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections import Counter
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -107,7 +108,7 @@ def _pictures(done: Sequence[Row]) -> dict[str, Callable[[], bytes]]:
         made["freestyle"] = lambda: figures.matrix(free, "Stress as placed over its limit; ✗ below 1: another landing fails")
     if ways:
         made["viable"] = lambda: figures.viability([*beside, *ways], PUBLISHED)
-        made["time"] = lambda: figures.spread(ways, "cpu_seconds", "processor time of a run [s]", log=True)
+        made["time"] = lambda: figures.spread(_alike(ways)[0], "cpu_seconds", "processor time of a run [s]", log=True)
         found = _equivalences(done)
         if found:
             made["loss"] = lambda: figures.losses(found, {arm: len(_pairs(done, arm)) for arm in found})
@@ -143,7 +144,20 @@ def _free(done: Sequence[Row], pictures: dict[str, str]) -> str:
         over = bootstrap_over([row.part for row in free], np.array(holds, float))
         lines.append((rule, _share(sum(holds), len(holds)), _range(100 * low, 100 * high, "%"), _range(100 * over[0], 100 * over[1], "%")))
     shown = f"![{len(free)} runs, part by style]({pictures['freestyle']})"
-    return f"## The style alone\n\n{_markdown(lines)}\n{shown}\n\n{NUMBERS}"
+    return f"## The style alone\n\n{_markdown(lines)}\n{_by_style(free)}{shown}\n\n{NUMBERS}"
+
+
+def _by_style(free: Sequence[Row]) -> str:
+    """What each style alone leaves whole, where there are several."""
+    styles = {style: [row for row in free if row.prompt == style] for style in dict.fromkeys(row.prompt for row in free)}
+    if len(styles) < 2:
+        return ""
+    lines = [("style", "viable", "95 % Wilson interval", "holds as placed", "stress as placed over its limit, median")]
+    for style, told in styles.items():
+        viable, holding = (sum(getattr(row, of) for row in told) for of in ("viable", "a_holds"))
+        stress = f"{np.median([row.as_placed for row in told]):.2f}"
+        lines.append((style, _share(viable, len(told)), _interval(viable, len(told)), _share(holding, len(told)), stress))
+    return f"{_markdown(lines)}\n"
 
 
 def _ways(done: Sequence[Row], pictures: dict[str, str]) -> str:
@@ -188,7 +202,7 @@ def _mcnemar_words(done: Sequence[Row], ways: dict[str, list[Row]]) -> list[str]
 
 def _times(done: Sequence[Row], pictures: dict[str, str]) -> str:
     """Processor time, as published (Welch, Games and Howell over schedules) and by blocks."""
-    ways = [row for row in done if _is_way(row)]
+    ways, where = _alike([row for row in done if _is_way(row)])
     if not ways:
         return ""
     groups = {name: [row.cpu_seconds for row in ways if row.schedule == name] for name in dict.fromkeys(row.schedule for row in ways)}
@@ -206,8 +220,18 @@ def _times(done: Sequence[Row], pictures: dict[str, str]) -> str:
     if blocked is not None:
         words.append(f"* Friedman over {len(table)} blocks of part and style: {blocked[0]:.2f}, p {_p(blocked[1])}.")
     shown = f"![processor time, way by way]({pictures['time']})"
-    head = "## Time\n\nProcessor time, since wall time on shared machines says little."
+    head = f"## Time\n\nProcessor time, since wall time on shared machines says little{where}."
     return f"{head}\n\n{_markdown(lines)}\n{shown}\n\n" + "\n".join(words)
+
+
+def _alike(rows: Sequence[Row]) -> tuple[list[Row], str]:
+    """Those simulated on the kind of device that most were, and that in words where there are others: a GPU works for its processor."""
+    kinds = Counter(row.device.split(":")[0] for row in rows)
+    if len(kinds) < 2:
+        return list(rows), ""
+    (most, count), *_ = kinds.most_common(1)
+    where = {"cpu": "without a GPU", "cuda": "on a GPU"}.get(most, f"on {most}")
+    return [row for row in rows if row.device.split(":")[0] == most], f"; of the {count} runs of {len(rows)} that were simulated {where}"
 
 
 def _losses(done: Sequence[Row], pictures: dict[str, str]) -> str:

@@ -88,6 +88,24 @@ def test_a_number_below_one_that_fails_is_explained_beside_its_figure(page):
     assert "Numbers are the stress as placed over its limit; ✗ beside one below 1: another landing fails." in page[1]
 
 
+def test_processor_time_is_compared_on_one_kind_of_device(page, tmp_path):
+    """On a GPU the processor waits: 36 of 216 runs there, ten times as fast, change nothing."""
+    rows = [msgspec.structs.replace(row, device="cpu") for row in study()]
+    there = [msgspec.structs.replace(row, device="cuda:0", part=f"{row.part} 2", cpu_seconds=0.1 * row.cpu_seconds)
+             for row in rows if row.prompt in STYLES[:1]]  # fmt: skip
+    write_page([*rows, *there], tmp_path / "study.md")
+    alike, both = (told[told.index("## Time") : told.index("## Style loss")] for told in (page[1], (tmp_path / "study.md").read_text()))
+    assert "says little; of the 216 runs of 252 that were simulated without a GPU.\n" in both
+    assert both[both.index("|") :] == alike[alike.index("|") :]
+
+
+def test_the_style_alone_is_told_style_by_style(page):
+    told = [row for row in study() if row.arm == "freestyle" and row.prompt == "cactus"]
+    viable = sum(row.viable for row in told)
+    assert f"| cactus | {viable} of 3 ({100 * viable / 3:.1f} %) |" in page[1]
+    assert f" | {np.median([row.as_placed for row in told]):.2f} |\n" in page[1]
+
+
 def test_every_figure_is_there_and_is_a_picture(page):
     files, text = page
     names = {"freestyle", "viable", "time", "loss", "arms", "kept"}
