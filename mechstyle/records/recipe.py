@@ -173,7 +173,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     control: str = "exponential"
     normalisation: str = "headroom"
     threshold: float = 1.0
-    memory: bool = True
+    memory: bool = False
     retraction: bool = False
     base: str = "level"
     protect: tuple[Region, ...] = ()

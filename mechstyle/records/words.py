@@ -40,7 +40,7 @@ WORDS: dict[str, tuple[str, str]] = {
             "not at all (none)."
         ),
     ),
-    "memory": ("memory", "A place that was held back is not let go later in the run."),
+    "memory": ("memory", "A place that was held back is not let go later in the run; off unless asked for."),
     "retraction": ("retraction", "Where stress comes near its limit on the way, the relief there shrinks; off unless asked for."),
     "guarantee": ("correction", "A finished part that fails is lowered where it is overloaded, step by step, until it passes."),
     "schedule": ("schedule", "At which iterations the part is dropped on the way; the last one always is."),

@@ -103,7 +103,7 @@ def test_feedback_keeps_stress_lower_than_freestyle(bench, tmp_path):
 
 
 def test_with_memory_the_mask_never_recovers(bench):
-    saved = states(bench.engine(bench.recipe(schedule="every", every=5)).run())
+    saved = states(bench.engine(bench.recipe(schedule="every", every=5, memory=True)).run())
     masks = np.stack([state.mask for state in saved])
     assert np.all(np.diff(masks, axis=0) <= 0)
     assert masks.min() >= 0
