@@ -149,7 +149,7 @@ def test_every_field_decides_the_digest(field):
         "control": "linear", "normalisation": "yield", "schedule": "every", "criterion": "paper", "transfer": "nearest", "stylizer": "mine",
         "protect": (Inside(),), "element": "tet4",
         "loads": (PRESS,), "minimum_wall": 1.2, "strengthen": 1.5,
-        "memory": False, "retraction": True, "base": "free", "guarantee": False,
+        "memory": True, "retraction": True, "base": "free", "guarantee": False,
         "iterations": 7, "seed": 7, "every": 7, "amplitude": 0.7, "travel": 0.7, "orientations": 7, "poses": "tilts", "standard": "en71",
         "relief": 0.7, "side": "outwards", "feature": 7.0, "nozzle": 0.7, "inside": "styled",
         "image": "9" * 64, "image_size": 7.0, "image_as": "colour", "image_layout": "placed", "projection": "around",

@@ -45,7 +45,7 @@ def test_both_runs_get_the_same_part_prompt_and_regions(monkeypatch, tmp_path):
     assert (free.folder, fed.folder) == ("freestyle", "mechstyle")
     assert free.recipe.prompt == fed.recipe.prompt == "floral patterns"
     assert (free.model, free.part, free.vertices) == (fed.model, fed.part, fed.vertices) == ("gallery:pill_box", "pill_box", 25_000)
-    assert {name for name, *_ in free.recipe.differences(fed.recipe)} == set(FREESTYLE) - {"retraction"}, "which is off unasked"
+    assert {name for name, *_ in free.recipe.differences(fed.recipe)} == set(FREESTYLE) - {"memory", "retraction"}, "which are off unasked"
     assert (free.recipe.protect[0].words, free.recipe.iterations) == ("inside colour", 9)
     apply("pill_box", tmp_path, protect=[])
     assert asked[-1][0].recipe.protect == ()
