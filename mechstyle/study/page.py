@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-from collections import Counter
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -205,7 +204,7 @@ def _times(done: Sequence[Row], pictures: dict[str, str]) -> str:
     ways, where = _alike([row for row in done if _is_way(row)])
     if not ways:
         return ""
-    groups = {name: [row.cpu_seconds for row in ways if row.schedule == name] for name in dict.fromkeys(row.schedule for row in ways)}
+    groups = {name: [row.cpu_seconds for row in ways if row.schedule == name] for name in sorted({row.schedule for row in ways})}
     lines = [("schedule", "runs", "processor time, mean [s]", "deviation [s]")]
     for name, own in groups.items():
         lines.append((name, str(len(own)), f"{np.mean(own):.0f}", f"{np.std(own, ddof=1):.0f}" if len(own) > 1 else "–"))
@@ -225,13 +224,12 @@ def _times(done: Sequence[Row], pictures: dict[str, str]) -> str:
 
 
 def _alike(rows: Sequence[Row]) -> tuple[list[Row], str]:
-    """Those simulated on the kind of device that most were, and that in words where there are others: a GPU works for its processor."""
-    kinds = Counter(row.device.split(":")[0] for row in rows)
-    if len(kinds) < 2:
+    """Those of blocks without a run on a GPU, which works for its processor, and that in words where there are others; all if none is."""
+    there = {_block(row) for row in rows if row.device.startswith("cuda")}
+    plain = [row for row in rows if _block(row) not in there]
+    if len(plain) in (0, len(rows)):
         return list(rows), ""
-    (most, count), *_ = kinds.most_common(1)
-    where = {"cpu": "without a GPU", "cuda": "on a GPU"}.get(most, f"on {most}")
-    return [row for row in rows if row.device.split(":")[0] == most], f"; of the {count} runs of {len(rows)} that were simulated {where}"
+    return plain, f"; of the {len(plain)} runs of {len(rows)} whose part and style were simulated without a GPU in every way"
 
 
 def _losses(done: Sequence[Row], pictures: dict[str, str]) -> str:
