@@ -8,6 +8,7 @@ import errno
 import functools
 import os
 import re
+import secrets
 import shutil
 import tempfile
 import unicodedata
@@ -52,15 +53,15 @@ def write_whole(path: Path, data: bytes) -> None:
 def write_aside(path: Path, data: bytes) -> None:
     """As `write_whole`, for callers with a sentence of their own: written beside `path`, then renamed over it; OSError if refused."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=".new-")
+    aside = path.with_name(f".new-{secrets.token_hex(8)}")  # named before it exists, so that whoever is ended knows what to remove
     try:
-        with os.fdopen(handle, "wb") as file:
+        with aside.open("xb") as file:
             file.write(data)
-        Path(name).chmod(0o644)  # temporary files are private, what is written is for sharing
-        Path(name).replace(path)
+        aside.chmod(0o644)  # whatever this process may keep to itself, what is written is for sharing
+        aside.replace(path)
     except BaseException:
         with contextlib.suppress(OSError):
-            Path(name).unlink(missing_ok=True)
+            aside.unlink(missing_ok=True)
         raise
 
 

@@ -1,14 +1,16 @@
 """Names as they may stand in paths: whatever somebody called a part, a file named after it lies in the folder it was meant for."""
 
+import itertools
 import ntpath
 import posixpath
+import sys
 import unicodedata
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mechstyle._files import cache_folder, clip_folder, file_stem
+from mechstyle._files import cache_folder, clip_folder, file_stem, write_aside
 
 RESERVED = ("CON", "PRN", "AUX", "NUL", "COM1", "com9", "LPT1", "nul.txt", "aux.tar.gz", "con ")
 
@@ -58,3 +60,36 @@ def test_a_cache_that_cannot_be_written_to_stands_in_nobodys_way(tmp_path, monke
     assert clip_folder() == tmp_path / "file" / "cache" / "clip", "weights are looked for where they were told to be"
     monkeypatch.setenv("MECHSTYLE_CACHE", str(tmp_path / "new"))
     assert cache_folder() == tmp_path / "new"
+
+
+def interrupted_at(number):
+    """A tracer that presses Ctrl-C before a line of `write_aside`, counted from 0 as they are run."""
+    lines = itertools.count()
+
+    def step(_, event, __):
+        if event == "line" and next(lines) == number:
+            sys.settrace(None)
+            raise KeyboardInterrupt
+        return step
+
+    return lambda frame, _, __: step if frame.f_code is write_aside.__code__ else None
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # a file that is not closed yet is, by Python
+def test_whoever_ends_a_write_at_any_line_of_it_finds_the_old_file_or_the_new_one_alone(tmp_path):
+    """A run that was asked to end between making a file and remembering its name left it behind."""
+    path, tracing = tmp_path / "file", sys.gettrace()
+    for number in itertools.count():
+        path.write_bytes(b"old")
+        sys.settrace(interrupted_at(number))
+        try:
+            write_aside(path, b"new")
+        except KeyboardInterrupt:
+            assert list(tmp_path.iterdir()) == [path], f"line {number}"
+            assert path.read_bytes() in (b"old", b"new")
+        else:
+            break
+        finally:
+            sys.settrace(tracing)
+    assert number > 4
+    assert path.read_bytes() == b"new"

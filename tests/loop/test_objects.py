@@ -278,15 +278,16 @@ class FullFile(io.BytesIO):
     write = refuse(errno.ENOSPC)
 
 
-def open_full(handle, mode):
-    os.close(handle)
-    return FullFile()
+def opening(made):
+    """`Path.open`, except where a file is made."""
+    usual = Path.open
+    return lambda path, mode="r", **options: made() if mode == "xb" else usual(path, mode, **options)
 
 
 FULL = {
     "folder": ("pathlib.Path.mkdir", refuse(errno.ENOSPC)),
-    "name": ("tempfile.mkstemp", refuse(errno.ENOSPC)),
-    "content": ("os.fdopen", open_full),
+    "name": ("pathlib.Path.open", opening(refuse(errno.ENOSPC))),
+    "content": ("pathlib.Path.open", opening(FullFile)),
     "rename": ("pathlib.Path.replace", refuse(errno.ENOSPC)),
 }
 

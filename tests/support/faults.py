@@ -12,15 +12,11 @@ import errno
 import itertools
 import os
 import signal
-import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any, Self
 from unittest import mock
-
-from mechstyle import _files
 
 KILLED = "killed"
 REFUSALS = {"ENOSPC": errno.ENOSPC, "EIO": errno.EIO, "EROFS": errno.EROFS}
@@ -72,23 +68,20 @@ class _Torn:
 def failing_at(steps: Steps) -> Iterator[Steps]:
     """Let the writing of files go through `steps` while the block runs."""
 
-    def created(*args: Any, **options: Any) -> Any:
+    def opened(path: Path, mode: str = "r", *args: Any, **options: Any) -> Any:
+        if mode != "xb":  # it is read
+            return usual(path, mode, *args, **options)
         if steps.here():
-            steps.go_wrong(str(options.get("dir", "")))
-        return tempfile.mkstemp(*args, **options)
+            steps.go_wrong(str(path))
+        return _Torn(usual(path, mode), steps)
 
     def replaced(path: Path, target: Path) -> Path:
         if steps.here():
             steps.go_wrong(str(target))
         return rename(path, target)
 
-    rename = Path.replace
-    opened = SimpleNamespace(**{**vars(os), "fdopen": lambda handle, mode: _Torn(os.fdopen(handle, mode), steps)})
-    with (
-        mock.patch.object(_files, "tempfile", SimpleNamespace(mkstemp=created)),
-        mock.patch.object(_files, "os", opened),
-        mock.patch.object(Path, "replace", replaced),
-    ):
+    usual, rename = Path.open, Path.replace
+    with mock.patch.object(Path, "open", opened), mock.patch.object(Path, "replace", replaced):
         yield steps
 
 
