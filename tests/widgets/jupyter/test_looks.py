@@ -7,7 +7,7 @@ from ipywidgets.widgets import widget as library
 
 from mechstyle_widgets import Studio
 from mechstyle_widgets.jupyter.closing import close_family
-from mechstyle_widgets.jupyter.looks import lean, sharing, show
+from mechstyle_widgets.jupyter.looks import close_unused, lean, sharing, show
 
 MODELS, BYTES = 420, 2_000_000
 """What a Studio may be made of before a run, half as much again as its 25k vertices and controls come to; it was 836, and 8.5 MB."""
@@ -73,6 +73,34 @@ def test_looks_are_closed_with_the_last_control_that_has_them(two):
     assert other.layout.comm is not None
     close_family(ipywidgets.VBox([other]))
     assert other.layout.comm is None
+
+
+def test_looks_are_closed_while_controls_are_made(two):
+    """Python may remove a widget that nobody holds in any thread, between any two steps of what makes another."""
+    made = []
+
+    class Unhurried(ipywidgets.Box):
+        @property
+        def style(self):
+            made.append(lean(ipywidgets.HTML))
+
+    amid = [lean(Unhurried) for _ in range(2)]
+    close_family(ipywidgets.VBox(two))
+    assert len(made) == len(amid)
+    assert all(control.layout.comm is not None for control in made)
+    assert two[0].layout.comm is None
+
+
+def test_looks_that_are_closed_twice_at_a_time_are_closed_once(two):
+    """One that closes them is met by another on its way."""
+    look, layout, style = two[0].layout, two[0].layout, two[0].style
+    closed = look.close
+    look.close = lambda: (closed(), setattr(look, "close", closed), close_unused([style]))
+    for one in two:
+        one.close()
+    close_unused([layout])
+    close_unused([layout])
+    assert (layout.comm, style.comm) == (None, None)
 
 
 def test_a_studio_run_again_and_again_leaves_nothing():

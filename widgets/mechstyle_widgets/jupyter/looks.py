@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import Any, TypeVar
-from weakref import WeakSet
+from weakref import WeakValueDictionary
 
 import ipywidgets
 import traitlets
@@ -23,7 +23,7 @@ Looks = dict[tuple[Any, ...], Any]
 
 _here: ContextVar[Looks | None] = ContextVar("looks that what is being made shares", default=None)
 _among: dict[Any, Looks] = {}  # each look that is open, and those it is one of
-_controls: WeakSet[Any] = WeakSet()
+_controls: WeakValueDictionary[int, Any] = WeakValueDictionary()  # by their id
 
 
 @contextmanager
@@ -42,13 +42,19 @@ def shared(widget: ipywidgets.Widget) -> bool:
 
 
 def close_unused(looks: Iterable[ipywidgets.Widget]) -> None:
-    """Close those that no control has any more, of these and those they were shared with."""
-    had = {id(one) for control in _controls if control.comm is not None for one in (control.layout, getattr(control, "style", None))}
-    for among in {id(among): among for among in (_among[one] for one in looks)}.values():
+    """Close those that no control has any more, of these and those they were shared with.
+
+    Python may ask for this at any moment and in any thread, when it removes a widget that nobody holds: what is gone through here is a
+    copy, and another may have closed a look before.
+    """
+    controls = [control for known in _controls.valuerefs() if (control := known()) is not None and control.comm is not None]
+    had = {id(one) for control in controls for one in (control.layout, getattr(control, "style", None))}
+    for among in {id(among): among for one in looks if (among := _among.get(one)) is not None}.values():
         for key, one in list(among.items()):
             if id(one) not in had:
                 one.close()
-                del among[key], _among[one]
+                among.pop(key, None)
+                _among.pop(one, None)
 
 
 def lean(kind: Callable[..., W], *given: Any, **traits: Any) -> W:
@@ -59,7 +65,7 @@ def lean(kind: Callable[..., W], *given: Any, **traits: Any) -> W:
             if isinstance(traits.setdefault(name, {}), dict):
                 traits[name] = _look(looks, known[name].klass, traits[name])
     control = kind(*given, **traits)
-    _controls.add(control)
+    _controls[id(control)] = control
     return control
 
 
