@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from mechstyle.errors import BadInput
+from mechstyle_widgets.jupyter import closing
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.viewer.layers import Layer
 from mechstyle_widgets.viewer.run_viewer import RunViewer
@@ -81,4 +82,12 @@ def test_a_closed_viewer_follows_no_longer(done):
     state.iteration = 3
     assert viewer.iteration == 12
     assert alive() == before
+    viewer.close()
+
+
+def test_a_closed_viewer_is_left_alone_when_python_removes_it(done, monkeypatch):
+    """In whatever thread, and amid whatever is being made: it went through the controls of all other widgets once more."""
+    viewer = RunViewer(StudioState(done))
+    viewer.close()
+    monkeypatch.setattr(closing, "family", lambda widget: pytest.fail(f"{type(widget).__name__} was gone through again"))
     viewer.close()

@@ -26,7 +26,12 @@ def family(widget: ipywidgets.Widget) -> list[ipywidgets.Widget]:
 
 
 def close_family(widget: ipywidgets.Widget, *more: ipywidgets.Widget) -> None:
-    """Close everything a widget, and more it keeps out of sight, is made of; the widget itself is left to its owner."""
+    """Close everything a widget, and more it keeps out of sight, is made of; the widget itself is left to its owner.
+
+    Of one that is closed nothing is touched: Python asks for that once more when it removes it, at any moment and in any thread.
+    """
+    if widget.comm is None:
+        return
     parts = list({id(part): part for one in (widget, *more) for part in family(one)}.values())
     for part in parts:
         if part is not widget and not shared(part):

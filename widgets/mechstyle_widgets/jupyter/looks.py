@@ -44,8 +44,7 @@ def shared(widget: ipywidgets.Widget) -> bool:
 def close_unused(looks: Iterable[ipywidgets.Widget]) -> None:
     """Close those that no control has any more, of these and those they were shared with.
 
-    Python may ask for this at any moment and in any thread, when it removes a widget that nobody holds: what is gone through here is a
-    copy, and another may have closed a look before.
+    Controls may be made and looks closed meanwhile, by another thread or by what closing one sets off: what is gone through is a copy.
     """
     controls = [control for known in _controls.valuerefs() if (control := known()) is not None and control.comm is not None]
     had = {id(one) for control in controls for one in (control.layout, getattr(control, "style", None))}
