@@ -11,7 +11,7 @@ from mechstyle.errors import unknown
 from mechstyle.records import CRITERIA, Judgement, Measures, Outcome, Simulation, Verdict
 from mechstyle.records.limits import UNHARMED, Limits
 from mechstyle.records.material import Material
-from mechstyle.records.simulation import LEAST_CARRIED
+from mechstyle.records.simulation import LEAST_CARRIED, VOLUME_ERROR
 from mechstyle.records.verdict import doubtful
 
 SURFACE_BAND = 0.05
@@ -53,13 +53,13 @@ def judge(simulation: Simulation, baseline: Simulation, material: Material, crit
     nearly = _tilted(simulation, baseline, limits, material, trouble)
     spread = _all_orientations(simulation, baseline, trouble)
     literal = _literal(simulation, material, trouble)
-    hidden = simulation.least_carried < LEAST_CARRIED and not trouble
+    hidden = "" if trouble else _hidden(simulation)
     if hidden:
         placed, literal, nearly, spread = _unsure(placed), _unsure(literal), nearly and _unsure(nearly), spread and _unsure(spread)
     counting = [literal] if criterion == "paper" else [told for told in (placed, nearly, spread) if told is not None]
     outcome = max((told.judgement.outcome for told in counting), key=_SEVERITY.__getitem__)
     doubt = ", MARGINAL" if doubtful([told.judgement for told in counting]) else ""
-    clauses = [told.clause for told in counting] + ([_hidden(simulation)] if hidden and outcome == "VIABLE" else [])
+    clauses = [told.clause for told in counting] + ([hidden] if hidden and outcome == "VIABLE" else [])
     words = f"UNKNOWN: {trouble}." if trouble else f"{outcome}{doubt}: {'; '.join(clauses)}."
     return Verdict(
         outcome=outcome,
@@ -116,8 +116,13 @@ def _unsure(told: Told) -> Told:
 
 
 def _hidden(simulation: Simulation) -> str:
-    where = " under the part" if simulation.least_carried < simulation.carried else ""
-    return f"its tetrahedra carry only {simulation.least_carried:.0%} of the relief{where}, and may hide stress of the rest"
+    """Why the tetrahedra may hide stress of the part, "" if they have its shape; shares that are no numbers are not enough."""
+    if not simulation.least_carried >= LEAST_CARRIED:
+        where = " under the part" if simulation.least_carried < simulation.carried else ""
+        return f"its tetrahedra carry only {simulation.least_carried:.0%} of the relief{where}, and may hide stress of the rest"
+    if not abs(simulation.volume_error) <= VOLUME_ERROR:
+        return f"the volume of its tetrahedra differs by {simulation.volume_error:+.0%} from that of the part, and their stress may, too"
+    return ""
 
 
 def _as_placed(simulation: Simulation, baseline: Simulation, limits: Limits, material: Material, trouble: str) -> Told:
@@ -130,7 +135,11 @@ def _as_placed(simulation: Simulation, baseline: Simulation, limits: Limits, mat
     surface = _use(on_surface) >= _use(at_contact)
     judgement, before = (on_surface, own.surface) if surface else (at_contact, own.contact)
     what = "its surface stress" if surface else "the stress around the contact"
-    return Told(judgement, f"{_situation(simulation)} {_stress(what, judgement, drop, before, material, bending=surface)}")
+    clause = f"{_situation(simulation)} {_stress(what, judgement, drop, before, material, bending=surface)}"
+    if judgement.outcome == "VIABLE" and at_contact.marginal and not judgement.marginal:  # its band is the wider one
+        judgement = msgspec.structs.replace(judgement, marginal=True)
+        clause += f", and {_stress('the stress around the contact', at_contact, drop, own.contact, material, bending=False)}"
+    return Told(judgement, clause)
 
 
 def _tilted(simulation: Simulation, baseline: Simulation, limits: Limits, material: Material, trouble: str) -> Told | None:

@@ -23,13 +23,13 @@ from mechstyle.geometry.remesh import crowded, even_edge, manifold_of, remeshed
 from mechstyle.geometry.tet_improvement import improved
 from mechstyle.geometry.tetwild import Settings, tetwild
 from mechstyle.records.mesh import Floats, Indices, SurfaceMesh, TetMesh, digest_of
+from mechstyle.records.simulation import VOLUME_ERROR
 
 VERSION = "15"  # of what is cached: raise it when the result for the same input may change
 FEWEST, MOST = 500, 400_000
 RUNS = 3
 LEAST_COUNT, MOST_COUNT = 0.6, 1.6  # of the target
 PER_FACE, PER_KEPT_FACE = 0.5, 0.75  # tetrahedra that an even triangle of the input makes, and one that is kept as it is
-VOLUME_ERROR = 0.03
 PINCHED = 1e-3  # of the boundary's edges, at which it may touch itself
 # The rest in walls, a wall being 2 V / A: what a part is thick on average.
 LOOSE = 0.08  # the input may leave the surface by this (99.9th percentile) ...

@@ -12,9 +12,9 @@ from mechstyle._files import cache_folder
 from mechstyle.geometry.going_on import GoOn, regardless
 from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.morph import Morph, Morphed
-from mechstyle.geometry.tetrahedra import KEPT, VOLUME_ERROR, tetrahedralise
+from mechstyle.geometry.tetrahedra import KEPT, tetrahedralise
 from mechstyle.records.mesh import Floats, SurfaceMesh, TetMesh
-from mechstyle.records.simulation import LEAST_CARRIED
+from mechstyle.records.simulation import LEAST_CARRIED, VOLUME_ERROR
 
 FEWEST_TETS = 3_000
 TETS_PER_KEPT_VERTEX = 2.0
@@ -57,6 +57,13 @@ class Carried(NamedTuple):
     def least(self) -> float:
         """The least of the shares."""
         return float(np.min([self.whole, 1.0 if self.base is None else self.base, self.stands]))
+
+    @property
+    def under(self) -> float | None:
+        """The share under the part, of the relief or of what is on the floor, whichever is less; None where there is no relief."""
+        if self.base is None:
+            return None if self.stands >= LEAST_CARRIED else self.stands
+        return min(self.base, self.stands)
 
     @property
     def enough(self) -> bool:

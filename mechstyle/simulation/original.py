@@ -76,24 +76,26 @@ def beside(original: Simulation, here: Simulation, material: Material) -> Simula
         here: On those that were made for a relief, as placed and tilted.
         material: What its stress is compared with.
     """
-    return raised(confirmed(original, here) if excuses(original, material) else original, here)
+    return raised(confirmed(original, here, material) if excuses(original, material) else original, here)
 
 
-def confirmed(original: Simulation, here: Simulation) -> Simulation:
-    """The original with its stresses as placed and tilted at most CONFIRMED times what it reads on other tetrahedra.
+def confirmed(original: Simulation, here: Simulation, material: Material) -> Simulation:
+    """The original with its stresses as placed and tilted at most CONFIRMED times what it reads on other tetrahedra, or its strength.
 
     Args:
         original: On tetrahedra of its own, in all orientations.
-        here: On those that were made for a relief, as placed and tilted.
+        here: On those that were made for a relief, as placed and tilted. Where that broke down nothing is confirmed.
+        material: Whose strength needs no confirming.
     """
-    if here.failure or here.tilted is None or original.tilted is None:
+    if original.failure:
         return original
+    placed, nearly = (None, None) if here.failure else (here.as_placed, here.tilted)
     return replace(
         original,
-        stress=np.minimum(original.stress, np.float32(CONFIRMED * here.as_placed.peak)),
-        tilted_stress=np.minimum(original.tilted_stress, np.float32(CONFIRMED * here.tilted.peak)),
-        as_placed=_at_most(original.as_placed, here.as_placed),
-        tilted=_at_most(original.tilted, here.tilted),
+        stress=_believed(original.stress, placed, material),
+        tilted_stress=_believed(original.tilted_stress, nearly, material),
+        as_placed=_at_most(original.as_placed, placed, material),
+        tilted=original.tilted and _at_most(original.tilted, nearly, material),
     )
 
 
@@ -123,11 +125,18 @@ def _highest(own: Measures) -> Measures:
     return msgspec.structs.replace(own, peak=FINER * own.peak, surface=FINER * own.surface, contact=FINER * own.contact)
 
 
-def _at_most(own: Measures, here: Measures) -> Measures:
-    """The measures of one, surface and contact at most CONFIRMED times the other's."""
-    held = {name: min(getattr(own, name), CONFIRMED * getattr(here, name)) for name in ("surface", "contact")}
+def _at_most(own: Measures, here: Measures | None, material: Material) -> Measures:
+    """The measures of one, surface and contact at most CONFIRMED times the other's, or the strength where that is more."""
+    other = {name: 0.0 if here is None else CONFIRMED * getattr(here, name) for name in ("surface", "contact")}
+    held = {name: min(getattr(own, name), max(most, material.yield_strength)) for name, most in other.items()}
     larger = max(held, key=held.__getitem__)
     return msgspec.structs.replace(own, peak=held[larger], where=getattr(own, f"{larger}_where") or own.where, **held)
+
+
+def _believed(own: Field, here: Measures | None, material: Material) -> Field:
+    """A field of the original [MPa], shape [vertex_count], nowhere above what it may read anywhere."""
+    most = 0.0 if here is None else CONFIRMED * here.peak
+    return np.minimum(own, np.float32(max(most, material.yield_strength)))
 
 
 def _within(here: Field, own: Field, most: Measures) -> Field:

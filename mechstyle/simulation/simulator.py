@@ -349,7 +349,7 @@ class DropSimulator:
             as_placed=nothing,
             overall=nothing if several else None,
             backed_off=morphed.backed_off, deviation=morphed.deviation,
-            carried=fit.whole, carried_base=fit.base, volume_error=fit.volume,
+            carried=fit.whole, carried_base=fit.under, volume_error=fit.volume,
             mesh=self.tets.digest, level_share=self._base.share(morphed.displacement),
             time_step=result.time_step, steps=result.steps, added_mass=result.added_mass, failure=result.failure,
         )  # fmt: skip

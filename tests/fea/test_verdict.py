@@ -220,6 +220,25 @@ def test_what_tetrahedra_tell_that_do_not_carry_the_relief_is_not_sure_to_hold(s
         assert (f"its tetrahedra carry only 81% of the relief{where}, and may hide stress" in verdict.words) is marginal
 
 
+@pytest.mark.parametrize(
+    "shape",
+    [{"volume_error": 0.2}, {"volume_error": -0.04}, {"volume_error": np.nan}, {"carried": np.nan}, {"carried_base": np.nan}],
+)
+def test_what_tetrahedra_tell_that_have_another_shape_is_not_sure_to_hold(shape):
+    verdict = judge(replace(simulation(), **shape), simulation(), PLA, "robust")
+    assert (verdict.outcome, verdict.marginal) == ("VIABLE", True)
+    assert "its tetrahedra" in verdict.words
+
+
+@pytest.mark.parametrize("surface", [0.0, 0.90, 0.94])
+def test_a_contact_within_its_band_is_doubtful_however_near_the_surface_is_to_its_own(surface):
+    """The unsafe side: a surface at 0.94 of the yield strength took away the warning of a contact at 0.93, whose band is wider."""
+    verdict = judge(simulation(surface * Y, 0.93 * Y, overall=None), simulation(), PLA, "robust")
+    assert (verdict.outcome, verdict.marginal) == ("VIABLE", True)
+    assert f"the stress around the contact is {0.93 * Y:.1f} MPa" in verdict.words
+    assert verdict.as_placed.value == max(surface, 0.93) * Y, "the safety factor is the least"
+
+
 def test_a_failed_simulation_is_unknown_with_its_reason():
     reason = "the drop test is unstable in orientation 0 at 0.010 ms"
     verdict = judge(simulation(failure=reason), simulation(), PLA, "robust")

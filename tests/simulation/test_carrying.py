@@ -11,8 +11,8 @@ from manifold3d import Manifold
 from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.morph import Morph
 from mechstyle.geometry.remesh import standardise, surface_of
-from mechstyle.geometry.tetrahedra import VOLUME_ERROR
-from mechstyle.simulation.carrying import LEAST_CARRIED, Carried, carried, carrying
+from mechstyle.records.simulation import LEAST_CARRIED, VOLUME_ERROR
+from mechstyle.simulation.carrying import Carried, carried, carrying
 from mechstyle.simulation.part import Workpiece, refilled
 
 
@@ -80,6 +80,19 @@ def test_without_relief_nothing_is_to_be_carried(slab, relief, filled):
 )
 def test_whole_base_and_volume_each_must_be_good_enough(fit, enough):
     assert fit.enough == enough
+
+
+@pytest.mark.parametrize(
+    ("fit", "under"),
+    [
+        (Carried(0.5, None, 0.0), None),
+        (Carried(0.5, 0.95, 0.0, stands=0.97), 0.95),
+        (Carried(0.5, 0.95, 0.0, stands=0.6), 0.6),
+        (Carried(0.5, None, 0.0, stands=0.6), 0.6),
+    ],
+)
+def test_a_base_that_does_not_stand_where_the_surface_does_is_told_the_verdict(fit, under):
+    assert fit.under == under
 
 
 def test_a_part_is_filled_again_for_another_relief_and_left_alone_where_it_is_not_known(slab, relief, filled):

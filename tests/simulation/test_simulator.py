@@ -11,9 +11,10 @@ import trimesh
 
 from mechstyle.errors import SimulationFailed
 from mechstyle.geometry.level_base import LevelBase
-from mechstyle.geometry.tetrahedra import VOLUME_ERROR, tetrahedralise
+from mechstyle.geometry.tetrahedra import tetrahedralise
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.records.simulation import VOLUME_ERROR
 from mechstyle.simulation import simulator as module
 from mechstyle.simulation.carrying import AGAIN, LEAST_CARRIED, carrying
 from support.dropped_block import bumps, ripples, simulator, slopes
