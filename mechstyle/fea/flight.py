@@ -5,7 +5,7 @@ Everything is seen from where the body was, undeformed, when the phase began: it
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial import ConvexHull
@@ -20,6 +20,12 @@ TURN = 0.02
 
 NEAR = 1e-4
 """Distance from the floor that counts as a touch, and least way of a step, over the distance of the farthest point from the centre."""
+
+RESTITUTIONS = 0.5, 1.0
+"""Shares of its speed at which a point that touches slowly may be thrown back."""
+
+IN_A_ROW = 8
+"""Touches that are looked ahead; a body that clatters is slower with each."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,6 +95,11 @@ class RigidBody:
         """Moments of inertia about the centre [g mm²], shape [3, 3]."""
         return np.asarray(np.trace(self.spread) * np.eye(3) - self.spread)
 
+    @property
+    def reach(self) -> float:
+        """Distance of the farthest point from the centre [mm]."""
+        return float(np.linalg.norm(self.hull, axis=1).max())
+
     def motion(self, sample: Floats) -> Motion:
         """The motion nearest to that of the nodes, from a sample of `explicit.QUANTITIES`: same momenta, rotation by least squares."""
         sums = sample[QUANTITIES.index(MOTION[0]) :]
@@ -112,9 +123,8 @@ class RigidBody:
         It has left when its centre is higher than its farthest point reaches: the weight will bring it back, but that is another fall.
         No step is longer than the lowest point needs to the floor at the most speed there is, so none is missed.
         """
-        reach = float(np.linalg.norm(self.hull, axis=1).max())
+        reach, most_turning = self.reach, self._most_turning(motion)
         floor, turning = float((self.arms @ normal).min()), self.turning(motion.rotation, motion.spin)
-        most_turning = float(np.sqrt(max(turning @ motion.spin, 0.0) / np.linalg.eigvalsh(self.inertia)[0]))  # 2 T ≥ I_min ω²
         shift, velocity, rotation, time = motion.shift, motion.velocity, motion.rotation, 0.0
         while True:
             low, rate = rotation.T @ normal, np.cross(normal, turning) @ rotation
@@ -133,6 +143,44 @@ class RigidBody:
             shift = shift + step * velocity - 0.5 * step**2 * self.gravity * normal
             velocity, time = velocity - step * self.gravity * normal, time + step
             turning = self.turning(rotation, motion.spin)
+
+    def rebound(self, touch: Touch, normal: Floats, restitution: float) -> Motion:
+        """The motion after a touch that throws the touching point back at a share of its speed, as a smooth rigid body would be."""
+        motion = touch.motion
+        low, turning = motion.rotation.T @ normal, self.turning(motion.rotation, motion.spin)
+        heights = self.hull @ low
+        rates = self.hull @ (np.cross(normal, turning) @ motion.rotation)
+        near = heights - heights.min() <= 2.0 * NEAR * self.reach
+        arm = motion.rotation @ self.hull[np.flatnonzero(near)[rates[near].argmin()]]
+        lever = np.cross(arm, normal)
+        light = 1.0 / self.mass + lever @ self.turning(motion.rotation, lever)
+        impulse = (1.0 + restitution) * touch.speed / light
+        return replace(motion, velocity=motion.velocity + impulse / self.mass * normal, spin=motion.spin + impulse * lever)
+
+    def hardest_touch(self, motion: Motion, normal: Floats, enough: float) -> float:
+        """The hardest of the touches that may follow in a row [mm/ms], as far as rigid rebounds tell; no more than `enough` is looked for.
+
+        What a slow touch leaves of the motion is not known before it is simulated: it lies between these RESTITUTIONS, about.
+        """
+        hardest = 0.0
+        for restitution in RESTITUTIONS:
+            going: Motion | None = motion
+            for _ in range(IN_A_ROW):
+                if going is None or hardest >= enough or self._most_speed(going) < enough:
+                    break
+                touch = self.next_touch(going, normal)
+                hardest = max(hardest, 0.0 if touch is None else touch.speed)
+                going = None if touch is None else self.rebound(touch, normal, restitution)
+        return hardest
+
+    def _most_speed(self, motion: Motion) -> float:
+        """Speed [mm/ms] that no point exceeds before the body touches or has left for good: it falls by twice its reach at most."""
+        return float(np.linalg.norm(motion.velocity) + self._most_turning(motion) * self.reach + np.sqrt(4.0 * self.gravity * self.reach))
+
+    def _most_turning(self, motion: Motion) -> float:
+        """Angular velocity [rad/ms] that a free flight never exceeds: 2 T ≥ I_min ω²."""
+        turning = self.turning(motion.rotation, motion.spin)
+        return float(np.sqrt(max(turning @ motion.spin, 0.0) / np.linalg.eigvalsh(self.inertia)[0]))
 
 
 def _turned(rotation: Floats, by: Floats) -> Floats:

@@ -73,6 +73,32 @@ def test_a_body_that_turns_as_it_rises_touches_with_its_end(rigid):
     assert touch.speed == pytest.approx(-np.gradient(heights, times)[first], rel=0.01)
 
 
+@pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
+def test_a_point_that_touches_is_thrown_back_at_its_share_of_the_speed(rigid, restitution):
+    """A smooth floor: what moves along it goes on, and at restitution 1 no energy is lost."""
+    tilted = Rotation.from_rotvec([0.3, 0.5, 0.0]).as_matrix()
+    touch = rigid.next_touch(moving(rigid, (0.0, 0.0, 3.0), (1.0, 0.5, -2.0), tilted, turning=(0.1, -0.2, 0.05)), UP)
+    before, after = touch.motion, rigid.rebound(touch, UP, restitution)
+    heights = rigid.hull @ (before.rotation.T @ UP)
+    speeds = [(rigid.velocities(motion)[heights.argmin()] @ before.rotation.T)[2] for motion in (before, after)]
+    assert speeds == pytest.approx([-touch.speed, restitution * touch.speed])
+    assert np.allclose(after.velocity[:2], before.velocity[:2])
+    energies = [0.5 * float((rigid.masses[:, None] * rigid.velocities(motion) ** 2).sum()) for motion in (before, after)]
+    assert energies[1] == pytest.approx(energies[0]) if restitution == 1.0 else energies[1] < energies[0]
+
+
+def test_behind_a_slow_touch_the_harder_one_is_seen(rigid):
+    """One end grazes the floor as the body turns over it, and the other comes down."""
+    flat = Rotation.from_rotvec([0.0, 0.5 * np.pi + 0.2, 0.0]).as_matrix()  # its long axis nearly level
+    lowest = float((rigid.arms @ flat.T)[:, 2].min()) - float(rigid.arms[:, 2].min())
+    motion = moving(rigid, (0.0, 0.0, -lowest), (0.0, 0.0, -2.0), flat, turning=(0.0, -0.17, 0.0))
+    first = rigid.next_touch(motion, UP)
+    assert first.speed < 1.0
+    assert rigid.hardest_touch(motion, UP, 2.0) >= 2.0
+    still = moving(rigid, (0.0, 0.0, -lowest), (0.0, 0.0, -0.2), flat)
+    assert rigid.hardest_touch(still, UP, 2.0) < 2.0
+
+
 def test_a_symmetric_top_precesses_as_in_the_textbook(rigid):
     """Its axis goes around the angular momentum at the rate L/I⊥ (Landau and Lifshitz, Mechanics, § 33)."""
     tilt = Rotation.from_rotvec([0.5, 0.0, 0.0]).as_matrix()

@@ -17,8 +17,11 @@ from mechstyle.fea.elements import LINEAR, QUADRATIC
 from mechstyle.fea.flight import RigidBody
 from mechstyle.fea.period import lowest_period
 from mechstyle.fea.snapshots import snapshots
+from mechstyle.fea.surface_stress import SurfaceStress
 from mechstyle.records.material import LIBRARY
+from mechstyle.records.mesh import TetMesh
 from mechstyle.simulation.impact import nearest_rigid
+from mechstyle.simulation.validation.meshes import lattice
 
 SPEED = DropTest().speed
 
@@ -66,6 +69,21 @@ def test_the_second_impact_is_the_harder_one(bar, tilted):
     first = drop(bar, LIBRARY["PLA"], [tilt(35.0)], DropTest(window=tilted.phases[1][0].end), device="cpu")
     peaks = [average(bar, dropped.von_mises[index]).max() for dropped, index in ((first, 0), (tilted, 1))]
     assert peaks[1] > 1.3 * peaks[0]
+
+
+def test_a_slow_touch_does_not_hide_the_slap_behind_it(pla):
+    """The unsafe side: a foot grazed the floor at 0.4 of the first speed, there the drop ended, and the far end came down unseen."""
+    block = lattice(np.linspace(0.0, 120.0, 31), np.linspace(0.0, 20.0, 6), np.array([0.0, 4.0, 8.0, 12.0]))
+    x, y, z = block.vertices[block.tets].mean(axis=1).T
+    gone = (z < 8.0) & ((np.abs(x - 50.0) > 2.0) | (np.abs(y - 10.0) > 2.0))
+    used, corners = np.unique(block.tets[~gone], return_inverse=True)
+    part = TetMesh(block.vertices[used], corners.reshape(-1, 4).astype(np.int32))
+    found = drop(part, pla, [tilt(20.0)], device="cpu")
+    first, second = found.phases[0][:2]
+    assert second.speed < phases.SLOW * SPEED
+    before = drop(part, pla, [tilt(20.0)], DropTest(window=first.end), device="cpu")
+    peaks = [SurfaceStress(part).of_landing(part, one.von_mises[0], one.corners[0], one.contact[0]).surface for one in (before, found)]
+    assert peaks[1] > 1.25 * peaks[0]
 
 
 def test_a_degree_of_tilt_does_not_draw_lots(bar, tilted):
