@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,8 @@ from mechstyle.loop.objects import MESHES, read_record
 from mechstyle.loop.store import Store
 
 DIGEST = re.compile("[0-9a-f]{64}")
+NO_OBJECT = frozenset({"mesh", "name", "notes", "origin", "prompt", "surface", "tetrahedra"})
+"""Fields of records that may hold a digest of something else than an object: a recipe names the meshes of its part by what they hold."""
 
 
 class Garbage(msgspec.Struct, frozen=True, kw_only=True):
@@ -45,12 +47,12 @@ def garbage(store: Store) -> Garbage:
     """What can go.
 
     Raises:
-        DamagedStore: If a record that a lane needs cannot be read, so that nobody can say what it leads to.
+        DamagedStore: If something that a lane or the part needs is missing or cannot be read, so that nobody can say what it leads to.
     """
     held = store.root / "locks"
     files = [path for path in sorted(store.root.rglob("*")) if path.is_file() and not path.is_symlink() and path.parent != held]
     scraps = tuple(path for path in files if path.name.startswith(".new-"))
-    reached = _reached(store, _roots(store))
+    reached = _reached(store, _roots(store), needed=True)
     unwanted = tuple(path for path in _memos(store) if not _is_kept(store, path, reached))
     for path in set(_memos(store)) - set(unwanted):
         reached |= _reached(store, _digests(path.read_text(encoding="ascii")), reached)
@@ -83,8 +85,8 @@ def _roots(store: Store) -> Iterator[str]:
         lane = store.lane(name)
         yield from filter(None, (lane.recipe, lane.head, lane.forked_from))
     part = store.root / "part.json"
-    if part.exists():
-        yield from _digests(read_record(part, dict[str, Any]))
+    if store.lanes() or part.exists():  # it is written before the first lane
+        yield from _digests(read_record(part, dict[str, Any]), NO_OBJECT - {"surface"})
 
 
 def _memos(store: Store) -> list[Path]:
@@ -104,30 +106,50 @@ def _is_number(store: Store, digest: str) -> bool:
     return store.objects.path(digest).is_file() and store.objects.get(digest)[:1].isdigit()
 
 
-def _reached(store: Store, start: Iterable[str], known: Iterable[str] = ()) -> set[str]:
-    """Every object that can be reached from some."""
-    seen, ahead = set(known), list(start)
+def _reached(store: Store, start: Iterable[str], known: Iterable[str] = (), *, needed: bool = False) -> set[str]:
+    """Every object that can be reached from some.
+
+    Raises:
+        DamagedStore: If one cannot be read; if one that is `needed` is missing. What is only remembered may be, as it can be made anew.
+    """
+    start = list(start)
+    seen, ahead, missed, wanted = set(known), list(start), set(), set(start)
     while ahead:
         digest = ahead.pop()
         if digest in seen:
             continue
         seen.add(digest)
         if not store.objects.path(digest).is_file():
-            continue  # the digest of a surface, which names no object, or a loss that gc neither made nor mends
-        content = store.objects.get(digest)
-        if content[:1] in (b"{", b'"', b"["):
-            try:
-                ahead += _digests(msgspec.json.decode(content))
-            except (msgspec.DecodeError, RecursionError) as error:
-                raise DamagedStore(f"{store.objects.path(digest)} is no record: restore it from a copy, or start the run again") from error
+            missed.add(digest)
+            continue
+        record = _record(store, digest)
+        ahead += _digests(record)
+        wanted.update(_digests(record, NO_OBJECT))
+    for digest in sorted(missed & wanted) if needed else ():
+        store.objects.get(digest)  # raises, and says which file is missing
     return seen
 
 
-def _digests(value: Any) -> Iterator[str]:
-    """Every digest in a record, at any depth."""
+def _record(store: Store, digest: str) -> Any:
+    """An object as plain values; None for an array."""
+    content = store.objects.get(digest)
+    if content[:1] not in (b"{", b'"', b"["):
+        return None
+    try:
+        return msgspec.json.decode(content)
+    except (msgspec.DecodeError, RecursionError) as error:
+        raise DamagedStore(f"{store.objects.path(digest)} is no record: restore it from a copy, or start the run again") from error
+
+
+def _digests(value: Any, without: Collection[str] = ()) -> Iterator[str]:
+    """Every digest in a record, at any depth; not those in the fields `without`."""
     if isinstance(value, str):
         if DIGEST.fullmatch(value):
             yield value
-    elif isinstance(value, dict | list):
-        for item in value.values() if isinstance(value, dict) else value:
-            yield from _digests(item)
+    elif isinstance(value, dict):
+        for name, item in value.items():
+            if name not in without:
+                yield from _digests(item, without)
+    elif isinstance(value, list):
+        for item in value:
+            yield from _digests(item, without)

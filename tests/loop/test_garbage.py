@@ -1,6 +1,7 @@
 """What no lane reaches goes, and nothing else."""
 
 import json
+import re
 
 import msgspec
 import numpy as np
@@ -83,6 +84,50 @@ def test_where_a_record_is_damaged_nothing_is_removed(run):
     with pytest.raises(DamagedStore):
         collect(store)
     assert garbage_is_there(store)
+
+
+def missing_head(store):
+    return store.objects.path(store.lane().head)
+
+
+def missing_array(store):
+    return store.objects.path(msgspec.json.decode(store.objects.get(store.lane().head))["displacement"])
+
+
+def missing_part(store):
+    return store.root / "part.json"
+
+
+def missing_surface(store):
+    return store.objects.path(msgspec.json.decode((store.root / "part.json").read_bytes())["surface"])
+
+
+@pytest.mark.parametrize("lost", [missing_head, missing_array, missing_part, missing_surface])
+def test_where_something_a_lane_needs_is_missing_nothing_is_removed(run, lost):
+    """A folder that was synced by half lost all that the missing record led to."""
+    littered(run)
+    file = lost(run.store)
+    file.unlink()
+    before = contents(run.store.root)
+    with pytest.raises(DamagedStore, match=re.escape(str(file)) + " is missing"):
+        collect(run.store)
+    assert contents(run.store.root) == before
+    assert garbage_is_there(run.store)
+
+
+def test_digests_that_name_no_object_are_not_missed(tmp_path):
+    """A recipe names its meshes, and a simulation its tetrahedra, by what they hold; a result that is only remembered may be lost."""
+    run = lane_on_a_sheet(tmp_path / "run", iterations=12, surface="a" * 64, tetrahedra="b" * 64)
+    run.store.memo.remember(f"mesh-of-{'c' * 64}", "d" * 64)
+    assert garbage(run.store).files == ()
+
+
+def test_a_folder_without_a_lane_needs_no_part(run):
+    """A run that is stopped while it begins has neither."""
+    store = run.store
+    (store.root / "lanes" / "main.json").unlink()
+    (store.root / "part.json").unlink()
+    assert len(garbage(store).objects) == sum(path.is_file() for path in store.objects.root.rglob("*"))
 
 
 @pytest.mark.parametrize("forged", [b"[" * 100_000, b'{"a": ' + b"9" * 5000 + b"}"], ids=["deep", "a number of 5000 digits"])
