@@ -49,8 +49,9 @@ def garbage(store: Store) -> Garbage:
     Raises:
         DamagedStore: If something that a lane or the part needs is missing or cannot be read, so that nobody can say what it leads to.
     """
-    held = store.root / "locks"
-    files = [path for path in sorted(store.root.rglob("*")) if path.is_file() and not path.is_symlink() and path.parent != held]
+    root = store.objects.root.parent  # absolute, as are the paths of objects and memo
+    held = root / "locks"
+    files = [path for path in sorted(root.rglob("*")) if path.is_file() and not path.is_symlink() and path.parent != held]
     scraps = tuple(path for path in files if path.name.startswith(".new-"))
     reached = _reached(store, _roots(store), needed=True)
     unwanted = tuple(path for path in _memos(store) if not _is_kept(store, path, reached))

@@ -67,12 +67,18 @@ class Store:
 
         A run that somebody else sent could have written, and `gc` removed, what is wherever the link leads.
         """
-        self.root = Path(root)
+        self._written = Path(root)
+        self._folder = _absolute(self._written)
         for folder in FOLDERS:
             if (self.root / folder).is_symlink():
                 raise DamagedStore(f"{self.root / folder} is a link, and a run is kept in one folder: put what it leads to in its place")
-        self.objects = Objects(self.root / "objects")
-        self.memo = Memo(self.root / "memo", self.objects)
+        self.objects = Objects(self._folder / "objects")  # whoever holds on to them goes on wherever the process goes
+        self.memo = Memo(self._folder / "memo", self.objects)
+
+    @property
+    def root(self) -> Path:
+        """The folder as it was written, for people to know it again; absolute once the process works elsewhere, where that leads astray."""
+        return self._written if _absolute(self._written) == self._folder else self._folder
 
     @classmethod
     def open(cls, root: str | Path) -> Store:
@@ -186,6 +192,13 @@ class Store:
         raise BadInput(
             f"iteration {iteration} is not in lane {lane!r} of {self.root}: it holds {history[0].iteration} to {history[-1].iteration}"
         )
+
+
+def _absolute(path: Path) -> Path:
+    try:
+        return path.absolute()
+    except OSError:  # the working directory was removed
+        return path
 
 
 def _may_be_a_lane(name: str) -> bool:

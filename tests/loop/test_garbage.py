@@ -115,6 +115,13 @@ def test_where_something_a_lane_needs_is_missing_nothing_is_removed(run, lost):
     assert garbage_is_there(run.store)
 
 
+def test_a_run_with_a_relative_folder_has_the_same_litter(run, monkeypatch):
+    littered(run)
+    there = garbage(run.store)
+    monkeypatch.chdir(run.store.root.parent)
+    assert [path.absolute() for path in garbage(Store("run")).files] == list(there.files)
+
+
 def test_digests_that_name_no_object_are_not_missed(tmp_path):
     """A recipe names its meshes, and a simulation its tetrahedra, by what they hold; a result that is only remembered may be lost."""
     run = lane_on_a_sheet(tmp_path / "run", iterations=12, surface="a" * 64, tetrahedra="b" * 64)

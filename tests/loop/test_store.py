@@ -41,6 +41,30 @@ def forked(store):
     return store, main, other
 
 
+def test_a_relative_folder_is_found_from_another_working_directory(tmp_path, monkeypatch):
+    """A run that was made with a relative folder, as by default, was dead after os.chdir, and went on into a stray folder."""
+    monkeypatch.chdir(tmp_path)
+    store = Store("run")
+    [head] = chain(store, [0])
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    monkeypatch.chdir(elsewhere)
+    store.move("main", Lane(recipe=KEY, head=head))
+    store.memo.remember("1" * 64, 2.5)
+    assert [entry.digest for entry in store.history()] == [head]
+    assert list(elsewhere.iterdir()) == []
+
+
+def test_a_folder_is_called_as_it_was_written_while_it_leads_there(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    store = Store("run")
+    assert store.root == Path("run")
+    monkeypatch.chdir("/")
+    assert store.root == tmp_path / "run"
+    monkeypatch.chdir(tmp_path)
+    assert store.root == Path("run")
+
+
 def test_history_runs_from_the_original_to_the_head(forked):
     store, main, _ = forked
     assert [entry.digest for entry in store.history()] == main
