@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from mechstyle.cli.console import command, escape, out, print_json, table, telling
+from mechstyle.cli.console import EXIT_BAD_INPUT, command, escape, out, print_json, table, telling
 from mechstyle.cli.options import MACHINE, STYLE, Device, Json, Settings, Vertices, recipe_options
 from mechstyle.records.mesh import STANDARD_VERTICES
+
+if TYPE_CHECKING:
+    from mechstyle.study.ablation import Ablation
 
 app = typer.Typer()
 
@@ -54,7 +57,14 @@ def ablation_command(
     files = found.save(folder)
     if as_json:
         print_json({"rows": list(found.rows), "files": files})
-        return
+    else:
+        _print(found, files)
+    if all(row.status == "refused" for row in found.rows):
+        raise SystemExit(EXIT_BAD_INPUT)
+
+
+def _print(found: Ablation, files: dict[str, str]) -> None:
+    """The counts, what was refused, and where the files are."""
     headings, *lines = found.summary()
     rows = table(*headings)
     for line in lines:

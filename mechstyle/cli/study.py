@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperCommand
 
-from mechstyle.cli.console import command, escape, out, print_json, table, telling
+from mechstyle.cli.console import EXIT_BAD_INPUT, command, escape, out, print_json, table, telling
 from mechstyle.cli.options import MACHINE, Device, Json, Settings, Vertices, recipe_options
 from mechstyle.records.mesh import STANDARD_VERTICES
 
@@ -186,10 +186,12 @@ def _carried_out(study: str, factors: Factors, folder: Path, jobs: int, schedule
     files = {"rows": str(folder / "rows"), "table": str(write_table(rows, folder / "table"))}
     if as_json:
         print_json({"rows": rows, "files": files})
-        return
-    _print_counts(rows)
-    for what, path in files.items():
-        out.print(f"{what}: {escape(path)}")
+    else:
+        _print_counts(rows)
+        for what, path in files.items():
+            out.print(f"{what}: {escape(path)}")
+    if all(row.status == "refused" for row in rows):
+        raise SystemExit(EXIT_BAD_INPUT)
 
 
 def _said(step: Callable[[str], None]) -> Callable[[Row], None]:

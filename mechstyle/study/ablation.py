@@ -14,6 +14,7 @@ import numpy as np
 
 from mechstyle._files import write_whole
 from mechstyle.errors import unknown
+from mechstyle.gallery import load
 from mechstyle.pictures.panels import Picture
 from mechstyle.records.mesh import STANDARD_VERTICES
 from mechstyle.runs.recipes import draft
@@ -120,9 +121,11 @@ def ablation(
         settings: Fields of `Recipe` for all arms.
 
     Raises:
-        BadInput: If there is no such arm.
+        BadInput: If there is no such arm, or a model cannot be used.
     """
-    cells = []
+    models, cells = list(models), []
+    for model in dict.fromkeys(models):
+        load(model)  # one that cannot be used is refused before hours are spent on the others
     for model, prompt, amplitude, arm in product(models, prompts, amplitudes, arms):
         if arm not in ARMS:
             raise unknown("arm", arm, ARMS)

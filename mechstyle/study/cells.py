@@ -193,6 +193,11 @@ class Rows:
         except (OSError, msgspec.MsgspecError):
             return None
 
+    def settled(self, cell: Cell) -> Row | None:
+        """The row of a cell that is not to be run: None if it was refused, too, as the file or program that was at fault may be another."""
+        row = self.of(cell)
+        return None if row is None or row.status == "refused" else row
+
     def all(self) -> list[Row]:
         """Every row that can be read, in the order of their keys."""
         found = []
@@ -217,10 +222,10 @@ class Rows:
 
 
 def carry_out(cell: Cell, folder: str | Path) -> Row:
-    """Run a cell, unless its row is there, and keep its row, whatever becomes of the run."""
+    """Run a cell, unless its row is there and it was not refused, and keep its row, whatever becomes of the run."""
     rows = Rows(folder)
     with exclusive(rows.folder / "locks" / cell.key, f"the run of {cell.part} as {cell.recipe.prompt!r}", wait=True):
-        known = rows.of(cell)
+        known = rows.settled(cell)
         if known is not None:
             return known
         starts = rows.begin(cell)

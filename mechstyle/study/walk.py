@@ -27,7 +27,7 @@ Tell = Callable[[Row], None]
 
 
 def walk(cells: Sequence[Cell], folder: str | Path, *, jobs: int = 1, scheduler: str = "", tell: Tell = lambda _: None) -> list[Row]:
-    """The rows of all cells, in their order; what has a row already is only read.
+    """The rows of all cells, in their order; what has a row already is only read, unless it was refused.
 
     Args:
         cells: What is asked for; the same cell may stand there several times.
@@ -42,7 +42,7 @@ def walk(cells: Sequence[Cell], folder: str | Path, *, jobs: int = 1, scheduler:
     rows = Rows(folder)
     todo: dict[str, Cell] = {}
     for cell in _models_in_turn(cells):
-        known = rows.of(cell)
+        known = rows.settled(cell)
         if known is None:
             todo.setdefault(cell.key, cell)
         else:
@@ -101,7 +101,7 @@ def _in_a_pool(cells: Sequence[Cell], rows: Rows, jobs: int, deaths: Counter[str
                 return
             done = wait(hand, return_when=FIRST_COMPLETED).done
             if any(isinstance(future.exception(), BrokenProcessPool) for future in done):
-                deaths.update(cell.key for cell in hand.values() if rows.of(cell) is None)
+                deaths.update(cell.key for cell in hand.values() if rows.settled(cell) is None)
             for future in done:
                 yield future.result(), hand.pop(future)
 

@@ -72,3 +72,9 @@ def test_a_page_is_made_of_a_folder_and_says_where_it_is(asked, tmp_path):
     files = json.loads(line("page", str(table), "--out", "page.md", "--note", "a try", "--json").output)["files"]
     assert "a try" in (tmp_path / "page.md").read_text()
     assert {"page", "table", "freestyle"} <= set(files)
+
+
+def test_a_study_of_which_all_was_refused_ends_with_the_exit_code_of_bad_input(asked, monkeypatch):
+    line, _ = asked
+    monkeypatch.setattr(walking, "walk", lambda cells, *_, **__: [cell.row(status="refused", refused="too thin") for cell in cells])
+    assert "too thin" in line("formative", "--models", "vase", "--styles", "brick", code=2).output

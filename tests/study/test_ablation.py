@@ -3,12 +3,14 @@
 import json
 
 import pytest
+from typer.testing import CliRunner
 
+from mechstyle.cli.app import app
 from mechstyle.errors import BadInput
 from mechstyle.records.recipe import SETTINGS
 from mechstyle.study import ablation as module
 from mechstyle.study.ablation import Ablation, ablation
-from mechstyle.study.cells import Row
+from mechstyle.study.cells import Cell, Row
 from mechstyle.study.grids import ARMS
 
 
@@ -60,9 +62,13 @@ def test_unless_told_the_depth_is_the_default_one(asked, tmp_path):
     assert "| brick | default | static |" in deeper.table()
 
 
-def test_a_refused_part_is_a_row_with_its_reason(tmp_path):
-    found = ablation([str(tmp_path / "none.stl")], ["brick"], tmp_path / "out", arms=["static"])
-    assert "none.stl" in found.rows[0].refused
+def test_a_part_that_its_run_refuses_is_a_row_with_its_reason(monkeypatch, tmp_path):
+    def refuse(self, out):
+        raise BadInput("its walls are too thin")
+
+    monkeypatch.setattr(Cell, "run", refuse)
+    found = ablation(["gallery:wall_hook"], ["brick"], tmp_path / "out", arms=["static"])
+    assert found.rows[0].refused == "its walls are too thin"
     assert "refused" in found.table()
 
 
@@ -88,3 +94,20 @@ def test_what_is_saved_is_read_by_people_and_by_programs(tmp_path):
     assert "| hook | brick | 0.15 | static | FAILS | 0.80 | 1.30 | 1.20 | 0.97 | 3 |" in (tmp_path / "ablation.md").read_text()
     assert (tmp_path / "ablation.png").read_bytes().startswith(b"\x89PNG")
     assert set(files) == {"table", "rows", "picture"}
+
+
+def test_a_model_that_cannot_be_used_is_refused_before_anything_runs(asked, tmp_path):
+    """It was a row, remembered for good, and the command ended as if all were well."""
+    with pytest.raises(BadInput, match=r"none\.stl does not exist"):
+        ablation(["gallery:wall_hook", str(tmp_path / "none.stl")], ["brick"], tmp_path / "out")
+    assert not asked
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(("refused", "code"), [(("too thin", "too thin"), 2), (("too thin", ""), 0)])
+def test_the_command_tells_by_its_exit_code_that_nothing_could_be_used(refused, code, monkeypatch, tmp_path):
+    rows = [row(status="refused" if why else "done", refused=why, arm=arm) for why, arm in zip(refused, ("static", "full"), strict=True)]
+    monkeypatch.setattr(module, "ablation", lambda *_, **__: Ablation(rows))
+    done = CliRunner().invoke(app, ["ablation", "gallery:wall_hook", "--out", str(tmp_path)])
+    assert done.exit_code == code, done.output
+    assert "too thin" in done.output

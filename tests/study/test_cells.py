@@ -7,7 +7,10 @@ from mechstyle.errors import BadInput
 from mechstyle.runs.recipes import draft
 from mechstyle.study import cells as module
 from mechstyle.study.cells import Cell, Row, Rows, carry_out, figures_of
+from mechstyle.study.walk import walk
 from support.lanes import lane_on_a_sheet
+
+RUN = Cell.run
 
 
 def cell(prompt="brick", **changes):
@@ -66,6 +69,16 @@ def test_a_part_that_cannot_be_used_is_a_row_with_its_reason(tmp_path):
     row = carry_out(cell(model=str(tmp_path / "none.stl")), tmp_path)
     assert row.status == "refused"
     assert "none.stl" in row.refused
+
+
+def test_what_was_refused_is_tried_again(runs, monkeypatch, tmp_path):
+    """A file that was put in its place since went on being told not to exist."""
+    missing = cell(model=str(tmp_path / "none.stl"))
+    with monkeypatch.context() as unpatched:
+        unpatched.setattr(Cell, "run", RUN)
+        assert carry_out(missing, tmp_path).status == "refused"
+    assert [row.status for row in walk([missing], tmp_path)] == ["done"]
+    assert Rows(tmp_path).of(missing).starts == 2
 
 
 def test_a_run_that_breaks_is_a_row_and_its_traceback_is_kept(monkeypatch, tmp_path):
