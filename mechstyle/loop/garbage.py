@@ -47,8 +47,10 @@ def garbage(store: Store) -> Garbage:
     """What can go.
 
     Raises:
+        BadInput: If something else than a file is in the place of a lane.
         DamagedStore: If something that a lane or the part needs is missing or cannot be read, so that nobody can say what it leads to.
     """
+    store.check_lanes()
     root = store.objects.root.parent  # absolute, as are the paths of objects and memo
     held = root / "locks"
     files = [path for path in sorted(root.rglob("*")) if path.is_file() and not path.is_symlink() and path.parent != held]
@@ -68,7 +70,7 @@ def collect(store: Store) -> Garbage:
     """Remove what no lane reaches; what it was.
 
     Raises:
-        BadInput: If a process is carrying a lane on.
+        BadInput: If a process is carrying a lane on; as for `garbage`.
         DamagedStore: As for `garbage`; nothing is removed then.
     """
     with contextlib.ExitStack() as held:

@@ -90,15 +90,24 @@ class Store:
 
     def lanes(self) -> tuple[str, ...]:
         """Names of the lanes, `main` first, then in order of name."""
-        names = sorted(path.stem for path in (self.root / "lanes").glob("*.json") if _may_be_a_lane(path.stem))
+        names = sorted(path.stem for path in self._lane_files() if _is_plain(path))
         return tuple(sorted(names, key=lambda name: name != "main"))
+
+    def _lane_files(self) -> list[Path]:
+        return [path for path in (self.root / "lanes").glob("*.json") if _may_be_a_lane(path.stem)]
 
     def lane(self, name: str = "main") -> Lane:
         """A lane by name; BadInput for a lane that is not there."""
         path = self.root / "lanes" / f"{name}.json"
-        if not (_may_be_a_lane(name) and path.is_file()):
+        if path not in self._lane_files():
             raise unknown(f"lane in {self.root}", name, self.lanes())
+        _check_plain(path)
         return read_record(path, Lane)
+
+    def check_lanes(self) -> None:
+        """Refuse, with BadInput, a folder in which something that is no lane stands in the place of one: a lane may have been there."""
+        for path in self._lane_files():
+            _check_plain(path)
 
     def move(self, name: str, lane: Lane) -> None:
         """Point a lane somewhere; names are letters, digits, dots, dashes and underscores, but no number: `DIR@120` is an iteration."""
@@ -199,6 +208,16 @@ def _absolute(path: Path) -> Path:
         return path.absolute()
     except OSError:  # the working directory was removed
         return path
+
+
+def _is_plain(path: Path) -> bool:
+    """Whether a file is there itself: in a folder from somebody else a link could lead to any file of the user's."""
+    return path.is_file() and not path.is_symlink()
+
+
+def _check_plain(path: Path) -> None:
+    if not _is_plain(path):
+        raise BadInput(f"{path} is not a file, as a lane is: remove it if you do not know what it is for, or restore the file from a copy")
 
 
 def _may_be_a_lane(name: str) -> bool:

@@ -1,5 +1,6 @@
 """The run on disk: lanes and their histories, where a lane stands, and how a place in a run is addressed."""
 
+import os
 from pathlib import Path
 
 import msgspec
@@ -8,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mechstyle.errors import BadInput
+from mechstyle.loop.garbage import collect
 from mechstyle.loop.store import Lane, Store, parse_address
 from support.records import VERDICT, checkpoint
 
@@ -63,6 +65,40 @@ def test_a_folder_is_called_as_it_was_written_while_it_leads_there(tmp_path, mon
     assert store.root == tmp_path / "run"
     monkeypatch.chdir(tmp_path)
     assert store.root == Path("run")
+
+
+def odd(path, kind):
+    """Put something in a lane's place that is none."""
+    if kind == "folder":
+        path.mkdir()
+    elif kind == "pipe":
+        os.mkfifo(path)
+    else:
+        path.symlink_to(path.parent / ("none.json" if kind == "dangling link" else "main.json"))
+
+
+KINDS = ("folder", "dangling link", "link", *(("pipe",) if hasattr(os, "mkfifo") else ()))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_is_no_file_in_the_place_of_a_lane_is_none(kind, forked):
+    """One such entry blocked log and gc with "unknown lane 'l': did you mean 'l'?"."""
+    store, main, _ = forked
+    odd(store.root / "lanes" / "l.json", kind)
+    assert store.lanes() == ("main", "other")
+    assert [entry.digest for entry in store.history()] == main
+    with pytest.raises(BadInput, match=r"l\.json is not a file, as a lane is: remove it"):
+        store.lane("l")
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_gc_removes_nothing_while_a_lane_may_be_missing(kind, forked):
+    store, *_ = forked
+    odd(store.root / "lanes" / "l.json", kind)
+    litter = store.objects.path(store.objects.put(b"litter"))
+    with pytest.raises(BadInput, match=r"l\.json is not a file, as a lane is: remove it"):
+        collect(store)
+    assert litter.is_file()
 
 
 def test_history_runs_from_the_original_to_the_head(forked):
