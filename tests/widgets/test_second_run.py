@@ -14,6 +14,7 @@ from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.run import Run
 from mechstyle_widgets.state import controller as controller_module
 from mechstyle_widgets.studio import Studio
+from mechstyle_widgets.viewer.part_viewer import PartViewer
 from mechstyle_widgets.viewer.run_viewer import RunViewer
 from support.sheet_studio import engine_of, sheet_of, without_physics
 
@@ -182,3 +183,19 @@ def test_a_second_run_in_one_folder_goes_beside_the_first_and_says_so(studio, ca
     assert str(studio.state.run.store.root) == "mine-2"
     assert "mine holds a run with other settings: this one is in mine-2" in said
     assert {record.message for record in caplog.records} == {"mine holds a run with other settings: this one is in mine-2"}
+
+
+@pytest.mark.parametrize("reopened", [False, True])
+def test_choosing_the_part_of_a_run_again_shows_the_run(studio, cube, caplog, reopened):
+    """It stayed a preview that was not tested, beside a verdict, and the timeline had nothing to show."""
+    studio.go()
+    shown = Studio(studio.state.run) if reopened else studio
+    part = shown.part_picker.mesh if reopened else cube.moved(cube.vertices)  # a file that is read again is another object
+    shown.part_picker.show(cube.moved(0.5 * cube.vertices), "half")
+    assert isinstance(shown.viewer, PartViewer)
+    shown.part_picker.show(part, "part")
+    assert_shows(shown, sheet_of(cube, 64), "brick")
+    assert not shown.controller.asks_for_another()
+    shown.state.iteration = 4
+    assert (shown.viewer.iteration, shown._middle.children) == (4, (shown.viewer,))
+    assert not caplog.records

@@ -12,8 +12,6 @@ import numpy as np
 import traitlets
 
 from mechstyle.errors import BadInput, MechStyleError
-from mechstyle.gallery import PREFIX
-from mechstyle.loop.store import parse_address
 from mechstyle.records import SETTINGS, Recipe
 from mechstyle.records.landings import with_drops
 from mechstyle.records.mesh import SurfaceMesh
@@ -40,6 +38,7 @@ from mechstyle_widgets.settings.prompt import PromptBox
 from mechstyle_widgets.settings.regions import RegionsPicker
 from mechstyle_widgets.settings.schedule import ScheduleSelector
 from mechstyle_widgets.state.controller import Controller, Wanted
+from mechstyle_widgets.state.opened import run_in
 from mechstyle_widgets.state.preview import Preview, Previewer
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.timeline.timeline import Timeline
@@ -95,7 +94,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         """
         if settings.pop("width", None) is not None:
             logger.warning("the Studio is as wide as its cell now: leave out width")
-        run = _run_in(part, settings.get("device", "auto"))
+        run = run_in(part, settings.get("device", "auto"))
         self.state = StudioState()
         self.controller = Controller(self.state, self.wanted)
         self._make_sections("" if run is not None else part, settings)
@@ -113,7 +112,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self.frame.on_key("view", lambda key, **held: self._viewer.key(key, **held) if self._viewer is not None else None)
         self.frame.on_key("studio", Keys(self))
         self.state.observe(self._other_run, "run")
-        self.state.observe(self._first_checkpoint, "checkpoint")
+        self.state.observe(self._another_checkpoint, "checkpoint")
         self.part_picker.observe(self._other_part, "mesh")
         self.mask_inspector.selector.observe(self._derive, ("freestyle", *DECIDES))
         self.state.observe(self._stand_beside, ("pinned", "third"))
@@ -239,11 +238,24 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self.state.settings = {**asked, **(FREESTYLE if self.control_selector.freestyle else {})}
 
     def _other_part(self, _change: object = None) -> None:
-        """A part was picked: show it as it is, unless a run of it is on show."""
+        """A part was picked: show its run if there is one at hand, else the part as it is."""
         mesh = self.part_picker.mesh
-        if mesh is not None and not (isinstance(self._viewer, RunViewer) and mesh is self._opened_mesh):
+        if mesh is not None and not self._shows_its_run():
             self._show(self._made(PartViewer, paintable(mesh)))
             self._preview()
+
+    def _shows_its_run(self) -> bool:
+        """Whether the run of the part that is chosen is on show, which it is from now on if there is anything to see of it."""
+        run, mesh = self.run, self.part_picker.mesh
+        if run is None or mesh is None or self.state.checkpoint is None:
+            return False
+        opened = mesh is self._opened_mesh and run.store.root == self._opened_root
+        if not opened and not self.controller.began_with(mesh):
+            return False
+        if not isinstance(self._viewer, RunViewer):
+            self.previewer.cancel()
+            self._show_run()
+        return True
 
     def _other_run(self, change: dict[str, Any]) -> None:
         """Another run directory needs another viewer; another lane of the same shows its settings."""
@@ -258,8 +270,10 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         elif new is not None and not isinstance(self._viewer, PartViewer):  # a preview stays until there is more to see
             self._show(self._made(Viewer, new.part.surface))
 
-    def _first_checkpoint(self, change: dict[str, Any]) -> None:
-        if change["old"] is None and self.state.checkpoint is not None and not isinstance(self._viewer, RunViewer):
+    def _another_checkpoint(self, change: dict[str, Any]) -> None:
+        """A run is on show from its first checkpoint on, and whenever one of it is looked at while its part is chosen."""
+        there = self.state.checkpoint is None or isinstance(self._viewer, RunViewer) or self._shows_its_run()
+        if not there and change["old"] is None:
             self._show_run()
 
     def _show_run(self) -> None:
@@ -291,10 +305,9 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         if old is not None:
             old.close()
 
-    def _made(self, make: Callable[..., Viewer], what: Any) -> Viewer:
+    def _made(self, make: Callable[..., Any], what: Any) -> Any:
         """A viewer of the size and in the theme that the others had."""
-        width, height = self._size
-        return make(what, theme=self.shown_theme, width=width, height=height)
+        return make(what, theme=self.shown_theme, width=self._size[0], height=self._size[1])
 
     def _emphasise(self, _change: object = None) -> None:
         """Say what is made, and fill the one button that leads on: running, or, once the part is done, taking it away."""
@@ -346,8 +359,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             return
         self.part_picker.remark(preview.shape.too_thin(self.drop_options.minimum_wall))
         if viewer.at_rest is not preview.shape.surface:
-            width, height = self._size
-            finer = PartViewer(preview.shape.surface, theme=self.shown_theme, width=width, height=height)
+            finer = self._made(PartViewer, preview.shape.surface)
             finer.look_from(viewer)
             self._show(finer)
             viewer = finer
@@ -386,13 +398,3 @@ def _box(children: Sequence[Any], name: str) -> ipywidgets.VBox:
     box = lean(ipywidgets.VBox, list(children))
     box.add_class(name)
     return box
-
-
-def _run_in(part: Any, device: str) -> Run | None:
-    """The run that `part` names, None if it names a part."""
-    if isinstance(part, Run):
-        return part
-    if isinstance(part, SurfaceMesh) or str(part).startswith(PREFIX):
-        return None
-    root, _, _ = parse_address(str(part))
-    return Run.open(part, device) if root.is_dir() else None

@@ -55,7 +55,7 @@ class Controller:
             wanted: Asked for the settings when a run is begun; may raise BadInput.
         """
         self.state, self.wanted = state, wanted
-        self._begun_with: tuple[Any, ...] = ()
+        self._begun: dict[Path, tuple[str, int, float]] = {}  # by the folders of the runs begun here: what tells their parts
 
     # what the buttons do
 
@@ -115,6 +115,11 @@ class Controller:
         wanted, run = self.wanted(), self.state.run
         return run is None or not self._of_the_same_part(wanted) or bool(run.recipe.differences(wanted.recipe))
 
+    def began_with(self, mesh: SurfaceMesh) -> bool:
+        """Whether the run on show was begun here with a part, whatever the settings are now."""
+        run = self.state.run
+        return run is not None and run.store.root in self._begun and self._begun[run.store.root][0] == mesh.digest
+
     # how it does it
 
     def _with_session(self, act: Callable[[Session], None]) -> None:
@@ -143,13 +148,9 @@ class Controller:
 
     def _of_the_same_part(self, wanted: Wanted) -> bool:
         run = self.state.run
-        return wanted.mesh is None or (run is not None and self._asked(wanted, run) == self._begun_with)
-
-    def _asked(self, wanted: Wanted, run: Run) -> tuple[Any, ...]:
-        """What tells whether a run was begun here with a part; () for the part of the run on show."""
-        if wanted.mesh is None:
-            return ()
-        return (run.store.root, wanted.mesh.digest, wanted.vertices, wanted.recipe.strengthen)
+        if wanted.mesh is None or run is None:
+            return wanted.mesh is None
+        return self._begun.get(run.store.root) == (wanted.mesh.digest, wanted.vertices, wanted.recipe.strengthen)
 
     def _begin(self, wanted: Wanted, earlier: Run | None, *, then_freely: bool = False) -> Session:
         """A session that prepares the part, unless an earlier run has it, begins the run and carries it on."""
@@ -165,7 +166,8 @@ class Controller:
                 wanted.recipe, part, vertices=wanted.vertices, origin=origin, out=wanted.folder or None, name=wanted.name, device=device,
                 stage=lambda words: self.state.tell(stage=words), prepare=prepare_aside, go_on=lambda: progress(0.0),
             )  # fmt: skip
-            self._begun_with = self._asked(wanted, run)
+            if wanted.mesh is not None:
+                self._begun[run.store.root] = (wanted.mesh.digest, wanted.vertices, wanted.recipe.strengthen)
             self.state.tell(opened=run)
             if wanted.folder and run.store.root != Path(wanted.folder):
                 self.state.tell(message=f"{wanted.folder} holds a run with other settings: this one is in {run.store.root}")
