@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 import pytest
@@ -199,3 +199,52 @@ def test_choosing_the_part_of_a_run_again_shows_the_run(studio, cube, caplog, re
     shown.state.iteration = 4
     assert (shown.viewer.iteration, shown._middle.children) == (4, (shown.viewer,))
     assert not caplog.records
+
+
+@pytest.fixture
+def again(studio, monkeypatch) -> Iterator[Studio]:
+    """A run opened in a Studio that is told of every part that is meshed; another style is chosen in it."""
+    studio.go()
+    prepare = controller_module.prepare_aside
+    again = Studio(studio.state.run)
+
+    def counted(mesh, **options):
+        again.meshed.append(mesh)
+        return prepare(mesh, **options)
+
+    monkeypatch.setattr(controller_module, "prepare_aside", counted)
+    again.meshed = []
+    again.prompt_box.prompt = "wood"
+    yield again
+    again.close()
+
+
+def settled(studio: Studio, act: Callable[[], None]) -> None:
+    """An action of the controller, and all that comes of it."""
+    act()
+    studio.state.session.wait(PATIENCE)
+    studio.state.pump()
+
+
+def test_another_style_on_the_part_of_an_opened_run_is_run_once(again, cube):
+    """The part was meshed again, with another verdict, each time that Run was pressed."""
+    settled(again, again.controller.run)
+    made = again.run.store.root
+    assert_shows(again, sheet_of(cube, 64), "wood")
+    settled(again, again.controller.run)
+    assert "this lane is finished" in again.state.message
+    assert (again.run.store.root, again.controller.asks_for_another()) == (made, False)
+    again.prompt_box.prompt = "stone"
+    settled(again, again.controller.run)
+    assert_shows(again, sheet_of(cube, 64), "stone")
+    assert again.meshed == []
+
+
+def test_another_style_on_the_part_of_an_opened_run_goes_on_after_a_stop(again, cube):
+    settled(again, again.controller.step)
+    made = again.run.store.root
+    settled(again, again.controller.stop)
+    assert (again.state.status, again.state.iterations_done) == ("stopped", 0)
+    settled(again, again.controller.run)
+    assert (again.state.status, again.run.store.root, again.meshed) == ("finished", made, [])
+    assert_shows(again, sheet_of(cube, 64), "wood")

@@ -16,6 +16,7 @@ from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.recipes import FREESTYLE
 from mechstyle.runs.run import Run, started
 from mechstyle.runs.session import Session
+from mechstyle.simulation.part import Workpiece
 from mechstyle_widgets.jupyter.prepare import prepare_aside
 from mechstyle_widgets.state.studio_state import StudioState
 
@@ -157,6 +158,7 @@ class Controller:
         device = resolve_device(wanted.device)  # refused at once, not in the session
         part, origin = (wanted.mesh, None) if earlier is None else (earlier.part, earlier.record.origin)
         assert part is not None, "a part that is not prepared comes with its mesh"
+        came = part.surface if isinstance(part, Workpiece) and wanted.mesh is None else wanted.mesh  # with which it is wanted from now on
         if earlier is not None and earlier.part.mass_gained and wanted.recipe.strengthen != earlier.recipe.strengthen:
             raise BadInput("the part of this run was thickened already: to thicken it otherwise choose the part again, as it came")
 
@@ -166,8 +168,8 @@ class Controller:
                 wanted.recipe, part, vertices=wanted.vertices, origin=origin, out=wanted.folder or None, name=wanted.name, device=device,
                 stage=lambda words: self.state.tell(stage=words), prepare=prepare_aside, go_on=lambda: progress(0.0),
             )  # fmt: skip
-            if wanted.mesh is not None:
-                self._begun[run.store.root] = (wanted.mesh.digest, wanted.vertices, wanted.recipe.strengthen)
+            assert came is not None, "as there is a part"
+            self._begun[run.store.root] = (came.digest, wanted.vertices, wanted.recipe.strengthen)
             self.state.tell(opened=run)
             if wanted.folder and run.store.root != Path(wanted.folder):
                 self.state.tell(message=f"{wanted.folder} holds a run with other settings: this one is in {run.store.root}")
