@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from mechstyle.errors import BadInput
+from mechstyle.loop.events import Checkpointed
 from mechstyle.pictures.fields import MOMENT
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.run import Run
@@ -248,3 +249,28 @@ def test_another_style_on_the_part_of_an_opened_run_goes_on_after_a_stop(again, 
     settled(again, again.controller.run)
     assert (again.state.status, again.run.store.root, again.meshed) == ("finished", made, [])
     assert_shows(again, sheet_of(cube, 64), "wood")
+
+
+def test_freestyle_paused_beside_a_run_goes_on_with_its_own_settings(studio):
+    studio.go()
+    session = studio.controller._session(then_freely=True)
+    settled(studio, lambda: session.run_until(lambda event: isinstance(event, Checkpointed)))
+    assert (studio.state.lane, studio.state.status) == ("freestyle", "paused")
+    settled(studio, studio.controller.run)
+    assert studio.state.session is session
+    assert (studio.state.lane, studio.state.status, studio.state.pinned) == ("main", "finished", ("freestyle", 12))
+
+
+def test_another_style_while_a_run_is_paused_is_begun_in_its_place(studio, cube, caplog):
+    studio.go()
+    studio.prompt_box.prompt = "wood"
+    settled(studio, studio.controller.step)
+    left = studio.run
+    studio.prompt_box.prompt = "stone"
+    settled(studio, studio.controller.run)
+    assert_shows(studio, sheet_of(cube, 64), "stone")
+    studio.prompt_box.prompt = "wood"
+    settled(studio, studio.controller.run)
+    assert studio.run.store.root == left.store.root, "its settings find it again"
+    assert_shows(studio, sheet_of(cube, 64), "wood")
+    assert not caplog.records

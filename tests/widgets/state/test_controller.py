@@ -55,6 +55,46 @@ def test_stop_keeps_what_was_made_and_run_goes_on_from_there(controller, settle)
     assert (controller.state.status, controller.state.iterations_done) == ("finished", 12)
 
 
+@pytest.mark.parametrize("pumped", [True, False])
+def test_what_is_paused_goes_on_if_the_settings_are_still_its_own(controller, settle, pumped):
+    controller.step()
+    session = controller.state.session
+    session.wait(30.0)
+    if pumped:
+        controller.state.pump()
+    controller.run()
+    assert controller.state.session is session
+    settle(controller)
+    assert controller.state.status == "finished"
+
+
+def test_other_settings_while_it_is_paused_begin_another_run_and_say_so(controller, settle, monkeypatch, tmp_path):
+    """The old settings were carried on without a word."""
+    monkeypatch.setattr("mechstyle.simulation.strengthen.refilled", lambda given, *_: given)  # the sheet has no inside
+    controller.step()
+    settle(controller)
+    paused, session = controller.state.run, controller.state.session
+    other = msgspec.structs.replace(paused.recipe, threshold=0.5)
+    controller.wanted = lambda: Wanted(other, None, 500, "sheet", str(tmp_path / "other"))
+    controller.step()
+    assert session.state == "stopped"
+    assert f"the run that was paused is kept in {paused.store.root}" in controller.state.message
+    settle(controller)
+    assert (controller.state.status, controller.state.run.store.root) == ("paused", tmp_path / "other")
+    assert controller.state.run.recipe.threshold == 0.5
+
+
+def test_settings_that_cannot_be_used_leave_what_is_paused_as_it_is(controller, settle):
+    def refuse():
+        raise BadInput("the prompt is empty: write something")
+
+    controller.step()
+    settle(controller)
+    controller.wanted, session = refuse, controller.state.session
+    controller.run()
+    assert (controller.state.message, session.state) == ("the prompt is empty: write something", "paused")
+
+
 def test_a_finished_lane_says_what_to_do_next(controller, settle):
     controller.run()
     settle(controller)

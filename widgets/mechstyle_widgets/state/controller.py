@@ -61,7 +61,7 @@ class Controller:
     # what the buttons do
 
     def run(self) -> None:
-        """Go on to the end: what is paused or unfinished if the settings are still its own, else a new run."""
+        """Go on to the end: what is paused or unfinished if the settings are still its own, else a new run; what is paused ends for it."""
         self._with_session(lambda session: session.run())
 
     def both(self) -> None:
@@ -134,10 +134,21 @@ class Controller:
 
     def _session(self, *, then_freely: bool = False) -> Session:
         """The session under way, or a new one for what is wanted, which may stylize the part freely afterwards."""
-        state = self.state
-        if self.busy and state.session is not None:
-            return state.session
-        wanted = self.wanted()
+        session = self.state.session
+        if not self.busy or session is None:
+            return self._new_session(then_freely)
+        self.state.pump()  # what was begun a moment ago may not be on show yet
+        if session.state != "paused" or not self.asks_for_another():
+            return session
+        left, new = self.state.run, self._new_session(then_freely)  # is refused, or is what the state follows from here on
+        session.stop()
+        session.wait()  # at a pause nothing is in hand: what is left is left at once
+        self.state.message = f"the run that was paused is kept in {left.store.root}: open it to go on with it" if left is not None else ""
+        return new
+
+    def _new_session(self, then_freely: bool) -> Session:
+        """A session that begins what is wanted, or carries it on if it is what is on show."""
+        state, wanted = self.state, self.wanted()
         if then_freely and wanted.recipe.control == "none":
             raise BadInput("this is Freestyle already: choose MechStyle under Restraint to see one beside the other")
         same_part = self._of_the_same_part(wanted)
