@@ -275,6 +275,34 @@ def test_durations_for_people(seconds, words):
     assert duration(seconds) == words
 
 
+@pytest.mark.parametrize("act", ["run", "step", "step_to_simulation", "both"])
+def test_what_is_asked_before_a_stop_is_heard_is_answered_in_a_sentence(controller, settle, monkeypatch, act):
+    inside, go = threading.Event(), threading.Event()
+
+    def deaf(_run, _progress):
+        inside.set()
+        assert go.wait(30.0)
+        yield
+
+    monkeypatch.setattr(Run, "events", deaf)
+    controller.run()
+    assert inside.wait(30.0)
+    controller.stop()
+    getattr(controller, act)()
+    assert controller.state.message == "the run is being stopped: go on with it when what is in hand has ended"
+    go.set()
+    settle(controller)
+    assert controller.state.status == "stopped"
+
+
+def test_a_run_that_ends_just_when_it_is_told_to_go_on_has_ended(controller, settle, monkeypatch):
+    controller.run()
+    settle(controller)
+    monkeypatch.setattr(type(controller), "busy", True)  # as it was when it was looked at
+    controller.run()
+    assert controller.state.message == "the run has just ended: see what came of it before you go on"
+
+
 def test_filling_the_part_at_hand_for_another_style_can_be_stopped(controller, settle, monkeypatch, tmp_path):
     """It takes minutes for a thin part, and Stop was heard only after them."""
     inside, go = threading.Event(), threading.Event()

@@ -23,6 +23,9 @@ from mechstyle_widgets.state.studio_state import StudioState
 FREE = "freestyle"
 """Lane of the whole style, which nothing holds back, beside the lane on show."""
 
+STOPPING = "the run is being stopped: go on with it when what is in hand has ended"
+ENDED = "the run has just ended: see what came of it before you go on"
+
 
 @dataclass(frozen=True, eq=False)
 class Wanted:
@@ -66,7 +69,7 @@ class Controller:
 
     def both(self) -> None:
         """Go on to the end as `run` does, then stylize the same part freely, and show the two side by side."""
-        self._tried(lambda: self._session(then_freely=True).run())
+        self._with_session(lambda session: session.run(), then_freely=True)
 
     def step(self) -> None:
         """Go on to the next checkpoint, then pause."""
@@ -123,8 +126,15 @@ class Controller:
 
     # how it does it
 
-    def _with_session(self, act: Callable[[Session], None]) -> None:
-        self._tried(lambda: act(self._session()))
+    def _with_session(self, act: Callable[[Session], None], *, then_freely: bool = False) -> None:
+        def acted() -> None:
+            session = self._session(then_freely=then_freely)
+            try:
+                act(session)
+            except RuntimeError as error:  # it ended, or was told to, and has not heard of it yet
+                raise BadInput(STOPPING if session.state in ("running", "paused") else ENDED) from error
+
+        self._tried(acted)
 
     def _tried(self, act: Callable[[], None]) -> None:
         try:
