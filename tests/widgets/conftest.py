@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
+from types import SimpleNamespace
 
 import msgspec
 import numpy as np
@@ -18,6 +21,7 @@ from mechstyle.runs.session import Session
 from mechstyle.simulation.part import Origin
 from mechstyle_widgets.state.controller import Controller, Wanted
 from mechstyle_widgets.state.studio_state import StudioState
+from mechstyle_widgets.viewer import impact_player
 from support.bench import Bench
 
 PATIENCE = 30.0  # seconds before a test gives up; nothing waits this long
@@ -99,3 +103,31 @@ def settle() -> Callable[[Controller], None]:
         controller.state.pump()
 
     return wait
+
+
+@dataclass
+class Later:
+    """Drops that an impact player began, and what they bring to its event loop; either happens when a test calls it."""
+
+    drops: list[Callable[[], None]] = field(default_factory=list)
+    brought: list[Callable[[], None]] = field(default_factory=list)
+
+    def turn(self) -> None:
+        """The event loop turns."""
+        now, self.brought[:] = list(self.brought), []
+        for act in now:
+            act()
+
+
+@pytest.fixture
+def later(monkeypatch) -> Later:
+    """Impacts are worked out and brought when the test says so, not in threads."""
+    made = Later()
+
+    def thread(target, args, **_):
+        return SimpleNamespace(start=lambda: made.drops.append(lambda: target(*args)))
+
+    loop = SimpleNamespace(call_soon_threadsafe=lambda act, *given: made.brought.append(lambda: act(*given)))
+    monkeypatch.setattr(impact_player, "running_loop", lambda: loop)
+    monkeypatch.setattr(impact_player, "threading", SimpleNamespace(Thread=thread, Event=threading.Event))
+    return made

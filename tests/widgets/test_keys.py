@@ -41,6 +41,17 @@ def test_i_shows_the_impact_and_then_the_part_at_rest(studio, monkeypatch):
     assert asked == ["play"]
 
 
+def test_i_while_the_impact_is_worked_out_ends_that(studio, later):
+    """Each press began another drop beside those under way."""
+    player = studio.viewer.player
+    press(studio, "i")
+    assert player.children == (player._progress,)
+    press(studio, "i")
+    assert (player.impact, player.children, len(later.drops)) == (None, (player._start,), 1)
+    press(studio, "i")
+    assert (player.children, len(later.drops)) == ((player._progress,), 2)
+
+
 @pytest.mark.parametrize(("key", "what"), [("r", "run"), (".", "step"), (">", "step_to_simulation"), (" ", "pause")])
 def test_a_key_does_what_its_button_does(done, monkeypatch, key, what):
     asked = []

@@ -127,6 +127,66 @@ def test_in_a_notebook_it_is_worked_out_in_a_thread_and_brought_back(viewer, imp
     assert viewer.player.impact.stress is impact.stress
 
 
+def test_what_a_drop_that_was_ended_still_brings_is_not_heard(viewer, later):
+    """Late ones took the place of the impact on show, and threw its slider back."""
+    player = viewer.player
+    player.play()
+    later.drops[0]()  # it was over before it was ended, and its answer is under way
+    player.put_away()
+    player.play()
+    later.turn()
+    assert (player.impact, player._progress.value, player.children) == (None, 0.0, (player._progress,))
+    later.drops[1]()
+    later.turn()
+    assert player.impact is not None
+    later.drops[0]()
+    assert later.brought == [], "the drop that was ended ends, although another was begun"
+
+
+def test_an_impact_that_is_worked_out_is_not_worked_out_twice(viewer, later):
+    viewer.player.play()
+    viewer.player.play()
+    assert len(later.drops) == 1
+
+
+def test_a_drop_that_breaks_off_can_be_tried_again(viewer, later, impact, monkeypatch):
+    def breaks_off(*_):
+        raise MemoryError
+
+    viewer.player.play()
+    with monkeypatch.context() as broken:
+        broken.setattr(impact_player, "impact_of", breaks_off)
+        with pytest.raises(MemoryError):
+            later.drops[0]()
+    viewer.player.play()
+    later.drops[1]()
+    later.turn()
+    assert viewer.player.impact.stress is impact.stress
+
+
+def test_another_landing_ends_the_drop_of_the_one_before(viewer, later):
+    player = viewer.player
+    player._which.options = [("as placed", (0.0, 0.0, 1.0)), ("on its side", (1.0, 0.0, 0.0))]
+    player.play()
+    player.landing = (1.0, 0.0, 0.0)
+    for drop in reversed(later.drops):
+        drop()
+    later.turn()
+    assert (len(later.drops), player.impact.normal) == (2, (1.0, 0.0, 0.0))
+
+
+def test_a_drop_that_fails_after_it_was_ended_says_nothing(viewer, later, monkeypatch):
+    def fails(*_):
+        raise SimulationFailed("the drop test broke down")
+
+    monkeypatch.setattr(impact_player, "impact_of", fails)
+    viewer.player.play()
+    viewer.player.put_away()
+    later.drops[0]()
+    later.turn()
+    assert viewer.player.children == (viewer.player._start,)
+
+
 def test_closing_leaves_nothing_behind(state):
     before = alive()
     viewer = RunViewer(state)

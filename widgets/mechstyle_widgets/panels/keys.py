@@ -44,10 +44,10 @@ class Keys:
             self._studio.branches.pin()
 
     def _impact(self) -> None:
-        """Show the impact, or the part at rest again."""
+        """Show the impact, or the part at rest again, also while it is being worked out."""
         player = getattr(self._studio.viewer, "player", None)
         if player is not None:
-            (player.play if player.impact is None else player.put_away)()
+            (player.put_away if player.working or player.impact is not None else player.play)()
 
     def _paint(self) -> None:
         self._studio.regions_picker.paint = not self._studio.regions_picker.paint

@@ -26,7 +26,7 @@ FACTORS = (1, 2, 5, 10, 20, 50, 100, 200)
 
 
 class _Cancelled(Exception):
-    """The view was closed while a drop was being worked out."""
+    """Nobody waits any more for a drop that is being worked out."""
 
 
 class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
@@ -49,7 +49,9 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
 
     def __init__(self, state: StudioState) -> None:
         """Play impacts of whatever iteration a state shows."""
-        self._state, self._cancelled = state, False
+        self._state = state
+        self._over = threading.Event()  # of the newest drop, set when its answer is there or nobody waits for it; each has its own
+        self._over.set()
         self._button = lean(ipywidgets.Button, description="see the impact", icon="play-circle", tooltip="Drop this part and watch")
         self._which = unseen(lean(
             ipywidgets.Dropdown,
@@ -81,12 +83,17 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         state.observe(self._other_part, "checkpoint")
         self._built = True
 
+    @property
+    def working(self) -> bool:
+        """Whether an impact is being worked out."""
+        return not self._over.is_set()
+
     def play(self) -> None:
-        """Work the impact out, in a thread where there is an event loop to bring it back, and show it."""
+        """Work the impact out, unless that is being done, in a thread where there is an event loop to bring it back, and show it."""
         run, checkpoint = self._state.run, self._state.checkpoint
-        if run is None or checkpoint is None:
+        if run is None or checkpoint is None or self.working:
             return
-        self._progress.value, self._cancelled = 0.0, False
+        self._progress.value, self._over = 0.0, threading.Event()
         self._say(self._progress)
         part, recipe, memo, landing = run.part, run.store.recipe(checkpoint.recipe), run.store.memo, self.landing
 
@@ -95,13 +102,14 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
 
         loop = running_loop()
         if loop is None:
-            self._work(drop, lambda function, *given: function(*given))
+            self._work(drop, self._over, lambda function, *given: function(*given))
         else:
-            threading.Thread(target=self._work, args=(drop, loop.call_soon_threadsafe), daemon=True).start()
+            threading.Thread(target=self._work, args=(drop, self._over, loop.call_soon_threadsafe), daemon=True).start()
 
     def put_away(self) -> None:
-        """Show the part at rest again."""
-        self._cancelled, self._play.playing = True, False
+        """Show the part at rest again; a drop that is being worked out ends."""
+        self._over.set()
+        self._play.playing = False
         self.impact = None
         self._say(self._start)
 
@@ -118,27 +126,35 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
     def close(self) -> None:
         """Close it; a drop that is being worked out ends."""
         if self._built:
-            self._built, self._cancelled = False, True
+            self._built = False
+            self._over.set()
             self._state.unobserve(self._other_part, "checkpoint")
             close_family(self, self._start, self._progress, self._moments, self._said, self._link)
         super().close()
 
-    def _work(self, drop: Callable[[Progress], Impact], bring: Callable[..., Any]) -> None:
-        """In the thread: the drop, and its answer brought to the event loop."""
+    def _work(self, drop: Callable[[Progress], Impact], over: threading.Event, bring: Callable[..., Any]) -> None:
+        """In the thread: the drop, and its answer brought to the event loop, where it counts unless it is over by then."""
+
+        def heard(act: Callable[..., None], *given: Any) -> None:
+            if not over.is_set():
+                act(*given)
 
         def progress(fraction: float) -> None:
-            if self._cancelled:
+            if over.is_set():
                 raise _Cancelled
-            bring(self._report, fraction)
+            bring(heard, self._report, fraction)
 
         try:
             impact = drop(progress)
         except _Cancelled:
             return
         except MechStyleError as error:
-            bring(self._fail, str(error))
+            bring(heard, self._fail, str(error))
+        except BaseException:
+            over.set()  # or it could not be tried again
+            raise
         else:
-            bring(self._show, impact)
+            bring(heard, self._show, impact)
 
     def _say(self, *widgets: ipywidgets.Widget) -> None:
         self.children = widgets
@@ -147,12 +163,12 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         self._progress.value = fraction
 
     def _fail(self, why: str) -> None:
+        self._over.set()
         self._said.value = why
         self._say(self._start, self._said)
 
     def _show(self, impact: Impact) -> None:
-        if self._cancelled:
-            return
+        self._over.set()
         self._slider.max, self._play.max = len(impact.time) - 1, impact.peak
         self._slider.value = self._play.value = impact.peak
         self.impact = impact
@@ -180,7 +196,7 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
     @traitlets.observe("landing")
     def _other_landing(self, _change: object) -> None:
         """What is on show, or being worked out, is another landing's."""
-        if self._built and (self.impact is not None or self.children == (self._progress,)):
+        if self._built and (self.impact is not None or self.working):
             self.put_away()
             self.play()
 
@@ -193,5 +209,5 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
     def _other_part(self, _change: object) -> None:
         """Another iteration is another part: what is on show would not be its impact."""
         self._offer()
-        if self.impact is not None or self.children == (self._progress,):
+        if self.impact is not None or self.working:
             self.put_away()
