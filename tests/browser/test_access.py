@@ -41,6 +41,7 @@ MOVING = """() => [...document.querySelectorAll('.mechstyle-studio, .mechstyle-s
 }).map(one => one.className)"""
 
 
+SETTLED = "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
 CUT = """buttons => buttons.filter(button => {
     const [style, text] = [button.style, document.createRange()];
     style.fontWeight = "600";
@@ -167,6 +168,44 @@ def test_keys_do_what_the_list_says(shown):
     page.keyboard.press("Shift+ArrowRight")
     shown.until("studio._viewer._orbit.seen.target != at", True)
     page.keyboard.press("Home")
+
+
+LOST = {
+    "disabled": ("button[title^='Run to the end']", "studio.state.status = 'running'"),
+    "taken away": ("button[title^='Drop this part']", "studio.viewer.player._say(studio.viewer.player._progress)"),
+}
+"""Controls that go out of reach when they are pressed, and what does so."""
+
+
+@pytest.mark.parametrize("how", LOST)
+def test_keys_go_on_when_what_was_pressed_is_out_of_reach(shown, how):
+    """The focus went to the page, where no key of the Studio is heard."""
+    pressed, act = LOST[how]
+    shown.python("studio.state.status = 'stopped'")
+    button, page = shown.page.locator(f".mechstyle-studio {pressed}:enabled"), shown.page
+    button.focus()
+    shown.python(act)
+    button.wait_for(state="detached")
+    page.evaluate(SETTLED)
+    page.keyboard.press("p")
+    shown.until("studio.regions_picker.paint", True)
+    page.keyboard.press("Escape")
+    shown.until("studio.regions_picker.paint", False)
+    assert page.evaluate("getComputedStyle(document.activeElement).outlineStyle") == "none"
+    shown.python("studio.viewer.player.put_away(); studio.state.status = 'finished'")
+
+
+def test_a_focus_that_left_the_studio_is_not_brought_back(shown):
+    shown.python("studio.state.status = 'stopped'")
+    button = shown.page.locator(".mechstyle-studio button[title^='Run to the end']:enabled")
+    button.focus()
+    button.blur()
+    shown.page.evaluate(SETTLED)
+    shown.python("studio.state.status = 'running'")
+    button.wait_for(state="detached")
+    shown.page.evaluate(SETTLED)
+    assert shown.page.evaluate("document.activeElement.tagName") == "BODY"
+    shown.python("studio.state.status = 'finished'")
 
 
 def test_a_grid_of_pictures_is_one_stop(shown):

@@ -88,6 +88,7 @@ function render({ model, el }) {
     name();
     undo.push(explain(root)); // before the keys: Escape closes what is explained first
     listen(root, "keydown", (event) => pressed(model, root, event));
+    holdFocus(root, listen, watch);
     if (!studio) return;
     el.append(button(HELP, () => help(root)), button(FULL, () => full(root)));
     const stage = root.querySelector(".mechstyle-view");
@@ -107,6 +108,22 @@ function render({ model, el }) {
     light();
   }
   return () => undo.forEach((end) => end());
+}
+
+// What is pressed may go out of reach, as Run does while it runs: the focus would go to the page, where no key is heard. It stays here.
+function holdFocus(root, listen, watch) {
+  let held = null; // has the focus, or had it until it went out of reach
+  const lost = () => !held.isConnected || held.disabled;
+  listen(root, "focusin", ({ target }) => (held = target));
+  listen(root, "focusout", ({ target }) => setTimeout(() => { // by then it is known whether it went out of reach
+    if (held === target && !lost() && document.activeElement !== held) held = null; // another window leaves it where it is
+  }));
+  const keep = () => {
+    if (!held || !lost() || ![held, document.body].includes(document.activeElement)) return;
+    root.tabIndex = -1;
+    root.focus({ preventScroll: true });
+  };
+  watch(new MutationObserver(keep), root, { childList: true, subtree: true, attributes: true, attributeFilter: ["disabled"] });
 }
 
 function tell(model, root, stage) {
