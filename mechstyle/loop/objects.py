@@ -10,6 +10,7 @@ import hashlib
 import io
 import math
 import re
+import stat
 import tokenize
 import zlib
 from collections.abc import Callable, Iterator
@@ -69,6 +70,7 @@ def _read_as(what: str, path: Path) -> Iterator[None]:
 def read_record(path: Path, kind: type[T]) -> T:
     """A record in a file of its own; DamagedStore if the file is missing or is no such record."""
     try:
+        _check_is_a_file(path)
         if path.stat().st_size > MOST_BYTES:
             raise DamagedStore(f"{path} is larger than any record is: restore it from a copy, or start the run again")
         data = path.read_bytes()
@@ -76,6 +78,12 @@ def read_record(path: Path, kind: type[T]) -> T:
         raise DamagedStore(f"{path} is missing or unreadable: restore it from a copy, or start the run again") from error
     with _read_as(f"a {kind.__name__}", path):
         return from_json(data, kind)
+
+
+def _check_is_a_file(path: Path) -> None:
+    """Refuse a folder, and a pipe, which would be read for ever, in the place of a file; OSError if nothing is there."""
+    if not stat.S_ISREG(path.stat().st_mode):
+        raise DamagedStore(f"{path} is not a file: restore it from a copy, or start the run again")
 
 
 def _spelled(value: Any) -> Any:
@@ -133,6 +141,7 @@ class Objects:
         if not re.fullmatch("[0-9a-f]{64}", digest):  # or it could be a path
             raise DamagedStore(f"{self.root.parent} names an object {digest[:80]!r}, which is no SHA-256: start the run again")
         try:
+            _check_is_a_file(self.path(digest))
             content = _unpacked(self.path(digest))
         except (OSError, zlib.error) as error:
             raise DamagedStore(f"{self.path(digest)} is missing or unreadable: restore it from a copy, or start the run again") from error
@@ -191,11 +200,12 @@ class Memo:
 
     def named(self, beginning: str = "") -> list[str]:
         """Names of what is remembered that begin so, in order."""
-        return sorted(path.name for path in self.folder.glob(f"{beginning}*") if not path.name.startswith("."))
+        return sorted(path.name for path in self.folder.glob(f"{beginning}*") if not path.name.startswith(".") and path.is_file())
 
     def recall(self, key: str, kind: type[T]) -> T | None:
         """The stored result for `key`, or None if there is none that can be read."""
         with contextlib.suppress(OSError, ValueError, DamagedStore):  # ValueError: the index is neither ASCII nor a path
+            _check_is_a_file(self.folder / key)
             return self.objects.get_record((self.folder / key).read_text(encoding="ascii"), kind)
         return None
 
