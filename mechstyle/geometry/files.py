@@ -39,6 +39,9 @@ SMALLEST, LARGEST = 5.0, 1000.0
 FARTHEST = 1e7
 """From the origin [mm]: farther away the numbers of a file no longer tell a part's details apart."""
 MILLIMETRES = {"micron": 1e-3, "millimeter": 1.0, "centimeter": 10.0, "inch": 25.4, "foot": 304.8, "meter": 1000.0}
+"""Of the units that 3MF has."""
+SPELLED = {"": "millimeter", "mm": "millimeter", "millimetre": "millimeter"}
+"""What programs write for a unit instead, in small letters and without a plural."""
 GUESSES = {"millimetres": 1.0, "inches": 25.4, "centimetres": 10.0, "metres": 1000.0, "micrometres": 1e-3}
 """Units that a file may be in without saying so, likeliest first, and their millimetres."""
 DAMAGED = (
@@ -77,7 +80,7 @@ def read(path: str | Path, *, scale: float | None = None, up: str = "") -> ReadP
     if scale is not None and not (np.isfinite(scale) and scale > 0):
         raise BadInput(f"scale is {scale:g}, but must be a positive number, such as 25.4 for inches")
     vertices, faces, unit = _triangles(file)
-    factor = unit if scale is None else scale
+    factor = _millimetres(file.name, unit) if scale is None else scale
     _check_size(file.name, vertices[faces].reshape(-1, 3), factor)
     mesh, notes = repaired(vertices * factor @ axes.T, faces, file.name)
     if better := lying(mesh, axes):
@@ -88,8 +91,8 @@ def read(path: str | Path, *, scale: float | None = None, up: str = "") -> ReadP
     return ReadPart(mesh, notes)
 
 
-def _triangles(file: Path) -> tuple[Floats, NDArray[np.int64], float]:
-    """Vertices in file units, faces, and the millimetres of one file unit."""
+def _triangles(file: Path) -> tuple[Floats, NDArray[np.int64], str]:
+    """Vertices in file units, faces, and the unit."""
     suffix = file.suffix.lower().lstrip(".")
     if suffix not in FORMATS:
         raise BadInput(f"{file.name}: cannot read {_kind(suffix)}; convert it to {', '.join(FORMATS)}")
@@ -107,6 +110,16 @@ def _triangles(file: Path) -> tuple[Floats, NDArray[np.int64], float]:
     if faces.min() < 0 or faces.max() >= len(vertices):
         raise BadInput(f"{file.name} has faces with vertices that are not there: it is damaged or was cut off; export it again")
     return vertices, faces, unit
+
+
+def _millimetres(name: str, unit: str) -> float:
+    """Millimetres of a unit; BadInput for one that nobody knows."""
+    plain = unit.strip().lower().removesuffix("s")
+    plain = SPELLED.get(plain, plain)
+    if plain not in MILLIMETRES:
+        known = f"it has {', '.join(MILLIMETRES)}"
+        raise BadInput(f"{name} is in {unit[:40]!r}, a unit that 3MF does not have ({known}): export it again, or give --scale")
+    return MILLIMETRES[plain]
 
 
 def _kind(suffix: str) -> str:
@@ -131,7 +144,7 @@ def _content(file: Path) -> bytes:
     return content
 
 
-def _parsed(name: str, content: bytes, suffix: str) -> tuple[Floats, NDArray[np.int64], float]:
+def _parsed(name: str, content: bytes, suffix: str) -> tuple[Floats, NDArray[np.int64], str]:
     """The file as trimesh reads it; what its parsers raise becomes one sentence."""
     try:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
@@ -148,8 +161,8 @@ def _parsed(name: str, content: bytes, suffix: str) -> tuple[Floats, NDArray[np.
             f"{name} cannot be read as {suffix.upper()}: it is damaged, was cut off, or is something else; export it again"
         ) from error
     if suffix == "glb":
-        return vertices, faces, MILLIMETRES["meter"]
-    return vertices, faces, MILLIMETRES.get(str(scene.units), 1.0) if suffix == "3mf" else 1.0
+        return vertices, faces, "meter"
+    return vertices, faces, str(scene.units or "") if suffix == "3mf" else "millimeter"
 
 
 def _check_size(name: str, vertices: Floats, factor: float) -> None:

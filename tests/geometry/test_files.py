@@ -106,6 +106,19 @@ def test_scale_takes_the_coordinates_to_millimetres(tmp_path, kind):
     assert_is_part(read(put(tmp_path, f"inches.{kind}", exported(kind, PART.vertices / 25.4)), scale=25.4).mesh)
 
 
+def test_a_unit_of_3mf_that_nobody_knows_is_refused_unless_a_scale_is_told(tmp_path):
+    """A part in furlongs was taken as one in millimetres without a word."""
+    path = put(tmp_path, "odd.3mf", threemf_in("furlong", 1.0))
+    known = "micron, millimeter, centimeter, inch, foot, meter"
+    assert refusal(path) == f"odd.3mf is in 'furlong', a unit that 3MF does not have (it has {known}): export it again, or give --scale"
+    assert_is_part(read(path, scale=1.0).mesh)
+
+
+@pytest.mark.parametrize("unit", ["Millimeter", "millimeters", "MM"])
+def test_other_spellings_of_a_unit_are_read(unit, tmp_path):
+    assert_is_part(read(put(tmp_path, "part.3mf", threemf_in(unit, 1.0))).mesh)
+
+
 def test_scale_replaces_the_unit_of_the_format(tmp_path):
     y_up = PART.vertices[:, [0, 2, 1]] * (1, 1, -1)
     assert_is_part(read(put(tmp_path, "millimetres.glb", exported("glb", y_up)), scale=1.0).mesh)
