@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import Annotated
 
@@ -64,4 +65,4 @@ def gc_command(
     done = "removed" if remove else "could go"
     out.print(f"{what}: {found.size / 1e6:.1f} MB {done}, {found.kept / 1e6:.1f} MB {'left' if remove else 'would stay'}")
     if not remove and found.files:
-        out.print(f"[dim]remove it with: mechstyle gc {escape(str(root))} --remove[/]")
+        out.print(f"[dim]remove it with: mechstyle gc {escape(shlex.quote(str(root)))} --remove[/]")

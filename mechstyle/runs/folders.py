@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import logging
 import re
+import shlex
 from pathlib import Path
 
 import msgspec
@@ -41,7 +42,8 @@ def folder_for(out: Path, recipe: Recipe, *, beside: bool) -> Path:
     if _takes(out, recipe):
         return out
     if not beside:
-        raise BadInput(f"{out} holds a run with other settings: choose another --out, or branch it with `mechstyle branch {out}@ITERATION`")
+        command = f"mechstyle branch {shlex.quote(f'{out}@ITERATION')}"
+        raise BadInput(f"{out} holds a run with other settings: choose another --out, or branch it with `{command}`")
     named = out if out.name not in ("", "..") else out.resolve()
     numbered = (named.with_name(f"{named.name}-{number}") for number in itertools.count(2))
     found = next(place for place in numbered if not _holds_something_else(place) and _takes(place, recipe))

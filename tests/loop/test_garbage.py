@@ -2,6 +2,7 @@
 
 import json
 import re
+import shlex
 
 import msgspec
 import numpy as np
@@ -155,6 +156,11 @@ def test_the_command_lists_before_it_removes(run, capsys):
     gc_command(run.store.root)
     assert f"remove it with: mechstyle gc {run.store.root} --remove" in capsys.readouterr().out.replace("\n", "")
     assert garbage_is_there(run.store)
+    spaced = Store(run.store.root.rename(run.store.root.with_name("my run")))
+    gc_command(spaced.root)
+    told = capsys.readouterr().out.replace("\n", "")
+    assert shlex.split(told.partition("remove it with: ")[2]) == ["mechstyle", "gc", str(spaced.root), "--remove"]
+    spaced.root.rename(run.store.root)
     gc_command(run.store.root, remove=True, as_json=True)
     told = json.loads(capsys.readouterr().out)
     assert told["removed"]

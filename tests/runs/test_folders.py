@@ -1,6 +1,8 @@
 """Where a run goes: nothing is overwritten, the same request finds its run again, and people are told of another folder."""
 
 import logging
+import re
+import shlex
 
 import msgspec
 import pytest
@@ -56,6 +58,14 @@ def test_what_is_no_run_is_never_written_to(run, tmp_path):
 def test_on_the_command_line_another_run_is_refused_with_advice(run):
     with pytest.raises(BadInput, match=r"other settings: choose another --out, or branch it with `mechstyle branch .*@ITERATION`"):
         folder_for(run.store.root, other(run.recipe), beside=False)
+
+
+def test_the_advice_can_be_pasted_where_the_folder_has_a_space(run):
+    recipe, spaced = other(run.recipe), run.store.root.rename(run.store.root.with_name("my run"))
+    with pytest.raises(BadInput) as caught:
+        folder_for(spaced, recipe, beside=False)
+    command = re.search("`(.*)`", str(caught.value)).group(1)
+    assert shlex.split(command) == ["mechstyle", "branch", f"{spaced}@ITERATION"]
 
 
 def test_the_folder_one_is_in_has_a_name_as_well(run, monkeypatch, caplog):
