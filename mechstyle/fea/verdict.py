@@ -9,7 +9,7 @@ import msgspec
 
 from mechstyle.errors import unknown
 from mechstyle.records import CRITERIA, Judgement, Measures, Outcome, Simulation, Verdict
-from mechstyle.records.limits import UNHARMED, Limits
+from mechstyle.records.limits import UNHARMED, Limits, OfTest
 from mechstyle.records.material import Material
 from mechstyle.records.simulation import LEAST_CARRIED, VOLUME_ERROR
 from mechstyle.records.verdict import doubtful
@@ -29,6 +29,29 @@ THROUGH = 1.5
 _SEVERITY: dict[Outcome, int] = {"VIABLE": 0, "UNKNOWN": 1, "FAILS": 2}
 
 
+class _Stress(NamedTuple):
+    """A stress of one test of a part as it stands, judged.
+
+    Attributes:
+        judgement: It beside its limit.
+        test: What the part did in that test.
+        before: The same stress of the original [MPa].
+        bending: Whether it is the surface's, not that around a contact.
+        load: The load case, "" for the drop.
+    """
+
+    judgement: Judgement
+    test: Measures
+    before: float
+    bending: bool
+    load: str
+
+    @property
+    def use(self) -> float:
+        """Share of the limit that is used up."""
+        return _use(self.judgement)
+
+
 class Told(NamedTuple):
     """A judgement and the clause that tells it."""
 
@@ -39,11 +62,12 @@ class Told(NamedTuple):
 def judge(simulation: Simulation, baseline: Simulation, material: Material, criterion: str) -> Verdict:
     """Whether a part survives, under the criterion `robust` or `paper`.
 
-    (A) As placed and under its loads: the surface stress away from contacts, and the average around them, each at most the yield
-    strength or what the original reaches in the same place's stead. (T) Tilted a little: the surface stress at most the yield strength
-    or UNHARMED times the original's. (B) All orientations: 99th percentile of the envelope at most UNHARMED times the original's.
-    The literal published rule, maximum ≤ S_yield, is always shown. `robust` is the worst of A, T and B, `paper` the literal rule.
-    What was not computed, or not to a finite number, is UNKNOWN; what tetrahedra tell that do not carry the relief is MARGINAL.
+    (A) As placed and under each of its loads: the surface stress away from contacts, and the average around them, each at most the yield
+    strength or what the original reaches in the same test: what it bears in a drop excuses nothing under a load. (T) Tilted a little:
+    the surface stress at most the yield strength or UNHARMED times the original's. (B) All orientations: 99th percentile of the
+    envelope at most UNHARMED times the original's. The literal published rule, maximum ≤ S_yield, is always shown. `robust` is the
+    worst of A, T and B, `paper` the literal rule. What was not computed, or not to a finite number, is UNKNOWN; what tetrahedra tell
+    that do not carry the relief is MARGINAL.
     """
     if criterion not in CRITERIA:
         raise unknown("criterion", criterion, CRITERIA)
@@ -80,7 +104,7 @@ def input_warning(baseline: Simulation, material: Material) -> str:
     peak, strength = baseline.as_placed.peak, material.yield_strength
     if peak <= strength * (1.0 - SURFACE_BAND):
         return ""
-    when = f"under the load {baseline.governing!r}" if baseline.governing else "when dropped as placed"
+    when = _when(baseline.governing)
     reached = f"The unstylized part itself reaches {peak:.1f} MPa at {_place(baseline.as_placed.where)} {when}"
     if peak <= strength:
         return f"{reached}: it is about to yield, whatever the style ({_strength(material)})."
@@ -92,7 +116,9 @@ def _trouble(simulation: Simulation, baseline: Simulation) -> str:
     for part, name in ((simulation, "the part"), (baseline, "the original")):
         if part.failure:
             return part.failure if part is simulation else f"the original could not be simulated: {part.failure}"
-        drops = ((part.as_placed, "as placed"), (part.tilted, "nearly as placed"), (part.overall, "in all orientations"))
+        loads = ((case.measured, f"under the load {case.name!r}") for case in part.loaded)
+        placed = ((part.drop, "as placed"), *loads, (part.as_placed, "as placed"))
+        drops = (*placed, (part.tilted, "nearly as placed"), (part.overall, "in all orientations"))
         for drop, which in drops:
             if drop is not None and not all(map(math.isfinite, (drop.surface, drop.contact, drop.p999, drop.p99, drop.maximum))):
                 return f"the stress of {name} {which} is not a finite number"
@@ -126,20 +152,34 @@ def _hidden(simulation: Simulation) -> str:
 
 
 def _as_placed(simulation: Simulation, baseline: Simulation, limits: Limits, material: Material, trouble: str) -> Told:
-    """Rule (A), of surface and contact the one that is nearer to its limit."""
-    drop, own = simulation.as_placed, baseline.as_placed
-    rule = _rule("surface stress", limits.surface, material)
-    on_surface = _judgement(rule, drop.surface, limits.surface, "MPa", SURFACE_BAND, trouble)
-    rule = _rule("average around the contact", limits.contact, material)
-    at_contact = _judgement(rule, drop.contact, limits.contact, "MPa", CONTACT_BAND, trouble)
-    surface = _use(on_surface) >= _use(at_contact)
-    judgement, before = (on_surface, own.surface) if surface else (at_contact, own.contact)
-    what = "its surface stress" if surface else "the stress around the contact"
-    clause = f"{_situation(simulation)} {_stress(what, judgement, drop, before, material, bending=surface)}"
-    if judgement.outcome == "VIABLE" and at_contact.marginal and not judgement.marginal:  # its band is the wider one
+    """Rule (A), of surface and contact in the drop and under each load the one that is nearest to its limit."""
+    dropped = _both("", simulation.drop, baseline.drop, limits.drop, material, trouble)
+    loaded = [
+        one
+        for case in simulation.loaded
+        for one in _both(case.name, case.measured, baseline.load(case.name), limits.under(case.name), material, trouble)
+    ]
+    nearest, *others = dropped if trouble else sorted((*loaded, *dropped), key=lambda one: one.use, reverse=True)
+    judgement, clause = nearest.judgement, f"{_situation(nearest.load, simulation)} {_stress(nearest, material)}"
+    close = next((one for one in others if one.judgement.marginal), None)  # around a contact, where the band is the wider one
+    if judgement.outcome == "VIABLE" and close is not None and not judgement.marginal:
         judgement = msgspec.structs.replace(judgement, marginal=True)
-        clause += f", and {_stress('the stress around the contact', at_contact, drop, own.contact, material, bending=False)}"
+        when = "" if close.load == nearest.load else f"{_when(close.load)} "
+        clause += f", and {when}{_stress(close, material)}"
     return Told(judgement, clause)
+
+
+def _both(load: str, test: Measures, own: Measures | None, limits: OfTest, material: Material, trouble: str) -> list[_Stress]:
+    """The stress on the surface and around contacts in one test, beside the original's in that very test."""
+    stands = f"under the load {load!r}" if load else "as placed"
+    told = (
+        ("surface stress", test.surface, limits.surface, SURFACE_BAND, 0.0 if own is None else own.surface),
+        ("average around the contact", test.contact, limits.contact, CONTACT_BAND, 0.0 if own is None else own.contact),
+    )
+    return [
+        _Stress(_judgement(_rule(what, stands, limit, material), value, limit, "MPa", band, trouble), test, before, at == 0, load)
+        for at, (what, value, limit, band, before) in enumerate(told)
+    ]
 
 
 def _tilted(simulation: Simulation, baseline: Simulation, limits: Limits, material: Material, trouble: str) -> Told | None:
@@ -172,8 +212,8 @@ def _literal(simulation: Simulation, material: Material, trouble: str) -> Told:
     return Told(judged, f"{when} its largest element stress is {value:.1f} MPa, {_side(judged)} {_strength(material)}")
 
 
-def _rule(what: str, limit: float, material: Material) -> str:
-    return f"{what} as placed ≤ " + ("yield strength" if limit <= material.yield_strength else "the original's own")
+def _rule(what: str, when: str, limit: float, material: Material) -> str:
+    return f"{what} {when} ≤ " + ("yield strength" if limit <= material.yield_strength else "the original's own")
 
 
 def _use(judgement: Judgement) -> float:
@@ -181,15 +221,16 @@ def _use(judgement: Judgement) -> float:
     return judgement.value / judgement.limit if judgement.limit > 0.0 else 0.0
 
 
-def _stress(what: str, judgement: Judgement, drop: Measures, before: float, material: Material, *, bending: bool) -> str:
+def _stress(stress: _Stress, material: Material) -> str:
     """A judgement on a stress in words."""
-    limit = _strength(material)
+    judgement, test, before, bending, _ = stress
+    what, limit = "its surface stress" if bending else "the stress around the contact", _strength(material)
     if judgement.limit > material.yield_strength:
         told = f"the original's own {before:.1f} MPa"
         told += f", which itself exceeds {limit}" if before > material.yield_strength else ""
         limit = told if judgement.limit <= before else f"{judgement.limit:.1f} MPa, {judgement.limit / before:.2f} times {told}"
-    where = drop.surface_where if bending else drop.contact_where
-    told = f"{what} is {judgement.value:.1f} MPa at {_place(where or drop.where)}, {_side(judgement)} {limit}"
+    where = test.surface_where if bending else test.contact_where
+    told = f"{what} is {judgement.value:.1f} MPa at {_place(where or test.where)}, {_side(judgement)} {limit}"
     if judgement.outcome == "VIABLE" and judgement.marginal and before >= (1.0 - SURFACE_BAND) * judgement.limit:
         told += f", as that of the original, {before:.1f} MPa"
     if judgement.outcome == "FAILS" and bending:
@@ -209,10 +250,15 @@ def _place(where: tuple[float, float, float]) -> str:
     return f"({x:.1f}, {y:.1f}, {z:.1f}) mm"
 
 
-def _situation(simulation: Simulation) -> str:
-    """What causes the deciding peak, in words: a load case or the drop as placed."""
-    if simulation.governing:
-        return f"under the load {simulation.governing!r}"
+def _when(load: str) -> str:
+    """A load case by its name, or for "" the drop as placed, in words."""
+    return f"under the load {load!r}" if load else "when dropped as placed"
+
+
+def _situation(load: str, simulation: Simulation) -> str:
+    """What is nearest to its limit, in words: a load case or the drop as placed."""
+    if load:
+        return _when(load)
     return "dropped as placed, which is worse than any load," if simulation.loaded else "dropped as placed"
 
 

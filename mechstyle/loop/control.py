@@ -24,9 +24,9 @@ def demand(
 ) -> Field:
     """Normalised stress s_norm(v) ≥ 0, at or above 1 where a vertex has no reserve left, shape [vertex_count].
 
-    `headroom` is the largest over all rules that count: of the part as placed and under its loads, of the tilted landings and, where it
-    was dropped so, of the envelope over all orientations, each against its own limit (`records.limits`). The others know the field as
-    placed alone, as published.
+    `headroom` is the largest over all rules that count: of the part as placed and under each of its loads, of the tilted landings and,
+    where it was dropped so, of the envelope over all orientations, each against its own limit (`records.limits`). The others know the
+    field as placed alone, as published.
 
     Args:
         simulation: The last simulation.
@@ -36,11 +36,10 @@ def demand(
         failing: A verdict on it, of which only the rules that fail are to be met; all rules without it or where none of these fails.
     """
     limits = Limits.of(original, material)
-    largest = float(original.stress.max())
-    placed = normalised(simulation.stress, original.stress, limits.of_stress(original.stress), largest, material, normalisation)
     if normalisation != "headroom":
-        return placed
-    fields = {"as_placed": placed}
+        largest, strength = float(original.stress.max()), np.float32(limits.strength)
+        return normalised(simulation.stress, original.stress, strength, largest, material, normalisation)
+    fields = {"as_placed": np.maximum.reduce([headroom(*one) for one in limits.as_it_stands(simulation, original)])}
     if simulation.tilted is not None and original.tilted is not None:
         fields["tilted"] = headroom(simulation.tilted_stress, original.tilted_stress, np.float32(limits.tilted))
     if simulation.overall is not None and original.overall is not None:
@@ -52,8 +51,9 @@ def demand(
 
 def landed(simulation: Simulation, failing: Verdict) -> bool:
     """Whether a landing is among what a simulation fails by, not load cases alone."""
-    landings = (failing.tilted, failing.all_orientations)
-    return not simulation.governing or any(rule in failing.counting and rule.outcome == "FAILS" for rule in landings if rule is not None)
+    landings, told = (failing.tilted, failing.all_orientations), failing.as_placed.value
+    of_load = any(told in (case.measured.surface, case.measured.contact) for case in simulation.loaded)
+    return not of_load or any(rule in failing.counting and rule.outcome == "FAILS" for rule in landings if rule is not None)
 
 
 def normalised(

@@ -78,6 +78,7 @@ class LoadResult(msgspec.Struct, frozen=True, kw_only=True):
         deflection: Largest displacement [mm].
         surface: Largest von Mises stress at a vertex of the surface, of those where the mesh resolves it [MPa]; 0 if it does nowhere.
         averaged: Largest mean over 2 mm along the surface, or, around the borders of supports and loads, 2 mm volume average [MPa].
+        measures: Its stress as that of a drop is measured, by which it is judged; None in records of earlier versions.
     """
 
     name: str
@@ -86,6 +87,15 @@ class LoadResult(msgspec.Struct, frozen=True, kw_only=True):
     deflection: float
     surface: float = 0.0
     averaged: float = 0.0
+    measures: Measures | None = None
+
+    @property
+    def measured(self) -> Measures:
+        """Its measures; in records of earlier versions all of its stress counts as the surface's, whose limit is the lower one."""
+        if self.measures is not None:
+            return self.measures
+        peak = self.peak
+        return Measures(peak=peak, surface=peak, contact=self.averaged, p999=peak, p99=peak, maximum=peak, where=self.where, volume=0.0)
 
     @property
     def words(self) -> str:
@@ -116,7 +126,7 @@ class Simulation:
         probability: Probability that a random drop takes `stress` there beyond the yield strength, shape [vertex_count]; zero for one
             orientation and for poses that are no sample of random drops. Of the drop alone.
         contact: Whether the surface there touched the floor in the as-placed drop, shape [vertex_count].
-        as_placed: Measures of the as-placed drop and of all load cases, the largest of each.
+        as_placed: Measures of the as-placed drop and of all load cases, the largest of each: what is shown. Each is judged by itself.
         overall: Measures of the envelope over all orientations, None if only one was run.
         failure_probability: Probability that a random drop takes the peak of the part beyond the yield strength; None where `probability`
             is no such thing.
@@ -137,6 +147,9 @@ class Simulation:
         failure: Why there is no usable answer, "" if there is.
         tilted: Measures of the drops nearly as placed, the largest of each; None if there was none.
         tilted_stress: Surface stress outside the contact in those drops, the largest [MPa], shape [vertex_count]; zero if there was none.
+        dropped: Measures of the as-placed drop alone, where there are load cases; None without, and in records of earlier versions.
+        dropped_stress: Of `stress` that of the drop alone [MPa], shape [vertex_count], where there are load cases; else empty.
+        loaded_stress: Of `stress` that of each load case [MPa], shape [case_count, vertex_count]; empty without any.
     """
 
     displacement: NDArray[np.float32]
@@ -163,6 +176,9 @@ class Simulation:
     failure: str = ""
     tilted: Measures | None = None
     tilted_stress: NDArray[np.float32] = field(default_factory=lambda: np.zeros(0, np.float32))
+    dropped: Measures | None = None
+    dropped_stress: NDArray[np.float32] = field(default_factory=lambda: np.zeros(0, np.float32))
+    loaded_stress: NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 0), np.float32))
 
     def __post_init__(self) -> None:
         """Freeze the fields over the surface."""
@@ -172,6 +188,34 @@ class Simulation:
         for name in ("displacement", "stress", "tilted_stress", "envelope", "probability", "contact"):
             kind = np.bool_ if name == "contact" else np.float32
             object.__setattr__(self, name, frozen_array(getattr(self, name), kind, (count,), name))
+        shapes: dict[str, tuple[int | None, ...]] = {"dropped_stress": (count,), "loaded_stress": (None, count)}
+        for name, shape in shapes.items():
+            values = getattr(self, name)
+            held = frozen_array(values, np.float32, shape if values.size else values.shape, name)
+            object.__setattr__(self, name, held)
+
+    @property
+    def drop(self) -> Measures:
+        """Measures of the as-placed drop alone."""
+        if self.dropped is not None:
+            return self.dropped
+        return self.landings[0].measures if self.loaded and self.landings else self.as_placed
+
+    @property
+    def drop_stress(self) -> NDArray[np.float32]:
+        """Stress of the as-placed drop alone [MPa], shape [vertex_count]; in records of earlier versions the most that it can be."""
+        return self.dropped_stress if self.dropped_stress.size else self.stress
+
+    def load(self, name: str) -> Measures | None:
+        """Measures of a load case, None if there was none of that name."""
+        return next((case.measured for case in self.loaded if case.name == name), None)
+
+    def load_stress(self, name: str) -> NDArray[np.float32]:
+        """Stress under a load case [MPa], shape [vertex_count]; zero if there was none, in earlier records the most that it can be."""
+        names = [case.name for case in self.loaded]
+        if name not in names:
+            return np.zeros_like(self.stress)
+        return self.loaded_stress[names.index(name)] if len(self.loaded_stress) == len(names) else self.stress
 
     @property
     def least_carried(self) -> float:

@@ -54,5 +54,5 @@ def borne(original: Simulation, material: Material) -> Field:
     Landings in the other orientations are left out: they are judged where they touch, by an average over 2 mm that sees no notch.
     """
     limits = Limits.of(original, material)
-    placed = original.stress / limits.of_stress(original.stress)
+    placed = np.maximum.reduce([one.stress / one.limit for one in limits.as_it_stands(original, original)])
     return placed if original.tilted is None else np.maximum(placed, original.tilted_stress / np.float32(limits.tilted))

@@ -267,13 +267,20 @@ def _of_the_loop(simulation: Simulation, displacement: Field, cut: Subdivided) -
     """
     count, nearest = len(displacement), cut.nearest
     fields: dict[str, Any] = {"contact": simulation.contact[:count]}
-    for name in STRESSES:
-        fields[name] = np.zeros(count, np.float32)
-        np.maximum.at(fields[name], nearest, getattr(simulation, name))
+    for name in (*STRESSES, *_of_each_test(simulation)):
+        values = getattr(simulation, name)
+        fields[name] = np.zeros((*values.shape[:-1], count), np.float32)
+        np.maximum.at(fields[name].T, nearest, values.T)
     return replace(simulation, displacement=displacement, **fields)
+
+
+def _of_each_test(simulation: Simulation) -> tuple[str, ...]:
+    """Fields of the drop and of each load case by itself, where there are any: shape [vertex_count] and [case_count, vertex_count]."""
+    return tuple(name for name in ("dropped_stress", "loaded_stress") if getattr(simulation, name).size)
 
 
 def _spread_out(simulation: Simulation, cut: Subdivided) -> Simulation:
     """A test as one on a finer surface."""
-    spread = {name: cut.interpolation @ getattr(simulation, name).astype(np.float32) for name in ("displacement", *FIELDS)}
+    names = ("displacement", *FIELDS, *_of_each_test(simulation))
+    spread = {name: (cut.interpolation @ getattr(simulation, name).T.astype(np.float32)).T for name in names}
     return replace(simulation, **{**spread, "contact": spread["contact"] > 0.5})

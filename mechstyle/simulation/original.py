@@ -20,9 +20,10 @@ import msgspec
 import numpy as np
 
 from mechstyle.fea.verdict import CONTACT_BAND, judge
-from mechstyle.records import Measures, Recipe, Simulation
+from mechstyle.records import LoadResult, Measures, Recipe, Simulation
 from mechstyle.records.material import Material
 from mechstyle.records.mesh import Field
+from mechstyle.simulation.under_loads import with_measures
 
 FINER = 1.4
 """What other tetrahedra may read, over what those of the original do, and raise its limit; more is a notch."""
@@ -59,7 +60,8 @@ def hopeless(simulation: Simulation, original: Simulation, recipe: Recipe) -> bo
 
     Limits are only ever raised, by FINER at most: what a rule says with the original's own and with the highest it says with any between.
     """
-    highest = replace(original, as_placed=_highest(original.as_placed), tilted=original.tilted and _highest(original.tilted))
+    loaded = [_with(case, _highest(case.measured)) for case in original.loaded]
+    highest = with_measures(replace(original, tilted=original.tilted and _highest(original.tilted)), _highest(original.drop), loaded)
     now, then = (judge(simulation, one, recipe.material, recipe.criterion) for one in (original, highest))
     outcomes = [[rule and rule.outcome for rule in (verdict.as_placed, verdict.tilted)] for verdict in (now, then)]
     failing = [rule for rule in then.counting if rule.outcome == "FAILS" and not rule.marginal]
@@ -89,14 +91,17 @@ def confirmed(original: Simulation, here: Simulation, material: Material) -> Sim
     """
     if original.failure:
         return original
-    placed, nearly = (None, None) if here.failure else (here.as_placed, here.tilted)
-    return replace(
+    placed, nearly = (None, None) if here.failure else (here.drop, here.tilted)
+    cases = {case.name: None if here.failure else here.load(case.name) for case in original.loaded}
+    held = replace(
         original,
-        stress=_believed(original.stress, placed, material),
         tilted_stress=_believed(original.tilted_stress, nearly, material),
-        as_placed=_at_most(original.as_placed, placed, material),
         tilted=original.tilted and _at_most(original.tilted, nearly, material),
     )
+    stresses = [_believed(original.load_stress(name), measures, material) for name, measures in cases.items()]
+    loaded = [_with(case, _at_most(case.measured, cases[case.name], material)) for case in original.loaded]
+    held = _with_stress(held, _believed(original.drop_stress, placed, material), stresses)
+    return with_measures(held, _at_most(original.drop, placed, material), loaded)
 
 
 def raised(original: Simulation, here: Simulation) -> Simulation:
@@ -111,13 +116,30 @@ def raised(original: Simulation, here: Simulation) -> Simulation:
     tilted = original.tilted
     if tilted is not None and here.tilted is not None:
         tilted = _larger(tilted, here.tilted)
-    return replace(
+    found = replace(
         original,
-        stress=_within(here.stress, original.stress, original.as_placed),
         tilted_stress=original.tilted_stress if tilted is None else _within(here.tilted_stress, original.tilted_stress, tilted),
-        as_placed=_larger(original.as_placed, here.as_placed),
         tilted=tilted,
     )
+    stresses, loaded = list[Field](), list[LoadResult]()
+    for case in original.loaded:
+        there = here.load(case.name)
+        stresses.append(_within(here.load_stress(case.name), original.load_stress(case.name), case.measured))
+        loaded.append(case if there is None else _with(case, _larger(case.measured, there)))
+    found = _with_stress(found, _within(here.drop_stress, original.drop_stress, original.drop), stresses)
+    return with_measures(found, _larger(original.drop, here.drop), loaded)
+
+
+def _with(case: LoadResult, measures: Measures) -> LoadResult:
+    """A load case with other measures."""
+    return msgspec.structs.replace(case, peak=measures.peak, where=measures.where, measures=measures)
+
+
+def _with_stress(original: Simulation, dropped: Field, loaded: list[Field]) -> Simulation:
+    """An original with other fields of the drop as placed and of each load case [MPa], shape [vertex_count] each, and their largest."""
+    if not loaded:
+        return replace(original, stress=dropped)
+    return replace(original, stress=np.maximum.reduce([dropped, *loaded]), dropped_stress=dropped, loaded_stress=np.stack(loaded))
 
 
 def _highest(own: Measures) -> Measures:

@@ -232,7 +232,8 @@ def judge_alone(simulation: Simulation, material: Material, criterion: str) -> V
     """
     as_placed = replace(simulation, overall=None)
     nothing = msgspec.structs.replace(simulation.as_placed, peak=0.0, surface=0.0, contact=0.0)
-    verdict = judge(as_placed, replace(as_placed, as_placed=nothing, tilted=None), material, criterion)
+    unloaded = replace(as_placed, as_placed=nothing, tilted=None, dropped=None, loaded=())
+    verdict = judge(as_placed, unloaded, material, criterion)
     if simulation.tilted is None or simulation.failure:
         return verdict
     reached = simulation.tilted.surface

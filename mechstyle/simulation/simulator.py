@@ -23,11 +23,12 @@ from mechstyle.geometry.resting_face import centre_of_mass
 from mechstyle.geometry.subdivision import Subdivided
 from mechstyle.geometry.transfer import Transfer
 from mechstyle.loop.objects import AT_REST, LAST_MESH, MESH, MESH_FOR, Memo
-from mechstyle.records import Landing, LoadResult, Measures, Recipe, Simulation, Verdict
+from mechstyle.records import Landing, Measures, Recipe, Simulation, Verdict
 from mechstyle.records.mesh import SurfaceMesh, TetMesh, digest_of
 from mechstyle.simulation.carrying import MORPHED, Carried, KeptMesh, at_rest, carried, carrying
 from mechstyle.simulation.original import asked, beside
-from mechstyle.simulation.physics import PHYSICS_VERSION, memo_key, period_of, physics, prescribed
+from mechstyle.simulation.physics import PHYSICS_VERSION, memo_key, period_of, physics, prescribed, statics
+from mechstyle.simulation.under_loads import told, under_loads
 
 
 @dataclass(frozen=True, eq=False)
@@ -227,7 +228,7 @@ class DropSimulator:
         recipe = self.recipe
         drops = (recipe.tilts, recipe.poses, recipe.orientations) if thorough else (recipe.tilts,)
         mesh = ("" if self.at is None else digest_of(self.at), self.settled)
-        return memo_key((PHYSICS_VERSION, self.device, *physics(recipe), recipe.loads, drops, mesh), displacement)
+        return memo_key((PHYSICS_VERSION, self.device, *physics(recipe), statics(recipe), drops, mesh), displacement)
 
     @cached_property
     def morph(self) -> Morph:
@@ -301,23 +302,10 @@ class DropSimulator:
             responses = self._static.run(tets, self.recipe.material, self.recipe.across_layers)
         except SimulationFailed as error:
             return replace(dropped, failure=str(error))
-        result, reading = dropped, self._reading_of(tets, dropped.displacement)
-        for name, response in responses.items():
-            deciding = reading.of_load(tets, response.von_mises, response.corners, self._static.borders[name])
-            case = measures(tets, response.von_mises, deciding)
-            field = self._transfer.to_surface(deciding.field).astype(np.float32)
-            told = LoadResult(
-                name=name, peak=case.peak, where=case.where, deflection=response.deflection,
-                surface=deciding.resolved, averaged=deciding.averaged,
-            )  # fmt: skip
-            result = replace(
-                result,
-                stress=np.maximum(result.stress, field),
-                envelope=np.maximum(result.envelope, field),
-                as_placed=result.as_placed.or_worse(case),
-                loaded=(*result.loaded, told),
-            )
-        return result
+        reading, borders = self._reading_of(tets, dropped.displacement), self._static.borders
+        deciding = {name: reading.of_load(tets, one.von_mises, one.corners, borders[name]) for name, one in responses.items()}
+        fields = np.stack([self._transfer.to_surface(one.field).astype(np.float32) for one in deciding.values()])
+        return under_loads(dropped, [told(name, tets, responses[name], one) for name, one in deciding.items()], fields)
 
     def _drop(self, tets: TetMesh, *, thorough: bool) -> Drop:
         normals, test = self._orientations.normals[: None if thorough else 1 + self.recipe.tilts], prescribed(self.recipe)

@@ -308,6 +308,63 @@ def test_words_name_the_load_that_governs():
     assert "under the load 'hand', above" in input_warning(replace(one, loaded=loaded), weak)
 
 
+def loaded(part, **cases):
+    """A part with these load cases besides its drop: surface stress and that around supports and loads of each."""
+    results = {name: measured(*stress) for name, stress in cases.items()}
+    told = tuple(LoadResult(name=name, peak=one.peak, where=one.where, deflection=0.1, measures=one) for name, one in results.items())
+    largest = part.as_placed
+    for one in results.values():
+        largest = largest.or_worse(one)
+    return replace(part, as_placed=largest, dropped=part.as_placed, loaded=told)
+
+
+@pytest.mark.parametrize(("surface", "contact"), [(1.7 * Y, 0.0), (0.0, 1.9 * Y)])
+def test_what_the_original_bears_in_the_drop_excuses_nothing_under_a_load(surface, contact):
+    """The unsafe side: a part was VIABLE at 77.5 MPa under its load, where its original bore 20 and 91.2 only when it fell."""
+    own = loaded(simulation(2.0 * Y, contact=2.0 * Y, overall=None), coat=(20.0, 20.0))
+    part = loaded(simulation(20.0, overall=None), coat=(surface, contact))
+    found = judge(part, own, PLA, "robust")
+    assert (found.outcome, found.marginal, found.as_placed.limit) == ("FAILS", False, Y)
+    assert found.words.startswith("FAILS: under the load 'coat' ")
+    assert found.as_placed.rule.endswith("under the load 'coat' ≤ yield strength")
+    assert judge(loaded(simulation(1.9 * Y, contact=1.9 * Y, overall=None), coat=(20.0, 20.0)), own, PLA, "robust").viable
+
+
+@pytest.mark.parametrize("stress", [(1.7 * Y, 0.0), (0.0, 1.9 * Y)])
+def test_what_the_original_bears_under_a_load_excuses_nothing_in_the_drop_nor_under_another(stress):
+    own = loaded(simulation(overall=None), coat=(2.0 * Y, 2.0 * Y), hand=(20.0, 20.0))
+    dropped = judge(loaded(simulation(*stress, overall=None), coat=(20.0, 20.0), hand=(20.0, 20.0)), own, PLA, "robust")
+    assert dropped.words.startswith("FAILS: dropped as placed, which is worse than any load, ")
+    pushed = judge(loaded(simulation(overall=None), coat=(20.0, 20.0), hand=stress), own, PLA, "robust")
+    assert pushed.words.startswith("FAILS: under the load 'hand' ")
+
+
+def test_an_original_over_strength_under_a_load_allows_as_much_there_and_it_is_said():
+    own = loaded(simulation(overall=None), coat=(2.0 * Y, 0.0))
+    found = judge(loaded(simulation(overall=None), coat=(1.7 * Y, 0.0)), own, PLA, "robust")
+    assert (found.outcome, found.as_placed.limit) == ("VIABLE", 2.0 * Y)
+    assert found.words.startswith("VIABLE: under the load 'coat' ")
+    assert f"within the original's own {2.0 * Y:.1f} MPa, which itself exceeds" in found.words
+    assert judge(loaded(simulation(overall=None), coat=(2.2 * Y, 0.0)), own, PLA, "robust").outcome == "FAILS"
+
+
+def test_a_load_that_is_close_around_its_supports_is_marginal_where_the_drop_is_nearest():
+    found = judge(loaded(simulation(0.94 * Y, overall=None), coat=(10.0, 0.93 * Y)), loaded(simulation(), coat=(9.0, 9.0)), PLA, "robust")
+    assert (found.outcome, found.marginal) == ("VIABLE", True)
+    assert "and under the load 'coat' the stress around the contact" in found.words
+
+
+def test_a_load_of_an_earlier_record_is_judged_by_what_is_known_of_it():
+    own = replace(simulation(2.0 * Y, overall=None), loaded=(LoadResult(name="coat", peak=20.0, where=(0.0, 0.0, 0.0), deflection=0.1),))
+    peak = LoadResult(name="coat", peak=1.7 * Y, where=(0.0, 0.0, 0.0), deflection=0.1, averaged=1.7 * Y)
+    assert judge(replace(simulation(1.7 * Y, overall=None), loaded=(peak,)), own, PLA, "robust").outcome == "FAILS"
+
+
+def test_a_load_whose_stress_is_no_number_is_unknown():
+    part = loaded(simulation(overall=None), coat=(np.nan, 0.0))
+    assert judge(part, loaded(simulation(), coat=(1.0, 0.0)), PLA, "robust").outcome == "UNKNOWN"
+
+
 def test_the_input_is_warned_of_only_when_it_is_about_to_yield_itself():
     assert input_warning(simulation(43.0), PLA) == ""
     assert "about to yield" in input_warning(simulation(44.0), PLA)

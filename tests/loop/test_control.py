@@ -198,6 +198,35 @@ def test_a_part_fails_by_a_landing_unless_it_is_by_a_load_alone(tilted, of_the_l
     assert landed(styled, judge(styled, original, PLA, "robust")) is expected
 
 
+def under_load(dropped, load):
+    """A part with these fields in the drop and under a load."""
+    one = measured(float(load.max()), 0.0)
+    told = LoadResult(name="hung", peak=one.peak, where=one.where, deflection=0.1, measures=one)
+    drop = simulated(dropped)
+    return replace(
+        drop, stress=np.maximum(dropped, load), as_placed=drop.as_placed.or_worse(one), loaded=(told,),
+        dropped=drop.as_placed, dropped_stress=dropped, loaded_stress=load[None],
+    )  # fmt: skip
+
+
+def test_an_overload_under_a_load_alone_is_demanded_of_whatever_the_original_bears_in_the_drop():
+    original = under_load(field(2.0 * Y, 10.0), field(20.0, 10.0))
+    styled = under_load(field(20.0, 10.0), field(1.7 * Y, 1.2 * Y))
+    verdict = judge(styled, original, PLA, "robust")
+    assert verdict.outcome == "FAILS"
+    assert not landed(styled, verdict)
+    for failing in (None, verdict):
+        assert np.all(demand(styled, original, PLA, "headroom", failing) > 1.0)
+    assert not demand(original, original, PLA, "headroom").any()
+
+
+def test_a_landing_fails_a_part_whose_larger_stress_under_a_load_is_the_originals_own():
+    original, styled = under_load(field(10.0), field(3.0 * Y)), under_load(field(1.5 * Y), field(2.0 * Y))
+    verdict = judge(styled, original, PLA, "robust")
+    assert (verdict.outcome, styled.governing) == ("FAILS", "hung")
+    assert landed(styled, verdict)
+
+
 def test_an_envelope_of_fewer_orientations_demands_nothing():
     """A part dropped as placed only is not compared with an original dropped in all orientations."""
     original = simulated(field(10.0), envelope=field(20.0))
@@ -206,8 +235,8 @@ def test_an_envelope_of_fewer_orientations_demands_nothing():
 
 def test_limits_are_the_yield_strength_or_what_the_original_reaches():
     calm, over = Limits.of(simulated(field(10.0)), PLA), Limits.of(simulated(field(60.0), tilted=field(80.0), contact=30.0), PLA)
-    assert (calm.surface, calm.contact, calm.tilted, calm.envelope) == (Y, Y, np.inf, 0.0)
-    assert (over.surface, over.contact, over.tilted) == pytest.approx((60.0, Y, UNHARMED * 80.0))
+    assert (*calm.drop, calm.tilted, calm.envelope) == (Y, Y, np.inf, 0.0)
+    assert (*over.drop, over.tilted) == pytest.approx((60.0, Y, UNHARMED * 80.0))
 
 
 def test_own_max_compares_with_the_largest_unstylized_stress_anywhere():

@@ -316,7 +316,7 @@ def checkpoint(count=5, **changes):
 @pytest.mark.parametrize("record", [simulation(), checkpoint()], ids=["simulation", "checkpoint"])
 def test_fields_are_frozen_copies_of_four_bytes_at_most(record):
     found = [getattr(record, field.name) for field in dataclasses.fields(record) if isinstance(getattr(record, field.name), np.ndarray)]
-    assert len(found) == (6 if isinstance(record, Simulation) else 7)
+    assert len(found) == (8 if isinstance(record, Simulation) else 7)
     for array in found:
         assert array.dtype in (np.float32, np.float16, np.bool_)
         with pytest.raises(ValueError, match="read-only"):

@@ -278,6 +278,20 @@ def test_a_peak_between_the_vertices_of_the_loop_is_lowered_where_it_is():
     assert not found.contact.any()
 
 
+def test_the_stress_of_the_drop_and_of_each_load_goes_to_the_loop_and_back_by_itself():
+    box = trimesh.creation.box((40.0, 30.0, 20.0))
+    cut = subdivided(SurfaceMesh(box.vertices, box.faces), 4)
+    count = len(cut.mesh.vertices)
+    stress, zeros = np.full(count, 10.0, np.float32), np.zeros(count)
+    stress[-1] = 50.0
+    fields = {**dict.fromkeys(("displacement", "envelope", "probability"), zeros), "contact": zeros > 0.0, "stress": 2.0 * stress}
+    fine = simulation(**fields, dropped_stress=stress, loaded_stress=np.stack([zeros, 2.0 * stress]))
+    found = module._of_the_loop(fine, np.zeros(8, np.float32), cut)
+    assert (found.dropped_stress.max(), found.loaded_stress[0].max(), found.loaded_stress[1].max()) == (50.0, 0.0, 100.0)
+    spread = module._spread_out(found, cut)
+    assert np.allclose(spread.loaded_stress[1], 2.0 * spread.dropped_stress)
+
+
 def test_where_the_part_bears_much_the_file_is_as_the_tetrahedra_have_it(run, finer, monkeypatch):
     """What no test has seen must not be in the file: of the relief drawn for it they followed less. This block bears little as it is."""
     delivery, state, mesh = run._refinement(run.simulator(run.recipe)), run.checkpoint(), finer.original

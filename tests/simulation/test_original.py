@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 
 from mechstyle.fea.verdict import judge
-from mechstyle.records import Recipe
+from mechstyle.records import LoadResult, Recipe
 from mechstyle.records.material import LIBRARY
 from mechstyle.simulation.carrying import Carried
 from mechstyle.simulation.original import CONFIRMED, FINER, asked, beside, confirmed, excuses, hopeless, raised
 from mechstyle.simulation.simulator import DropSimulator
+from mechstyle.simulation.under_loads import under_loads
 from support.records import simulation
 
 PLA = LIBRARY["PLA"]
@@ -49,6 +50,25 @@ def test_no_limit_is_lowered_and_all_orientations_are_compared_with_the_original
     found = raised(own, simulated(30.0, contact=10.0, tilted=20.0, p99=99.0))
     assert (found.as_placed, found.tilted, found.overall) == (own.as_placed, own.tilted, own.overall)
     assert np.array_equal(found.stress, own.stress)
+
+
+def under_load(drop, surface):
+    """A part with this surface stress under a load besides."""
+    found = msgspec.structs.replace(drop.as_placed, peak=surface, surface=surface, contact=0.0)
+    case = LoadResult(name="coat", peak=surface, where=found.where, deflection=0.1, measures=found)
+    return under_loads(drop, [case], np.full((1, len(drop.stress)), surface, np.float32))
+
+
+def test_the_drop_and_each_load_are_confirmed_and_raised_by_the_same_test_on_other_tetrahedra():
+    own, here = under_load(simulated(300.0), 60.0), under_load(simulated(90.0), 200.0)
+    believed = confirmed(own, here, PLA)
+    assert (believed.drop.surface, believed.load("coat").surface) == pytest.approx((CONFIRMED * 90.0, 60.0))
+    assert believed.as_placed.surface == believed.drop.surface
+    found = raised(under_load(simulated(40.0), 20.0), under_load(simulated(20.0), 50.0))
+    assert (found.drop.surface, found.load("coat").surface, found.as_placed.surface) == pytest.approx((40.0, FINER * 20.0, 40.0))
+    assert found.load_stress("coat").max() == pytest.approx(FINER * 20.0)
+    assert found.drop_stress.max() == found.stress.max() == pytest.approx(40.0)
+    assert judge(under_load(simulated(20.0), 1.5 * PLA.yield_strength), believed, PLA, "robust").outcome == "FAILS"
 
 
 def test_what_broke_down_raises_nothing():

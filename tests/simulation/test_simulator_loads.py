@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import msgspec
 import numpy as np
 import pytest
 
 from mechstyle.errors import BadInput, SimulationFailed
+from mechstyle.records import Recipe
 from mechstyle.records.load_cases import Load, LoadCase, Patch, Support
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.simulation import simulator as module
 from mechstyle.simulation.carrying import AGAIN
 from mechstyle.simulation.part_test import judge_alone
+from mechstyle.simulation.physics import STATICS_VERSION, statics
 from mechstyle.simulation.validation.meshes import box
 from support.dropped_block import bumps, ripples, simulator
 
@@ -33,10 +36,31 @@ def test_the_worse_of_drop_and_loads_drives_and_decides(block, memo):
     assert loaded.overall == dropped.overall
 
 
+def test_drop_and_loads_are_kept_each_by_itself(block, memo):
+    """As each is judged by what the original does in that very test, also where the record is read again."""
+    dropped = simulator(block, memo).baseline
+    simulator(block, memo, loads=(PUSH, REST)).baseline  # noqa: B018 — remembered
+    loaded = simulator(block, memo, loads=(PUSH, REST)).baseline
+    assert loaded.drop == dropped.as_placed == loaded.landings[0].measures
+    assert np.array_equal(loaded.drop_stress, dropped.stress)
+    assert loaded.loaded_stress.shape == (2, len(dropped.stress))
+    assert np.array_equal(loaded.stress, np.maximum(dropped.stress, loaded.loaded_stress.max(axis=0)))
+    for case in loaded.loaded:
+        assert case.measures.peak == case.peak
+        assert loaded.load(case.name) == case.measures
+        assert 0.75 * case.peak < loaded.load_stress(case.name).max() <= 1.00001 * case.peak
+
+
+def test_a_result_with_loads_of_an_earlier_version_is_not_taken_up_and_one_without_is():
+    plain = Recipe(surface="", tetrahedra="", prompt="", material=LIBRARY["PLA"])
+    assert statics(plain) == ()
+    assert statics(msgspec.structs.replace(plain, loads=(REST,))) == (STATICS_VERSION, (REST,))
+
+
 def test_a_drop_that_is_worse_than_its_loads_stays_as_it_is(block, memo):
     dropped, loaded = (simulator(block, memo, **settings).baseline for settings in ({}, {"loads": (REST,)}))
     assert loaded.governing == ""
-    assert loaded.as_placed == dropped.as_placed
+    assert loaded.as_placed == loaded.drop == dropped.as_placed
     assert len(loaded.loaded) == 1
 
 
