@@ -13,6 +13,11 @@ from mechstyle.simulation.carrying import slope
 SEEN = 0.01
 """Relief below which a place has none [mm]: no printer shows it, and other triangles of a flat face make nearly as much."""
 
+TIMES, BEYOND = 2.0, 10.0
+"""A part is another one than its original if a side differs by more than so many times and by more mm than reliefs make of a thin plate."""
+TOGETHER = 0.5
+"""Share of the smaller box that a part and its original have in common at least where they stand."""
+
 
 class Relief(msgspec.Struct, frozen=True, kw_only=True):
     """A relief of a part over its original.
@@ -64,6 +69,20 @@ def fit_of(tets: TetMesh, part: SurfaceMesh, original: SurfaceMesh | None = None
         mean=float(there.distance.mean()), most=float(there.distance.max()), volume=float(tets.volumes.sum()) / part.volume - 1.0,
         relief=None if original is None else _relief(part, original, there.point),
     )  # fmt: skip
+
+
+def other_part(part: SurfaceMesh, original: SurfaceMesh) -> str:
+    """A sentence if a part can hardly have been styled from an original, whose strength it is held to; "" if it can."""
+    (low, high), (low_before, high_before) = ((mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)) for mesh in (part, original))
+    short, long = np.sort([high - low, high_before - low_before], axis=0)
+    remedy = "and the limit is that of the original: give the file that the part was styled from"
+    if ((long > TIMES * short) & (long - short > BEYOND)).any():
+        before, now = (" x ".join(f"{side:.3g}" for side in mesh.extents) for mesh in (original, part))
+        return f"The original is {before} mm and the part {now} mm: they seem to be different parts, {remedy}."
+    common = np.clip(np.minimum(high, high_before) - np.maximum(low, low_before), 0.0, None)
+    if common.prod() < TOGETHER * min((high - low).prod(), (high_before - low_before).prod()):
+        return f"The original and the part do not stand in the same place: they seem to be different parts, {remedy}."
+    return ""
 
 
 def _relief(part: SurfaceMesh, original: SurfaceMesh, followed: Floats) -> Relief:

@@ -28,7 +28,7 @@ from mechstyle.records.load_cases import LoadCase, load_cases
 from mechstyle.records.material import Material, material_named
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh, TetMesh
 from mechstyle.records.recipe import DEFAULTS, direction_of
-from mechstyle.simulation.beside_original import Fit, fit_of
+from mechstyle.simulation.beside_original import Fit, fit_of, other_part
 from mechstyle.simulation.drop_history import Course, history_picture, vtu_bytes
 from mechstyle.simulation.impact import Impact, impact_of
 from mechstyle.simulation.part import Shape, Stage, Workpiece, cached_memo, fitted, prepare, say_nothing
@@ -48,7 +48,8 @@ class PartTest:
         recipe: Material, drop and criterion.
         simulation: What was measured.
         verdict: What it means.
-        warning: What the part itself exceeds, its material's strength or its printer's thinnest wall, in sentences; "" for nothing.
+        warning: What the part itself exceeds, its material's strength or its printer's thinnest wall, and that its original seems to be
+            another part, in sentences; "" for nothing.
         tets: The tetrahedra that were dropped.
         detail: The test in full.
         impact: The drop as placed, moment by moment; None for one that failed.
@@ -220,7 +221,8 @@ def _tested(
     stage("looking at the impact")
     impact = None if detail.drop.failure else impact_of(part, recipe, unstyled, memo, progress)
     thin = (f"{sentence}." for sentence in part.shape.too_thin(wanted.minimum_wall))
-    warning = " ".join(filter(None, (input_warning(original or simulation, material), *thin)))
+    other = "" if given[1] is None else other_part(given[0], given[1])
+    warning = " ".join(filter(None, (other, input_warning(original or simulation, material), *thin)))
     return PartTest(part, recipe, simulation, verdict, warning, tets, detail, impact, fit, original)
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from mechstyle.geometry.level_base import LevelBase
 from mechstyle.records.mesh import SurfaceMesh
-from mechstyle.simulation.beside_original import fit_of
+from mechstyle.simulation.beside_original import fit_of, other_part
 from mechstyle.simulation.validation.meshes import box
 
 
@@ -85,3 +85,25 @@ def test_without_an_original_nothing_is_told_of_a_relief(block):
     assert fit.mean == pytest.approx(0.2, abs=0.05)
     assert "0.2" in fit.words
     assert fit.volume < -0.05
+
+
+@pytest.mark.parametrize(
+    ("stretch", "shift", "told"),
+    [
+        ((1.0, 1.0, 1.0), 0.0, ""),
+        ((1.3, 1.3, 1.3), 0.0, ""),
+        ((1.0, 1.0, 3.0), 0.0, "different parts"),
+        ((1.0, 1.0, 1 / 3), 0.0, "different parts"),
+        ((1.0, 1.0, 1.0), 25.0, "do not stand in the same place"),
+        ((1.0, 1.0, 1.0), 3.0, ""),
+    ],
+)
+def test_what_cannot_be_the_original_is_told(cube, stretch, shift, told):
+    part = cube.moved(cube.vertices * 20.0 / cube.extents)
+    warning = other_part(part, part.moved(part.vertices * stretch + (shift, 0.0, 0.0)))
+    assert (told in warning) if told else warning == ""
+
+
+def test_a_thin_plate_under_a_deep_relief_is_still_its_own_original(cube):
+    plate = cube.moved(cube.vertices * (60.0, 60.0, 1.2) / cube.extents)
+    assert other_part(plate.moved(plate.vertices * (1.0, 1.0, 5.0)), plate) == ""

@@ -133,6 +133,13 @@ def test_a_relief_that_the_tetrahedra_do_not_carry_is_marginal_beside_the_origin
     assert "its tetrahedra carry only" in compared.verdict.words
 
 
+def test_another_part_in_place_of_the_original_is_warned_of(drop_it, block):
+    """A box twenty times as large raised the limit, and the part was VIABLE without a word."""
+    compared = drop_it(original=block.surface.moved(20.0 * block.surface.vertices))
+    assert compared.warning.startswith("The original is 240 x 200 x 320 mm and the part 12 x 10 x 16 mm: they seem to be different parts")
+    assert "different parts" not in drop_it(original=block.surface).warning
+
+
 def test_energy_goes_somewhere_and_adds_up(block, found):
     course = found.course
     mass = PLA.density * block.tets.volumes.sum() * (1.0 + found.simulation.added_mass)
