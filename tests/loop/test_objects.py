@@ -16,7 +16,7 @@ from hypothesis.extra.numpy import array_shapes, arrays
 
 from mechstyle._files import write_whole
 from mechstyle.errors import DamagedStore, MechStyleError
-from mechstyle.loop.objects import Objects, read_record
+from mechstyle.loop.objects import Objects
 from mechstyle.loop.store import Lane, Store
 from mechstyle.records import Measures, Simulation
 from mechstyle.records.mesh import SurfaceMesh, TetMesh
@@ -387,19 +387,3 @@ def test_a_readable_result_stays(store):
     store.memo.remember(KEY, "first")
     store.memo.remember(KEY, "second")
     assert store.memo.recall(KEY, str) == "first"
-
-
-@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs pipes")
-def test_a_pipe_in_the_place_of_a_file_is_refused(store):
-    """Read, it would wait for ever: a folder from somebody else hung every command that opened it."""
-    digest = store.objects.put(b"content")
-    for path in (store.root / "part.json", store.objects.path(digest), store.root / "memo" / KEY):
-        path.unlink(missing_ok=True)
-        path.parent.mkdir(exist_ok=True)
-        os.mkfifo(path)
-    with pytest.raises(DamagedStore, match=r"part\.json is not a file: restore it from a copy"):
-        read_record(store.root / "part.json", dict)
-    with pytest.raises(DamagedStore, match="is not a file: restore it from a copy"):
-        store.objects.get(digest)
-    assert store.memo.recall(KEY, float) is None
-    assert store.memo.named() == []
