@@ -208,7 +208,7 @@ class Track:
         touch = self._body.next_touch(motion, normal)
         if touch is None:
             return "it leaves the floor, no next touch"
-        if touch.speed < least and self._body.hardest_touch(motion, normal, least) < least:
+        if touch.speed < least and not self._body.harder_behind(touch, normal, least):
             return f"the next touch, at {touch.speed:.1f} m/s, is slower than {SLOW:g} of the first"
         if touch.after < SOON * rule.period:
             return ""

@@ -21,9 +21,6 @@ from mechstyle.records.mesh import TetMesh
 PHYSICS_VERSION = 14
 """Counts changes that alter results, so that remembered simulations of older code are not reused."""
 
-STATICS_VERSION = 1
-"""Counts such changes of what load cases leave, so that a drop without loads keeps its name: from 1 on each case is kept by itself."""
-
 
 def prescribed(recipe: Recipe) -> DropTest:
     """The drop test a recipe prescribes."""
@@ -38,11 +35,6 @@ def physics(recipe: Recipe) -> tuple[Any, ...]:
     layers = () if recipe.build_direction is None else (recipe.build_direction,)
     part = (recipe.surface, recipe.tetrahedra, recipe.material, *layers)
     return (*part, recipe.drop_height, recipe.friction, recipe.window, recipe.damping, recipe.element, recipe.transfer)
-
-
-def statics(recipe: Recipe) -> tuple[Any, ...]:
-    """The load cases and what decides their answer; nothing without any."""
-    return (STATICS_VERSION, recipe.loads) if recipe.loads else ()
 
 
 def memo_key(inputs: tuple[Any, ...], displacement: NDArray[np.float32]) -> str:

@@ -27,7 +27,7 @@ from mechstyle.records import Landing, Measures, Recipe, Simulation, Verdict
 from mechstyle.records.mesh import SurfaceMesh, TetMesh, digest_of
 from mechstyle.simulation.carrying import MORPHED, Carried, KeptMesh, at_rest, carried, carrying
 from mechstyle.simulation.original import asked, beside
-from mechstyle.simulation.physics import PHYSICS_VERSION, memo_key, period_of, physics, prescribed, statics
+from mechstyle.simulation.physics import PHYSICS_VERSION, memo_key, period_of, physics, prescribed
 from mechstyle.simulation.under_loads import told, under_loads
 
 
@@ -228,7 +228,7 @@ class DropSimulator:
         recipe = self.recipe
         drops = (recipe.tilts, recipe.poses, recipe.orientations) if thorough else (recipe.tilts,)
         mesh = ("" if self.at is None else digest_of(self.at), self.settled)
-        return memo_key((PHYSICS_VERSION, self.device, *physics(recipe), statics(recipe), drops, mesh), displacement)
+        return memo_key((PHYSICS_VERSION, self.device, *physics(recipe), recipe.loads, drops, mesh), displacement)
 
     @cached_property
     def morph(self) -> Morph:

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import msgspec
 import numpy as np
 import pytest
 
 from mechstyle.errors import BadInput, SimulationFailed
-from mechstyle.records import Recipe
 from mechstyle.records.load_cases import Load, LoadCase, Patch, Support
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.simulation import simulator as module
 from mechstyle.simulation.carrying import AGAIN
 from mechstyle.simulation.part_test import judge_alone
-from mechstyle.simulation.physics import STATICS_VERSION, statics
 from mechstyle.simulation.validation.meshes import box
 from support.dropped_block import bumps, ripples, simulator
 
@@ -49,12 +46,6 @@ def test_drop_and_loads_are_kept_each_by_itself(block, memo):
         assert case.measures.peak == case.peak
         assert loaded.load(case.name) == case.measures
         assert 0.75 * case.peak < loaded.load_stress(case.name).max() <= 1.00001 * case.peak
-
-
-def test_a_result_with_loads_of_an_earlier_version_is_not_taken_up_and_one_without_is():
-    plain = Recipe(surface="", tetrahedra="", prompt="", material=LIBRARY["PLA"])
-    assert statics(plain) == ()
-    assert statics(msgspec.structs.replace(plain, loads=(REST,))) == (STATICS_VERSION, (REST,))
 
 
 def test_a_drop_that_is_worse_than_its_loads_stays_as_it_is(block, memo):

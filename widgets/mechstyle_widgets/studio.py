@@ -240,12 +240,12 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     def _other_part(self, _change: object = None) -> None:
         """A part was picked: show its run if there is one at hand, else the part as it is."""
         mesh = self.part_picker.mesh
-        if mesh is not None and not self._shows_its_run():
+        if mesh is not None and not self._show_its_run():
             self._show(self._made(PartViewer, paintable(mesh)))
             self._preview()
 
-    def _shows_its_run(self) -> bool:
-        """Whether the run of the part that is chosen is on show, which it is from now on if there is anything to see of it."""
+    def _show_its_run(self) -> bool:
+        """Show the run of the part that is chosen, if one is at hand and there is anything to see of it; whether it is on show."""
         run, mesh = self.run, self.part_picker.mesh
         if run is None or mesh is None or self.state.checkpoint is None:
             return False
@@ -272,7 +272,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
 
     def _another_checkpoint(self, change: dict[str, Any]) -> None:
         """A run is on show from its first checkpoint on, and whenever one of it is looked at while its part is chosen."""
-        there = self.state.checkpoint is None or isinstance(self._viewer, RunViewer) or self._shows_its_run()
+        there = self.state.checkpoint is None or isinstance(self._viewer, RunViewer) or self._show_its_run()
         if not there and change["old"] is None:
             self._show_run()
 
