@@ -50,7 +50,8 @@ class Sides:
         self._areas = boundary.face_areas
         # By angle, so that a corner of a floor does not look sideways where its triangle of the floor is small.
         self._means = boundary.vertex_normals
-        self.spots, self.vertices, self._directions = _spots(self.faces, self._normals, self._means)
+        self.spots, self.vertices, self._face = _spots(self.faces, self._normals, self._means)
+        self._directions = self._directed(boundary)
         self.points, self.face_of = _points(tets, self.faces)
         self._beside = _neighbours(self.faces)
 
@@ -63,6 +64,13 @@ class Sides:
         """Area each point stands for on a morph of the mesh [mm²], shape [point_count]."""
         areas = SurfaceMesh(tets.vertices, self.faces).face_areas
         return np.asarray((areas / np.bincount(self.face_of, minlength=len(areas)))[self.face_of])
+
+    def directions(self, tets: TetMesh) -> Floats:
+        """Outward unit normals at the spots of a morph of the mesh, shape [spot_count, 3]."""
+        return self._directed(SurfaceMesh(tets.vertices, self.faces))
+
+    def _directed(self, boundary: SurfaceMesh) -> Floats:
+        return np.where(self._face[:, None] < 0, boundary.vertex_normals[self.vertices], boundary.face_normals[self._face])
 
     def near(self, reach: float) -> csr_array:
         """Which points lie within `reach` [mm] of which spots on the same side, ones of shape [spot_count, point_count]."""
@@ -167,16 +175,15 @@ def _cosines(one: Floats, other: Floats) -> Floats:
     return np.asarray(np.einsum("nx,nx->n", one, other))
 
 
-def _spots(faces: Indices, normals: Floats, means: Floats) -> tuple[Indices, Indices, Floats]:
-    """Spot at each corner of the faces, and vertex and direction of each spot."""
+def _spots(faces: Indices, normals: Floats, means: Floats) -> tuple[Indices, Indices, Indices]:
+    """Spot at each corner of the faces, vertex of each spot, and its face on a sharp edge or corner, elsewhere -1."""
     corners = faces.ravel()
     sharp = np.zeros(len(means), dtype=bool)
     sharp[corners[_cosines(means[corners], np.repeat(normals, 3, axis=0)) < SMOOTH]] = True
     names = np.where(sharp[corners], len(means) + np.arange(len(corners)), corners)  # a sharp corner is a spot of its own
     _, first, spots = np.unique(names, return_index=True, return_inverse=True)
     vertices = corners[first]
-    directions = np.where(sharp[vertices, None], normals[first // 3], means[vertices])
-    return spots.reshape(-1, 3).astype(np.int32), vertices, directions
+    return spots.reshape(-1, 3).astype(np.int32), vertices, np.where(sharp[vertices], first // 3, -1)
 
 
 def _points(tets: TetMesh, faces: Indices) -> tuple[csr_array, Indices]:

@@ -5,8 +5,9 @@ point lies too deep. So, with σ_s the stress at a vertex of the surface:
 
 * **σ_s** is the volume-weighted mean over the tetrahedra of a vertex of their stress at that corner. The largest of them over the mean,
   less 1, is its jump: the estimate of its error (Zienkiewicz and Zhu 1992).
-* **σ_2** is the area-weighted mean of σ_s within 2 mm on the same side of the wall. Pure bending is constant along the surface, so nothing
-  is lost; over a sharp inner edge, where σ_s grows with every finer mesh, it has a limit.
+* **σ_2** is the area-weighted mean of σ_s within 2 mm on the same side of the wall. Pure bending is constant along a flat face, so nothing
+  is lost, and what a mean misses around a round bar is added (`fea/plane_sections.py`); over a sharp inner edge, where σ_s grows with every
+  finer mesh, it has a limit.
 * Near contact, and near the border of a support or load, the surface itself has no finite stress; the mean over a **ball** decides there.
   Near is measured along the wall, past edges but not through it: the upper side of a floor bends freely while its underside rests.
 """
@@ -20,6 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mechstyle.fea.ball_average import RADIUS, BallAverage, largest_around
+from mechstyle.fea.plane_sections import Patches
 from mechstyle.fea.sides import Sides
 from mechstyle.records.mesh import Bools, Floats, TetMesh
 
@@ -116,14 +118,13 @@ class SurfaceStress:
 
     def along(self, tets: TetMesh, at_vertices: Floats) -> Floats:
         """σ_2 at the spots from σ_s at the vertices [MPa], shape [spot_count]; σ_s where the surface has no area."""
-        weights = self.sides.weights(tets)
-        stressed = weights * (self.sides.points @ at_vertices)
-        area, around = self._near @ weights, self._beside @ weights
-        there = at_vertices[self.sides.vertices]
-        own = np.divide(self._near @ stressed, area, out=there.copy(), where=area > 0.0)
+        patches = Patches(self._near, self.sides, tets)
+        there, at_points = at_vertices[self.sides.vertices], self.sides.points @ at_vertices
+        own, around = patches.along(at_points, there), self._beside @ patches.weights
         # Squared, so that a strip as wide as a line of plastic keeps two thirds of its own, and a fin of 0.5 mm² a sixteenth.
-        share = np.where(around > 0.0, np.minimum(area / SPLINTER, 1.0) ** 2, 1.0)
-        return share * own + (1.0 - share) * np.divide(self._beside @ stressed, around, out=there, where=around > 0.0)
+        share = np.where(around > 0.0, np.minimum(patches.areas / SPLINTER, 1.0) ** 2, 1.0)
+        beside = np.divide(self._beside @ (patches.weights * at_points), around, out=there, where=around > 0.0)
+        return np.asarray(share * own + (1.0 - share) * beside)
 
     def of_landing(self, tets: TetMesh, von_mises: ArrayLike, corners: ArrayLike, touched: ArrayLike) -> Deciding:
         """The deciding stress of a drop: σ_2 alone, because styled surfaces have roots as sharp as the mesh, where σ_s measures the mesh.
