@@ -14,6 +14,7 @@ from scipy.sparse import coo_array, csr_array
 from scipy.spatial import cKDTree
 
 from mechstyle.fea.elements import GAUSS_A, GAUSS_B
+from mechstyle.fea.joined import joined
 from mechstyle.records.mesh import Floats, TetMesh
 
 RADIUS = 2.0
@@ -30,8 +31,9 @@ between them, so that nothing is extrapolated, shapes [1, 4], [4, 4] and [8, 4].
 
 
 class BallAverage:
-    """Volume average over what lies within `radius` [mm], as a sparse operator.
+    """Volume average over what lies within `radius` [mm] and is joined to the centre there, as a sparse operator.
 
+    What lies across a gap is left out (`fea/joined.py`): a wall beside a slot bears what it bears, whatever the next one does.
     A tetrahedron is taken as one point, or as four or eight, between which the stress is linear, where the mesh is so coarse that
     the ball would hold fewer than ENOUGH.
     Neighbours are those of the mesh given here, the undeformed one; weights are the volumes of the mesh averaged on, so
@@ -42,12 +44,14 @@ class BallAverage:
         in_ball = 4.0 / 3.0 * math.pi * radius**3 * len(tets.tets) / float(tets.volumes.sum())
         self.radius = radius
         self.coordinates = next((points for points in SUB_POINTS if len(points) * in_ball >= ENOUGH), SUB_POINTS[-1])
-        points = self.points(tets).reshape(-1, 3)
-        pairs = cKDTree(points).query_pairs(radius, output_type="ndarray").astype(np.int32)
-        itself = np.arange(len(points), dtype=np.int32)
+        points = self.points(tets)
+        count = points.shape[0] * points.shape[1]
+        pairs = cKDTree(points.reshape(-1, 3)).query_pairs(radius, output_type="ndarray").astype(np.int32)
+        itself = np.arange(count, dtype=np.int32)
         rows = np.concatenate([pairs[:, 0], pairs[:, 1], itself])
         columns = np.concatenate([pairs[:, 1], pairs[:, 0], itself])
-        self._near: csr_array = coo_array((np.ones(len(rows), dtype=np.float32), (rows, columns)), shape=(len(points),) * 2).tocsr()
+        near = coo_array((np.ones(len(rows), dtype=np.float32), (rows, columns)), shape=(count, count)).tocsr()
+        self._near: csr_array = joined(near, tets, points, radius)
 
     def points(self, tets: TetMesh) -> Floats:
         """The points averages are taken at [mm], shape [tet_count, sub_points, 3]."""

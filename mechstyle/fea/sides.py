@@ -52,7 +52,7 @@ class Sides:
         self._means = boundary.vertex_normals
         self.spots, self.vertices, self._face = _spots(self.faces, self._normals, self._means)
         self._directions = self._directed(boundary)
-        self.points, self.face_of = _points(tets, self.faces)
+        self.points, self.face_of = surface_points(tets, self.faces)
         self._beside = _neighbours(self.faces)
 
     @property
@@ -186,8 +186,12 @@ def _spots(faces: Indices, normals: Floats, means: Floats) -> tuple[Indices, Ind
     return spots.reshape(-1, 3).astype(np.int32), vertices, np.where(sharp[vertices], first // 3, -1)
 
 
-def _points(tets: TetMesh, faces: Indices) -> tuple[csr_array, Indices]:
-    """Centroids of n² equal triangles a face is cut into, n from its longest edge: interpolation from the vertices, and faces."""
+def surface_points(tets: TetMesh, faces: Indices) -> tuple[csr_array, Indices]:
+    """Points that stand for faces: centroids of n² equal triangles a face is cut into, n from its longest edge.
+
+    Returns:
+        Interpolation from the vertices, shape [point_count, vertex_count], and face of each point, shape [point_count].
+    """
     corners = tets.vertices[faces]
     longest = np.linalg.norm(corners - corners[:, [1, 2, 0]], axis=2).max(axis=1)
     cuts = np.maximum(1, np.rint(longest / SPACING)).astype(int)

@@ -8,6 +8,7 @@ import pytest
 from mechstyle.records.material import LIBRARY, Material
 from mechstyle.records.mesh import TetMesh
 from mechstyle.simulation.validation.meshes import box as straight_box
+from mechstyle.simulation.validation.meshes import lattice
 
 Box = Callable[..., TetMesh]
 
@@ -26,6 +27,25 @@ def box_mesh(counts: tuple[int, int, int], size: tuple[float, float, float], sha
 def box() -> Box:
     """The mesher itself."""
     return box_mesh
+
+
+def comb_mesh(wall: float, slot: float, cell: float) -> TetMesh:
+    """Three walls of a thickness with two slots between them along x, 6 mm deep along y and 8 mm high, on a base up to z = 4 [mm].
+
+    Cells of about `cell` [mm], each cut into the six Kuhn tetrahedra.
+    """
+    widths = [wall, slot, wall, slot, wall]
+    counts = [max(1, round(width / cell)) for width in widths]
+    x = np.concatenate([[0.0], np.cumsum(np.repeat(np.divide(widths, counts), counts))])
+    mesh = lattice(x, np.linspace(0.0, 6.0, round(6.0 / cell) + 1), np.linspace(0.0, 12.0, 3 * round(4.0 / cell) + 1))
+    across, _, up = mesh.vertices[mesh.tets].mean(axis=1).T
+    return TetMesh(mesh.vertices, mesh.tets[(up < 4.0) | (across % (wall + slot) < wall)])
+
+
+@pytest.fixture(scope="session")
+def comb() -> Box:
+    """The mesher of three walls on a base."""
+    return comb_mesh
 
 
 @pytest.fixture(scope="session")

@@ -86,12 +86,12 @@ class SmoothPeak(BallAverage):
         return smooth, by_power, by_volume + by_weight.sum(axis=1) / tets.volumes
 
     def _backward(self, tets: TetMesh, values: Floats, averages: Floats, seed: Floats) -> tuple[Floats, Floats]:
-        """Derivatives by values and volumes from `seed`, that by the averages; neighbours are mutual, the sparse matrix symmetric."""
+        """Derivatives by values and volumes from `seed`, that by the averages. Beside the tip of a notch neighbours are not mutual."""
         interpolate = self._from_gauss(values.shape[1])
         weights = np.repeat(tets.volumes, averages.shape[1])
         share = seed.ravel() / (self._near @ weights)
-        spread = np.asarray(self._near @ share)
-        by_weight = spread * (values @ interpolate.T).ravel() - self._near @ (share * averages.ravel())
+        spread = np.asarray(self._near.T @ share)
+        by_weight = spread * (values @ interpolate.T).ravel() - self._near.T @ (share * averages.ravel())
         return (weights * spread).reshape(averages.shape) @ interpolate, by_weight.reshape(averages.shape).sum(axis=1)
 
 

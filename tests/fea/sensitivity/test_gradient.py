@@ -61,9 +61,13 @@ def test_the_smooth_peak_bounds_the_peak_of_the_drop_test_as_it_says(short, sens
     assert sharper <= of_maxima <= sharper * records ** (1.0 / 64.0)
 
 
+@pytest.mark.parametrize("slotted", [False, True])
 @pytest.mark.parametrize("points", [1, 4])
-def test_the_mean_of_order_p_has_the_derivative_it_says(points, block):
+def test_the_mean_of_order_p_has_the_derivative_it_says(points, slotted, block, comb):
+    """Beside a slot one point may lie in the ball of another but not the other way round."""
     rng = np.random.default_rng(0)
+    block = comb(1.2, 0.4, 1.0) if slotted else block
+    assert (abs(SmoothPeak(block)._near - SmoothPeak(block)._near.T).nnz > 0) == slotted
     peak, powers = SmoothPeak(block), rng.uniform(0.5, 1.0, (len(block.tets), points)) ** 16
     _, by_power, by_volume = peak.evaluated(block, powers, 16.0)
     change = 1e-6 * powers * rng.standard_normal(powers.shape)
