@@ -152,7 +152,7 @@ def _hidden(simulation: Simulation) -> str:
 
 
 def _as_placed(simulation: Simulation, baseline: Simulation, limits: Limits, material: Material, trouble: str) -> Told:
-    """Rule (A), of surface and contact in the drop and under each load the one that is nearest to its limit."""
+    """Rule (A), of surface and contact in the drop and under each load the one that is nearest to its limit, as sure as all of them."""
     dropped = _both("", simulation.drop, baseline.drop, limits.drop, material, trouble)
     loaded = [
         one
@@ -161,12 +161,22 @@ def _as_placed(simulation: Simulation, baseline: Simulation, limits: Limits, mat
     ]
     nearest, *others = dropped if trouble else sorted((*loaded, *dropped), key=lambda one: one.use, reverse=True)
     judgement, clause = nearest.judgement, f"{_situation(nearest.load, simulation)} {_stress(nearest, material)}"
-    close = next((one for one in others if one.judgement.marginal), None)  # around a contact, where the band is the wider one
-    if judgement.outcome == "VIABLE" and close is not None and not judgement.marginal:
-        judgement = msgspec.structs.replace(judgement, marginal=True)
-        when = "" if close.load == nearest.load else f"{_when(close.load)} "
-        clause += f", and {when}{_stress(close, material)}"
+    decides = next((one for one in others if _overrules(one.judgement, judgement)), None)
+    if decides is not None:
+        judgement = msgspec.structs.replace(judgement, marginal=decides.judgement.marginal)
+        when = "" if decides.load == nearest.load else f"{_when(decides.load)} "
+        clause += f", and {when}{_stress(decides, material)}"
     return Told(judgement, clause)
+
+
+def _overrules(other: Judgement, nearest: Judgement) -> bool:
+    """Whether a judgement says how sure the outcome is instead of the one nearest to its limit, whose band may be the wider or narrower.
+
+    What fails in its band is sure to fail where another fails beyond its own; what holds is in doubt where another is in its band.
+    """
+    if nearest.outcome == "FAILS":
+        return nearest.marginal and other.outcome == "FAILS" and not other.marginal
+    return not nearest.marginal and other.marginal
 
 
 def _both(load: str, test: Measures, own: Measures | None, limits: OfTest, material: Material, trouble: str) -> list[_Stress]:
