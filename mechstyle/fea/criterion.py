@@ -5,11 +5,15 @@ The stress that drives the mask is the stress that decides, `surface_stress.Deci
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import ArrayLike
 
+from mechstyle.fea.drop import Drop
+from mechstyle.fea.orientations import Orientations
 from mechstyle.fea.surface_stress import Deciding
-from mechstyle.records import Measures
+from mechstyle.records import Landing, Measures
 from mechstyle.records.mesh import Floats, TetMesh
 
 
@@ -51,4 +55,21 @@ def measures(tets: TetMesh, von_mises: ArrayLike, deciding: Deciding) -> Measure
         surface_where=deciding.surface_where,
         contact_where=deciding.contact_where,
         volume=float(tets.volumes.sum()),
+    )
+
+
+def measured_landings(ways: Orientations, tets: TetMesh, result: Drop, deciding: Sequence[Deciding]) -> tuple[Landing, ...]:
+    """Measures and phases of each landing of a drop test, the first as placed; of all `ways` it may be the only one."""
+    known = (result.von_mises, deciding, result.phases, result.endings)
+    drops = zip(ways.names, ways.normals, ways.weights, *known, strict=False)
+    return tuple(
+        Landing(
+            name=name,
+            normal=(float(x), float(y), float(z)),
+            weight=float(weight),
+            measures=measures(tets, stress, one),
+            touches=tuple(phase.speed for phase in phases),
+            ended=ended,
+        )
+        for name, (x, y, z), weight, stress, one, phases, ended in drops
     )

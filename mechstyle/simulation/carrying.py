@@ -37,6 +37,13 @@ class KeptMesh(msgspec.Struct, frozen=True, kw_only=True):
     at: str
 
 
+class Carrier(msgspec.Struct, frozen=True, kw_only=True):
+    """What a relief was tested on: the digest of the tetrahedra, and how they came about, in words."""
+
+    mesh: str
+    meshing: str
+
+
 class Carried(NamedTuple):
     """How well tetrahedra have the shape of a styled surface.
 

@@ -10,22 +10,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mechstyle.errors import MechStyleError, SimulationFailed
-from mechstyle.fea.criterion import exceedance, measures
+from mechstyle.fea.criterion import exceedance, measured_landings, measures
 from mechstyle.fea.drop import Drop, drop
 from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.fea.orientations import Orientations, nearly, orientation_set
 from mechstyle.fea.statics.load_test import StaticTest
-from mechstyle.fea.surface_stress import Deciding, SurfaceStress, worst
+from mechstyle.fea.surface_stress import SurfaceStress, worst
 from mechstyle.fea.verdict import judge
 from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.morph import Morph, Morphed
 from mechstyle.geometry.resting_face import centre_of_mass
 from mechstyle.geometry.subdivision import Subdivided
 from mechstyle.geometry.transfer import Transfer
-from mechstyle.loop.objects import AT_REST, LAST_MESH, MESH, MESH_FOR, Memo
-from mechstyle.records import Landing, Measures, Recipe, Simulation, Verdict
+from mechstyle.loop.objects import AT_REST, CARRIER, LAST_MESH, MESH, MESH_FOR, Memo
+from mechstyle.records import Measures, Recipe, Simulation, Verdict
 from mechstyle.records.mesh import SurfaceMesh, TetMesh, digest_of
-from mechstyle.simulation.carrying import MORPHED, Carried, KeptMesh, at_rest, carried, carrying
+from mechstyle.simulation.carrying import MORPHED, Carried, Carrier, KeptMesh, at_rest, carried, carrying
 from mechstyle.simulation.original import asked, beside
 from mechstyle.simulation.physics import PHYSICS_VERSION, memo_key, period_of, physics, prescribed
 from mechstyle.simulation.under_loads import told, under_loads
@@ -148,10 +148,20 @@ class DropSimulator:
         return replace(carrier.simulate(displacement, thorough=True), meshing=meshing)
 
     def carrier(self, displacement: NDArray[np.float32]) -> tuple[DropSimulator, str]:
-        """The same test on tetrahedra that carry a relief [mm], shape [vertex_count], and how these came about, in words.
+        """The same test on tetrahedra that carry a relief [mm], shape [vertex_count], and how these came about, in words; remembered.
 
-        They are its own, those that were made last for such a relief, or new ones; meshing a third time was never seen to carry more.
+        They are its own, those that were made last for such a relief, or new ones; meshing a third time was never seen to carry more. Asked
+        again they are the same, whatever was meshed since: what is delivered is not to be another test than its verdict.
         """
+        name = f"{CARRIER}{self._key(displacement, thorough=True)}"
+        known = self.memo.recall(name, Carrier)
+        if known is not None and (there := self._on(known.mesh)).tets.digest == known.mesh:
+            return there, known.meshing
+        carrier, meshing = self._that_carries(displacement)
+        self.memo.remember(name, Carrier(mesh=carrier.tets.digest, meshing=meshing), anew=True)
+        return carrier, meshing
+
+    def _that_carries(self, displacement: NDArray[np.float32]) -> tuple[DropSimulator, str]:
         here = self._carried(displacement)
         if here.enough:
             return self, MORPHED
@@ -345,7 +355,7 @@ class DropSimulator:
             return failed
         reading, stresses = self._reading_of(tets, morphed.displacement), zip(result.von_mises, result.corners, result.contact, strict=True)
         deciding = [reading.of_landing(tets, points, corners, touched) for points, corners, touched in stresses]
-        landings = self._landings(tets, result, deciding)
+        landings = measured_landings(self._orientations, tets, result, deciding)
         fields = np.stack([transfer.to_surface(one.field) for one in deciding])
         found = replace(
             failed,
@@ -369,20 +379,4 @@ class DropSimulator:
             found,
             probability=exceedance(fields, weights, allowable).astype(np.float32),
             failure_probability=float(exceedance([landing.measures.peak for landing in landings], weights, allowable)),
-        )
-
-    def _landings(self, tets: TetMesh, result: Drop, deciding: list[Deciding]) -> tuple[Landing, ...]:
-        """Measures and phases of each landing."""
-        ways, known = self._orientations, (result.von_mises, deciding, result.phases, result.endings)
-        drops = zip(ways.names, ways.normals, ways.weights, *known, strict=False)  # as placed may be all
-        return tuple(
-            Landing(
-                name=name,
-                normal=(float(x), float(y), float(z)),
-                weight=float(weight),
-                measures=measures(tets, stress, one),
-                touches=tuple(phase.speed for phase in phases),
-                ended=ended,
-            )
-            for name, (x, y, z), weight, stress, one, phases, ended in drops
         )

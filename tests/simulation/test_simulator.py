@@ -16,7 +16,7 @@ from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.records.simulation import VOLUME_ERROR
 from mechstyle.simulation import simulator as module
-from mechstyle.simulation.carrying import AGAIN, LEAST_CARRIED, carrying
+from mechstyle.simulation.carrying import AGAIN, LEAST_CARRIED, Carried, carrying
 from support.dropped_block import bumps, ripples, simulator, slopes
 
 
@@ -176,6 +176,17 @@ def test_the_tets_of_a_relief_are_taken_for_the_next_that_they_carry(block, memo
     lower = sim.simulate(0.8 * ripples(block), thorough=True)
     assert lower.mesh == first.mesh
     assert len(asked) == 1
+
+
+def test_asked_again_for_a_relief_the_tets_are_those_it_was_tested_on(block, memo, monkeypatch):
+    """What is delivered may be an earlier correction: drawn after another was meshed, it was tested on that one's tetrahedra instead."""
+    first, words = simulator(block, memo).carrier(ripples(block))
+    with monkeypatch.context() as patch:
+        patch.setattr(Carried, "serves_instead_of", lambda *_: False)
+        other, _ = simulator(block, memo).carrier(ripples(block, 0.25))
+    assert other.tets.digest != first.tets.digest
+    again, as_before = simulator(block, memo).carrier(ripples(block))
+    assert (again.tets.digest, as_before) == (first.tets.digest, words)
 
 
 def test_a_part_that_cannot_be_meshed_again_is_judged_as_it_is_and_says_so(block, memo, monkeypatch):
