@@ -160,8 +160,8 @@ class Refinement:
         return replace(test.simulate(self._gentle(relief, test), thorough=True), meshing=meshing)
 
     def _gentle(self, relief: Field, test: DropSimulator) -> Field:
-        """A relief as its test has it where the part bears much [mm], shape [fine_count]."""
-        share = self.cut.interpolation @ borne(self.simulator.baseline, self.simulator.recipe.material)
+        """A relief as its test has it where the part bears much, of limits that its tetrahedra confirm [mm], shape [fine_count]."""
+        share = self.cut.interpolation @ borne(self.simulator.believed(test.tets.digest), self.simulator.recipe.material)
         if share.max() <= CRISP:
             return relief
         softened = gentle(self.cut.mesh, relief, test.morph.morphed(relief).followed, test.tets, share, self._twin.bounds)

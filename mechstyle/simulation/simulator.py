@@ -26,7 +26,7 @@ from mechstyle.loop.objects import AT_REST, CARRIER, LAST_MESH, MESH, MESH_FOR, 
 from mechstyle.records import Measures, Recipe, Simulation, Verdict
 from mechstyle.records.mesh import SurfaceMesh, TetMesh, digest_of
 from mechstyle.simulation.carrying import MORPHED, Carried, Carrier, KeptMesh, at_rest, carried, carrying
-from mechstyle.simulation.original import asked, beside
+from mechstyle.simulation.original import asked, beside, confirmed, excuses
 from mechstyle.simulation.physics import PHYSICS_VERSION, memo_key, period_of, physics, prescribed
 from mechstyle.simulation.under_loads import told, under_loads
 
@@ -100,13 +100,19 @@ class DropSimulator:
         """What a simulation is compared with: the baseline, and where `original.asked` says so the original here, too."""
         if self.coarser is not None:
             return self.coarser.baseline_of(simulation)
-        own, there, material = self.baseline, self._on(simulation.mesh), self.recipe.material
+        own, there = self.baseline, self._on(simulation.mesh)
         made_for_it = there.tets.digest == simulation.mesh and there._made_for_relief  # noqa: SLF001 — another of this class
         # On tetrahedra that cannot come back to it the original stands on a few nodes and bears more, which would let the style bear more.
         nothing = np.zeros(len(self.surface.vertices), np.float32)
-        if not (made_for_it and asked(simulation, own, self.recipe) and there._carried(nothing).enough):  # noqa: SLF001 — as above
-            return own
-        return beside(own, there._without_relief, material)  # noqa: SLF001 — as above
+        if made_for_it and asked(simulation, own, self.recipe) and there._carried(nothing).enough:  # noqa: SLF001 — as above
+            return beside(own, there._without_relief, self.recipe.material)  # noqa: SLF001 — as above
+        return self.believed(simulation.mesh)
+
+    def believed(self, mesh: str) -> Simulation:
+        """The baseline; where that would excuse a style, only what tetrahedra made for a relief, by their digest, confirm of it."""
+        own, there, material = self.baseline, self._on(mesh), self.recipe.material
+        made_for_it = there.tets.digest == mesh and there._made_for_relief  # noqa: SLF001 — as above
+        return confirmed(own, there._without_relief, material) if made_for_it and excuses(own, material) else own  # noqa: SLF001 — as above
 
     @cached_property
     def _without_relief(self) -> Simulation:

@@ -310,6 +310,16 @@ def test_where_the_part_bears_much_the_file_is_as_the_tetrahedra_have_it(run, fi
     assert crossings(mesh.displaced(asked[-1])).pairs == 0
 
 
+def test_where_the_part_bears_much_is_told_by_what_the_tetrahedra_of_the_test_confirm(run, finer, monkeypatch):
+    """The unsafe side: a splinter of the original's own set the limit that its shares are of, and they were small everywhere else."""
+    delivery, drawn = run._refinement(run.simulator(run.recipe)), finer.displacement
+    test, held, asked = delivery.simulator.carrier(run.checkpoint().displacement)[0].on(finer.cut), object(), []
+    monkeypatch.setattr(DropSimulator, "believed", lambda _, mesh: asked.append(mesh) or held)
+    monkeypatch.setattr(module, "borne", lambda original, _: asked.append(original) or np.zeros(len(run.part.surface.vertices)))
+    assert delivery._gentle(drawn, test) is drawn
+    assert asked == [test.tets.digest, held]
+
+
 def test_what_is_delivered_does_not_pass_through_itself(tmp_path, monkeypatch):
     """Drawn finely, bricks on both sides of an edge or an inner corner reach into each other."""
     monkeypatch.setenv("MECHSTYLE_CACHE", str(tmp_path / "cache"))

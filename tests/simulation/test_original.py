@@ -184,6 +184,21 @@ def test_tetrahedra_that_cannot_come_back_to_the_original_raise_no_limit(stands,
     assert test.judge(styled).viable is raises
 
 
+def test_what_tetrahedra_confirm_that_cannot_come_back_to_the_original_is_all_that_excuses_a_style(monkeypatch, block):
+    """The unsafe side: where nothing was to be raised, nothing was confirmed either, and a splinter's 642 MPa were believed."""
+    own, there = simulated(40.0, tilted=641.7), simulated(90.0, tilted=76.0)
+    fakes = {"baseline": property(lambda _: own), "_without_relief": property(lambda _: there), "_on": lambda self, _: self}
+    fakes |= {"_carried": lambda *_: Carried(1.0, None, 0.0, 0.5), "_made_for_relief": property(lambda _: True)}
+    for name, fake in fakes.items():
+        monkeypatch.setattr(DropSimulator, name, fake)
+    test = DropSimulator(*block, Recipe(surface="", tetrahedra=block[1].digest, prompt="", material=PLA), None)
+    found = test.baseline_of(replace(simulated(40.0, tilted=180.0), mesh=block[1].digest))
+    assert (found.as_placed.surface, found.tilted.surface) == pytest.approx((40.0, CONFIRMED * 76.0))
+    assert test.believed(block[1].digest).tilted == found.tilted
+    assert test.believed("others") is own, "nobody knows these"
+    assert not test.judge(replace(simulated(40.0, tilted=180.0), mesh=block[1].digest)).viable
+
+
 def test_a_verdict_on_a_finer_surface_asks_the_tetrahedra_about_their_own(monkeypatch, block):
     """A fine file that failed was refused for the number of its vertices."""
     asked, finer = [], replace(simulated(49.0), mesh=block[1].digest)
