@@ -14,6 +14,7 @@ would let a style bear as much. What an original reads above its strength excuse
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import msgspec
@@ -21,6 +22,7 @@ import numpy as np
 
 from mechstyle.fea.verdict import CONTACT_BAND, judge
 from mechstyle.records import LoadResult, Measures, Recipe, Simulation
+from mechstyle.records.limits import UNHARMED
 from mechstyle.records.material import Material
 from mechstyle.records.mesh import Field
 from mechstyle.simulation.under_loads import with_measures
@@ -84,6 +86,8 @@ def beside(original: Simulation, here: Simulation, material: Material) -> Simula
 def confirmed(original: Simulation, here: Simulation, material: Material) -> Simulation:
     """The original with its stresses as placed and tilted at most CONFIRMED times what it reads on other tetrahedra, or its strength.
 
+    Of stresses that may grow to UNHARMED times it counts what sets that limit to the strength: what nobody confirms is to excuse nothing.
+
     Args:
         original: On tetrahedra of its own, in all orientations.
         here: On those that were made for a relief, as placed and tilted. Where that broke down nothing is confirmed.
@@ -96,12 +100,12 @@ def confirmed(original: Simulation, here: Simulation, material: Material) -> Sim
     held = replace(
         original,
         tilted_stress=_believed(original.tilted_stress, nearly, material),
-        tilted=original.tilted and _at_most(original.tilted, nearly, material),
+        tilted=original.tilted and _at_most(original.tilted, nearly, material, grows=("surface", "contact")),
     )
     stresses = [_believed(original.load_stress(name), measures, material) for name, measures in cases.items()]
-    loaded = [_with(case, _at_most(case.measured, cases[case.name], material)) for case in original.loaded]
+    loaded = [_with(case, _at_most(case.measured, cases[case.name], material, grows=("contact",))) for case in original.loaded]
     held = _with_stress(held, _believed(original.drop_stress, placed, material), stresses)
-    return with_measures(held, _at_most(original.drop, placed, material), loaded)
+    return with_measures(held, _at_most(original.drop, placed, material, grows=("contact",)), loaded)
 
 
 def raised(original: Simulation, here: Simulation) -> Simulation:
@@ -147,10 +151,18 @@ def _highest(own: Measures) -> Measures:
     return msgspec.structs.replace(own, peak=FINER * own.peak, surface=FINER * own.surface, contact=FINER * own.contact)
 
 
-def _at_most(own: Measures, here: Measures | None, material: Material) -> Measures:
-    """The measures of one, surface and contact at most CONFIRMED times the other's, or the strength where that is more."""
-    other = {name: 0.0 if here is None else CONFIRMED * getattr(here, name) for name in ("surface", "contact")}
-    held = {name: min(getattr(own, name), max(most, material.yield_strength)) for name, most in other.items()}
+def _at_most(own: Measures, here: Measures | None, material: Material, *, grows: Sequence[str]) -> Measures:
+    """The measures of one, surface and contact at most CONFIRMED times the other's, or what excuses nothing where that is more.
+
+    Args:
+        own: Of the original on tetrahedra of its own.
+        here: On others; None confirms nothing.
+        material: Of the original.
+        grows: Those of the two whose limit is UNHARMED times the original's.
+    """
+    calm = {name: material.yield_strength / (UNHARMED if name in grows else 1.0) for name in ("surface", "contact")}
+    other = {name: 0.0 if here is None else CONFIRMED * getattr(here, name) for name in calm}
+    held = {name: min(getattr(own, name), max(other[name], least)) for name, least in calm.items()}
     larger = max(held, key=held.__getitem__)
     return msgspec.structs.replace(own, peak=held[larger], where=getattr(own, f"{larger}_where") or own.where, **held)
 

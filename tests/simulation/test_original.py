@@ -8,6 +8,7 @@ import pytest
 
 from mechstyle.fea.verdict import judge
 from mechstyle.records import LoadResult, Recipe
+from mechstyle.records.limits import UNHARMED, Limits
 from mechstyle.records.material import LIBRARY
 from mechstyle.simulation.carrying import Carried
 from mechstyle.simulation.original import CONFIRMED, FINER, asked, beside, confirmed, excuses, hopeless, raised
@@ -97,6 +98,16 @@ def test_a_splinter_raises_no_limit_where_nothing_is_tilted_or_the_other_mesh_br
     assert judge(styled, found, PLA, "robust").outcome == "FAILS"
     assert found.as_placed.surface == pytest.approx(PLA.yield_strength)
     assert judge(replace(styled, as_placed=simulated(40.0).as_placed), found, PLA, "robust").viable
+
+
+def test_what_nobody_confirms_allows_nothing_beyond_the_strength_where_the_original_may_grow_either():
+    """The unsafe side: held to its strength, an unconfirmed contact or tilted stress let a style bear 1.10 times that."""
+    own, here = simulated(20.0, contact=100.0, tilted=100.0), simulated(20.0, contact=10.0, tilted=10.0)
+    for found in (confirmed(own, here, PLA), confirmed(own, replace(here, failure="it broke down"), PLA)):
+        limits = Limits.of(found, PLA)
+        assert (limits.drop.contact, limits.drop.surface, limits.tilted) == pytest.approx((PLA.yield_strength,) * 3)
+    halfway = Limits.of(confirmed(own, simulated(20.0, contact=60.0, tilted=70.0), PLA), PLA)
+    assert (halfway.drop.contact, halfway.tilted) == pytest.approx((UNHARMED * CONFIRMED * 60.0, UNHARMED * CONFIRMED * 70.0))
 
 
 @pytest.mark.parametrize(("tilted", "viable"), [(62.0, False), (47.0, True)])
