@@ -20,6 +20,8 @@ FEWEST_TETS = 3_000
 TETS_PER_KEPT_VERTEX = 2.0
 """Asked for, with a relief and without: stresses are compared between meshes that are equally fine. Triangles that are kept alone make one
 and a half."""
+OTHERS = 1.15
+"""Of these, asked for where other tetrahedra are to say the same."""
 HALF = np.float32(0.5)
 """Share of the relief that tetrahedra are made for: from there the way to none and to all of it turns the fewest inside out."""
 EXAGGERATED = np.float32(2.0)
@@ -113,6 +115,11 @@ def at_rest(surface: SurfaceMesh, go_on: GoOn = regardless) -> TetMesh:
         SimulationFailed: If it cannot be meshed.
     """
     return tetrahedralise(surface, _count(surface), cache=cache_folder() / "tets", go_on=go_on)
+
+
+def others_at_rest(surface: SurfaceMesh, go_on: GoOn = regardless) -> TetMesh:
+    """Other tetrahedra than `at_rest`, about as fine, to confirm what those read; else the same."""
+    return tetrahedralise(surface, round(OTHERS * _count(surface)), cache=cache_folder() / "tets", go_on=go_on)
 
 
 def _count(surface: SurfaceMesh) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -29,8 +29,10 @@ from mechstyle.records.material import Material, material_named
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh, TetMesh
 from mechstyle.records.recipe import DEFAULTS, direction_of
 from mechstyle.simulation.beside_original import Fit, fit_of, other_part
+from mechstyle.simulation.carrying import others_at_rest
 from mechstyle.simulation.drop_history import Course, history_picture, vtu_bytes
 from mechstyle.simulation.impact import Impact, impact_of
+from mechstyle.simulation.original import confirmed, excuses
 from mechstyle.simulation.part import Shape, Stage, Workpiece, cached_memo, fitted, prepare, say_nothing
 from mechstyle.simulation.physics import period_of, prescribed
 from mechstyle.simulation.simulator import Detail, DropSimulator
@@ -54,7 +56,8 @@ class PartTest:
         detail: The test in full.
         impact: The drop as placed, moment by moment; None for one that failed.
         fit: How the tetrahedra follow the part as it was given.
-        original: The same test of what the part is compared with, None if that was not told.
+        original: The same test of what the part is compared with, as far as other tetrahedra confirm what it reads above its strength;
+            None if that was not told.
     """
 
     part: Workpiece
@@ -215,7 +218,7 @@ def _tested(
         verdict = judge_alone(simulation, material, wanted.criterion)
     else:
         stage("dropping its original")
-        original = dropper(plain).baseline
+        original = _confirmed(plain, dropper, material, stage, progress)
         simulation = replace(simulation, carried=fit.relief.carried, carried_base=fit.relief.carried_base)
         verdict = judge(simulation, original, material, wanted.criterion)
     stage("looking at the impact")
@@ -224,6 +227,22 @@ def _tested(
     other = "" if given[1] is None else other_part(given[0], given[1])
     warning = " ".join(filter(None, (other, input_warning(original or simulation, material), *thin)))
     return PartTest(part, recipe, simulation, verdict, warning, tets, detail, impact, fit, original)
+
+
+def _confirmed(
+    plain: Workpiece, dropper: Callable[[Workpiece], DropSimulator], material: Material, stage: Stage, progress: Progress
+) -> Simulation:
+    """The test of an original; where it reads above its strength, no more of it than other tetrahedra confirm, as in a run."""
+    own = dropper(plain).baseline
+    if not excuses(own, material):
+        return own
+    stage("dropping its original on other tetrahedra")
+    try:
+        others = dropper(replace(plain, tets=others_at_rest(plain.surface, partial(progress, 0.0))))
+        here = others.simulate(np.zeros(len(plain.surface.vertices), np.float32), thorough=False)
+    except SimulationFailed as error:
+        here = replace(own, failure=str(error))
+    return confirmed(own, here, material)
 
 
 def judge_alone(simulation: Simulation, material: Material, criterion: str) -> Verdict:

@@ -17,6 +17,7 @@ from mechstyle.simulation import part_test as module
 from mechstyle.simulation import simulator
 from mechstyle.simulation.part import Workpiece
 from mechstyle.simulation.part_test import judge_alone, simulate
+from mechstyle.simulation.simulator import DropSimulator
 from mechstyle.simulation.validation.meshes import box
 
 PLA = LIBRARY["PLA"]
@@ -138,6 +139,40 @@ def test_another_part_in_place_of_the_original_is_warned_of(drop_it, block):
     compared = drop_it(original=block.surface.moved(20.0 * block.surface.vertices))
     assert compared.warning.startswith("The original is 240 x 200 x 320 mm and the part 12 x 10 x 16 mm: they seem to be different parts")
     assert "different parts" not in drop_it(original=block.surface).warning
+
+
+@pytest.mark.parametrize(("others", "confirms"), [("as much", True), ("half", False), ("refused", False)])
+def test_what_the_original_reads_above_its_strength_excuses_only_what_other_tetrahedra_confirm(
+    drop_it, block, found, monkeypatch, others, confirms
+):
+    """The unsafe side: with `--original` a splinter in its tetrahedra was an excuse, which a run asks others about."""
+    raised, own, real = block.tets.moved(block.tets.vertices + 1e-6), found.simulation.as_placed.surface, DropSimulator.simulate
+
+    def made(*_):
+        if others == "refused":
+            raise SimulationFailed("fTetWild gave up")
+        return raised
+
+    def read(self, displacement, *, thorough):
+        told = real(self, displacement, thorough=thorough)
+        if self.tets is not raised or others != "half":
+            return told
+        half = {name: 0.5 * getattr(told.as_placed, name) for name in ("peak", "surface", "contact")}
+        return replace(told, as_placed=msgspec.structs.replace(told.as_placed, **half))
+
+    monkeypatch.setattr(module, "others_at_rest", made)
+    monkeypatch.setattr(DropSimulator, "simulate", read)
+    weak = msgspec.structs.replace(PLA, yield_strength=0.7 * own)
+    compared = drop_it(original=block.surface, material=weak)
+    assert (compared.original.as_placed.surface == pytest.approx(own)) is confirms
+    assert compared.strength.verdict == ("VIABLE" if confirms else "FAILS")
+    if others == "refused":
+        assert compared.verdict.as_placed.limit == pytest.approx(weak.yield_strength)
+
+
+def test_an_original_below_its_strength_is_meshed_once(drop_it, block, monkeypatch):
+    monkeypatch.setattr(module, "others_at_rest", lambda *_: pytest.fail("it excuses nothing"))
+    assert drop_it(original=block.surface).verdict.viable
 
 
 def test_energy_goes_somewhere_and_adds_up(block, found):
