@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import Any
 
 from mechstyle.errors import unknown
-from mechstyle.gallery import PREFIX, entry, names
+from mechstyle.gallery import PREFIX, entry, load, names
 from mechstyle.records.mesh import STANDARD_VERTICES
 from mechstyle.runs.recipes import FREESTYLE, draft
 from mechstyle.study.cells import Cell
@@ -88,7 +88,7 @@ class Factors:
 
     @property
     def addresses(self) -> list[str]:
-        """The models as they are opened; BadInput for a name that is neither a file nor in the gallery. All of the gallery unless told."""
+        """The models as they are opened, all of the gallery unless told; BadInput for a name neither of a file nor in the gallery."""
         return [_address(model) for model in self.models or names()]
 
     def cell(self, model: str, style: str, seed: int, arm: str, **settings: Any) -> Cell:
@@ -105,10 +105,13 @@ def cells_of(study: str, factors: Factors) -> list[Cell]:
         factors: What is crossed in it.
 
     Raises:
-        BadInput: For a study, model, style or setting that there is not.
+        BadInput: For a study, model, style or setting that there is not, and a file that cannot be used.
     """
     if study not in STUDIES:
         raise unknown("study", study, STUDIES)
+    for model in dict.fromkeys(factors.addresses):
+        if not model.startswith(PREFIX):
+            load(model)  # one that cannot be used is refused before hours are spent on the others
     return {"formative": _formative, "evaluation": _evaluation, "ablation": _ablation}[study](factors)
 
 
@@ -151,7 +154,8 @@ def _loads(model: str, *, loaded: bool) -> list[dict[str, Any]]:
 
 
 def _address(model: str) -> str:
-    if model.startswith(PREFIX) or Path(model).suffix:
+    if Path(model).suffix and not model.startswith(PREFIX):
         return model
-    entry(model)
-    return PREFIX + model
+    name = model.removeprefix(PREFIX)
+    entry(name)
+    return PREFIX + name

@@ -65,6 +65,17 @@ def test_a_model_that_is_not_there_is_refused_before_anything_runs(asked):
     assert not seen
 
 
+def test_a_file_that_cannot_be_used_is_refused_before_anything_runs(asked, tmp_path):
+    """Hours after the first of them had run it was a row that nobody had asked for."""
+    line, seen = asked
+    (tmp_path / "open.stl").write_text("solid nothing\nendsolid\n")
+    for model in ("none.stl", "open.stl"):
+        told = json.loads(line("formative", "--models", "vase", model, "--styles", "brick", "--json", code=2).output)
+        assert model in told["error"]
+    assert not seen
+    assert not list(tmp_path.glob("study-*"))
+
+
 def test_a_page_is_made_of_a_folder_and_says_where_it_is(asked, tmp_path):
     line, _ = asked
     line("formative", "--models", "vase", "--styles", "brick", "--out", "here", "--json")

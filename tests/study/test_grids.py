@@ -5,7 +5,7 @@ import pytest
 from mechstyle import gallery
 from mechstyle.errors import BadInput
 from mechstyle.records.recipe import SETTINGS
-from mechstyle.study.grids import ARMS, STUDY_ARMS, STUDY_CONTROLS, STUDY_SCHEDULES, STYLES, Factors, cells_of
+from mechstyle.study.grids import ARMS, STUDIES, STUDY_ARMS, STUDY_CONTROLS, STUDY_SCHEDULES, STYLES, Factors, cells_of
 
 SMALL = {"models": ["pen_holder", "wall_hook"], "styles": ["brick"], "iterations": 9, "vertices": 1000}
 
@@ -59,6 +59,8 @@ def test_seeds_and_other_settings_reach_every_recipe():
     [
         ("formativ", {}, "did you mean 'formative'"),
         ("formative", {"models": ["penholder"]}, "did you mean 'pen_holder'"),
+        ("formative", {"models": ["vase", "gallery:penholder"]}, "did you mean 'pen_holder'"),
+        *((study, {"models": ["vase", "none.stl"]}, r"none\.stl does not exist") for study in STUDIES),
         ("evaluation", {"controls": ["frosen"]}, "did you mean 'frozen'"),
         ("ablation", {"arms": ["statics"]}, "did you mean 'static'"),
     ],
