@@ -80,6 +80,11 @@ class Store:
         """The folder as it was written, for people to know it again; absolute once the process works elsewhere, where that leads astray."""
         return self._written if _absolute(self._written) == self._folder else self._folder
 
+    @property
+    def place(self) -> Path:
+        """The folder, absolute: by this one run is told from another, wherever the process works meanwhile."""
+        return self._folder
+
     @classmethod
     def open(cls, root: str | Path) -> Store:
         """An existing run directory, or BadInput."""

@@ -274,3 +274,19 @@ def test_another_style_while_a_run_is_paused_is_begun_in_its_place(studio, cube,
     assert studio.run.store.root == left.store.root, "its settings find it again"
     assert_shows(studio, sheet_of(cube, 64), "wood")
     assert not caplog.records
+
+
+def test_a_run_is_followed_wherever_the_notebook_works_meanwhile(studio, cube, tmp_path, monkeypatch):
+    """Its folder is relative, as by default: after os.chdir the view stood still, and the run was begun anew when asked for again."""
+    studio.go()
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    monkeypatch.chdir(elsewhere)
+    assert not studio.controller.asks_for_another()
+    assert studio.controller.began_with(cube)
+    studio.state.iteration = 4
+    shown = studio._viewer.subject.mesh.vertices
+    np.testing.assert_allclose(shown, studio.run.surface(4).vertices)
+    studio.prompt_box.prompt = "wood"
+    settled(studio, studio.controller.run)
+    assert_shows(studio, sheet_of(cube, 64), "wood")

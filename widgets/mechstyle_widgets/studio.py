@@ -154,7 +154,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             chosen = {name: value for name, value in chosen.items() if name not in (*FREESTYLE, "normalisation")}
         part, options = self.part_picker, self.drop_options
         opened = part.mesh is not None and part.mesh is self._opened_mesh and options.vertices == len(part.mesh.vertices)
-        at_hand = opened and self.run is not None and self.run.store.root == self._opened_root
+        at_hand = opened and self.run is not None and self.run.store.place == self._opened_place
         unseen = {name: value for name, value in self._unseen.items() if not (name == "clip" and chosen["guidance"] == "offline")}
         recipe = draft(prompt, material, freestyle=freestyle, **{**unseen, **chosen})
         return Wanted(recipe, None if at_hand else part.mesh, options.vertices, part.name or "part", options.folder, options.device)
@@ -174,7 +174,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
 
     def _make_sections(self, part: Any, settings: dict[str, Any]) -> None:
         self._opened_mesh: SurfaceMesh | None = None  # the part of the run that was opened, ready as it is
-        self._opened_root: Path | None = None
+        self._opened_place: Path | None = None
         self._unseen: dict[str, Any] = {}
         given = dict(settings)
         scale, name = given.pop("scale", None), given.pop("name", "part")
@@ -221,7 +221,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._take_recipe(run.recipe)
         self.drop_options.vertices = len(run.part.surface.vertices)
         self.part_picker.show(run.part.surface, run.record.name)
-        self._opened_mesh, self._opened_root = run.part.surface, run.store.root
+        self._opened_mesh, self._opened_place = run.part.surface, run.store.place
 
     def _take_recipe(self, recipe: Recipe) -> None:
         """Show the settings of a recipe."""
@@ -249,7 +249,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         run, mesh = self.run, self.part_picker.mesh
         if run is None or mesh is None or self.state.checkpoint is None:
             return False
-        opened = mesh is self._opened_mesh and run.store.root == self._opened_root
+        opened = mesh is self._opened_mesh and run.store.place == self._opened_place
         if not opened and not self.controller.began_with(mesh):
             return False
         if not isinstance(self._viewer, RunViewer):
@@ -260,7 +260,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     def _other_run(self, change: dict[str, Any]) -> None:
         """Another run directory needs another viewer; another lane of the same shows its settings."""
         old, new = change["old"], change["new"]
-        if isinstance(old, Run) and new is not None and old.store.root == new.store.root:
+        if isinstance(old, Run) and new is not None and old.store.place == new.store.place:
             self._take_recipe(new.recipe)
             return
         if isinstance(self._viewer, RunViewer):

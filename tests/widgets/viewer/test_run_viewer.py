@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from mechstyle.errors import BadInput
+from mechstyle.runs.run import Run
 from mechstyle_widgets.jupyter import closing
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.viewer.layers import Layer
@@ -92,3 +93,12 @@ def test_a_closed_viewer_is_left_alone_when_python_removes_it(done, monkeypatch)
     monkeypatch.setattr(closing, "family", lambda widget: gone_through.append(widget) or [])
     viewer.close()
     assert gone_through == []
+
+
+def test_the_run_of_a_relative_folder_is_followed_from_another_one(done, monkeypatch):
+    monkeypatch.chdir(done.store.root.parent)
+    state = StudioState(Run.open(done.store.root.name, "cpu"))
+    viewer = RunViewer(state)
+    monkeypatch.chdir("/")
+    state.iteration = 5
+    assert np.allclose(viewer.subject.mesh.vertices, done.surface(5).vertices)

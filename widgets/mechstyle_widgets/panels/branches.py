@@ -151,7 +151,7 @@ class Branches(Section):
 
     def _forget(self, change: dict[str, Any]) -> None:
         """Unpin: a pinned iteration belongs to the run it was pinned in."""
-        if change["old"] is not None and change["new"] is not None and change["old"].store.root != change["new"].store.root:
+        if change["old"] is not None and change["new"] is not None and change["old"].store.place != change["new"].store.place:
             self.pinned = self.third = None
 
     def _choose(self, change: dict[str, Any]) -> None:

@@ -122,7 +122,7 @@ class Controller:
     def began_with(self, mesh: SurfaceMesh) -> bool:
         """Whether the run on show was begun here with a part, whatever the settings are now."""
         run = self.state.run
-        return run is not None and run.store.root in self._begun and self._begun[run.store.root][0] == mesh.digest
+        return run is not None and run.store.place in self._begun and self._begun[run.store.place][0] == mesh.digest
 
     # how it does it
 
@@ -172,7 +172,7 @@ class Controller:
         run = self.state.run
         if wanted.mesh is None or run is None:
             return wanted.mesh is None
-        return self._begun.get(run.store.root) == (wanted.mesh.digest, wanted.vertices, wanted.recipe.strengthen)
+        return self._begun.get(run.store.place) == (wanted.mesh.digest, wanted.vertices, wanted.recipe.strengthen)
 
     def _begin(self, wanted: Wanted, earlier: Run | None, *, then_freely: bool = False) -> Session:
         """A session that prepares the part, unless an earlier run has it, begins the run and carries it on."""
@@ -190,9 +190,9 @@ class Controller:
                 stage=lambda words: self.state.tell(stage=words), prepare=prepare_aside, go_on=lambda: progress(0.0),
             )  # fmt: skip
             assert came is not None, "as there is a part"
-            self._begun[run.store.root] = (came.digest, wanted.vertices, wanted.recipe.strengthen)
+            self._begun[run.store.place] = (came.digest, wanted.vertices, wanted.recipe.strengthen)
             self.state.tell(opened=run)
-            if wanted.folder and run.store.root != Path(wanted.folder):
+            if wanted.folder and run.store.place != Path(wanted.folder).absolute():
                 self.state.tell(message=f"{wanted.folder} holds a run with other settings: this one is in {run.store.root}")
             yield from self._told(run, progress, then_freely=then_freely)
 

@@ -76,7 +76,7 @@ class RunViewer(Linked, Viewer):
         if state.run is None or state.checkpoint is None:
             raise BadInput("there is no iteration to show yet: start a run, or open one with Run.open")
         self._catch_up, self._moment = Paced(self._show_checkpoint), Paced(self._show_moment)
-        self._newest, self._root = Newest(_seen, self._bring), state.run.store.root
+        self._newest, self._place = Newest(_seen, self._bring), state.run.store.place
         self._drawn, self._drawn_lane = state.checkpoint.iteration, state.run.lane
         subject, self._limit = _seen(_Wish(state.run, state.checkpoint, ()))
         self._still = subject
@@ -148,7 +148,7 @@ class RunViewer(Linked, Viewer):
 
     def _judge(self, _change: Any = None) -> None:
         """Bring the badge up to date."""
-        if self._state.run is None or self._state.run.store.root != self._root:
+        if self._state.run is None or self._state.run.store.place != self._place:
             return
         words, verdict = badge.of_state(self._state)
         self.badge.say(words, None if verdict is None or verdict.outcome == "UNKNOWN" else self.fly_to_worst)
@@ -165,7 +165,7 @@ class RunViewer(Linked, Viewer):
 
     def _show_checkpoint(self) -> None:
         run, state = self._state.run, self._state.checkpoint
-        if run is not None and state is not None and run.store.root == self._root:  # another part needs another viewer
+        if run is not None and state is not None and run.store.place == self._place:  # another part needs another viewer
             self._newest.ask(_Wish(run, state, self.derived))
 
     def _bring(self, wish: _Wish, seen: tuple[Subject, float]) -> None:
