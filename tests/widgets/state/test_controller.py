@@ -232,6 +232,29 @@ def test_buttons_can_be_pressed_when_they_do_something(controller, settle):
     assert escape(controller.state.message) in controls._note.value
 
 
+def test_the_button_reads_what_pressing_it_does(controller, settle, tmp_path):
+    """It read «Go on» where it began another run."""
+    controls, own = RunControls(controller), controller.wanted
+    other = msgspec.structs.replace(controller.state.run.recipe, threshold=0.5)
+
+    def chosen(recipe):
+        controller.wanted = (lambda: Wanted(recipe, None, 500, "sheet", str(tmp_path / "other"))) if recipe else own
+        controller.state.settings = {"threshold": 0.5} if recipe else {}
+        return controls._buttons["run"].description
+
+    assert chosen(None) == "Run"
+    controller.step()
+    settle(controller)
+    for _ in ("paused", "stopped"):
+        assert (chosen(None), chosen(other), chosen(None)) == ("Go on", "Run", "Go on")
+        controller.stop()
+        settle(controller)
+    assert controller.state.status == "stopped"
+    controller.wanted = lambda: pytest.fail("a run that goes on is asked several times a second")
+    controller.state.tell(status="running", step=0.5)
+    controller.state.pump()
+
+
 def test_a_pause_that_waits_for_what_is_in_hand_says_so(controller, settle, fake, monkeypatch):
     controls, go_on, under_way = RunControls(controller), threading.Event(), threading.Event()
 

@@ -8,6 +8,7 @@ from typing import Any
 import ipywidgets
 import traitlets
 
+from mechstyle.errors import MechStyleError
 from mechstyle_widgets.jupyter.looks import lean
 from mechstyle_widgets.settings.section import WIDE, Section
 from mechstyle_widgets.state.controller import Controller
@@ -22,10 +23,10 @@ MAY = {
 }
 """In which states each button does something."""
 GOES_ON = ("paused", "stopped", "failed")
-"""In which states running is going on."""
+"""In which states running is going on, unless the settings ask for another run."""
 
 
-FOLLOWED = ("status", "pausing", "stage", "step", "fraction", "seconds_left", "message", "iterations_done", "run")
+FOLLOWED = ("status", "pausing", "stage", "step", "fraction", "seconds_left", "message", "iterations_done", "run", "settings")
 """Traits of the state they tell of."""
 
 
@@ -64,8 +65,21 @@ class RunControls(Section):
         self._show()
 
     def emphasise(self, filled: bool) -> None:
-        """Fill the run button, or leave that to another."""
+        """Fill the run button, or leave that to another; what it reads follows a part that was chosen, too."""
         self._buttons["run"].button_style = "primary" if filled else ""
+        self._name()
+
+    def _name(self) -> None:
+        """Let the run button read what pressing it does."""
+        self._buttons["run"].description = "Go on" if self._goes_on() else "Run"
+
+    def _goes_on(self) -> bool:
+        if self.state.status not in GOES_ON or self.state.run is None:
+            return False
+        try:
+            return not self.controller.asks_for_another()
+        except MechStyleError:  # nothing is begun; what is wrong is said where it is set
+            return True
 
     def _button(self, icon: str, words: str, tooltip: str, look: str = "", width: str = "44px") -> ipywidgets.Button:
         return lean(ipywidgets.Button, icon=icon, description=words, tooltip=tooltip, button_style=look, layout={"width": width})
@@ -74,7 +88,7 @@ class RunControls(Section):
         state = self.state
         for name, button in self._buttons.items():
             button.disabled = state.status not in MAY[name] or (name == "pause" and state.pausing)
-        self._buttons["run"].description = "Go on" if state.status in GOES_ON and state.run is not None else "Run"
+        self._name()
         self._bar.value, self._bar.bar_style = state.fraction, "info"  # green, amber and red belong to verdicts
         self.words = line_of(state)
         title = f'<span class="mechstyle-title"><b>{escape(self.title)}</b> · </span>' if self.title else ""
