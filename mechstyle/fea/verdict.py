@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import msgspec
@@ -73,7 +74,8 @@ def judge(simulation: Simulation, baseline: Simulation, material: Material, crit
         raise unknown("criterion", criterion, CRITERIA)
     trouble = _trouble(simulation, baseline)
     limits = Limits.of(baseline, material)
-    placed = _as_placed(simulation, baseline, limits, material, trouble)
+    tests = _tests(simulation, baseline, limits, material, trouble)
+    placed = _as_placed(simulation, tests, material)
     nearly = _tilted(simulation, baseline, limits, material, trouble)
     spread = _all_orientations(simulation, baseline, trouble)
     literal = _literal(simulation, material, trouble)
@@ -93,6 +95,7 @@ def judge(simulation: Simulation, baseline: Simulation, material: Material, crit
         all_orientations=spread and spread.judgement,
         literal=literal.judgement,
         words=words,
+        limits=() if trouble else tuple((test, max(both, key=lambda one: one.use).judgement.limit) for test, both in tests.items()),
     )
 
 
@@ -151,15 +154,21 @@ def _hidden(simulation: Simulation) -> str:
     return ""
 
 
-def _as_placed(simulation: Simulation, baseline: Simulation, limits: Limits, material: Material, trouble: str) -> Told:
+def _tests(
+    simulation: Simulation, baseline: Simulation, limits: Limits, material: Material, trouble: str
+) -> dict[str, list[_Stress]]:
+    """What is judged of the drop as placed, "", and under each load, by its name; of what is in trouble the drop stands for all."""
+    found = {"": _both("", simulation.drop, baseline.drop, limits.drop, material, trouble)}
+    for case in () if trouble else simulation.loaded:
+        own, allowed = baseline.load(case.name), limits.under(case.name)
+        found[case.name] = _both(case.name, case.measured, own, allowed, material, trouble)
+    return found
+
+
+def _as_placed(simulation: Simulation, tests: Mapping[str, list[_Stress]], material: Material) -> Told:
     """Rule (A), of surface and contact in the drop and under each load the one that is nearest to its limit, as sure as all of them."""
-    dropped = _both("", simulation.drop, baseline.drop, limits.drop, material, trouble)
-    loaded = [
-        one
-        for case in simulation.loaded
-        for one in _both(case.name, case.measured, baseline.load(case.name), limits.under(case.name), material, trouble)
-    ]
-    nearest, *others = dropped if trouble else sorted((*loaded, *dropped), key=lambda one: one.use, reverse=True)
+    loads_first = [one for test in sorted(tests, key=lambda load: load == "") for one in tests[test]]
+    nearest, *others = sorted(loads_first, key=lambda one: one.use, reverse=True)
     judgement, clause = nearest.judgement, f"{_situation(nearest.load, simulation)} {_stress(nearest, material)}"
     decides = next((one for one in others if _overrules(one.judgement, judgement)), None)
     if decides is not None:

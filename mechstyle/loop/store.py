@@ -185,6 +185,11 @@ class Store:
         verdict = self.verdict(state)
         return self.recipe(state.recipe).material.yield_strength if verdict is None else verdict.deciding.limit
 
+    def allowable_in_the_drop(self, state: Checkpoint | Entry) -> float:
+        """The same of the drop as placed by itself, whichever test is told [MPa]."""
+        verdict = self.verdict(state)
+        return self.allowable(state) if verdict is None else verdict.of_the_drop
+
     def verdict(self, state: Checkpoint | Entry) -> Verdict | None:
         """The newest verdict there, None before the first."""
         verdict, parent = state.verdict, state.parent

@@ -5,7 +5,7 @@ Figures, viewer, replay and report read it, so that a field has one label, one u
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -50,6 +50,8 @@ class Quantity:
         stored: Name of the stored array it is made from; "" for that of its own name.
         formed: Makes it from that array, None if it is that array.
         said: How a value at one place is told; as a figure with its unit if None.
+        each: Where the tests of a simulation have limits of their own, what each of them makes of its stress, by its load, "" for the drop;
+            the least is told.
     """
 
     name: str
@@ -63,6 +65,7 @@ class Quantity:
     stored: str = ""
     formed: Callable[[NDArray[Any]], NDArray[Any]] | None = None
     said: Callable[[float], str] | None = None
+    each: tuple[tuple[str, Quantity], ...] = ()
 
     @property
     def title(self) -> str:
@@ -80,7 +83,13 @@ class Quantity:
 
     def of(self, state: object) -> NDArray[Any]:
         """Its values in a checkpoint or a simulation, shape [vertex_count]."""
+        if self.each and isinstance(state, Simulation):
+            return np.minimum.reduce([one.made(state.load_stress(load) if load else state.drop_stress) for load, one in self.each])
         return self.made(getattr(state, self.source))
+
+    def known_best(self, state: Checkpoint, simulation: Simulation | None) -> NDArray[Any]:
+        """Its values in a checkpoint, shape [vertex_count], from its last simulation where that knows more and did not break down."""
+        return self.of(state if simulation is None or simulation.failure or not self.each else simulation)
 
     def limits(self, values: ArrayLike) -> tuple[float, float] | None:
         """Ends of the colours that show all values, of any shape; None if they are to be those of the values."""
@@ -115,8 +124,13 @@ def tilted(limit: float) -> Quantity:
     return _against(limit, "tilted_stress", "worst stress of the landings tilted by 3°", "MPa")
 
 
-def safety_factor(limit: float) -> Quantity:
-    """Limit [MPa] over the stress that decides, dropped as placed and under loads: its least is the factor of that rule."""
+def safety_factor(limit: float, each: Sequence[tuple[str, float]] = ()) -> Quantity:
+    """Limit [MPa] over the stress that decides, dropped as placed and under loads: its least is the factor of that rule.
+
+    Args:
+        limit: What the largest of all stress may at most be [MPa].
+        each: The same of each test by itself, by the name of its load, "" for the drop; none where there is one test.
+    """
 
     def factor(stress: NDArray[Any]) -> NDArray[Any]:
         return np.minimum(limit / np.maximum(stress, limit / AMPLE), AMPLE).astype(np.float32)
@@ -124,6 +138,7 @@ def safety_factor(limit: float) -> Quantity:
     return Quantity(
         "safety_factor", "safety factor as it stands: limit over stress", least=(SPARE, 0.0), threshold=1.0,
         note=f"{AMPLE:.0f} stands for that and more", bounded=True, stored="stress", formed=factor,
+        each=tuple((load, safety_factor(own)) for load, own in each),
     )  # fmt: skip
 
 
@@ -173,14 +188,15 @@ TITLES = {
 """What a menu calls a quantity, where that is not its name."""
 
 
-def quantities(recipe: Recipe, limit: float) -> tuple[Quantity, ...]:
+def quantities(recipe: Recipe, limit: float, each: Sequence[tuple[str, float]] = ()) -> tuple[Quantity, ...]:
     """The fields every checkpoint holds, in the order in which they are offered.
 
     Args:
         recipe: The recipe in force there.
         limit: What the stress may at most be [MPa].
+        each: Of each test by itself, as for `safety_factor`.
     """
-    return stress(limit), safety_factor(limit), RESTRAINT, demand(recipe), DISPLACEMENT
+    return stress(limit), safety_factor(limit, each), RESTRAINT, demand(recipe), DISPLACEMENT
 
 
 @dataclass(frozen=True, eq=False)
@@ -228,8 +244,8 @@ def known(
     when = "" if state.simulated_at == state.iteration else f"simulated at iteration {state.simulated_at}"
     aged, seen = dict.fromkeys(("stress", "safety_factor", "demand"), when), {DISPLACEMENT.name: [newest.displacement]}
     held = [
-        Known.of(quantity, quantity.of(state), *seen.get(quantity.name, ()), note=aged.get(quantity.name, ""))
-        for quantity in quantities(recipe, limit)
+        Known.of(quantity, quantity.known_best(state, simulation), *seen.get(quantity.name, ()), note=aged.get(quantity.name, ""))
+        for quantity in quantities(recipe, limit, () if verdict is None else verdict.each)
     ]
     return (*held, Known.of(THICKNESS, thickness), *(() if simulation is None else _of_simulation(recipe, limit, simulation, verdict)))
 

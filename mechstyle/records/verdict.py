@@ -56,6 +56,8 @@ class Verdict(msgspec.Struct, frozen=True, kw_only=True):
         literal: The published rule, max σ_vM ≤ S_yield, always shown, mesh-dependent.
         words: One sentence a person can act on.
         tilted: Surface stress of the drops nearly as placed, None if there was none.
+        limits: Of each test as it stands, its load ("" for the drop) and what its stress nearest to a limit may at most be [MPa]; none
+            where nothing could be judged, and in records of earlier versions.
     """
 
     outcome: Outcome
@@ -65,6 +67,17 @@ class Verdict(msgspec.Struct, frozen=True, kw_only=True):
     literal: Judgement
     words: str
     tilted: Judgement | None = None
+    limits: tuple[tuple[str, float], ...] = ()
+
+    @property
+    def each(self) -> tuple[tuple[str, float], ...]:
+        """The limits of several tests that count by themselves; none where one limit is all there is, as under the published rule."""
+        return self.limits if self.criterion != "paper" and len(self.limits) > 1 else ()
+
+    @property
+    def of_the_drop(self) -> float:
+        """What the stress of the drop as placed may at most be, whichever test is told [MPa]."""
+        return dict(self.each).get("", self.deciding.limit)
 
     @property
     def counting(self) -> tuple[Judgement, ...]:

@@ -56,8 +56,8 @@ WORDS: dict[str, tuple[str, str]] = {
     "safety_factor": (
         "safety factor",
         (
-            "Limit over value: below 1 it fails. Of the part it is the least of the rules that count, of a place that of the "
-            "drop as it stands."
+            "Limit over value: below 1 it fails. Of the part it is the least of the rules that count, of a place that "
+            "of the drop as it stands, or of a load, each by its own limit."
         ),
     ),
     "section": ("cut", "A plane beyond which the part is left out of the view, so that one sees inside."),

@@ -117,7 +117,7 @@ class PartTest:
         """
         if self.impact is None or self.course is None:
             raise SimulationFailed(self.simulation.failure)
-        return history_picture(self.history, self.impact, self.course, self.verdict.as_placed.limit)
+        return history_picture(self.history, self.impact, self.course, self.verdict.of_the_drop)
 
     def save_vtu(self, path: str | Path, *, each_orientation: bool = False) -> Path:
         """Write displacement, stress and contact in the body for ParaView; `drop_history.vtu_bytes` lists the fields.

@@ -330,6 +330,18 @@ def test_what_the_original_bears_in_the_drop_excuses_nothing_under_a_load(surfac
     assert judge(loaded(simulation(1.9 * Y, contact=1.9 * Y, overall=None), coat=(20.0, 20.0)), own, PLA, "robust").viable
 
 
+def test_a_verdict_knows_the_limit_of_each_test_that_counts():
+    own = loaded(simulation(2.0 * Y, contact=3.0 * Y, overall=None), coat=(20.0, 20.0))
+    found = judge(loaded(simulation(1.9 * Y, contact=2.0 * Y, overall=None), coat=(0.99 * Y, 0.0)), own, PLA, "robust")
+    assert found.limits == found.each == (("", 2.0 * Y), ("coat", Y))
+    assert (found.as_placed.limit, found.of_the_drop) == (Y, 2.0 * Y)
+    alone = judge(simulation(20.0), simulation(), PLA, "robust")
+    assert (alone.limits, alone.each, alone.of_the_drop) == ((("", Y),), (), Y)
+    paper = judge(loaded(simulation(1.9 * Y), coat=(20.0, 0.0)), own, PLA, "paper")
+    assert (paper.each, paper.of_the_drop) == ((), Y)
+    assert judge(simulation(failure="it broke down"), own, PLA, "robust").limits == ()
+
+
 @pytest.mark.parametrize("stress", [(1.7 * Y, 0.0), (0.0, 1.9 * Y)])
 def test_what_the_original_bears_under_a_load_excuses_nothing_in_the_drop_nor_under_another(stress):
     own = loaded(simulation(overall=None), coat=(2.0 * Y, 2.0 * Y), hand=(20.0, 20.0))

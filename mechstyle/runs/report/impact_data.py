@@ -67,7 +67,7 @@ def impact_data(run: LaneOfRun, state: Checkpoint, name: str, impact: Impact) ->
     spans = zip([-1, *frames[:-1]], frames, strict=True)
     stress = channel_of("moment", [impact.stress[before + 1 : last + 1].max(axis=0) for before, last in spans])
     deformation = channel_of("deformation", [motion.deformation for motion in motions])
-    quantity = moment(run.store.allowable(state))
+    quantity = moment(run.store.allowable_in_the_drop(state))
     header: dict[str, Any] = {
         "name": name,
         "peak": frames.index(impact.peak),

@@ -25,7 +25,7 @@ from mechstyle.loop.objects import Objects
 from mechstyle.pictures import shading
 from mechstyle.pictures.colormap import ABOVE, LINE, STRIPE, UNKNOWN, Scale
 from mechstyle.pictures.fields import Quantity, quantities
-from mechstyle.records import Verdict
+from mechstyle.records import Simulation, Verdict
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.report.run_protocol import LaneOfRun, begun
 
@@ -70,6 +70,7 @@ class Digests(msgspec.Struct, frozen=True):
     stress: str
     demand: str
     mask: str
+    simulation: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +128,8 @@ def replay_data(run: LaneOfRun) -> ReplayData:
     rows = per_iteration(history)
     digests = [run.store.objects.get_record(row.digest, Digests) for row in rows]
     surface = run.part.surface
-    shown = quantities(run.recipe, run.store.allowable(history[-1]))
+    verdict = run.store.verdict(history[-1])
+    shown = quantities(run.recipe, run.store.allowable(history[-1]), () if verdict is None else verdict.each)
     fields = {quantity.name: _channel(run.store.objects, digests, quantity) for quantity in shown}
     channels = [*fields.values(), _colour_channel(run.store.objects, digests)]
     header = {
@@ -159,13 +161,22 @@ def _unique(digests: Sequence[Digests], key: str) -> tuple[list[str], list[int]]
 
 def _channel(objects: Objects, digests: Sequence[Digests], quantity: Quantity) -> Channel:
     """A scalar field quantised to LEVELS steps between its extremes."""
-    different, frames = _unique(digests, quantity.source)
-    arrays = [quantity.made(objects.get_array(digest)) for digest in different]
+    different, frames = _unique(digests, "simulation" if quantity.each else quantity.source)
+    arrays = [_values(objects, digests[frames.index(plane)], quantity) for plane in range(len(different))]
     known = [array[np.isfinite(array)] for array in arrays]
     low = min((float(array.min()) for array in known if array.size), default=0.0)
     high = max((float(array.max()) for array in known if array.size), default=0.0)
     step = (high - low) / LEVELS or 1.0
     return Channel(quantity.name, [_quantised(array, low, step) for array in arrays], frames, low, step)
+
+
+def _values(objects: Objects, one: Digests, quantity: Quantity) -> NDArray[Any]:
+    """A quantity in a checkpoint, shape [vertex_count], from its last simulation where that knows more and did not break down."""
+    if quantity.each and one.simulation:
+        simulation = objects.get_record(one.simulation, Simulation)
+        if not simulation.failure:
+            return quantity.of(simulation)
+    return quantity.made(objects.get_array(getattr(one, quantity.source)))
 
 
 def channel_of(name: str, arrays: Sequence[NDArray[Any]]) -> Channel:

@@ -47,17 +47,19 @@ def timeline(told: Sequence[Step], last: int) -> Markup:
     line = [(x[step.iteration], height(step.verdict.deciding.value)) for step in known]
     peaks = " ".join(f"{right:.1f},{down:.1f}" for right, down in line)
     limit = told[-1].verdict.deciding.limit
+    allowed = f"M{LEFT} {height(told[0].verdict.deciding.limit):.1f}"
+    allowed += "".join(f"H{x[step.iteration]:.1f}V{height(step.verdict.deciding.limit):.1f}" for step in told)
     beside, name = _free_place(height(limit), line, [(x[step.iteration], height(step.verdict.deciding.value)) for step in told])
     return fill(
         '<svg class="timeline" viewBox="0 0 {width} {height}" role="group" tabindex="0"'
         ' data-left="{left}" data-right="{right}" data-last="{last}"'
         ' aria-label="Timeline: peak stress and restraint at each simulation. Arrow keys move the replay.">'
-        '{axes}<line class="limit" x1="{left}" x2="{right}" y1="{y}" y2="{y}"/>'
+        '{axes}<path class="limit" d="{allowed}H{right}"/>'
         '<text class="limit-name" x="{beside}" y="{name}" text-anchor="end">limit {limit} MPa</text>'
         '{held}<polyline class="peaks" points="{peaks}"/>{marks}'
         '<g class="cursor"><line y1="{top}" y2="{bottom}"/></g></svg>',
         width=WIDTH, height=HEIGHT, left=LEFT, right=RIGHT, last=span,
-        beside=beside, y=f"{height(limit):.1f}", name=f"{name:.1f}",
+        beside=beside, allowed=allowed, name=f"{name:.1f}",
         limit=f"{limit:.1f}", peaks=peaks, axes=_axes(span, top), held=_held(told, x, RIGHT if last else LEFT),
         marks=joined(_mark(step, x[step.iteration], height(step.verdict.deciding.value)) for step in told),
         top=STRESS_TOP - 8, bottom=HELD_BOTTOM,

@@ -146,6 +146,19 @@ def test_the_name_of_the_limit_stands_where_the_curve_is_not(lane, peaks):
         assert np.maximum(beside, over_or_under).min() >= room
 
 
+def test_each_simulation_is_drawn_against_its_own_limit(lane):
+    """Where a load is told first and the drop at the end, the mark of either stood beside the limit of the last."""
+    step = steps(lane.store, rows(lane.store))[0]
+    told = []
+    for iteration, limit in enumerate((45.6, 91.2)):
+        rule = msgspec.structs.replace(step.verdict.as_placed, value=0.5 * limit, limit=limit)
+        told.append(msgspec.structs.replace(step, iteration=iteration, verdict=msgspec.structs.replace(step.verdict, as_placed=rule)))
+    drawn = str(timeline(told, 1))
+    heights = [float(y) for y in re.findall(r"V([-.\d]+)", re.search(r'class="limit" d="([^"]+)"', drawn)[1])]
+    marks = [float(y) for y in re.findall(r'class="mark [^"]*" transform="translate\([-.\d]+ ([-.\d]+)\)', drawn)]
+    assert [204.0 - y for y in marks] == pytest.approx([0.5 * (204.0 - y) for y in heights], abs=0.1)
+
+
 def test_the_legend_tells_every_mark(page):
     for word, shape in SHAPES.items():
         assert f'class="mark {word.lower()}">{shape}</svg> {word.lower()}' in page

@@ -195,9 +195,9 @@ def _named(place: tuple[str, int]) -> str:
 
 
 def _seen(wish: _Wish) -> tuple[Subject, float]:
-    """In whatever thread: what is to be seen of an iteration, and the stress that is allowed there [MPa]."""
+    """In whatever thread: what is to be seen of an iteration, and the stress that is allowed there when it falls [MPa]."""
     subject = subject_of(wish.run, wish.state)
     for layer in wish.derived:
         subject = subject.with_layer(layer(wish.run, wish.state))
     _ = subject.mesh.vertex_normals  # are kept with the mesh, and are most of the work
-    return subject, wish.run.store.allowable(wish.state)
+    return subject, wish.run.store.allowable_in_the_drop(wish.state)
