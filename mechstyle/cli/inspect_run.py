@@ -52,7 +52,7 @@ def log_command(
     for lane in lanes:
         rows = table("iteration", "verdict", "MPa", "reason", title=lane_title(lane))
         for line in lane.simulations:
-            verdict = verdict_text(line.verdict, marginal=line.marginal)
+            verdict = verdict_text(line.verdict, marginal=bool(line.marginal))
             rows.add_row(str(line.iteration), verdict, f"{line.peak_stress:.1f}", escape(line.reason))
         out.print(rows)
         out.print()

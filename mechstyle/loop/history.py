@@ -241,18 +241,18 @@ def largest_mask_change(told: Sequence[Step]) -> Step | None:
 
 
 class SimulationLine(msgspec.Struct, frozen=True, kw_only=True):
-    """One simulation of a lane; `peak_stress` [MPa]."""
+    """One simulation of a lane; `peak_stress` [MPa].
+
+    Attributes:
+        marginal: Whether the verdict is not sure, as the verdict itself has it; None in summaries of earlier versions.
+    """
 
     iteration: int
     reason: str
     verdict: str
     peak_stress: float
     words: str
-
-    @property
-    def marginal(self) -> bool:
-        """Whether the verdict is too close to a limit to be sure."""
-        return self.words.partition(":")[0].endswith("MARGINAL")
+    marginal: bool | None = None
 
     @classmethod
     def of(cls, entry: Entry, verdict: Verdict) -> SimulationLine:
@@ -263,6 +263,7 @@ class SimulationLine(msgspec.Struct, frozen=True, kw_only=True):
             verdict=verdict.outcome,
             peak_stress=verdict.deciding.value,
             words=verdict.words,
+            marginal=verdict.marginal,
         )
 
 

@@ -13,6 +13,7 @@ from mechstyle.loop.history import (
     largest_mask_change,
     per_iteration,
     rows,
+    simulated,
     simulations,
     standing,
     steps,
@@ -151,10 +152,14 @@ def test_programs_that_read_the_log_find_what_they_always_found(store):
     """The fields of `mechstyle log --json` and of the summaries on disk."""
     summary = LaneSummary.of(store, "soft", store.history("soft"))
     assert set(msgspec.to_builtins(summary)) == {"lane", "recipe", "iteration", "finished", "forked_at", "simulations"}
-    assert SimulationLine.__struct_fields__ == ("iteration", "reason", "verdict", "peak_stress", "words")
+    assert SimulationLine.__struct_fields__[:5] == ("iteration", "reason", "verdict", "peak_stress", "words")
+    assert msgspec.convert({**dict.fromkeys(("reason", "verdict", "words"), ""), "iteration": 3, "peak_stress": 2.0}, SimulationLine)
 
 
-@pytest.mark.parametrize(("words", "marginal"), [("VIABLE, MARGINAL: 45 MPa", True), ("VIABLE: 30 MPa; in all (MARGINAL)", False)])
-def test_a_line_knows_whether_its_verdict_is_marginal(words, marginal):
-    line = SimulationLine(iteration=60, reason="last iteration", verdict="VIABLE", peak_stress=45.0, words=words)
-    assert line.marginal is marginal
+@pytest.mark.parametrize("marginal", [True, False])
+@pytest.mark.parametrize("words", ["VIABLE, MARGINAL: 45 MPa", "VIABLE: 30 MPa; in all (MARGINAL)"])
+def test_a_line_knows_whether_its_verdict_is_marginal_whatever_its_words_are(store, words, marginal):
+    entry, verdict = next(simulated(store.history("main")))
+    rule = msgspec.structs.replace(verdict.as_placed, outcome="VIABLE", marginal=marginal)
+    told = msgspec.structs.replace(verdict, outcome="VIABLE", as_placed=rule, tilted=None, all_orientations=None, words=words)
+    assert SimulationLine.of(entry, told).marginal is told.marginal is marginal
