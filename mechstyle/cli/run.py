@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -71,7 +70,6 @@ def carry_out(
     from mechstyle.fea.drop import resolve_device  # noqa: PLC0415 — physics is loaded when something is run
     from mechstyle.runs.recipes import draft  # noqa: PLC0415
     from mechstyle.runs.run import started  # noqa: PLC0415
-    from mechstyle.simulation.part import prepare  # noqa: PLC0415
     from mechstyle.styling.prompt import reading_of  # noqa: PLC0415
 
     deep = settings.get("amplitude") == AUTO
@@ -83,11 +81,10 @@ def carry_out(
             err.print(f"[dim]prompt: {escape(note)}[/]")
     mesh, name = read_model(model, scale, up, quiet=as_json)
     with telling(wanted.iterations, quiet=as_json) as teller:
-        watched = partial(prepare, measured=lambda shape: teller.warn(shape.too_thin(wanted.minimum_wall)))
         if deep:
-            wanted = at_its_deepest(wanted, mesh, settings, vertices, device, folder, teller, watched)
+            wanted = at_its_deepest(wanted, mesh, settings, vertices, device, folder, teller)
         run = started(
-            wanted, mesh, vertices=vertices, out=folder, name=name, device=device, stage=teller.stage, prepare=watched, beside=False
+            wanted, mesh, vertices=vertices, out=folder, name=name, device=device, stage=teller.stage, warn=teller.warn, beside=False
         )
         if wanted.strengthen and not as_json:
             err.print(f"[dim]part: {escape(run.part.notes[-1])}[/]")
@@ -95,7 +92,7 @@ def carry_out(
 
 
 def at_its_deepest(
-    wanted: Recipe, mesh: Any, settings: Settings, vertices: int, device: str, folder: Path | None, teller: Any, prepare: Any
+    wanted: Recipe, mesh: Any, settings: Settings, vertices: int, device: str, folder: Path | None, teller: Any
 ) -> Recipe:
     """A recipe with the deepest relief that holds, which is found by trials in a folder beside the run's."""
     from mechstyle.runs.deepest import deepest  # noqa: PLC0415 — physics is loaded when something is run
@@ -103,7 +100,7 @@ def at_its_deepest(
 
     beside = folder or default_folder(wanted)
     trials = beside.with_name(f"{beside.name}-depths")
-    found = deepest(mesh, **settings, vertices=vertices, device=device, stage=teller.stage, prepare=prepare, out=trials)
+    found = deepest(mesh, **settings, vertices=vertices, device=device, stage=teller.stage, warn=teller.warn, out=trials)
     err.print(f"[dim]amplitude: {escape(found.words)}[/]")
     return msgspec.structs.replace(wanted, amplitude=found.amplitude)
 

@@ -13,7 +13,7 @@ from mechstyle.records.material import Material
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh
 from mechstyle.runs.recipes import draft
 from mechstyle.runs.run import Run, started
-from mechstyle.simulation.part import Stage, Workpiece, prepare, say_nothing
+from mechstyle.simulation.part import Stage, Warn, Workpiece, logged, prepare, say_nothing
 
 DEPTHS = (0.15, 0.25, 0.4, 0.6, 0.8)
 """Amplitudes that are tried."""
@@ -46,6 +46,7 @@ def deepest(
     depths: Sequence[float] = DEPTHS,
     stage: Stage = say_nothing,
     prepare: Callable[..., Workpiece] = prepare,
+    warn: Warn = logged,
     **settings: Any,
 ) -> Depth:
     """Find the deepest of several reliefs that holds as it is drawn; the trials stay in a run directory of their own, a lane each.
@@ -60,6 +61,7 @@ def deepest(
         depths: Amplitudes, ascending.
         stage: Told what is being done, in words.
         prepare: What prepares the surface, `simulation.part.prepare` or a function like it.
+        warn: Told early of walls that are too thin.
         settings: Other fields of `Recipe`.
 
     Raises:
@@ -68,7 +70,7 @@ def deepest(
     if settings.get("relief") is not None:
         raise BadInput(f"a relief of {settings['relief']:g} mm is asked for, and the deepest that holds: leave out one of them")
     wanted = draft(prompt, material, **{**settings, **ALONE, "amplitude": depths[-1]})
-    run = started(wanted, mesh, vertices=vertices, out=out, device=device, stage=stage, prepare=prepare)
+    run = started(wanted, mesh, vertices=vertices, out=out, device=device, stage=stage, prepare=prepare, warn=warn)
 
     def verdict(depth: float) -> Verdict:
         stage(f"trying a relief of {depth:g} of the wall")

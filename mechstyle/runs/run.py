@@ -38,7 +38,7 @@ from mechstyle.runs.refine import Refined, Refinement, notes_on
 from mechstyle.runs.session import Session
 from mechstyle.runs.stylizers import finished_relief, stylizer_for
 from mechstyle.runs.summary import Clock, Summary, summarise
-from mechstyle.simulation.part import Origin, Stage, Workpiece, bounds_for, cached_memo, fitted, prepare, say_nothing
+from mechstyle.simulation.part import Origin, Stage, Warn, Workpiece, bounds_for, cached_memo, fitted, logged, prepare, say_nothing, watched
 from mechstyle.simulation.simulator import DropSimulator
 from mechstyle.simulation.strengthen import made_ready
 
@@ -360,7 +360,7 @@ def stylize(
         BadInput: If the part, the prompt or a setting cannot be used, in one sentence.
     """
     wanted = draft(prompt, material, freestyle=freestyle, **settings)
-    return started(wanted, mesh, vertices=vertices, out=out, name=name, device=device, stage=stage).go(on_event)
+    return started(wanted, mesh, vertices=vertices, out=out, name=name, device=device, stage=stage, warn=logged).go(on_event)
 
 
 def started(
@@ -374,6 +374,7 @@ def started(
     device: str = "auto",
     stage: Stage = say_nothing,
     prepare: Callable[..., Workpiece] = prepare,
+    warn: Warn | None = None,
     go_on: GoOn = regardless,
     beside: bool = True,
 ) -> Run:
@@ -383,12 +384,12 @@ def started(
         wanted: As `recipes.draft` makes it, for any part.
         part: A closed surface [mm], or a part that is prepared already.
         origin: Where a prepared part came from; a surface knows it itself.
-        prepare: What prepares a surface, `simulation.part.prepare` or a function like it.
+        prepare, warn: What prepares a surface, `simulation.part.prepare` or one like it; what is told early of walls too thin, if anything.
         go_on: Asked in between whether to; what it raises ends the work.
         beside: As for `begin`.
     """
-    device, clock = resolve_device(device), Clock()
-    relief = partial(finished_relief, recipe=wanted)
+    device, clock, relief = resolve_device(device), Clock(), partial(finished_relief, recipe=wanted)
+    prepare = watched(prepare, wanted.minimum_wall, warn)
     with clock.stages(stage) as begun:
         origin = Origin.of(part, vertices) if isinstance(part, SurfaceMesh) else origin
         part = made_ready(part, wanted, relief, prepare=prepare, vertices=vertices, device=device, stage=begun, go_on=go_on)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
+import logging
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Protocol
 
 import msgspec
@@ -50,6 +51,8 @@ LEFT_PLAIN = "its inside is left plain, because it holds things as it stands: wi
 """Said of a container."""
 
 Stage = Callable[[str], None]
+
+logger = logging.getLogger(__name__)
 
 
 def say_nothing(what: object) -> None:
@@ -227,6 +230,20 @@ def prepare(
         return Workpiece(surface, at_rest(surface, go_on), shape.thickness, stands, notes)
     solid, half = carrying(surface, whole, go_on)
     return Workpiece(surface, solid, shape.thickness, stands, notes, half)
+
+
+Warn = Callable[[Sequence[str]], None]
+
+
+def logged(sentences: Sequence[str]) -> None:
+    """Warn where a program is to find it: in the log."""
+    for sentence in sentences:
+        logger.warning("%s", sentence)
+
+
+def watched(prepare: Callable[..., Workpiece], minimum: float, warn: Warn | None) -> Callable[..., Workpiece]:
+    """What prepares a surface, as it is or warning of a part's walls below a minimum [mm] before the minutes that tetrahedra may take."""
+    return prepare if warn is None else partial(prepare, measured=lambda shape: warn(shape.too_thin(minimum)))
 
 
 def refilled(part: Workpiece, relief: Relief, stage: Stage = say_nothing, go_on: GoOn = regardless) -> Workpiece:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+import mechstyle as ms
 from mechstyle.cli.app import app
 from mechstyle.cli.console import telling
 from mechstyle.errors import SimulationFailed
@@ -28,6 +29,22 @@ def test_walls_too_thin_are_warned_of_before_the_minutes_of_meshing(command, as_
     before, _, after = said.partition("thinner than the 5 mm minimum: it may not print")
     assert ("warning: the part itself has a wall of" in before) is not as_json
     assert ("error: meshed too soon, or at all" in after) is not as_json
+
+
+@pytest.mark.parametrize("call", [ms.stylize, ms.deepest])
+def test_walls_too_thin_are_logged_before_the_minutes_of_meshing_where_python_asks(call, tmp_path, monkeypatch, caplog):
+    """A program learned of them from the notes of the finished run."""
+
+    def never(*_: object) -> None:
+        raise SimulationFailed("meshed too soon, or at all")
+
+    monkeypatch.setenv("MECHSTYLE_CACHE", str(tmp_path / "cache"))
+    for name in ("at_rest", "carrying"):
+        monkeypatch.setattr(f"mechstyle.simulation.part.{name}", never)
+    part = ms.load("gallery:pen_holder")
+    with pytest.raises(SimulationFailed, match="meshed too soon"):
+        call(part, "brick", vertices=1500, minimum_wall=5.0, out=tmp_path / "run", device="cpu")
+    assert ["thinner than the 5 mm minimum: it may not print" in one.getMessage() for one in caplog.records] == [True]
 
 
 def test_a_warning_is_given_once_however_often_a_part_is_prepared(capsys):

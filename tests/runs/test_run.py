@@ -19,7 +19,7 @@ def asked(tmp_path, monkeypatch):
     monkeypatch.setattr(Run, "go", lambda run, _on_event=None, _progress=None: run)
     monkeypatch.chdir(tmp_path)
 
-    def prepared(_mesh, *, vertices, stage, relief, go_on):
+    def prepared(_mesh, *, vertices, stage, relief, go_on, measured):
         asked.append(vertices)
         stage("filling it with tetrahedra")
         return part
