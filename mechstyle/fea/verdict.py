@@ -68,14 +68,14 @@ def judge(simulation: Simulation, baseline: Simulation, material: Material, crit
     the surface stress at most the yield strength or UNHARMED times the original's. (B) All orientations: 99th percentile of the
     envelope at most UNHARMED times the original's. The literal published rule, maximum ≤ S_yield, is always shown. `robust` is the
     worst of A, T and B, `paper` the literal rule. What was not computed, or not to a finite number, is UNKNOWN; what tetrahedra tell
-    that do not carry the relief is MARGINAL.
+    that do not carry the relief is MARGINAL, and so is what elements too long beside supports and loads may hide.
     """
     if criterion not in CRITERIA:
         raise unknown("criterion", criterion, CRITERIA)
     trouble = _trouble(simulation, baseline)
     limits = Limits.of(baseline, material)
     tests = _tests(simulation, baseline, limits, material, trouble)
-    placed = _as_placed(simulation, tests, material)
+    placed = _at_borders(_as_placed(simulation, tests, material), simulation, limits)
     nearly = _tilted(simulation, baseline, limits, material, trouble)
     spread = _all_orientations(simulation, baseline, trouble)
     literal = _literal(simulation, material, trouble)
@@ -176,6 +176,16 @@ def _as_placed(simulation: Simulation, tests: Mapping[str, list[_Stress]], mater
         when = "" if decides.load == nearest.load else f"{_when(decides.load)} "
         clause += f", and {when}{_stress(decides, material)}"
     return Told(judgement, clause)
+
+
+def _at_borders(told: Told, simulation: Simulation, limits: Limits) -> Told:
+    """Rule (A), not sure where a load's stress may be near its limit, or above, where a support or load ends and elements are too long."""
+    near = [case for case in simulation.loaded if not case.border < (1.0 - CONTACT_BAND) * limits.under(case.name).surface]
+    if not near or told.judgement.outcome != "VIABLE":
+        return told
+    most = max(near, key=lambda case: case.border)
+    read = f"{_when(most.name)} elements where a support or load ends are too long to read its stress there"
+    return _unsure(told)._replace(clause=f"{told.clause}, and {read}, which heads for {most.border:.1f} MPa")
 
 
 def _overrules(other: Judgement, nearest: Judgement) -> bool:

@@ -79,6 +79,7 @@ class LoadResult(msgspec.Struct, frozen=True, kw_only=True):
         surface: Largest von Mises stress at a vertex of the surface, of those where the mesh resolves it [MPa]; 0 if it does nowhere.
         averaged: Largest mean over 2 mm along the surface, or, around the borders of supports and loads, 2 mm volume average [MPa].
         measures: Its stress as that of a drop is measured, by which it is judged; None in records of earlier versions.
+        border: What the stress heads for where supports and loads end and elements are too long to read it [MPa]; 0 where they are not.
     """
 
     name: str
@@ -88,6 +89,7 @@ class LoadResult(msgspec.Struct, frozen=True, kw_only=True):
     surface: float = 0.0
     averaged: float = 0.0
     measures: Measures | None = None
+    border: float = 0.0
 
     @property
     def measured(self) -> Measures:

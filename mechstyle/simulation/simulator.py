@@ -321,7 +321,7 @@ class DropSimulator:
         reading, borders = self._reading_of(tets, dropped.displacement), self._static.borders
         deciding = {name: reading.of_load(tets, one.von_mises, one.corners, borders[name]) for name, one in responses.items()}
         fields = np.stack([self._transfer.to_surface(one.field).astype(np.float32) for one in deciding.values()])
-        return under_loads(dropped, [told(name, tets, responses[name], one) for name, one in deciding.items()], fields)
+        return under_loads(dropped, [told(name, tets, responses[name], one, borders[name]) for name, one in deciding.items()], fields)
 
     def _drop(self, tets: TetMesh, *, thorough: bool) -> Drop:
         normals, test = self._orientations.normals[: None if thorough else 1 + self.recipe.tilts], prescribed(self.recipe)

@@ -9,18 +9,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mechstyle.fea.criterion import measures
+from mechstyle.fea.statics.border_doubt import heading_for
 from mechstyle.fea.statics.solve import Response
 from mechstyle.fea.surface_stress import Deciding
 from mechstyle.records import LoadResult, Measures, Simulation
-from mechstyle.records.mesh import TetMesh
+from mechstyle.records.mesh import Bools, TetMesh
 
 
-def told(name: str, tets: TetMesh, response: Response, deciding: Deciding) -> LoadResult:
-    """The record of one load case on tetrahedra, by its response and the stress that decides there."""
+def told(name: str, tets: TetMesh, response: Response, deciding: Deciding, border: Bools) -> LoadResult:
+    """The record of one load case on tetrahedra, by its response and the stress that decides there.
+
+    Args:
+        name: The case.
+        tets: The body.
+        response: What the case does to it.
+        deciding: The stress that decides.
+        border: Which vertices lie on the border of its supports and loads, shape [vertex_count].
+    """
     found = measures(tets, response.von_mises, deciding)
     return LoadResult(
         name=name, peak=found.peak, where=found.where, deflection=response.deflection,
         surface=deciding.resolved, averaged=deciding.averaged, measures=found,
+        border=heading_for(tets, border, deciding.field),
     )  # fmt: skip
 
 

@@ -73,3 +73,15 @@ def test_what_fails_clearly_is_told_beside_what_is_further_beyond_its_limit_and_
 def test_a_shape_that_hides_stress_does_not_make_what_fails_clearly_marginal():
     for surface, word in ((0.5, "MARGINAL"), (1.02, "MARGINAL"), (1.1, "FAILS")):
         assert judge(replace(part(surface=surface), carried=0.8), part(), PLA, "robust").word == word
+
+
+@pytest.mark.parametrize(
+    ("border", "surface", "word"), [(0.84, 0.5, "VIABLE"), (0.86, 0.5, "MARGINAL"), (np.nan, 0.5, "MARGINAL"), (2.0, 1.1, "FAILS")]
+)
+def test_what_elements_too_long_beside_a_support_may_hide_is_doubtful(border, surface, word):
+    """The unsafe side: on a short arm of long elements a clamp at 100 MPa reads 65."""
+    one = part(load=surface)
+    (case,) = one.loaded
+    found = judge(replace(one, loaded=(msgspec.structs.replace(case, border=border * Y),)), part(), PLA, "robust")
+    assert found.word == word
+    assert ("under the load 'coat' elements where a support or load ends are too long" in found.words) is (word == "MARGINAL")

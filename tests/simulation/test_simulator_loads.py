@@ -76,6 +76,23 @@ def test_a_plate_whose_clamp_sees_80_mpa_fails(memo):
     assert sim.baseline.as_placed.surface == told.peak
 
 
+def test_a_short_arm_of_long_elements_is_not_sure_to_hold(memo):
+    """The unsafe side: 15 mm long and of elements of 5 mm, it read 31 MPa of the 48 at its clamp, and was VIABLE without a word."""
+    tets, (length, width, thickness) = box((3, 2, 1), (15.0, 9.0, 4.0)), (15.0, 9.0, 4.0)
+    used, faces = np.unique(tets.boundary_faces, return_inverse=True)
+    arm = LoadCase(
+        name="arm",
+        supports=(Support(at=Patch(plane=(0, 0, 0, -1, 0, 0))),),
+        loads=(Load(at=Patch(plane=(length, 0, 0, 1, 0, 0)), force=(0.0, 0.0, -48.0 * width * thickness**2 / 6.0 / length)),),
+    )
+    sim = simulator((SurfaceMesh(tets.vertices[used], faces.reshape(-1, 3)), tets), memo, orientations=1, loads=(arm,))
+    (told,) = sim.baseline.loaded
+    assert told.peak < 0.75 * LIBRARY["PLA"].yield_strength < told.border
+    verdict = judge_alone(sim.baseline, LIBRARY["PLA"], "robust")
+    assert (verdict.outcome, verdict.marginal) == ("VIABLE", True)
+    assert "and under the load 'arm' elements where a support or load ends are too long to read its stress there" in verdict.words
+
+
 def test_other_loads_are_another_question_and_their_answer_is_remembered(block, memo, drops):
     for loads in ((), (REST,), (PUSH,), (REST,)):
         assert len(simulator(block, memo, loads=loads).simulate(bumps(block), thorough=False).loaded) == len(loads)
