@@ -51,6 +51,8 @@ def deepest(
 ) -> Depth:
     """Find the deepest of several reliefs that holds as it is drawn; the trials stay in a run directory of their own, a lane each.
 
+    A trial is judged as any run is at its end: by the surface that would be delivered.
+
     Args:
         mesh: A closed surface [mm], z up, as it stands.
         prompt: The style, in words.
