@@ -58,8 +58,7 @@ def verdict_note(verdict: Verdict) -> str:
     if verdict.outcome == "UNKNOWN":
         return "UNKNOWN: this drop gave no answer"
     nearest = min(verdict.counting, key=lambda rule: rule.safety_factor)
-    doubt = ", MARGINAL" if verdict.marginal else ""
-    return f"{verdict.outcome}{doubt}: {nearest.short}"
+    return f"{verdict.told}: {nearest.short}"
 
 
 def checkpoint_panels(original: SurfaceMesh, state: Checkpoint, recipe: Recipe, limit: float, measured_at: int | None) -> list[Panel]:

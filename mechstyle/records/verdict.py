@@ -106,6 +106,11 @@ class Verdict(msgspec.Struct, frozen=True, kw_only=True):
         return "MARGINAL" if self.marginal else self.outcome
 
     @property
+    def told(self) -> str:
+        """The outcome as it is told: that it is MARGINAL is told with it."""
+        return f"{self.outcome}, MARGINAL" if self.marginal else self.outcome
+
+    @property
     def deciding(self) -> Judgement:
         """The as-placed judgement under the criterion in force; its value is the peak, its limit the allowable stress."""
         return self.literal if self.criterion == "paper" else self.as_placed

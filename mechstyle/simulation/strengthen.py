@@ -111,9 +111,9 @@ class Strengthened:
         limit = self.recipe.material.yield_strength
         (first, last), surface = self.verdicts, self.surface
         panels = [
-            field_panel(self.part.surface, fields.stress(limit), self.before.stress, title=f"as it came: {first.outcome}"),
+            field_panel(self.part.surface, fields.stress(limit), self.before.stress, title=f"as it came: {first.told}"),
             field_panel(surface, fields.ADDED, self.added, title=f"thickened: {self.mass_gained:+.1f} g"),
-            field_panel(surface, fields.stress(limit), self.after.stress, title=f"after: {last.outcome}"),
+            field_panel(surface, fields.stress(limit), self.after.stress, title=f"after: {last.told}"),
         ]
         return picture(panels)
 

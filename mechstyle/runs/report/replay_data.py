@@ -212,7 +212,7 @@ def _frame(row: Row) -> dict[str, Any]:
 
 def _verdict_words(verdict: Verdict) -> dict[str, Any]:
     decides = verdict.deciding
-    return {"outcome": verdict.outcome, "peak": decides.value, "limit": decides.limit}
+    return {"outcome": verdict.told, "peak": decides.value, "limit": decides.limit}
 
 
 def layer_entry(quantity: Quantity, channel: Channel) -> dict[str, Any]:

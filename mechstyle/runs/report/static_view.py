@@ -23,13 +23,13 @@ def mimebundle(run: LaneOfRun) -> dict[str, str]:
 
 def as_text(run: LaneOfRun, told: Sequence[Step], words: str) -> str:
     """The run, its verdict in words and its simulations, a line each."""
-    lines = [f"{step.iteration:>5}  {step.outcome:<8} {_peak(step):>7} MPa  {step.reason}" for step in told]
+    lines = [f"{step.iteration:>5}  {step.verdict.told:<16} {_peak(step):>7} MPa  {step.reason}" for step in told]
     return "\n".join([repr(run), words, *lines])
 
 
 def as_html(run: LaneOfRun, told: Sequence[Step], words: str) -> str:
     """The same as a table under a picture; no style sheet and no script, which such places strip."""
-    lines = [(step.iteration, step.reason, step.outcome, _peak(step), f"{step.share:.0%}") for step in told]
+    lines = [(step.iteration, step.reason, step.verdict.told, _peak(step), f"{step.share:.0%}") for step in told]
     return fill(
         "<p><strong>{name}</strong> as “{prompt}”</p>{picture}<p>{words}</p>{rows}",
         name=run.record.name, prompt=run.recipe.prompt, picture=still(run), words=words,

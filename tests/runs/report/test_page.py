@@ -240,6 +240,16 @@ def test_a_notebook_without_a_kernel_shows_a_picture_and_a_table(lane):
         assert "every 10 iterations" in text
 
 
+def test_a_notebook_without_a_kernel_and_the_replay_say_marginal_where_a_verdict_is(sheet):
+    run = sheet(iterations=20, gain=30.0)
+    told = [step.verdict for step in steps(run.store, rows(run.store))]
+    assert {verdict.marginal for verdict in told} == {True, False}
+    shown, last = run._repr_mimebundle_(), replay_data(run).header["frames"][-1]
+    for text in (Reader(shown["text/html"]).text, shown["text/plain"]):
+        assert text.replace(run.verdict.words, "").count("MARGINAL") == sum(verdict.marginal for verdict in told)
+    assert last["outcome"] == "VIABLE, MARGINAL"
+
+
 @pytest.mark.parametrize(("top", "about", "wanted"), [(60, 6, [0, 10, 20, 30, 40, 50, 60]), (51, 4, [0, 20, 40]), (1, 10, None)])
 def test_ticks_are_round_numbers(top, about, wanted):
     found = list(ticks(top, about))
