@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -68,7 +69,7 @@ def carry_out(
 ) -> Any:
     """Run a stylization with progress; the finished run, its part exported and pictured."""
     from mechstyle.fea.drop import resolve_device  # noqa: PLC0415 — physics is loaded when something is run
-    from mechstyle.runs.recipes import draft  # noqa: PLC0415
+    from mechstyle.runs.recipes import FREESTYLE, draft  # noqa: PLC0415
     from mechstyle.runs.run import started  # noqa: PLC0415
     from mechstyle.styling.prompt import reading_of  # noqa: PLC0415
 
@@ -80,21 +81,23 @@ def carry_out(
         for note in (f"read as {reading.words}", *reading.notes):
             err.print(f"[dim]prompt: {escape(note)}[/]")
     mesh, name = read_model(model, scale, up, quiet=as_json)
+    limited: Sequence[str] = ()
     with telling(wanted.iterations, quiet=as_json) as teller:
         if deep:
-            wanted = at_its_deepest(wanted, mesh, settings, vertices, device, folder, teller)
+            tried = {**FREESTYLE, **settings} if freestyle else settings
+            wanted, *limited = at_its_deepest(wanted, mesh, tried, vertices, device, folder, teller)
         run = started(
             wanted, mesh, vertices=vertices, out=folder, name=name, device=device, stage=teller.stage, warn=teller.warn, beside=False
         )
         if wanted.strengthen and not as_json:
             err.print(f"[dim]part: {escape(run.part.notes[-1])}[/]")
-        return finish(run, teller)
+        return finish(run, teller, limited)
 
 
 def at_its_deepest(
     wanted: Recipe, mesh: Any, settings: Settings, vertices: int, device: str, folder: Path | None, teller: Any
-) -> Recipe:
-    """A recipe with the deepest relief that holds, which is found by trials in a folder beside the run's."""
+) -> tuple[Recipe, str]:
+    """A recipe with the deepest relief that holds, found by trials in a folder beside the run's, and what limits it, in words."""
     from mechstyle.runs.deepest import deepest  # noqa: PLC0415 — physics is loaded when something is run
     from mechstyle.runs.folders import default_folder  # noqa: PLC0415
 
@@ -102,18 +105,18 @@ def at_its_deepest(
     trials = beside.with_name(f"{beside.name}-depths")
     found = deepest(mesh, **settings, vertices=vertices, device=device, stage=teller.stage, warn=teller.warn, out=trials)
     err.print(f"[dim]amplitude: {escape(found.words)}[/]")
-    return msgspec.structs.replace(wanted, amplitude=found.amplitude)
+    return msgspec.structs.replace(wanted, amplitude=found.amplitude), f"amplitude {AUTO}: {found.words}"
 
 
-def finish(run: Any, teller: Any) -> Any:
-    """Carry a run on to its end, then export and picture the part."""
+def finish(run: Any, teller: Any, known: Iterable[str] = ()) -> Any:
+    """Carry a run on to its end, then export and picture the part; `known` is what its user should know besides, a sentence each."""
     teller.stage("simulating the unstylized part")
     run.go(teller.event, teller.fraction)
     teller.stage("writing files")
     stem = f"{run.record.stem}-{run.lane}"
     model = run.store.root / f"{stem}.3mf"
     written = run.exported(model)
-    notes = (*written.quality.warnings, written.printing.words)
+    notes = (*known, *written.quality.warnings, written.printing.words)
     run.add_files({"model": model, "picture": run.show().save(run.store.root / f"{stem}.png")}, notes)
     return run
 
