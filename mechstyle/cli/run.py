@@ -69,7 +69,7 @@ def carry_out(
 ) -> Any:
     """Run a stylization with progress; the finished run, its part exported and pictured."""
     from mechstyle.fea.drop import resolve_device  # noqa: PLC0415 — physics is loaded when something is run
-    from mechstyle.runs.recipes import FREESTYLE, draft  # noqa: PLC0415
+    from mechstyle.runs.recipes import FREESTYLE, draft, expected  # noqa: PLC0415
     from mechstyle.runs.run import started  # noqa: PLC0415
     from mechstyle.styling.prompt import reading_of  # noqa: PLC0415
 
@@ -80,6 +80,9 @@ def carry_out(
         reading = reading_of(wanted)
         for note in (f"read as {reading.words}", *reading.notes):
             err.print(f"[dim]prompt: {escape(note)}[/]")
+    if not as_json:
+        for warning in expected(wanted):
+            err.print(f"[yellow]warning:[/] {escape(warning)}")
     mesh, name = read_model(model, scale, up, quiet=as_json)
     limited: Sequence[str] = ()
     with telling(wanted.iterations, quiet=as_json) as teller:
@@ -144,7 +147,8 @@ def report(run: Any, *, as_json: bool) -> None:
     first, last = summary.baseline.failure_probability, summary.result.failure_probability
     if first is not None and last is not None:
         out.print(f"{last:.0%} of random drops begin to yield it somewhere, {first:.0%} of those of the {before} part ({run.recipe.poses})")
-    out.print(f"published rule, shown only: literal maximum {summary.result.maximum:.1f} MPa (depends on the mesh)")
+    shown_only = "" if run.recipe.criterion == "paper" else ", shown only"
+    out.print(f"published rule{shown_only}: literal maximum {summary.result.maximum:.1f} MPa (depends on the mesh)")
     if run.recipe.layers_judged:
         out.print(escape(run.recipe.layers_judged))
     if run.recipe.after_standard:

@@ -129,7 +129,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         schedule: When to simulate, one of SCHEDULES.
         every: Interval of the `every` schedule [iterations].
         travel: Displacement since the last simulation over local thickness that triggers `geometry` and `stress`.
-        criterion: What viable means, one of CRITERIA.
+        criterion: What viable means, one of CRITERIA: paper is the published rule and method, which leave next to nothing of most styles.
         guarantee: Whether the finished relief is corrected until it is viable: lowered where it is overloaded, and no further than needed.
         orientations: Drops in the final test, the first as placed; of resting poses and poses of a box at most so many.
         poses: How the drops after the first land: `fibonacci` every way, `tilts` nearly as placed, `resting` as the part comes to rest,

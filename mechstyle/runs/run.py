@@ -33,7 +33,7 @@ from mechstyle.runs.folders import default_folder, folder_for
 from mechstyle.runs.known_fields import known_fields
 from mechstyle.runs.part_record import PartRecord
 from mechstyle.runs.printing import Printing
-from mechstyle.runs.recipes import changed, draft
+from mechstyle.runs.recipes import changed, draft, expected
 from mechstyle.runs.refine import Refined, Refinement, notes_on
 from mechstyle.runs.session import Session
 from mechstyle.runs.stylizers import finished_relief, stylizer_for
@@ -280,7 +280,8 @@ class Run:
         bounds, protected = bounds_for(part, recipe)
         simulator = self.simulator(recipe, progress)
         delivery = None if recipe.delivered == 0 else self._refinement(simulator)
-        return Engine(recipe, part.surface, bounds, stylizer, simulator, self.store, self.lane, delivery), (*protected, *notes)
+        notes = (*expected(recipe), *protected, *notes)
+        return Engine(recipe, part.surface, bounds, stylizer, simulator, self.store, self.lane, delivery), notes
 
     def simulator(self, recipe: Recipe, progress: Progress = no_progress) -> DropSimulator:
         """The drop test of the part under a recipe."""

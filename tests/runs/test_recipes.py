@@ -10,7 +10,7 @@ from mechstyle.records import CONTROLS, POSES, Recipe
 from mechstyle.records.load_cases import Load, LoadCase, Support
 from mechstyle.records.material import LIBRARY, Material
 from mechstyle.records.regions import HalfSpace, Inside
-from mechstyle.runs.recipes import changed, check_settings, draft, plan
+from mechstyle.runs.recipes import changed, check_settings, draft, expected, plan
 
 WITHOUT_OUR_ADDITIONS = {"memory": False, "retraction": False, "base": "free", "guarantee": False}
 
@@ -53,6 +53,15 @@ def test_the_paper_criterion_brings_the_published_method(part):
     theirs = {"normalisation": "sigma_c", "transfer": "nearest", "element": "tet4", "minimum_wall": 0.0, "tilts": 0, "delivered": 0}
     expected = defaults(part, criterion="paper", **theirs, **WITHOUT_OUR_ADDITIONS)
     assert plan(part, "brick", criterion="paper") == expected
+
+
+@pytest.mark.parametrize(
+    ("settings", "told"),
+    [({"criterion": "paper"}, True), ({}, False), ({"criterion": "paper", "freestyle": True}, False),
+     ({"criterion": "paper", "normalisation": "headroom"}, False)],
+)  # fmt: skip
+def test_what_the_published_method_leaves_of_a_style_is_told_beforehand(part, settings, told):
+    assert any("a fifth of the yield strength" in sentence for sentence in expected(plan(part, "brick", **settings))) is told
 
 
 def test_freestyle_under_the_paper_criterion_is_both(part):

@@ -1,0 +1,26 @@
+"""What the command line says of the criterion in force."""
+
+import pytest
+from typer.testing import CliRunner
+
+from mechstyle.cli import run as commands
+from mechstyle.cli.app import app
+from mechstyle.cli.console import out
+from mechstyle.cli.run import report
+from mechstyle.errors import BadInput
+
+
+@pytest.mark.parametrize(("criterion", "shown"), [("robust", "published rule, shown only: literal"), ("paper", "published rule: literal")])
+def test_the_published_rule_is_not_called_shown_only_where_it_decides(sheet, criterion, shown):
+    with out.capture() as said:
+        report(sheet(criterion=criterion), as_json=False)
+    assert shown in said.get()
+
+
+def test_what_the_published_method_leaves_is_said_before_anything_slow(monkeypatch):
+    def no_further(*_, **__):
+        raise BadInput("no further")
+
+    monkeypatch.setattr(commands, "read_model", no_further)
+    outcome = CliRunner().invoke(app, ["run", "gallery:drawer_knob", "-p", "brick", "--criterion", "paper"])
+    assert "29 % was kept once" in " ".join(outcome.output.split())
