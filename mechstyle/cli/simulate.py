@@ -90,6 +90,8 @@ def _figures(dropped: PartTest, files: dict[str, str]) -> dict[str, Any]:
         "fit": dropped.fit,
         "original": None if dropped.original is None else dropped.original.as_placed,
         "original_tilted": None if dropped.original is None else dropped.original.tilted,
+        "original_landings": () if dropped.original is None else dropped.original.landings,
+        "original_failure_probability": None if dropped.original is None else dropped.original.failure_probability,
         "steps": simulation.steps,
         "time_step": simulation.time_step,
         "added_mass": simulation.added_mass,
@@ -150,18 +152,21 @@ def _orientation_rows(dropped: PartTest) -> list[tuple[str, str]]:
     overall = dropped.simulation.overall
     if overall is None or not dropped.simulation.landings:
         return [("p99 over all orientations", "not run" if overall is None else "not known")]
-    worst = dropped.simulation.worst
+    worst, before = dropped.simulation.worst, dropped.original
     assert worst is not None, "there are landings"
+    first = "" if before is None or before.worst is None else f"; the original {before.worst.measures.peak:.1f} MPa"
     x, y, z = worst.normal
     rows = [
         ("p99 over all orientations", f"{overall.p99:.1f} MPa"),
-        ("worst orientation", f"{worst.measures.peak:.1f} MPa, {worst.name}, floor normal ({x:.2f}, {y:.2f}, {z:.2f})"),
+        ("worst orientation", f"{worst.measures.peak:.1f} MPa, {worst.name}, floor normal ({x:.2f}, {y:.2f}, {z:.2f}){first}"),
     ]
     if dropped.recipe.after_standard:
         rows.append(("orientations", dropped.recipe.after_standard))
     chance = dropped.simulation.failure_probability
     if chance is not None:
         share = f"{chance:.0%} of random drops begin to yield it somewhere, beyond {dropped.recipe.material.yield_strength:.1f} MPa"
+        if before is not None and before.failure_probability is not None:
+            share += f", the original in {before.failure_probability:.0%}"
         rows.append(("failure probability", f"{share} (of {len(dropped.simulation.landings)} {dropped.recipe.poses} drops)"))
     return rows
 

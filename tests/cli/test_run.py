@@ -225,7 +225,7 @@ def test_simulate_reports_the_part_as_it_is(mechstyle):
 
 
 def test_simulate_judges_beside_an_original_that_is_named(mechstyle):
-    small = ("simulate", "gallery:pen_holder", "--vertices", "2000", "--orientations", "1", "--window", "0.4")
+    small = ("simulate", "gallery:pen_holder", "--vertices", "2000", "--orientations", "2", "--window", "0.2")
     assert "judged alone, by the strength of its material" in " ".join(mechstyle(*small).stdout.split())
     beside = (*small, "--original", "gallery:pen_holder")
     outcome, said = mechstyle(*beside, "--json").json, " ".join(mechstyle(*beside).stdout.split())
@@ -233,6 +233,8 @@ def test_simulate_judges_beside_an_original_that_is_named(mechstyle):
     assert outcome["tilted_limit"] > outcome["tilted"] == outcome["original_tilted"]["surface"]
     assert outcome["fit"]["most"] > outcome["fit"]["mean"] > 0.0
     assert re.search(r"original [\d.]+ MPa as placed, tilted [\d.]+ MPa", said)
+    assert re.search(r"worst orientation [^;]+; the original [\d.]+ MPa failure probability .+ of random drops .+, the original in \d+%", said)
+    assert outcome["original_failure_probability"] == outcome["failure_probability"]
     assert "judged alone" not in said
 
 
