@@ -233,7 +233,7 @@ def test_simulate_judges_beside_an_original_that_is_named(mechstyle):
     assert outcome["tilted_limit"] > outcome["tilted"] == outcome["original_tilted"]["surface"]
     assert outcome["fit"]["most"] > outcome["fit"]["mean"] > 0.0
     assert re.search(r"original [\d.]+ MPa as placed, tilted [\d.]+ MPa", said)
-    assert re.search(r"worst orientation [^;]+; the original [\d.]+ MPa failure probability .+ of random drops .+, the original in \d+%", said)
+    assert re.search(r"worst orientation [^;]+; the original [\d.]+ MPa failure probability .+ of random drops .+, the original in", said)
     assert outcome["original_failure_probability"] == outcome["failure_probability"]
     assert "judged alone" not in said
 

@@ -1,11 +1,18 @@
 """What counts as a verdict that changes without a warning."""
 
+from dataclasses import replace
+
 import msgspec
 import numpy as np
 import pytest
 
+from mechstyle.fea.drop import DropTest
+from mechstyle.geometry.remesh import standardise
+from mechstyle.geometry.tetrahedra import tetrahedralise
 from mechstyle.records import Measures, Simulation
-from mechstyle.simulation.validation.repeatability import STRENGTHS, Pair, flips, spread
+from mechstyle.simulation.validation.bodies import styled_cup
+from mechstyle.simulation.validation.meshes import bracket
+from mechstyle.simulation.validation.repeatability import STRENGTHS, Pair, _changed, _period, flips, landed, spread
 
 
 def simulation(surface, p99=20.0):
@@ -51,3 +58,27 @@ def test_spread_is_half_the_range_over_the_mean():
     assert found["a, σ_2 as placed"].error == pytest.approx(1.0 / 30.0)
     assert found["a, σ_2 as placed"].passed is False
     assert found["a, p99 of the envelope"].error == 0.0
+
+
+# --- what `mechstyle validate` holds on finer bodies, in seconds ------------------------------------------------------
+
+
+def failing(results):
+    return [f"{one.case}: {one.error:.3g} of {one.limit:g}, {one.note}" for one in results if not one.passed]
+
+
+def test_five_triangulations_of_a_cup_read_the_same_and_turn_no_verdict_without_saying_so():
+    cup = styled_cup()
+    period = _period(cup.unstyled)
+    filled = [tetrahedralise(standardise(cup.smooth, vertices), 2500) for vertices in (800, 900, 1000, 1100, 1200)]
+    found = [landed(tets, period) for tets in filled]
+    assert len({tets.digest for tets in filled}) == 5
+    assert failing([*spread("cup", found), flips("cup", [Pair(one, found[0]) for one in found])]) == []
+
+
+@pytest.mark.parametrize(("longer", "step"), [(2.0, 1.0), (1.0, 0.5)])
+def test_neither_twice_the_time_nor_half_the_step_turns_a_verdict_of_a_bracket(longer, step):
+    tets, test = bracket(40.0, 16.0, 4.0, 4.0), DropTest()
+    period = _period(tets)
+    usual, other = landed(tets, period), landed(tets, longer * period, replace(test, safety=step * test.safety))
+    assert failing([*_changed("bracket", other, usual), flips("bracket", [Pair(usual, usual), Pair(other, usual)])]) == []
