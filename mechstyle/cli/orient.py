@@ -27,7 +27,7 @@ def orient_command(
     device: Device = "auto",
     as_json: Json = False,
 ) -> None:
-    """Rank ways up to print a part by what its layers bear in the drop, by overhang and by height."""
+    """Rank ways up to print a part by what its layers bear in the drop and under loads, by overhang and by height."""
     from mechstyle.runs.orient import ways_up  # noqa: PLC0415 — loaded when wanted
     from mechstyle.runs.run import Run  # noqa: PLC0415
 

@@ -1,7 +1,7 @@
 """Which way up to print the part of a run: what its layers bear in the drop, what hangs over, how high it is.
 
 A part lands as it always did, whichever way up it was printed; what changes is where its layers lie. So a way up is judged by the run's own
-drop as placed, with layers along it; up and down are the same layers, and one drop serves both.
+drop as placed and its load cases, with layers along it; up and down are the same layers, and one drop serves both.
 """
 
 from __future__ import annotations
@@ -35,7 +35,8 @@ class WayUp(msgspec.Struct, frozen=True, kw_only=True):
     Attributes:
         name: What it is called.
         up: Direction of the part's frame that points up in the printer.
-        stress: The larger of what the drop as placed and those tilted a little leave, layers judged [MPa]; None if that is not known.
+        stress: The largest of what the drop as placed, those tilted a little and the load cases leave, layers judged [MPa]; None if that
+            is not known.
         limit: What it may at most be: the yield strength along the layers [MPa].
         overhang: Area that needs support [mm²].
         height: Height in the printer [mm].
@@ -123,7 +124,7 @@ def _called(name: str, up: Point) -> str:
 
 
 class _Layers:
-    """What a part bears in its drops as placed and tilted, for layers along any direction."""
+    """What a part bears in its drops as placed and tilted and under its loads, for layers along any direction."""
 
     def __init__(self, run: Run, recipe: Recipe, last: Simulation, displacement: np.ndarray, stage: Stage, progress: Progress) -> None:
         """Begin with what the run knows; drops are made when they are asked for."""
@@ -169,7 +170,7 @@ def _opposite(up: Point) -> Point:
 
 
 def _deciding(simulation: Simulation) -> float:
-    """The larger stress of the drop as placed and of those tilted a little [MPa]; infinite if there is no answer."""
+    """The largest stress of the drop as placed, of load cases and of drops tilted a little [MPa]; infinite if there is no answer."""
     if simulation.failure:
         return float("inf")
     return max(simulation.as_placed.peak, 0.0 if simulation.tilted is None else simulation.tilted.surface)

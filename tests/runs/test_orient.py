@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from mechstyle.errors import BadInput
+from mechstyle.records.load_cases import Load, LoadCase, Patch, Support
 from mechstyle.records.material import LIBRARY
 from mechstyle.runs.orient import ways_up
 from support.kills import on_a_block
@@ -34,6 +35,17 @@ def test_up_and_down_are_one_drop_and_what_layers_bear_is_what_build_direction_s
     assert stress[0.0, 0.0, 1.0] >= block.simulation().as_placed.peak * (1.0 - 1e-6), "layers only make it weaker"
     assert [way.rank for way in found.ways] == sorted(way.rank for way in found.ways)
     assert found.ways[0].demand <= min(way.demand for way in found.ways) + 0.05
+
+
+def test_loads_pull_at_layers_as_the_drop_does(block, monkeypatch):
+    """Held at one side and pressed down at the other it is bent, which pulls at layers along its length."""
+    plain = {way.up: way.stress for way in ways_up(block, count=3).ways}
+    ends = [Patch(plane=(at, 0.0, 0.0, out, 0.0, 0.0)) for at, out in ((0.1, -1.0), (9.9, 1.0))]
+    case = LoadCase(name="hung", supports=(Support(at=ends[0]),), loads=(Load(at=ends[1], force=(0.0, 0.0, -2000.0)),))
+    recipe = msgspec.structs.replace(block.recipe, loads=(case,))
+    monkeypatch.setattr(type(block.store), "recipe", lambda *_: recipe)
+    loaded = {way.up: way.stress for way in ways_up(block, count=3).ways}
+    assert loaded[1.0, 0.0, 0.0] > 1.1 * plain[1.0, 0.0, 0.0]
 
 
 @pytest.mark.parametrize(("ratio", "stress"), [(None, None), (1.0, "as it was")])
