@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
-OUTCOMES = {"VIABLE": ("o", "#0072b2"), "FAILS": ("X", "#d55e00"), "UNKNOWN": ("s", "#7a7a80")}
-"""Mark and colour of an outcome; told apart in grey by the mark."""
+OUTCOMES = {"VIABLE": ("o", "#0072b2"), "MARGINAL": ("^", "#f5b82e"), "FAILS": ("X", "#d55e00"), "UNKNOWN": ("s", "#7a7a80")}
+"""Mark and colour of an outcome, MARGINAL of one that is not sure; told apart in grey by the mark."""
 
 
 def depth_of(amplitude: float | None) -> str:
@@ -166,6 +166,11 @@ def _line(row: Row) -> tuple[str, ...]:
     return (*known, outcome, f"{row.as_placed:.2f}", tilted, turned, f"{row.kept:.2f}", str(row.simulations))
 
 
+def _word(row: Row) -> str:
+    """The outcome of a run in one word, a key of OUTCOMES."""
+    return "MARGINAL" if row.marginal else row.verdict
+
+
 def _markdown(lines: Sequence[tuple[str, ...]]) -> str:
     ruled = [lines[0], tuple("---" for _ in lines[0]), *lines[1:]]
     return "".join(f"| {' | '.join(line)} |\n" for line in ruled)
@@ -179,7 +184,7 @@ def _draw(axes: Axes, rows: Sequence[Row], title: str) -> None:
         for place, arm in enumerate(shown):
             of_arm = sorted((row for row in rows if row.arm == arm), key=lambda row: row.kept)
             spread = np.linspace(-0.3, 0.3, len(of_arm)) if len(of_arm) > 1 else [0.0]
-            points += [(place + shift, row.kept) for shift, row in zip(spread, of_arm, strict=True) if row.verdict == outcome]
+            points += [(place + shift, row.kept) for shift, row in zip(spread, of_arm, strict=True) if _word(row) == outcome]
         if points:
             x, y = zip(*points, strict=True)
             axes.scatter(x, y, marker=mark, s=34, facecolor=colour, edgecolor="white", linewidth=0.6, label=outcome.lower())

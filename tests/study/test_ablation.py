@@ -96,6 +96,18 @@ def test_what_is_saved_is_read_by_people_and_by_programs(tmp_path):
     assert set(files) == {"table", "rows", "picture"}
 
 
+def test_what_is_marginal_has_a_mark_and_a_colour_of_its_own_in_the_picture(monkeypatch):
+    drawn = {}
+
+    def scatter(_axes, _x, kept, **look):
+        drawn[look["label"]] = (*kept, look["facecolor"])
+
+    monkeypatch.setattr("matplotlib.axes.Axes.scatter", scatter)
+    monkeypatch.setattr("matplotlib.axes.Axes.legend", lambda *_, **__: None)
+    Ablation([row(), row(part="cup", marginal=True, kept=0.7), row(part="box", verdict="FAILS", marginal=True, kept=0.6)]).show()
+    assert drawn == {"viable": (0.9, "#0072b2"), "marginal": (0.6, 0.7, "#f5b82e")}
+
+
 def test_a_model_that_cannot_be_used_is_refused_before_anything_runs(asked, tmp_path):
     """It was a row, remembered for good, and the command ended as if all were well."""
     with pytest.raises(BadInput, match=r"none\.stl does not exist"):
