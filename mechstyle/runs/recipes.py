@@ -106,6 +106,21 @@ def changed(recipe: Recipe, changes: dict[str, Any]) -> Recipe:
     return settled(msgspec.structs.replace(recipe, **given), clip_asked_for=bool(given.get("clip")))
 
 
+def brought(settings: dict[str, Any], control: str) -> dict[str, Any]:
+    """Settings with what a standard, poses and a criterion among them bring, unless it is given; for whoever shows all of them.
+
+    Args:
+        settings: What was given.
+        control: The control in force, unless another is given.
+    """
+    given = with_drops(settings)
+    if "criterion" not in given:
+        return given
+    paper = given["criterion"] == "paper"
+    normalisation = default_normalisation(given.get("control", control), paper=paper)
+    return {**(PAPER if paper else ROBUST), "normalisation": normalisation, **given}
+
+
 def expected(recipe: Recipe) -> tuple[str, ...]:
     """What is known beforehand of a run by the published method, one sentence; nothing of any other."""
     return (EXPECTED,) if recipe.criterion == "paper" and recipe.normalisation == "sigma_c" and recipe.feedback else ()

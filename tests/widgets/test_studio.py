@@ -5,6 +5,7 @@ import pytest
 
 from mechstyle.errors import BadInput
 from mechstyle.records.load_cases import Load, LoadCase, Support
+from mechstyle.runs.recipes import draft
 from mechstyle.runs.run import Run
 from mechstyle.runs.stylizers import FinishedStyle
 from mechstyle.simulation.part import Shape
@@ -53,6 +54,27 @@ def test_settings_without_a_control_may_be_given_and_stay(tmp_path, fake_run):
     made.go()
     studio = Studio(made.run)
     assert (studio.wanted().recipe.window, studio.controller.differs()) == (2.0, {})
+
+
+def test_a_criterion_brings_its_method_as_on_the_command_line_and_back():
+    """It brought elements and transfer, which are not on show, and left base, corrections and masks as they were."""
+    studio = Studio("gallery:wall_hook")
+    usual = studio.wanted().recipe
+    studio.drop_options.criterion = "paper"
+    assert studio.wanted().recipe == draft("brick", criterion="paper") == Studio("gallery:wall_hook", criterion="paper").wanted().recipe
+    assert "leaves little of a style" in studio.drop_options.children[-2].value
+    assert Studio("gallery:wall_hook", criterion="paper", base="level").wanted().recipe == draft("brick", criterion="paper", base="level")
+    studio.drop_options.criterion = "robust"
+    assert studio.wanted().recipe == usual
+
+
+@pytest.mark.usefixtures("unprotected")
+def test_a_run_by_the_published_rule_opens_with_its_own_settings(tmp_path, fake_run):
+    made = fake_run(tmp_path / "published", criterion="paper", base="protected", tilts=2)
+    made.go()
+    studio = Studio(made.run)
+    assert studio.controller.differs() == {}
+    assert studio.regions_picker.base == "protected"
 
 
 @pytest.mark.usefixtures("unprotected")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -13,15 +13,14 @@ import traitlets
 
 from mechstyle.errors import BadInput, MechStyleError
 from mechstyle.records import SETTINGS, Recipe
-from mechstyle.records.landings import with_drops
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.images import remember
-from mechstyle.runs.recipes import FREESTYLE, draft
+from mechstyle.runs.recipes import FREESTYLE, brought, draft
 from mechstyle.runs.run import Run
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
 from mechstyle_widgets.jupyter.closing import close_family
 from mechstyle_widgets.jupyter.frame import Frame
-from mechstyle_widgets.jupyter.looks import lean, sharing
+from mechstyle_widgets.jupyter.looks import lean, sharing, stacked
 from mechstyle_widgets.panels.branches import Branches
 from mechstyle_widgets.panels.keys import Keys
 from mechstyle_widgets.panels.mask_inspector import DECIDES, MaskInspector
@@ -102,10 +101,10 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self.frame, self._size = Frame(), SIZE
         self.take_away = TakeAway(self.state, self.frame)
         self.previewer = Previewer(self._arrived, self._not_drawn)
-        self._middle, self._asked = _box([], "mechstyle-view"), _box([], "mechstyle-asked")
+        self._middle, self._asked = stacked([], "mechstyle-view"), stacked([], "mechstyle-asked")
         self.theme = theme
         self._timeline = Timeline(self.state, theme=self.shown_theme, width=SIZE[0])
-        super().__init__([_box([self.run_controls, self.take_away, self.frame], "mechstyle-bar"), self._body()])
+        super().__init__([stacked([self.run_controls, self.take_away, self.frame], "mechstyle-bar"), self._body()])
         self.add_class("mechstyle-studio")
         self.frame.observe(self._fit, "size")
         self.frame.observe(self._relight, "dark")
@@ -117,6 +116,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self.mask_inspector.selector.observe(self._derive, ("freestyle", *DECIDES))
         self.state.observe(self._stand_beside, ("pinned", "third"))
         self.regions_picker.observe(self._hatch, "protect")
+        self.drop_options.observe(self._other_criterion, "criterion")
         for section in self._sections:
             section.observe(self._changed, (*section.FIELDS, *section.OWN))
         if run is not None:
@@ -196,8 +196,8 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self.branches = Branches(self.controller)
 
     def _give(self, settings: dict[str, Any]) -> None:
-        """Set what was given by name; as everywhere, a standard and poses bring what they need."""
-        for name, value in with_drops(settings).items():
+        """Set what was given by name; as everywhere, a standard, poses and a criterion bring what belongs to them."""
+        for name, value in brought(settings, self.control_selector.control).items():
             owner = next((section for section in self._sections if name in (*section.FIELDS, *section.OWN)), None)
             if owner is None and name in UNSEEN:
                 self._unseen[name] = value
@@ -212,8 +212,8 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         sections = zip(TITLES, (self.part_picker, *self._sections), strict=True)
         self._groups = [Group(title, section, unfolded=title in OPEN) for title, section in sections]
         self._tabs = lean(ipywidgets.Tab, [self.mask_inspector, self.branches], titles=("Mask", "Branches"))
-        setup, middle = _box(self._groups, "mechstyle-setup"), _box([self._middle, self._timeline], "mechstyle-middle")
-        return _box([setup, middle, _box([Result(self.state), self._asked, self._tabs], "mechstyle-inspect")], "mechstyle-body")
+        setup, middle = stacked(self._groups, "mechstyle-setup"), stacked([self._middle, self._timeline], "mechstyle-middle")
+        return stacked([setup, middle, stacked([Result(self.state), self._asked, self._tabs], "mechstyle-inspect")], "mechstyle-body")
 
     def _take(self, run: Run) -> None:
         """Show the settings and the part of a run that was made before."""
@@ -226,11 +226,17 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     def _take_recipe(self, recipe: Recipe) -> None:
         """Show the settings of a recipe."""
         self._unseen = {name: getattr(recipe, name) for name in UNSEEN}
+        self.drop_options.unobserve(self._other_criterion, "criterion")  # whose method is in the recipe
         with self.state.hold_trait_notifications():  # one change of the settings, not one for each
             for section in self._sections:
                 section.take(recipe)
+        self.drop_options.observe(self._other_criterion, "criterion")
 
     # what it follows
+
+    def _other_criterion(self, change: dict[str, Any]) -> None:
+        """A criterion that is chosen brings its method, as everywhere."""
+        self._give({"criterion": change["new"]})
 
     def _changed(self, _change: object = None) -> None:
         """Tell the state what is asked for."""
@@ -391,10 +397,3 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         for view in (self._viewer, self._timeline):
             if view is not None:
                 view.theme = self.shown_theme
-
-
-def _box(children: Sequence[Any], name: str) -> ipywidgets.VBox:
-    """A box that the sheet of the frame lays out."""
-    box = lean(ipywidgets.VBox, list(children))
-    box.add_class(name)
-    return box

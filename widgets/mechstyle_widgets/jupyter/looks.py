@@ -9,7 +9,7 @@ to its control, and that to all that was shown with it: what ran before would st
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import Any, TypeVar
@@ -66,6 +66,13 @@ def lean(kind: Callable[..., W], *given: Any, **traits: Any) -> W:
     control = kind(*given, **traits)
     _controls[id(control)] = control
     return control
+
+
+def stacked(children: Sequence[ipywidgets.Widget], name: str) -> ipywidgets.VBox:
+    """Controls under each other, in a box that the sheet of the frame lays out by a name."""
+    box = lean(ipywidgets.VBox, list(children))
+    box.add_class(name)
+    return box
 
 
 def show(widget: ipywidgets.DOMWidget, there: object) -> None:

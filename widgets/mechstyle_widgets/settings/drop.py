@@ -12,6 +12,7 @@ from mechstyle.records import CRITERIA, POSES
 from mechstyle.records.landings import STANDARDS, landings_after, with_drops
 from mechstyle.records.load_cases import LoadCase, load_cases
 from mechstyle.records.mesh import STANDARD_VERTICES
+from mechstyle.runs.recipes import EXPECTED
 from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, range_of, setting
 
@@ -146,7 +147,7 @@ class DropOptions(Section):
     def _as_records(self, proposal: dict[str, Any]) -> tuple[LoadCase, ...]:
         return load_cases(proposal["value"])
 
-    @traitlets.observe("orientations", "poses", "standard", "drop_height", "loads", "strengthen")
+    @traitlets.observe("orientations", "poses", "standard", "drop_height", "loads", "strengthen", "criterion")
     def _tell(self, _change: object = None) -> None:
         """Bring the way up to date, and say what will be tested."""
         self._way.value, self._standard.value = self.way, self.standard
@@ -160,7 +161,7 @@ class DropOptions(Section):
             f"Besides, it must carry: {carried}" if carried else "",
             f"Where it does not hold as it is, it is thickened by up to {self.strengthen:g} mm before the style" if self.strengthen else "",
         )
-        self.note(". ".join(filter(None, said)))
+        self.note(". ".join(filter(None, said)), (EXPECTED,) if self.criterion == "paper" else ())
 
     @traitlets.observe("loads")
     def _forget_file(self, _change: object) -> None:
