@@ -91,6 +91,7 @@ class SurfaceStress:
         self._near = self.sides.near(RADIUS)
         self._splinters = np.asarray(self._near @ self.sides.weights(tets)) < SPLINTER
         self._beside = self.sides.near_on_any_side(RADIUS, self._splinters)
+        self._last: tuple[TetMesh, Patches] | None = None
 
     def contact_zone(self, touched: ArrayLike) -> Bools:
         """Spots near vertices that touched the floor, [vertex_count]; shape [spot_count]."""
@@ -118,13 +119,19 @@ class SurfaceStress:
 
     def along(self, tets: TetMesh, at_vertices: Floats) -> Floats:
         """σ_2 at the spots from σ_s at the vertices [MPa], shape [spot_count]; σ_s where the surface has no area."""
-        patches = Patches(self._near, self.sides, tets)
+        patches = self._patches(tets)
         there, at_points = at_vertices[self.sides.vertices], self.sides.points @ at_vertices
         own, around = patches.along(at_points, there), self._beside @ patches.weights
         # Squared, so that a strip as wide as a line of plastic keeps two thirds of its own, and a fin of 0.5 mm² a sixteenth.
         share = np.where(around > 0.0, np.minimum(patches.areas / SPLINTER, 1.0) ** 2, 1.0)
         beside = np.divide(self._beside @ (patches.weights * at_points), around, out=there, where=around > 0.0)
         return np.asarray(share * own + (1.0 - share) * beside)
+
+    def _patches(self, tets: TetMesh) -> Patches:
+        """Of a body; those of the last are kept, because a body is read landing by landing."""
+        if self._last is None or self._last[0] is not tets:
+            self._last = tets, Patches(self._near, self.sides, tets)
+        return self._last[1]
 
     def of_landing(self, tets: TetMesh, von_mises: ArrayLike, corners: ArrayLike, touched: ArrayLike) -> Deciding:
         """The deciding stress of a drop: σ_2 alone, because styled surfaces have roots as sharp as the mesh, where σ_s measures the mesh.
