@@ -44,14 +44,13 @@ class BallAverage:
         in_ball = 4.0 / 3.0 * math.pi * radius**3 * len(tets.tets) / float(tets.volumes.sum())
         self.radius = radius
         self.coordinates = next((points for points in SUB_POINTS if len(points) * in_ball >= ENOUGH), SUB_POINTS[-1])
-        points = self.points(tets)
-        count = points.shape[0] * points.shape[1]
-        pairs = cKDTree(points.reshape(-1, 3)).query_pairs(radius, output_type="ndarray").astype(np.int32)
-        itself = np.arange(count, dtype=np.int32)
+        points = self.points(tets).reshape(-1, 3)
+        pairs = cKDTree(points).query_pairs(radius, output_type="ndarray").astype(np.int32)
+        itself = np.arange(len(points), dtype=np.int32)
         rows = np.concatenate([pairs[:, 0], pairs[:, 1], itself])
         columns = np.concatenate([pairs[:, 1], pairs[:, 0], itself])
-        near = coo_array((np.ones(len(rows), dtype=np.float32), (rows, columns)), shape=(count, count)).tocsr()
-        self._near: csr_array = joined(near, tets, points, radius)
+        near = coo_array((np.ones(len(rows), dtype=np.float32), (rows, columns)), shape=(len(points),) * 2).tocsr()
+        self._near: csr_array = joined(near, tets, self.points(tets), radius)
 
     def points(self, tets: TetMesh) -> Floats:
         """The points averages are taken at [mm], shape [tet_count, sub_points, 3]."""
