@@ -24,6 +24,7 @@ from mechstyle.cli.options import (
     Vertices,
     recipe_options,
 )
+from mechstyle.errors import BadInput
 from mechstyle.records.landings import STANDARDS
 from mechstyle.records.mesh import STANDARD_VERTICES
 from mechstyle.records.recipe import Recipe
@@ -55,6 +56,14 @@ def read_model(model: str, scale: float | None, up: str, *, quiet: bool) -> tupl
     return mesh, mesh.name
 
 
+def short_for(preset: Settings, settings: Settings, flag: str, *, given: bool) -> Settings:
+    """What a flag stands for, nothing if it is not given; BadInput if something else is asked for besides."""
+    for name, value in preset.items() if given else ():
+        if settings.get(name, value) != value:
+            raise BadInput(f"{flag} is short for {name} {value}, and {name} {settings[name]} is asked for as well: leave out one of them")
+    return preset if given else {}
+
+
 def carry_out(
     model: str,
     settings: Settings,
@@ -69,7 +78,7 @@ def carry_out(
 ) -> Any:
     """Run a stylization with progress; the finished run, its part exported and pictured."""
     from mechstyle.fea.drop import resolve_device  # noqa: PLC0415 — physics is loaded when something is run
-    from mechstyle.runs.recipes import FREESTYLE, draft, expected  # noqa: PLC0415
+    from mechstyle.runs.recipes import FREESTYLE, draft, expected, idle  # noqa: PLC0415
     from mechstyle.runs.run import started  # noqa: PLC0415
     from mechstyle.styling.prompt import reading_of  # noqa: PLC0415
 
@@ -81,7 +90,7 @@ def carry_out(
         for note in (f"read as {reading.words}", *reading.notes):
             err.print(f"[dim]prompt: {escape(note)}[/]")
     if not as_json:
-        for warning in expected(wanted):
+        for warning in (*expected(wanted), *idle(settings, wanted)):
             err.print(f"[yellow]warning:[/] {escape(warning)}")
     mesh, name = read_model(model, scale, up, quiet=as_json)
     limited: Sequence[str] = ()
@@ -194,7 +203,8 @@ def run_command(
     as_json: Json = False,
 ) -> None:
     """Style a part while a drop test watches its strength."""
-    settings |= (FINISH_FIRST if finish_first else {}) | (AS_IT_RAN if coarse else {})
+    settings |= short_for(FINISH_FIRST, settings, "--finish-first", given=finish_first)
+    settings |= short_for(AS_IT_RAN, settings, "--coarse", given=coarse)
     run = carry_out(model, settings, vertices, scale, up, device, folder, freestyle=False, as_json=as_json)
     report(run, as_json=as_json)
 
@@ -214,7 +224,7 @@ def freestyle_command(
     as_json: Json = False,
 ) -> None:
     """Style a part without feedback; one drop test at the end."""
-    settings |= AS_IT_RAN if coarse else {}
+    settings |= short_for(AS_IT_RAN, settings, "--coarse", given=coarse)
     run = carry_out(model, settings, vertices, scale, up, device, folder, freestyle=True, as_json=as_json)
     report(run, as_json=as_json)
 
@@ -234,7 +244,7 @@ def branch_command(
     from mechstyle.loop.store import parse_address  # noqa: PLC0415
     from mechstyle.runs.run import Run  # noqa: PLC0415 — physics is loaded when something is run
 
-    settings |= AS_IT_RAN if coarse else {}
+    settings |= short_for(AS_IT_RAN, settings, "--coarse", given=coarse)
     root, origin, iteration = parse_address(address)
     run = Run.open(f"{root}@{origin}", device).branch(iteration, lane=lane, **settings)
     with telling(run.recipe.iterations, quiet=as_json) as teller:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from contextlib import suppress
 from functools import partial
 from typing import Any
@@ -124,6 +125,18 @@ def brought(settings: dict[str, Any], control: str) -> dict[str, Any]:
 def expected(recipe: Recipe) -> tuple[str, ...]:
     """What is known beforehand of a run by the published method, one sentence; nothing of any other."""
     return (EXPECTED,) if recipe.criterion == "paper" and recipe.normalisation == "sigma_c" and recipe.feedback else ()
+
+
+def idle(given: Mapping[str, Any], recipe: Recipe) -> tuple[str, ...]:
+    """Which of the settings that were given do nothing in a recipe, one sentence each."""
+    counts = {
+        "every": (recipe.schedule == "every", "the schedule every"),
+        "travel": (recipe.schedule in ("geometry", "stress"), "the schedule geometry or stress"),
+        "normalisation": (recipe.feedback, "a control"),
+        "threshold": (recipe.feedback, "a control"),
+        "poses": (recipe.orientations > 1, "more than one orientation"),
+    }
+    return tuple(f"{name} does nothing without {what}" for name, (does, what) in counts.items() if name in given and not does)
 
 
 def check_settings(settings: dict[str, Any]) -> None:

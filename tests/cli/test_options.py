@@ -222,3 +222,24 @@ def test_a_drop_without_style_has_the_defaults_of_the_python_function(monkeypatc
     monkeypatch.setattr(simulate, "read_model", lambda *_, **__: (None, "vase"))
     CliRunner().invoke(app, ["simulate", "gallery:vase", "--criterion", "paper"])
     assert {"material", "criterion"} == set(caught[0]) - {"original", "vertices", "device", "stage", "progress", "measured"}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--finish-first", "--schedule", "every"], "--finish-first is short for schedule never, and schedule every is asked for as well"),
+        (["--coarse", "--delivered", "50000"], "--coarse is short for delivered 0, and delivered 50000 is asked for as well"),
+    ],
+)
+def test_a_flag_and_a_setting_that_contradict_each_other_are_refused(arguments, said):
+    """The setting was left out without a word."""
+    outcome = CliRunner().invoke(app, ["run", "gallery:none", "-p", "brick", *arguments])
+    assert outcome.exit_code == 2
+    assert said in " ".join(outcome.output.split())
+    same = ["run", "gallery:none", "-p", "brick", "--finish-first", "--schedule", "never", "--coarse", "--delivered", "0"]
+    assert "short for" not in CliRunner().invoke(app, same).output
+
+
+def test_a_setting_that_does_nothing_is_said_to_before_anything_slow():
+    outcome = CliRunner().invoke(app, ["run", "gallery:none", "-p", "brick", "--every", "5"])
+    assert "every does nothing without the schedule every" in outcome.output

@@ -10,7 +10,7 @@ from mechstyle.records import CONTROLS, POSES, Recipe
 from mechstyle.records.load_cases import Load, LoadCase, Support
 from mechstyle.records.material import LIBRARY, Material
 from mechstyle.records.regions import HalfSpace, Inside
-from mechstyle.runs.recipes import changed, check_settings, draft, expected, plan
+from mechstyle.runs.recipes import changed, check_settings, draft, expected, idle, plan
 
 WITHOUT_OUR_ADDITIONS = {"memory": False, "retraction": False, "base": "free", "guarantee": False}
 
@@ -62,6 +62,21 @@ def test_the_paper_criterion_brings_the_published_method(part):
 )  # fmt: skip
 def test_what_the_published_method_leaves_of_a_style_is_told_beforehand(part, settings, told):
     assert any("a fifth of the yield strength" in sentence for sentence in expected(plan(part, "brick", **settings))) is told
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({"every": 5}, ["every does nothing without the schedule every"]),
+        ({"every": 5, "schedule": "every"}, []),
+        ({"travel": 0.2, "schedule": "never"}, ["travel does nothing without the schedule geometry or stress"]),
+        ({"threshold": 0.5, "control": "none"}, ["threshold does nothing without a control"]),
+        ({"poses": "box26", "orientations": 1}, ["poses does nothing without more than one orientation"]),
+        ({"poses": "box26", "orientations": 2, "threshold": 0.5, "travel": 0.2}, []),
+    ],
+)
+def test_settings_that_do_nothing_beside_the_others_are_named(given, told):
+    assert list(idle(given, draft("brick", **given))) == told
 
 
 def test_freestyle_under_the_paper_criterion_is_both(part):
