@@ -106,11 +106,9 @@ def _report(dropped: PartTest, files: dict[str, str]) -> None:
     peak = "largest element stress" if dropped.verdict.criterion == "paper" else "peak stress as placed"
     for label, value in (
         ("verdict", verdict_text(strength.verdict, marginal=strength.marginal)),
-        (
-            peak,
-            f"{strength.peak_stress:.1f} MPa of {strength.allowable:.1f} MPa, safety factor {factor(strength.safety_factor)}",
-        ),
-        *((("tilted by 3°", f"{simulation.tilted.surface:.1f} MPa at the surface"),) if simulation.tilted is not None else ()),
+        ("safety factor", f"{factor(strength.safety_factor)}, the least of the rules that count"),
+        (peak, f"{strength.peak_stress:.1f} MPa of {strength.allowable:.1f} MPa"),
+        *_tilted_row(dropped),
         ("p99.9 as placed", f"{simulation.as_placed.p999:.1f} MPa"),
         *_orientation_rows(dropped),
         *((escape(f"load {case.name!r}"), case.words) for case in simulation.loaded),
@@ -131,6 +129,15 @@ def _report(dropped: PartTest, files: dict[str, str]) -> None:
         out.print("[dim]judged alone, by the strength of its material: a styled part is judged as in its run with --original FILE[/]")
     if dropped.warning:
         err.print(f"[yellow]warning:[/] {escape(dropped.warning)}")
+
+
+def _tilted_row(dropped: PartTest) -> list[tuple[str, str]]:
+    """A table row of the drops nearly as placed, with their limit where they are judged."""
+    simulation, judged = dropped.simulation, dropped.verdict.tilted
+    if simulation.tilted is None:
+        return []
+    limit = f" of {judged.limit:.1f} MPa" if judged is not None and judged in dropped.verdict.counting and not simulation.failure else ""
+    return [("tilted by 3°", f"{simulation.tilted.surface:.1f} MPa{limit} at the surface")]
 
 
 def _original_rows(dropped: PartTest) -> list[tuple[str, str]]:

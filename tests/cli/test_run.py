@@ -235,6 +235,8 @@ def test_simulate_judges_beside_an_original_that_is_named(mechstyle):
     assert re.search(r"original [\d.]+ MPa as placed, tilted [\d.]+ MPa", said)
     assert re.search(r"worst orientation [^;]+; the original [\d.]+ MPa failure probability .+ of random drops .+, the original in", said)
     assert outcome["original_failure_probability"] == outcome["failure_probability"]
+    assert re.search(r"safety factor [\d.]+, the least of the rules that count", said)
+    assert f"tilted by 3° {outcome['tilted']:.1f} MPa of {outcome['tilted_limit']:.1f} MPa at the surface" in said
     assert "judged alone" not in said
 
 
