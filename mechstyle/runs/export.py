@@ -181,5 +181,5 @@ def _of_the_fine_surface(verdict: Verdict | None, coarse: Verdict | None) -> tup
         return (NOT_DROPPED,)
     if verdict.viable:
         return ()
-    was = f", though the surface of the run was {coarse.outcome}" if coarse is not None else ""
-    return (f"the fine surface is {verdict.outcome}{was}: export it with --coarse, or branch with a smaller amplitude",)
+    was = f", though the surface of the run was {coarse.told}" if coarse is not None else ""
+    return (f"the fine surface is {verdict.told}{was}: export it with --coarse, or branch with a smaller amplitude",)

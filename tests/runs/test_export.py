@@ -14,9 +14,10 @@ import pytest
 import trimesh
 
 from mechstyle.errors import BadInput
-from mechstyle.runs.export import COARSE, NOT_DROPPED, Exported, sidecar, unsimulated
+from mechstyle.runs.export import COARSE, NOT_DROPPED, Exported, _of_the_fine_surface, sidecar, unsimulated
 from mechstyle.runs.printing import Printing
 from mechstyle.runs.run import Run
+from support.records import VERDICT, judgement
 
 
 def test_what_is_known_of_the_surface_lies_beside_the_file(coarse, tmp_path):
@@ -137,3 +138,11 @@ def test_what_cannot_be_printed_is_refused_before_anything_is_drawn(run, tmp_pat
     with pytest.raises(BadInput, match=said):
         run.exported(tmp_path / name, printing=printing)
     assert not (tmp_path / name).exists()
+
+
+def test_a_fine_surface_that_fails_says_whether_that_and_what_it_was_before_are_sure():
+    sure, doubtful = (msgspec.structs.replace(judgement(44.0), marginal=marginal) for marginal in (False, True))
+    before = msgspec.structs.replace(VERDICT, as_placed=doubtful)
+    after = msgspec.structs.replace(VERDICT, outcome="FAILS", as_placed=msgspec.structs.replace(sure, outcome="FAILS"))
+    (said,) = _of_the_fine_surface(after, before)
+    assert said.startswith("the fine surface is FAILS, though the surface of the run was VIABLE, MARGINAL: ")
