@@ -1,9 +1,11 @@
 """What a run will do, and what has come of it."""
 
+import msgspec
 import pytest
 
-from mechstyle_widgets.panels.result import Result, steps
+from mechstyle_widgets.panels.result import Result, informing, steps
 from mechstyle_widgets.state.studio_state import StudioState
+from support.lanes import lane_on_a_sheet
 
 SETTINGS = {"schedule": "every", "every": 4, "travel": 0.1, "iterations": 12, "relief": None, "amplitude": None, "orientations": 6}
 
@@ -46,3 +48,19 @@ def test_a_plan_gives_way_to_the_last_verdict_of_each_lane(done):
     assert "as it came" in result.value.replace("\N{NO-BREAK SPACE}", " ")
     for word in ("main", "soft", f"{last.safety_factor:.2f}", last.tightest.short):
         assert word in result.value
+
+
+def test_the_worst_landing_and_random_drops_stand_beside_those_of_the_part_as_it_came(tmp_path, monkeypatch):
+    done, state = lane_on_a_sheet(tmp_path / "run", iterations=10), StudioState()
+    summary = done.summary
+    known = {"worst": 151.2, "worst_landing": "direction 1", "failure_probability": 0.4}
+    now, before = (msgspec.structs.replace(strength, **known) for strength in (summary.result, summary.baseline))
+    other = msgspec.structs.replace(summary, result=now, baseline=msgspec.structs.replace(before, worst=98.0, failure_probability=0.1))
+    result = Result(state)
+    monkeypatch.setattr(type(done), "summary", other)
+    state.open(done)
+    assert "Worst landing of main: 151 MPa, direction 1; as it came 98 MPa. 40% of random drops begin to yield it, 10% as" in result.value
+    unknown = msgspec.structs.replace(before, worst=None, failure_probability=None)
+    monkeypatch.setattr(type(done), "summary", msgspec.structs.replace(summary, result=now, baseline=unknown))
+    assert informing(done) == ""
+    assert informing(None) == ""

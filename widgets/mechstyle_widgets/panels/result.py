@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from html import escape
 from typing import Any
 
+from mechstyle.errors import MechStyleError
 from mechstyle.loop.history import Row
 from mechstyle.runs.run import Run
 from mechstyle_widgets.panels.branches import kept
@@ -31,7 +33,8 @@ class Result(Words):
     def _tell(self, _change: object = None) -> None:
         rows = [(_name(one), *cells) for one, cells in self._judged()]
         if rows:
-            self.say(f"<b>Result</b>{table(HEAD, rows)}")
+            told = informing(self._state.run)
+            self.say(f"<b>Result</b>{table(HEAD, rows)}" + (f'<div class="mechstyle-note">{escape(told)}</div>' if told else ""))
         else:
             self.say(f"<b>What will happen</b><ol>{''.join(f'<li>{escape(step)}</li>' for step in steps(self._state.settings))}</ol>")
 
@@ -47,6 +50,23 @@ class Result(Words):
             tested = next((row for row in reversed(rows) if row.verdict is not None and row.iteration > 0), None)
             if tested is not None:
                 yield lane, _cells(tested, kept(Run(run.store, lane, run.device), tested))
+
+
+def informing(run: Run | None) -> str:
+    """What decides nothing but tells what a fall may do, beside the part as it came: known at the end of a lane, "" before.
+
+    The worst landing, and how many random drops begin to yield the part.
+    """
+    said = []
+    with suppress(MechStyleError):  # there is no summary before the end
+        if run is not None:
+            before, now = run.summary.baseline, run.summary.result
+            if now.worst is not None and before.worst is not None:
+                said.append(f"Worst landing of {run.lane}: {now.worst:.0f} MPa, {now.worst_landing}; as it came {before.worst:.0f} MPa.")
+            chance, first = now.failure_probability, before.failure_probability
+            if chance is not None and first is not None:
+                said.append(f"{chance:.0%} of random drops begin to yield it, {first:.0%} as it came.")
+    return " ".join(said)
 
 
 def steps(settings: Mapping[str, Any]) -> list[str]:
