@@ -16,6 +16,7 @@ SETTINGS = {"schedule": "every", "every": 4, "travel": 0.1, "iterations": 12, "r
         ({}, "Drop it on the way, 2 times"),
         ({"schedule": "geometry"}, "Drop it on the way, about"),
         ({"orientations": 1}, "Drop what has come of it, once"),
+        ({"orientations": 5, "tilts": 3}, "Drop what has come of it, 8 times"),
     ],
 )
 def test_a_plan_is_told_step_by_step(changed, told):

@@ -71,7 +71,7 @@ def informing(run: Run | None) -> str:
 
 def steps(settings: Mapping[str, Any]) -> list[str]:
     """What a run with these settings does, one thing after the other."""
-    plan, drops = plan_of(settings), settings.get("orientations", 1)
+    plan, drops = plan_of(settings), settings.get("orientations", 1) + settings.get("tilts", 0)
     if plan is None:
         return []
     between = len(plan.places) - 1
