@@ -57,15 +57,28 @@ def asked(simulation: Simulation, original: Simulation, recipe: Recipe) -> bool:
     return fails and (recipe.steered or not hopeless(simulation, original, recipe))
 
 
+def asked_everywhere(simulation: Simulation, original: Simulation, recipe: Recipe) -> bool:
+    """Whether it may matter what the original does on the tetrahedra of a part in all orientations: the part fails by these.
+
+    Args:
+        simulation: Of the part.
+        original: On tetrahedra of its own, in all orientations.
+        recipe: What the part is judged by.
+    """
+    spread = judge(simulation, original, recipe.material, recipe.criterion).all_orientations
+    return spread is not None and spread.outcome == "FAILS"
+
+
 def hopeless(simulation: Simulation, original: Simulation, recipe: Recipe) -> bool:
     """Whether a part fails clearly, and every rule says the same whatever other tetrahedra read of an original that excuses nothing.
 
     Limits are only ever raised, by FINER at most: what a rule says with the original's own and with the highest it says with any between.
     """
     loaded = [_with(case, _highest(case.measured)) for case in original.loaded]
-    highest = with_measures(replace(original, tilted=original.tilted and _highest(original.tilted)), _highest(original.drop), loaded)
+    tilted, overall = (one and _highest(one) for one in (original.tilted, original.overall))
+    highest = with_measures(replace(original, tilted=tilted, overall=overall), _highest(original.drop), loaded)
     now, then = (judge(simulation, one, recipe.material, recipe.criterion) for one in (original, highest))
-    outcomes = [[rule and rule.outcome for rule in (verdict.as_placed, verdict.tilted)] for verdict in (now, then)]
+    outcomes = [[rule.outcome for rule in (verdict.as_placed, *verdict.counting)] for verdict in (now, then)]
     failing = [rule for rule in then.counting if rule.outcome == "FAILS" and not rule.marginal]
     # As placed one of two stresses is told, and with limits between the two verdicts perhaps the other, whose band is the wider one.
     clear = any(rule is not then.as_placed or rule.value > (1.0 + CONTACT_BAND) * rule.limit for rule in failing)
@@ -109,11 +122,11 @@ def confirmed(original: Simulation, here: Simulation, material: Material) -> Sim
 
 
 def raised(original: Simulation, here: Simulation) -> Simulation:
-    """The original with its stresses as placed and tilted as large as on other tetrahedra, but at most FINER times its own.
+    """The original with its stresses as large as on other tetrahedra, but at most FINER times its own.
 
     Args:
         original: On tetrahedra of its own, in all orientations.
-        here: On those that were made for a relief, as placed and tilted.
+        here: On those that were made for a relief, as placed and tilted, or in all orientations.
     """
     if here.failure or original.failure:
         return original
@@ -130,6 +143,10 @@ def raised(original: Simulation, here: Simulation) -> Simulation:
         there = here.load(case.name)
         stresses.append(_within(here.load_stress(case.name), original.load_stress(case.name), case.measured))
         loaded.append(case if there is None else _with(case, _larger(case.measured, there)))
+    if original.overall is not None and here.overall is not None:
+        envelope = _within(here.envelope, original.envelope, original.overall)
+        p99 = _at_most_finer(original.overall, here.overall, "p99")
+        found = replace(found, envelope=envelope, overall=msgspec.structs.replace(_larger(original.overall, here.overall), p99=p99))
     found = _with_stress(found, _within(here.drop_stress, original.drop_stress, original.drop), stresses)
     return with_measures(found, _larger(original.drop, here.drop), loaded)
 
@@ -148,7 +165,7 @@ def _with_stress(original: Simulation, dropped: Field, loaded: list[Field]) -> S
 
 def _highest(own: Measures) -> Measures:
     """The most that `raised` makes of the measures of an original."""
-    return msgspec.structs.replace(own, peak=FINER * own.peak, surface=FINER * own.surface, contact=FINER * own.contact)
+    return msgspec.structs.replace(own, **{name: FINER * getattr(own, name) for name in ("peak", "surface", "contact", "p99")})
 
 
 def _at_most(own: Measures, here: Measures | None, material: Material, *, grows: Sequence[str]) -> Measures:
@@ -180,7 +197,12 @@ def _within(here: Field, own: Field, most: Measures) -> Field:
 
 def _larger(own: Measures, here: Measures) -> Measures:
     """The measures of one, surface and contact as large as the other's, at most FINER times its own, and the places of those."""
-    held = {name: max(getattr(own, name), min(getattr(here, name), FINER * getattr(own, name))) for name in ("surface", "contact")}
+    held = {name: _at_most_finer(own, here, name) for name in ("surface", "contact")}
     of = {f"{name}_where": getattr(own if held[name] == getattr(own, name) else here, f"{name}_where") for name in held}
     larger = max(held, key=held.__getitem__)
     return msgspec.structs.replace(own, peak=held[larger], where=of[f"{larger}_where"] or own.where, **held, **of)
+
+
+def _at_most_finer(own: Measures, here: Measures, name: str) -> float:
+    """A measure of one as large as the other's, at most FINER times its own [MPa]."""
+    return max(getattr(own, name), min(getattr(here, name), FINER * getattr(own, name)))

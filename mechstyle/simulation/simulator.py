@@ -26,7 +26,7 @@ from mechstyle.loop.objects import AT_REST, CARRIER, LAST_MESH, MESH, MESH_FOR, 
 from mechstyle.records import Measures, Recipe, Simulation, Verdict
 from mechstyle.records.mesh import SurfaceMesh, TetMesh, digest_of
 from mechstyle.simulation.carrying import MORPHED, Carried, Carrier, KeptMesh, at_rest, carried, carrying
-from mechstyle.simulation.original import asked, beside, confirmed, excuses
+from mechstyle.simulation.original import asked, asked_everywhere, beside, confirmed, excuses
 from mechstyle.simulation.physics import PHYSICS_VERSION, memo_key, period_of, physics, prescribed
 from mechstyle.simulation.under_loads import told, under_loads
 
@@ -105,7 +105,9 @@ class DropSimulator:
         # On tetrahedra that cannot come back to it the original stands on a few nodes and bears more, which would let the style bear more.
         nothing = np.zeros(len(self.surface.vertices), np.float32)
         if made_for_it and asked(simulation, own, self.recipe) and there._carried(nothing).enough:  # noqa: SLF001 — as above
-            return beside(own, there._without_relief, self.recipe.material)  # noqa: SLF001 — as above
+            everywhere = asked_everywhere(simulation, own, self.recipe)
+            here = there._plain(thorough=True) if everywhere else there._without_relief  # noqa: SLF001 — as above
+            return beside(own, here, self.recipe.material)
         return self.believed(simulation.mesh)
 
     def believed(self, mesh: str) -> Simulation:
@@ -116,12 +118,16 @@ class DropSimulator:
 
     @cached_property
     def _without_relief(self) -> Simulation:
-        """The original as placed and tilted on tetrahedra that were made for a relief; remembered."""
+        """The original as placed and tilted on tetrahedra that were made for a relief."""
+        return self._plain(thorough=False)
+
+    def _plain(self, *, thorough: bool) -> Simulation:
+        """The original on tetrahedra that were made for a relief, as placed and tilted or in all orientations; remembered."""
         nothing = np.zeros(len(self.surface.vertices), np.float32)
-        key = self._key(nothing, thorough=False)
+        key = self._key(nothing, thorough=thorough)
         found = self.memo.recall(key, Simulation)
         if found is None:
-            found = self._on_morphed_mesh(nothing, thorough=False)
+            found = self._on_morphed_mesh(nothing, thorough=thorough)
             self.memo.remember(key, found)
         return found
 
