@@ -50,8 +50,8 @@ class PartTest:
         recipe: Material, drop and criterion.
         simulation: What was measured.
         verdict: What it means.
-        warning: What the part itself exceeds, its material's strength or its printer's thinnest wall, and that its original seems to be
-            another part, in sentences; "" for nothing.
+        warning: That its original exceeds the material's strength or seems to be another part, and which walls are thinner than its printer's
+            thinnest, in sentences; "" for nothing.
         tets: The tetrahedra that were dropped.
         detail: The test in full.
         impact: The drop as placed, moment by moment; None for one that failed.
@@ -225,7 +225,8 @@ def _tested(
     impact = None if detail.drop.failure else impact_of(part, recipe, unstyled, memo, progress)
     thin = (f"{sentence}." for sentence in part.shape.too_thin(wanted.minimum_wall))
     other = "" if given[1] is None else other_part(given[0], given[1])
-    warning = " ".join(filter(None, (other, input_warning(original or simulation, material), *thin)))
+    before = "" if original is None else input_warning(original, material)  # what a part alone exceeds is its verdict
+    warning = " ".join(filter(None, (other, before, *thin)))
     return PartTest(part, recipe, simulation, verdict, warning, tets, detail, impact, fit, original)
 
 

@@ -141,6 +141,15 @@ def test_another_part_in_place_of_the_original_is_warned_of(drop_it, block):
     assert "different parts" not in drop_it(original=block.surface).warning
 
 
+def test_a_part_alone_is_judged_and_not_warned_of_as_if_a_style_were_to_come(drop_it, block, found):
+    """It FAILS, and then it read that the style is held to that peak instead: there is none, and nothing is held."""
+    weak = msgspec.structs.replace(LIBRARY["PLA"], yield_strength=0.8 * found.simulation.as_placed.peak)
+    alone, beside = drop_it(material=weak), drop_it(material=weak, original=block.surface)
+    assert alone.verdict.outcome == "FAILS"
+    assert "style" not in alone.warning
+    assert "the style is held to that peak instead" in beside.warning
+
+
 @pytest.mark.parametrize(("others", "confirms"), [("as much", True), ("half", False), ("refused", False)])
 def test_what_the_original_reads_above_its_strength_excuses_only_what_other_tetrahedra_confirm(
     drop_it, block, found, monkeypatch, others, confirms
