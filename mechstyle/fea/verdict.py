@@ -86,7 +86,9 @@ def judge(simulation: Simulation, baseline: Simulation, material: Material, crit
     outcome = max((told.judgement.outcome for told in counting), key=_SEVERITY.__getitem__)
     doubt = ", MARGINAL" if doubtful([told.judgement for told in counting]) else ""
     clauses = [told.clause for told in counting] + ([hidden] if hidden and outcome == "VIABLE" else [])
-    words = f"UNKNOWN: {trouble}." if trouble else f"{outcome}{doubt}: {'; '.join(clauses)}."
+    told = "; ".join(clauses)
+    told += "" if material.label in told else f" ({material.label} yields at {material.yield_strength:.1f} MPa)"
+    words = f"UNKNOWN: {trouble}." if trouble else f"{outcome}{doubt}: {told}."
     return Verdict(
         outcome=outcome,
         criterion=criterion,
@@ -260,8 +262,9 @@ def _stress(stress: _Stress, material: Material) -> str:
         limit = told if judgement.limit <= before else f"{judgement.limit:.1f} MPa, {judgement.limit / before:.2f} times {told}"
     where = test.surface_where if bending else test.contact_where
     told = f"{what} is {judgement.value:.1f} MPa at {_place(where or test.where)}, {_side(judgement)} {limit}"
-    if judgement.outcome == "VIABLE" and judgement.marginal and before >= (1.0 - SURFACE_BAND) * judgement.limit:
-        told += f", as that of the original, {before:.1f} MPa"
+    if before >= (1.0 - SURFACE_BAND) * judgement.limit and judgement.limit <= material.yield_strength:
+        told += f", as that of the original, {before:.1f} MPa" if judgement.marginal and judgement.outcome == "VIABLE" else ""
+        told += f", of which the original itself bears {before:.1f}" if judgement.outcome == "FAILS" else ""
     if judgement.outcome == "FAILS" and bending:
         told += ": the surface begins to yield there"
         told += f", and a wall yields through at {THROUGH * material.yield_strength:.1f} MPa" if material.ductile else ""

@@ -308,6 +308,20 @@ def test_words_name_the_load_that_governs():
     assert "under the load 'hand', above" in input_warning(replace(one, loaded=loaded), weak)
 
 
+def test_of_a_part_that_fails_it_is_told_that_its_original_is_in_the_band_itself():
+    failing = judge(simulation(46.5, overall=None), simulation(45.0, overall=None), PLA, "robust").words
+    assert "above (MARGINAL) the 45.6 MPa at which generic PLA yields, of which the original itself bears 45.0" in failing
+    assert "of which the original" not in judge(simulation(46.5, overall=None), simulation(40.0, overall=None), PLA, "robust").words
+
+
+def test_every_verdict_names_its_material():
+    """Where 1.10 times a contact of the original below its strength is the limit, no strength was told and so no material."""
+    own, part = (simulation(surface, contact=43.7, overall=None) for surface in (20.0, 21.0))
+    for criterion in ("robust", "paper"):
+        assert "generic PLA" in judge(part, own, PLA, criterion).words
+    assert judge(part, own, PLA, "robust").words.endswith(" (generic PLA yields at 45.6 MPa).")
+
+
 def loaded(part, **cases):
     """A part with these load cases besides its drop: surface stress and that around supports and loads of each."""
     results = {name: measured(*stress) for name, stress in cases.items()}
