@@ -50,8 +50,8 @@ class PartTest:
         recipe: Material, drop and criterion.
         simulation: What was measured.
         verdict: What it means.
-        warning: That its original exceeds the material's strength or seems to be another part, and which walls are thinner than its printer's
-            thinnest, in sentences; "" for nothing.
+        warning: That its original exceeds the material's strength or seems to be another part, and which walls are thinner than the
+            printer's thinnest, in sentences; "" for nothing.
         tets: The tetrahedra that were dropped.
         detail: The test in full.
         impact: The drop as placed, moment by moment; None for one that failed.
