@@ -161,7 +161,8 @@ def test_the_original_is_dropped_on_its_own_tets_and_beside_a_part_that_fails_on
     assert sim.judge(sim.baseline).all_orientations.limit == sim.judge(result).all_orientations.limit
     # One mesh in five leaves a sixth of the resting face off the floor on its way back from this relief; no original is dropped on that.
     comes_back = sim._on(result.mesh)._carried(np.zeros_like(result.displacement)).enough
-    assert drops == ([2, 2, 1] if comes_back else [2, 2])
+    there = 2 if module.asked_everywhere(result, sim.baseline, sim.recipe) else 1  # on some meshes the other orientation fails, too
+    assert drops == ([2, 2, there] if comes_back else [2, 2])
     asked = len(drops)
     later = simulator(block, memo)
     assert later.judge(later.simulate(ripples(block), thorough=True)) == sim.judge(result)
