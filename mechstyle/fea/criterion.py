@@ -59,7 +59,14 @@ def measures(tets: TetMesh, von_mises: ArrayLike, deciding: Deciding) -> Measure
 
 
 def measured_landings(ways: Orientations, tets: TetMesh, result: Drop, deciding: Sequence[Deciding]) -> tuple[Landing, ...]:
-    """Measures and phases of each landing of a drop test, the first as placed; of all `ways` it may be the only one."""
+    """Measures and phases of each landing of a drop test, the first as placed.
+
+    Args:
+        ways: Names, floor normals and weights of all landings; the test may be of the first few only.
+        tets: The body that was dropped.
+        result: The drop test.
+        deciding: The stress that decides in each of its landings.
+    """
     known = (result.von_mises, deciding, result.phases, result.endings)
     drops = zip(ways.names, ways.normals, ways.weights, *known, strict=False)
     return tuple(

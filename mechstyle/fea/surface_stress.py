@@ -129,9 +129,10 @@ class SurfaceStress:
 
     def _patches(self, tets: TetMesh) -> Patches:
         """Of a body; those of the last are kept, because a body is read landing by landing."""
-        if self._last is None or self._last[0] is not tets:
-            self._last = tets, Patches(self._near, self.sides, tets)
-        return self._last[1]
+        last = self._last
+        if last is None or last[0] is not tets:
+            last = self._last = tets, Patches(self._near, self.sides, tets)
+        return last[1]
 
     def of_landing(self, tets: TetMesh, von_mises: ArrayLike, corners: ArrayLike, touched: ArrayLike) -> Deciding:
         """The deciding stress of a drop: σ_2 alone, because styled surfaces have roots as sharp as the mesh, where σ_s measures the mesh.

@@ -58,15 +58,16 @@ def asked(simulation: Simulation, original: Simulation, recipe: Recipe) -> bool:
 
 
 def asked_everywhere(simulation: Simulation, original: Simulation, recipe: Recipe) -> bool:
-    """Whether it may matter what the original does on the tetrahedra of a part in all orientations: the part fails by these.
+    """Whether it may matter what the original does on the tetrahedra of a part in all orientations: it fails by these, and they count.
 
     Args:
         simulation: Of the part.
         original: On tetrahedra of its own, in all orientations.
         recipe: What the part is judged by.
     """
-    spread = judge(simulation, original, recipe.material, recipe.criterion).all_orientations
-    return spread is not None and spread.outcome == "FAILS"
+    verdict = judge(simulation, original, recipe.material, recipe.criterion)
+    spread = verdict.all_orientations
+    return spread is not None and spread.outcome == "FAILS" and spread in verdict.counting
 
 
 def hopeless(simulation: Simulation, original: Simulation, recipe: Recipe) -> bool:
@@ -78,7 +79,7 @@ def hopeless(simulation: Simulation, original: Simulation, recipe: Recipe) -> bo
     tilted, overall = (one and _highest(one) for one in (original.tilted, original.overall))
     highest = with_measures(replace(original, tilted=tilted, overall=overall), _highest(original.drop), loaded)
     now, then = (judge(simulation, one, recipe.material, recipe.criterion) for one in (original, highest))
-    outcomes = [[rule.outcome for rule in (verdict.as_placed, *verdict.counting)] for verdict in (now, then)]
+    outcomes = [[rule and rule.outcome for rule in (one.as_placed, one.tilted, *one.counting)] for one in (now, then)]
     failing = [rule for rule in then.counting if rule.outcome == "FAILS" and not rule.marginal]
     # As placed one of two stresses is told, and with limits between the two verdicts perhaps the other, whose band is the wider one.
     clear = any(rule is not then.as_placed or rule.value > (1.0 + CONTACT_BAND) * rule.limit for rule in failing)

@@ -145,6 +145,8 @@ def test_what_fails_in_all_orientations_alone_is_asked_about_up_to_what_meshes_d
         assert asked(simulated(20.0, p99=p99), own, FREELY)
     everywhere = [asked_everywhere(simulated(50.0, p99=p99), own, FREELY) for p99 in (10.9, 11.1)]
     assert everywhere == [False, True], "what fails elsewhere alone wants no more than those drops"
+    by_the_paper = msgspec.structs.replace(FREELY, criterion="paper")
+    assert not asked_everywhere(simulated(50.0, p99=11.1), own, by_the_paper), "there they decide nothing"
 
 
 @pytest.mark.parametrize(
