@@ -129,7 +129,7 @@ def _head(run: LaneOfRun, history: Sequence[Row], simulations: int) -> Markup:
         '<div class="verdict {kind}"><strong>{outcome}</strong><div><p>{meaning}{marginal}</p><p class="faint">{words}</p></div></div>',
         name=run.record.name.replace("_", " "), prompt=run.recipe.prompt, material=run.recipe.material.label,
         iterations=last, simulations=simulations, lane=run.lane, stands=stands, kind=kind,
-        outcome=verdict.outcome, meaning=texts.OUTCOMES[verdict.outcome], marginal=f" {texts.MARGINAL}" if verdict.marginal else "",
+        outcome=verdict.told, meaning=texts.OUTCOMES[verdict.outcome], marginal=f" {texts.MARGINAL}" if verdict.marginal else "",
         words=verdict.words,
     )  # fmt: skip
 

@@ -248,6 +248,7 @@ def test_a_notebook_without_a_kernel_and_the_replay_say_marginal_where_a_verdict
     for text in (Reader(shown["text/html"]).text, shown["text/plain"]):
         assert text.replace(run.verdict.words, "").count("MARGINAL") == sum(verdict.marginal for verdict in told)
     assert last["outcome"] == "VIABLE, MARGINAL"
+    assert "<strong>VIABLE, MARGINAL</strong>" in report_page(run), "in grey the colour of the head does not tell"
 
 
 @pytest.mark.parametrize(("top", "about", "wanted"), [(60, 6, [0, 10, 20, 30, 40, 50, 60]), (51, 4, [0, 20, 40]), (1, 10, None)])
