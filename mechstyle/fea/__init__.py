@@ -1,1 +1,1 @@
-"""The drop test: elasticity, explicit dynamics with contact, and what counts as viable."""
+"""The drop test: elasticity, explicit dynamics with contact, and the stress that a volume exceeds."""

@@ -20,7 +20,7 @@ from mechstyle.records.mesh import Bools, Floats
 
 QUIET = 0.75
 """Time without contact after which a phase is over, over the lowest period. The tip of a bar comes back after 0.21 of it, but a tilted cup
-in brick bears most 0.7 after it has left the floor; up to 1.5 it may bear 4 % more, which the band of MARGINAL takes in."""
+in brick bears most 0.7 after it has left the floor; up to 1.5 it may bear 4 % more."""
 
 PUSH = 1e-4
 """Impulse of the floor that counts as contact, over the momentum at first touch."""

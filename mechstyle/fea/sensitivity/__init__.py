@@ -1,1 +1,0 @@
-"""Experimental, used by no run: the gradient of the peak stress of a short drop with respect to the vertices."""
