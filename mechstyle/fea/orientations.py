@@ -1,11 +1,12 @@
-"""Landing orientations: sets of floor normals in the frame of the part, each with its name and its share of all landings.
+"""Landings of a part: sets of floor normals in its frame, each with its name and its way to land.
 
-Number 0 of every set is the part as it stands.
+Number 0 of every set is flat, the part as it stands. All belong to the part: a file that is turned about z or mirrored gets the same.
 """
 
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -15,12 +16,14 @@ from scipy.spatial import ConvexHull
 
 from mechstyle.errors import BadInput, unknown
 from mechstyle.fea.bounding_box import box_around, named, places
+from mechstyle.fea.footprint import Touchdown, own_frame, touchdowns
 from mechstyle.records import POSES
-from mechstyle.records.mesh import Floats, frozen_array
+from mechstyle.records.mesh import Floats, SurfaceMesh, frozen_array
+from mechstyle.records.simulation import Way
 
 UP = (0.0, 0.0, 1.0)
 
-AS_PLACED = "as placed"
+FLAT = "flat"
 """Name of number 0."""
 
 UPRIGHT_CAP = 20.0
@@ -38,36 +41,76 @@ COVERED = 0.95
 SAME_LANDING = math.cos(1e-4)
 """Cosine of the angle up to which two landings are one: 10 µm across a part of 100 mm."""
 
+AZIMUTHS = ("right", "right back", "back", "left back", "left", "left front", "front", "right front")
+"""Names of azimuths from +x towards +y, every 45°: the front is at -y."""
+
 
 @dataclass(frozen=True, eq=False)
 class Orientations:
-    """Ways to land.
+    """Landings, flat first.
 
     Attributes:
-        normals: Floor normals in the frame of the part, unit vectors out of the floor, shape [orientations, 3].
-        weights: Share of each, adding up to 1, shape [orientations]: its probability in poses that are a sample of random drops
-            (`records.RANDOM_POSES`), else all alike.
+        normals: Floor normals in the frame of the part, unit vectors out of the floor, shape [landings, 3].
         names: What each is called, no two alike.
+        ways: How the part lands in each.
     """
 
     normals: Floats
-    weights: Floats
     names: tuple[str, ...]
+    ways: tuple[Way, ...]
 
     def __post_init__(self) -> None:
-        """Freeze the arrays."""
-        object.__setattr__(self, "normals", frozen_array(self.normals, np.float64, (None, 3), "normals"))
-        object.__setattr__(self, "weights", frozen_array(self.weights, np.float64, (len(self.normals),), "weights"))
+        """Freeze the array; lengths that differ, or names that are alike, raise ValueError."""
+        object.__setattr__(self, "normals", frozen_array(self.normals, np.float64, (len(self.names), 3), "normals"))
+        if len(self.ways) != len(self.names) or len(set(self.names)) != len(self.names):
+            raise ValueError("each landing has one way and a name of its own")
 
 
-def orientation_set(poses: str, count: int, points: ArrayLike, centre: ArrayLike) -> Orientations:
-    """The drops of a test.
+def landings(surface: SurfaceMesh, poses: str, count: int, *, nearly_flat: bool) -> Orientations:
+    """Landings of a test: flat, those that are nearly flat, then the others; none twice.
+
+    Args:
+        surface: The part without relief, closed.
+        poses: One of `records.POSES`.
+        count: Landings without those that are nearly flat; of resting poses and poses of a box at most so many.
+        nearly_flat: Whether it lands on each corner and side of what it stands on, too.
+
+    Raises:
+        BadInput: Unknown poses, or a count below 1.
+    """
+    frame = own_frame(surface) if poses == "fibonacci" and count > 1 else None
+    others = orientation_set(poses, count, surface.vertices, _centre_of_mass(surface), frame)
+    if not nearly_flat:
+        return others
+    first = nearly_flat_of(surface)
+    new = np.flatnonzero((others.normals @ first.normals.T).max(axis=1) < SAME_LANDING)
+    return Orientations(
+        np.concatenate([first.normals, others.normals[new]]),
+        (*first.names, *(others.names[number] for number in new)),
+        (*first.ways, *(others.ways[number] for number in new)),
+    )
+
+
+def nearly_flat_of(surface: SurfaceMesh) -> Orientations:
+    """Flat, then tilted by TILT onto each side and corner of what the part stands on, by azimuth; a round base evenly onto six azimuths.
+
+    A landing is named by what goes down and touches first, seen from above: the front is at -y, the right at +x.
+    """
+    found = touchdowns(surface)
+    azimuths, tilt = np.radians([one.azimuth for one in found]), math.radians(TILT)
+    across = -math.sin(tilt) * np.stack([np.cos(azimuths), np.sin(azimuths)], axis=1)
+    return _with_flat(np.column_stack([across, np.full(len(found), math.cos(tilt))]), _called(found), "nearly flat")
+
+
+def orientation_set(poses: str, count: int, points: ArrayLike, centre: ArrayLike, frame: ArrayLike | None = None) -> Orientations:
+    """Flat, then the other landings of a kind of poses.
 
     Args:
         poses: One of `records.POSES`.
-        count: Drops; of resting poses and poses of a box at most so many.
+        count: Landings; of resting poses and poses of a box at most so many.
         points: Points of the part whose convex hull is the part's [mm], shape [n, 3].
         centre: Its centre of mass [mm], shape [3].
+        frame: Axes, as rows, in which directions are spread, shape [3, 3]; None for those of the file.
 
     Raises:
         BadInput: Unknown poses, or a count below 1.
@@ -76,8 +119,8 @@ def orientation_set(poses: str, count: int, points: ArrayLike, centre: ArrayLike
         raise unknown("poses", poses, POSES)
     if poses == "resting":
         return resting(points, centre, count)
-    if poses in ("tilts", "fibonacci"):
-        return tilted(count) if poses == "tilts" else fibonacci(count)
+    if poses == "fibonacci":
+        return fibonacci(count, frame)
     return boxed(poses, points, centre, count)
 
 
@@ -86,10 +129,14 @@ def directions(count: int) -> Floats:
     return fibonacci(count).normals
 
 
-def fibonacci(count: int) -> Orientations:
-    """Upright, then directions spread over the sphere: a part that tumbles, every direction as likely as any other.
+def fibonacci(count: int, frame: ArrayLike | None = None) -> Orientations:
+    """Flat, then directions spread over the sphere: a part that tumbles, every direction as likely as any other.
 
-    The others are a Fibonacci sphere (Swinbank and Purser 2006) less the cap around upright, and share the rest of the sphere equally.
+    The others are a Fibonacci sphere (Swinbank and Purser 2006) less the cap around upright.
+
+    Args:
+        count: Landings, the flat one included.
+        frame: As for `orientation_set`.
     """
     others = _at_least_one(count) - 1
     k = np.arange(others)
@@ -98,57 +145,21 @@ def fibonacci(count: int) -> Orientations:
     turn = math.pi * (3.0 - math.sqrt(5.0)) * k
     radius = np.sqrt(1.0 - z**2)
     spread = np.stack([radius * np.cos(turn), radius * np.sin(turn), z], axis=1)
-    cap = 0.5 * (1.0 - top)  # share of the sphere
-    return _with_upright(spread, cap, np.full(others, (1.0 - cap) / max(others, 1)), _numbered("direction", others))
-
-
-def tilted(count: int, angle: float = TILT) -> Orientations:
-    """Upright, then tilted a little to all sides, all of one weight: a part that lands as placed, as flat as things land.
-
-    A tilt is named by the side that goes down and touches first; angles are from +x towards +y.
-
-    Args:
-        count: Drops, the upright one included.
-        angle: Tilt [degrees].
-    """
-    turn = 2.0 * math.pi * np.arange(_at_least_one(count) - 1) / max(count - 1, 1)
-    tilt = math.radians(angle)
-    sides = np.stack([math.sin(tilt) * np.cos(turn), math.sin(tilt) * np.sin(turn), np.full(count - 1, math.cos(tilt))], axis=1)
-    names = [f"tilted {angle:g}° towards {_side(round(math.degrees(side) + 180.0, 1) % 360.0)}" for side in turn]
-    return _with_upright(sides, 1.0, np.ones(count - 1), names)
-
-
-def nearly(ways: Orientations, tilts: int) -> Orientations:
-    """Ways to land with some tilted by TILT after number 0, which shares its weight with them: exactly flat is nothing that happens.
-
-    Args:
-        ways: Number 0 is upright.
-        tilts: How many; 0 leaves the ways as they are.
-    """
-    if tilts == 0:
-        return ways
-    flat = tilted(tilts + 1)
-    others = [number for number, name in enumerate(ways.names) if number and name not in flat.names]
-    weights = np.concatenate([np.full(tilts + 1, ways.weights[0] / (tilts + 1)), ways.weights[others]])
-    return Orientations(
-        np.concatenate([flat.normals, ways.normals[others]]),
-        weights / weights.sum(),
-        (ways.names[0], *flat.names[1:], *(ways.names[number] for number in others)),
-    )
+    return _with_flat(spread if frame is None else spread @ np.asarray(frame), _numbered("direction", others))
 
 
 def resting(points: ArrayLike, centre: ArrayLike, count: int) -> Orientations:
-    """Upright, then the poses the part comes to rest in, the most likely first, each as likely as it is to end there.
+    """Flat, then the poses the part comes to rest in, the most likely first.
 
-    Upright weighs nothing for a part that does not stay upright. Poses are merged until `count` drops stand for nearly all landings.
+    Poses are merged until `count` landings stand for nearly all.
 
     Args:
         points: As for `orientation_set`.
         centre: As for `orientation_set`.
-        count: Most drops, the upright one included.
+        count: Most landings, the flat one included.
     """
     if _at_least_one(count) == 1:
-        return _with_upright(np.empty((0, 3)), 1.0, np.empty(0), ())
+        return _with_flat(np.empty((0, 3)), ())
     normals, chances = stable_poses(points, centre)
     upright = normals @ UP > math.cos(math.radians(NEARLY_EQUAL))
     others, left = normals[~upright], chances[~upright]
@@ -157,28 +168,25 @@ def resting(points: ArrayLike, centre: ArrayLike, count: int) -> Orientations:
     while weights[: count - 1].sum() < COVERED * left.sum():
         angle *= 1.5
         kept, weights = _merged(others, left, angle)
-    names = _numbered("resting pose", len(kept[: count - 1]))
-    return _with_upright(kept[: count - 1], float(chances[upright].sum()), weights[: count - 1], names)
+    return _with_flat(kept[: count - 1], _numbered("resting pose", len(kept[: count - 1])))
 
 
 def boxed(poses: str, points: ArrayLike, centre: ArrayLike, count: int) -> Orientations:
-    """Upright, then on faces, edges and corners of the smallest box around the part, its centre of mass above them, all of one weight.
+    """Flat, then on faces, edges and corners of the smallest box around the part, its centre of mass above them.
 
-    A pose of the box that is the upright one is not dropped twice.
+    A pose of the box that is flat is left out.
 
     Args:
         poses: `box26`, `box10` or `faces6`, as `bounding_box.places` explains.
         points: As for `orientation_set`.
         centre: As for `orientation_set`.
-        count: Most drops, the upright one included.
+        count: Most landings, the flat one included.
     """
     _at_least_one(count)
     box = box_around(points)
-    landings = {named(place): box.landing(place, centre) for place in places(poses, box)}
-    upright = [name for name, normal in landings.items() if normal @ UP >= SAME_LANDING]
-    others = {name: normal for name, normal in landings.items() if name not in upright}
-    names, normals = list(others)[: count - 1], np.array(list(others.values()))[: count - 1]
-    return _with_upright(normals, 1.0, np.ones(len(normals)), names, as_placed=", ".join((AS_PLACED, *upright)))
+    found = {named(place): box.landing(place, centre) for place in places(poses, box)}
+    others = {name: normal for name, normal in found.items() if normal @ UP < SAME_LANDING}
+    return _with_flat(np.array(list(others.values()))[: count - 1], list(others)[: count - 1])
 
 
 def stable_poses(points: ArrayLike, centre: ArrayLike) -> tuple[Floats, Floats]:
@@ -245,20 +253,32 @@ def _merged(normals: Floats, chances: Floats, angle: float) -> tuple[Floats, Flo
     return np.array(kept).reshape(-1, 3)[order], np.array(weights)[order]
 
 
-def _with_upright(normals: Floats, upright: float, weights: Floats, names: Sequence[str], as_placed: str = AS_PLACED) -> Orientations:
-    """Directions, weights and names after those of upright, the weights made to add up to 1."""
-    shares = np.concatenate([[upright], weights])
-    return Orientations(np.concatenate([[UP], normals]), shares / shares.sum(), (as_placed, *names))
+def _with_flat(normals: Floats, names: Sequence[str], way: Way = "any landing") -> Orientations:
+    """Landings of one way after the flat one."""
+    return Orientations(np.concatenate([[UP], normals]), (FLAT, *names), ("flat", *([way] * len(names))))
+
+
+def _called(found: Sequence[Touchdown]) -> list[str]:
+    """Names of tilts by what goes down first, with its azimuth where another has the same."""
+    sides = [AZIMUTHS[math.floor((one.azimuth + 22.51) / 45.0) % 8] for one in found]
+    names = [
+        f"tilted {TILT:g}° onto the {side} {one.kind}" if one.kind else f"tilted {TILT:g}° to the {side}"
+        for side, one in zip(sides, found, strict=True)
+    ]
+    several = Counter(names)
+    return [f"{name} ({one.azimuth:.0f}°)" if several[name] > 1 else name for name, one in zip(names, found, strict=True)]
+
+
+def _centre_of_mass(surface: SurfaceMesh) -> Floats:
+    """Centre of mass of the solid inside a closed surface [mm], shape [3], by the divergence theorem."""
+    a, b, c = np.moveaxis(surface.corners, 1, 0)
+    volumes = np.einsum("ij,ij->i", a, np.cross(b, c))
+    return np.asarray(volumes @ (a + b + c) / (4.0 * volumes.sum()))
 
 
 def _numbered(what: str, others: int) -> list[str]:
     """Names of all but number 0, by their numbers."""
     return [f"{what} {number + 1}" for number in range(others)]
-
-
-def _side(degrees: float) -> str:
-    """A horizontal direction by the axis it follows, or by its angle from +x."""
-    return {0.0: "+x", 90.0: "+y", 180.0: "-x", 270.0: "-y"}.get(degrees, f"{degrees:g}° from +x")
 
 
 def _at_least_one(count: int) -> int:
