@@ -24,8 +24,7 @@ LANES = 16
 
 _LAYOUT = """
     typedef float Row __attribute__((vector_size(16), aligned(4)));  // x, y, z, 0 of one node
-    typedef Lanes Number;  // the bodies in the lanes differ
-    auto geometry = [&](int block) { return (const Number *)body.geometry.data + 10 * block; };
+    auto geometry = [&](int block) { return (const Lanes *)body.geometry.data + 10 * block; };
     // Rows of four tetrahedra side by side fill a register; what lies in lanes 4 i + j of it is read as component j of tetrahedron i.
     auto side_by_side = [](Row p, Row q, Row r, Row s) INLINE {
         typedef float Half __attribute__((vector_size(32)));

@@ -2,10 +2,10 @@
 
 Warp compiles kernels for the CPU without vectorising them. These are the same steps as in `kernels`, written with the vector
 extensions of clang, the compiler inside Warp: `Lanes` adds and multiplies like a float, and the compiler maps it to whatever the
-processor has (AVX, SSE or NEON registers, one or several). What lies in the lanes is for the layouts to say: sixteen tetrahedra of one
-drop (`simd_by_element`) or one tetrahedron of eight drops (`simd_by_drop`). A layout provides `load`, `load_ahead` (u + β v), `geometry`
-and `add`; all here is written in terms of these; `Linear` and `Quadratic` are the elements of `elements`. Element, law and whether stress
-is recorded are types, so that each of their loops is compiled on its own: a tenth faster than asking at every Gauss point.
+processor has (AVX, SSE or NEON registers, one or several). What lies in the lanes is for the layout to say: sixteen tetrahedra of one
+drop (`simd_by_element`). It provides `load`, `load_ahead` (u + β v), `geometry` and `add`; all here is written in terms of these.
+`Linear` and `Quadratic` are the elements of `elements`. Element, law and whether stress is recorded are types, so that each of their
+loops is compiled on its own: a tenth faster than asking at every Gauss point.
 """
 
 from __future__ import annotations
@@ -131,7 +131,7 @@ ELEMENTS = (
     // Node between corners i and j, the corner itself for i = j.
     constexpr int between[4][4] = {{0, 4, 5, 6}, {4, 1, 7, 8}, {5, 7, 2, 9}, {6, 8, 9, 3}};
     // H + sum_i (x_i - x_0) (x) B_i: with B_i = grad L_i the gradient of what has the values x at the corners.
-    auto plus_linear = [](Matrix H, const Lanes *x0, const Lanes *x1, const Lanes *x2, const Lanes *x3, const Number *B) INLINE {
+    auto plus_linear = [](Matrix H, const Lanes *x0, const Lanes *x1, const Lanes *x2, const Lanes *x3, const Lanes *B) INLINE {
         for (int k = 0; k < 3; k++) {
             const Lanes a = x1[k] - x0[k], b = x2[k] - x0[k], c = x3[k] - x0[k];
             for (int j = 0; j < 3; j++) H[k][j] += a * B[j] + b * B[3 + j] + c * B[6 + j];
@@ -139,7 +139,7 @@ ELEMENTS = (
         return H;
     };
     // What the gradients at the four Gauss points of a quadratic element have in common; x[a] are the three components at node a.
-    auto common_gradient = [&](const Lanes *const *x, const Number *B) INLINE {
+    auto common_gradient = [&](const Lanes *const *x, const Lanes *B) INLINE {
         Lanes base[4][3];
         for (int i = 0; i < 4; i++)
             for (int k = 0; k < 3; k++) {
@@ -151,21 +151,21 @@ ELEMENTS = (
         return plus_linear(Matrix{}, base[0], base[1], base[2], base[3], B);
     };
     // The gradient at Gauss point q; `extra` is EXTRA grad L_i.
-    auto gradient = [&](auto element, const Matrix &common, const Lanes *const *x, const Number *B, const Number *extra, int q) INLINE {
+    auto gradient = [&](auto element, const Matrix &common, const Lanes *const *x, const Lanes *B, const Lanes *extra, int q) INLINE {
         if constexpr (decltype(element)::points == 1) return plus_linear(Matrix{}, x[0], x[1], x[2], x[3], B);
         else return plus_linear(common, x[between[0][q]], x[between[1][q]], x[between[2][q]], x[between[3][q]], extra);
     };
     // The gradient at corner q of a quadratic element, sum_i (4 x_between(i, q) - x_i) (x) grad L_i.
-    auto corner_gradient = [&](const Lanes *const *x, const Number *G, int q) INLINE {
+    auto corner_gradient = [&](const Lanes *const *x, const Lanes *G, int q) INLINE {
         Lanes y[4][3];
         for (int i = 0; i < 4; i++)
             for (int k = 0; k < 3; k++) y[i][k] = 4.0f * x[between[i][q]][k] - x[i][k];
         return plus_linear(Matrix{}, y[0], y[1], y[2], y[3], G);
     };
     // Nodal forces -sum_q V/points P_q grad N_a of an element, P_q = stress(q, H_q), handed to emit(node, component, force).
-    auto nodal_forces = [&](auto element, const Lanes *const *x, const Number *G, auto stress, auto emit) INLINE {
+    auto nodal_forces = [&](auto element, const Lanes *const *x, const Lanes *G, auto stress, auto emit) INLINE {
         constexpr int points = decltype(element)::points;
-        Number b[9], extra[9];
+        Lanes b[9], extra[9];
         for (int i = 0; i < 9; i++) b[i] = (-1.0f / points) * G[9] * G[i], extra[i] = EXTRA * G[i];
         Matrix common = {};
         if constexpr (points > 1) common = common_gradient(x, G);
@@ -245,8 +245,8 @@ STRAIN = """
     auto all_energy = [&](auto element, auto law) INLINE {
         constexpr int nodes = decltype(element)::nodes, points = decltype(element)::points;
         for (int block = 0; block < body.blocks; block++) {
-            const Number *G = geometry(block);
-            Number extra[9];
+            const Lanes *G = geometry(block);
+            Lanes extra[9];
             for (int i = 0; i < 9; i++) extra[i] = EXTRA * G[i];
             Lanes x_buffer[nodes][3], v_buffer[nodes][3];
             const Lanes *x[nodes], *v[nodes];

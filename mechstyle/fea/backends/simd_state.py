@@ -1,4 +1,4 @@
-"""Inputs of the SIMD kernels; each layout documents its own array order."""
+"""Inputs of the SIMD kernels; `simd_by_element` documents the order of their arrays."""
 
 # mypy: disable-error-code="valid-type"
 # Warp reads these annotations itself: they are calls.

@@ -9,14 +9,12 @@ from scipy.sparse.linalg import eigsh
 from scipy.spatial.transform import Rotation
 
 from mechstyle.fea import elasticity
-from mechstyle.fea.backends import cpu
-from mechstyle.fea.backends.cpu import CoreBody, CoreDrop, CoreDrops
+from mechstyle.fea.backends.cpu import CoreBody, CoreDrop
 from mechstyle.fea.backends.gpu import DeviceBody
 from mechstyle.fea.discretisation import discretise
 from mechstyle.fea.elasticity import LAWS, law_named
 from mechstyle.fea.elements import ELEMENTS, LINEAR
 from mechstyle.fea.explicit import QUANTITIES, RECORD_EVERY, Scheme, Starts
-from mechstyle.fea.orientations import directions
 from mechstyle.fea.stable_step import damped_step
 
 each_law = pytest.mark.parametrize("name", LAWS)
@@ -157,30 +155,6 @@ def test_a_drop_agrees_step_by_step_with_the_reference(body_type, name, across, 
         assert not touched[index].all()
 
 
-def test_eight_drops_side_by_side_are_the_eight_drops(discretisation, pla, monkeypatch):
-    normals = directions(11)
-    scheme, starts = scheme_of(discretisation, pla, samples=20), starts_of(discretisation, normals)
-    results = []
-    for cores in (1, 8):  # on one core in lanes of drops, on eight cores one by one
-        monkeypatch.setattr(cpu, "cores", lambda cores=cores: cores)
-        batches = CoreBody(discretisation).batches(scheme, starts)
-        for batch in batches:
-            batch.advance(scheme.samples)
-        results.append([np.concatenate([batch.history(0, 20) for batch in batches], axis=2)])
-        results[-1] += [np.concatenate([getattr(batch, name)() for batch in batches]) for name in ("peak", "corners", "touched")]
-        assert len(batches) == {1: 4, 8: 11}[cores]
-    for side_by_side, alone in zip(*results, strict=True):
-        np.testing.assert_allclose(side_by_side.astype(float), alone.astype(float), rtol=0, atol=1e-4 * np.abs(alone).max())
-
-
-def test_drops_of_a_large_body_are_done_one_by_one_whatever_the_cores(discretisation, pla, monkeypatch):
-    scheme, starts = scheme_of(discretisation, pla), starts_of(discretisation, directions(16))
-    monkeypatch.setattr(cpu, "cores", lambda: 1)
-    for most, kinds in ((len(discretisation.masses), [CoreDrops] * 2), (len(discretisation.masses) - 1, [CoreDrop] * 16)):
-        monkeypatch.setattr(cpu, "LANES_UP_TO", most)
-        assert [type(batch) for batch in CoreBody(discretisation).batches(scheme, starts)] == kinds
-
-
 def test_vectorised_and_gathering_kernels_agree_over_a_whole_bounce(discretisation, pla):
     scheme, starts = scheme_of(discretisation, pla, samples=100), starts_of(discretisation)
     results = []
@@ -244,15 +218,14 @@ def test_damping_lets_a_mode_decay_as_the_textbook_says(box, pla):
     assert np.log(energy[0] / energy[-1]) == pytest.approx(beta * omega**2 * (periods - 1) * period, rel=0.02)
 
 
-@pytest.mark.parametrize("layout", ["one drop", "eight drops"])
-def test_numbers_below_the_normal_range_are_zero_in_a_drop_and_only_there(box, pla, layout):
+def test_numbers_below_the_normal_range_are_zero_in_a_drop_and_only_there(box, pla):
     """They appear ahead of the wave in a long part; processors compute with them a hundred times slower."""
     body = discretise(box((2, 2, 8), (4.0, 4.0, 16.0)), pla, 0.005)
     scheme, normals = scheme_of(body, pla, samples=1, gravity=0.0), NORMALS[:1]
-    drops = (CoreDrop if layout == "one drop" else CoreDrops)(CoreBody(body), scheme, starts_of(body, normals, speed=0.0))
+    drop = CoreDrop(CoreBody(body), scheme, starts_of(body, normals, speed=0.0))
     tiny = np.finfo(np.float32).tiny
-    drops.state.u.fill_(float(tiny) / 8.0)
-    drops.advance(1)
-    for field in (drops.state.u.numpy(), drops.state.v.numpy()):
+    drop.state.u.fill_(float(tiny) / 8.0)
+    drop.advance(1)
+    for field in (drop.state.u.numpy(), drop.state.v.numpy()):
         assert not np.any((field != 0.0) & (np.abs(field) < tiny))
     assert np.float32(tiny) * np.float32(0.5) != 0.0
