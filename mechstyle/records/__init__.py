@@ -3,10 +3,10 @@
 from mechstyle.records.checkpoint import Checkpoint
 from mechstyle.records.landings import POSES
 from mechstyle.records.recipe import CONTROLS, CRITERIA, ELEMENTS, FIELDS, GUIDANCES, NORMALISATIONS, SCHEDULES, SETTINGS, Recipe
-from mechstyle.records.simulation import Landing, LoadResult, Measures, Simulation
-from mechstyle.records.verdict import Judgement, Outcome, Verdict
+from mechstyle.records.simulation import Landing, LoadResult, Simulation
+from mechstyle.records.verdict import Doubt, Outcome, Row, Verdict, judge
 
 __all__ = [
     "CONTROLS", "CRITERIA", "ELEMENTS", "FIELDS", "GUIDANCES", "NORMALISATIONS", "POSES", "SCHEDULES", "SETTINGS", "Checkpoint",
-    "Judgement", "Landing", "LoadResult", "Measures", "Outcome", "Recipe", "Simulation", "Verdict",
+    "Doubt", "Landing", "LoadResult", "Outcome", "Recipe", "Row", "Simulation", "Verdict", "judge",
 ]  # fmt: skip

@@ -35,9 +35,9 @@ class Checkpoint:
         displacement: D_i along the original normals [mm], shape [vertex_count].
         colour: Display RGB in [0, 1], shape [vertex_count, 3]; half precision, finer than any screen, at half the disk.
         mask: Factor on further movement in [0, 1], shape [vertex_count].
-        share: Factor on the style's target after retraction in [0, 1], shape [vertex_count].
+        share: Factor on the style's target after corrections in [0, 1], shape [vertex_count].
         anchor: Displacement at the last simulation [mm], shape [vertex_count].
-        stress: Field of the last simulation [MPa], shape [vertex_count].
+        stress: Stress of the last simulation in the test that decides [MPa], shape [vertex_count].
         demand: s_norm of the last simulation, shape [vertex_count].
         simulated_at: Iteration of the last simulation.
         simulation: Digest of the stored last simulation, which also holds contact and all orientations.
@@ -76,9 +76,9 @@ class Checkpoint:
                 object.__setattr__(self, field.name, frozen_array(value, kind, shape, field.name))
 
     @property
-    def viable(self) -> bool:
-        """Whether it was simulated and found viable."""
-        return self.verdict is not None and self.verdict.viable
+    def passes(self) -> bool:
+        """Whether it was simulated and passed."""
+        return self.verdict is not None and self.verdict.passes
 
     @property
     def restrained(self) -> NDArray[np.bool_]:

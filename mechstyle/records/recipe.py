@@ -12,19 +12,19 @@ from typing import Any, Literal, get_args
 import msgspec
 
 from mechstyle.errors import BadInput, unknown
-from mechstyle.records.landings import POSES, RANDOM_POSES, STANDARDS, landings_after
+from mechstyle.records.landings import POSES, STANDARDS, landings_after
 from mechstyle.records.load_cases import LoadCase
 from mechstyle.records.material import Material
 from mechstyle.records.regions import Region
 
 CONTROLS = ("linear", "exponential", "frozen", "none")
-NORMALISATIONS = ("headroom", "own_max", "sigma_c", "yield")
-SCHEDULES = ("every", "quadratic", "exponential", "geometry", "stress", "never", "always")
+NORMALISATIONS = ("headroom", "own_max", "sigma_c")
+SCHEDULES = ("every", "quadratic", "exponential", "geometry", "stress", "never")
 CRITERIA = ("robust", "paper")
 GUIDANCES = ("offline", "clip")
 FIELDS = ("vertex", "network")
 ELEMENTS = ("tet10", "tet4")
-BASES = ("level", "protected", "free")
+BASES = ("plain", "level", "free")
 SIDES = ("auto", "outwards", "inwards", "both")
 INSIDES = ("plain", "styled")
 MOTIFS = ("height", "colour", "both")
@@ -68,8 +68,7 @@ LIMITS: Mapping[str, tuple[float, float]] = {
     "minimum_wall": (0.0, 100.0),
     "strengthen": (0.0, 20.0),
     "orientations": (1, 512),
-    "tilts": (0, 16),
-    "drop_height": (1.0, 1e5),
+    "height": (1.0, 1e5),
     "friction": (0.0, 2.0),
     "window": (0.05, 50.0),
     "damping": (0.0, 1.0),
@@ -106,7 +105,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         side: Where the relief goes from the surface, one of SIDES: auto goes to both, but only outwards where walls are too thin to cut.
         feature: Size of the style's feature, such as the height of a brick [mm]; unless told, the prompt's, or what fits the part.
         nozzle: Diameter of the printer's nozzle [mm]: features that are not told are sized for it, and finer ones noted; 0 for no rule.
-        image: A picture of yours as the style, a PNG, JPEG or SVG file. Here the digest of its pixels, which the run keeps; "" for none.
+        image: A picture of yours as the style, a PNG or JPEG file. Here the digest of its pixels, which the run keeps; "" for none.
         image_size: Width of the picture, or of one of its tiles [mm]; unless told, the prompt's, or what fits the part.
         image_as: What is taken of the picture, one of MOTIFS: light stands out and dark is cut in, its colours, or both.
         image_layout: How often the picture is laid out, one of LAYOUTS: without end, or once on each side it is seen from.
@@ -118,28 +117,27 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         control: How stress restrains the style, one of CONTROLS. It turns demand into a mask.
         normalisation: What stress is compared with, one of NORMALISATIONS. Demand is stress over that.
         threshold: Demand at which a vertex may move no further; 1 is the normalisation's own limit, less is stricter.
-        memory: Whether a vertex once restrained stays so (running minimum of the mask).
-        retraction: Whether the relief shrinks by half on the way where stress exceeds 0.9 of the allowable.
-        base: Relief under the part, one of BASES: drawn inwards so that the part stands level, faded out, or as it comes.
+        base: Relief on the faces the part stands on, one of BASES: none, drawn inwards so that it stands level, or as the style has it.
         protect: Regions protected from the style.
         minimum_wall: The thinnest wall the style may leave [mm]; 0 for no rule.
         strengthen: The most that a part that does not hold as it is may be thickened by before its style, where it is overloaded [mm]; 0
             leaves it as it is.
         loads: Load cases the part must carry besides the drop.
-        schedule: When to simulate, one of SCHEDULES.
+        schedule: When to simulate while the style grows, one of SCHEDULES: never drops the finished relief and corrects it, without masks;
+            a control asked for brings `stress`.
         every: Interval of the `every` schedule [iterations].
         travel: Displacement since the last simulation over local thickness that triggers `geometry` and `stress`.
-        criterion: What viable means, one of CRITERIA: paper is the published rule and method, which leave next to nothing of most styles.
-        guarantee: Whether the finished relief is corrected until it is viable: lowered where it is overloaded, and no further than needed.
-        orientations: Drops in the final test, the first as placed; of resting poses and poses of a box at most so many.
-        poses: How the drops after the first land: `fibonacci` every way, `tilts` nearly as placed, `resting` as the part comes to rest,
-            `box26`, `box10` or `faces6` on faces, edges and corners of the box around it. One of POSES.
+        criterion: What the part is judged by, one of CRITERIA: paper is the published rule and method, which leave little of most styles.
+        guarantee: Whether the finished relief is corrected until the part passes: lowered where it is overloaded, no further than needed.
+        orientations: Landings in the final test that are not nearly flat, flat counted as the first; more than 1 are judged together.
+        poses: How these land: `fibonacci` every way, `resting` as the part comes to rest, `box26`, `box10` or `faces6` on faces, edges and
+            corners of the box around it. One of POSES.
         build_direction: Direction it is printed in, x, y, z or a vector such as 0,0,1: what pulls or shears layers apart is judged by their
             own strength. None for no layers; the material must know its `layer_ratio`.
         standard: Drop standard whose orientations and height are simulated, one of STANDARDS. It brings poses, orientations and
-            drop_height unless they are given; "" for none. A verdict is no test to a standard.
-        tilts: Drops tilted by 3° to all sides, which are judged together with the drop as placed; 0 takes exactly flat at its word.
-        drop_height: Height of fall [mm].
+            height unless they are given; "" for none. A verdict is no test to a standard.
+        nearly_flat: Whether landings tilted by 3° onto the corners and sides of what the part stands on are judged, too.
+        height: Height of the fall the part is to survive [mm].
         friction: Coulomb coefficient of the floor.
         window: Simulated time after first touch [ms]; unless told, until the impact has ended.
         element: `tet10`, or `tet4` as in the published study, which is several times too stiff in thin walls.
@@ -173,24 +171,22 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     control: str = "exponential"
     normalisation: str = "headroom"
     threshold: float = 1.0
-    memory: bool = False
-    retraction: bool = False
-    base: str = "level"
+    base: str = "plain"
     protect: tuple[Region, ...] = ()
     minimum_wall: float = 0.8
     strengthen: float = 0.0
     loads: tuple[LoadCase, ...] = ()
-    schedule: str = "stress"
+    schedule: str = "never"
     every: int = 20
     travel: float = 0.1
     criterion: str = "robust"
     guarantee: bool = True
-    orientations: int = 5
+    orientations: int = 1
     poses: str = "fibonacci"
     build_direction: tuple[float, float, float] | None = None
     standard: str = ""
-    tilts: int = 3
-    drop_height: float = 1500.0
+    nearly_flat: bool = True
+    height: float = 1500.0
     friction: float = 0.0
     window: float | None = None
     element: str = "tet10"
@@ -235,12 +231,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     @property
     def steered(self) -> bool:
         """Whether anything of the style hangs on what is simulated of it: how it grows, or what a correction leaves of it."""
-        return self.guarantee or (self.schedule != "never" and (self.feedback or self.retraction))
-
-    @property
-    def random_drops(self) -> bool:
-        """Whether the landings of the final test are a sample of random drops, so that shares of them are probabilities."""
-        return self.orientations > 1 and self.poses in RANDOM_POSES
+        return self.guarantee or (self.schedule != "never" and self.feedback)
 
     @property
     def across_layers(self) -> tuple[float, float, float]:
@@ -264,7 +255,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     @property
     def after_standard(self) -> str:
         """Whose orientations are simulated, in words; "" without a standard."""
-        return landings_after(self.standard, poses=self.poses, orientations=self.orientations, drop_height=self.drop_height)
+        return landings_after(self.standard, poses=self.poses, orientations=self.orientations, height=self.height)
 
     @property
     def settings(self) -> dict[str, Any]:

@@ -1,121 +1,311 @@
-"""The verdict on a part: each rule applied to the measures, and the worst of the rules that count."""
+"""The verdict: a table of tests, each with the fall or load the part survives, what is asked of it, and what its original survives.
+
+From which height may the part fall, or how much of its load may it carry, before a piece of a few millimetres is bent for good? The
+measure is σ_V, the stress that more than a volume V0 of the part exceed (`fea.stressed_volume`); the height at which it reaches the
+yield strength is the critical drop height, and the factor on a load at which it does is the load factor.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterable, Sequence
 from typing import Literal
 
 import msgspec
 
-Outcome = Literal["VIABLE", "FAILS", "UNKNOWN"]
+from mechstyle.errors import unknown
+from mechstyle.records import sentences
+from mechstyle.records.recipe import CRITERIA, Recipe
+from mechstyle.records.simulation import LEAST_CARRIED, VOLUME_ERROR, WAYS, Landing, Simulation
+
+Outcome = Literal["HOLDS", "NO WORSE", "FAILS", "UNKNOWN"]
+Test = Literal["flat", "nearly flat", "load", "any landing", "published rule"]
+
+NO_WORSE = 0.9
+"""Share of the original's height or load factor from which a part is no worse than its original.
+
+Of a landing that is not flat it is taken at the fall asked for, by σ ∝ √h: a critical height far from that fall follows from
+σ ∝ h^0.2 to h^0.5 and repeats the worse the lower the exponent.
+"""
+
+REPEATABILITY: dict[Test, float] = {"flat": 0.03, "nearly flat": 0.03, "load": 0.03, "any landing": 0.03, "published rule": 0.15}
+"""Relative change of σ_V, or of the literal maximum, when a part is turned, mirrored or meshed again: `benchmarks/repeatability.py`."""
+
+SHORT = 20
+"""Characters of a prompt that serves as the name of its style."""
+
+_SEVERITY: dict[Outcome, int] = {"HOLDS": 0, "NO WORSE": 1, "UNKNOWN": 2, "FAILS": 3}
 
 
-class Judgement(msgspec.Struct, frozen=True, kw_only=True):
-    """One rule applied to one simulation.
+class Row(msgspec.Struct, frozen=True, kw_only=True):
+    """One test of a part.
 
     Attributes:
-        rule: What was compared, in words.
-        outcome: VIABLE, FAILS or UNKNOWN.
-        value: The measure [unit].
-        limit: What it may at most be [unit].
-        unit: "MPa" or "x the original".
-        marginal: Whether value and limit are closer than what another mesh of the same part changes.
+        test: One of `Test`.
+        outcome: HOLDS, NO WORSE or FAILS.
+        landing: Name of the landing the figures are of; "" for a load.
+        load: Name of the load case; "" for a landing.
+        stress: σ_V at the fall or load asked for [MPa]; under the published rule the literal maximum.
+        limit: What σ_V may at most be there [MPa].
+        height: Critical drop height [mm]; None for a load and the published rule.
+        factor: Load factor; of the published rule yield strength over maximum; None for a landing.
+        asked: Height of the fall asked for [mm], or 1, the load itself.
+        original: Height or factor of the original in the same test, None if there is none.
+        decides: Whether the row counts for the outcome.
     """
 
-    rule: str
+    test: Test
     outcome: Outcome
-    value: float
+    landing: str = ""
+    load: str = ""
+    stress: float
     limit: float
-    unit: str
-    marginal: bool
+    height: float | None = None
+    factor: float | None = None
+    asked: float
+    original: float | None = None
+    decides: bool
 
     @property
-    def short(self) -> str:
-        """Value and limit, as they stand under a picture."""
-        return f"{self.value:.0f} of {self.limit:.0f} MPa" if self.unit == "MPa" else f"{self.value:.2f} of {self.limit:.2f} times"
+    def survived(self) -> float:
+        """Height [mm] or factor up to which the part survives."""
+        return self.height if self.height is not None else self.factor or 0.0
 
     @property
-    def safety_factor(self) -> float:
-        """Limit over value; infinite for a value of zero, NaN for NaN."""
-        return float("inf") if self.value == 0 else self.limit / self.value
+    def reserve(self) -> float:
+        """What is survived over what is needed, at the fall or load asked for: below 1 it fails.
+
+        Of a landing it is (limit / σ_V)², the ratio of heights of a flat impact; of a load limit / σ_V.
+        """
+        return (self.limit / self.stress) ** self.power
+
+    @property
+    def power(self) -> float:
+        """Power of the stress in what is survived: 2 for a height, 1 for a load."""
+        return 1.0 if self.height is None else 2.0
+
+    @property
+    def sure(self) -> bool:
+        """Whether the same test of the same part meshed again would pass or fail as well."""
+        return abs(math.log(self.reserve)) > self.power * math.log1p(REPEATABILITY[self.test])
 
 
-def doubtful(judgements: Sequence[Judgement]) -> bool:
-    """Whether another mesh could turn an outcome: where none of them fails clearly, and one is close to its limit."""
-    return any(rule.marginal for rule in judgements) and not any(rule.outcome == "FAILS" and not rule.marginal for rule in judgements)
+class Doubt(msgspec.Struct, frozen=True, kw_only=True):
+    """A reason why the outcome is not sure.
+
+    Attributes:
+        about: `limit`, a test closer to its limit than it repeats; `relief`, relief that the mesh misses; `volume`, a mesh of another
+            volume.
+        test: The test, "" for all.
+        landing, load: Its landing or load.
+        value: Reserve of the test (see `Row.reserve`), share of the relief that the mesh follows, or relative error of volume.
+    """
+
+    about: Literal["limit", "relief", "volume"]
+    value: float
+    test: str = ""
+    landing: str = ""
+    load: str = ""
 
 
 class Verdict(msgspec.Struct, frozen=True, kw_only=True):
-    """Whether the part survives, with the figures behind it.
+    """Whether a part survives, test by test.
 
     Attributes:
-        outcome: The worst of the judgements that count under the criterion.
+        outcome: HOLDS, every test that decides holds; NO WORSE, some only compared with the original; FAILS; or UNKNOWN.
         criterion: `robust` or `paper`.
-        as_placed: (A) peak stress of the drop as placed.
-        all_orientations: (B) envelope over all orientations relative to the unstylized part, None if not run.
-        literal: The published rule, max σ_vM ≤ S_yield, always shown, mesh-dependent.
-        words: One sentence a person can act on.
-        tilted: Surface stress of the drops nearly as placed, None if there was none.
-        limits: Of each test as it stands, its load ("" for the drop) and what its stress nearest to a limit may at most be [MPa]; none
-            where nothing could be judged, and in records of earlier versions.
+        fall: Height of the fall asked for [mm].
+        strength: Yield strength of the material [MPa].
+        material: Name of the material.
+        style: Short name of the style, "" for a part without one.
+        rows: The tests; none where nothing could be tested.
+        doubts: Why the outcome is not sure; none if it is.
+        failure: Why there is no answer, "" if there is.
     """
 
     outcome: Outcome
     criterion: str
-    as_placed: Judgement
-    all_orientations: Judgement | None
-    literal: Judgement
-    words: str
-    tilted: Judgement | None = None
-    limits: tuple[tuple[str, float], ...] = ()
+    fall: float
+    strength: float
+    material: str
+    style: str = ""
+    rows: tuple[Row, ...] = ()
+    doubts: tuple[Doubt, ...] = ()
+    failure: str = ""
 
     @property
-    def each(self) -> tuple[tuple[str, float], ...]:
-        """The limits of several tests that count by themselves; none where one limit is all there is, as under the published rule."""
-        return self.limits if self.criterion != "paper" and len(self.limits) > 1 else ()
+    def passes(self) -> bool:
+        """Whether the outcome is HOLDS or NO WORSE."""
+        return self.outcome in ("HOLDS", "NO WORSE")
 
     @property
-    def of_the_drop(self) -> float:
-        """What the stress of the drop as placed may at most be, whichever test is told [MPa]."""
-        return dict(self.each).get("", self.deciding.limit)
+    def sure(self) -> bool:
+        """Whether no doubt is left."""
+        return not self.doubts and self.outcome != "UNKNOWN"
 
     @property
-    def counting(self) -> tuple[Judgement, ...]:
-        """The judgements that count under the criterion in force."""
-        rules = (self.literal,) if self.criterion == "paper" else (self.as_placed, self.tilted, self.all_orientations)
-        return tuple(rule for rule in rules if rule is not None)
+    def settled(self) -> bool:
+        """Whether it passes, and in no test so closely that a part meshed again might not."""
+        return self.passes and all(row.sure for row in self.rows if row.decides)
 
     @property
-    def tightest(self) -> Judgement:
-        """The judgement that counts and has the least safety factor."""
-        return min(self.counting, key=lambda rule: rule.safety_factor)
+    def deciding(self) -> Row | None:
+        """The row with the least reserve of those that decide, None where nothing could be tested."""
+        return min((row for row in self.rows if row.decides), key=lambda row: row.reserve, default=None)
 
     @property
-    def safety_factor(self) -> float:
-        """The least of the safety factors of the judgements that count."""
-        return self.tightest.safety_factor
+    def published(self) -> Row | None:
+        """The row of the published rule, None where nothing could be tested."""
+        return self.row("published rule")
 
     @property
-    def marginal(self) -> bool:
-        """Whether the outcome is not sure; see `doubtful`."""
-        return doubtful(self.counting)
+    def safety_factor(self) -> float | None:
+        """Least σ_y / σ_V of the rows that decide, None where it is not known; it may be below 1 where the original's is."""
+        factors = [self.strength / row.stress for row in self.rows if row.decides and row.stress > 0.0]
+        return min(factors, default=None)
+
+    def row(self, test: Test, load: str = "") -> Row | None:
+        """The row of a test, None if there is none."""
+        return next((row for row in self.rows if row.test == test and row.load == load), None)
 
     @property
-    def word(self) -> str:
-        """The outcome in one word: MARGINAL where it is not sure."""
-        return "MARGINAL" if self.marginal else self.outcome
+    def short(self) -> str:
+        """The outcome with its fall in a few words, as it stands on a badge."""
+        return sentences.short(self)
 
     @property
-    def told(self) -> str:
-        """The outcome as it is told: that it is MARGINAL is told with it."""
-        return f"{self.outcome}, MARGINAL" if self.marginal else self.outcome
+    def head(self) -> str:
+        """The outcome in one sentence."""
+        return sentences.head(self)
 
     @property
-    def deciding(self) -> Judgement:
-        """The as-placed judgement under the criterion in force; its value is the peak, its limit the allowable stress."""
-        return self.literal if self.criterion == "paper" else self.as_placed
+    def doubt(self) -> str:
+        """Why the outcome is not sure and what to do, in one sentence; "" if it is sure."""
+        return sentences.doubt(self)
 
     @property
-    def viable(self) -> bool:
-        """Whether the outcome is VIABLE."""
-        return self.outcome == "VIABLE"
+    def words(self) -> str:
+        """The outcome, and the doubt if there is one, in sentences."""
+        return " ".join(filter(None, (self.head, self.doubt)))
+
+
+def judge(simulation: Simulation, original: Simulation | None, recipe: Recipe) -> Verdict:
+    """Compare what a part survives with what is asked of it, and with what its original survives.
+
+    Flat and every load decide. Nearly flat decides beside an original, as most plastic parts yield at an edge; so do all other landings
+    where more than one was asked for, by their geometric mean. Under the criterion `paper` the published rule decides alone.
+
+    Args:
+        simulation: The test of the part.
+        original: The same test of the unstyled part; None for a part that is tested by itself.
+        recipe: What was asked for.
+    """
+    if recipe.criterion not in CRITERIA:
+        raise unknown("criterion", recipe.criterion, CRITERIA)
+    material, named = recipe.material, 0 < len(recipe.prompt) <= SHORT
+    empty = Verdict(
+        outcome="UNKNOWN", criterion=recipe.criterion, fall=recipe.height, strength=material.yield_strength, material=material.label,
+        style="" if original is None else recipe.prompt if named else "styled", failure=_failure(simulation, original, recipe),
+    )  # fmt: skip
+    if empty.failure:
+        return empty
+    rows = tuple(_rows(simulation, original, recipe))
+    counting = [row for row in rows if row.decides]
+    outcome = max((row.outcome for row in counting), key=_SEVERITY.__getitem__)
+    return msgspec.structs.replace(empty, outcome=outcome, rows=rows, doubts=tuple(_doubts(counting, outcome, simulation)))
+
+
+def drop_limit(stress: float, strength: float) -> float:
+    """What σ_V may at most be in a landing in which the original's is `stress` [MPa]: NO_WORSE of its height, by σ ∝ √h."""
+    return max(strength, stress / math.sqrt(NO_WORSE))
+
+
+def load_limit(stress: float, strength: float) -> float:
+    """What σ_V may at most be under a load under which the original's is `stress` [MPa]."""
+    return max(strength, stress / NO_WORSE)
+
+
+def _failure(simulation: Simulation, original: Simulation | None, recipe: Recipe) -> str:
+    """Why nothing can be judged, "" if it can."""
+    for part, whose in ((simulation, "the part"), (original, "the original")):
+        if part is None:
+            continue
+        if part.failure:
+            return part.failure if part is simulation else f"the original could not be simulated: {part.failure}"
+        if not part.of("flat"):
+            return f"{whose} was not dropped"
+        known = {one.name: [one.stress, one.maximum, one.critical_height] for one in part.landings}
+        known |= {f"load {case.name}": [case.stress, case.maximum] for case in part.loads}
+        for name, values in known.items():
+            if not all(math.isfinite(value) and value > 0.0 for value in values):
+                return f"the stress of {whose} in the test {name!r} is not a finite number above 0"
+    if original is not None and original.of("nearly flat") and not simulation.of("nearly flat"):
+        return "the part was not dropped nearly flat"
+    missing = (case.name for case in recipe.loads if simulation.load(case.name) is None)
+    return next((f"the part was not tested under the load {name!r}" for name in missing), "")
+
+
+def _rows(simulation: Simulation, original: Simulation | None, recipe: Recipe) -> Iterable[Row]:
+    """The rows of all tests that were made of a part."""
+    strength, robust = recipe.material.yield_strength, recipe.criterion != "paper"
+    for test in WAYS:
+        landings, before = simulation.of(test), [] if original is None else original.of(test)
+        if landings:
+            hardest, theirs = _hardest(landings), _hardest(before) if before else None
+            if test == "any landing":
+                hardest, theirs = _average(landings), _average(before) if before else None
+            limit = strength if theirs is None else drop_limit(theirs.stress, strength)
+            yield Row(
+                test=test, landing=hardest.name, stress=hardest.stress, limit=limit, height=hardest.critical_height, asked=recipe.height,
+                original=None if theirs is None else theirs.critical_height, outcome=_outcome(hardest.stress, limit, strength),
+                decides=robust and (test == "flat" or theirs is not None),
+            )  # fmt: skip
+    for case in simulation.loads:
+        own = None if original is None else original.load(case.name)
+        limit = strength if own is None else load_limit(own.stress, strength)
+        yield Row(
+            test="load", load=case.name, stress=case.stress, limit=limit, factor=strength / case.stress, asked=1.0,
+            original=None if own is None else strength / own.stress, outcome=_outcome(case.stress, limit, strength), decides=robust,
+        )  # fmt: skip
+    maximum = simulation.maximum
+    yield Row(
+        test="published rule", landing=simulation.landings[0].name, stress=maximum, limit=strength, factor=strength / maximum, asked=1.0,
+        original=None if original is None else strength / original.maximum, outcome=_outcome(maximum, strength, strength),
+        decides=not robust,
+    )  # fmt: skip
+
+
+def _outcome(stress: float, limit: float, strength: float) -> Outcome:
+    """What a stress comes to: it holds up to the strength, and is no worse than the original up to a higher limit."""
+    if stress <= strength:
+        return "HOLDS"
+    return "NO WORSE" if stress <= limit else "FAILS"
+
+
+def _hardest(landings: Sequence[Landing]) -> Landing:
+    """The landing with the highest stress."""
+    return max(landings, key=lambda landing: landing.stress)
+
+
+def _average(landings: Sequence[Landing]) -> Landing:
+    """A landing with the geometric means of several, by the name of the hardest."""
+    means = {
+        name: math.exp(sum(math.log(getattr(landing, name)) for landing in landings) / len(landings))
+        for name in ("stress", "critical_height")
+    }
+    return msgspec.structs.replace(_hardest(landings), **means)
+
+
+def _doubts(rows: Sequence[Row], outcome: Outcome, simulation: Simulation) -> Iterable[Doubt]:
+    """Why an outcome is not sure: one sure failure settles it, and what passes may not hide anything."""
+    if outcome == "FAILS" and any(row.outcome == "FAILS" and row.sure for row in rows):
+        return
+    for row in rows:
+        if not row.sure and (row.outcome == "FAILS" or outcome != "FAILS"):
+            yield Doubt(about="limit", test=row.test, landing=row.landing, load=row.load, value=row.reserve)
+    if outcome == "FAILS":
+        return
+    if not simulation.least_carried >= LEAST_CARRIED:
+        yield Doubt(about="relief", value=simulation.least_carried)
+    if not abs(simulation.volume_error) <= VOLUME_ERROR:
+        yield Doubt(about="volume", value=simulation.volume_error)

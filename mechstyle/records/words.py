@@ -12,25 +12,22 @@ WORDS: dict[str, tuple[str, str]] = {
     "guidance": ("style from", "What the part takes its style from: a pattern drawn for it, or what the network CLIP makes of your words."),
     "field": (
         "described by",
-        (
-            "How the shape is written down while it changes: a value at each of its points, or a small network that gives all"
-            " points theirs."
-        ),
+        ("How the shape is written down while it changes: a value at each of its points, or a small network that gives all points theirs."),
     ),
     "vertices": ("vertices", "How many points the surface has: more draw finer and take longer."),
-    "protect": ("protected", "Places where the part stays as it came, because you said so."),
+    "protect": ("protected", "Places that keep their shape, because you said so."),
     "stress": ("stress", "How hard the material is pulled or pressed at a place, in MPa: von Mises stress, averaged over 2 mm."),
-    "yield_strength": ("yield strength", "The stress at which a material begins to give way for good."),
-    "limit": ("limit", "The greatest value that still passes, by the rule it belongs to."),
-    "demand": ("demand", "How much of what a place could still bear the style has taken: 0 as it came, 1 at its limit."),
+    "yield_strength": ("yield strength", "The stress at which a material begins to yield: it is bent for good."),
+    "limit": ("limit", "The greatest stress that still passes, in the test it belongs to."),
+    "demand": ("demand", "How much of what a place could still bear the style has taken: 0 on the plain part, 1 at its limit."),
     "normalisation": (
         "compares",
         (
-            "What stress is compared with to make demand of it: the place's own reserve, the original's peak, a share of the "
-            "yield strength, or all of it."
+            "What stress is compared with to make demand of it: the place's own reserve, the peak of the plain part, or a share of "
+            "the yield strength."
         ),
     ),
-    "headroom": ("headroom", "How much more stress a place could bear than it has as the part came."),
+    "headroom": ("headroom", "How much more stress a place could bear than it has on the plain part."),
     "mask, restraint": ("held back", "How much of its movement a place is denied: 0 moves freely, 1 stops."),
     "threshold": ("threshold", "Demand at which a place may move no further; less is more careful."),
     "control": (
@@ -40,8 +37,6 @@ WORDS: dict[str, tuple[str, str]] = {
             "not at all (none)."
         ),
     ),
-    "memory": ("memory", "A place that was held back is not let go later in the run; off unless asked for."),
-    "retraction": ("retraction", "Where stress comes near its limit on the way, the relief there shrinks; off unless asked for."),
     "guarantee": ("correction", "A finished part that fails is lowered where it is overloaded, step by step, until it passes."),
     "schedule": ("schedule", "At which iterations the part is dropped on the way; the last one always is."),
     "travel": ("travel", "How far the surface has moved since it was last dropped, as a share of the wall."),
@@ -49,37 +44,41 @@ WORDS: dict[str, tuple[str, str]] = {
     "kept": ("relief kept", "How much of the relief is there, of what the style alone would have made."),
     "lane": ("lane, branch", "Another way on from some iteration, with other settings, in the same run."),
     "orientations, poses": ("landings", "How the part is turned when it meets the floor."),
-    "tilts": ("tilted by 3°", "Landings that are nearly flat, which are judged together with the drop as placed."),
-    "envelope": ("worst of all landings", "The greatest stress a place sees in any of the drops."),
-    "tilted_stress": ("worst tilted landing", "The same of the landings tilted by 3° alone."),
-    "failure_probability": ("probability", "Of random drops, the share that takes the part beyond its yield strength."),
+    "flat": ("flat", "The landing on what the part stands on, as it stands."),
+    "nearly_flat": (
+        "nearly flat",
+        "Landings tilted by 3° onto the corners and sides of what the part stands on; the worst of them is judged.",
+    ),
+    "any_landing": ("any landing", "Landings in other directions, judged by their mean against the plain part; only if you ask for them."),
+    "height": ("fall", "How high the fall is that the part is to survive, 1.5 m unless you say otherwise."),
+    "original": ("plain part", "The part without a style, which takes the same tests."),
+    "critical_height": (
+        "critical drop height",
+        "From how high the part may fall, in one landing, before a piece as large as a cube of 4 mm begins to yield.",
+    ),
+    "factor": ("load factor", "How many times its load the part may carry before a piece as large as a cube of 2 mm begins to yield."),
+    "reserve": ("reserve", "What the part survives beyond what it needs to pass a test; below zero it fails."),
     "safety_factor": (
         "safety factor",
-        (
-            "Limit over value: below 1 it fails. Of the part it is the least of the rules that count, of a place that "
-            "of the drop as it stands, or of a load, each by its own limit."
-        ),
+        "Yield strength over stress, σ_y/σ_V, in the test with the least of it: below 1 a piece of the part begins to yield.",
     ),
     "section": ("cut", "A plane beyond which the part is left out of the view, so that one sees inside."),
     "places": ("places", "Points whose values are kept in a list, with a number each."),
     "moment": ("stress of the moment", "Stress at one moment of an impact; its greatest moment is the peak."),
     "outcome": (
-        "VIABLE · FAILS · UNKNOWN",
+        "HOLDS · NO WORSE · FAILS · UNKNOWN",
         (
-            "Within every limit that counts · above one of them · the test gave no answer, which is never to be read as "
-            "survived."
+            "Survives what you asked for · does not, but nearly as much as the plain part, which does not either · survives clearly less"
+            " · the test gave no answer, which is never to be read as survived."
         ),
     ),
-    "marginal": (
-        "MARGINAL",
-        "Nearer to a limit than the method can tell, or told by tetrahedra that carry less than 90 % of the relief: take it as undecided.",
+    "doubts": (
+        "doubt",
+        "Why an outcome is not sure: a test closer to its limit than it repeats, or a mesh that misses some of the relief.",
     ),
     "criterion": (
         "criterion",
-        (
-            "What viable means: `robust`, strength and no worse than 1.1 times the original in any landing; `paper`, the "
-            "published rule alone."
-        ),
+        "What the part is judged by: `robust`, the fall and the loads it survives; `paper`, the published rule alone.",
     ),
     "minimum_wall": ("thinnest wall", "The style may not leave a wall thinner than this."),
     "freestyle": (

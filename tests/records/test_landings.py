@@ -6,7 +6,7 @@ import pytest
 
 from mechstyle.errors import BadInput
 from mechstyle.records import POSES
-from mechstyle.records.landings import RANDOM_POSES, STANDARDS, landings_after, with_drops
+from mechstyle.records.landings import STANDARDS, landings_after, with_drops
 from mechstyle.records.recipe import DEFAULTS, described
 from support.records import recipe
 
@@ -17,7 +17,7 @@ PRESCRIBED = {
     "astm-f963": ("fibonacci", 1372.0),
     "astm-f963-96": ("fibonacci", 914.0),
 }
-LANDINGS = ("poses", "orientations", "drop_height")
+LANDINGS = ("poses", "orientations", "height")
 
 
 def landings_of(settings):
@@ -25,21 +25,21 @@ def landings_of(settings):
 
 
 def test_the_standards_are_those_that_are_known_by_name():
-    assert {name: (standard.poses, standard.drop_height) for name, standard in STANDARDS.items()} == PRESCRIBED
+    assert {name: (standard.poses, standard.height) for name, standard in STANDARDS.items()} == PRESCRIBED
     assert [STANDARDS[name].orientations for name in ("astm-f963", "astm-f963-96")] == [10, 4]
     assert all(name in described("standard") for name in STANDARDS)
-    assert set(RANDOM_POSES) < set(POSES)
+    assert {standard.poses for standard in STANDARDS.values()} <= set(POSES)
 
 
 @pytest.mark.parametrize("name", STANDARDS)
 def test_a_standard_brings_its_landings_and_its_height_unless_given(name):
     standard = STANDARDS[name]
-    own = {"poses": standard.poses, "orientations": standard.orientations, "drop_height": standard.drop_height}
+    own = {"poses": standard.poses, "orientations": standard.orientations, "height": standard.height}
     assert landings_of(with_drops({"standard": name})) == own
-    assert landings_of(with_drops({"standard": name, "drop_height": 500.0})) == own | {"drop_height": 500.0}
+    assert landings_of(with_drops({"standard": name, "height": 500.0})) == own | {"height": 500.0}
     assert landings_of(with_drops({"standard": name, "orientations": 3})) == own | {"orientations": 3}
-    other = landings_of(with_drops({"standard": name, "poses": "tilts"}))
-    assert other == own | {"poses": "tilts", "orientations": POSES["tilts"]}, "other poses take their own number of drops"
+    other = landings_of(with_drops({"standard": name, "poses": "resting"}))
+    assert other == own | {"poses": "resting", "orientations": POSES["resting"]}, "other poses take their own number of drops"
 
 
 def test_without_a_standard_nothing_is_brought():
@@ -58,19 +58,11 @@ def test_words_are_of_orientations_and_never_of_a_test_that_was_met(name):
 
 
 def test_what_departs_from_the_standard_is_said():
-    other = recipe(**with_drops({"standard": "mil-810h", "orientations": 5, "drop_height": 500.0}))
-    assert other.after_standard.endswith(", but 5 orientations instead of 27, 500 mm instead of 1220 mm")
-    tilted = landings_after("ista-1a", poses="tilts", orientations=11, drop_height=760.0)
-    assert tilted.endswith(", but poses tilts instead of box10")
+    other = recipe(**with_drops({"standard": "mil-810h", "orientations": 5, "height": 500.0}))
+    assert other.after_standard.endswith(", but 5 orientations instead of 27, 50 cm instead of 1.22 m")
+    resting = landings_after("ista-1a", poses="resting", orientations=11, height=760.0)
+    assert resting.endswith(", but poses resting instead of box10")
     assert recipe().after_standard == ""
-
-
-@pytest.mark.parametrize(
-    ("poses", "orientations", "random"),
-    [("fibonacci", 5, True), ("resting", 8, True), ("fibonacci", 1, False), ("tilts", 8, False), ("box26", 27, False)],
-)
-def test_only_a_sample_of_random_drops_speaks_of_probabilities(poses, orientations, random):
-    assert recipe(poses=poses, orientations=orientations).random_drops is random
 
 
 def test_a_standard_that_is_not_known_is_refused_with_the_nearest():

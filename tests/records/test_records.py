@@ -1,4 +1,4 @@
-"""Recipe, measures, judgement, verdict, checkpoint: checked, frozen, named by their content."""
+"""Recipe, row, verdict, simulation, checkpoint: checked, frozen, named by their content."""
 
 import dataclasses
 import hashlib
@@ -21,10 +21,11 @@ from mechstyle.records import (
     NORMALISATIONS,
     SCHEDULES,
     Checkpoint,
-    Judgement,
+    Doubt,
+    Landing,
     LoadResult,
-    Measures,
     Recipe,
+    Row,
     Simulation,
     Verdict,
 )
@@ -32,6 +33,7 @@ from mechstyle.records.checkpoint import restrained
 from mechstyle.records.load_cases import Load, LoadCase, Support, read_loads
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.regions import Inside, regions
+from mechstyle.records.verdict import REPEATABILITY
 
 PLA = LIBRARY["PLA"]
 PRESS = LoadCase(name="press", supports=(Support(at="resting face"),), loads=(Load(gravity=2.0),))
@@ -47,7 +49,7 @@ LIMITS = {
     "travel": (1e-3, 10.0),
     "minimum_wall": (0.0, 100.0),
     "orientations": (1, 512),
-    "drop_height": (1.0, 1e5),
+    "height": (1.0, 1e5),
     "friction": (0.0, 2.0),
     "window": (0.05, 50.0),
     "damping": (0.0, 1.0),
@@ -59,6 +61,7 @@ NAMES = {
     "criterion": CRITERIA,
     "transfer": ("barycentric", "nearest"),
     "element": ("tet10", "tet4"),
+    "base": ("plain", "level", "free"),
     "side": ("auto", "outwards", "inwards", "both"),
     "inside": ("plain", "styled"),
     "image_as": ("height", "colour", "both"),
@@ -80,7 +83,7 @@ recipes = st.builds(
     recipe,
     prompt=st.text(),
     loads=st.sampled_from([(), (PRESS,)]),
-    memory=st.booleans(),
+    nearly_flat=st.booleans(),
     guarantee=st.booleans(),
     **{field: numbers(field) for field in LIMITS},
     **{field: st.sampled_from(known) for field, known in NAMES.items()},
@@ -146,15 +149,16 @@ def test_places_are_stored_as_in_runs_made_before(tmp_path):
 def test_every_field_decides_the_digest(field):
     other = {
         "surface": "6" * 64, "tetrahedra": "8" * 64, "prompt": "stone", "material": msgspec.structs.replace(PLA, yield_strength=40.0),
-        "control": "linear", "normalisation": "yield", "schedule": "every", "criterion": "paper", "transfer": "nearest", "stylizer": "mine",
+        "control": "linear", "normalisation": "own_max", "schedule": "every", "criterion": "paper", "transfer": "nearest",
+        "stylizer": "mine",
         "protect": (Inside(),), "element": "tet4",
         "loads": (PRESS,), "minimum_wall": 1.2, "strengthen": 1.5,
-        "memory": True, "retraction": True, "base": "free", "guarantee": False,
-        "iterations": 7, "seed": 7, "every": 7, "amplitude": 0.7, "travel": 0.7, "orientations": 7, "poses": "tilts", "standard": "en71",
+        "base": "free", "guarantee": False,
+        "iterations": 7, "seed": 7, "every": 7, "amplitude": 0.7, "travel": 0.7, "orientations": 7, "poses": "resting", "standard": "en71",
         "relief": 0.7, "side": "outwards", "feature": 7.0, "nozzle": 0.7, "inside": "styled",
         "image": "9" * 64, "image_size": 7.0, "image_as": "colour", "image_layout": "placed", "projection": "around",
-            "delivered": 70_000,
-        "tilts": 7, "build_direction": (0.0, 0.0, 1.0), "drop_height": 700.0, "friction": 0.7,
+        "delivered": 70_000,
+        "nearly_flat": False, "build_direction": (0.0, 0.0, 1.0), "height": 700.0, "friction": 0.7,
         "window": 0.7, "damping": 0.007, "threshold": 0.7, "guidance": "clip", "field": "network", "clip": "ViT-B-32@7", "crops": 7,
     }  # fmt: skip
     assert recipe(**{field: other[field]}).digest != recipe().digest
@@ -229,82 +233,144 @@ def test_only_the_control_none_is_without_feedback():
     assert [control for control in CONTROLS if not recipe(control=control).feedback] == ["none"]
 
 
-# --- judgement and verdict ----------------------------------------------------------------------------------------
+# --- row and verdict ----------------------------------------------------------------------------------------------
 
 
-def judgement(value, limit, outcome="VIABLE"):
-    return Judgement(rule="peak", outcome=outcome, value=value, limit=limit, unit="MPa", marginal=False)
+def row(test="flat", outcome="HOLDS", **changes):
+    known = {
+        "test": test,
+        "outcome": outcome,
+        "stress": 40.0,
+        "limit": 45.6,
+        "height": 1950.0,
+        "asked": 1500.0,
+        "original": 2400.0,
+        "decides": True,
+    }
+    return Row(**{**known, **changes})
 
 
-def test_safety_factor_is_limit_over_value():
-    assert judgement(22.8, 45.6).safety_factor == pytest.approx(2.0)
-    assert judgement(91.2, 45.6).safety_factor == pytest.approx(0.5)
-    assert judgement(0.0, 45.6).safety_factor == math.inf
+def load(factor, original, name="hand"):
+    return row("load", load=name, stress=45.6 / factor, height=None, factor=factor, asked=1.0, original=original)
 
 
-@given(value=st.floats(1e-6, 1e6), limit=st.floats(1e-6, 1e6))
-def test_safety_factor_is_at_least_one_exactly_when_the_value_is_within_the_limit(value, limit):
-    assert (judgement(value, limit).safety_factor >= 1.0) == (value <= limit)
+def verdict(outcome="HOLDS", **changes):
+    given_rows = {
+        "rows": (row(), load(1.4, 2.0), row("published rule", "FAILS", stress=90.0, height=None, factor=0.5, asked=1.0, decides=False))
+    }
+    known = {"outcome": outcome, "criterion": "robust", "fall": 1500.0, "strength": 45.6, "material": "PLA"}
+    return Verdict(**{**known, **given_rows, **changes})
 
 
-def test_a_value_that_is_not_a_number_is_never_safe():
-    assert not judgement(math.nan, 45.6, "UNKNOWN").safety_factor >= 1.0
+@pytest.mark.parametrize(("stress", "limit", "reserve"), [(40.0, 45.6, (45.6 / 40.0) ** 2), (60.0, 48.0, 0.64), (45.6, 45.6, 1.0)])
+def test_the_reserve_of_a_landing_is_a_ratio_of_heights_at_the_fall_asked_for(stress, limit, reserve):
+    """Whatever its critical height is, which follows another exponent where contact grows with the blow."""
+    for height in (30.0, 1950.0):
+        assert row(stress=stress, limit=limit, height=height).reserve == pytest.approx(reserve)
 
 
-def verdict(outcome="VIABLE", criterion="robust"):
-    literal = judgement(60.0, 45.6, "FAILS")
-    return Verdict(outcome=outcome, criterion=criterion, as_placed=judgement(20.0, 45.6), all_orientations=None, literal=literal, words=".")
+def test_the_reserve_of_a_load_is_a_ratio_of_stresses():
+    assert load(1.4, 2.0).reserve == pytest.approx(1.4)
+    assert msgspec.structs.replace(load(0.9, 0.95), limit=45.6 / 0.855).reserve == pytest.approx(0.9 / 0.855)
 
 
-@pytest.mark.parametrize(("outcome", "viable"), [("VIABLE", True), ("FAILS", False), ("UNKNOWN", False)])
-def test_only_viable_is_viable(outcome, viable):
-    assert verdict(outcome).viable is viable
+def test_a_load_survives_its_factor_and_a_landing_its_height():
+    assert (row().survived, load(1.4, 2.0).survived) == (1950.0, 1.4)
 
 
-def test_the_criterion_chooses_the_judgement_that_decides():
-    assert verdict(criterion="robust").deciding.value == 20.0
-    assert verdict(criterion="paper").deciding.value == 60.0
+@given(stress=st.floats(1.0, 1e4), limit=st.floats(1.0, 1e4))
+def test_a_row_has_reserve_exactly_when_its_stress_is_within_its_limit(stress, limit):
+    for one in (row(stress=stress, limit=limit), msgspec.structs.replace(load(1.0, None), stress=stress, limit=limit)):
+        assert (one.reserve >= 1.0) == (stress <= limit)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_row_is_sure_beyond_what_a_test_repeats_whichever_way_it_goes(side):
+    """As far as σ_V repeats, whether the row is about a factor or a height, which goes with its square."""
+    just, clear = (1.0 + REPEATABILITY["load"] * share for share in (0.9, 1.1))
+    assert [load(factor**side, None).sure for factor in (just, clear)] == [False, True]
+    just, clear = (1.0 + REPEATABILITY["flat"] * share for share in (0.9, 1.1))
+    assert [row(stress=45.6 * ratio**side).sure for ratio in (just, clear)] == [False, True]
+
+
+@pytest.mark.parametrize(("outcome", "passes"), [("HOLDS", True), ("NO WORSE", True), ("FAILS", False), ("UNKNOWN", False)])
+def test_what_holds_or_is_no_worse_passes(outcome, passes):
+    assert verdict(outcome).passes is passes
+
+
+def test_the_row_with_the_least_reserve_decides_and_what_is_only_shown_does_not():
+    one = verdict()
+    assert one.deciding == one.row("flat")
+    assert verdict(rows=(row(), load(1.1, 2.0))).deciding.load == "hand"
+    assert one.published.outcome == "FAILS"
+    assert one.safety_factor == pytest.approx(45.6 / 40.0)
+
+
+def test_where_nothing_could_be_tested_there_is_no_factor_and_nothing_is_sure():
+    unknown = verdict("UNKNOWN", rows=(), failure="the drop blew up")
+    assert (unknown.deciding, unknown.published, unknown.safety_factor, unknown.sure) == (None, None, None, False)
+
+
+def test_a_doubt_makes_a_verdict_unsure():
+    assert verdict().sure
+    assert not verdict(doubts=(Doubt(about="relief", value=0.8),)).sure
+
+
+def test_rows_are_found_by_their_test_and_load():
+    both = verdict(rows=(row(), load(1.4, 2.0), load(1.2, 2.0, "bag")))
+    assert (both.row("load", "bag").factor, both.row("load", "none"), both.row("nearly flat")) == (1.2, None, None)
 
 
 def test_verdict_comes_back_from_json_as_it_was():
-    assert msgspec.json.decode(msgspec.json.encode(verdict()), type=Verdict) == verdict()
+    doubted = verdict(doubts=(Doubt(about="limit", value=1.01, test="flat", landing="flat"),))
+    assert msgspec.json.decode(msgspec.json.encode(doubted), type=Verdict) == doubted
 
 
 def test_an_outcome_that_does_not_exist_is_refused_on_reading():
-    text = msgspec.json.encode(verdict()).replace(b'"outcome":"VIABLE"', b'"outcome":"FINE"')
+    text = msgspec.json.encode(verdict()).replace(b'"outcome":"HOLDS"', b'"outcome":"FINE"', 1)
     with pytest.raises(msgspec.ValidationError, match="FINE"):
         msgspec.json.decode(text, type=Verdict)
-
-
-# --- figures of a test --------------------------------------------------------------------------------------------
-
-
-def test_of_two_tests_each_stress_is_the_larger_and_the_place_that_of_the_larger_peak():
-    one = Measures(peak=20.0, surface=20.0, contact=5.0, p999=18.0, p99=12.0, maximum=30.0, where=(0.0, 0.0, 1.0), volume=1000.0)
-    other = Measures(peak=15.0, surface=9.0, contact=15.0, p999=19.0, p99=11.0, maximum=31.0, where=(2.0, 2.0, 2.0), volume=1000.0)
-    for found in (one.or_worse(other), other.or_worse(one)):
-        assert (found.peak, found.surface, found.contact) == (20.0, 20.0, 15.0)
-        assert (found.p999, found.p99, found.maximum, found.where) == (19.0, 12.0, 31.0, (0.0, 0.0, 1.0))
-
-
-def test_a_load_tells_both_the_stress_at_the_surface_and_over_2_mm():
-    resolved = LoadResult(name="hand", peak=38.2, surface=38.2, averaged=36.0, where=(1.0, 2.0, 3.0), deflection=0.123)
-    assert resolved.words == "38.2 MPa at the surface (36.0 over 2 mm) at (1.0, 2.0, 3.0) mm, deflection 0.12 mm"
-    unresolved = msgspec.structs.replace(resolved, peak=36.0, surface=12.0)
-    assert unresolved.words == "36.0 MPa over 2 mm at (1.0, 2.0, 3.0) mm, deflection 0.12 mm"
 
 
 # --- fields over the surface --------------------------------------------------------------------------------------
 
 
+def landing(name="flat", way="flat", stress=40.0, height=1950.0):
+    return Landing(
+        name=name, way=way, normal=(0.0, 0.0, 1.0), stress=stress, maximum=2.0 * stress, where=(0.0, 0.0, 1.0), fall=1500.0,
+        critical_height=height,
+    )  # fmt: skip
+
+
+HAND = LoadResult(name="hand", stress=30.0, maximum=50.0, where=(0.0, 0.0, 1.0), deflection=0.1)
+
+
 def simulation(count=5, **changes):
-    measures = Measures(peak=20.0, p999=18.0, p99=12.0, maximum=30.0, where=(0.0, 0.0, 1.0), volume=1000.0)
     given_fields = {
-        "displacement": np.zeros(count), "stress": np.ones(count), "envelope": np.ones(count), "probability": np.zeros(count),
-        "contact": np.zeros(count),
-        "as_placed": measures, "overall": None, "backed_off": 0.0, "deviation": 0.0, "time_step": 1e-4, "steps": 10, "added_mass": 0.0,
+        "displacement": np.zeros(count), "contact": np.zeros(count),
+        "landings": (landing(), landing("tilted onto the left side", "nearly flat", 60.0, 700.0)), "loads": (HAND,),
+        "landing_stress": [np.full(count, 2.0), np.full(count, 9.0)], "load_stress": [np.arange(count)],
     }  # fmt: skip
     return Simulation(**{**given_fields, **changes})
+
+
+def test_a_simulation_gives_each_landing_and_load_by_name_and_way():
+    one = simulation()
+    assert one.flat.name == "flat"
+    assert [found.name for found in one.of("nearly flat")] == ["tilted onto the left side"]
+    assert (one.landing("flat").stress, one.load("hand").stress) == (40.0, 30.0)
+    assert one.stress_of(landing="tilted onto the left side").tolist() == [9.0] * 5
+    assert one.stress_of(load="hand").tolist() == [0.0, 1.0, 2.0, 3.0, 4.0]
+
+
+def test_the_stress_of_a_simulation_is_that_of_the_flat_landing_and_the_loads():
+    assert simulation().stress.tolist() == [2.0, 2.0, 2.0, 3.0, 4.0]
+    assert simulation().maximum == 80.0
+
+
+def test_a_test_that_failed_has_no_landing():
+    failed = Simulation(displacement=np.zeros(5), contact=np.zeros(5), failure="the drop blew up")
+    assert (failed.flat, failed.of("flat")) == (None, [])
 
 
 def checkpoint(count=5, **changes):
@@ -316,7 +382,7 @@ def checkpoint(count=5, **changes):
 @pytest.mark.parametrize("record", [simulation(), checkpoint()], ids=["simulation", "checkpoint"])
 def test_fields_are_frozen_copies_of_four_bytes_at_most(record):
     found = [getattr(record, field.name) for field in dataclasses.fields(record) if isinstance(getattr(record, field.name), np.ndarray)]
-    assert len(found) == (8 if isinstance(record, Simulation) else 7)
+    assert len(found) == (4 if isinstance(record, Simulation) else 7)
     for array in found:
         assert array.dtype in (np.float32, np.float16, np.bool_)
         with pytest.raises(ValueError, match="read-only"):
@@ -341,10 +407,9 @@ def test_a_checkpoint_colour_has_three_columns():
         checkpoint(colour=np.zeros((5, 4)))
 
 
-@pytest.mark.parametrize("field", ["stress", "envelope", "contact"])
-def test_a_simulation_field_of_another_length_is_refused_by_name(field):
-    with pytest.raises(ValueError, match=rf"{field} must have shape \(5\), not \(6,\)"):
-        simulation(**{field: np.zeros(6)})
+def test_a_simulation_field_of_another_length_is_refused_by_name():
+    with pytest.raises(ValueError, match=r"contact must have shape \(5,?\), not \(6,\)"):
+        simulation(contact=np.zeros(6))
 
 
 def test_a_vertex_is_restrained_below_one_half_and_not_at_it():

@@ -1,0 +1,57 @@
+"""Heights of fall as people write them: with a unit, or in millimetres."""
+
+from __future__ import annotations
+
+import math
+import re
+
+from mechstyle.errors import BadInput
+
+UNITS = {"mm": 1.0, "cm": 10.0, "m": 1000.0}
+"""Units that a height may be written in [mm]."""
+LEAST_BARE = 50.0
+"""A number without a unit below this is asked about [mm]: it was most likely meant in metres."""
+HOW = 'write "1.5 m", "150 cm" or "1500 mm"'
+_WRITTEN = re.compile(r"([-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:e[-+]?\d+)?)\s*(.*)")
+_TWO_WAYS = re.compile(r"[-+]?[1-9]\d{0,2},\d{3}")
+
+
+def length_of(value: str | float) -> float:
+    """A height of fall [mm]: "1.5 m", "150 cm", "1500 mm", or a number of millimetres.
+
+    Raises:
+        BadInput: If it is no height, or a number without a unit that is too small to be meant in millimetres.
+    """
+    number, unit = _read(value)
+    if unit not in ("", *UNITS):
+        raise BadInput(f"a height is in m, cm or mm, not in {unit!r:.40}: {HOW}")
+    length = number * UNITS.get(unit, 1.0)
+    if not 0.0 < length < math.inf:
+        raise BadInput(f"a height of {f'{number:g} {unit}'.rstrip()} is no fall: {HOW}")
+    if not unit and length < LEAST_BARE:
+        ways = [f'"{number:g} {one}"' for one in ("m", "cm", "mm")]
+        raise BadInput(f"a height of {number:g} would be {number:g} mm: write {ways[0]}, {ways[1]} or {ways[2]}")
+    return length
+
+
+def written(length: float) -> str:
+    """A length [mm] as `length_of` reads it, to the last digit, in the unit that a person would use: 1500 is "1.5 m"."""
+    for unit in ("m", "cm"):
+        text = f"{length / UNITS[unit]:.12g} {unit}"
+        if length >= UNITS[unit] and length_of(text) == length:
+            return text
+    return f"{length!r} mm".replace(".0 mm", " mm")
+
+
+def _read(value: object) -> tuple[float, str]:
+    """Number and unit of what was given; BadInput if it is neither a number nor text that begins with one."""
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        return (math.inf if abs(value) > 1e300 else float(value)), ""  # a whole number may be too large for a float
+    found = _WRITTEN.fullmatch(value.strip().lower()) if isinstance(value, str) else None
+    if found is None:
+        raise BadInput(f"cannot read {value!r:.60} as a height: {HOW}")
+    number, unit = found.groups()
+    if _TWO_WAYS.fullmatch(number):
+        ways = f"{number.replace(',', '')} or as {number.replace(',', '.')}"
+        raise BadInput(f"{number} can be read as {ways}: write it without a comma")
+    return float(number.replace(",", ".")), unit

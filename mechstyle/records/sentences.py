@@ -1,0 +1,325 @@
+"""Every sentence about a verdict, in one place: the head, the table, the doubt and the explanation."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from mechstyle.records.lengths import written
+
+if TYPE_CHECKING:
+    from mechstyle.records.verdict import Doubt, Row, Verdict
+
+COLUMNS = ("test", "plain", "styled", "asked", "reserve", "outcome")
+"""Headings of `table`."""
+
+EXPLANATION = (
+    "We let the plain part and the styled part fall in the same ways, in simulation.",
+    "For each way we ask: from how high may it fall before a piece as large as a cube of 4 mm is bent for good?",
+    "That height must be at least the fall you asked for, or nearly that of the plain part.",
+    "We ask the same of a load: how much of it can the part carry before a cube of 2 mm begins to yield?",
+    "If every test passes, the part HOLDS; if one passes only beside the plain part, it is NO WORSE than that; else it FAILS.",
+)
+"""How the part is judged, in five sentences."""
+
+MEANINGS = {
+    "HOLDS": "The part survives the fall and the loads that were asked for.",
+    "NO WORSE": "In one test the styled part survives less than was asked for, but nearly as much as the plain part at least.",
+    "FAILS": "In one test a piece of the part is bent for good, and the plain part survives clearly more or was not compared.",
+    "UNKNOWN": "The test gave no answer. Never read that as survived.",
+}
+"""What each outcome means."""
+
+NOT_SURE = "(not sure)"
+"""What stands after an outcome that leaves a doubt."""
+NOT_JUDGED = "not judged"
+"""What stands in the place of an outcome of a test that does not decide."""
+NOT_TESTED = "NOT TESTED"
+"""What stands there where nothing was tested."""
+
+HIGHEST = 10_000.0
+"""Heights above are not told apart [mm]."""
+
+
+# --- figures ------------------------------------------------------------------------------------------------------
+
+
+def length(height: float) -> str:
+    """A height [mm] in the unit a person would use."""
+    if height > HIGHEST:
+        return f"more than {HIGHEST / 1000:.0f} m"
+    if height >= 995.0:
+        return f"{height / 1000:.1f} m" if height < 9950.0 else "10 m"
+    return f"{height / 10:.0f} cm" if height >= 9.5 else f"{height:.0f} mm"
+
+
+def fall(height: float) -> str:
+    """A height that was asked for [mm], exactly as it was: 1.22 m stays 1.22 m."""
+    return written(height)
+
+
+def stress(value: float | None, limit: float | None) -> str:
+    """A stress and its limit, a dash where there was no answer."""
+    return "–" if value is None or limit is None else f"{value:.1f} of {limit:.1f} MPa"
+
+
+def _value(row: Row, value: float) -> str:
+    """A height or a factor."""
+    return length(value) if row.height is not None else f"{value:.2f} ×"
+
+
+def _asked(row: Row) -> str:
+    return fall(row.asked) if row.height is not None else "1 ×"
+
+
+def _figures(row: Row, verdict: Verdict) -> str:
+    """What plain and styled part survive."""
+    survives = _value(row, row.survived)
+    return survives if row.original is None else f"plain {_value(row, row.original)}, {verdict.style or 'styled'} {survives}"
+
+
+def _percent(share: float) -> str:
+    return f"{share:.0%}" if share >= 0.005 else "less than 1%"
+
+
+# --- one verdict --------------------------------------------------------------------------------------------------
+
+
+def short(verdict: Verdict) -> str:
+    """The outcome in a few words."""
+    decides = verdict.deciding
+    if decides is None or verdict.outcome == "UNKNOWN":
+        return verdict.outcome
+    if decides.test == "published rule":
+        return f"{verdict.outcome} by the published rule"
+    if verdict.outcome == "NO WORSE":
+        return "NO WORSE than the plain part"
+    failed = verdict.outcome == "FAILS" and decides.load
+    return f"{verdict.outcome} {f'the load {decides.load!r}' if failed else f'a fall of {fall(verdict.fall)}'}"
+
+
+def head(verdict: Verdict) -> str:
+    """The outcome in one sentence, and the material in another."""
+    decides = verdict.deciding
+    if decides is None or verdict.outcome == "UNKNOWN":
+        return f"UNKNOWN: {verdict.failure.rstrip('.')}."
+    if decides.test == "published rule":
+        side = "at most" if decides.outcome == "HOLDS" else "above"
+        strength = f"the {verdict.strength:.1f} MPa at which {verdict.material} yields"
+        return f"{verdict.outcome} by the published rule: the largest element stress is {decides.stress:.1f} MPa, {side} {strength}."
+    clauses = {"HOLDS": _holds, "NO WORSE": _no_worse, "FAILS": _fails}[verdict.outcome](verdict)
+    return f"{verdict.outcome} {clauses}. Solid {verdict.material}, which yields at {verdict.strength:.1f} MPa."
+
+
+def _holds(verdict: Verdict) -> str:
+    """What a part holds: the fall, and the load that is nearest to its limit."""
+    loads = sorted((row for row in verdict.rows if row.test == "load"), key=lambda row: row.reserve)
+    dropped = _clause(verdict.rows[0], verdict)
+    if len(loads) > 1:
+        return f"{dropped} and all {len(loads)} loads, of which {_clause(loads[0], verdict)} has the least reserve"
+    return " and ".join([dropped, *(_clause(row, verdict) for row in loads)])
+
+
+def _no_worse(verdict: Verdict) -> str:
+    """Where a part survives less than is asked for, and that it holds flat if it does."""
+    flat = verdict.rows[0]
+    clauses = [f"flat it holds {_clause(flat, verdict)}"] if flat.outcome == "HOLDS" else []
+    for row in verdict.rows:
+        if row.decides and row.outcome == "NO WORSE":
+            below = f"below {fall(verdict.fall)}" if row.height is not None else "before all of it acts"
+            clauses.append(f"{_where(row)} it begins to yield {below} ({_figures(row, verdict)})")
+    return f"than the plain part: {'; '.join(clauses)}"
+
+
+def _fails(verdict: Verdict) -> str:
+    """What a part fails, and how it lands flat if it passes that."""
+    flat, failed = verdict.rows[0], [row for row in verdict.rows if row.decides and row.outcome == "FAILS"]
+    clauses = [_clause(failed[0], verdict), *(f"{_where(row)} ({_figures(row, verdict)})" for row in failed[1:])]
+    if flat in failed:
+        return ", and also ".join(clauses)
+    passes = "it holds" if flat.outcome == "HOLDS" else "it is no worse than the plain part in"
+    return f"{', and also '.join(clauses)}; flat {passes} {_clause(flat, verdict)}"
+
+
+def _clause(row: Row, verdict: Verdict) -> str:
+    """What is asked of a part in a test, and what it survives."""
+    what = f"the load {row.load!r}" if row.load else f"a fall of {fall(verdict.fall)}"
+    where = "" if row.test in ("flat", "load") else f" {_where(row)}"
+    figures = _figures(row, verdict)
+    return f"{what}{where} ({figures if row.original is not None else f'it survives {figures}'})"
+
+
+def _where(row: Row) -> str:
+    """A test in the middle of a sentence."""
+    return {"load": f"under the load {row.load!r}", "any landing": "in the mean of other landings"}.get(row.test, row.landing)
+
+
+def doubt(verdict: Verdict) -> str:
+    """Why the outcome is not sure and what to do, "" if it is sure."""
+    reasons = [*_near(verdict), *_missed(verdict.doubts)]
+    return f"Not sure: {'; '.join(reasons)}." if reasons else ""
+
+
+def _near(verdict: Verdict) -> Iterable[str]:
+    """The tests that are closer to their limits than they repeat, and what would settle them."""
+    near = [one for one in verdict.doubts if one.about == "limit"]
+    if near:
+        tests = [f"{_in_doubt(one)} {'passes' if one.value >= 1.0 else 'fails'} by {_percent(abs(one.value - 1.0))}" for one in near]
+        repeats = "the test repeats" if len(near) == 1 else "these tests repeat"
+        yield f"{_listed(tests)}, closer than {repeats}; {_remedy(verdict, near)}"
+
+
+def _remedy(verdict: Verdict, near: Sequence[Doubt]) -> str:
+    """What would settle tests that are close to their limits."""
+    dropped, loaded = any(not one.load for one in near), any(one.load for one in near)
+    ways = ["less relief"] * bool(verdict.style) + ["a lower fall"] * dropped + ["a smaller load"] * loaded
+    return f"ask for {' or '.join(ways)}" if verdict.passes else f"{' or '.join(ways)} may pass"
+
+
+def _missed(doubts: Sequence[Doubt]) -> Iterable[str]:
+    """What the mesh misses of the part, and what to do about it."""
+    found = [words for one in doubts if (words := _of_the_mesh(one))]
+    if found:
+        yield f"{_listed(found)}; ask for more vertices"
+
+
+def _of_the_mesh(one: Doubt) -> str:
+    """A doubt about the mesh, "" for one about a limit."""
+    known = math.isfinite(one.value)
+    if one.about == "relief":
+        return f"the mesh follows only {one.value:.0%} of the relief" if known else "what the mesh follows of the relief is not known"
+    if one.about == "volume":
+        return f"the volume of the mesh is {one.value:+.1%} off that of the part" if known else "the volume of the mesh is not known"
+    return ""
+
+
+def _in_doubt(one: Doubt) -> str:
+    """The test that a doubt is about."""
+    return {"load": f"the load {one.load!r}", "published rule": "the published rule"}.get(one.test, one.landing or one.test)
+
+
+def _listed(words: Sequence[str]) -> str:
+    return " and ".join([*([", ".join(words[:-1])] if len(words) > 1 else []), words[-1]])
+
+
+# --- its table ----------------------------------------------------------------------------------------------------
+
+
+def table(verdict: Verdict) -> list[tuple[str, ...]]:
+    """The table of tests as text, a row each, under COLUMNS; a dash stands for what is not known."""
+    return [
+        (
+            _label(row),
+            "–" if row.original is None else _value(row, row.original),
+            _value(row, row.survived),
+            _asked(row),
+            f"{row.reserve - 1.0:+.0%}",
+            _judged(row),
+        )
+        for row in verdict.rows
+    ]
+
+
+def tabulated(verdict: Verdict) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+    """Headings and rows of the table of tests; a part that is tested by itself has one column of figures."""
+    rows = table(verdict)
+    if any(row.original is not None for row in verdict.rows):
+        return COLUMNS, rows
+    headings = tuple({"styled": "survives"}.get(name, name) for name in COLUMNS if name != "plain")
+    return headings, [(row[0], *row[2:]) for row in rows]
+
+
+def in_full(verdict: Verdict) -> str:
+    """How a part is judged, the outcome, every figure of the table and the doubt, a line each."""
+    headings, found = tabulated(verdict)
+    lines = [f"{row[0]}: {', '.join(f'{name} {cell}' for name, cell in zip(headings[1:], row[1:], strict=True))}" for row in found]
+    return "\n".join(filter(None, (" ".join(EXPLANATION), head(verdict), *lines, doubt(verdict))))
+
+
+def survived(verdict: Verdict) -> dict[str, str]:
+    """What a part survives in each test, by the name of the test."""
+    return {_kind(row): _value(row, row.survived) for row in verdict.rows}
+
+
+def paired(styled: Sequence[Verdict]) -> list[tuple[str, ...]]:
+    """The tests of several runs of one part, a row each: test, what the plain part survives, what each run's does, what is asked."""
+    found = dict.fromkeys((row.test, row.load) for verdict in styled for row in verdict.rows)
+    kinds = sorted(found, key=lambda kind: kind[0] == "published rule")
+    return [_beside([verdict.row(test, load) for verdict in styled]) for test, load in kinds]
+
+
+def _beside(rows: Sequence[Row | None]) -> tuple[str, ...]:
+    """One line of `paired`."""
+    there = [row for row in rows if row is not None]
+    plain = next((_value(row, row.original) for row in there if row.original is not None), "–")
+    cells = ("–" if row is None else f"{_value(row, row.survived)} {_judged(row)}" for row in rows)
+    return _kind(there[0]), plain, *cells, _asked(there[0])
+
+
+def _kind(row: Row) -> str:
+    """A test without the landing that decides it."""
+    return f"load {row.load}" if row.load else row.test
+
+
+def _label(row: Row) -> str:
+    """A test as a table names it, with the landing that decides it."""
+    return f"{row.test}: {row.landing}" if row.test in ("nearly flat", "any landing") else _kind(row)
+
+
+def _judged(row: Row) -> str:
+    return row.outcome if row.decides else NOT_JUDGED
+
+
+# --- beside other things ------------------------------------------------------------------------------------------
+
+
+def marked(outcome: str, *, sure: bool) -> str:
+    """An outcome, with NOT_SURE if it leaves a doubt."""
+    return outcome if sure or outcome.startswith("UNKNOWN") else f"{outcome} {NOT_SURE}"
+
+
+def tested_at(iteration: int) -> str:
+    """When a part was tested, beside another iteration of it."""
+    return f"tested at iteration {iteration}"
+
+
+def least(verdict: Verdict) -> str:
+    """What plain and styled part survive in the test with the least reserve, "" where there is none."""
+    row = verdict.deciding
+    return "" if row is None else f"{_label(row)}: {_figures(row, verdict)}"
+
+
+def least_left(lane: str, verdict: Verdict, stresses: Mapping[str, float]) -> str:
+    """What a mark at the place with the least reserve says; `stresses` are those of each lane there [MPa]."""
+    known = ", ".join(f"{name} {there:.0f} MPa" for name, there in stresses.items())
+    return f"✕ marks where {lane} has least left ({least(verdict)}); stress there, each in the test that decides: {known}."
+
+
+def note(verdict: Verdict) -> str:
+    """The outcome in a few words, and the stress of the test that decides: a line under a picture of that test."""
+    row = verdict.deciding
+    return "UNKNOWN: this test gave no answer" if row is None else f"{marked(short(verdict), sure=verdict.sure)}; {figures(row)}"
+
+
+def figures(row: Row) -> str:
+    """The stress of a test and what it may at most be."""
+    if row.test == "any landing":
+        return f"{row.landing}; the mean of all other landings is {stress(row.stress, row.limit)}"
+    return f"{named(row)}: {stress(row.stress, row.limit)}"
+
+
+def named(row: Row) -> str:
+    """The landing or load that a picture of a test shows."""
+    return {"load": f"load {row.load}", "published rule": "published rule"}.get(row.test, row.landing)
+
+
+def delivered(verdict: Verdict, coarse: Verdict | None) -> str:
+    """What a surface drawn finer does not keep of what the run's own surface promised."""
+    was = "" if coarse is None else f", though the surface of the run {_verb(coarse)}"
+    return f"the fine surface {_verb(verdict)}{was}: export it with --coarse, or branch with a smaller amplitude"
+
+
+def _verb(verdict: Verdict) -> str:
+    """The outcome as what a surface does."""
+    return marked(f"{'is ' * (verdict.outcome == 'NO WORSE')}{short(verdict)}", sure=verdict.sure)
