@@ -92,6 +92,27 @@ def count_escapes(
     escaped[i] = count
 
 
+@wp.kernel
+def gather_light(
+    mesh: wp.uint64,
+    points: wp.array(dtype=wp.vec3),
+    normals: wp.array(dtype=wp.vec3),
+    directions: wp.array(dtype=wp.vec3),
+    skin: float,
+    reach: float,
+    light: wp.array(dtype=wp.float32),
+) -> None:
+    """Sum of the cosines between each normal and those `directions`, the same for all points, that leave without meeting the surface."""
+    i = wp.tid()
+    normal = normals[i]
+    total = wp.float32(0.0)
+    for k in range(directions.shape[0]):
+        cosine = wp.dot(normal, directions[k])
+        if cosine > 0.0 and not wp.mesh_query_ray_anyhit(mesh, points[i] + normal * skin, directions[k], reach):
+            total += cosine
+    light[i] = total
+
+
 @wp.func
 def touches(vertex: wp.int32, a: wp.int32, b: wp.int32, c: wp.int32) -> bool:
     """Whether a vertex is one of three."""
