@@ -159,15 +159,6 @@ class Morph:
         return Morphed(moved, frozen_array(given, np.float32, (None,), "displacement"), followed, share, deviation, remesh)
 
     @property
-    def finished(self) -> TetMesh:
-        """The tetrahedra with all of the relief they were made for half of, as far as they can go; as they are if made for none.
-
-        Which side of a wall a place is on is told by these: where the floor of a joint turns into a brick by less than 60°, as it does
-        with half of the relief, a mean over both is the stress of neither.
-        """
-        return self.morphed(2.0 * self.at).tets if np.any(self.at) else self.tets
-
-    @property
     def volume_without_relief(self) -> float:
         """Volume of the tetrahedra without any displacement [mm³]."""
         return float(self.tets.moved(self._without_relief).volumes.sum())

@@ -13,6 +13,32 @@ from mechstyle.records.mesh import Floats, SurfaceMesh, TetMesh
 
 METHODS = ("barycentric", "nearest")
 
+RADIUS = 1.0
+"""Of the disc along a surface that a field is averaged over [mm]."""
+
+
+class SurfaceMean:
+    """Area-weighted mean over a disc along one side of a surface, as a sparse operator.
+
+    Args:
+        surface: The surface; vertices whose normals point away from each other lie on other sides.
+        radius: Radius of the disc [mm].
+    """
+
+    def __init__(self, surface: SurfaceMesh, radius: float = RADIUS) -> None:
+        pairs = cKDTree(surface.vertices).query_pairs(radius, output_type="ndarray")
+        normals, count = surface.vertex_normals, len(surface.vertices)
+        pairs = pairs[np.einsum("ij,ij->i", normals[pairs[:, 0]], normals[pairs[:, 1]]) > 0.0]
+        itself = np.arange(count)
+        rows, columns = np.concatenate([pairs[:, 0], pairs[:, 1], itself]), np.concatenate([pairs[:, 1], pairs[:, 0], itself])
+        weights = np.maximum(surface.vertex_areas, 1e-12)[columns]
+        self._sums = sp.csr_array((weights, (rows, columns)), shape=(count, count))
+        self._total = self._sums @ np.ones(count)
+
+    def __call__(self, values: ArrayLike) -> Floats:
+        """The mean around each vertex of values there, shape [vertex_count]."""
+        return np.asarray((self._sums @ np.asarray(values, np.float64)) / self._total)
+
 
 class Transfer:
     """A fixed linear map from the vertices of a tetrahedral mesh to those of a surface, worked out once.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import msgspec
@@ -20,8 +21,6 @@ FEWEST_TETS = 3_000
 TETS_PER_KEPT_VERTEX = 2.0
 """Asked for, with a relief and without: stresses are compared between meshes that are equally fine. Triangles that are kept alone make one
 and a half."""
-OTHERS = 1.15
-"""Of these, asked for where other tetrahedra are to say the same."""
 HALF = np.float32(0.5)
 """Share of the relief that tetrahedra are made for: from there the way to none and to all of it turns the fewest inside out."""
 EXAGGERATED = np.float32(2.0)
@@ -117,23 +116,24 @@ def at_rest(surface: SurfaceMesh, go_on: GoOn = regardless) -> TetMesh:
     return tetrahedralise(surface, _count(surface), cache=cache_folder() / "tets", go_on=go_on)
 
 
-def others_at_rest(surface: SurfaceMesh, go_on: GoOn = regardless) -> TetMesh:
-    """Other tetrahedra than `at_rest`, about as fine, to confirm what those read; else the same."""
-    return tetrahedralise(surface, round(OTHERS * _count(surface)), cache=cache_folder() / "tets", go_on=go_on)
-
-
 def _count(surface: SurfaceMesh) -> int:
     return max(FEWEST_TETS, round(TETS_PER_KEPT_VERTEX * min(len(surface.vertices), KEPT // 2)))
 
 
-def carried(morph: Morph, morphed: Morphed, base: LevelBase) -> Carried:
+def carried(morph: Morph, morphed: Morphed, base: LevelBase, printed: Callable[[Floats], Floats]) -> Carried:
     """How well morphed tetrahedra have the shape of the surface they follow.
 
     The share is the slope of how far their boundary has gone on how far it was to go, by least squares over the surface; on the flat faces
     both are taken without their means, because a shift as a whole is carried by any mesh.
+
+    Args:
+        morph: What moves the tetrahedra.
+        morphed: The tetrahedra and what they follow.
+        base: What the part stands on.
+        printed: A relief [mm], shape [vertex_count], as far as a nozzle could print it: what is finer does not count as missed.
     """
     surface = morph.surface
-    wanted, found = (base.contrast(field).astype(np.float64) for field in (morphed.displacement, morphed.followed))
+    wanted, found = (printed(base.contrast(field).astype(np.float64)) for field in (morphed.displacement, morphed.followed))
     styled = surface.displaced(morphed.displacement)
     errors = (float(morphed.tets.volumes.sum()) / styled.volume - 1.0, morph.volume_without_relief / surface.volume - 1.0)
     under = base.resting * surface.vertex_areas

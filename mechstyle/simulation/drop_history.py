@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import msgspec
 import numpy as np
 
-from mechstyle.fea.criterion import exceedance
 from mechstyle.fea.drop import Drop
 from mechstyle.fea.history import History
 from mechstyle.fea.snapshots import Snapshot
-from mechstyle.fea.surface_stress import SurfaceStress
+from mechstyle.fea.stressed_volume import at_nodes
 from mechstyle.fea.vtu import on_nodes, vtu
 from mechstyle.pictures.panels import Picture
 from mechstyle.records.mesh import Floats, TetMesh
@@ -26,7 +25,7 @@ class Course(msgspec.Struct, frozen=True, kw_only=True):
     """The drop as placed over time, in figures.
 
     Attributes:
-        peak_time: When the stress that decides was highest anywhere, to a frame of the impact [ms since first touch].
+        peak_time: When the stress at the surface was highest anywhere, to a frame of the impact [ms since first touch].
         peak_where: Vertex of the surface where it was, in the undeformed part [mm].
         peak_stress: What it was there [MPa].
         peak_force: Largest mean normal force of the floor over a sample [N].
@@ -116,7 +115,7 @@ def history_picture(history: History, impact: Impact, course: Course, limit: flo
         history: Of the drop as placed.
         impact: The same drop on the surface.
         course: Its figures.
-        limit: What the stress that decides may at most be [MPa].
+        limit: What the stress of the flat landing may at most be [MPa].
     """
     from mechstyle.pictures.plots import plots_png  # noqa: PLC0415 — matplotlib is loaded when a picture is wanted
 
@@ -130,27 +129,20 @@ def history_figures(history: History) -> dict[str, list[float]]:
     return {name: np.asarray(getattr(history, name)).tolist() for name in History.__dataclass_fields__}
 
 
-def vtu_bytes(
-    tets: TetMesh, drop: Drop, at: Snapshot, probabilities: Sequence[float], allowable: float, *, each: bool = False
-) -> bytes:
+def vtu_bytes(tets: TetMesh, drop: Drop, at: Snapshot, *, each: bool = False) -> bytes:
     """A drop test as a VTU file.
 
-    At the nodes: `displacement` at the moment of the peak [mm], fall and all, and `deformation`, the same less rigid motion;
-    `robust_stress`, on the surface what decides and inside the 2 mm volume average [MPa], and `contact` as placed; over several
-    orientations `robust_stress_envelope` [MPa] and, if they are random drops, `failure_probability`. In the cells: `von_mises`, the
+    At the nodes: `displacement` at the moment of the peak [mm], fall and all, and `deformation`, the same less rigid motion; `stress` of
+    the flat landing [MPa] and `contact`; over several landings `stress_envelope`, their largest [MPa]. In the cells: `von_mises`, the
     running maximum at the Gauss points [MPa], and `von_mises_envelope`.
 
     Args:
         tets: The body that was dropped.
         drop: What was found.
         at: The moment whose displacement is shown.
-        probabilities: Of the orientations; none for orientations that are no sample of random drops.
-        allowable: Stress beyond which a drop counts as failed [MPa].
-        each: Whether stress and contact of every orientation are added, with its number among the landings.
+        each: Whether stress and contact of every landing are added, with its number among the landings.
     """
-    mesh, reading = at.mesh, SurfaceStress(tets)
-    recorded = zip(drop.von_mises, drop.corners, drop.contact, strict=True)
-    fields = np.stack([reading.of_landing(tets, *landing).field for landing in recorded])
+    mesh, fields = at.mesh, np.stack([at_nodes(tets, corners) for corners in drop.corners])
     cells = drop.von_mises.max(axis=2)
 
     def spread(values: Any) -> Floats:
@@ -162,17 +154,15 @@ def vtu_bytes(
     nodes: dict[str, Any] = {
         "displacement": at.displacement,
         "deformation": mesh.nodes + at.displacement - nearest_rigid(mesh.nodes, mesh.nodes + at.displacement),
-        "robust_stress": spread(fields[0]),
+        "stress": spread(fields[0]),
         "contact": touched(drop.contact[0]),
     }
     inside: dict[str, Any] = {"von_mises": cells[0]}
     if len(cells) > 1:
-        nodes["robust_stress_envelope"] = spread(fields.max(axis=0))
-        if probabilities:
-            nodes["failure_probability"] = spread(exceedance(fields, probabilities, allowable))
+        nodes["stress_envelope"] = spread(fields.max(axis=0))
         inside["von_mises_envelope"] = cells.max(axis=0)
     for number in range(len(cells) if each else 0):
-        nodes[f"robust_stress_{number:02}"] = spread(fields[number])
+        nodes[f"stress_{number:02}"] = spread(fields[number])
         nodes[f"contact_{number:02}"] = touched(drop.contact[number])
         inside[f"von_mises_{number:02}"] = cells[number]
     return vtu(mesh, _single(nodes), _single(inside))
@@ -193,7 +183,7 @@ def _stress_plot(history: History, impact: Impact, course: Course, limit: float)
     from mechstyle.pictures.plots import Curve, Plot  # noqa: PLC0415 — as above
 
     curves = (
-        Curve("what decides, at the surface", impact.time, impact.stress.max(axis=1), stepped=True),
+        Curve("at the surface", impact.time, impact.stress.max(axis=1), stepped=True),
         Curve("largest in an element", *_with_gaps(history, history.peak_stress)),
     )
     x, y, z = course.peak_where

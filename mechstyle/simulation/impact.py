@@ -11,9 +11,9 @@ from scipy.spatial.transform import Rotation
 from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.fea.orientations import UP
 from mechstyle.fea.snapshots import Snapshots, snapshots
-from mechstyle.fea.surface_stress import SurfaceStress
+from mechstyle.fea.stressed_volume import at_nodes
 from mechstyle.geometry.morph import Morph
-from mechstyle.geometry.transfer import Transfer
+from mechstyle.geometry.transfer import SurfaceMean, Transfer
 from mechstyle.loop.objects import Memo
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import Floats, SurfaceMesh, TetMesh
@@ -30,7 +30,7 @@ class Impact:
     Attributes:
         time: Time since first touch, flights included, of which there are no frames [ms], shape [frames].
         displacement: How far the surface has moved since first touch, fall and all [mm], shape [frames, vertex_count, 3].
-        stress: Largest stress since the frame before [MPa], shape [frames, vertex_count]: what decides, `surface_stress.Deciding.field`.
+        stress: Largest stress since the frame before [MPa], shape [frames, vertex_count], as a landing has it at the surface.
         normal: Of the floor, out of it, in that frame.
     """
 
@@ -138,8 +138,7 @@ def impact_of(
     tets = morph.morphed(displacement).tets
     period = period_of(lambda: part.tets if part.at is None else at_rest(part.surface), recipe, memo)
     seen = snapshots(tets, recipe.material, prescribed(recipe), normal=normal, progress=progress, period=period)
-    reading = SurfaceStress(tets if part.at is None else morph.finished)  # as the verdict's: see `DropSimulator._reading_of`
-    impact = _on_surface(seen, part, tets, reading, recipe.transfer, normal)
+    impact = _on_surface(seen, part, tets, recipe.transfer, normal)
     memo.remember(key, impact)
     return impact
 
@@ -150,12 +149,12 @@ def impact_key(recipe: Recipe, displacement: NDArray[np.float32], normal: Point 
     return memo_key(("impact", PHYSICS_VERSION, *physics(recipe), *landing), displacement)
 
 
-def _on_surface(seen: Snapshots, part: Workpiece, tets: TetMesh, reading: SurfaceStress, transfer: str, normal: Point) -> Impact:
+def _on_surface(seen: Snapshots, part: Workpiece, tets: TetMesh, transfer: str, normal: Point) -> Impact:
     """Frames at the vertices of the tetrahedra as frames at those of the surface; stress by the transfer the verdict's field came by."""
     made_for = part.surface if part.at is None else part.surface.displaced(part.at)
     smooth = Transfer(made_for, part.tets)
     of_stress = smooth if transfer == smooth.method else Transfer(made_for, part.tets, transfer)
     moved = [np.stack([smooth.to_surface(frame[:, axis]) for axis in range(3)], axis=1) for frame in seen.displacement]
-    recorded = zip(seen.von_mises, seen.corners, strict=True)
-    stress = [of_stress.to_surface(reading.of_landing(tets, *frame, seen.contact).field) for frame in recorded]
+    mean = SurfaceMean(part.surface)
+    stress = [mean(of_stress.to_surface(at_nodes(tets, corners))) for corners in seen.corners]
     return Impact(seen.time, np.array(moved, np.float32), np.array(stress, np.float32), normal)

@@ -20,9 +20,10 @@ from mechstyle.geometry.inside_outside import is_container, is_inside
 from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.region_selection import protection
 from mechstyle.geometry.remesh import standardise
-from mechstyle.geometry.resting_face import resting_face, resting_weight
+from mechstyle.geometry.resting_face import resting_face
 from mechstyle.geometry.tetrahedra import VERSION as TETRAHEDRA
 from mechstyle.geometry.thickness import local_thickness
+from mechstyle.geometry.visibility import sky_seen
 from mechstyle.loop import minimum_wall as walls
 from mechstyle.loop.bounds import Bounds
 from mechstyle.loop.objects import Memo, Objects
@@ -40,10 +41,6 @@ INWARD_SHARE = 0.25
 """Relief may cut at most this share of the local wall …"""
 BASE_SHARE = 0.5
 """… and under a levelled part this share of what the wall has above the minimum."""
-CONTACT_RELIEF = 0.4
-"""Relief near the lowest point of a part whose base is protected [mm]."""
-CONTACT_REACH = 5.0
-"""… up to this height above the floor [mm]."""
 
 INSIDE_RAMP = 2.0
 """Way from a container's plain inside over which the relief grows to its full depth [mm]."""
@@ -117,18 +114,23 @@ class Shape:
         """Whether it holds things, as it stands."""
         return is_container(self.surface)
 
+    @cached_property
+    def seen(self) -> NDArray[np.float32]:
+        """Share of the sky that each vertex sees, shape [vertex_count]."""
+        return sky_seen(self.surface)
+
     def bounds(self, base: str, minimum_wall: float) -> Bounds:
         """Bounds of a style that may go everywhere, by what becomes of the base, one of BASES.
 
         Into the material a quarter of the wall, out of it as far as `styling.dimensions.outwards` says. A level base may go in by half of
-        what the wall has above the minimum [mm], so that a relief that is shifted keeps its depth; a protected one fades out, and is low
-        where it begins.
+        what the wall has above the minimum [mm], so that a relief that is shifted keeps its depth; a plain one has none. Under either
+        nothing goes below the floor.
         """
         quarter, whole = np.float32(INWARD_SHARE) * self.thickness, np.ones_like(self.thickness)
-        if base == "protected":
-            return Bounds(self.thickness, quarter, self._low_near_the_floor(), self._faded())
         if base == "free":
             return Bounds(self.thickness, quarter, self._outward, whole)
+        if base == "plain":
+            return Bounds(self.thickness, quarter, self._outward, np.where(self.level_base.standing, 0.0, whole), base=self.level_base)
         resting = self.level_base.resting
         spared = BASE_SHARE * np.maximum(self.thickness - minimum_wall, 0.0)
         inward = (resting * spared + (1.0 - resting) * quarter).astype(np.float32)
@@ -141,15 +143,6 @@ class Shape:
     @cached_property
     def _outward(self) -> NDArray[np.float32]:
         return outwards(self.thickness).astype(np.float32)
-
-    def _low_near_the_floor(self) -> NDArray[np.float32]:
-        height = self.surface.vertices[:, 2] - self.surface.vertices[:, 2].min()
-        return np.where(height < CONTACT_REACH, np.minimum(CONTACT_RELIEF, self.thickness), self._outward).astype(np.float32)
-
-    def _faded(self) -> NDArray[np.float32]:
-        """Factor on relief: 0 up to 1 mm above the resting face, rising to 1 at a quarter of the height, 2 to 5 mm; 1 if there is none."""
-        quarter = 0.25 * float(self.surface.extents[2])
-        return resting_weight(self.surface, high=min(max(quarter, 2.0), 5.0)).astype(np.float32)
 
 
 class Relief(Protocol):
@@ -223,7 +216,7 @@ def prepare(
     measured(shape)
     go_on()
     stands = resting_face(surface) is not None
-    notes = () if stands else ("it has no flat face to stand on, so its base is neither levelled nor protected",)
+    notes = () if stands else ("it has no flat face to stand on, so none of it is kept plain or level",)
     stage("filling it with tetrahedra")
     whole = None if relief is None else relief(shape, go_on=go_on)
     if whole is None or not whole.any():
@@ -282,7 +275,7 @@ def bounds_for(part: Workpiece | Shape, recipe: Recipe) -> tuple[Bounds, tuple[s
     free = np.minimum(bounds.freedom, protected.freedom)
     notes = (*protected.notes[: len(recipe.protect)], *(LEFT_PLAIN for _ in contained))
     plain = is_inside(part.surface) if contained else False
-    return replace(bounds, freedom=free, uncoloured=protected.uncoloured[:, None], plain=plain), notes
+    return replace(bounds, freedom=free, uncoloured=protected.uncoloured[:, None], plain=plain, seen=shape.seen), notes
 
 
 def _places(recipe: Recipe) -> tuple[Region, ...]:

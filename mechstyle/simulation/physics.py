@@ -18,14 +18,14 @@ from mechstyle.loop.objects import Memo
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import TetMesh
 
-PHYSICS_VERSION = 15
+PHYSICS_VERSION = 18
 """Counts changes that alter results, so that remembered simulations of older code are not reused."""
 
 
 def prescribed(recipe: Recipe) -> DropTest:
     """The drop test a recipe prescribes."""
     return DropTest(
-        height=recipe.drop_height, friction=recipe.friction, window=recipe.window, damping=recipe.damping, element=recipe.element,
+        height=recipe.height, friction=recipe.friction, window=recipe.window, damping=recipe.damping, element=recipe.element,
         across=recipe.across_layers,
     )  # fmt: skip
 
@@ -34,7 +34,7 @@ def physics(recipe: Recipe) -> tuple[Any, ...]:
     """The settings that decide the drop of a displaced part as placed and the stress it leaves on the surface."""
     layers = () if recipe.build_direction is None else (recipe.build_direction,)
     part = (recipe.surface, recipe.tetrahedra, recipe.material, *layers)
-    return (*part, recipe.drop_height, recipe.friction, recipe.window, recipe.damping, recipe.element, recipe.transfer)
+    return (*part, recipe.height, recipe.friction, recipe.window, recipe.damping, recipe.element, recipe.transfer)
 
 
 def memo_key(inputs: tuple[Any, ...], displacement: NDArray[np.float32]) -> str:

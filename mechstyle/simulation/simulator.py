@@ -1,7 +1,9 @@
-"""From a displaced surface to the stress on it: morph the tetrahedra, drop them, average, bring the field back, judge."""
+"""From a displaced surface to the stress on it: morph the tetrahedra, drop and load them, read σ_V, bring the stress back, judge."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 
@@ -10,25 +12,37 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mechstyle.errors import MechStyleError, SimulationFailed
-from mechstyle.fea.criterion import exceedance, measured_landings, measures
 from mechstyle.fea.drop import Drop, drop
 from mechstyle.fea.explicit import Progress, no_progress
-from mechstyle.fea.orientations import Orientations, nearly, orientation_set
+from mechstyle.fea.orientations import Orientations, landings
 from mechstyle.fea.statics.load_test import StaticTest
-from mechstyle.fea.surface_stress import SurfaceStress, worst
-from mechstyle.fea.verdict import judge
+from mechstyle.fea.stressed_volume import DROPPED, LOADED, Exceeded, Walls, at_nodes, exceeded
 from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.morph import Morph, Morphed
-from mechstyle.geometry.resting_face import centre_of_mass
 from mechstyle.geometry.subdivision import Subdivided
-from mechstyle.geometry.transfer import Transfer
+from mechstyle.geometry.thickness import local_thickness
+from mechstyle.geometry.transfer import SurfaceMean, Transfer
 from mechstyle.loop.objects import AT_REST, CARRIER, LAST_MESH, MESH, MESH_FOR, Memo
-from mechstyle.records import Measures, Recipe, Simulation, Verdict
-from mechstyle.records.mesh import SurfaceMesh, TetMesh, digest_of
+from mechstyle.records import Landing, LoadResult, Recipe, Simulation, Verdict, judge
+from mechstyle.records.mesh import Floats, SurfaceMesh, TetMesh, digest_of
+from mechstyle.records.simulation import GREATEST_HEIGHT, LEAST_HEIGHT, Way
 from mechstyle.simulation.carrying import MORPHED, Carried, Carrier, KeptMesh, at_rest, carried, carrying
-from mechstyle.simulation.original import asked, asked_everywhere, beside, confirmed, excuses
 from mechstyle.simulation.physics import PHYSICS_VERSION, memo_key, period_of, physics, prescribed
-from mechstyle.simulation.under_loads import told, under_loads
+
+STEERING = 2
+"""Nearly flat landings that are dropped while a relief grows: those in which the original is nearest to its limit."""
+
+CLOSE = 0.1
+"""Relative distance of a guessed height from the critical one up to which no further drop is made."""
+
+EXPONENTS = (0.2, 1.0)
+"""Range of p in σ_V ∝ height^p that two drops are believed: 1/2 for a flat impact, 1/5 for contact at a point (Hertz)."""
+
+
+SAME_PART = 1.1
+"""Most that other tetrahedra may add to the σ_V of the original: more is what they do to it."""
+
+Read = Callable[[Floats, float], Exceeded]
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +75,8 @@ class DropSimulator:
         progress: Called with the fraction done of the drop in hand, and while tetrahedra are made; may raise to cancel either.
         at: Displacement the tetrahedra were made for [mm], shape [vertex_count]; None for none.
         settled: Whether it keeps to these tetrahedra whatever they carry.
-        coarser: The test of the surface that this one is subdivided from, which knows the unstylized part; None if it is not.
+        original: The test of the surface that this one was subdivided or styled from, which knows the unstylized part; None for neither.
+        thickness: Local wall thickness of the surface [mm], shape [vertex_count]; None to work it out.
     """
 
     surface: SurfaceMesh
@@ -73,66 +88,59 @@ class DropSimulator:
     progress: Progress = field(default=no_progress)
     at: NDArray[np.float32] | None = None
     settled: bool = False
-    coarser: DropSimulator | None = None
+    original: DropSimulator | None = None
+    thickness: NDArray[np.floating] | None = None
 
     def on(self, finer: Subdivided) -> DropSimulator:
         """The same test of the same part on a finer surface, which moves these very tetrahedra and is compared with the same original."""
         recipe = msgspec.structs.replace(self.recipe, surface=finer.mesh.digest)
         at = None if self.at is None else (finer.interpolation @ self.at).astype(np.float32)
-        return replace(self, surface=finer.mesh, recipe=recipe, at=at, settled=True, coarser=self)
+        return replace(self, surface=finer.mesh, recipe=recipe, at=at, settled=True, original=self)
 
     @cached_property
     def baseline(self) -> Simulation:
         """The unstylized part in all orientations, on tetrahedra of its own, as fine as those of a relief.
 
         On those of a relief it would take three times the steps, because their triangles are flattened on the way back, and where some
-        would be turned inside out a notch would be left over, which may bear several times what the original does.
+        would be turned inside out a notch would be left over.
         """
-        if self.coarser is not None:
-            return self.coarser.baseline
+        if self.original is not None:
+            return self.original.baseline
         return self.simulate(np.zeros(len(self.surface.vertices), np.float32), thorough=True)
 
-    def judge(self, simulation: Simulation) -> Verdict:
-        """Verdict on a simulation under the recipe's criterion."""
-        return judge(simulation, self.baseline_of(simulation), self.recipe.material, self.recipe.criterion)
+    def judge(self, simulation: Simulation, *, alone: bool = False) -> Verdict:
+        """Verdict on a simulation beside that of the original, or `alone` on the original itself."""
+        if alone:
+            return judge(simulation, None, self.recipe)
+        verdict = judge(simulation, self.baseline, self.recipe)
+        if verdict.settled or verdict.outcome == "UNKNOWN" or self.recipe.criterion == "paper":  # which an original does not excuse
+            return verdict
+        return judge(simulation, self._original_beside(simulation.mesh), self.recipe)
 
-    def baseline_of(self, simulation: Simulation) -> Simulation:
-        """What a simulation is compared with: the baseline, and where `original.asked` says so the original here, too."""
-        if self.coarser is not None:
-            return self.coarser.baseline_of(simulation)
-        own, there = self.baseline, self._on(simulation.mesh)
-        made_for_it = there.tets.digest == simulation.mesh and there._made_for_relief  # noqa: SLF001 — another of this class
-        # On tetrahedra that cannot come back to it the original stands on a few nodes and bears more, which would let the style bear more.
-        nothing = np.zeros(len(self.surface.vertices), np.float32)
-        if made_for_it and asked(simulation, own, self.recipe) and there._carried(nothing).enough:  # noqa: SLF001 — as above
-            everywhere = asked_everywhere(simulation, own, self.recipe)
-            here = there._plain(thorough=True) if everywhere else there._without_relief  # noqa: SLF001 — as above
-            return beside(own, here, self.recipe.material)
-        return self.believed(simulation.mesh)
+    def _original_beside(self, mesh: str) -> Simulation:
+        """The original where a part does not pass for sure: as hard in each landing as on the part's own tetrahedra, by their digest.
 
-    def believed(self, mesh: str) -> Simulation:
-        """The baseline; where that would excuse a style, only what tetrahedra made for a relief, by their digest, confirm of it."""
-        own, there, material = self.baseline, self._on(mesh), self.recipe.material
-        made_for_it = there.tets.digest == mesh and there._made_for_relief  # noqa: SLF001 — as above
-        return confirmed(own, there._without_relief, material) if made_for_it and excuses(own, material) else own  # noqa: SLF001 — as above
+        What tetrahedra read of the part, they read of the original too: no style is blamed for its mesh. The difference is believed up to
+        SAME_PART, as the way back to no relief may leave a notch.
+        """
+        if self.original is not None:
+            return self.original._original_beside(mesh)  # noqa: SLF001 — another of this class
+        there, nothing = self._on(mesh), np.zeros(len(self.surface.vertices), np.float32)
+        if there.tets.digest != mesh or not there._made_for_relief or not there._carried(nothing).enough:  # noqa: SLF001 — as above
+            return self.baseline
+        return harder(self.baseline, there._on_these(nothing))  # noqa: SLF001 — as above
 
-    @cached_property
-    def _without_relief(self) -> Simulation:
-        """The original as placed and tilted on tetrahedra that were made for a relief."""
-        return self._plain(thorough=False)
-
-    def _plain(self, *, thorough: bool) -> Simulation:
-        """The original on tetrahedra that were made for a relief, as placed and tilted or in all orientations; remembered."""
-        nothing = np.zeros(len(self.surface.vertices), np.float32)
-        key = self._key(nothing, thorough=thorough)
+    def _on_these(self, displacement: NDArray[np.float32]) -> Simulation:
+        """The landings that steer and the loads on these very tetrahedra; remembered."""
+        key = self._key(displacement, thorough=False)
         found = self.memo.recall(key, Simulation)
         if found is None:
-            found = self._on_morphed_mesh(nothing, thorough=thorough)
+            found = self._on_morphed_mesh(displacement, thorough=False)
             self.memo.remember(key, found)
         return found
 
     def simulate(self, displacement: NDArray[np.float32], *, thorough: bool) -> Simulation:
-        """Drop the displaced part, as placed and tilted or (`thorough`) in all orientations, and load it; remembered by its inputs.
+        """Drop the displaced part, flat and in the hardest nearly flat landings or (`thorough`) in all, and load it; remembered.
 
         A thorough test rests on tetrahedra that carry the relief: where these do not, the part is meshed again at half of that very
         relief. The unstylized part has tetrahedra of its own: see `baseline`.
@@ -212,7 +220,7 @@ class DropSimulator:
         return f"{LAST_MESH}{self.recipe.digest}"
 
     def _carried(self, displacement: NDArray[np.float32]) -> Carried:
-        return carried(self.morph, self.morph.morphed(displacement), self._base)
+        return carried(self.morph, self.morph.morphed(displacement), self._base, self._printed)
 
     def detail(self, displacement: NDArray[np.float32]) -> tuple[TetMesh, Detail]:
         """The morphed tetrahedra and the whole drop test in all orientations, with its history in time; remembered as well."""
@@ -225,7 +233,7 @@ class DropSimulator:
             self._static.check()
             result = self._drop(morphed.tets, thorough=True)
             balance = None if result.failure else self._balance_error(morphed.tets, result.phases[0][0].end)
-            detail = Detail(self._told(morphed, result), result, balance)
+            detail = Detail(self._brought(morphed, result, thorough=True), result, balance)
             self.memo.remember(f"{key}-detail", detail)
             if not np.any(displacement):  # a relief may ask for other tetrahedra
                 self.memo.remember(key, detail.simulation)
@@ -243,13 +251,13 @@ class DropSimulator:
         What damping took is what is missing in the balance, so the balance can be checked only without it.
         """
         undamped = replace(prescribed(self.recipe), damping=0.0, window=window)
-        found = drop(tets, self.recipe.material, self._orientations.normals[:1], undamped, device=self.device, progress=self.progress)
+        found = drop(tets, self.recipe.material, self.landings.normals[:1], undamped, device=self.device, progress=self.progress)
         return None if found.failure else float(np.abs(found.history[0].damping_loss).max() / found.history[0].kinetic[0])
 
     def _key(self, displacement: NDArray[np.float32], *, thorough: bool) -> str:
         recipe = self.recipe
-        drops = (recipe.tilts, recipe.poses, recipe.orientations) if thorough else (recipe.tilts,)
-        mesh = ("" if self.at is None else digest_of(self.at), self.settled)
+        drops = (thorough, digest_of(self._normals(thorough=thorough)))
+        mesh = ("" if self.at is None else digest_of(self.at), self.settled, "" if self.original is None else self.original.surface.digest)
         return memo_key((PHYSICS_VERSION, self.device, *physics(recipe), recipe.loads, drops, mesh), displacement)
 
     @cached_property
@@ -266,29 +274,46 @@ class DropSimulator:
         return Transfer(self.surface.displaced(self.morph.at), self.tets, self.recipe.transfer)
 
     @cached_property
-    def _reading(self) -> SurfaceStress:
-        if self.coarser is not None and self.coarser.tets is self.tets:
-            return self.coarser._reading  # noqa: SLF001 — as above
-        return SurfaceStress(self.morph.finished)
-
-    def _reading_of(self, body: TetMesh, relief: NDArray[np.float32]) -> SurfaceStress:
-        """What reads the stress of a body: on the sides of its finished relief or, if it is not known, its own; without any of the mesh."""
-        if np.any(relief):
-            return self._reading if self._made_for_relief else SurfaceStress(body)
-        return SurfaceStress(self.tets)
+    def _smooth(self) -> SurfaceMean:
+        return SurfaceMean(self.surface)
 
     @cached_property
-    def _orientations(self) -> Orientations:
-        """Orientations of the unstylized part, so that both are compared in the same landings: as placed, tilted, then the others."""
-        if self.coarser is not None:
-            return self.coarser._orientations  # noqa: SLF001 — another of this class
-        recipe, points = self.recipe, self.surface.vertices
-        return nearly(orientation_set(recipe.poses, recipe.orientations, points, centre_of_mass(self.surface)), recipe.tilts)
+    def _printed(self) -> SurfaceMean:
+        """What a nozzle leaves of a relief, a mean over its width."""
+        return SurfaceMean(self.surface, 0.5 * self.recipe.nozzle)
+
+    @cached_property
+    def _walls(self) -> Walls:
+        """Walls of the unstylized part, by which small volumes of thin members count."""
+        if self.original is not None:
+            return self.original._walls  # noqa: SLF001 — another of this class
+        return Walls(self.surface.vertices, local_thickness(self.surface) if self.thickness is None else self.thickness)
+
+    @cached_property
+    def landings(self) -> Orientations:
+        """Landings of the unstylized part, so that both are compared in the same: flat, nearly flat, then the others."""
+        if self.original is not None:
+            return self.original.landings
+        recipe = self.recipe
+        return landings(self.surface, recipe.poses, recipe.orientations, nearly_flat=recipe.nearly_flat)
+
+    @cached_property
+    def _steering(self) -> tuple[int, ...]:
+        """Numbers of the landings that are dropped while a relief grows."""
+        known = [number for number, landing in enumerate(self.baseline.landings) if landing.way == "nearly flat"]
+        hardest = sorted(known, key=lambda number: -self.baseline.landings[number].stress)[:STEERING]
+        return (0, *sorted(hardest))
+
+    def _numbers(self, *, thorough: bool) -> tuple[int, ...]:
+        return tuple(range(len(self.landings.normals))) if thorough or self.baseline.failure else self._steering
+
+    def _normals(self, *, thorough: bool) -> Floats:
+        return self.landings.normals[list(self._numbers(thorough=thorough))]
 
     def _on_morphed_mesh(self, displacement: NDArray[np.float32], *, thorough: bool) -> Simulation:
         morphed = self.morph.morphed(displacement)
         self._static.check()  # before the long drop
-        return self._told(morphed, self._drop(morphed.tets, thorough=thorough))
+        return self._brought(morphed, self._drop(morphed.tets, thorough=thorough), thorough=thorough)
 
     @cached_property
     def _at_rest(self) -> DropSimulator:
@@ -307,9 +332,9 @@ class DropSimulator:
         recipe = msgspec.structs.replace(self.recipe, tetrahedra=tets.digest)  # those of another machine are for this run only
         return replace(self, tets=tets, at=None, recipe=recipe, memo=memo, settled=True)
 
-    def _told(self, morphed: Morphed, result: Drop) -> Simulation:
-        """Result of the drop and the load cases on morphed tetrahedra."""
-        return self._under_loads(self._measured(morphed, result), morphed.tets)
+    def _brought(self, morphed: Morphed, result: Drop, *, thorough: bool) -> Simulation:
+        """Result of the drops and the load cases on morphed tetrahedra."""
+        return self._under_loads(self._measured(morphed, result, thorough=thorough), morphed.tets)
 
     @cached_property
     def _static(self) -> StaticTest:
@@ -317,78 +342,163 @@ class DropSimulator:
         return StaticTest(original, self.recipe.loads, self.recipe.element)
 
     def _under_loads(self, dropped: Simulation, tets: TetMesh) -> Simulation:
-        """A drop's result raised to what the recipe's load cases do to morphed tetrahedra, on which their places are known."""
+        """A drop's result with those of the recipe's load cases on morphed tetrahedra, on which their places are known."""
         if dropped.failure or not self.recipe.loads:
             return dropped
         try:
             responses = self._static.run(tets, self.recipe.material, self.recipe.across_layers)
         except SimulationFailed as error:
             return replace(dropped, failure=str(error))
-        reading, borders = self._reading_of(tets, dropped.displacement), self._static.borders
-        deciding = {name: reading.of_load(tets, one.von_mises, one.corners, borders[name]) for name, one in responses.items()}
-        fields = np.stack([self._transfer.to_surface(one.field).astype(np.float32) for one in deciding.values()])
-        return under_loads(dropped, [told(name, tets, responses[name], one, borders[name]) for name, one in deciding.items()], fields)
+        read, cases, fields = self._reading_on(tets), list[LoadResult](), list[NDArray[np.float32]]()
+        for name, response in responses.items():
+            nodal = at_nodes(tets, response.corners)
+            found, maximum = read(nodal, LOADED), float(response.von_mises.max())
+            cases.append(LoadResult(name=name, stress=found.stress, maximum=maximum, where=found.where, deflection=response.deflection))
+            fields.append(self._on_surface(nodal))
+        return replace(dropped, loads=tuple(cases), load_stress=np.stack(fields))
 
     def _drop(self, tets: TetMesh, *, thorough: bool) -> Drop:
-        normals, test = self._orientations.normals[: None if thorough else 1 + self.recipe.tilts], prescribed(self.recipe)
+        return self._dropped(tets, self._normals(thorough=thorough), self.recipe.height)
+
+    def _dropped(self, tets: TetMesh, normals: Floats, height: float) -> Drop:
+        test = replace(prescribed(self.recipe), height=height)
         return drop(tets, self.recipe.material, normals, test, device=self.device, progress=self.progress, period=self._period)
 
     @cached_property
     def _period(self) -> float | None:
         """Of `period_of`."""
-        if self.coarser is not None:
-            return self.coarser._period  # noqa: SLF001 — another of this class
+        if self.original is not None:
+            return self.original._period  # noqa: SLF001 — another of this class
         return period_of(lambda: self._at_rest.tets if self._made_for_relief else self.tets, self.recipe, self.memo, self._trusted)
 
     @property
     def _made_for_relief(self) -> bool:
         return self.at is not None and bool(np.any(self.at))
 
-    def _measured(self, morphed: Morphed, result: Drop) -> Simulation:
-        """Measures and surface fields of a drop; all zero, with the reason, for one that failed."""
-        transfer, fit = self._transfer, carried(self.morph, morphed, self._base)
-        tets, zeros = morphed.tets, np.zeros(len(self.surface.vertices), np.float32)
-        nothing = Measures(peak=0.0, p999=0.0, p99=0.0, maximum=0.0, where=(0.0, 0.0, 0.0), volume=float(tets.volumes.sum()))
-        several, tilts = len(result.von_mises) > 1 + self.recipe.tilts, slice(1, 1 + self.recipe.tilts)
-        failed = Simulation(
-            displacement=morphed.displacement,
-            stress=zeros,
-            envelope=zeros,
-            probability=zeros,
-            contact=np.zeros(len(zeros), bool),
-            as_placed=nothing,
-            overall=nothing if several else None,
+    def _measured(self, morphed: Morphed, result: Drop, *, thorough: bool) -> Simulation:
+        """Figures and surface stress of the drops; none, with the reason, for drops that failed."""
+        tets, fit = morphed.tets, carried(self.morph, morphed, self._base, self._printed)
+        found = Simulation(
+            displacement=morphed.displacement, contact=np.zeros(len(morphed.displacement), bool),
             backed_off=morphed.backed_off, deviation=morphed.deviation,
-            carried=fit.whole, carried_base=fit.under, volume_error=fit.volume,
+            carried=fit.whole, carried_base=fit.under, volume_error=fit.volume, volume=float(tets.volumes.sum()),
             mesh=self.tets.digest, level_share=self._base.share(morphed.displacement),
             time_step=result.time_step, steps=result.steps, added_mass=result.added_mass, failure=result.failure,
         )  # fmt: skip
         if result.failure:
-            return failed
-        reading, stresses = self._reading_of(tets, morphed.displacement), zip(result.von_mises, result.corners, result.contact, strict=True)
-        deciding = [reading.of_landing(tets, points, corners, touched) for points, corners, touched in stresses]
-        landings = measured_landings(self._orientations, tets, result, deciding)
-        fields = np.stack([transfer.to_surface(one.field) for one in deciding])
-        found = replace(
-            failed,
-            stress=fields[0],
-            envelope=fields.max(axis=0),  # what each landing does in its own zones: no average is taken over maxima of several landings
-            contact=transfer.to_surface(result.contact[0].astype(np.float64)) > 0.5,
-            as_placed=landings[0].measures,
-            landings=landings,
-        )
-        if nearly_as_placed := deciding[tilts]:
-            outside = np.stack([transfer.to_surface(one.outside) for one in nearly_as_placed])
-            of_tilts = measures(tets, result.von_mises[tilts].max(axis=0), worst(nearly_as_placed))
-            found = replace(found, tilted=of_tilts, tilted_stress=outside.max(axis=0).astype(np.float32))
-        if not several:
             return found
-        found = replace(found, overall=measures(tets, result.von_mises.max(axis=0), worst(deciding)))
-        if not self.recipe.random_drops:
+        try:
+            measured, fields = self._landed(tets, result, thorough=thorough)
+        except SimulationFailed as error:
+            return replace(found, failure=str(error))
+        contact = self._transfer.to_surface(result.contact[0].astype(np.float64)) > 0.5
+        return replace(found, landings=measured, landing_stress=fields, contact=contact)
+
+    def _landed(self, tets: TetMesh, result: Drop, *, thorough: bool) -> tuple[tuple[Landing, ...], NDArray[np.float32]]:
+        """Every landing in figures, and its stress at the surface [MPa], shape [landing_count, vertex_count].
+
+        The critical height of a flat landing follows from its drop. In a thorough test that of the hardest of each other kind is found by
+        one or two more drops, and those of its kind are worked out with the same exponent.
+        """
+        ways, numbers, read = self.landings, self._numbers(thorough=thorough), self._reading_on(tets)
+        nodal = [at_nodes(tets, corners) for corners in result.corners]
+        found = list[Landing]()
+        for index, number in enumerate(numbers):
+            stress, where = read(nodal[index], DROPPED)
+            x, y, z = (float(part) for part in ways.normals[number])
+            found.append(Landing(
+                name=ways.names[number], way=ways.ways[number], normal=(x, y, z), stress=stress, where=where,
+                maximum=float(result.von_mises[index].max()), fall=self.recipe.height,
+                critical_height=self._critical_height(stress, 0.5),
+                touches=tuple(phase.speed for phase in result.phases[index]), ended=result.endings[index],
+            ))  # fmt: skip
+        for way in ("nearly flat", "any landing"):
+            found = self._retried(tets, read, found, way) if thorough else self._as_the_original(found, way)
+        return tuple(found), np.stack([self._on_surface(field) for field in nodal])
+
+    def _reading_on(self, tets: TetMesh) -> Read:
+        """What reads σ_V on a mesh, of a stress at its nodes and the edge of V0."""
+        weights = self._walls.weights(tets)
+        return lambda nodal, edge: exceeded(tets, nodal, weights, edge**3)
+
+    def _critical_height(self, stress: float, exponent: float) -> float:
+        """Height from which σ_V is the yield strength [mm], by σ_V ∝ height^exponent; NaN and infinity stay what they are."""
+        if not (math.isfinite(stress) and stress > 0.0):
+            return math.nan
+        height = math.log(self.recipe.height) + math.log(self.recipe.material.yield_strength / stress) / exponent
+        return float(np.clip(math.exp(min(height, 50.0)), LEAST_HEIGHT, GREATEST_HEIGHT))
+
+    def _retried(self, tets: TetMesh, read: Read, found: list[Landing], way: Way) -> list[Landing]:
+        """Landings of one kind with the exponent that further drops of the hardest of them tell."""
+        same = [landing for landing in found if landing.way == way and math.isfinite(landing.critical_height)]
+        if not same:
             return found
-        allowable, weights = self.recipe.material.yield_strength, self._orientations.weights
-        return replace(
-            found,
-            probability=exceedance(fields, weights, allowable).astype(np.float32),
-            failure_probability=float(exceedance([landing.measures.peak for landing in landings], weights, allowable)),
-        )
+        hardest = max(same, key=lambda landing: landing.stress)
+
+        def stress_from(height: float) -> float:
+            result = self._dropped(tets, np.array([hardest.normal]), height)
+            if result.failure:
+                raise SimulationFailed(result.failure)
+            stress = read(at_nodes(tets, result.corners[0]), DROPPED).stress
+            if not (math.isfinite(stress) and stress > 0.0):
+                raise SimulationFailed(f"the stress of a fall of {height:.0f} mm is not a finite number above 0")
+            return stress
+
+        exponent, drops = exponent_of(hardest, self.recipe.material.yield_strength, stress_from)
+        return [self._with_exponent(one, exponent, drops if one is hardest else 0) if one in same else one for one in found]
+
+    def _as_the_original(self, found: list[Landing], way: Way) -> list[Landing]:
+        """Landings of one kind with the exponent of the original's."""
+        theirs = next((landing.exponent for landing in self.baseline.of(way)), 0.5)
+        return [self._with_exponent(one, theirs, 0) if one.way == way else one for one in found]
+
+    def _with_exponent(self, landing: Landing, exponent: float, drops: int) -> Landing:
+        height = self._critical_height(landing.stress, exponent)
+        return msgspec.structs.replace(landing, critical_height=height, exponent=exponent, retried=drops)
+
+    def _on_surface(self, nodal: Floats) -> NDArray[np.float32]:
+        """Stress at the nodes brought to the surface and averaged over 2 mm along it [MPa], shape [vertex_count]."""
+        return self._smooth(self._transfer.to_surface(nodal)).astype(np.float32)
+
+
+def harder(original: Simulation, here: Simulation) -> Simulation:
+    """An original with the larger σ_V of two meshes in each landing and load, at most SAME_PART times its own.
+
+    Args:
+        original: On tetrahedra of its own.
+        here: On others; where that broke down it adds nothing.
+    """
+
+    def raised(own: float, other: float | None) -> float:
+        return own if other is None or not math.isfinite(other) else max(own, min(other, SAME_PART * own))
+
+    others = {one.name: one.stress for one in here.landings}
+    landings = []
+    for one in original.landings:
+        stress = raised(one.stress, others.get(one.name))
+        lower = one.critical_height * (one.stress / stress) ** (1.0 / one.exponent)
+        landings.append(msgspec.structs.replace(one, stress=stress, critical_height=lower))
+    cases = {case.name: case.stress for case in here.loads}
+    loads = [msgspec.structs.replace(case, stress=raised(case.stress, cases.get(case.name))) for case in original.loads]
+    return replace(original, landings=tuple(landings), loads=tuple(loads))
+
+
+def exponent_of(landing: Landing, strength: float, stress_from: Callable[[float], float]) -> tuple[float, int]:
+    """Exponent p of σ_V ∝ height^p between a fall and the critical height, and the drops it took: a secant in logarithms.
+
+    Args:
+        landing: The drop from the height of the fall, whose critical height is a first guess.
+        strength: Yield strength [MPa].
+        stress_from: σ_V of the same landing from another height [mm].
+    """
+    points = [(math.log(landing.fall), math.log(landing.stress / strength))]
+    guess, slope = math.log(landing.critical_height), landing.exponent
+    for _ in range(2):
+        if abs(guess - points[-1][0]) < CLOSE:
+            break
+        points.append((guess, math.log(stress_from(math.exp(guess)) / strength)))
+        (before, low), (after, high) = points[-2:]
+        slope = float(np.clip((high - low) / (after - before), *EXPONENTS))
+        guess = float(np.clip(after - high / slope, math.log(LEAST_HEIGHT), math.log(GREATEST_HEIGHT)))
+    way, rise = guess - points[0][0], -points[0][1]
+    return (float(np.clip(rise / way, *EXPONENTS)) if abs(way) > 1e-3 else slope), len(points) - 1

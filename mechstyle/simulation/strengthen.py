@@ -2,7 +2,7 @@
 
 What the published study leaves as future work. A wall of thickness t under a bending moment bears σ ∝ 1/t², so it is thickened by
 t (√demand − 1), half of it on each side, a round at a time: every round is simulated on the displaced part, and loads keep to the places
-they were picked at on the part as it came.
+they were picked at on the unthickened part.
 """
 
 from __future__ import annotations
@@ -23,13 +23,14 @@ from mechstyle.geometry.region_selection import protection
 from mechstyle.geometry.resting_face import resting_weight
 from mechstyle.pictures import fields
 from mechstyle.pictures.panels import Picture, field_panel, picture
-from mechstyle.records import Recipe, Simulation, Verdict
+from mechstyle.records import Recipe, Simulation, Verdict, judge
+from mechstyle.records.lengths import length_of
 from mechstyle.records.load_cases import LoadCase, load_cases
 from mechstyle.records.material import Material, material_named
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh
+from mechstyle.records.recipe import DEFAULTS
 from mechstyle.records.regions import Region, regions
 from mechstyle.simulation.part import Relief, Stage, Workpiece, cached_memo, fitted, prepare, refilled, say_nothing
-from mechstyle.simulation.part_test import judge_alone
 from mechstyle.simulation.simulator import DropSimulator
 
 if TYPE_CHECKING:
@@ -49,13 +50,13 @@ ONCE = 0.5
 
 @dataclass(frozen=True, eq=False)
 class Strengthened:
-    """A part, as it came and thickened.
+    """A part, before and thickened.
 
     Attributes:
-        part: The prepared part as it came.
+        part: The prepared part before.
         recipe: Material, drop, loads and budget.
         added: What was added along the normals [mm], shape [vertex_count].
-        before: The test of the part as it came.
+        before: The test of the part before.
         after: The test of the thickened part.
         rounds: Simulations that were needed besides the first.
     """
@@ -74,7 +75,7 @@ class Strengthened:
 
     @property
     def result(self) -> SurfaceMesh | Workpiece:
-        """What is to be styled: the thickened surface, or the part as it came where nothing was added."""
+        """What is to be styled: the thickened surface, or the part before where nothing was added."""
         return self.surface if self.added.any() else self.part
 
     def noted(self, part: Workpiece) -> Workpiece:
@@ -83,9 +84,8 @@ class Strengthened:
 
     @property
     def verdicts(self) -> tuple[Verdict, Verdict]:
-        """Whether the part holds, as it came and thickened."""
-        before, after = (judge_alone(one, self.recipe.material, self.recipe.criterion) for one in (self.before, self.after))
-        return before, after
+        """Whether the part holds, before and thickened."""
+        return judge(self.before, None, self.recipe), judge(self.after, None, self.recipe)
 
     @property
     def mass_gained(self) -> float:
@@ -97,23 +97,23 @@ class Strengthened:
         """What was done, in one sentence."""
         before, after = self.verdicts
         if not self.added.any():
-            why = {"VIABLE": "it holds as it is", "FAILS": "there is nothing that may be"}.get(before.outcome, "its test gave no answer")
+            why = {"HOLDS": "it holds as it is", "FAILS": "there is nothing that may be"}.get(before.outcome, "its test gave no answer")
             return f"it was not thickened: {why}"
         share = self.mass_gained / (self.part.surface.volume * self.recipe.material.density)
-        held = "it holds now" if after.outcome == "VIABLE" else f"it still does not hold within {self.recipe.strengthen:g} mm"
-        if after.viable and after.marginal:
-            held = f"it only just holds now, within {self.recipe.strengthen:g} mm"
-        stress = f"from {self.before.as_placed.peak:.1f} to {self.after.as_placed.peak:.1f} MPa"
-        return f"it was thickened by up to {self.added.max():.2f} mm, {self.mass_gained:.1f} g ({share:+.1%}), stress {stress}: {held}"
+        held = "it holds" if after.passes else f"it still does not hold within {self.recipe.strengthen:g} mm"
+        if after.passes and not after.sure:
+            held = f"it only just holds, within {self.recipe.strengthen:g} mm"
+        added = f"by up to {self.added.max():.2f} mm, {self.mass_gained:.1f} g ({share:+.1%})"
+        return f"it was thickened {added}: {before.short}, then {after.short}: {held}"
 
     def show(self) -> Picture:
         """Stress before and after, and what was added between them; a notebook displays it, `.save(path)` writes the PNG."""
         limit = self.recipe.material.yield_strength
         (first, last), surface = self.verdicts, self.surface
         panels = [
-            field_panel(self.part.surface, fields.stress(limit), self.before.stress, title=f"as it came: {first.told}"),
+            field_panel(self.part.surface, fields.stress(limit), self.before.stress, title=f"before: {first.short}"),
             field_panel(surface, fields.ADDED, self.added, title=f"thickened: {self.mass_gained:+.1f} g"),
-            field_panel(surface, fields.stress(limit), self.after.stress, title=f"after: {last.told}"),
+            field_panel(surface, fields.stress(limit), self.after.stress, title=f"after: {last.short}"),
         ]
         return picture(panels)
 
@@ -126,6 +126,7 @@ def strengthen(
     loads: str | Path | LoadCase | Sequence[LoadCase] = (),
     protect: str | Region | Sequence[str | Region] = (),
     criterion: str = "robust",
+    height: str | float = DEFAULTS["height"],
     vertices: int = STANDARD_VERTICES,
     device: str = "auto",
     stage: Stage = say_nothing,
@@ -139,6 +140,7 @@ def strengthen(
         loads: A load file or load cases the part must carry besides the drop.
         protect: Regions that keep their shape.
         criterion: `robust` or `paper`.
+        height: Height of the fall it is to survive, such as "1.5 m", or a number of mm.
         vertices: Vertices of the standardised surface.
         device: `auto`, `cpu` or `cuda`.
         stage: Told what is being done, in words.
@@ -153,7 +155,7 @@ def strengthen(
         raise BadInput(f"the budget to strengthen with is {budget:g} mm, but must be above 0: a wall often needs 1")
     wanted = Recipe(
         surface="", tetrahedra="", prompt="", material=material_named(material), strengthen=budget, loads=load_cases(loads),
-        protect=regions(protect), criterion=criterion,
+        protect=regions(protect), criterion=criterion, height=length_of(height),
     )  # fmt: skip
     return strengthened(mesh, wanted, vertices=vertices, device=device, stage=stage)
 
@@ -183,20 +185,20 @@ def strengthened(
         BadInput: If the part, a region or a load cannot be used.
     """
     part = mesh if isinstance(mesh, Workpiece) else prepare(mesh, vertices=vertices, stage=stage, go_on=go_on)
-    plain = fitted(msgspec.structs.replace(recipe, orientations=1, tilts=0), part)  # what judges a part that is not compared with another
+    plain = fitted(msgspec.structs.replace(recipe, orientations=1, nearly_flat=False), part)  # the tests that decide for a part by itself
     memo, where = cached_memo(), resolve_device(device)
 
     def asking(_fraction: float) -> None:
         go_on()
 
-    simulator = DropSimulator(part.surface, part.tets, plain, memo, memo, where, asking, at=part.at)
+    simulator = DropSimulator(part.surface, part.tets, plain, memo, memo, where, asking, at=part.at, thickness=part.thickness)
     free = _freedom(part, recipe)
     added = np.zeros(len(part.surface.vertices), np.float32)
-    stage("testing the part as it came")
+    stage("testing the part")
     before = after = simulator.simulate(added, thorough=True)
     for turn in range(ROUNDS + 1):
-        verdict = judge_alone(after, plain.material, plain.criterion)
-        holds = verdict.outcome != "FAILS" and (turn == 0 or not verdict.marginal)  # on other tetrahedra it may read a little more
+        verdict = judge(after, None, plain)
+        holds = verdict.outcome != "FAILS" and (turn == 0 or verdict.sure)  # meshed again it may read a little more
         if turn == ROUNDS or holds:
             break
         more = np.minimum(added + _wanted(part, after, plain.material, plain.strengthen) * free, plain.strengthen).astype(np.float32)

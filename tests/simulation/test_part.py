@@ -7,6 +7,9 @@ import pytest
 import trimesh
 
 from mechstyle.errors import BadInput, SimulationFailed
+from mechstyle.loop.bounds import unrestrained
+from mechstyle.records import Recipe
+from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.records.recipe import BASES
 from mechstyle.simulation import part as module
@@ -58,19 +61,23 @@ def test_relief_cuts_at_most_a_quarter_of_the_wall_but_for_the_base(ready, base)
     assert np.all(bounds.inward[above] <= 0.25 * ready[0].thickness[above] + 1e-6)
 
 
-def test_relief_near_the_floor_of_a_protected_base_stays_low(ready):
-    outward, low = ready[0].shape.bounds("protected", 0.8).outward, ready[0].surface.vertices[:, 2] < 4.9
-    assert outward[low].max() <= 0.4 + 1e-6
-    assert outward[~low].max() > 1.0
-
-
-def test_a_protected_resting_face_is_not_free_and_the_top_is(ready):
+def test_a_plain_base_is_not_free_and_all_above_it_is(ready):
     part = ready[0]
-    height, freedom = part.surface.vertices[:, 2], part.shape.bounds("protected", 0.8).freedom
+    on_floor, freedom = part.surface.vertices[:, 2] < 1e-6, part.shape.bounds("plain", 0.8).freedom
     assert part.stands
-    assert np.all(freedom[height < 0.9] == 0.0)
-    assert np.all(freedom[height > 5.1] == 1.0)
+    assert freedom.dtype == np.float32
+    assert np.any(on_floor)
+    assert np.all(freedom[on_floor] == 0.0)
+    assert np.all(freedom[~on_floor] == 1.0)
     assert np.all(part.shape.bounds("free", 0.8).freedom == 1.0)
+
+
+def test_a_style_on_a_plain_base_leaves_what_it_stands_on_as_it_is(ready):
+    part, recipe = ready[0], Recipe(surface="", tetrahedra="", prompt="brick", material=LIBRARY["PLA"])
+    wild = np.random.default_rng(0).normal(0.0, 3.0, len(part.thickness)).astype(np.float32)
+    relief = unrestrained(wild, part.shape.bounds("plain", 0.8), recipe)
+    assert np.all(relief[part.shape.level_base.standing] == 0.0)
+    assert np.abs(relief[~part.shape.level_base.standing]).max() > 1.0
 
 
 @pytest.mark.parametrize("minimum", [0.0, 0.8, 5.0, 30.0])
@@ -81,10 +88,11 @@ def test_a_level_base_may_be_cut_by_half_of_what_the_wall_has_above_the_minimum(
     assert bounds.inward[within] == pytest.approx(np.maximum(0.5 * (part.thickness[within] - minimum), 0.0), abs=1e-5)
 
 
-def test_a_level_base_is_never_below_the_floor_whatever_is_proposed(ready):
+@pytest.mark.parametrize("base", ["plain", "level"])
+def test_a_base_that_is_plain_or_level_is_never_below_the_floor_whatever_is_proposed(ready, base):
     part = ready[0]
     wild = np.random.default_rng(0).normal(0.0, 3.0, len(part.thickness)).astype(np.float32)
-    bounds, below = part.shape.bounds("level", 0.8), part.surface.vertices[:, 2].min()
+    bounds, below = part.shape.bounds(base, 0.8), part.surface.vertices[:, 2].min()
     for relief in (bounds.clipped(wild), bounds.clipped(bounds.levelled(wild))):
         assert part.surface.displaced(relief).vertices[:, 2].min() >= below - 1e-6
     free = part.shape.bounds("free", 0.8)
@@ -96,7 +104,7 @@ def test_a_ball_stands_on_nothing_and_says_so(tmp_path, monkeypatch):
     ball = trimesh.creation.icosphere(subdivisions=3, radius=15.0)
     part = prepare(SurfaceMesh(ball.vertices, ball.faces), vertices=1500)
     assert not part.stands
-    assert np.all(part.shape.bounds("protected", 0.8).freedom == 1.0)
+    assert np.all(part.shape.bounds("plain", 0.8).freedom == 1.0)
     assert "no flat face" in part.notes[0]
 
 

@@ -9,7 +9,6 @@ from mechstyle.errors import BadInput
 from mechstyle.fea.drop import resolve_device
 from mechstyle.gallery import make
 from mechstyle.geometry.region_selection import selected
-from mechstyle.records import Measures
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.regions import region
 from mechstyle.runs.recipes import changed, draft
@@ -17,7 +16,7 @@ from mechstyle.simulation import strengthen as module
 from mechstyle.simulation.part import Workpiece, standardised
 from mechstyle.simulation.strengthen import made_ready, strengthen, strengthened
 from support.lanes import CORNER
-from support.records import simulation
+from support.records import landing, simulation
 
 YIELD = LIBRARY["PLA"].yield_strength
 
@@ -33,12 +32,10 @@ class Bent:
     def simulate(self, displacement, **_):
         along = self.surface.vertices[:, 0] / np.ptp(self.surface.vertices[:, 0])
         stress = (self.load * YIELD * np.exp(-((along / 0.2) ** 2)) * (4.0 / (4.0 + 2.0 * displacement.max())) ** 2).astype(np.float32)
-        peak = float(stress.max())
-        measures = Measures(peak=peak, surface=peak, p999=peak, p99=peak, maximum=peak, where=(0.0, 0.0, 0.0), volume=1.0)
-        fields = {name: np.zeros(len(stress), np.float32) for name in ("envelope", "probability")}
+        flat = landing(stress=float(stress.max()), maximum=2.0 * float(stress.max()))
         return simulation(
-            displacement=displacement, stress=stress, as_placed=measures, overall=None, contact=np.zeros(len(stress), bool),
-            tilted_stress=np.zeros(len(stress), np.float32), tilted=None, failure="", **fields,
+            displacement=displacement, contact=np.zeros(len(stress), bool), landings=(flat,), landing_stress=stress[None], loads=(),
+            load_stress=np.zeros((0, len(stress))), failure="",
         )  # fmt: skip
 
 
@@ -56,13 +53,13 @@ def bent(monkeypatch):
 
 def test_what_does_not_hold_is_thickened_until_it_does(bent, part):
     found = strengthen(part, 2.0, device=resolve_device("cpu"))
-    assert [verdict.outcome for verdict in found.verdicts] == ["FAILS", "VIABLE"]
+    assert [verdict.outcome for verdict in found.verdicts] == ["FAILS", "HOLDS"]
     assert 0 < found.added.max() <= 2.0
     assert found.added.max() > 0.5 * 4.0 * (np.sqrt(1.5) - 1.0)  # what bending asks for, half on each side
     assert found.mass_gained == pytest.approx((found.surface.volume - part.surface.volume) * LIBRARY["PLA"].density)
     assert found.mass_gained > 0.0
     assert f"{found.mass_gained:.1f} g" in found.words
-    assert "it holds now" in found.words
+    assert found.words.endswith(": it holds")
 
 
 def test_a_part_that_only_just_holds_is_thickened_on(bent, part):
@@ -70,14 +67,14 @@ def test_a_part_that_only_just_holds_is_thickened_on(bent, part):
     bent.setattr(Bent, "load", 1.4)
     found = strengthen(part, 0.8, device="cpu")
     assert found.rounds > 1
-    assert (found.verdicts[1].outcome, found.verdicts[1].marginal) == ("VIABLE", False)
+    assert (found.verdicts[1].outcome, found.verdicts[1].sure) == ("HOLDS", True)
 
 
 def test_what_only_just_holds_when_the_budget_is_spent_says_so(bent, part):
     bent.setattr(Bent, "load", 1.4)
     found = strengthen(part, 0.4, device="cpu")
-    assert (found.verdicts[1].outcome, found.verdicts[1].marginal) == ("VIABLE", True)
-    assert "it only just holds now" in found.words
+    assert (found.verdicts[1].outcome, found.verdicts[1].sure) == ("HOLDS", False)
+    assert "it only just holds, within 0.4 mm" in found.words
 
 
 def test_nothing_is_added_far_from_what_is_overloaded_or_to_what_it_stands_on(bent, part):

@@ -7,11 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mechstyle.fea.verdict import judge
 from mechstyle.loop.bounds import Bounds
 from mechstyle.loop.engine import Engine
 from mechstyle.loop.store import Lane, Store
-from mechstyle.records import Measures, Recipe, Simulation
+from mechstyle.records import Landing, Recipe, Simulation, Verdict, judge
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import SurfaceMesh
 
@@ -64,7 +63,7 @@ class BumpStylizer:
 
 @dataclass
 class LeverSimulator:
-    """Stress = 20 MPa + `gain` · |displacement|, everywhere; keeps a count of what it was asked."""
+    """Stress = 20 MPa + `gain` · |displacement|, everywhere, .8 of it nearly flat; keeps a count of what it was asked."""
 
     count: int
     recipe: Recipe
@@ -74,42 +73,36 @@ class LeverSimulator:
 
     @property
     def baseline(self) -> Simulation:
-        return self._measured(np.zeros(self.count, np.float32), thorough=True)
+        return self._measured(np.zeros(self.count, np.float32))
 
-    def baseline_of(self, simulation: Simulation) -> Simulation:  # noqa: ARG002 — it has one mesh
-        return self.baseline
-
-    def judge(self, simulation: Simulation):
-        return judge(simulation, self.baseline, self.recipe.material, self.recipe.criterion)
+    def judge(self, simulation: Simulation, *, alone: bool = False) -> Verdict:
+        return judge(simulation, None if alone else self.baseline, self.recipe)
 
     def simulate(self, displacement: np.ndarray, *, thorough: bool) -> Simulation:
         self.asked.append((float(np.abs(displacement).max()), thorough))
-        return self._measured(displacement, thorough=thorough)
+        return self._measured(displacement)
 
-    def _measured(self, displacement: np.ndarray, *, thorough: bool) -> Simulation:
+    def _measured(self, displacement: np.ndarray) -> Simulation:
         stress = (20.0 + self.gain * np.abs(displacement)).astype(np.float32)
-        worst = int(stress.argmax())
-        top = float(stress[worst])
-        place = (float(worst), 0.0, 0.0)
-        measured = Measures(peak=top, surface=top, p999=top, p99=top, maximum=2 * top, where=place, volume=1000.0)
+        ways = (("flat", "flat", 1.0), ("tilted 3°", "nearly flat", 0.8))[: 2 if self.recipe.nearly_flat else 1]
         failure = "the integration blew up" if float(np.abs(displacement).max()) > self.broken_above else ""
-        mean = float(stress.mean())
-        overall = Measures(peak=top, p999=top, p99=0.5 * (mean + 20.0), maximum=2 * top, where=(0.0, 0.0, 0.0), volume=1000.0)
         return Simulation(
             displacement=displacement,
-            stress=stress,
-            envelope=stress,
-            probability=np.zeros(self.count),
             contact=np.zeros(self.count, bool),
-            as_placed=measured,
-            overall=overall if thorough else None,
-            backed_off=0.0,
-            deviation=0.0,
+            landings=() if failure else tuple(self._landing(name, way, share * stress) for name, way, share in ways),
+            landing_stress=np.zeros((0, self.count)) if failure else np.stack([share * stress for _, _, share in ways]),
             time_step=1e-4,
             steps=100,
-            added_mass=0.0,
             failure=failure,
         )
+
+    def _landing(self, name: str, way: str, stress: np.ndarray) -> Landing:
+        worst, top = int(stress.argmax()), float(stress.max())
+        fall, strength = self.recipe.height, self.recipe.material.yield_strength
+        return Landing(
+            name=name, way=way, normal=(0.0, 0.0, 1.0) if way == "flat" else (0.0, 0.6, 0.8), stress=top, maximum=2 * top,
+            where=(float(worst), 0.0, 0.0), fall=fall, critical_height=fall * (strength / top) ** 2,
+        )  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -315,7 +315,7 @@ VERBS = ("run", "freestyle", "branch", "simulate", "log", "show", "export", "rep
 ARGUMENTS = (
     "--prompt", "--material", "--iterations", "--vertices", "--scale", "--up", "--out", "--set", "--load", "--protect",
     "--amplitude", "--relief", "--seed", "--json", "--format", "--fine",
-    "--texture", "--lane", "--control", "--schedule", "--criterion", "--image", "--device", "-p", "-h", "--version", "--nonsense", "--",
+    "--lane", "--control", "--schedule", "--criterion", "--image", "--device", "-p", "-h", "--version", "--nonsense", "--",
     "-", "gallery:pen_holder", "gallery:nothing", "gallery:../x",
     "run", "run@2", "run@main:1", "run@999999999999", "run@other", "run@-1", "@", "x@y@z", "", " ", "nan", "-1", "1e400", "9" * 400,
     "x" * 5000, "[/red]", "x\\[/red].stl", "\x1b[2J", "größe", "brick",

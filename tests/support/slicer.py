@@ -22,13 +22,6 @@ def prusa_slicer(*arguments):
     subprocess.run(["prusa-slicer", *map(str, arguments)], capture_output=True, check=True)
 
 
-def hours_in(gcode):
-    """Printing time that a G-code says of itself [h]."""
-    words = re.search(r"estimated printing time \(normal mode\) = (.*)", gcode)[1]
-    hours = {"d": 24.0, "h": 1.0, "m": 1 / 60, "s": 1 / 3600}
-    return sum(int(number) * hours[unit] for number, unit in re.findall(r"(\d+)([dhms])", words))
-
-
 def tools_by_height(gcode):
     """Which tools lay plastic at each height [mm]."""
     found, tool, height = {}, 0, 0.0
