@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from mechstyle.loop import minimum_wall
 from mechstyle.records import Recipe
-from mechstyle.records.mesh import Bools, Field
+from mechstyle.records.mesh import Bools, Field, Floats, SurfaceMesh
 
 
 class Base(Protocol):
@@ -39,6 +39,7 @@ class Bounds:
         uncoloured: Whether a vertex keeps its colour, shape [vertex_count, 1]; False for none.
         base: What levels the relief under the part, None for nothing.
         plain: Whether a vertex is no part of the style, shape [vertex_count]; False for none. Its freedom is 0, too.
+        seen: Share of the sky that a vertex sees, shape [vertex_count]: how much its relief counts; None where all counts alike.
     """
 
     thickness: Field
@@ -48,10 +49,16 @@ class Bounds:
     uncoloured: NDArray[np.bool_] | bool = False
     base: Base | None = None
     plain: NDArray[np.bool_] | bool = False
+    seen: Field | None = None
+
+    def seen_areas(self, surface: SurfaceMesh) -> Floats:
+        """Vertex areas weighed by what can be seen of them [mm²], shape [vertex_count]; all of them where nothing can."""
+        areas = surface.vertex_areas if self.seen is None else surface.vertex_areas * self.seen
+        return areas if areas.any() else surface.vertex_areas
 
     @property
     def standing(self) -> Bools:
-        """Whether a vertex belongs to the faces the part stands on and has a relief there, shape [vertex_count]."""
+        """Whether a vertex belongs to the faces the part stands on, shape [vertex_count]; none where the base is free."""
         return np.zeros(len(self.thickness), bool) if self.base is None else self.base.standing
 
     def levelled(self, displacement: Field) -> Field:

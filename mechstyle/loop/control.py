@@ -7,62 +7,76 @@ Faruqi et al. 2025, §4.2, with the limits corrected: 1 where demand is 0, exact
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from mechstyle.errors import unknown
-from mechstyle.records import CONTROLS, NORMALISATIONS, Simulation, Verdict
-from mechstyle.records.limits import Limits
+from mechstyle.records import CONTROLS, NORMALISATIONS, Recipe, Row, Simulation
 from mechstyle.records.material import Material
 from mechstyle.records.mesh import Field
+from mechstyle.records.verdict import REPEATABILITY, drop_limit, load_limit
 
 RESERVE = 0.01
 """Share of a limit that counts as reserve where the original itself stands at the limit, so that no division is by zero."""
 
 
-def demand(
-    simulation: Simulation, original: Simulation, material: Material, normalisation: str, failing: Verdict | None = None
-) -> Field:
+def demand(simulation: Simulation, original: Simulation, recipe: Recipe) -> Field:
     """Normalised stress s_norm(v) ≥ 0, at or above 1 where a vertex has no reserve left, shape [vertex_count].
 
-    `headroom` is the largest over all rules that count: of the part as placed and under each of its loads, of the tilted landings and,
-    where it was dropped so, of the envelope over all orientations, each against its own limit (`records.limits`). The others know the
-    field as placed alone, as published.
+    `headroom` is the largest over the landings and loads that decide, each beside the original in the same test and below its own
+    limit. The others know the field as placed alone, as published.
 
     Args:
         simulation: The last simulation.
         original: The unstylized part.
-        material: The material.
-        normalisation: One of NORMALISATIONS.
-        failing: A verdict on it, of which only the rules that fail are to be met; all rules without it or where none of these fails.
+        recipe: Material, normalisation and what is judged.
     """
-    limits = Limits.of(original, material)
-    if normalisation != "headroom":
-        largest, strength = float(original.stress.max()), np.float32(limits.strength)
-        return normalised(simulation.stress, original.stress, strength, largest, material, normalisation)
-    fields = {"as_placed": np.maximum.reduce([headroom(*one) for one in limits.as_it_stands(simulation, original)])}
-    if simulation.tilted is not None and original.tilted is not None:
-        fields["tilted"] = headroom(simulation.tilted_stress, original.tilted_stress, np.float32(limits.tilted))
-    if simulation.overall is not None and original.overall is not None:
-        fields["all_orientations"] = headroom(simulation.envelope, original.envelope, limits.of_envelope(original.envelope))
-    broken = [] if failing is None else [rule for rule in failing.counting if rule.outcome == "FAILS"]
-    to_meet = [field for name, field in fields.items() if getattr(failing, name, None) in broken]
-    return np.maximum.reduce(to_meet or list(fields.values()))
+    strength = recipe.material.yield_strength
+    if recipe.normalisation != "headroom":
+        own = original.stress
+        return normalised(simulation.stress, own, np.float32(strength), float(own.max()), recipe.material, recipe.normalisation)
+    fields = []
+    for landing, stress in zip(simulation.landings, simulation.landing_stress, strict=True):
+        same = original.of(landing.way)
+        if landing.way != "any landing" and same:
+            limit = drop_limit(max(one.stress for one in same), strength)
+            fields.append(headroom(stress, original.stress_of(landing=landing.name), np.float32(limit)))
+    for case, stress in zip(simulation.loads, simulation.load_stress, strict=True):
+        theirs = original.load(case.name)
+        limit = strength if theirs is None else load_limit(theirs.stress, strength)
+        fields.append(headroom(stress, original.stress_of(load=case.name), np.float32(limit)))
+    return np.maximum.reduce(fields)
 
 
-def landed(simulation: Simulation, failing: Verdict) -> bool:
-    """Whether a landing is among what a simulation fails by, not load cases alone."""
-    landings, told = (failing.tilted, failing.all_orientations), failing.as_placed.value
-    of_load = any(told in (case.measured.surface, case.measured.contact) for case in simulation.loaded)
-    return not of_load or any(rule in failing.counting and rule.outcome == "FAILS" for rule in landings if rule is not None)
+def utilisation(simulation: Simulation, rows: Sequence[Row]) -> Field:
+    """Stress over what passes with certainty, in the tests that are to be met, shape [vertex_count].
+
+    It is the largest over those tests, and over every landing of a kind that exceeds the limit of its row. Where it is above 1 lies the
+    volume that σ_V is about.
+
+    Args:
+        simulation: The test of the part.
+        rows: What is to be met.
+    """
+    fields = [np.zeros(len(simulation.displacement), np.float32)]
+    for row in rows:
+        allowed = np.float32(row.limit / (1.0 + REPEATABILITY[row.test]))
+        if row.load:
+            fields.append(simulation.stress_of(load=row.load) / allowed)
+        elif row.test == "published rule":
+            fields.append(simulation.stress / np.float32(row.limit))
+        else:
+            landings = [one for one in simulation.of(row.test) if one.stress > allowed or one.name == row.landing]
+            fields += [simulation.stress_of(landing=one.name) / allowed for one in landings]
+    return np.maximum.reduce(fields)
 
 
-def normalised(
-    stress: Field, original: Field, limit: Field | np.float32, largest: float, material: Material, normalisation: str
-) -> Field:
+def normalised(stress: Field, original: Field, limit: Field | np.float32, largest: float, material: Material, normalisation: str) -> Field:
     """Demand of one field, shape [vertex_count].
 
     `headroom`: see there; `own_max`: s over the unstylized part's own maximum (the published frozen rule);
-    `sigma_c`: s over σ_c = safety_coefficient · S_yield (Stava et al. 2012, the published rule); `yield`: s over S_yield.
+    `sigma_c`: s over σ_c = safety_coefficient · S_yield (Stava et al. 2012, the published rule).
 
     Args:
         stress: Field of the styled part [MPa], shape [vertex_count].
@@ -78,8 +92,6 @@ def normalised(
         used = stress / max(largest, 1e-6)
     elif normalisation == "sigma_c":
         used = stress / material.critical_stress
-    elif normalisation == "yield":
-        used = stress / material.yield_strength
     else:
         raise unknown("normalisation", normalisation, NORMALISATIONS)
     return np.maximum(used, 0.0).astype(np.float32)
@@ -88,7 +100,7 @@ def normalised(
 def headroom(stress: Field, original: Field, limit: Field | np.float32) -> Field:
     """(s − s0) / (A − s0), the share of the reserve the style has used up, at least 1 where the stress s exceeds A; shape [vertex_count].
 
-    Where the original is above A itself, A is what it reaches: nothing is demanded of a part as it came.
+    Where the original is above A itself, A is what it reaches: nothing is demanded of the unstylized part.
 
     Args:
         stress: Field s of the styled part [MPa], shape [vertex_count].

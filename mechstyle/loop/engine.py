@@ -24,12 +24,6 @@ from mechstyle.records.mesh import Field, SurfaceMesh
 
 STEP_LIMIT = 0.01
 """A vertex moves at most this share of the part's size per iteration (Faruqi et al. 2025)."""
-RETRACT_ABOVE = 0.9
-"""Retraction starts at this demand …"""
-RETRACT_RADIUS = 4.0
-"""… reaches this far [mm] …"""
-RETRACT_BY = 0.5
-"""… and takes away up to this share of the relief; all of it where the part stands, for a gap of any height carries nothing."""
 KEYFRAME_EVERY = 20
 """Iterations between stored stylizer states."""
 STYLE_FIELDS = (
@@ -78,23 +72,20 @@ class Simulator(Protocol):
 
     @property
     def baseline(self) -> Simulation:
-        """The unstylized part in all orientations."""
-
-    def baseline_of(self, simulation: Simulation) -> Simulation:
-        """What a simulation is compared with."""
+        """The unstylized part in all landings."""
 
     def simulate(self, displacement: Field, *, thorough: bool) -> Simulation:
-        """Drop the displaced part: as placed, or in all orientations if `thorough`."""
+        """Test the displaced part: in the landings that steer, or in all if `thorough`."""
 
-    def judge(self, simulation: Simulation) -> Verdict:
-        """Verdict on a simulation under the recipe's criterion."""
+    def judge(self, simulation: Simulation, *, alone: bool = False) -> Verdict:
+        """Verdict on a simulation beside the unstylized part, or `alone` on that part itself."""
 
 
 class Delivery(Protocol):
     """What becomes of a finished surface before it is printed: the one that the last test is about."""
 
     def tested(self, state: Checkpoint) -> Simulation:
-        """The test in all orientations of what is delivered for a state, on the vertices of the loop; its displacement is the state's.
+        """The test in all landings of what is delivered for a state, on the vertices of the loop; its displacement is the state's.
 
         Args:
             state: Of the last iteration; its parent is stored, itself it need not be.
@@ -158,23 +149,23 @@ class Engine:
         nothing = np.zeros(count, np.float32)
         start = self.stylizer.proposal()
         base = self.simulator.baseline
-        demand = self._demand(base)
+        demand, verdict = self._demand(base), self.simulator.judge(base, alone=True)
         return Checkpoint(
             iteration=0,
             parent="",
             recipe=self.recipe.digest,
             displacement=nothing,
             colour=start.colour.astype(np.float16),
-            mask=self._mask(demand, self.bounds.freedom),
+            mask=self._mask(demand),
             share=np.ones(count, np.float32),
             anchor=nothing,
-            stress=base.stress,
+            stress=shown(base, verdict),
             demand=demand,
             simulated_at=0,
             simulation=self.store.objects.put_record(base),
             style_loss=self.stylizer.loss(nothing, start.colour),
-            reason="the part as it came",
-            verdict=self.simulator.judge(base),
+            reason="original part",
+            verdict=verdict,
             keyframe=self.stylizer.state(),
         )
 
@@ -183,7 +174,7 @@ class Engine:
         if state.recipe == self.recipe.digest:
             return state
         demand = self._demand(self.store.objects.get_record(state.simulation, Simulation))
-        return replace(state, demand=demand, mask=self._mask(demand, self.bounds.freedom))
+        return replace(state, demand=demand, mask=self._mask(demand))
 
     def _wind_stylizer(self, state: Checkpoint) -> Proposal:
         """Bring the stylizer to where it was after `state`: from the nearest keyframe, or afresh where another style ended."""
@@ -251,8 +242,8 @@ class Engine:
         verdict = self.simulator.judge(simulation)
         state = replace(state, displacement=simulation.displacement, simulated_at=state.iteration, verdict=verdict)
         if not simulation.failure:
-            state = self._restrained(state, simulation)
-            state = self._retracted(state, landed=control.landed(simulation, verdict)) if self.recipe.retraction and not last else state
+            demand = self._demand(simulation)
+            state = replace(state, stress=shown(simulation, verdict), demand=demand, mask=self._mask(demand))
         state = replace(
             state,
             anchor=state.displacement,
@@ -261,36 +252,24 @@ class Engine:
         )
         return state, Simulated(state.iteration, reason, simulation, verdict, float(state.restrained.mean()))
 
-    def _restrained(self, state: Checkpoint, simulation: Simulation) -> Checkpoint:
-        demand = self._demand(simulation)
-        mask = self._mask(demand, state.mask if self.recipe.memory else self.bounds.freedom)
-        return replace(state, stress=simulation.stress, demand=demand, mask=mask)
+    def _demand(self, simulation: Simulation) -> Field:
+        if simulation.failure or self.simulator.baseline.failure:
+            return np.zeros(len(self.surface.vertices), np.float32)
+        return control.demand(simulation, self.simulator.baseline, self.recipe)
 
-    def _retracted(self, state: Checkpoint, *, landed: bool) -> Checkpoint:
-        """Take relief back where demand nears the limit, and all of it there from what the part stands on if it is landings that demand."""
-        near = correction.nearness(self.surface.vertices, state.demand > RETRACT_ABOVE, RETRACT_RADIUS)
-        under = self.bounds.standing & (near > np.exp(-1.0)) & landed
-        left = np.where(under, np.float32(0.0), 1.0 - np.float32(RETRACT_BY) * near)
-        return replace(state, displacement=state.displacement * left, share=state.share * left)
-
-    def _demand(self, simulation: Simulation, failing: Verdict | None = None) -> Field:
-        original = self.simulator.baseline_of(simulation)
-        return control.demand(simulation, original, self.recipe.material, self.recipe.normalisation, failing)
-
-    def _mask(self, demand: Field, ceiling: Field) -> Field:
-        """The control's mask under a ceiling: the freedom that protection leaves, or with memory the mask so far."""
-        allowed = control.mask(demand, self.recipe.control, self.recipe.threshold)
-        return np.minimum(allowed * self.bounds.freedom, ceiling)
+    def _mask(self, demand: Field) -> Field:
+        """The control's mask, within the freedom that protection leaves."""
+        return control.mask(demand, self.recipe.control, self.recipe.threshold) * self.bounds.freedom
 
     # the end
 
     def _finish(self, state: Checkpoint, digest: str) -> Iterator[Event]:
-        """Correct the finished relief until it is viable (if the recipe asks for it), then mark the best as final."""
+        """Correct the finished relief until it passes for sure (if the recipe asks for it), then mark the best as final."""
         assert state.verdict is not None, "the last iteration is always simulated"
         finished, best = state.displacement, state
         wanted = self._wanted(state)
         search = correction.Correction(self.surface, wanted, lambda relief: self._kept(relief, wanted), self.bounds.standing)
-        tried = self._tested(search, finished, state, holds=state.viable) if self.recipe.guarantee else None
+        tried = self._tested(search, finished, state) if self.recipe.guarantee else None
         while tried is not None:
             relief, words = tried
             yield Corrected(words, search.kept(relief))
@@ -301,10 +280,8 @@ class Engine:
             yield simulated
             digest, event = self._save(corrected)
             yield event
-            holds = corrected.viable and (_sure(corrected) or not _sure(best))  # what is given back must not cost the margin
-            tried = self._tested(search, relief, corrected, holds=holds)
-            if holds or not best.viable:
-                best = corrected
+            tried = self._tested(search, relief, corrected)
+            best = corrected if self._worth(corrected, wanted) >= self._worth(best, wanted) else best
         if not best.final:
             digest, event = self._save(replace(best, parent=digest, keyframe=None, final=True))
             yield event
@@ -317,17 +294,31 @@ class Engine:
             return finished.displacement
         return unrestrained(self.stylizer.proposal().displacement, self.bounds, self.recipe)
 
-    def _tested(self, search: correction.Correction, relief: Field, state: Checkpoint, *, holds: bool) -> tuple[Field, str] | None:
+    def _tested(self, search: correction.Correction, relief: Field, state: Checkpoint) -> tuple[Field, str] | None:
         """What a correction is to try after a relief was found to be what `state` says."""
-        assert state.verdict is not None, "what is corrected was simulated"
-        if state.verdict.outcome == "UNKNOWN":
-            return search.tested(relief, viable=False, demand=None)
+        verdict = state.verdict
+        assert verdict is not None, "what is corrected was simulated"
+        if verdict.outcome == "UNKNOWN":
+            return search.tested(relief, correction.Finding(passes=False))
+        to_meet = [row for row in verdict.rows if row.decides and (row.outcome == "FAILS" or not row.sure)]
         simulation = self.store.objects.get_record(state.simulation, Simulation)
-        demand, landed = self._demand(simulation, state.verdict), control.landed(simulation, state.verdict)
-        return search.tested(relief, viable=holds, demand=demand, landed=landed)
+        used = control.utilisation(simulation, to_meet) if to_meet else None
+        return search.tested(relief, correction.Finding(verdict.passes, used, landed=any(not row.load for row in to_meet)))
+
+    def _worth(self, state: Checkpoint, wanted: Field) -> tuple[bool, bool, float]:
+        """What makes one finished state better than another: that it passes, that it does so for sure, and how much is kept."""
+        if not state.passes:
+            return False, False, 0.0
+        assert state.verdict is not None, "what passes was simulated"
+        settled = all(doubt.about != "limit" for doubt in state.verdict.doubts)
+        return True, settled, self._kept(state.displacement, wanted)
+
+    def kept(self, state: Checkpoint) -> float:
+        """Share of the style's relief that a state keeps, by what can be seen of it: of the target within its bounds."""
+        return self._kept(state.displacement, self._wanted(state))
 
     def _kept(self, displacement: Field, reference: Field) -> float:
-        return kept(displacement, reference, self.surface.vertex_areas)
+        return kept(displacement, reference, self.bounds.seen_areas(self.surface))
 
     def _save(self, state: Checkpoint) -> tuple[str, Checkpointed]:
         """Store the checkpoint, then move the lane to it."""
@@ -337,9 +328,12 @@ class Engine:
         return digest, Checkpointed(digest, state)
 
 
-def _sure(state: Checkpoint) -> bool:
-    """Whether a simulated state is viable, and not marginally so."""
-    return state.verdict is not None and state.verdict.viable and not state.verdict.marginal
+def shown(simulation: Simulation, verdict: Verdict) -> Field:
+    """Stress at the surface in the test that decides [MPa], shape [vertex_count]; as placed where there is none."""
+    row = verdict.deciding
+    if row is None or row.test == "published rule":
+        return simulation.stress
+    return simulation.stress_of(landing=row.landing, load=row.load)
 
 
 def kept(displacement: Field, reference: Field, areas: NDArray[np.float64]) -> float:
@@ -348,7 +342,7 @@ def kept(displacement: Field, reference: Field, areas: NDArray[np.float64]) -> f
     Args:
         displacement: D [mm], shape [vertex_count].
         reference: T [mm], shape [vertex_count].
-        areas: Vertex areas [mm²], shape [vertex_count].
+        areas: Vertex areas that can be seen [mm²], shape [vertex_count].
     """
     total = float((areas * reference.astype(np.float64) ** 2).sum())
     return float((areas * reference * displacement).sum()) / total if total > 0 else 1.0

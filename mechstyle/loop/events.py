@@ -51,7 +51,7 @@ class Simulated:
 
 @dataclass(frozen=True)
 class Corrected:
-    """The finished relief was lowered, because it was not viable, or raised, because it was; a simulation of the result follows.
+    """The finished relief was lowered, because it failed, or raised, because it passed; a simulation of the result follows.
 
     Attributes:
         step: What was changed, in words.

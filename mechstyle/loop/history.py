@@ -1,8 +1,7 @@
-"""The history of a run: figures of a verdict, a row for each iteration of a lane, the state of each lane."""
+"""The history of a run: a row for each iteration of a lane, the state of each lane."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, TypeVar
@@ -12,66 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mechstyle.loop.store import Entry, Store
-from mechstyle.records import Recipe, Simulation, Verdict
+from mechstyle.records import Recipe, Verdict
 from mechstyle.records.checkpoint import restrained
 
 E = TypeVar("E", bound=Entry)
 NONE: Mapping[str, Any] = MappingProxyType({})
-
-
-class Strength(msgspec.Struct, frozen=True, kw_only=True):
-    """The figures of a verdict.
-
-    Attributes:
-        verdict: VIABLE, FAILS or UNKNOWN.
-        peak_stress: Stress that decides as placed [MPa].
-        allowable: What it may at most be [MPa].
-        safety_factor: The least of all rules that count, None if that is not known.
-        maximum: Literal maximum over the elements [MPa].
-        all_orientations: p99 over all orientations relative to the unstylized part, None if not run.
-        words: The verdict in one sentence.
-        marginal: Whether a rule that counts is too close to its limit to be sure.
-        tilted: Surface stress of the drops nearly as placed [MPa], None if there was none to compare.
-        tilted_limit: What it may at most be [MPa].
-        worst: Largest stress of any landing [MPa], None if that is not known.
-        worst_landing: Name of that landing.
-        failure_probability: Probability that a random drop begins to yield the part, None if that was not worked out.
-    """
-
-    verdict: str
-    peak_stress: float
-    allowable: float
-    safety_factor: float | None
-    maximum: float
-    all_orientations: float | None
-    words: str
-    marginal: bool = False
-    tilted: float | None = None
-    tilted_limit: float | None = None
-    worst: float | None = None
-    worst_landing: str = ""
-    failure_probability: float | None = None
-
-    @classmethod
-    def of(cls, verdict: Verdict, simulation: Simulation | None = None) -> Strength:
-        """The figures of a verdict, and of the simulation it was given on as far as they decide nothing."""
-        decides, tilted = verdict.deciding, verdict.tilted
-        worst = simulation.worst if simulation is not None else None
-        return cls(
-            verdict=verdict.outcome,
-            peak_stress=decides.value,
-            allowable=decides.limit,
-            safety_factor=verdict.safety_factor if math.isfinite(verdict.safety_factor) and verdict.outcome != "UNKNOWN" else None,
-            maximum=verdict.literal.value,
-            all_orientations=None if verdict.all_orientations is None else verdict.all_orientations.value,
-            words=verdict.words,
-            marginal=verdict.marginal,
-            tilted=tilted.value if tilted is not None else None,
-            tilted_limit=tilted.limit if tilted is not None else None,
-            worst=worst.measures.peak if worst is not None else None,
-            worst_landing=worst.name if worst is not None else "",
-            failure_probability=simulation.failure_probability if simulation is not None else None,
-        )
 
 
 class Row(Entry, frozen=True, kw_only=True):
@@ -98,28 +42,23 @@ class Row(Entry, frozen=True, kw_only=True):
 
     @property
     def outcome(self) -> str:
-        """VIABLE, FAILS, UNKNOWN, or "" if it was not simulated."""
+        """Outcome of its verdict, "" if it was not simulated."""
         return "" if self.verdict is None else self.verdict.outcome
 
     @property
-    def word(self) -> str:
-        """The outcome in one word, MARGINAL where it is not sure, "" if it was not simulated."""
-        return "" if self.verdict is None else self.verdict.word
-
-    @property
     def words(self) -> str:
-        """The verdict in one sentence, "" if it was not simulated."""
+        """The verdict in sentences, "" if it was not simulated."""
         return "" if self.verdict is None else self.verdict.words
 
     @property
-    def peak(self) -> float | None:
-        """Stress that decides [MPa], None if it was not simulated or not to an answer."""
-        return self.verdict.deciding.value if self.verdict is not None and self.verdict.outcome != "UNKNOWN" else None
+    def stress(self) -> float | None:
+        """σ_V in the test that decides [MPa], None if it was not simulated or not to an answer."""
+        return None if self.verdict is None or self.verdict.deciding is None else self.verdict.deciding.stress
 
     @property
     def limit(self) -> float | None:
-        """Allowable stress [MPa], None as for `peak`."""
-        return self.verdict.deciding.limit if self.verdict is not None and self.verdict.outcome != "UNKNOWN" else None
+        """What σ_V may at most be there [MPa], None as for `stress`."""
+        return None if self.verdict is None or self.verdict.deciding is None else self.verdict.deciding.limit
 
 
 class Step(Row, frozen=True, kw_only=True):
@@ -171,7 +110,7 @@ def rows(
 def _row(
     store: Store, digest: str, counts: dict[str, tuple[int, int]], thickness: NDArray[np.float32] | None, seconds: float | None
 ) -> Row:
-    stored = store.objects.get_record(digest, _Stored)
+    stored = store.record(digest, _Stored)
     if stored.mask not in counts:
         held = restrained(store.objects.get_array(stored.mask))
         counts[stored.mask] = (int(held.sum()), len(held))
@@ -241,30 +180,34 @@ def largest_mask_change(told: Sequence[Step]) -> Step | None:
 
 
 class SimulationLine(msgspec.Struct, frozen=True, kw_only=True):
-    """One simulation of a lane; `peak_stress` [MPa].
+    """One simulation of a lane.
 
     Attributes:
-        marginal: Whether the verdict is not sure, as the verdict itself has it; None in summaries of earlier versions.
+        iteration: Iteration it was made at.
+        reason: Why it was made.
+        outcome: Outcome of its verdict.
+        stress: σ_V in the test that decides [MPa], None without an answer.
+        limit: What it may at most be [MPa].
+        words: The verdict in sentences.
+        sure: Whether no doubt is left.
     """
 
     iteration: int
     reason: str
-    verdict: str
-    peak_stress: float
+    outcome: str
+    stress: float | None
+    limit: float | None
     words: str
-    marginal: bool | None = None
+    sure: bool
 
     @classmethod
     def of(cls, entry: Entry, verdict: Verdict) -> SimulationLine:
         """The line of a simulated checkpoint and its verdict."""
+        row = verdict.deciding
         return cls(
-            iteration=entry.iteration,
-            reason=entry.reason,
-            verdict=verdict.outcome,
-            peak_stress=verdict.deciding.value,
-            words=verdict.words,
-            marginal=verdict.marginal,
-        )
+            iteration=entry.iteration, reason=entry.reason, outcome=verdict.outcome, words=verdict.words, sure=verdict.sure,
+            stress=None if row is None else row.stress, limit=None if row is None else row.limit,
+        )  # fmt: skip
 
 
 def simulations(history: Iterable[Entry]) -> tuple[SimulationLine, ...]:

@@ -94,11 +94,6 @@ def never(_recipe: Recipe, _progress: Progress) -> str:
     return ""
 
 
-def always(_recipe: Recipe, _progress: Progress) -> str:
-    """Every iteration."""
-    return "every iteration"
-
-
 RULES: dict[str, Callable[[Recipe, Progress], str]] = {
     "every": every,
     "quadratic": quadratic,
@@ -106,7 +101,6 @@ RULES: dict[str, Callable[[Recipe, Progress], str]] = {
     "geometry": geometry,
     "stress": stress,
     "never": never,
-    "always": always,
 }
 
 

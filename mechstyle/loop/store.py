@@ -16,7 +16,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import TypeVar
 
 import msgspec
 
@@ -25,7 +25,8 @@ from mechstyle.errors import BadInput, DamagedStore, unknown
 from mechstyle.loop.lock import exclusive
 from mechstyle.loop.objects import Memo, Objects, read_record
 from mechstyle.records import Checkpoint, Recipe, Verdict
-from mechstyle.records.earlier import translated
+
+T = TypeVar("T")
 
 FOLDERS = ("objects", "lanes", "memo", "locks", "summaries")
 """Of a run directory."""
@@ -143,12 +144,17 @@ class Store:
         return self.objects.put(msgspec.json.encode(recipe, order="deterministic"))
 
     def recipe(self, digest: str) -> Recipe:
-        """A stored recipe, one of an earlier version in today's words."""
-        fields = self.objects.get_record(digest, dict[str, Any])
+        """A stored recipe."""
+        return self.record(digest, Recipe)
+
+    def record(self, digest: str, kind: type[T]) -> T:
+        """A stored record of the given type; BadInput for one that is whole, but not as this version writes it."""
         try:
-            return msgspec.convert(translated(fields), Recipe, strict=False)
-        except msgspec.ValidationError as error:
-            raise DamagedStore(f"{self.objects.path(digest)} is not a Recipe: {error}") from error
+            return self.objects.get_record(digest, kind)
+        except DamagedStore as error:
+            if isinstance(error.__cause__, msgspec.ValidationError):
+                raise BadInput(f"{self.root}: this run was made by another version of MechStyle; run it again in another folder") from error
+            raise
 
     def put_checkpoint(self, checkpoint: Checkpoint) -> str:
         """Store a checkpoint; return its digest, which is the same for the same state and past."""
@@ -156,11 +162,11 @@ class Store:
 
     def checkpoint(self, digest: str) -> Checkpoint:
         """A stored checkpoint with its arrays."""
-        return self.objects.get_record(digest, Checkpoint)
+        return self.record(digest, Checkpoint)
 
     def entry(self, digest: str) -> Entry:
         """A stored checkpoint without its arrays."""
-        return msgspec.structs.replace(self.objects.get_record(digest, Entry), digest=digest)
+        return msgspec.structs.replace(self.record(digest, Entry), digest=digest)
 
     def is_finished(self, name: str = "main") -> bool:
         """Whether a lane's newest checkpoint is the end of the recipe in force."""
@@ -181,14 +187,16 @@ class Store:
             digest = entry.parent
 
     def allowable(self, state: Checkpoint | Entry) -> float:
-        """Allowable stress [MPa]: the limit of the newest verdict, before the first the material's yield strength."""
+        """What the stress on show may at most be [MPa]: the limit of the newest verdict, before the first the yield strength."""
         verdict = self.verdict(state)
-        return self.recipe(state.recipe).material.yield_strength if verdict is None else verdict.deciding.limit
+        row = None if verdict is None else verdict.deciding
+        return self.recipe(state.recipe).material.yield_strength if row is None else row.limit
 
-    def allowable_in_the_drop(self, state: Checkpoint | Entry) -> float:
-        """The same of the drop as placed by itself, whichever test is told [MPa]."""
+    def allowable_flat(self, state: Checkpoint | Entry) -> float:
+        """The same of the flat landing [MPa]."""
         verdict = self.verdict(state)
-        return self.allowable(state) if verdict is None else verdict.of_the_drop
+        row = None if verdict is None else verdict.row("flat")
+        return self.recipe(state.recipe).material.yield_strength if row is None else row.limit
 
     def verdict(self, state: Checkpoint | Entry) -> Verdict | None:
         """The newest verdict there, None before the first."""

@@ -1,7 +1,5 @@
 """From stress to restraint: demand on hand-computed figures, masks with their exact limits."""
 
-from dataclasses import replace
-
 import msgspec
 import numpy as np
 import pytest
@@ -10,11 +8,10 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from mechstyle.errors import BadInput
-from mechstyle.fea.verdict import judge
-from mechstyle.loop.control import MASKS, demand, exponential, frozen, headroom, landed, linear, mask, normalised, unrestrained
-from mechstyle.records import CONTROLS, NORMALISATIONS, LoadResult, Measures, Simulation
-from mechstyle.records.limits import UNHARMED, Limits
+from mechstyle.loop.control import MASKS, demand, exponential, frozen, headroom, linear, mask, normalised, unrestrained, utilisation
+from mechstyle.records import CONTROLS, NORMALISATIONS, Landing, LoadResult, Recipe, Simulation, judge
 from mechstyle.records.material import LIBRARY
+from mechstyle.records.verdict import NO_WORSE, REPEATABILITY
 
 PLA = LIBRARY["PLA"]  # yield strength 45.6 MPa, critical stress 0.2 · 45.6 = 9.12 MPa
 RESTRAINING = [linear, exponential, frozen]
@@ -115,28 +112,42 @@ def test_an_unknown_control_is_refused_with_the_nearest():
 # --- demand ---------------------------------------------------------------------------------------------------------
 
 Y = PLA.yield_strength
+FALL = 1500.0
 
 
-def measured(surface, contact=0.0, p99=0.0):
-    peak = max(surface, contact)
-    return Measures(peak=peak, surface=surface, contact=contact, p999=peak, p99=p99, maximum=2 * peak, where=(0.0, 0.0, 0.0), volume=1.0)
+def asked(**settings):
+    return Recipe(surface="s", tetrahedra="t", prompt="brick", **{"material": PLA, **settings})
 
 
-def simulated(stress, *, tilted=None, envelope=None, p99=15.0, contact=0.0):
-    """A simulation with these fields; its measures are their maxima."""
-    nothing = np.zeros(len(stress))
+def simulated(stress, nearly=(), any_landing=(), loads=None):
+    """A simulation with these fields, one for each landing and load; σ_V of each is the largest value of its field."""
+    fields = [("flat", "flat", stress), *((f"nearly {n}", "nearly flat", one) for n, one in enumerate(nearly))]
+    fields += [(f"any {n}", "any landing", one) for n, one in enumerate(any_landing)]
+    landings = tuple(
+        Landing(
+            name=name, way=way, normal=(0.0, 0.0, 1.0), stress=float(one.max()), maximum=2.0 * float(one.max()), where=(0.0, 0.0, 0.0),
+            fall=FALL, critical_height=FALL * (Y / max(float(one.max()), 1e-3)) ** 2,
+        )
+        for name, way, one in fields
+    )  # fmt: skip
+    under = tuple(
+        LoadResult(name=name, stress=float(one.max()), maximum=2.0 * float(one.max()), where=(0.0, 0.0, 0.0), deflection=0.1)
+        for name, one in (loads or {}).items()
+    )
     return Simulation(
-        displacement=nothing, stress=stress, envelope=nothing if envelope is None else envelope, probability=nothing, contact=nothing > 0,
-        as_placed=measured(float(stress.max()), contact),
-        overall=None if envelope is None else measured(float(envelope.max()), p99=p99),
-        tilted=None if tilted is None else measured(float(tilted.max())), tilted_stress=nothing if tilted is None else tilted,
-        backed_off=0.0, deviation=0.0, time_step=1e-4, steps=10, added_mass=0.0,
+        displacement=np.zeros(len(stress)), contact=np.zeros(len(stress), bool), landings=landings,
+        landing_stress=np.stack([one for *_, one in fields]), loads=under,
+        load_stress=np.stack(list(loads.values())) if loads else np.zeros((0, len(stress))),
     )  # fmt: skip
 
 
 def demanded(stress, original, normalisation):
-    """Demand of the part as placed alone."""
-    return demand(simulated(stress), simulated(original), PLA, normalisation)
+    """Demand of the flat landing alone."""
+    return demand(simulated(stress), simulated(original), asked(normalisation=normalisation))
+
+
+def judged(styled, original=None, **settings):
+    return judge(styled, original, asked(**settings))
 
 
 def test_headroom_is_the_share_of_the_reserve_used_up():
@@ -147,96 +158,86 @@ def test_headroom_is_the_share_of_the_reserve_used_up():
 
 @given(baseline=arrays(np.float32, 20, elements=stresses))
 def test_headroom_demands_nothing_of_the_unstylized_part(baseline):
-    """Not even of a vertex that is above yield as it came: or the style could never start there."""
-    original = simulated(baseline, tilted=2 * baseline, envelope=3 * baseline)
-    assert not demand(original, original, PLA, "headroom").any()
+    """Not even of a vertex that is above yield without a style: or the style could never start there."""
+    original = simulated(baseline, nearly=(2 * baseline,), loads={"hung": 3 * baseline})
+    assert not demand(original, original, asked(normalisation="headroom")).any()
 
 
-@given(own=st.floats(0.5, 200.0, width=32), now=st.floats(0.5, 200.0, width=32))
-def test_headroom_and_verdict_agree_whatever_the_original_bears(own, now):
-    """A growth of a quarter was allowed to the mask where the verdict forbade it: from 36.5 MPa on."""
-    original, styled = simulated(field(own)), simulated(field(now))
-    fails = judge(styled, original, PLA, "robust").outcome == "FAILS"
-    exhausted = demand(styled, original, PLA, "headroom")[0] > 1.0
-    assert exhausted == fails
+figures = st.floats(1.0, 200.0, width=32)
 
 
-@given(surface=st.floats(1.0, 100.0), contact=st.floats(1.0, 100.0), now=stresses)
-def test_where_the_verdict_fails_the_mask_closes(surface, contact, now):
-    """A stress that is allowed at the contact, where the original bears as much, is not allowed where it is calm."""
-    original = simulated(field(surface), contact=contact)
-    styled = simulated(field(now))
-    if judge(styled, original, PLA, "robust").outcome == "FAILS":
-        assert demand(styled, original, PLA, "headroom")[0] >= 1.0
+@given(own=figures, now=figures, nearly_own=figures, nearly_now=figures, load_own=figures, load_now=figures)
+def test_headroom_is_exhausted_exactly_where_the_verdict_fails(own, now, nearly_own, nearly_now, load_own, load_now):
+    """One vertex, whose stress is σ_V in every test: mask and verdict have one limit."""
+    original = simulated(field(own), nearly=(field(nearly_own),), loads={"hung": field(load_own)})
+    styled = simulated(field(now), nearly=(field(nearly_now),), loads={"hung": field(load_now)})
+    tests = ((now, own), (nearly_now, nearly_own), (load_now, load_own))
+    for stress, theirs in tests:
+        for limit in (Y, theirs / np.sqrt(NO_WORSE), theirs / NO_WORSE):
+            if abs(stress / limit - 1.0) < 1e-5:
+                return  # within single precision of a limit
+    exhausted = demand(styled, original, asked(normalisation="headroom"))[0] > 1.0
+    assert exhausted == (judged(styled, original).outcome == "FAILS")
 
 
-def test_the_rule_that_is_nearest_to_its_limit_demands():
-    original = simulated(field(10.0, 10.0, 10.0), tilted=field(60.0, 10.0, 10.0), envelope=field(20.0, 20.0, 20.0), p99=20.0)
-    styled = simulated(field(10.0, 27.8, 10.0), tilted=field(60.0, 10.0, 38.0), envelope=field(21.0, 20.0, 20.0), p99=20.0)
-    nearly = UNHARMED * 60.0 - 10.0
-    assert demand(styled, original, PLA, "headroom") == pytest.approx([0.5, 0.5, 28.0 / nearly], rel=1e-4)
+def test_the_test_that_is_nearest_to_its_limit_demands():
+    original = simulated(field(10.0, 10.0, 10.0), nearly=(field(60.0, 10.0, 10.0),), loads={"hung": field(5.6, 5.6, 5.6)})
+    styled = simulated(field(10.0, 27.8, 10.0), nearly=(field(60.0, 10.0, 38.0),), loads={"hung": field(15.6, 5.6, 5.6)})
+    nearly = 60.0 / np.sqrt(NO_WORSE) - 10.0
+    assert demand(styled, original, asked(normalisation="headroom")) == pytest.approx([0.25, 0.5, 28.0 / nearly], rel=1e-4)
 
 
-def test_a_correction_is_asked_for_where_a_rule_fails_and_not_where_another_is_nearly_used_up():
-    original = simulated(field(10.0, 10.0, 10.0), tilted=field(60.0, 10.0, 10.0), envelope=field(20.0, 20.0, 20.0), p99=20.0)
-    styled = simulated(field(10.0, 50.0, 10.0), tilted=field(60.0, 10.0, 38.0), envelope=field(21.9, 20.0, 20.0), p99=20.0)
-    verdict = judge(styled, original, PLA, "robust")
-    assert verdict.as_placed.outcome == "FAILS"
-    everything, only_what_fails = (demand(styled, original, PLA, "headroom", failing) for failing in (None, verdict))
-    assert only_what_fails[1] == everything[1] > 1.0
-    assert np.all(everything[[0, 2]] > 0.4)
-    assert not only_what_fails[[0, 2]].any()
-    viable = judge(original, original, PLA, "robust")
-    assert np.array_equal(demand(styled, original, PLA, "headroom", viable), everything)
+def test_any_landing_and_a_way_the_original_was_not_dropped_demand_nothing():
+    original = simulated(field(10.0), any_landing=(field(20.0),))
+    styled = simulated(field(10.0), nearly=(field(500.0),), any_landing=(field(500.0),))
+    assert not demand(styled, original, asked(normalisation="headroom")).any()
 
 
-@pytest.mark.parametrize(("tilted", "of_the_load", "expected"), [(10.0, 20.0, True), (10.0, 50.0, False), (60.0, 50.0, True)])
-def test_a_part_fails_by_a_landing_unless_it_is_by_a_load_alone(tilted, of_the_load, expected):
-    original = simulated(field(10.0, 10.0), tilted=field(10.0, 10.0))
-    load = LoadResult(name="hung", peak=of_the_load, where=(0.0, 0.0, 0.0), deflection=0.1)
-    styled = replace(simulated(field(10.0, 50.0), tilted=field(10.0, tilted)), loaded=(load,))
-    assert landed(styled, judge(styled, original, PLA, "robust")) is expected
+def test_what_the_original_bears_in_a_landing_excuses_no_load():
+    original = simulated(field(2.0 * Y), loads={"hung": field(20.0)})
+    styled = simulated(field(2.0 * Y), loads={"hung": field(1.2 * Y)})
+    assert demand(styled, original, asked(normalisation="headroom"))[0] > 1.0
 
 
-def under_load(dropped, load):
-    """A part with these fields in the drop and under a load."""
-    one = measured(float(load.max()), 0.0)
-    told = LoadResult(name="hung", peak=one.peak, where=one.where, deflection=0.1, measures=one)
-    drop = simulated(dropped)
-    return replace(
-        drop, stress=np.maximum(dropped, load), as_placed=drop.as_placed.or_worse(one), loaded=(told,),
-        dropped=drop.as_placed, dropped_stress=dropped, loaded_stress=load[None],
-    )  # fmt: skip
+# --- utilisation ----------------------------------------------------------------------------------------------------
 
 
-def test_an_overload_under_a_load_alone_is_demanded_of_whatever_the_original_bears_in_the_drop():
-    original = under_load(field(2.0 * Y, 10.0), field(20.0, 10.0))
-    styled = under_load(field(20.0, 10.0), field(1.7 * Y, 1.2 * Y))
-    verdict = judge(styled, original, PLA, "robust")
-    assert verdict.outcome == "FAILS"
-    assert not landed(styled, verdict)
-    for failing in (None, verdict):
-        assert np.all(demand(styled, original, PLA, "headroom", failing) > 1.0)
-    assert not demand(original, original, PLA, "headroom").any()
+@given(own=figures, now=figures, nearly_own=figures, nearly_now=st.lists(figures, min_size=1, max_size=3), load_now=figures)
+def test_utilisation_reaches_one_somewhere_exactly_where_a_row_does_not_pass_for_sure(own, now, nearly_own, nearly_now, load_now):
+    """σ_V is in these fields, so the place that is lowered is the place that is judged."""
+    original = simulated(field(own), nearly=[field(nearly_own)] * len(nearly_now), loads={"hung": field(20.0)})
+    styled = simulated(field(now), nearly=[field(one) for one in nearly_now], loads={"hung": field(load_now)})
+    for row in judged(styled, original).rows:
+        if not row.decides or abs(row.stress / row.limit * (1.0 + REPEATABILITY[row.test]) - 1.0) < 1e-5:
+            continue
+        reached = bool(utilisation(styled, [row]).max() >= 1.0)
+        assert reached == (row.outcome == "FAILS" or not row.sure)
+        assert reached or row.outcome != "FAILS"
 
 
-def test_a_landing_fails_a_part_whose_larger_stress_under_a_load_is_the_originals_own():
-    original, styled = under_load(field(10.0), field(3.0 * Y)), under_load(field(1.5 * Y), field(2.0 * Y))
-    verdict = judge(styled, original, PLA, "robust")
-    assert (verdict.outcome, styled.governing) == ("FAILS", "hung")
-    assert landed(styled, verdict)
+def test_utilisation_is_that_of_the_tests_to_be_met_and_of_no_other():
+    styled = simulated(field(1.5 * Y, 10.0, 10.0), nearly=(field(10.0, 80.0, 10.0),), loads={"hung": field(10.0, 10.0, 2.0 * Y)})
+    rows = {row.test: row for row in judged(styled, simulated(field(10.0, 1.0, 1.0), nearly=(field(9.0, 1.0, 1.0),))).rows}
+    found = {test: utilisation(styled, [rows[test]]) for test in ("flat", "nearly flat", "load")}
+    assert [int(used.argmax()) for used in found.values()] == [0, 1, 2]
+    assert all(np.sum(used > 1.0) == 1 for used in found.values())
+    assert np.array_equal(utilisation(styled, [rows["flat"], rows["load"]]), np.maximum(found["flat"], found["load"]))
+    assert not utilisation(styled, []).any()
 
 
-def test_an_envelope_of_fewer_orientations_demands_nothing():
-    """A part dropped as placed only is not compared with an original dropped in all orientations."""
-    original = simulated(field(10.0), envelope=field(20.0))
-    assert not demand(simulated(field(10.0)), original, PLA, "headroom").any()
+def test_every_landing_of_a_kind_beyond_its_limit_is_to_be_met_not_the_hardest_alone():
+    styled = simulated(field(10.0, 10.0, 10.0), nearly=(field(90.0, 1.0, 1.0), field(1.0, 80.0, 1.0), field(1.0, 1.0, 40.0)))
+    row = judged(styled, simulated(field(10.0, 1.0, 1.0), nearly=[field(30.0, 1.0, 1.0)] * 3)).row("nearly flat")
+    assert (utilisation(styled, [row]) > 1.0).tolist() == [True, True, False]
 
 
-def test_limits_are_the_yield_strength_or_what_the_original_reaches():
-    calm, over = Limits.of(simulated(field(10.0)), PLA), Limits.of(simulated(field(60.0), tilted=field(80.0), contact=30.0), PLA)
-    assert (*calm.drop, calm.tilted, calm.envelope) == (Y, Y, np.inf, 0.0)
-    assert (*over.drop, over.tilted) == pytest.approx((60.0, Y, UNHARMED * 80.0))
+def test_the_published_rule_is_met_at_the_surface():
+    styled = simulated(field(1.2 * Y, 0.5 * Y))
+    row = judged(styled, criterion="paper").row("published rule")
+    assert utilisation(styled, [row]) == pytest.approx([1.2, 0.5])
+
+
+# --- normalisations -------------------------------------------------------------------------------------------------
 
 
 def test_own_max_compares_with_the_largest_unstylized_stress_anywhere():
@@ -261,18 +262,15 @@ def test_sigma_c_compares_with_a_fifth_of_yield():
 
 def test_sigma_c_takes_the_safety_coefficient_of_the_material():
     stricter = msgspec.structs.replace(PLA, safety_coefficient=0.5)
-    assert demand(simulated(field(22.8)), simulated(field(1.0)), stricter, "sigma_c") == pytest.approx([1.0])
+    assert demand(simulated(field(22.8)), simulated(field(1.0)), asked(material=stricter, normalisation="sigma_c")) == pytest.approx([1.0])
 
 
-def test_yield_compares_with_the_yield_strength():
-    assert demanded(field(11.4, 45.6, 91.2), field(1.0, 1.0, 1.0), "yield") == pytest.approx([0.25, 1.0, 2.0])
-
-
-@pytest.mark.parametrize("normalisation", ["own_max", "sigma_c", "yield"])
-def test_published_normalisations_know_the_part_as_placed_alone(normalisation):
-    original = simulated(field(10.0), tilted=field(10.0), envelope=field(10.0))
-    styled = simulated(field(10.0), tilted=field(500.0), envelope=field(500.0))
-    assert np.array_equal(demand(styled, original, PLA, normalisation), demanded(field(10.0), field(10.0), normalisation))
+@pytest.mark.parametrize("normalisation", ["own_max", "sigma_c"])
+def test_published_normalisations_know_the_flat_landing_alone(normalisation):
+    original = simulated(field(10.0), nearly=(field(10.0),))
+    styled = simulated(field(10.0), nearly=(field(500.0),))
+    found = demand(styled, original, asked(normalisation=normalisation))
+    assert np.array_equal(found, demanded(field(10.0), field(10.0), normalisation))
 
 
 @pytest.mark.parametrize("normalisation", NORMALISATIONS)

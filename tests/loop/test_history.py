@@ -20,7 +20,9 @@ from mechstyle.loop.history import (
 )  # fmt: skip
 from mechstyle.loop.objects import Objects
 from mechstyle.loop.store import Lane, Store
+from mechstyle.records import Doubt
 from support.bench import Bench
+from support.records import UNKNOWN
 
 THICKNESS = np.full(64, 4.0, np.float32)
 
@@ -28,7 +30,7 @@ THICKNESS = np.full(64, 4.0, np.float32)
 @pytest.fixture(scope="module")
 def store(tmp_path_factory) -> Store:
     """A lane that had to back off at its end, and a lane branched from its iteration 6; only looked at."""
-    bench = Bench(tmp_path_factory.mktemp("history"), gain=80.0)
+    bench = Bench(tmp_path_factory.mktemp("history"), gain=120.0)
     recipe = bench.recipe(schedule="every", every=4, iterations=12)
     engine = bench.engine(recipe)
     list(engine.run())
@@ -61,11 +63,11 @@ def test_a_row_says_of_each_checkpoint_what_it_holds(store):
 
 def test_a_row_without_a_simulation_has_no_verdict_to_tell(store):
     plain, told = rows(store)[3], rows(store)[4]
-    assert (plain.outcome, plain.words, plain.peak, plain.limit) == ("", "", None, None)
+    assert (plain.outcome, plain.words, plain.stress, plain.limit) == ("", "", None, None)
     decides = told.verdict.deciding
-    assert (told.outcome, told.words, told.peak, told.limit) == (told.verdict.outcome, told.verdict.words, decides.value, decides.limit)
-    unknown = msgspec.structs.replace(told, verdict=msgspec.structs.replace(told.verdict, outcome="UNKNOWN"))
-    assert (unknown.outcome, unknown.peak, unknown.limit) == ("UNKNOWN", None, None)
+    assert (told.outcome, told.words, told.stress, told.limit) == (told.verdict.outcome, told.verdict.words, decides.stress, decides.limit)
+    unknown = msgspec.structs.replace(told, verdict=UNKNOWN)
+    assert (unknown.outcome, unknown.stress, unknown.limit) == ("UNKNOWN", None, None)
 
 
 def test_each_iteration_leaves_its_newest_checkpoint(store):
@@ -92,8 +94,9 @@ def test_steps_are_all_simulations_with_what_each_restrained(store):
 
 def test_the_log_leaves_out_the_unstylized_part(store):
     told = steps(store, rows(store))[1:]
-    wanted = [(step.iteration, step.reason, step.outcome, step.verdict.deciding.value) for step in told]
-    assert [(line.iteration, line.reason, line.verdict, line.peak_stress) for line in simulations(store.history())] == wanted
+    wanted = [(step.iteration, step.reason, step.outcome, step.stress, step.limit, step.verdict.sure) for step in told]
+    found = simulations(store.history())
+    assert [(line.iteration, line.reason, line.outcome, line.stress, line.limit, line.sure) for line in found] == wanted
 
 
 def test_what_is_known_is_not_read_again(store, read):
@@ -120,9 +123,9 @@ def test_what_a_lane_has_come_to_is_what_is_delivered_not_what_was_simulated_las
     found = rows(store)
     last = steps(store, found)[-1]
     entry, verdict = standing(found)
-    assert not last.verdict.viable, "the last that was tried failed"
+    assert not last.verdict.passes, "the last that was tried failed"
     assert entry.final
-    assert verdict.viable
+    assert verdict.passes
     begun = found[:6]  # of a lane that has not ended: its last simulation
     assert standing(begun)[0] is [row for row in begun if row.verdict is not None][-1]
 
@@ -148,18 +151,22 @@ def test_entries_tell_of_lanes_what_rows_do(store):
     assert lanes(store, histories) == lanes(store, told)
 
 
-def test_programs_that_read_the_log_find_what_they_always_found(store):
+def test_programs_that_read_the_log_find_its_fields(store):
     """The fields of `mechstyle log --json` and of the summaries on disk."""
     summary = LaneSummary.of(store, "soft", store.history("soft"))
     assert set(msgspec.to_builtins(summary)) == {"lane", "recipe", "iteration", "finished", "forked_at", "simulations"}
-    assert SimulationLine.__struct_fields__[:5] == ("iteration", "reason", "verdict", "peak_stress", "words")
-    assert msgspec.convert({**dict.fromkeys(("reason", "verdict", "words"), ""), "iteration": 3, "peak_stress": 2.0}, SimulationLine)
+    assert SimulationLine.__struct_fields__ == ("iteration", "reason", "outcome", "stress", "limit", "words", "sure")
 
 
-@pytest.mark.parametrize("marginal", [True, False])
-@pytest.mark.parametrize("words", ["VIABLE, MARGINAL: 45 MPa", "VIABLE: 30 MPa; in all (MARGINAL)"])
-def test_a_line_knows_whether_its_verdict_is_marginal_whatever_its_words_are(store, words, marginal):
+@pytest.mark.parametrize("sure", [True, False])
+def test_a_line_knows_whether_its_verdict_is_sure(store, sure):
     entry, verdict = next(simulated(store.history("main")))
-    rule = msgspec.structs.replace(verdict.as_placed, outcome="VIABLE", marginal=marginal)
-    told = msgspec.structs.replace(verdict, outcome="VIABLE", as_placed=rule, tilted=None, all_orientations=None, words=words)
-    assert SimulationLine.of(entry, told).marginal is told.marginal is marginal
+    doubts = () if sure else (Doubt(about="relief", value=0.8),)
+    line = SimulationLine.of(entry, msgspec.structs.replace(verdict, doubts=doubts))
+    assert (line.sure, "Not sure" in line.words) == (sure, not sure)
+
+
+def test_a_line_without_an_answer_has_no_stress(store):
+    entry, _ = next(simulated(store.history("main")))
+    line = SimulationLine.of(entry, UNKNOWN)
+    assert (line.outcome, line.stress, line.limit, line.sure) == ("UNKNOWN", None, None, False)

@@ -18,9 +18,9 @@ from mechstyle._files import write_whole
 from mechstyle.errors import DamagedStore, MechStyleError
 from mechstyle.loop.objects import Objects
 from mechstyle.loop.store import Lane, Store
-from mechstyle.records import Measures, Simulation
+from mechstyle.records import Checkpoint, Doubt, Simulation
 from mechstyle.records.mesh import SurfaceMesh, TetMesh
-from support.records import AWKWARD, COUNT, VERDICT, checkpoint, recipe, simulation
+from support.records import AWKWARD, COUNT, VERDICT, checkpoint, landing, recipe, simulation, verdict
 
 KEY = "5" * 64
 
@@ -76,13 +76,16 @@ def test_fields_of_a_checkpoint_read_back_are_frozen(store):
         back.mask[0] = 1.0
 
 
-NOT_FINITE = Measures(peak=np.nan, p999=np.inf, p99=-np.inf, maximum=np.nan, where=(np.nan, 0.0, 0.0), volume=1000.0)
+NOT_FINITE = landing(stress=np.nan, maximum=np.inf, critical_height=-np.inf, where=(np.nan, 0.0, 0.0))
 
 
 def test_numbers_that_are_none_come_back(store):
     """JSON has no word for them; a run that met one must still be readable, if only to say UNKNOWN."""
-    back = store.objects.get_record(store.objects.put_record(simulation(as_placed=NOT_FINITE)), Simulation)
-    assert repr(back.as_placed) == repr(NOT_FINITE)
+    one = simulation(landings=(NOT_FINITE,), landing_stress=np.zeros((1, COUNT)))
+    back = store.objects.get_record(store.objects.put_record(one), Simulation)
+    assert repr(back.flat) == repr(NOT_FINITE)
+    doubted = verdict(doubts=(Doubt(about="relief", value=np.nan),))
+    assert np.isnan(store.checkpoint(store.put_checkpoint(checkpoint(verdict=doubted))).verdict.doubts[0].value)
     assert np.isnan(store.checkpoint(store.put_checkpoint(checkpoint(style_loss=np.nan))).style_loss)
 
 
@@ -91,7 +94,11 @@ def test_words_that_look_like_numbers_stay_words(store):
     assert_same(store.objects.get_record(store.objects.put_record(one), Simulation), one)
 
 
-@pytest.mark.parametrize("changes", [{}, {"overall": simulation().as_placed, "failure": ""}], ids=["failed", "thorough"])
+@pytest.mark.parametrize(
+    "changes",
+    [{}, {"failure": ""}, {"landings": (), "landing_stress": np.zeros((0, COUNT)), "loads": (), "load_stress": np.zeros((0, COUNT))}],
+    ids=["failed", "tested", "nothing"],
+)
 def test_simulation_comes_back_bit_for_bit(store, changes):
     one = simulation(**changes)
     assert_same(store.objects.get_record(store.objects.put_record(one), Simulation), one)
@@ -243,7 +250,7 @@ def test_a_log_is_read_although_an_array_is_damaged(store):
 def test_an_object_of_another_kind_is_damage_too(store):
     digest = store.put_recipe(recipe())
     with pytest.raises(DamagedStore, match="is not a Checkpoint"):
-        store.checkpoint(digest)
+        store.objects.get_record(digest, Checkpoint)
 
 
 @damaged

@@ -16,7 +16,7 @@ from mechstyle.loop.events import Checkpointed, Simulated
 from mechstyle.loop.store import Lane, Store
 from support import ROOT
 
-SETTINGS = {"schedule": "every", "every": 7, "iterations": 45, "retraction": True}
+SETTINGS = {"schedule": "every", "every": 7, "iterations": 45}
 
 
 def objects_of(root) -> dict[str, bytes]:
@@ -25,7 +25,7 @@ def objects_of(root) -> dict[str, bytes]:
 
 @pytest.fixture
 def whole(bench, tmp_path):
-    bench.gain = 200.0  # so that there is restraint, retraction and corrections to resume into
+    bench.gain = 200.0  # so that there is restraint, and corrections to resume into
     straight = replace(bench, root=tmp_path / "straight")
     list(straight.engine(straight.recipe(**SETTINGS)).run())
     return straight.root

@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mechstyle.errors import BadInput
+from mechstyle.errors import BadInput, DamagedStore
 from mechstyle.loop.garbage import collect
 from mechstyle.loop.store import Lane, Store, parse_address
-from support.records import VERDICT, checkpoint
+from support.records import VERDICT, checkpoint, recipe
 
 KEY = "5" * 64
 
@@ -268,3 +268,30 @@ def test_any_text_is_an_address_or_is_refused(address):
 )
 def test_a_full_address_is_read_as_it_was_written(root, lane, iteration):
     assert parse_address(f"{root}@{lane}:{iteration}") == (Path(root), lane, iteration)
+
+
+# --- other versions -----------------------------------------------------------------------------------------------
+
+
+EARLIER = {
+    "a recipe": lambda store: [store.put_checkpoint(checkpoint(0)), store.objects.put(b'{"surface":"5","tilts":3,"drop_height":1500.0}')],
+    "a verdict": lambda store: [store.objects.put_record({**ENTRY, "verdict": {"outcome": "VIABLE", "words": "It holds."}}), KEY],
+}
+ENTRY = {"iteration": 0, "parent": "", "recipe": "", "simulated_at": 0, "style_loss": 0.5, "reason": "original part", "final": False}
+
+
+@pytest.mark.parametrize("what", EARLIER)
+def test_a_run_of_another_version_is_refused_in_one_sentence(store, what):
+    head, recipe = EARLIER[what](store)
+    store.move("main", Lane(recipe=recipe, head=head))
+    with pytest.raises(BadInput) as caught:
+        _ = store.recipe(store.lane().recipe) if what == "a recipe" else store.history()
+    said = str(caught.value)
+    assert said == f"{store.root}: this run was made by another version of MechStyle; run it again in another folder"
+
+
+def test_a_record_that_is_damaged_is_not_taken_for_one_of_another_version(store):
+    digest = store.put_recipe(recipe())
+    store.objects.path(digest).write_bytes(b"rust")
+    with pytest.raises(DamagedStore, match="restore it from a copy"):
+        store.recipe(digest)
