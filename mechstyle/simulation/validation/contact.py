@@ -1,4 +1,4 @@
-"""A landing on a corner against CalculiX: floor force, impulse and the stress that decides, on the same mesh."""
+"""A landing on a corner against CalculiX: floor force, impulse and σ_V, on the same mesh."""
 
 from __future__ import annotations
 
@@ -11,15 +11,13 @@ from mechstyle.fea import elasticity
 from mechstyle.fea.drop import DropTest, drop
 from mechstyle.fea.elasticity import law_named
 from mechstyle.fea.elements import QUADRATIC, ElementMesh, with_nodes
-from mechstyle.fea.surface_stress import Deciding, SurfaceStress
-from mechstyle.records.material import LIBRARY
-from mechstyle.records.mesh import Bools, Floats, TetMesh
+from mechstyle.fea.stressed_volume import DROPPED
+from mechstyle.records.mesh import Floats, TetMesh
 from mechstyle.simulation.validation import calculix
 from mechstyle.simulation.validation.cases import Result, bounded, compared
 from mechstyle.simulation.validation.meshes import bracket
+from mechstyle.simulation.validation.reading import PLA, UPRIGHT, Body, Reading
 
-PLA = LIBRARY["PLA"]
-UPRIGHT = ((0.0, 0.0, 1.0),)
 TILT = np.array([0.35, 0.2, 1.0])
 """Floor normal in the frame of the bracket: it lands on a corner, its legs bend and it turns."""
 IMPULSE, FORCE, STRESS = 0.01, 0.04, 0.02
@@ -32,13 +30,13 @@ class Landed(NamedTuple):
     Attributes:
         time: Since first touch [ms], shape [samples].
         pushed: Impulse of the floor until then [mN s], shape [samples].
-        deciding: The stress that decides.
+        reading: σ_V and the largest stress.
         von_mises: Largest stress at the Gauss points [MPa], shape [tet_count, points].
     """
 
     time: Floats
     pushed: Floats
-    deciding: Deciding
+    reading: Reading
     von_mises: Floats
 
 
@@ -64,10 +62,7 @@ def _against_calculix(name: str, cell: float, window: float) -> Iterator[Result]
     one, other = (_means(landed) for landed in (ours, theirs))
     distance = np.linalg.norm(one - other) / np.linalg.norm(other)
     yield bounded(f"{name}: force of the floor over time, L2", float(distance), FORCE, f"{note}; means over {PARTS} parts of it")
-    for label in ("contact", "surface"):
-        one, other = (getattr(landed.deciding, label) for landed in (ours, theirs))
-        what = {"contact": "average around the contact", "surface": "σ_2 outside the contact"}[label]
-        yield compared(f"{name}: {what}", one, other, STRESS, "MPa", note)
+    yield compared(f"{name}: σ_V", ours.reading.stress, theirs.reading.stress, STRESS, "MPa", note)
     distance = np.linalg.norm(ours.von_mises - theirs.von_mises) / np.linalg.norm(theirs.von_mises)
     yield bounded(f"{name}: largest von Mises, L2", float(distance), STRESS, note)
 
@@ -76,32 +71,22 @@ def _ours(tets: TetMesh, test: DropTest) -> Landed:
     result = drop(tets, PLA, UPRIGHT, test, device="cpu")
     history = result.history[0]
     pushed = np.cumsum(history.contact_force) * (history.time[1] - history.time[0])
-    deciding = SurfaceStress(tets).of_landing(tets, result.von_mises[0], result.corners[0], result.contact[0])
-    return Landed(history.time, pushed, deciding, result.von_mises[0].astype(np.float64))
+    return Landed(history.time, pushed, Body(tets).read(result.corners[0], DROPPED), result.von_mises[0].astype(np.float64))
 
 
 def _theirs(mesh: ElementMesh, answer: calculix.Landing, test: DropTest) -> Landed:
     """Stress from the displacements by the same formulas: it is the motion that is compared; the elements are by another case."""
     law, zero = law_named(test.law, PLA), np.zeros((len(mesh.connectivity), 4))
     points, corners = zero, zero
-    touched = np.zeros(len(mesh.tets.vertices), dtype=bool)
     for u in answer.displacement:
         H, at_corners = elasticity.displacement_gradients(mesh, u), elasticity.corner_gradients(mesh, u)
         points, corners = (
             np.maximum(before, elasticity.von_mises(elasticity.cauchy_stress(now, law.first_piola(now))))
             for before, now in ((points, H), (corners, at_corners))
         )
-        touched |= _below(mesh, u)
-    deciding = SurfaceStress(mesh.tets).of_landing(mesh.tets, points, corners, touched)
     time, force = np.append(0.0, answer.time), np.append(0.0, answer.force)
     pushed = np.append(0.0, np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(time)))
-    return Landed(time, pushed, deciding, points)
-
-
-def _below(mesh: ElementMesh, u: Floats) -> Bools:
-    """Vertices that press a spring of the floor, shape [vertex_count]."""
-    count = len(mesh.tets.vertices)
-    return np.asarray(mesh.nodes[:count, 2] + u[:count, 2] < 0.0)
+    return Landed(time, pushed, Body(mesh.tets).read(corners, DROPPED), points)
 
 
 def _tilted(tets: TetMesh) -> TetMesh:

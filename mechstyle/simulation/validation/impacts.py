@@ -113,8 +113,8 @@ def instructions() -> Iterator[Result]:
         raise MissingPiece(f"the oldest instructions are known for x86-64, not for {platform.machine()}, so they were not compared")
     for name in ELEMENTS:
         here = _plate(name)
-        told = subprocess.run([sys.executable, "-c", ELSEWHERE, name], check=True, stdout=subprocess.PIPE).stdout  # noqa: S603 — our own words
-        there = np.frombuffer(told, here.dtype)
+        answer = subprocess.run([sys.executable, "-c", ELSEWHERE, name], check=True, stdout=subprocess.PIPE).stdout  # noqa: S603 — our own words
+        there = np.frombuffer(answer, here.dtype)
         largest, note = float(here.max()), "x86-64 without extensions against this processor"
         yield compared(f"instructions: {name}, largest von Mises", largest, float(there.max()), 1e-5, "MPa", note)
         yield bounded(f"instructions: {name}, von Mises, L2", _distance(here.ravel(), there), SAME, note)

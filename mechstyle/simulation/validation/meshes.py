@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,16 +42,41 @@ def ball(radius: float, cells: int, finer: float) -> TetMesh:
         cells: Cells along each edge of the cube that is bent into the ball; even.
         finer: How many times smaller than the mean the cells at the point of contact are, about.
     """
+    across, up = _graded(cells, finer)
+    cube = lattice(across, across, up)
+    bent = radius * _shells(cube.vertices) + [0.0, 0.0, radius]
+    return _upright(cube.moved(bent))
+
+
+def roller(radius: float, length: float, cells: int, along: int, finer: float) -> TetMesh:
+    """A round bar along x that lies on z = 0, graded towards the line of contact [mm].
+
+    Args:
+        radius: Its radius [mm].
+        length: Its length [mm].
+        cells: Cells along each edge of the square that is bent into its section; even.
+        along: Cells along it.
+        finer: As for `ball`.
+    """
+    across, up = _graded(cells, finer)
+    square = lattice(np.linspace(0.0, length, along + 1), across, up)
+    bent = radius * _shells(square.vertices[:, 1:]) + [0.0, radius]
+    return _upright(square.moved(np.column_stack([square.vertices[:, 0], bent])))
+
+
+def _graded(cells: int, finer: float) -> tuple[Floats, Floats]:
+    """Coordinates from −1 to 1 that lie closer in the middle, and such that lie closer at −1."""
     steepness = math.asinh(finer)
     across = np.sinh(steepness * np.linspace(-1.0, 1.0, cells + 1)) / math.sinh(steepness)
     up = 2.0 * np.sinh(0.5 * steepness * np.linspace(0.0, 1.0, cells + 1)) / math.sinh(0.5 * steepness) - 1.0
-    cube = lattice(across, across, up)
-    # Shells of the cube become shells of the ball; tangents spread the cells evenly over the angle.
-    shell = np.abs(cube.vertices).max(axis=1, keepdims=True)
-    outward = np.tan(0.25 * math.pi * cube.vertices / np.maximum(shell, 1e-12))
-    outward /= np.maximum(np.linalg.norm(outward, axis=1, keepdims=True), 1e-12)
-    bent = radius * shell * outward + [0.0, 0.0, radius]
-    return _upright(cube.moved(bent))
+    return across, up
+
+
+def _shells(square: Floats) -> Floats:
+    """Shells of a square or cube from −1 to 1 as those of a disc or ball; tangents spread the cells evenly over the angle."""
+    shell = np.abs(square).max(axis=1, keepdims=True)
+    outward = np.tan(0.25 * math.pi * square / np.maximum(shell, 1e-12))
+    return np.asarray(shell * outward / np.maximum(np.linalg.norm(outward, axis=1, keepdims=True), 1e-12))
 
 
 def cup(radius: float, height: float, wall: float, counts: tuple[int, int, int] = (36, 10, 4)) -> TetMesh:
@@ -109,6 +135,43 @@ def open_ring(length: float, breadth: float, thickness: float, around: int) -> T
     outward = np.column_stack([breadth * np.cos(turn), length * np.sin(turn)])
     outward /= np.linalg.norm(outward, axis=1, keepdims=True)
     return _upright(way.moved(np.column_stack([line + thickness * out[:, None] * outward, thickness * up])))
+
+
+def round_bar(diameter: float, length: float, rings: int, along: int) -> TetMesh:
+    """A round bar along x from 0 to `length`, about the x-axis [mm].
+
+    Args:
+        diameter: Of the bar [mm].
+        length: Of the bar [mm].
+        rings: Cells across the square that is bent into its section; even.
+        along: Cells along it.
+    """
+    across = np.linspace(-1.0, 1.0, rings + 1)
+    square = lattice(np.linspace(0.0, length, along + 1), across, across)
+    side = square.vertices[:, 1:]
+    shell = np.abs(side).max(axis=1, keepdims=True) / np.maximum(np.linalg.norm(side, axis=1, keepdims=True), 1e-12)
+    return square.moved(np.column_stack([square.vertices[:, 0], 0.5 * diameter * shell * side]))
+
+
+def carved(x: Floats, y: Floats, z: Floats, keep: Callable[[Floats, Floats, Floats], NDArray[np.bool_]]) -> TetMesh:
+    """Of a lattice between given coordinates [mm] the tetrahedra of cells whose middle is to be kept.
+
+    Args:
+        x: Coordinates of the cells' corners along x, and likewise y and z.
+        y: See x.
+        z: See x.
+        keep: Says of middles of cells [mm], each of shape [n], whether they are part of the body.
+    """
+    block = lattice(x, y, z)
+    centres = block.vertices[block.tets].mean(axis=1)
+    x_middle, y_middle, z_middle = (_middle(axis, centre) for axis, centre in zip((x, y, z), centres.T, strict=True))
+    return _without(block, ~keep(x_middle, y_middle, z_middle))
+
+
+def _middle(axis: Floats, place: Floats) -> Floats:
+    """Middle of the cell in which a coordinate lies."""
+    number = np.clip(np.searchsorted(axis, place) - 1, 0, len(axis) - 2)
+    return np.asarray(0.5 * (axis[number] + axis[number + 1]))
 
 
 def _without(block: TetMesh, hollow: NDArray[np.bool_]) -> TetMesh:

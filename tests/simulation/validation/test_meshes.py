@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from mechstyle.simulation.validation.meshes import ball, box, bracket, cup, open_ring, refined, square_cup
+from mechstyle.simulation.validation.meshes import ball, box, bracket, carved, cup, open_ring, refined, roller, round_bar, square_cup
 
 
 def boundary_area(tets):
@@ -29,6 +29,8 @@ CUP["area"] = np.pi * (15.0**2 + 2 * 15.0 * 25.0 + (15.0**2 - 13.0**2) + 2 * 13.
         (square_cup(24.0, 24.0, 2.0), 24.0**3 - 20.0**2 * 22.0, 2 * 24.0**2 + 4 * 24.0**2 + 4 * 20.0 * 22.0, 1e-9),
         (bracket(20.0, 8.0, 4.0, 4.0), 8.0 * (20.0**2 - 16.0**2), 8.0 * 80.0 + 2 * (20.0**2 - 16.0**2), 1e-9),
         (open_ring(30.0, 30.0, 6.0, 60), 36.0 * 1.8 * np.pi * 30.0, 4 * 6.0 * 1.8 * np.pi * 30.0 + 2 * 36.0, 0.01),
+        (round_bar(4.0, 40.0, 10, 20), np.pi * 4.0 * 40.0, 4.0 * np.pi * 40.0 + 8.0 * np.pi, 0.01),
+        (roller(8.0, 24.0, 12, 6, 4.0), np.pi * 64.0 * 24.0, 16.0 * np.pi * 24.0 + 128.0 * np.pi, 0.02),
         (cup(15.0, 25.0, 2.0), CUP["volume"], CUP["area"], 0.01),  # a face inside, where cells do not fit, would add to the area
     ],
 )
@@ -47,6 +49,21 @@ def test_the_ball_touches_the_floor_at_one_point_where_it_is_finer():
     near, far = (np.linalg.norm(centre - pole, axis=1) < 5.0 for pole in ([0.0, 0.0, 0.0], [0.0, 0.0, 40.0]))
     assert near.sum() > 1.4 * far.sum()
     assert np.median(tets.volumes[near]) < 0.5 * np.median(tets.volumes)
+
+
+def test_the_round_bar_lies_on_the_floor_along_one_line():
+    tets = roller(8.0, 24.0, 8, 4, 4.0)
+    lowest = tets.vertices[tets.vertices[:, 2] < 1e-6]
+    assert tets.vertices[:, 2].min() == pytest.approx(0.0, abs=1e-9)
+    assert lowest[:, 1] == pytest.approx(np.zeros(5), abs=1e-9)
+    assert sorted(lowest[:, 0]) == pytest.approx([0.0, 6.0, 12.0, 18.0, 24.0])
+
+
+def test_carving_keeps_whole_cells_by_their_middles():
+    axis = np.array([0.0, 1.0, 2.0, 4.0])
+    tets = carved(axis, axis, axis, lambda x, y, z: ~((x > 2.0) & (y > 2.0) & (z > 2.0)))
+    assert tets.volumes.sum() == pytest.approx(64.0 - 8.0)
+    assert edges_are_shared_by_two(tets)
 
 
 def test_refinement_keeps_the_shape_and_cuts_every_tetrahedron_into_eight():

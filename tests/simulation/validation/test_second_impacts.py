@@ -1,5 +1,7 @@
 """Touches read off a drop without a break."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -13,7 +15,7 @@ from mechstyle.fea.period import lowest_period
 from mechstyle.fea.phases import follow
 from mechstyle.records.material import LIBRARY
 from mechstyle.simulation.validation.meshes import box
-from mechstyle.simulation.validation.second_impacts import P99, TILTS, _landed_again, later_touches, tilted_ways
+from mechstyle.simulation.validation.second_impacts import TILTS, WORST, _landed_again, later_touches, tilted_ways
 
 PLA = LIBRARY["PLA"]
 
@@ -33,9 +35,16 @@ def test_a_long_window_has_the_touch_a_short_one_has_not(window, count):
         assert found[0].speed == pytest.approx(phases[1].speed, rel=0.02)
 
 
-def test_the_envelope_of_a_bar_in_six_tilts_is_that_of_a_full_run():
-    """Every second touch within 3 % of its time and speed, none missed, the 99th percentile of the stress within 5 %."""
+def test_a_bar_in_six_tilts_meets_the_floor_as_in_a_full_run():
+    """Every second touch within 3 % of its time and speed, none missed, the largest σ_V within 5 %.
+
+    A second impact is one of a body at rest in itself: steep landings, whose other end comes down later, read up to a fifth less.
+    """
     found = list(_landed_again("bar", box((24, 4, 1), (120.0, 20.0, 4.0)), tilted_ways(), 20.0, [f"{tilt:g}°" for tilt in TILTS]))
     assert [f"{one.case}: {one.error:.3g}, {one.note}" for one in found if not one.passed] == []
     assert sum("35°" in one.case for one in found) == 2
-    assert [one.limit for one in found[-2:]] == [0.0, P99]
+    assert [one.limit for one in found[-2:]] == [0.0, WORST]
+    each = [(float(ours), float(whole)) for ours, whole in re.findall(r"([\d.]+) \(([\d.]+)\)", found[-1].note)]
+    assert len(each) == len(TILTS)
+    assert each[0][0] == pytest.approx(each[0][1], rel=0.03)
+    assert all(ours > 0.8 * whole for ours, whole in each), found[-1].note

@@ -1,0 +1,85 @@
+"""σ_V of structured bodies under loads and in landings, weighed by the walls that their own surface has."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from mechstyle.fea.discretisation import discretise
+from mechstyle.fea.drop import DropTest, drop
+from mechstyle.fea.elements import QUADRATIC
+from mechstyle.fea.period import lowest_period
+from mechstyle.fea.statics.load_test import StaticTest
+from mechstyle.fea.stressed_volume import DROPPED, LOADED, Walls, at_nodes, exceeded
+from mechstyle.geometry.thickness import local_thickness
+from mechstyle.records.load_cases import Load, LoadCase, Patch, Support
+from mechstyle.records.material import LIBRARY, Material
+from mechstyle.records.mesh import SurfaceMesh, TetMesh
+
+PLA = LIBRARY["PLA"]
+UPRIGHT = ((0.0, 0.0, 1.0),)
+
+
+class Reading(NamedTuple):
+    """What a test reads of a body.
+
+    Attributes:
+        stress: σ_V [MPa].
+        maximum: Largest stress at a corner of a tetrahedron [MPa].
+    """
+
+    stress: float
+    maximum: float
+
+
+class Body:
+    """A body and its walls, which are worked out once.
+
+    Attributes:
+        tets: Its tetrahedra.
+    """
+
+    def __init__(self, tets: TetMesh) -> None:
+        self.tets = tets
+
+    @cached_property
+    def walls(self) -> Walls:
+        """Its walls, unless those of another surface are set."""
+        surface = surface_of(self.tets)
+        return Walls(surface.vertices, local_thickness(surface))
+
+    def read(self, corners: ArrayLike, edge: float) -> Reading:
+        """Reading of stress at the corners of the tetrahedra [MPa], shape [tet_count, 4]; `edge` is that of the cube V0 [mm]."""
+        weights = self.walls.weights(self.tets)
+        return Reading(exceeded(self.tets, at_nodes(self.tets, corners), weights, edge**3).stress, float(np.max(corners)))
+
+    def loaded(self, force: tuple[float, float, float], material: Material = PLA) -> Reading:
+        """Held at its low end along x, a force [N] at the other."""
+        low, high = self.tets.vertices[:, 0].min(), self.tets.vertices[:, 0].max()
+        case = LoadCase(
+            name="load",
+            supports=(Support(at=Patch(plane=(low, 0.0, 0.0, -1.0, 0.0, 0.0))),),
+            loads=(Load(at=Patch(plane=(high, 0.0, 0.0, 1.0, 0.0, 0.0)), force=force),),
+        )
+        return self.read(StaticTest(self.tets, (case,)).run(self.tets, material)["load"].corners, LOADED)
+
+    def dropped(self, test: DropTest, normals: ArrayLike = UPRIGHT, period: float | None = None) -> list[Reading]:
+        """Readings of drops with given floor normals, shape [landings, 3]."""
+        result = drop(self.tets, PLA, normals, test, device="cpu", period=period)
+        if result.failure:
+            raise ValueError(result.failure)
+        return [self.read(corners, DROPPED) for corners in result.corners]
+
+
+def surface_of(tets: TetMesh) -> SurfaceMesh:
+    """The boundary of a body."""
+    used, numbers = np.unique(tets.boundary_faces, return_inverse=True)
+    return SurfaceMesh(tets.vertices[used], numbers.reshape(-1, 3).astype(np.int32))
+
+
+def period_of_body(tets: TetMesh) -> float:
+    """Lowest period of free vibration [ms]."""
+    return lowest_period(discretise(tets, PLA, DropTest().added_mass, QUADRATIC))
