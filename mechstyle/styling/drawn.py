@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import Floats, SurfaceMesh, frozen_array
+from mechstyle.records.recipe import DEFAULTS
 from mechstyle.styling.dimensions import Dimensions
 from mechstyle.styling.drawing.canvas import Canvas, scale_by_area
 from mechstyle.styling.drawing.colours import NEUTRAL, in_recesses
@@ -21,7 +22,7 @@ from mechstyle.styling.prompt import Wish
 from mechstyle.styling.style import Proposal, Relief
 
 COLOUR_WEIGHT = 4.0
-_RATE = 1.0 - float(np.exp(-1.0 / 40.0))  # 40 iterations bring the distance to the target down by e
+_LEFT = 0.005  # of the way to the target, at the end of a run of any number of iterations
 _NOTICEABLE, _WORTH_A_NOTE = 0.1, 0.02  # share of the relief lost at a vertex, and of the surface where it is
 _LEAST_AREA = 1e-9  # of the mean of all vertices: what has none follows its target like the others
 
@@ -92,11 +93,6 @@ def tinted(relief: Relief, wish: Wish) -> Floats:
     return np.clip(colour, 0.0, 1.0)
 
 
-def approached(iterations: int) -> float:
-    """Share of the way to a target that so many iterations come."""
-    return 1.0 - (1.0 - _RATE) ** iterations
-
-
 def canvas_for(recipe: Recipe, wish: Wish, mesh: SurfaceMesh, thickness: ArrayLike, raster: Raster | None) -> Canvas:
     """What to draw a wish of a recipe on.
 
@@ -137,9 +133,16 @@ class ProceduralStylizer:
 
     The loss is Σ A_i [((s_i − s*_i)/s_ref)² + 4 ‖c_i − c*_i‖²] / Σ A_i with vertex areas A, displacements s, colours c and s_ref the
     root mean square of s*. It sees its own proposals only: fed with what a mask let through, it would push ever harder against the mask.
+    Its rate follows the number of iterations, so that a run of any number arrives at its style.
+
+    Args:
+        mesh: The unstylized surface.
+        target: The finished style.
+        iterations: Iterations of the run.
     """
 
-    def __init__(self, mesh: SurfaceMesh, target: Target) -> None:
+    def __init__(self, mesh: SurfaceMesh, target: Target, iterations: int = DEFAULTS["iterations"]) -> None:
+        self._rate = 1.0 - _LEFT ** (1 / iterations)
         areas = np.maximum(mesh.vertex_areas, _LEAST_AREA * mesh.vertex_areas.mean())
         self._share = areas / areas.sum()
         self._target = target.displacement.astype(np.float64), target.colour.astype(np.float64)
@@ -154,8 +157,8 @@ class ProceduralStylizer:
     def step(self) -> Proposal:
         """One iteration of descent, preconditioned by the areas so that all vertices approach their target alike."""
         slope, colour_slope = self._gradient()
-        displacement = self._displacement - _RATE * slope * self._reference**2 / (2.0 * self._share)
-        colour = self._colour - _RATE * colour_slope / (2.0 * COLOUR_WEIGHT * self._share[:, None])
+        displacement = self._displacement - self._rate * slope * self._reference**2 / (2.0 * self._share)
+        colour = self._colour - self._rate * colour_slope / (2.0 * COLOUR_WEIGHT * self._share[:, None])
         self.start_from(displacement, colour)
         return self.proposal()
 

@@ -111,13 +111,12 @@ def test_a_step_goes_down_the_gradient_of_the_loss(holder, stony, stylizer):
     assert np.all((moved.displacement - start.displacement) * slope <= 0.0)
 
 
-def test_the_loss_falls_with_every_step_by_e_in_forty_and_ends_below_a_hundredth(stony, stylizer):
-    losses = [stylizer.loss(*stylizer.proposal()), *(stylizer.loss(*stylizer.step()) for _ in range(200))]
+@pytest.mark.parametrize("iterations", [1, 12, 40, 200])
+def test_a_run_of_any_number_of_iterations_arrives_at_its_style(holder, stony, iterations):
+    stylizer = ProceduralStylizer(holder, stony, iterations)
+    losses = [stylizer.loss(*stylizer.proposal()), *(stylizer.loss(*stylizer.step()) for _ in range(iterations))]
     assert np.all(np.diff(losses) < 0.0)
-    assert losses[40] / losses[0] == pytest.approx(np.exp(-2.0), rel=1e-3)  # the loss is a square
-    assert losses[200] < 1e-4 * losses[0]
-    distance = np.abs(stylizer.proposal().displacement - stony.displacement).max()
-    assert distance < 0.01 * np.abs(stony.displacement).max()
+    assert losses[-1] / losses[0] == pytest.approx(0.005**2, rel=0.02)  # the loss is a square
 
 
 def test_a_restored_run_goes_on_with_the_same_bytes(holder, stony, stylizer):
