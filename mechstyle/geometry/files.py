@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import io
 import logging
-import re
 import struct
 import warnings
 import zipfile
@@ -21,12 +20,11 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from mechstyle._files import file_stem, write_aside
+from mechstyle._files import write_aside
 from mechstyle.errors import BadInput
 from mechstyle.geometry.claims import MOST_BYTES, MOST_FACES, check_claims
 from mechstyle.geometry.glb import glb_bytes
 from mechstyle.geometry.repair import repaired
-from mechstyle.geometry.texture import Texture, png
 from mechstyle.geometry.threemf import threemf_bytes
 from mechstyle.geometry.upright import lying, upright
 from mechstyle.records.mesh import Field, Floats, SurfaceMesh
@@ -49,8 +47,6 @@ DAMAGED = (
     TypeError, UnboundLocalError, ValueError, struct.error, zipfile.BadZipFile, zlib.error,
 )  # fmt: skip
 """What parsers raise at damaged files: they notice damage where something is missing, too large, or of another kind."""
-TEXTURED = ("glb", "obj")
-"""Formats that hold a texture."""
 MEASURED = ("glb", "ply")
 """Formats that hold fields over the surface."""
 NO_FIELDS: Mapping[str, Field] = MappingProxyType({})
@@ -186,33 +182,28 @@ def _check_size(name: str, vertices: Floats, factor: float) -> None:
     raise BadInput(f"{name} is {shown} mm long; parts must be {SMALLEST:g} to {LARGEST:g} mm: {hint}")
 
 
-def save(
-    mesh: SurfaceMesh, path: str | Path, *, name: str = "", texture: Texture | None = None, fields: Mapping[str, Field] = NO_FIELDS
-) -> Path:
+def save(mesh: SurfaceMesh, path: str | Path, *, name: str = "", fields: Mapping[str, Field] = NO_FIELDS) -> Path:
     """Write a surface in the format its suffix names; colours survive in OBJ, PLY, GLB and 3MF. The file appears whole or not at all.
 
     Args:
         mesh: The surface [mm].
         path: The file.
         name: What the part is called in it, where the format has names; by default as it was loaded.
-        texture: Its colours, finer than its vertices, for GLB and OBJ. Beside `part.obj` lie then `part.mtl` and `part-texture.png`.
         fields: Values at its vertices by name, such as stress, shape [vertex_count]: properties in PLY, attributes in GLB, where `stress`
             is called `_STRESS`. Their units stay what they are.
 
     Raises:
-        BadInput: If the suffix is not one of FORMATS, cannot hold a texture or fields, or the place cannot be written to.
+        BadInput: If the suffix is not one of FORMATS, cannot hold fields, or the place cannot be written to.
     """
     file = Path(path)
     suffix = file.suffix.lower().lstrip(".")
     if suffix not in FORMATS:
         raise BadInput(f"{file.name}: cannot write {_kind(suffix)}; use {', '.join(FORMATS)}")
-    check_holds(file, texture=texture is not None, fields=bool(fields))
+    if fields:
+        check_holds_fields(file)
     called = name or getattr(mesh, "name", "") or "part"
     try:
-        if suffix == "obj" and texture is not None:
-            _write_textured(file, mesh, texture, called)
-        else:
-            write_aside(file, _content_of(mesh, suffix, called, texture, fields))
+        write_aside(file, _content_of(mesh, suffix, called, fields))
     except OSError as error:
         raise _no_room(file, error) from error
     return file
@@ -230,18 +221,17 @@ def _no_room(file: Path, error: OSError) -> BadInput:
     return BadInput(f"cannot write {file}: {error.strerror}; choose another place, or make room")
 
 
-def check_holds(path: str | Path, *, texture: bool, fields: bool) -> None:
-    """Refuse a texture, or fields over the surface, before it is made, in a format that holds none, with BadInput."""
+def check_holds_fields(path: str | Path) -> None:
+    """Refuse a format that holds no fields over the surface, before they are made, with BadInput."""
     suffix = Path(path).suffix.lower().lstrip(".")
-    for what, wanted, holders in (("texture", texture, TEXTURED), ("fields", fields, MEASURED)):
-        if wanted and suffix not in holders:
-            raise BadInput(f"{Path(path).name}: {suffix.upper()} holds no {what}; use {' or '.join(holders)}, or leave the {what} out")
+    if suffix not in MEASURED:
+        raise BadInput(f"{Path(path).name}: {suffix.upper()} holds no fields; use {' or '.join(MEASURED)}, or leave the fields out")
 
 
-def _content_of(mesh: SurfaceMesh, suffix: str, name: str, texture: Texture | None, fields: Mapping[str, Field]) -> bytes:
+def _content_of(mesh: SurfaceMesh, suffix: str, name: str, fields: Mapping[str, Field]) -> bytes:
     if suffix == "3mf":
         return threemf_bytes(mesh, name)
-    return glb_bytes(mesh, name, texture, fields) if suffix == "glb" else _exported(mesh, suffix, fields)
+    return glb_bytes(mesh, name, fields) if suffix == "glb" else _exported(mesh, suffix, fields)
 
 
 def _exported(mesh: SurfaceMesh, suffix: str, fields: Mapping[str, Field]) -> bytes:
@@ -251,18 +241,3 @@ def _exported(mesh: SurfaceMesh, suffix: str, fields: Mapping[str, Field]) -> by
     written.vertex_attributes.update({name: np.asarray(values, np.float32) for name, values in fields.items()})
     content = written.export(file_type=suffix)
     return content.encode() if isinstance(content, str) else bytes(content)
-
-
-def _write_textured(file: Path, mesh: SurfaceMesh, texture: Texture, name: str) -> None:
-    """An OBJ file, last, and beside it the material and the picture that it names."""
-    plain = re.sub(r"\s+", "_", file_stem(file.stem))  # names in OBJ end at a space
-    material, picture = file.with_name(f"{plain}.mtl"), file.with_name(f"{plain}-texture.png")
-    write_aside(picture, png(texture.pixels))
-    shading = f"newmtl print\nKa 0 0 0\nKd 1 1 1\nKs 0 0 0\nillum 1\nmap_Kd {picture.name}\n"
-    write_aside(material, shading.encode())
-    lines = [f"mtllib {material.name}", "o " + re.sub(r"\s+", "_", file_stem(name)), "usemtl print"]
-    lines += [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in mesh.vertices]
-    lines += [f"vt {u:.7f} {v:.7f}" for u, v in texture.uv.reshape(-1, 2)]
-    corners = zip(range(1, 3 * len(mesh.faces), 3), mesh.faces + 1, strict=True)
-    lines += [f"f {a}/{at} {b}/{at + 1} {c}/{at + 2}" for at, (a, b, c) in corners]
-    write_aside(file, ("\n".join(lines) + "\n").encode())

@@ -1,6 +1,6 @@
-"""Writing binary glTF 2.0: one mesh in metres with y up, a dull material, colours at its vertices or in a texture.
+"""Writing binary glTF 2.0: one mesh in metres with y up, a dull material, colours at its vertices.
 
-Colours at vertices are linear there (section 3.7.2.1 of the specification), those of a texture are display values (section 3.9.2).
+Colours at vertices are linear there (section 3.7.2.1 of the specification).
 Other fields are application-specific attributes, whose names begin with an underscore (section 3.7.2.1).
 """
 
@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mechstyle.geometry.texture import Texture, png
+from mechstyle._colour import srgb_to_linear
 from mechstyle.geometry.upright import upright
-from mechstyle.records.mesh import Field, Floats, SurfaceMesh
+from mechstyle.records.mesh import Field, SurfaceMesh
 
 METRES = 1e-3
 ROUGHNESS = 0.8
@@ -27,40 +27,29 @@ PLAIN = 0.8
 
 _FLOAT, _SHORT, _INT = 5126, 5123, 5125
 _VERTICES, _INDICES = 34962, 34963
-_LINEAR, _CLAMPED = 9729, 33071
 
 
-def glb_bytes(mesh: SurfaceMesh, name: str, texture: Texture | None = None, fields: Mapping[str, Field] = MappingProxyType({})) -> bytes:
+def glb_bytes(mesh: SurfaceMesh, name: str, fields: Mapping[str, Field] = MappingProxyType({})) -> bytes:
     """A GLB file; the same mesh gives the same bytes.
 
     Args:
         mesh: The part [mm], z up.
         name: What it is called in the scene.
-        texture: Its colours, instead of those at its vertices.
         fields: Finite values at its vertices by name, shape [vertex_count]: `stress` becomes the attribute `_STRESS`.
     """
     buffer = _Buffer()
-    corners = mesh.vertices if texture is None else mesh.corners.reshape(-1, 3)
-    faces = mesh.faces if texture is None else np.arange(len(corners)).reshape(-1, 3)
-    vertex_of = np.arange(len(corners)) if texture is None else mesh.faces.ravel()
-    positions = np.asarray(corners @ upright("y") * METRES, np.float32)
+    positions = np.asarray(mesh.vertices @ upright("y") * METRES, np.float32)
     limits = {"min": positions.min(axis=0).tolist(), "max": positions.max(axis=0).tolist()}
     attributes = {"POSITION": buffer.accessor(positions, _FLOAT, "VEC3", _VERTICES, **limits)}
     shaded: dict[str, Any] = {"metallicFactor": 0.0, "roughnessFactor": ROUGHNESS}
     document: dict[str, Any] = {"asset": {"version": "2.0", "generator": "MechStyle"}, "scene": 0}
-    if texture is not None:
-        attributes["TEXCOORD_0"] = buffer.accessor(_from_the_top(texture.uv), _FLOAT, "VEC2", _VERTICES)
-        document["images"] = [{"mimeType": "image/png", "bufferView": buffer.view(png(texture.pixels))}]
-        document["samplers"] = [{"magFilter": _LINEAR, "minFilter": _LINEAR, "wrapS": _CLAMPED, "wrapT": _CLAMPED}]
-        document["textures"] = [{"source": 0, "sampler": 0}]
-        shaded["baseColorTexture"] = {"index": 0}
-    elif mesh.colours is not None:
+    if mesh.colours is not None:
         attributes["COLOR_0"] = buffer.accessor(_linear(mesh.colours), _SHORT, "VEC4", _VERTICES, normalized=True)
     else:
         shaded["baseColorFactor"] = [PLAIN, PLAIN, PLAIN, 1.0]
     for called, values in fields.items():
-        attributes[f"_{called.upper()}"] = buffer.accessor(values[vertex_of].astype(np.float32), _FLOAT, "SCALAR", _VERTICES)
-    indices = buffer.accessor(faces.astype(np.uint32).ravel(), _INT, "SCALAR", _INDICES)
+        attributes[f"_{called.upper()}"] = buffer.accessor(values.astype(np.float32), _FLOAT, "SCALAR", _VERTICES)
+    indices = buffer.accessor(mesh.faces.astype(np.uint32).ravel(), _INT, "SCALAR", _INDICES)
     document |= {
         "scenes": [{"nodes": [0]}],
         "nodes": [{"mesh": 0, "name": name}],
@@ -75,22 +64,10 @@ def glb_bytes(mesh: SurfaceMesh, name: str, texture: Texture | None = None, fiel
     return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
 
 
-def linear(display: NDArray[np.floating]) -> Floats:
-    """Linear light of display values in [0, 1] (IEC 61966-2-1)."""
-    given = np.clip(np.asarray(display, np.float64), 0.0, 1.0)
-    return np.where(given <= 0.04045, given / 12.92, ((given + 0.055) / 1.055) ** 2.4)
-
-
 def _linear(colours: NDArray[np.floating]) -> NDArray[np.uint16]:
-    """Colours as linear 16-bit RGBA: in 8 bits dark ones would be told apart no more."""
-    opaque = np.column_stack([linear(colours), np.ones(len(colours))])
+    """Colours as linear 16-bit RGBA: in 8 bits dark ones would not differ."""
+    opaque = np.column_stack([srgb_to_linear(np.clip(colours, 0.0, 1.0)), np.ones(len(colours))])
     return np.round(opaque * 65535.0).astype(np.uint16)
-
-
-def _from_the_top(uv: Floats) -> NDArray[np.float32]:
-    """Texture coordinates whose v grows downwards, shape [corner_count, 2]."""
-    flat = uv.reshape(-1, 2)
-    return np.column_stack([flat[:, 0], 1.0 - flat[:, 1]]).astype(np.float32)
 
 
 class _Buffer:
@@ -101,16 +78,12 @@ class _Buffer:
         self.views: list[dict[str, int]] = []
         self.accessors: list[dict[str, Any]] = []
 
-    def view(self, data: bytes, target: int = 0) -> int:
-        """Add bytes; the number of their view."""
-        self.views.append({"buffer": 0, "byteOffset": len(self.content), "byteLength": len(data)} | ({"target": target} if target else {}))
-        self.content += _padded(data, b"\0")
-        return len(self.views) - 1
-
     def accessor(self, array: NDArray[Any], component: int, kind: str, target: int, **more: Any) -> int:
-        """Add an array; the number of its accessor."""
-        view = self.view(np.ascontiguousarray(array).tobytes(), target)
-        self.accessors.append({"bufferView": view, "componentType": component, "count": len(array), "type": kind, **more})
+        """Add an array; the number of its accessor, and of its view."""
+        data = np.ascontiguousarray(array).tobytes()
+        self.views.append({"buffer": 0, "byteOffset": len(self.content), "byteLength": len(data), "target": target})
+        self.content += _padded(data, b"\0")
+        self.accessors.append({"bufferView": len(self.accessors), "componentType": component, "count": len(array), "type": kind, **more})
         return len(self.accessors) - 1
 
 

@@ -1,7 +1,7 @@
-"""What a print costs, estimated before any slicer has seen it: hours, changes of filament, and what they purge.
+"""What a print costs, estimated before any slicer has seen it: changes of filament, and the volume they purge.
 
 Of a changer that feeds one nozzle. The changes are counted: a layer of n colours takes n − 1, and one more where it shares none with the
-layer below. The hours are estimated as a slicer plans them (`print_time`), and what a change takes is added.
+layer below.
 """
 
 from __future__ import annotations
@@ -12,18 +12,13 @@ import msgspec
 import numpy as np
 
 from mechstyle.geometry.filaments import Painted, display, in_bands, nearest
-from mechstyle.geometry.print_time import SOLIDS, Slices
 from mechstyle.records.mesh import Bools, Floats, Indices
 
 LAYER = 0.2
 """Height of a layer [mm]."""
-SECONDS = (27.0, 72.0)
-"""A change of filament [s]: 12 to unload and 15 to load in Prusa's profiles of its changer, and as an AMS was timed …"""
 PURGED = (107.0, 400.0)
-"""… that purges 400 mm³ (forum.bambulab.com, thread 10037); least and most plastic purged with a change there [mm³]."""
-
-
-FLOORS, TOPS = SOLIDS, SOLIDS + 1
+"""Least and most plastic purged with a change of filament by an AMS [mm³] (forum.bambulab.com, thread 10037)."""
+FLOORS, TOPS = 3, 4
 """Layers that PrusaSlicer paints as what looks down, and as what looks up: at a top one more than are solid (seen in its G-code)."""
 TILT = 0.6
 """Slope |n_z| from which a face is a floor or a top: a layer then stands out by 0.15 mm, a third of a line. Of 0.4 to 0.8, with 0.6
@@ -37,47 +32,31 @@ class PrintCost(msgspec.Struct, frozen=True, kw_only=True):
         palette: Filaments that are used.
         layers: How many.
         changes: Changes of filament.
-        hours_plain: Hours of the same part in one colour.
-        hours_laying: Hours in these colours without the changes themselves: each region of one colour gets walls of its own.
-        hours: Hours with the changes, for a fast changer and a slow one.
-        purged: Plastic purged [mm³], the same.
+        purged: Least and most plastic purged with them [mm³].
     """
 
     palette: tuple[str, ...]
     layers: int
     changes: int
-    hours_plain: float
-    hours_laying: float
-    hours: tuple[float, float]
     purged: tuple[float, float]
 
     @property
     def words(self) -> str:
         """The estimate in one sentence."""
-        low, high = self.hours
-        cost = f"about {self.hours_plain:.1f} h in one colour"
         if not self.changes:
-            return f"{self.layers} layers, no change of filament, {cost}"
+            return f"no change of filament in {self.layers} layers"
         purged = " to ".join(f"{volume / 1e3:.0f}" for volume in self.purged)
-        return (
-            f"{self.changes} changes of filament in {self.layers} layers: {low:.1f} to {high:.1f} h instead of {cost}, {purged} cm³ purged"
-        )
+        return f"{self.changes} changes of filament in {self.layers} layers, {purged} cm³ purged"
 
 
-def print_cost(paint: Painted, layer: float = LAYER, slices: Slices | None = None) -> PrintCost:
-    """What a painted part costs to print as it stands, in layers of a height [mm]; its slices, if there are some already."""
-    slices = slices or Slices.of(paint.mesh, layer)
+def print_cost(paint: Painted, layer: float = LAYER) -> PrintCost:
+    """What a painted part costs to print as it stands, in layers of a height [mm]."""
     shown = colours_by_layer(paint, layer)
     changes = changes_of(shown)
-    laying = slices.seconds(paint.filament)
-    fast, slow = (laying + changes * each for each in SECONDS)
     return PrintCost(
         palette=tuple(colour for colour, used in zip(paint.palette, np.asarray(shown.any(axis=0)), strict=True) if used),
         layers=len(shown),
         changes=changes,
-        hours_plain=slices.seconds(np.zeros_like(paint.filament)) / 3600.0,
-        hours_laying=laying / 3600.0,
-        hours=(fast / 3600.0, slow / 3600.0),
         purged=(changes * PURGED[0], changes * PURGED[1]),
     )
 
@@ -125,19 +104,18 @@ def changes_of(shown: Bools) -> int:
     return within + sum(not (below & above).any() for below, above in pairwise(shown))
 
 
-def cheaper(paint: Painted, layer: float = LAYER, slices: Slices | None = None) -> list[PrintCost]:
+def cheaper(paint: Painted, layer: float = LAYER) -> list[PrintCost]:
     """What the part would cost with fewer of its filaments, one less each time, leaving out the one that saves most changes."""
     offers, now = [], paint
-    slices = slices or Slices.of(paint.mesh, layer)
     while (used := np.unique(now.filament)).size > 2:
         now = min((_without(now, int(one)) for one in used), key=lambda other: changes_of(colours_by_layer(other, layer)))
-        offers.append(print_cost(now, layer, slices))
+        offers.append(print_cost(now, layer))
     return offers
 
 
-def banded(paint: Painted, layer: float = LAYER, slices: Slices | None = None) -> PrintCost:
+def banded(paint: Painted, layer: float = LAYER) -> PrintCost:
     """What the part would cost with its filaments in bands one above the other."""
-    return print_cost(in_bands(paint.mesh, paint.palette), layer, slices)
+    return print_cost(in_bands(paint.mesh, paint.palette), layer)
 
 
 def _without(paint: Painted, left_out: int) -> Painted:

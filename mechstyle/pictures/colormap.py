@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib import colormaps
 from numpy.typing import ArrayLike, NDArray
 
-from mechstyle._colour import Colours, linear_to_srgb, oklab, srgb_to_linear
+from mechstyle._colour import Colours, oklab, srgb_to_linear
 from mechstyle.errors import BadInput
 
 ABOVE = (0.98, 0.36, 0.20)  # sRGB over-colour of values above the threshold: far from the dark end of the ramp in lightness and in hue
@@ -72,24 +72,6 @@ class Scale:
         colours[self.beyond(given)] = srgb_to_linear(ABOVE)
         colours[~known] = srgb_to_linear(UNKNOWN)
         return colours
-
-
-def field_colours(values: ArrayLike, low: float, high: float, threshold: float | None = None) -> Colours:
-    """Vertex colours of a field, in display RGB as `SurfaceMesh.colours` has them.
-
-    Args:
-        values: The field [any unit], any shape.
-        low: Value at the pale end.
-        high: Value at the dark end.
-        threshold: Values beyond it get a colour of their own.
-
-    Returns:
-        Display RGB in [0, 1], shape [..., 3], float32.
-
-    Raises:
-        BadInput: If both ends are the same.
-    """
-    return linear_to_srgb(Scale(low, high, threshold).colours(values))
 
 
 def hatch(rows: int, columns: int, period: int) -> NDArray[np.bool_]:

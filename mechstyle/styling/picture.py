@@ -28,14 +28,9 @@ _CARRIED = 2.0  # edges of the mesh that a detail must span
 
 def picture(canvas: Canvas) -> Relief:
     """The picture as it lies on the part; around it the part is plain."""
-    return seen_at(canvas, canvas.points, canvas.mesh.vertex_normals, canvas.edge)
-
-
-def seen_at(canvas: Canvas, points: Floats, normals: Floats, footprint: float) -> Relief:
-    """The picture at any points [mm] with unit normals, shapes [n, 3], each of which stands for a place of `footprint` [mm]."""
     placed = canvas.picture
     assert placed is not None, "whoever asks for this style gives the picture"
-    seen = placed.seen(points, normals, footprint)
+    seen = placed.seen(canvas.points, canvas.mesh.vertex_normals, canvas.edge)
     tint, raster = _coloured(canvas, seen.colour, seen.cover), placed.raster
     if not placed.raised or not (raster.shaded or raster.clear):
         return Relief(np.zeros(len(seen.cover)), tint)

@@ -5,7 +5,7 @@ import pytest
 from manifold3d import Manifold
 
 from mechstyle.geometry.filaments import Painted, in_bands
-from mechstyle.geometry.print_cost import SECONDS, banded, changes_of, cheaper, colours_by_layer, print_cost
+from mechstyle.geometry.print_cost import PURGED, banded, changes_of, cheaper, colours_by_layer, print_cost
 from mechstyle.geometry.remesh import surface_of
 from mechstyle.geometry.threemf import threemf_bytes
 from support.slicer import FOUR_FILAMENTS, prusa_slicer, tools_by_height
@@ -69,15 +69,13 @@ def test_a_layer_that_shares_nothing_with_the_last_takes_a_change_more():
     assert changes_of(shown[:1]) == 0
 
 
-def test_hours_grow_with_changes_and_one_colour_has_none(sphere):
+def test_each_change_purges_and_one_colour_needs_none(sphere):
     one = print_cost(Painted(sphere, FOUR, np.zeros(len(sphere.vertices), np.int32)))
     four = print_cost(quarters(sphere))
     assert (one.changes, one.purged, one.palette) == (0, (0.0, 0.0), FOUR[:1])
-    assert one.hours == (one.hours_plain, one.hours_plain)
-    assert four.hours_plain == one.hours_plain < four.hours_laying
-    assert four.hours == pytest.approx([four.hours_laying + four.changes * each / 3600.0 for each in SECONDS])
-    assert "no change of filament" in one.words
-    assert f"{four.changes} changes of filament in 100 layers" in four.words
+    assert four.purged == pytest.approx([four.changes * each for each in PURGED])
+    assert one.words == "no change of filament in 100 layers"
+    assert four.words == f"{four.changes} changes of filament in 100 layers, 32 to 120 cm³ purged"
 
 
 def test_fewer_filaments_are_offered_with_fewer_changes_each(sphere):

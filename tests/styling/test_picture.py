@@ -10,7 +10,7 @@ from mechstyle.styling.dimensions import Dimensions
 from mechstyle.styling.drawing.colours import NEUTRAL
 from mechstyle.styling.drawing.raster import Raster
 from mechstyle.styling.drawn import canvas_for, target
-from mechstyle.styling.image_files.decode import pixels_of
+from mechstyle.styling.image_files import pixels_of
 from mechstyle.styling.prompt import read
 from styling.conftest import boxed
 from support import ROOT

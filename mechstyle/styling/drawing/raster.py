@@ -43,7 +43,7 @@ class Raster:
     """
 
     def __init__(self, pixels: NDArray[np.uint8] | NDArray[np.uint16]) -> None:
-        """Take the pixels as `image_files.decode` makes them, shape [height, width, 1 to 4]."""
+        """Take the pixels as `image_files` makes them, shape [height, width, 1 to 4]."""
         levels = pixels.astype(np.float32) / np.float32(np.iinfo(pixels.dtype).max)
         self.clear = pixels.shape[2] in (2, 4)
         cover = levels[..., -1] if self.clear else np.ones(levels.shape[:2], np.float32)

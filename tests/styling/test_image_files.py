@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 from mechstyle.errors import BadInput
-from mechstyle.styling.image_files.decode import LONGEST, pixels_of, png_of
+from mechstyle.styling.image_files import LONGEST, pixels_of, png_of
 
 RAMP = np.linspace(0, 255, 12).astype(np.uint8).reshape(3, 4)
 
@@ -127,6 +127,16 @@ def test_what_is_no_picture_gets_one_sentence(tmp_path, content, why):
         pixels_of(file)
     assert "mine.png" in str(refused.value)
     assert "\n" not in str(refused.value)
+
+
+DRAWING = b'<?xml version="1.0"?>\n<!-- mine -->\n<svg xmlns="http://www.w3.org/2000/svg"><image href="/etc/passwd"/></svg>'
+
+
+@pytest.mark.parametrize(("name", "content"), [("mine.svg", DRAWING), ("mine.png", DRAWING), ("mine.SVGZ", b"\x1f\x8b" + bytes(40))])
+def test_an_svg_drawing_is_refused_with_what_to_do(tmp_path, name, content):
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(BadInput, match=f"^{name} is an SVG drawing, which is not read: save it as PNG from your drawing program$"):
+        pixels_of(tmp_path / name)
 
 
 def test_a_file_that_is_not_there_is_empty_or_is_a_folder_is_refused(tmp_path):

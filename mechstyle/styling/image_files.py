@@ -1,4 +1,4 @@
-"""PNG, JPEG and SVG files, and arrays, as the pixels a run keeps: grey in 8 or 16 bits, or colours in 8, with alpha where there is any."""
+"""PNG and JPEG files, and arrays, as the pixels a run keeps: grey in 8 or 16 bits, or colours in 8, with alpha where there is any."""
 
 from __future__ import annotations
 
@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from PIL import Image, ImageOps, UnidentifiedImageError
 
 from mechstyle.errors import BadInput
-from mechstyle.styling.image_files.svg import is_svg, rasterised
 
 Pixels = NDArray[np.uint8] | NDArray[np.uint16]
 """Rows from the top, shape [height, width, channels]: grey, grey and alpha, RGB, or RGB and alpha; 16 bits for grey alone."""
@@ -25,7 +24,8 @@ MOST_PIXELS = 64_000_000
 """Of a file, by what its header says: more are never decoded …"""
 LONGEST = 2048
 """… and of these so many are kept along the longer side, the rest averaged: a print of 200 mm shows no tenth of a millimetre."""
-READABLE = "give a PNG, JPEG or SVG file"
+READABLE = "give a PNG or JPEG file"
+_HEAD = 4096  # bytes of a file in which an SVG drawing says that it is one
 _DAMAGED = (
     OSError, SyntaxError, ValueError, TypeError, KeyError, IndexError, EOFError, OverflowError, MemoryError, struct.error, zlib.error,
 )  # fmt: skip
@@ -35,7 +35,7 @@ def pixels_of(image: str | Path | bytes | NDArray[Any]) -> Pixels:
     """The pixels of a picture.
 
     Args:
-        image: A PNG, JPEG or SVG file, its content, or an array: grey [h, w] or with 1 to 4 channels [h, w, c], integers of 8 or 16 bits,
+        image: A PNG or JPEG file, its content, or an array: grey [h, w] or with 1 to 4 channels [h, w, c], integers of 8 or 16 bits,
             or numbers in [0, 1].
 
     Raises:
@@ -74,13 +74,11 @@ def _content(file: Path) -> bytes:
 
 
 def _decoded(content: bytes, name: str) -> Pixels:
+    """The pixels of a PNG or JPEG file; of an animated one the first picture."""
     if len(content) > LARGEST_FILE:
         raise BadInput(f"{name} is larger than {LARGEST_FILE >> 20} MiB: scale the picture down")
-    return rasterised(content, name) if is_svg(content) else _of_bitmap(content, name)
-
-
-def _of_bitmap(content: bytes, name: str) -> Pixels:
-    """A PNG or JPEG file; of an animated one the first picture."""
+    if name.lower().endswith((".svg", ".svgz")) or b"<svg" in content[:_HEAD]:
+        raise BadInput(f"{name} is an SVG drawing, which is not read: save it as PNG from your drawing program")
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # a reader's remarks; the number of pixels is checked here before any is decoded

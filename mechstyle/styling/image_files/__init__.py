@@ -1,1 +1,0 @@
-"""A picture file of the user's becomes pixels."""
