@@ -5,14 +5,15 @@ Figures, viewer, replay and report read it, so that a field has one label, one u
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict
+from mechstyle.records import Checkpoint, Recipe, Row, Simulation, Verdict, sentences
 
 ROOM_ABOVE = 1.05
 """Least end of the colours over the threshold, so that what lies above it can be seen on the bar."""
@@ -23,13 +24,12 @@ MOMENT = "moment"
 SPARE = 4.0
 """Safety factor at the pale end of its colours: what is above it is in no danger."""
 AMPLE = 10.0
-"""Safety factors are told up to here; more of it, up to that of no stress at all, is of no use to anybody."""
+"""Greatest safety factor that is given; more of it, up to that of no stress at all, is of no use to anybody."""
 
 DEMAND_LABELS = {
     "headroom": "demand: stress reserve used up",
     "own_max": "demand: stress over original's peak",
     "sigma_c": "demand: stress over λ × yield",
-    "yield": "demand: stress over yield strength",
 }
 """Label of demand for each of `records.NORMALISATIONS`."""
 
@@ -50,8 +50,7 @@ class Quantity:
         stored: Name of the stored array it is made from; "" for that of its own name.
         formed: Makes it from that array, None if it is that array.
         said: How a value at one place is told; as a figure with its unit if None.
-        each: Where the tests of a simulation have limits of their own, what each of them makes of its stress, by its load, "" for the drop;
-            the least is told.
+        tested: Reads the array from a simulation, where that holds it for several tests; None if it is an array of the simulation.
     """
 
     name: str
@@ -65,7 +64,7 @@ class Quantity:
     stored: str = ""
     formed: Callable[[NDArray[Any]], NDArray[Any]] | None = None
     said: Callable[[float], str] | None = None
-    each: tuple[tuple[str, Quantity], ...] = ()
+    tested: Callable[[Simulation], NDArray[Any]] | None = None
 
     @property
     def title(self) -> str:
@@ -83,13 +82,13 @@ class Quantity:
 
     def of(self, state: object) -> NDArray[Any]:
         """Its values in a checkpoint or a simulation, shape [vertex_count]."""
-        if self.each and isinstance(state, Simulation):
-            return np.minimum.reduce([one.made(state.load_stress(load) if load else state.drop_stress) for load, one in self.each])
+        if self.tested is not None and isinstance(state, Simulation):
+            return self.made(self.tested(state))
         return self.made(getattr(state, self.source))
 
-    def known_best(self, state: Checkpoint, simulation: Simulation | None) -> NDArray[Any]:
-        """Its values in a checkpoint, shape [vertex_count], from its last simulation where that knows more and did not break down."""
-        return self.of(state if simulation is None or simulation.failure or not self.each else simulation)
+    def is_in(self, state: object) -> bool:
+        """Whether a checkpoint, a simulation or a surface holds it."""
+        return (self.tested is not None and isinstance(state, Simulation)) or hasattr(state, self.source)
 
     def limits(self, values: ArrayLike) -> tuple[float, float] | None:
         """Ends of the colours that show all values, of any shape; None if they are to be those of the values."""
@@ -109,54 +108,26 @@ def stress(limit: float) -> Quantity:
     return _against(limit, "stress", "von Mises stress at the surface", "MPa")
 
 
-def envelope(limit: float) -> Quantity:
-    """Largest stress of all orientations against what it may at most be [MPa]."""
-    return _against(limit, "envelope", "worst stress of all landings", "MPa")
-
-
 def moment(limit: float) -> Quantity:
     """Stress at one moment of an impact against what it may at most be [MPa]."""
     return _against(limit, MOMENT, "stress of the moment", "MPa")
 
 
-def tilted(limit: float) -> Quantity:
-    """Largest stress of the landings nearly as placed against what it may at most be [MPa]."""
-    return _against(limit, "tilted_stress", "worst stress of the landings tilted by 3°", "MPa")
-
-
-def safety_factor(limit: float, each: Sequence[tuple[str, float]] = ()) -> Quantity:
-    """Limit [MPa] over the stress that decides, dropped as placed and under loads: its least is the factor of that rule.
-
-    Args:
-        limit: What the largest of all stress may at most be [MPa].
-        each: The same of each test by itself, by the name of its load, "" for the drop; none where there is one test.
-    """
+def safety_factor(strength: float) -> Quantity:
+    """Yield strength [MPa] over stress, in the test that decides."""
 
     def factor(stress: NDArray[Any]) -> NDArray[Any]:
-        return np.minimum(limit / np.maximum(stress, limit / AMPLE), AMPLE).astype(np.float32)
+        return np.minimum(strength / np.maximum(stress, strength / AMPLE), AMPLE).astype(np.float32)
 
     return Quantity(
-        "safety_factor", "safety factor as it stands: limit over stress", least=(SPARE, 0.0), threshold=1.0,
+        "safety_factor", "safety factor: yield strength over stress", least=(SPARE, 0.0), threshold=1.0,
         note=f"{AMPLE:.0f} stands for that and more", bounded=True, stored="stress", formed=factor,
-        each=tuple((load, safety_factor(own)) for load, own in each),
     )  # fmt: skip
 
 
 def demand(recipe: Recipe) -> Quantity:
     """Demand as a recipe has it normalised, against its threshold."""
     return _against(recipe.threshold, "demand", DEMAND_LABELS[recipe.normalisation])
-
-
-def probability(strength: float) -> Quantity:
-    """Probability that a random drop exceeds a strength [MPa]."""
-    label = f"probability to exceed {strength:.1f} MPa"
-    return Quantity("probability", label, least=(0.0, 1.0), note="of a random drop", said=_per_cent)
-
-
-def _per_cent(share: float) -> str:
-    if 0.0 < share < 0.001:
-        return "under 0.1 %"
-    return f"{100.0 * share:.{1 if 0.0 < share < 0.1 else 0}f} %"
 
 
 def _yes_or_no(value: float) -> str:
@@ -166,6 +137,32 @@ def _yes_or_no(value: float) -> str:
 def _against(threshold: float, name: str, label: str, unit: str = "") -> Quantity:
     return Quantity(name, label, unit, (0.0, ROOM_ABOVE * threshold), threshold)
 
+
+def flat_stress(row: Row) -> Quantity:
+    """Stress of the flat landing against the limit of its row [MPa]."""
+    quantity = _against(row.limit, "flat_stress", "stress of the flat landing", "MPa")
+    return replace(quantity, note=row.landing, tested=lambda simulation: simulation.stress_of(landing=row.landing))
+
+
+def nearly_flat_stress(row: Row) -> Quantity:
+    """Largest stress of the nearly flat landings against the limit of their row [MPa]."""
+    quantity = _against(row.limit, "nearly_flat_stress", "largest stress of the nearly flat landings", "MPa")
+    return replace(quantity, note=f"all of them; {row.landing} decides", tested=_nearly_flat)
+
+
+def load_stress(row: Row) -> Quantity:
+    """Stress under a load against the limit of its row [MPa]; what no file could call it by becomes `_` in its name."""
+    quantity = _against(row.limit, f"load_{re.sub('[^A-Za-z0-9]+', '_', row.load)}", f"stress under the load {row.load!r}", "MPa")
+    return replace(quantity, tested=lambda simulation: simulation.stress_of(load=row.load))
+
+
+def _nearly_flat(simulation: Simulation) -> NDArray[np.float32]:
+    fields = [simulation.stress_of(landing=landing.name) for landing in simulation.of("nearly flat")]
+    return np.maximum.reduce(fields) if fields else np.zeros(len(simulation.displacement), np.float32)
+
+
+TESTS: dict[str, Callable[[Row], Quantity]] = {"flat": flat_stress, "nearly flat": nearly_flat_stress, "load": load_stress}
+"""What makes the field of a row, by its test."""
 
 RESTRAINT = Quantity(
     "restraint", "share of movement held back", least=(0.0, 1.0), note="1 = may not move any further", stored="mask",
@@ -181,22 +178,27 @@ TITLES = {
     "safety_factor": "safety factor",
     "thickness": "wall thickness",
     "contact": "touched the floor",
-    "tilted_stress": "worst tilted landing",
-    "envelope": "worst of all landings",
+    "flat_stress": "stress, flat",
+    "nearly_flat_stress": "stress, nearly flat",
     MOMENT: "stress of the moment",
 }
 """What a menu calls a quantity, where that is not its name."""
 
 
-def quantities(recipe: Recipe, limit: float, each: Sequence[tuple[str, float]] = ()) -> tuple[Quantity, ...]:
+def quantities(recipe: Recipe, limit: float) -> tuple[Quantity, ...]:
     """The fields every checkpoint holds, in the order in which they are offered.
 
     Args:
         recipe: The recipe in force there.
-        limit: What the stress may at most be [MPa].
-        each: Of each test by itself, as for `safety_factor`.
+        limit: What the stress of the test that decides may at most be [MPa].
     """
-    return stress(limit), safety_factor(limit, each), RESTRAINT, demand(recipe), DISPLACEMENT
+    return stress(limit), safety_factor(recipe.material.yield_strength), RESTRAINT, demand(recipe), DISPLACEMENT
+
+
+def limit_of(recipe: Recipe, verdict: Verdict | None) -> float:
+    """What the stress of a checkpoint may at most be [MPa]: the limit of the row that decides, else the yield strength."""
+    row = None if verdict is None else verdict.deciding
+    return recipe.material.yield_strength if row is None else row.limit
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,7 +225,6 @@ class Known:
 
 def known(
     recipe: Recipe,
-    limit: float,
     state: Checkpoint,
     simulation: Simulation | None,
     thickness: NDArray[Any],
@@ -234,7 +235,6 @@ def known(
 
     Args:
         recipe: The recipe in force there.
-        limit: What the stress may at most be [MPa].
         state: The checkpoint.
         simulation: Its last simulation, None if there was none.
         thickness: Wall thickness of the part [mm], shape [vertex_count].
@@ -242,24 +242,30 @@ def known(
         verdict: The newest verdict there, None before the first.
     """
     when = "" if state.simulated_at == state.iteration else f"simulated at iteration {state.simulated_at}"
-    aged, seen = dict.fromkeys(("stress", "safety_factor", "demand"), when), {DISPLACEMENT.name: [newest.displacement]}
+    row = None if verdict is None else verdict.deciding
+    aged = {DISPLACEMENT.name: "", RESTRAINT.name: "", "demand": when}
+    seen = {DISPLACEMENT.name: [newest.displacement]}
+    decides = _joined(None if row is None else sentences.named(row), when)
     held = [
-        Known.of(quantity, quantity.known_best(state, simulation), *seen.get(quantity.name, ()), note=aged.get(quantity.name, ""))
-        for quantity in quantities(recipe, limit, () if verdict is None else verdict.each)
+        Known.of(quantity, quantity.of(state), *seen.get(quantity.name, ()), note=aged.get(quantity.name, decides))
+        for quantity in (_of_the_test(one, row) for one in quantities(recipe, limit_of(recipe, verdict)))
     ]
-    return (*held, Known.of(THICKNESS, thickness), *(() if simulation is None else _of_simulation(recipe, limit, simulation, verdict)))
+    return (*held, Known.of(THICKNESS, thickness), *(() if simulation is None else _of_simulation(simulation, verdict, when)))
 
 
-def _of_simulation(recipe: Recipe, limit: float, simulation: Simulation, verdict: Verdict | None) -> list[Known]:
-    """The fields only a simulation holds: contact, and the worst of tilted landings and of all if they were dropped."""
-    found = [Known.of(CONTACT, CONTACT.of(simulation))]
-    if simulation.tilted is not None and verdict is not None and verdict.tilted is not None:
-        found.append(Known.of(tilted(verdict.tilted.limit), simulation.tilted_stress))
-    if simulation.overall is None:
-        return found
-    worst = simulation.worst
-    landing = "" if worst is None or not worst.name else f"most by the landing {worst.name}: {worst.measures.peak:.1f} MPa"
-    found.append(Known.of(envelope(limit), simulation.envelope, note=landing))
-    if recipe.random_drops:
-        found.append(Known.of(probability(recipe.material.yield_strength), simulation.probability))
-    return found
+def _of_the_test(quantity: Quantity, row: Row | None) -> Quantity:
+    """A quantity made from the stress of a checkpoint, as it is read from a simulation: in the test that decides."""
+    if quantity.source != "stress" or row is None or row.test == "published rule":
+        return quantity
+    return replace(quantity, tested=lambda simulation: simulation.stress_of(landing=row.landing, load=row.load))
+
+
+def _of_simulation(simulation: Simulation, verdict: Verdict | None, when: str) -> list[Known]:
+    """The fields only a simulation holds: contact, and the stress of each test that has a row."""
+    rows = () if verdict is None or simulation.failure else verdict.rows
+    found = [CONTACT, *(TESTS[row.test](row) for row in rows if row.test in TESTS)]
+    return [Known.of(quantity, quantity.of(simulation), note=_joined(quantity.note, when)) for quantity in found]
+
+
+def _joined(*notes: str | None) -> str:
+    return ", ".join(filter(None, notes))

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import io
-import os
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -23,7 +21,6 @@ from mechstyle._colour import linear_to_srgb
 from mechstyle.errors import BadInput
 from mechstyle.pictures.camera import Camera
 from mechstyle.pictures.colormap import STRIPE, Scale, hatch
-from mechstyle.pictures.png import as_png
 from mechstyle.pictures.raster.visibility import visible
 from mechstyle.pictures.scene import BACKGROUND, Field, render
 from mechstyle.records.mesh import SurfaceMesh
@@ -118,29 +115,6 @@ def figure_png(
     sheet = figure(panels, columns=columns, title=title, panel_size=panel_size, device=device)
     sheet.savefig(buffer, format="png", dpi=DPI, facecolor=sheet.get_facecolor(), metadata={"Software": "MechStyle"})
     return buffer.getvalue()
-
-
-def save_figure(
-    panels: Sequence[Panel],
-    path: str | Path,
-    *,
-    columns: int | None = None,
-    title: str = "",
-    panel_size: tuple[int, int] = (480, 480),
-    device: str = "cpu",
-) -> Path:
-    """Write the figure as PNG, aside first and then renamed, and return its path; arguments and errors as for `figure`."""
-    target = as_png(path)
-    if not target.parent.is_dir():
-        raise BadInput(f"folder {target.parent} does not exist; create it or write {target.name} elsewhere")
-    png = figure_png(panels, columns=columns, title=title, panel_size=panel_size, device=device)
-    aside = target.with_name(f".{target.name}.{os.getpid()}")
-    try:
-        aside.write_bytes(png)
-        aside.replace(target)
-    finally:
-        aside.unlink(missing_ok=True)
-    return target
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from mechstyle.errors import unknown
 from mechstyle.pictures import fields
 from mechstyle.pictures.fields import Known, Quantity
 from mechstyle.pictures.png import as_png
-from mechstyle.records import Checkpoint, Recipe, Verdict
+from mechstyle.records import Checkpoint, Recipe, Verdict, sentences
 from mechstyle.records.mesh import SurfaceMesh
 
 if TYPE_CHECKING:
@@ -54,33 +54,35 @@ def field_panel(
 
 
 def verdict_note(verdict: Verdict) -> str:
-    """A verdict in the line under a picture."""
-    if verdict.outcome == "UNKNOWN":
-        return "UNKNOWN: this drop gave no answer"
-    nearest = min(verdict.counting, key=lambda rule: rule.safety_factor)
-    return f"{verdict.told}: {nearest.short}"
+    """A verdict in the line under a picture of the test that decides it."""
+    return sentences.note(verdict)
 
 
-def checkpoint_panels(original: SurfaceMesh, state: Checkpoint, recipe: Recipe, limit: float, measured_at: int | None) -> list[Panel]:
-    """Styled look, stress of the last drop that gave an answer and mask, side by side.
+def checkpoint_panels(
+    original: SurfaceMesh, state: Checkpoint, recipe: Recipe, measured: Verdict | None, measured_at: int | None
+) -> list[Panel]:
+    """Styled look, stress of the last test that gave an answer and mask, side by side.
 
     Args:
         original: The unstylized surface.
         state: What to show.
         recipe: Its recipe.
-        limit: What the stress may at most be there [MPa].
-        measured_at: Iteration of that drop, None if none gave an answer; if a later one failed, the picture says so.
+        measured: The verdict of that test, None if none gave an answer.
+        measured_at: Its iteration, None as for `measured`; if a later one failed, the picture says so.
     """
     from mechstyle.pictures.figure import Panel  # noqa: PLC0415 — as above
 
     styled = original.displaced(state.displacement).coloured(state.colour)
     when = "" if measured_at in (None, state.iteration) else f" (iteration {measured_at})"
-    note = "" if state.verdict is None else verdict_note(state.verdict)
-    if state.verdict is None and measured_at != state.simulated_at:
-        note = f"UNKNOWN: the later drop at iteration {state.simulated_at} gave no answer"
+    row = None if measured is None else measured.deciding
+    note = "" if row is None else sentences.figures(row)
+    if state.verdict is not None:
+        note = verdict_note(state.verdict)
+    elif measured_at != state.simulated_at:
+        note = f"UNKNOWN: the later test at iteration {state.simulated_at} gave no answer"
     return [
         Panel(styled, f"“{recipe.prompt}”"),
-        field_panel(styled, fields.stress(limit), state.stress, title=f"stress{when}", note=note),
+        field_panel(styled, fields.stress(fields.limit_of(recipe, measured)), state.stress, title=f"stress{when}", note=note),
         field_panel(
             styled,
             fields.RESTRAINT,
@@ -127,7 +129,7 @@ def comparison(
     finals: Sequence[tuple[str, Checkpoint, Recipe]],
     delivered: Sequence[SurfaceMesh | None],
 ) -> Picture:
-    """The original beside several results of one prompt: look above, stress below and from underneath.
+    """The plain part beside several results of one prompt: look above, stress of the test that decides below and from underneath.
 
     Args:
         original: The unstylized surface.
@@ -138,11 +140,11 @@ def comparison(
     from mechstyle.pictures.figure import Panel  # noqa: PLC0415 — as above
 
     rows: list[list[Panel]] = [[], [], []]
-    shown = [("original", start, finals[0][2]), *finals]
+    shown = [("plain part", start, finals[0][2]), *finals]
     highest = [float(state.stress.max()) for _, state, _ in shown]
     for (name, state, recipe), look in zip(shown, [None, *delivered], strict=True):
         styled = original.displaced(state.displacement).coloured(state.colour)
-        limit = state.verdict.deciding.limit if state.verdict is not None else recipe.material.yield_strength
+        limit = fields.limit_of(recipe, state.verdict)
         rows[0].append(Panel(look or styled, name))
         stress = fields.stress(limit)
         for row, view, title in ((1, "three_quarter", "stress"), (2, "below", "from below")):

@@ -3,7 +3,7 @@ import pytest
 
 from mechstyle._colour import from_oklab, linear_to_srgb, oklab, srgb_to_linear
 from mechstyle.errors import BadInput
-from mechstyle.pictures.colormap import Scale, field_colours, hatch
+from mechstyle.pictures.colormap import Scale, hatch
 
 # Linear RGB as seen without one kind of cone (Machado, Oliveira and Fernandes 2009, severity 1).
 DEFICIENCIES = {
@@ -54,10 +54,6 @@ def test_values_map_linearly_and_saturate():
     assert scale.colours(np.full((2, 3), 2.0)) == pytest.approx(np.broadcast_to(RAMP[51], (2, 3, 3)))
 
 
-def test_field_colours_are_for_display():
-    assert srgb_to_linear(field_colours([3.0, 8.0], 0.0, 10.0, 5.0)) == pytest.approx(Scale(0.0, 10.0, 5.0).colours([3.0, 8.0]), abs=1e-6)
-
-
 def test_the_ramp_ends_at_the_threshold_and_beyond_it_one_colour_rules():
     scale = Scale(0.0, 60.0, 45.6)
     assert scale.top == 45.6
@@ -81,14 +77,14 @@ def test_a_scale_that_falls_is_its_mirror_image():
 
 
 def test_a_value_that_is_not_a_number_is_grey():
-    r, g, b = field_colours(np.nan, 0.0, 1.0, 0.5)
+    r, g, b = Scale(0.0, 1.0, 0.5).colours(np.nan)
     assert r == g == b
 
 
 @pytest.mark.parametrize("limits", [(1.0, 1.0), (0.0, np.nan), (-np.inf, 1.0)])
 def test_a_scale_without_extent_is_refused(limits):
     with pytest.raises(BadInput, match="two different ends"):
-        field_colours([0.0], *limits)
+        Scale(*limits)
 
 
 def test_a_threshold_must_be_a_number():

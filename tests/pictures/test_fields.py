@@ -1,8 +1,7 @@
-"""Quantities that are read from several tests of one part: each against its own limit."""
+"""The fields of a checkpoint: each is of one test, drawn against the limit of that very test, and says so."""
 
 from dataclasses import replace
 
-import msgspec
 import numpy as np
 import pytest
 
@@ -10,60 +9,74 @@ from mechstyle.loop.objects import Objects
 from mechstyle.pictures.fields import known, quantities, safety_factor
 from mechstyle.records import LoadResult
 from mechstyle.runs.report.replay_data import Digests, _channel
-from support.records import COUNT, VERDICT, checkpoint, recipe, simulation
+from support.records import COUNT, STRENGTH, UNKNOWN, checkpoint, load_row, recipe, row, simulation, verdict
 
-DROP, LOAD = 80.0, 20.0
-"""Stress of the drop and under a load, in a part whose original reads above its strength when it falls [MPa]."""
-TOLD = msgspec.structs.replace(VERDICT, limits=(("", 91.2), ("coat", 25.0)))
-
-
-def fallen(**changes):
-    """A part that bears DROP in one half and LOAD, under a load, in the other."""
-    fell, hung = (np.where(np.arange(COUNT) < 3, *both).astype(np.float32) for both in ((DROP, 0.0), (0.0, LOAD)))
-    case = LoadResult(name="coat", peak=LOAD, where=(0.0, 0.0, 0.0), deflection=0.1)
-    fields = {"stress": np.maximum(fell, hung), "dropped_stress": fell, "loaded_stress": hung[None], "loaded": (case,), "failure": ""}
-    return simulation(**{**fields, **changes})
+NEARLY = row(900.0, test="nearly flat", landing="tilted right", outcome="NO WORSE", limit=59.0, original=990.0)
+HANDS = [LoadResult(name=name, stress=20.0, maximum=40.0, where=(0.0, 0.0, 0.0), deflection=0.1) for name in ("hand on the rim", "coat")]
+TOLD = verdict(row(limit=46.0), NEARLY, load_row(load="hand on the rim", limit=50.0), load_row(load="coat", limit=51.0))
 
 
-def factor_of(verdict, found):
-    state = replace(checkpoint(), stress=fallen().stress)
-    fields = known(recipe(), 45.6, state, found, np.ones(COUNT), state, verdict)
-    return next(field.values for field in fields if field.quantity.name == "safety_factor")
+def simulated(**changes):
+    loads = {"loads": tuple(HANDS), "load_stress": np.stack([np.full(COUNT, 11.0), np.full(COUNT, 12.0)])}
+    return simulation(failure="", **loads, **changes)
 
 
-def test_the_drop_and_each_load_are_drawn_against_their_own_limit():
-    """A drop at 80 of 91 MPa was drawn at 0.57, against the limit of the load that is told."""
-    factors = factor_of(TOLD, fallen())
-    assert factors[:3] == pytest.approx(91.2 / DROP)
-    assert factors[3:] == pytest.approx(25.0 / LOAD)
+def fields_of(judged, found, state=None):
+    state = checkpoint() if state is None else state
+    return {field.quantity.name: field for field in known(recipe(), state, found, np.ones(COUNT), state, judged)}
+
+
+def test_every_test_that_has_a_row_has_a_field_of_its_own_limit_in_a_fixed_order():
+    test = simulated()
+    found = fields_of(TOLD, test)
+    assert list(found) == [
+        "stress", "safety_factor", "restraint", "demand", "displacement", "thickness", "contact",
+        "flat_stress", "nearly_flat_stress", "load_hand_on_the_rim", "load_coat",
+    ]  # fmt: skip
+    wanted = {
+        "flat_stress": (46.0, test.landing_stress[0]), "nearly_flat_stress": (59.0, test.landing_stress[1:].max(axis=0)),
+        "load_hand_on_the_rim": (50.0, test.load_stress[0]), "load_coat": (51.0, test.load_stress[1]),
+    }  # fmt: skip
+    for name, (limit, values) in wanted.items():
+        assert found[name].quantity.threshold == limit
+        assert np.array_equal(found[name].values, values)
+
+
+def test_the_stress_of_a_checkpoint_is_of_the_test_that_decides_and_has_its_limit_and_its_name():
+    """A caption told of a tilted landing under a picture of the flat one."""
+    assert TOLD.deciding is NEARLY
+    stress = fields_of(TOLD, simulated())["stress"]
+    assert stress.quantity.threshold == NEARLY.limit
+    assert stress.note == "tilted right, simulated at iteration 0"
+    assert fields_of(TOLD, simulated(), checkpoint(simulated_at=3))["stress"].note == "tilted right"
+    assert np.array_equal(stress.quantity.of(simulated()), simulated().landing_stress[2]), "as a file with fields reads it"
+    loaded = fields_of(verdict(row(), load_row(1.05, load="coat")), simulated())["stress"]
+    assert loaded.note.startswith("load coat")
+    assert np.array_equal(loaded.quantity.of(simulated()), simulated().load_stress[1])
 
 
 @pytest.mark.parametrize(
-    ("verdict", "found"),
-    [
-        (VERDICT, fallen()),
-        (None, fallen()),
-        (msgspec.structs.replace(TOLD, criterion="paper"), fallen()),
-        (TOLD, fallen(failure="it broke down")),
-        (TOLD, None),
-    ],
-    ids=["an earlier record", "before the first", "one limit for all", "a test that broke down", "none"],
+    ("judged", "found"), [(None, None), (UNKNOWN, simulation()), (TOLD, simulation())], ids=["before the first", "no answer", "failed"]
 )
-def test_where_the_tests_are_not_known_the_stress_of_all_is_drawn_against_the_one_limit(verdict, found):
-    factors = factor_of(verdict, found)
-    assert factors[:3] == pytest.approx(45.6 / DROP)
-    assert factors[3:] == pytest.approx(45.6 / LOAD)
+def test_where_nothing_was_tested_the_limit_is_the_strength_and_no_test_has_a_field(judged, found):
+    fields = fields_of(judged, found)
+    assert fields["stress"].quantity.threshold == (STRENGTH if judged is not TOLD else NEARLY.limit)
+    assert not {"flat_stress", "nearly_flat_stress", "load_coat"} & set(fields)
+
+
+def test_a_safety_factor_is_the_yield_strength_over_the_stress_whatever_the_limit():
+    state = replace(checkpoint(), stress=np.array([0.0, 1.0, 22.8, STRENGTH, 60.0, 80.0, 91.2], np.float32))
+    factor = fields_of(TOLD, simulated(), state)["safety_factor"]
+    assert factor.values == pytest.approx([10.0, 10.0, 2.0, 1.0, 0.76, 0.57, 0.5])
+    assert factor.quantity.threshold == 1.0
+    assert np.array_equal(factor.quantity.of(simulated()), factor.quantity.formed(simulated().landing_stress[2]))
 
 
 def test_a_replay_draws_the_same(tmp_path):
-    objects, found = Objects(tmp_path), fallen()
-    stress, name = objects.put_array(found.stress), objects.put_record(found)
-    broken = objects.put_record(fallen(failure="it broke down"))
-    one = Digests("", "", stress, "", "", name)
-    frames = [one, one, msgspec.structs.replace(one, simulation=broken)]
-    channel = _channel(objects, frames, safety_factor(45.6, TOLD.each))
+    objects, state = Objects(tmp_path), checkpoint()
+    low, high = (objects.put_array(np.full(COUNT, value, np.float32)) for value in (22.8, 91.2))
+    frames = [Digests("", "", digest, "", "") for digest in (low, low, high)]
+    channel = _channel(objects, frames, safety_factor(STRENGTH))
     assert channel.frames == [0, 0, 1]
-    read = [channel.low + channel.step * plane for plane in channel.planes]
-    assert read[0][[0, -1]] == pytest.approx([91.2 / DROP, 25.0 / LOAD], abs=2e-3)
-    assert read[1][[0, -1]] == pytest.approx([45.6 / DROP, 45.6 / LOAD], abs=2e-3)
-    assert [quantity.name for quantity in quantities(recipe(), 45.6, TOLD.each)][:2] == ["stress", "safety_factor"]
+    assert [float((channel.low + channel.step * plane)[0]) for plane in channel.planes] == pytest.approx([2.0, 0.5], abs=1e-3)
+    assert [quantity.name for quantity in quantities(recipe(), 45.6)] == list(fields_of(None, None, state))[:5]
