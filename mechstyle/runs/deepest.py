@@ -1,4 +1,4 @@
-"""As deep as it can be: the deepest of several reliefs that holds as it is, without masks and corrections, and what limits it."""
+"""As deep as it can be: the deepest of several reliefs that passes as it is, without masks and corrections, and what limits it."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ ALONE = {"schedule": "never", "guarantee": False}
 
 @dataclass(frozen=True)
 class Depth:
-    """The deepest relief that holds.
+    """The deepest relief that passes.
 
     Attributes:
         amplitude: Half of it over local wall thickness.
@@ -49,7 +49,7 @@ def deepest(
     warn: Warn = logged,
     **settings: Any,
 ) -> Depth:
-    """Find the deepest of several reliefs that holds as it is drawn; the trials stay in a run directory of their own, a lane each.
+    """Find the deepest of several reliefs that passes as it is drawn; the trials stay in a run directory of their own, a lane each.
 
     A trial is judged as any run is at its end: by the surface that would be delivered.
 
@@ -70,7 +70,7 @@ def deepest(
         BadInput: If the part, the prompt or a setting cannot be used.
     """
     if settings.get("relief") is not None:
-        raise BadInput(f"a relief of {settings['relief']:g} mm is asked for, and the deepest that holds: leave out one of them")
+        raise BadInput(f"a relief of {settings['relief']:g} mm is asked for, and the deepest that passes: leave out one of them")
     wanted = draft(prompt, material, **{**settings, **ALONE, "amplitude": depths[-1]})
     run = started(wanted, mesh, vertices=vertices, out=out, device=device, stage=stage, prepare=prepare, warn=warn)
 
@@ -87,23 +87,23 @@ def _trial(run: Run, depth: float) -> Run:
 
 
 def deepest_of(depths: Sequence[float], verdict: Callable[[float], Verdict]) -> Depth:
-    """The deepest depth that holds, by bisection from the deepest on, which takes for granted that a shallower relief holds where one does.
+    """The deepest depth that passes, by bisection from the deepest on, which assumes that a shallower relief passes where one does.
 
     Args:
         depths: Ascending.
         verdict: The verdict on the relief of a depth.
     """
     found = verdict(depths[-1])
-    if found.viable:
-        return Depth(depths[-1], f"{depths[-1]:g} of the wall is the deepest relief that was tried, and it holds")
-    holds, fails, why = -1, len(depths) - 1, found.words
-    while fails - holds > 1:
-        middle = (holds + fails) // 2
+    if found.passes:
+        return Depth(depths[-1], f"{depths[-1]:g} of the wall is the deepest relief that was tried, and it passes")
+    passes, fails, why = -1, len(depths) - 1, found.words
+    while fails - passes > 1:
+        middle = (passes + fails) // 2
         found = verdict(depths[middle])
-        if found.viable:
-            holds = middle
+        if found.passes:
+            passes = middle
         else:
             fails, why = middle, found.words
-    if holds < 0:
-        return Depth(depths[0], f"even {depths[0]:g} of the wall does not hold without correction ({why})")
-    return Depth(depths[holds], f"{depths[holds]:g} of the wall is the deepest relief that holds as it is; at {depths[fails]:g}: {why}")
+    if passes < 0:
+        return Depth(depths[0], f"even {depths[0]:g} of the wall does not pass without correction ({why})")
+    return Depth(depths[passes], f"{depths[passes]:g} of the wall is the deepest relief that passes as it is; at {depths[fails]:g}: {why}")

@@ -10,17 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mechstyle._files import write_whole
-from mechstyle.geometry.files import check_holds, save
+from mechstyle.geometry.files import check_holds_fields, save
 from mechstyle.geometry.print_quality import Quality, quality
 from mechstyle.loop.objects import to_json
 from mechstyle.loop.store import Entry, Store
 from mechstyle.pictures.fields import Known
-from mechstyle.records import Checkpoint, Recipe, Verdict
+from mechstyle.records import Checkpoint, Recipe, Verdict, sentences
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.known_fields import known_fields
-from mechstyle.runs.printing import Printing, PrintPlan, write_for_printing
+from mechstyle.runs.printing import Delivered, Printing, PrintPlan, write_for_printing
 from mechstyle.runs.refine import Refined, Refinement
-from mechstyle.runs.texture import Delivered, texture_of
 from mechstyle.simulation.part import Workpiece
 
 AS_USUAL = Printing()
@@ -79,7 +78,6 @@ def exported(
     refinement: Refinement | None = None,
     drop: bool = False,
     name: str = "",
-    texture: bool = False,
     fields: bool = False,
     printing: Printing = AS_USUAL,
 ) -> Exported:
@@ -94,7 +92,6 @@ def exported(
         refinement: What draws it again on smaller faces, under the checkpoint's recipe; None for the faces of the run.
         drop: Whether to drop what was drawn again, if that was not done by the run.
         name: What the part is called in the file.
-        texture: Whether its colours are to be a texture, finer than its vertices; in GLB and OBJ.
         fields: Whether it is to hold every field that is known of it, such as stress; in GLB and PLY.
         printing: Filaments and slicer of a 3MF file.
 
@@ -103,23 +100,25 @@ def exported(
     """
     state, recipe = store.checkpoint(entry.digest), store.recipe(entry.recipe)
     was_tested = drawn_finer(recipe, entry)
-    check_holds(path, texture=texture, fields=fields)
+    if fields:
+        check_holds_fields(path)
     printing.check(path)
     if refinement is None:
         original, styled, verdict, words, found = _in_its_own_faces(store, part, entry, state, was_tested=was_tested)
     else:
         original, styled, verdict, words, found = _on_smaller_faces(refinement, entry, state, drop=drop, was_tested=was_tested)
     known = known_fields(store, lane, part, state) if fields else ()
-    delivered, plan = Delivered(None if found is None else found.cut, styled), None
+    plan = None
     if path.suffix.lower() == ".3mf":
+        delivered = Delivered(None if found is None else found.cut, styled)
         plan = write_for_printing(path, delivered, original, part, recipe, printing, name=name)
     else:
-        drawn = texture_of(store, part, entry, delivered) if texture else None
-        save(styled, path, name=name, texture=drawn, fields={one.quantity.name: _at_vertices(one, found) for one in known})
+        save(styled, path, name=name, fields={one.quantity.name: _at_vertices(one, found) for one in known})
     measured = quality(original, styled, recipe.material.density)
     record = Exported(
         file=path.name, lane=lane, iteration=entry.iteration, recipe=entry.recipe, fine=refinement is not None, verdict=verdict,
-        quality=measured, warnings=(*words, *measured.warnings), fields={one.quantity.name: _in_words(one) for one in known}, printing=plan,
+        quality=measured, warnings=(*words, *_of_the_test(verdict), *measured.warnings),
+        fields={one.quantity.name: _in_words(one) for one in known}, printing=plan,
     )  # fmt: skip
     write_whole(sidecar(path), msgspec.json.format(to_json(record), indent=2))
     return record
@@ -144,7 +143,7 @@ def _at_vertices(known: Known, found: Refined | None) -> NDArray[np.float32]:
     """A field at the vertices of what leaves a run; where that is finer than the run, as its own test says, else interpolated."""
     if found is None:
         return known.values.astype(np.float32)
-    holder = next((one for one in (found.simulation, found) if hasattr(one, known.quantity.source)), None)
+    holder = next((one for one in (found.simulation, found) if one is not None and known.quantity.is_in(one)), None)
     if holder is not None:
         return known.quantity.of(holder).astype(np.float32)
     return np.asarray(found.cut.interpolation @ known.values.astype(np.float32), np.float32)
@@ -175,11 +174,15 @@ def unsimulated(store: Store, entry: Entry) -> str:
     return ""
 
 
+def _of_the_test(verdict: Verdict | None) -> tuple[str, ...]:
+    """Warnings where the surface that was written fails, and where its verdict leaves a doubt."""
+    if verdict is None:
+        return ()
+    return tuple(filter(None, ("" if verdict.passes else verdict.head, verdict.doubt)))
+
+
 def _of_the_fine_surface(verdict: Verdict | None, coarse: Verdict | None) -> tuple[str, ...]:
-    """A warning if the finer surface was not dropped, or does not keep what the coarse one promised."""
+    """A warning if the finer surface was not dropped, or does not pass where the coarse one may have."""
     if verdict is None:
         return (NOT_DROPPED,)
-    if verdict.viable:
-        return ()
-    was = f", though the surface of the run was {coarse.told}" if coarse is not None else ""
-    return (f"the fine surface is {verdict.told}{was}: export it with --coarse, or branch with a smaller amplitude",)
+    return () if verdict.passes else (sentences.delivered(verdict, coarse),)

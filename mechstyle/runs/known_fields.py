@@ -19,4 +19,4 @@ def known_fields(store: Store, lane: str, part: Workpiece, state: Checkpoint) ->
     """
     simulation = store.objects.get_record(state.simulation, Simulation) if state.simulation else None
     newest, verdict = store.checkpoint(store.lane(lane).head), store.verdict(state)
-    return known(store.recipe(state.recipe), store.allowable(state), state, simulation, part.thickness, newest, verdict)
+    return known(store.recipe(state.recipe), state, simulation, part.thickness, newest, verdict)

@@ -14,7 +14,7 @@ import numpy as np
 
 from mechstyle.errors import BadInput
 from mechstyle.fea.explicit import Progress, no_progress
-from mechstyle.fea.orientations import AS_PLACED, resting
+from mechstyle.fea.orientations import FLAT, resting
 from mechstyle.geometry.resting_face import centre_of_mass
 from mechstyle.geometry.standing import standing
 from mechstyle.records import Recipe, Simulation
@@ -115,16 +115,16 @@ def _rounded(normal: np.ndarray) -> Point:
 
 
 def _called(name: str, up: Point) -> str:
-    """The way a part was placed by its name, another by the side of the part that lies on the bed."""
-    if name == AS_PLACED:
-        return name
+    """What a way up is called: as placed, or by the side of the part that lies on the bed."""
+    if name == FLAT:
+        return "as placed"
     axis = int(np.argmax(np.abs(up)))
     side = f"{'-' if up[axis] > 0 else '+'}{'xyz'[axis]}"
     return f"on its {side} side" if abs(up[axis]) > 0.99 else f"tilted on its {side} side"
 
 
 class _Layers:
-    """What a part bears in its drops as placed and tilted and under its loads, for layers along any direction."""
+    """Stress of a part in its landings and under its loads, for layers along any direction."""
 
     def __init__(self, run: Run, recipe: Recipe, last: Simulation, displacement: np.ndarray, stage: Stage, progress: Progress) -> None:
         """Begin with what the run knows; drops are made when they are asked for."""
@@ -170,7 +170,8 @@ def _opposite(up: Point) -> Point:
 
 
 def _deciding(simulation: Simulation) -> float:
-    """The largest stress of the drop as placed, of load cases and of drops tilted a little [MPa]; infinite if there is no answer."""
+    """The largest σ_V of flat and nearly flat landings and of load cases [MPa]; infinite if there is no answer."""
     if simulation.failure:
         return float("inf")
-    return max(simulation.as_placed.peak, 0.0 if simulation.tilted is None else simulation.tilted.surface)
+    landings = [landing.stress for landing in (*simulation.of("flat"), *simulation.of("nearly flat"))]
+    return max(*landings, *(case.stress for case in simulation.loads), 0.0)

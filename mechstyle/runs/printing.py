@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import msgspec
 import numpy as np
@@ -12,12 +13,11 @@ from mechstyle.errors import BadInput
 from mechstyle.geometry.bodies import shell_and_rest
 from mechstyle.geometry.filaments import MOST, USUAL, Painted, Palette, clustered, in_bands, painted, palette_of
 from mechstyle.geometry.files import write_file
-from mechstyle.geometry.print_cost import LAYER, PrintCost, banded, cheaper, print_cost
-from mechstyle.geometry.print_time import Slices
+from mechstyle.geometry.print_cost import PrintCost, banded, cheaper, print_cost
+from mechstyle.geometry.subdivision import Subdivided
 from mechstyle.geometry.threemf import Body, bodies_bytes, check_slicer, threemf_bytes, together
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import SurfaceMesh
-from mechstyle.runs.texture import Delivered
 from mechstyle.simulation.part import Workpiece, bounds_for
 
 FILAMENT_TYPES = ("PLA", "PETG", "ABS", "TPU")
@@ -66,6 +66,18 @@ class Printing(msgspec.Struct, frozen=True, kw_only=True):
         return found
 
 
+class Delivered(NamedTuple):
+    """Surface to export, with the subdivision it came from.
+
+    Attributes:
+        cut: The unstylized part in its faces; None for those of the run.
+        styled: The styled, coloured surface.
+    """
+
+    cut: Subdivided | None
+    styled: SurfaceMesh
+
+
 class PrintPlan(msgspec.Struct, frozen=True, kw_only=True):
     """What a file tells a slicer, and what it costs.
 
@@ -112,11 +124,10 @@ def write_for_printing(
         paint = in_bands(mesh, palette) if printing.bands else painted(mesh, palette)
         content = threemf_bytes(mesh, called, paint=paint, slicer=printing.slicer, filament_type=kind)
     write_file(path, content)
-    slices = Slices.of(paint.mesh, LAYER)
-    cost = print_cost(paint, slices=slices)
+    cost = print_cost(paint)
     offers = (
-        *([] if printing.bands else cheaper(paint, slices=slices)),
-        *([] if printing.bands or printing.bodies else [banded(paint, slices=slices)]),
+        *([] if printing.bands else cheaper(paint)),
+        *([] if printing.bands or printing.bodies else [banded(paint)]),
     )
     return PrintPlan(
         slicer=printing.slicer,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import partial
 from typing import Any
@@ -13,6 +13,7 @@ import numpy as np
 from mechstyle.errors import BadInput, unknown
 from mechstyle.records import SETTINGS, Recipe
 from mechstyle.records.landings import with_drops
+from mechstyle.records.lengths import length_of
 from mechstyle.records.load_cases import load_cases
 from mechstyle.records.material import Material, material_named
 from mechstyle.records.recipe import DEFAULTS, direction_of
@@ -25,25 +26,25 @@ from mechstyle.simulation.part import Workpiece, fitted
 FREESTYLE: dict[str, Any] = {
     "control": "none",
     "schedule": "never",
-    "memory": False,
-    "retraction": False,
     "base": "free",
     "guarantee": False,
 }
 """Stylization without feedback: one simulation, at the end."""
 
 PAPER: dict[str, Any] = {
-    "memory": False,
-    "retraction": False,
     "base": "free",
     "guarantee": False,
     "transfer": "nearest",
     "element": "tet4",
     "minimum_wall": 0.0,
-    "tilts": 0,
+    "nearly_flat": False,
     "delivered": 0,
+    "schedule": "stress",
 }
 """The published method taken literally (Faruqi et al. 2025)."""
+
+MASKED = "stress"
+"""Schedule that a control brings, unless one is asked for: a mask that nothing is simulated for never closes."""
 
 EXPECTED = (
     "criterion paper leaves little of a style: its masks compare stress with a fifth of the yield strength, which a flat landing alone"
@@ -86,6 +87,8 @@ def draft(prompt: str = "", material: str | Material = "PLA", *, freestyle: bool
     paper = given.get("criterion") == "paper"
     presets = {**(PAPER if paper else {}), **(FREESTYLE if freestyle else {})}
     chosen = with_drops({**presets, **given})
+    if chosen.get("control", "none") != "none":
+        chosen.setdefault("schedule", MASKED)
     chosen.setdefault("normalisation", default_normalisation(chosen.get("control", "exponential"), paper=paper))
     return settled(Recipe(surface="", tetrahedra="", prompt=prompt, **chosen), clip_asked_for=bool(given.get("clip")))
 
@@ -101,7 +104,10 @@ def changed(recipe: Recipe, changes: dict[str, Any]) -> Recipe:
     other_criterion = given.get("criterion", recipe.criterion) != recipe.criterion
     if other_criterion:
         presets = {**(PAPER if paper else ROBUST), **(FREESTYLE if control == "none" else {})}
-        given = {**presets, "schedule": recipe.schedule, **given}
+        own = {} if recipe.schedule == (ROBUST if paper else PAPER)["schedule"] else {"schedule": recipe.schedule}
+        given = {**presets, **own, **given}
+    if given.get("control", "none") != "none" and recipe.schedule == "never":
+        given.setdefault("schedule", MASKED)
     if other_criterion or "control" in given:
         given.setdefault("normalisation", default_normalisation(control, paper=paper))
     return settled(msgspec.structs.replace(recipe, **given), clip_asked_for=bool(given.get("clip")))
@@ -115,11 +121,14 @@ def brought(settings: dict[str, Any], control: str) -> dict[str, Any]:
         control: The control in force, unless another is given.
     """
     given = with_drops(settings)
+    if "height" in given:
+        given["height"] = length_of(given["height"])
     if "criterion" not in given:
         return given
     paper = given["criterion"] == "paper"
     normalisation = default_normalisation(given.get("control", control), paper=paper)
-    return {**(PAPER if paper else ROBUST), "normalisation": normalisation, **given}
+    presets = PAPER if paper else {**ROBUST, "schedule": MASKED}  # who shows all settings shows the mask grow
+    return {**presets, "normalisation": normalisation, **given}
 
 
 def expected(recipe: Recipe) -> tuple[str, ...]:
@@ -129,11 +138,13 @@ def expected(recipe: Recipe) -> tuple[str, ...]:
 
 def idle(given: Mapping[str, Any], recipe: Recipe) -> tuple[str, ...]:
     """Which of the settings that were given do nothing in a recipe, one sentence each."""
+    masked = recipe.feedback and recipe.schedule != "never"
     counts = {
         "every": (recipe.schedule == "every", "the schedule every"),
         "travel": (recipe.schedule in ("geometry", "stress"), "the schedule geometry or stress"),
-        "normalisation": (recipe.feedback, "a control"),
-        "threshold": (recipe.feedback, "a control"),
+        "normalisation": (masked, "masks: ask for a schedule such as stress"),
+        "threshold": (masked, "masks: ask for a schedule such as stress"),
+        "control": (masked or not recipe.feedback, "a schedule such as stress"),
         "poses": (recipe.orientations > 1, "more than one orientation"),
     }
     return tuple(f"{name} does nothing without {what}" for name, (does, what) in counts.items() if name in given and not does)
@@ -156,6 +167,9 @@ def typed(text: str) -> tuple[str, Any]:
     if not equals:
         raise BadInput(f"--set {text} gives no value: write NAME=VALUE, such as travel=0.2")
     check_settings({name: value})
+    if name == "height":
+        length_of(value)
+        return name, value  # its unit decides how it is read, wherever settings come in
     kind = next(field.type for field in msgspec.structs.fields(Recipe) if field.name == name)
     for read_value in (partial(msgspec.json.decode, value, type=kind), partial(msgspec.convert, value, kind, strict=False)):
         with suppress(msgspec.MsgspecError):
@@ -169,29 +183,35 @@ def _given(settings: dict[str, Any]) -> dict[str, Any]:
     """The settings that are not None, in the types they have when read from disk: 1000 and 1000.0 must not be two recipes."""
     given = {name: _built_in(value) for name, value in settings.items() if value is not None}
     check_settings(given)
+    given = {name: READERS[name](value) if name in READERS else value for name, value in given.items()}
     for field in msgspec.structs.fields(Recipe):
         if field.name in given and field.type in PLAIN:
             try:
                 given[field.name] = msgspec.convert(given[field.name], field.type)
             except msgspec.ValidationError as error:
                 raise BadInput(f"{field.name.replace('_', ' ')} is {given[field.name]!r}, but must be {PLAIN[field.type]}") from error
-    if "material" in given:
-        given["material"] = msgspec.convert(msgspec.to_builtins(material_named(given["material"]), enc_hook=_built_in), Material)
-    if "build_direction" in given:
-        given["build_direction"] = direction_of(given["build_direction"])
-    if "loads" in given:
-        given["loads"] = load_cases(given["loads"])
-    if "protect" in given:
-        given["protect"] = regions(given["protect"])
-    if "image" in given:
-        given["image"] = digest_of(given["image"])
-    if "stylizer" in given:
-        given["stylizer"] = name_of(given["stylizer"])
     return given
 
 
 def _built_in(value: Any) -> Any:
     return value.item() if isinstance(value, np.generic) else value
+
+
+def _material(value: str | Material) -> Material:
+    """A material by name, file or record, as it is read from disk."""
+    return msgspec.convert(msgspec.to_builtins(material_named(value), enc_hook=_built_in), Material)
+
+
+READERS: dict[str, Callable[[Any], Any]] = {
+    "material": _material,
+    "height": length_of,
+    "build_direction": direction_of,
+    "loads": load_cases,
+    "protect": regions,
+    "image": digest_of,
+    "stylizer": name_of,
+}
+"""What reads a setting that may be written in several ways."""
 
 
 def default_normalisation(control: str, *, paper: bool) -> str:

@@ -28,7 +28,6 @@ from mechstyle.loop import minimum_wall
 from mechstyle.loop.store import Store
 from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict
 from mechstyle.records.mesh import Field, SurfaceMesh, frozen_array
-from mechstyle.runs.gentle import CRISP, borne, gentle
 from mechstyle.runs.twin import Twin
 from mechstyle.simulation.part import Workpiece
 from mechstyle.simulation.simulator import DropSimulator
@@ -157,15 +156,7 @@ class Refinement:
             return _spread_out(self._unstylized, self.cut)
         carrier, meshing = self.simulator.carrier(of_the_loop)
         test = carrier.on(self.cut)
-        return replace(test.simulate(self._gentle(relief, test), thorough=True), meshing=meshing)
-
-    def _gentle(self, relief: Field, test: DropSimulator) -> Field:
-        """A relief as its test has it where the part bears much, of limits that its tetrahedra confirm [mm], shape [fine_count]."""
-        share = self.cut.interpolation @ borne(self.simulator.believed(test.tets.digest), self.simulator.recipe.material)
-        if share.max() <= CRISP:
-            return relief
-        softened = gentle(self.cut.mesh, relief, test.morph.morphed(relief).followed, test.tets, share, self._twin.bounds)
-        return relief if softened is relief else untangled(self.cut.mesh, softened, self._go_on)
+        return replace(test.simulate(relief, thorough=True), meshing=meshing)
 
     def of(self, digest: str, *, drop: bool) -> Refined:
         """The delivered surface of a checkpoint, as it was kept or made now.
@@ -255,9 +246,8 @@ def notes_on(part: Workpiece, recipe: Recipe, displacement: Field, found: Refine
     return (*found.notes, *minimum_wall.warnings(found.original, walls, found.displacement, recipe.minimum_wall))
 
 
-STRESSES = ("stress", "envelope", "probability", "tilted_stress")
-FIELDS = (*STRESSES, "contact")
-"""Of a simulation, besides the displacement, over the surface."""
+STRESSES = ("landing_stress", "load_stress")
+"""Fields of a simulation with a row for each test, shape [test_count, vertex_count]."""
 
 
 def _of_the_loop(simulation: Simulation, displacement: Field, cut: Subdivided) -> Simulation:
@@ -267,20 +257,15 @@ def _of_the_loop(simulation: Simulation, displacement: Field, cut: Subdivided) -
     """
     count, nearest = len(displacement), cut.nearest
     fields: dict[str, Any] = {"contact": simulation.contact[:count]}
-    for name in (*STRESSES, *_of_each_test(simulation)):
+    for name in STRESSES:
         values = getattr(simulation, name)
-        fields[name] = np.zeros((*values.shape[:-1], count), np.float32)
+        fields[name] = np.zeros((len(values), count), np.float32)
         np.maximum.at(fields[name].T, nearest, values.T)
     return replace(simulation, displacement=displacement, **fields)
 
 
-def _of_each_test(simulation: Simulation) -> tuple[str, ...]:
-    """Fields of the drop and of each load case by itself, where there are any: shape [vertex_count] and [case_count, vertex_count]."""
-    return tuple(name for name in ("dropped_stress", "loaded_stress") if getattr(simulation, name).size)
-
-
 def _spread_out(simulation: Simulation, cut: Subdivided) -> Simulation:
     """A test as one on a finer surface."""
-    names = ("displacement", *FIELDS, *_of_each_test(simulation))
+    names = ("displacement", "contact", *STRESSES)
     spread = {name: (cut.interpolation @ getattr(simulation, name).T.astype(np.float32)).T for name in names}
     return replace(simulation, **{**spread, "contact": spread["contact"] > 0.5})

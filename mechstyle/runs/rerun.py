@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Callable, Sequence
 from contextlib import closing
 from pathlib import Path
@@ -14,26 +15,29 @@ from mechstyle.errors import BadInput
 from mechstyle.loop.events import Checkpointed, Event
 from mechstyle.loop.objects import AT_REST, MESH_FOR
 from mechstyle.loop.store import Entry, Lane, Store
+from mechstyle.records import Verdict
 from mechstyle.runs import images
 from mechstyle.runs.run import Run
 from mechstyle.simulation.carrying import KeptMesh
 
 CLOSE = 1e-5
-"""Relative difference of a peak stress that another processor may make."""
+"""Relative difference of a stress that another processor may make."""
 
 
 class Difference(msgspec.Struct, frozen=True, kw_only=True):
-    """A drop that came to something else.
+    """A test that came to something else.
 
     Attributes:
         iteration: When.
-        before: Peak stress then [MPa].
-        again: Peak stress now [MPa].
-        verdict: Verdict then.
-        verdict_again: Verdict now.
+        test: The test in which the two differ most, "" where neither gave an answer.
+        before: Its stress then [MPa]; NaN without an answer.
+        again: The same in the repetition [MPa].
+        verdict: Outcome then.
+        verdict_again: Outcome in the repetition.
     """
 
     iteration: int
+    test: str
     before: float
     again: float
     verdict: str
@@ -48,8 +52,8 @@ class Rerun(msgspec.Struct, frozen=True, kw_only=True):
         same_bytes: Whether every iteration has the bytes it had.
         first_other: The first iteration that has not, None if there is none.
         drops: Simulations compared.
-        largest: Largest relative difference of a peak stress.
-        differences: Simulations whose verdict is another, or whose peak is further off than CLOSE.
+        largest: Largest relative difference of a stress.
+        differences: Simulations whose outcome is another, or whose stress is further off than CLOSE.
     """
 
     folder: str
@@ -61,7 +65,7 @@ class Rerun(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def equal(self) -> bool:
-        """Whether all verdicts are the same and no peak is further off than CLOSE."""
+        """Whether all outcomes are the same and no stress is further off than CLOSE."""
         return not self.differences
 
     @property
@@ -71,10 +75,11 @@ class Rerun(msgspec.Struct, frozen=True, kw_only=True):
         if self.same_bytes:
             return f"equal: every iteration and all {drops} have the same bytes"
         if self.equal:
-            close = f"the verdicts of {drops} are the same, their peaks within {self.largest:.1e}"
+            close = f"the outcomes of {drops} are the same, their stresses within {self.largest:.1e}"
             return f"equal: {close}; other bytes from iteration {self.first_other} on"
         first = self.differences[0]
-        found = f"{first.verdict_again}, {first.again:.4g} MPa, instead of {first.verdict}, {first.before:.4g} MPa"
+        figures = f"{first.verdict_again}, {first.again:.4g} MPa, instead of {first.verdict}, {first.before:.4g} MPa"
+        found = f"{figures} ({first.test})" if first.test else figures
         return f"differs: {len(self.differences)} of {drops}, the first at iteration {first.iteration}: {found}"
 
 
@@ -146,7 +151,7 @@ def compared(before: Sequence[Entry], again: Sequence[Entry], folder: str) -> Re
     first_other = next((old.iteration for old, new in aligned if new is None or old.digest != new.digest), None)
     pairs = [(old, new) for old, new in zip(before, again, strict=False) if old.verdict is not None]
     found = [_difference(old, new) for old, new in pairs]
-    shares = [abs(one.again - one.before) / max(abs(one.before), 1e-12) for one in found]
+    shares = [_share(one.before, one.again) for one in found]
     other = tuple(one for one, share in zip(found, shares, strict=True) if share > CLOSE or one.verdict != one.verdict_again)
     return Rerun(
         folder=folder,
@@ -159,12 +164,28 @@ def compared(before: Sequence[Entry], again: Sequence[Entry], folder: str) -> Re
 
 
 def _difference(old: Entry, new: Entry) -> Difference:
+    """What two simulations came to, in the test in which they differ most."""
     assert old.verdict is not None, "only simulated iterations are compared"
-    now = new.verdict
+    before, again = _stresses(old.verdict), _stresses(new.verdict)
+    tests = {**before, **again} or {"": math.nan}
+    worst = max(tests, key=lambda test: _share(before.get(test, math.nan), again.get(test, math.nan)))
     return Difference(
         iteration=old.iteration,
-        before=old.verdict.deciding.value,
-        again=float("nan") if now is None else now.deciding.value,
+        test=worst,
+        before=before.get(worst, math.nan),
+        again=again.get(worst, math.nan),
         verdict=old.verdict.outcome,
-        verdict_again="not simulated" if now is None else now.outcome,
+        verdict_again="not simulated" if new.verdict is None else new.verdict.outcome,
     )
+
+
+def _stresses(verdict: Verdict | None) -> dict[str, float]:
+    """The stress of each test [MPa], by its name."""
+    return {} if verdict is None else {f"load {row.load}" if row.load else row.test: row.stress for row in verdict.rows}
+
+
+def _share(before: float, again: float) -> float:
+    """Relative difference of a stress, 0 where neither gave an answer and infinite where one did."""
+    if math.isnan(before) or math.isnan(again):
+        return 0.0 if math.isnan(before) and math.isnan(again) else math.inf
+    return abs(again - before) / max(abs(before), 1e-12)

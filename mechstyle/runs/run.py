@@ -149,7 +149,8 @@ class Run:
         state = self.checkpoint(iteration)
         recipe = self.store.recipe(state.recipe)
         measured = measured_at(self.history, self.store.find(iteration, self.lane).digest)
-        look, stress, restraint = checkpoint_panels(self.part.surface, state, recipe, self.store.allowable(state), measured)
+        verdict = None if measured is None else self.store.find(measured, self.lane).verdict
+        look, stress, restraint = checkpoint_panels(self.part.surface, state, recipe, verdict, measured)
         shown = [stress, with_protected(restraint, bounds_for(self.part, recipe)[0].freedom == 0.0)]
         if fields:
             shown = chosen_panels(look.mesh, known_fields(self.store, self.lane, self.part, state), fields)
@@ -164,9 +165,9 @@ class Run:
         return mimebundle(self)
 
     def report(self, path: str | Path, *, impact: bool = False) -> Path:
-        """Write a report of the lane as one HTML file that opens offline: verdicts, replay, timeline, settings, how to make it again.
+        """Write a report of the lane as one HTML file that opens offline: verdict, replay, timeline, settings, how to make it again.
 
-        Impacts that were looked at are in it; `impact` drops the part for it as placed and in its worst landing.
+        Impacts that were looked at are in it; `impact` drops the part for it flat and in its hardest other landing.
         """
         from mechstyle.runs.report.page import write_report  # noqa: PLC0415 — loaded when a report is wanted
 
@@ -174,7 +175,7 @@ class Run:
 
     def export(
         self, path: str | Path, iteration: int | None = None, *,
-        fine: bool | None = None, texture: bool = False, fields: bool = False, printing: Printing = AS_USUAL,
+        fine: bool | None = None, fields: bool = False, printing: Printing = AS_USUAL,
     ) -> Path:  # fmt: skip
         """Write the delivered surface at an iteration to a file, and what is known of it to `FILE.json`.
 
@@ -182,17 +183,16 @@ class Run:
             path: The file; its suffix decides the format.
             iteration: None for the last.
             fine: True to draw it again on smaller faces and drop that if the run did not, False for the faces of the run, None as it says.
-            texture: Whether the colours are to be a texture, as fine as the style or the picture can be drawn; in GLB and OBJ.
             fields: Whether it is to hold stress, demand and every other known field at its vertices; in GLB and PLY.
             printing: Slicer and filaments of a 3MF file: `ms.Printing(palette="#111111, #f4f1e8", slicer="bambu")`.
         """
-        for warning in self.exported(path, iteration, fine=fine, texture=texture, fields=fields, printing=printing).warnings:
+        for warning in self.exported(path, iteration, fine=fine, fields=fields, printing=printing).warnings:
             logger.warning("%s: %s", path, warning)
         return Path(path)
 
     def exported(
         self, path: str | Path, iteration: int | None = None, *,
-        fine: bool | None = None, texture: bool = False, fields: bool = False, printing: Printing = AS_USUAL,
+        fine: bool | None = None, fields: bool = False, printing: Printing = AS_USUAL,
     ) -> Exported:  # fmt: skip
         """As `export`; returns verdict, quality and warnings of the very surface that was written."""
         entry = self.store.find(iteration, self.lane)
@@ -200,8 +200,7 @@ class Run:
         finer = fine or (fine is None and recipe.delivered != 0 and entry.iteration > 0)
         refinement = self._refinement(self.simulator(recipe)) if finer else None
         what = self.store, self.lane, self.part, entry, Path(path)
-        named, wanted = self.record.name, bool(fine)
-        return exported(*what, refinement=refinement, drop=wanted, name=named, texture=texture, fields=fields, printing=printing)
+        return exported(*what, refinement=refinement, drop=bool(fine), name=self.record.name, fields=fields, printing=printing)
 
     def delivered(self, iteration: int | None = None, *, draw: bool = True) -> Refined | None:
         """The surface that was delivered at an iteration, None for the last: drawn finer than the checkpoint, which it is no part of.
@@ -286,7 +285,8 @@ class Run:
     def simulator(self, recipe: Recipe, progress: Progress = no_progress) -> DropSimulator:
         """The drop test of the part under a recipe."""
         part, shared = self.record.droppable(self.part, self.store.root / "part.json"), cached_memo() if self.trusting else None
-        return DropSimulator(part.surface, part.tets, recipe, self.store.memo, shared, self.device, progress, at=part.at)
+        what = part.surface, part.tets, recipe, self.store.memo, shared, self.device, progress
+        return DropSimulator(*what, at=part.at, thickness=part.thickness)
 
     def _refinement(self, simulator: DropSimulator) -> Refinement:
         """What draws the surface of a lane finer, under the recipe of a simulator."""
@@ -352,7 +352,7 @@ def stylize(
         stage: Told what is being prepared, in words.
         on_event: Told every event.
         settings: Fields of `Recipe`, such as control, schedule, iterations, criterion, protect=["inside", ms.Box(low, high, ramp=2)],
-            image (a PNG, JPEG or SVG file, or an array), stylizer (a registered name, or a function as docs/plug-in.md shows).
+            image (a PNG or JPEG file, or an array), stylizer (a registered name, or a function as docs/plug-in.md shows).
 
     Returns:
         The finished run.

@@ -87,7 +87,7 @@ def stylizer_for(
     aim = drawing_of(part, bounds, recipe, reading, objects, go_on).target
     notes = (f"prompt read as {reading.words}", *reading.notes, *aim.notes)
     if recipe.field != "network":
-        return ProceduralStylizer(part.surface, aim), notes
+        return ProceduralStylizer(part.surface, aim, recipe.iterations), notes
     need_clip_extra()
     from mechstyle.styling.learned.build import towards_target  # noqa: PLC0415 — torch is loaded when it is wanted
 

@@ -9,35 +9,34 @@ from contextlib import ExitStack, contextmanager
 
 import msgspec
 
-from mechstyle.geometry.level_base import LevelBase
-from mechstyle.loop.engine import Engine, kept
+from mechstyle.loop.engine import Engine
 from mechstyle.loop.events import Event, SimulationStarted
-from mechstyle.loop.history import SimulationLine, Strength, simulations
-from mechstyle.records import LoadResult, Simulation
+from mechstyle.loop.history import SimulationLine, simulations
+from mechstyle.records import Doubt, Landing, LoadResult, Row, Simulation, Verdict
 
 
 class Summary(msgspec.Struct, frozen=True, kw_only=True):
     """Result of a lane.
 
     Attributes:
-        verdict: VIABLE, FAILS or UNKNOWN.
-        peak_stress: Stress that decides as placed [MPa].
-        allowable: What it may at most be [MPa].
-        safety_factor: The least of all rules that count, None if that is not known.
-        words: The verdict in one sentence.
-        result: The figures of the delivered part in full.
-        baseline: The same of the unstylized part.
+        outcome: HOLDS, NO WORSE, FAILS or UNKNOWN.
+        doubts: Why the outcome is not sure; none if it is.
+        safety_factor: Yield strength over σ_V, the least of the tests that decide; None if that is not known.
+        rows: The tests, each with what the part and its original survive and what was asked.
+        words: The verdict in sentences.
+        landings: What each drop of the last simulation did, flat first.
+        loads: What each load case did then.
+        plain: The verdict on the unstylized part by itself.
         simulations: Every simulation of the lane with its reason.
         style_loss: Loss of the delivered surface.
         style_loss_ratio: style_loss over the loss of the unstylized part.
-        kept: Share of the freestyle displacement that was kept; on the faces it stands on without its mean, as a shift loses no contrast.
+        kept: Share of the style's relief that is left, by what can be seen of it.
         iterations: Stylization iterations.
         meshing: How the tetrahedra of the last simulation followed the surface.
         carried: Share of the relief that the tetrahedra of the last simulation follow.
         carried_base: The same on the flat faces the part stands on, None where there is no relief on any.
         level_share: Share of the flat faces the part stands on that the relief leaves on the floor, None if it stands on none.
         backed_off: Share of the surface the tetrahedra could not follow in the last simulation.
-        loads: What each load case did to the delivered part.
         seconds: Wall time per stage of the process that finished the run [s].
         notes: What the user should know, one sentence each.
         lane: Name of the lane.
@@ -46,13 +45,14 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
         files: What was written, by what it is.
     """
 
-    verdict: str
-    peak_stress: float
-    allowable: float
+    outcome: str
+    doubts: tuple[Doubt, ...]
     safety_factor: float | None
+    rows: tuple[Row, ...]
     words: str
-    result: Strength
-    baseline: Strength
+    landings: tuple[Landing, ...]
+    loads: tuple[LoadResult, ...]
+    plain: Verdict
     simulations: tuple[SimulationLine, ...]
     style_loss: float
     style_loss_ratio: float
@@ -63,7 +63,6 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
     level_share: float | None = None
     carried: float = 1.0
     carried_base: float | None = None
-    loads: tuple[LoadResult, ...] = ()
     seconds: dict[str, float]
     notes: tuple[str, ...]
     lane: str
@@ -76,29 +75,29 @@ def summarise(engine: Engine, *, device: str, notes: tuple[str, ...], seconds: d
     """The summary of a lane its engine has just finished."""
     history = engine.store.history(engine.lane)
     last = engine.store.checkpoint(history[-1].digest)
-    assert last.verdict is not None, "a finished lane ends with a simulated checkpoint"
-    simulation, original = engine.store.objects.get_record(last.simulation, Simulation), engine.simulator.baseline
-    result = Strength.of(last.verdict, simulation)
-    start, base = history[0].style_loss, LevelBase(engine.surface)
+    verdict = last.verdict
+    assert verdict is not None, "a finished lane ends with a simulated checkpoint"
+    simulation = engine.store.objects.get_record(last.simulation, Simulation)
+    start = history[0].style_loss
     return Summary(
-        verdict=result.verdict,
-        peak_stress=result.peak_stress,
-        allowable=result.allowable,
-        safety_factor=result.safety_factor,
-        words=result.words,
-        result=result,
-        baseline=Strength.of(engine.simulator.judge(original), original),
+        outcome=verdict.outcome,
+        doubts=verdict.doubts,
+        safety_factor=verdict.safety_factor,
+        rows=verdict.rows,
+        words=verdict.words,
+        landings=simulation.landings,
+        loads=simulation.loads,
+        plain=engine.simulator.judge(engine.simulator.baseline, alone=True),
         simulations=simulations(history),
         style_loss=last.style_loss,
         style_loss_ratio=last.style_loss / start if start else 0.0,
-        kept=kept(base.contrast(last.displacement), base.contrast(engine.stylizer.proposal().displacement), engine.surface.vertex_areas),
+        kept=engine.kept(last),
         iterations=last.iteration,
         meshing=simulation.meshing,
         carried=simulation.carried,
         carried_base=simulation.carried_base,
         level_share=simulation.level_share,
         backed_off=simulation.backed_off,
-        loads=simulation.loaded,
         seconds=seconds,
         notes=notes,
         lane=engine.lane,

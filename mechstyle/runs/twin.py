@@ -84,7 +84,7 @@ class Twin:
         self.displacement = self._corrected(after.displacement, recipe)
 
     def _corrected(self, relief: Field, recipe: Recipe) -> Field:
-        """What retraction, the tetrahedra or a correction left of the twin's relief, and what was given back of what it lacked [mm]."""
+        """What the tetrahedra or a correction left of the twin's relief, and what was given back of what it lacked [mm]."""
         reached, finer = self._grown  # a correction is told by shares of the finished relief, not of the correction before
         if not relief.any():
             return np.zeros_like(finer)
@@ -146,7 +146,9 @@ class Twin:
         canvases = [FineCanvas(self.cut.mesh, self.cut.interpolation, canvas) for canvas in coarse.canvases]
         shares = self._spread(coarse.shares.T).T.astype(np.float64)
         fine = drawn(recipe, reading, canvases, shares, self.bounds, self.go_on)
-        return ProceduralStylizer(self.part.surface, coarse.target), ProceduralStylizer(self.cut.mesh, fine)
+        targets = ((self.part.surface, coarse.target), (self.cut.mesh, fine))
+        ours, theirs = (ProceduralStylizer(mesh, target, recipe.iterations) for mesh, target in targets)
+        return ours, theirs
 
     def _increments(self, coarse: Stylizer, fine: Stylizer) -> tuple[Field, Field]:
         """Increments of the levelled proposals of part and twin in one iteration [mm], limited to the engine's step."""

@@ -8,7 +8,8 @@ from mechstyle.records.mesh import SurfaceMesh, TetMesh
 from mechstyle.runs.run import Run, stylize
 from mechstyle.simulation.part import Workpiece
 
-QUICK = {"vertices": 900, "iterations": 6, "orientations": 1, "tilts": 0, "window": 0.2, "element": "tet4", "schedule": "every", "every": 3}
+QUICK = {"vertices": 900, "iterations": 6, "orientations": 1, "nearly_flat": False, "window": 0.2, "element": "tet4"}
+QUICK |= {"schedule": "every", "every": 3}
 
 
 @pytest.fixture

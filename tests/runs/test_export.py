@@ -14,10 +14,11 @@ import pytest
 import trimesh
 
 from mechstyle.errors import BadInput
-from mechstyle.runs.export import COARSE, NOT_DROPPED, Exported, _of_the_fine_surface, sidecar, unsimulated
+from mechstyle.records import Doubt
+from mechstyle.runs.export import COARSE, NOT_DROPPED, Exported, _of_the_fine_surface, _of_the_test, sidecar, unsimulated
 from mechstyle.runs.printing import Printing
 from mechstyle.runs.run import Run
-from support.records import VERDICT, judgement
+from support.records import FALL, row, verdict
 
 
 def test_what_is_known_of_the_surface_lies_beside_the_file(coarse, tmp_path):
@@ -69,11 +70,13 @@ def test_the_unstylized_part_cannot_be_drawn_finer(run, tmp_path):
 def test_a_file_with_fields_holds_what_the_test_of_that_very_surface_says(run, finer, tmp_path, dropless):
     written = run.exported(tmp_path / "part.ply", fields=True)
     found = meshio.read(tmp_path / "part.ply").point_data
-    assert np.array_equal(found["stress"], finer.simulation.stress)
-    assert found["stress"].max() == pytest.approx(run.verdict.deciding.value, rel=1e-6)
+    decides = run.verdict.deciding
+    assert np.array_equal(found["stress"], finer.simulation.stress_of(landing=decides.landing)), "the test that decides"
+    assert np.array_equal(found["flat_stress"], finer.simulation.landing_stress[0])
+    assert found["safety_factor"].min() == pytest.approx(run.recipe.material.yield_strength / found["stress"].max(), rel=1e-5)
     assert np.array_equal(found["displacement"], finer.displacement)
     assert np.allclose(found["restraint"], finer.cut.interpolation @ (1.0 - run.checkpoint().mask), atol=1e-6), "it is the loop's"
-    assert written.fields["stress"] == "von Mises stress at the surface [MPa]"
+    assert written.fields["stress"] == "von Mises stress at the surface [MPa]; flat"
     assert set(written.fields) == set(found) - {"red", "green", "blue", "alpha"}
 
 
@@ -98,10 +101,10 @@ def test_a_3mf_is_painted_in_four_filaments_and_says_what_it_costs(coarse, tmp_p
 
 
 def test_the_filaments_of_the_user_are_in_the_file_in_their_order(coarse, tmp_path):
-    wanted = ("#0000FF", "#111111", "#F4F1E8")
+    wanted = ("#00FF00", "#111111", "#F4F1E8")
     plan = coarse.exported(tmp_path / "part.3mf", printing=Printing(palette=wanted, slicer="bambu")).printing
     assert plan.palette == wanted
-    assert "#0000FF" not in plan.cost.palette, "no marble is blue, so slot 1 stays unused"
+    assert "#00FF00" not in plan.cost.palette, "no marble is green, so slot 1 stays unused"
     settings = json.loads(zipfile.ZipFile(tmp_path / "part.3mf").read("Metadata/project_settings.config"))
     assert settings["filament_colour"] == [f"{colour}FF" for colour in wanted]
 
@@ -140,9 +143,18 @@ def test_what_cannot_be_printed_is_refused_before_anything_is_drawn(run, tmp_pat
     assert not (tmp_path / name).exists()
 
 
-def test_a_fine_surface_that_fails_says_whether_that_and_what_it_was_before_are_sure():
-    sure, doubtful = (msgspec.structs.replace(judgement(44.0), marginal=marginal) for marginal in (False, True))
-    before = msgspec.structs.replace(VERDICT, as_placed=doubtful)
-    after = msgspec.structs.replace(VERDICT, outcome="FAILS", as_placed=msgspec.structs.replace(sure, outcome="FAILS"))
+def test_a_fine_surface_that_fails_says_so_and_what_the_run_was():
+    doubt = Doubt(about="limit", value=1.01, test="flat", landing="flat")
+    before, after = verdict(row(1.01 * FALL), doubts=(doubt,)), verdict(row(0.5 * FALL))
     (said,) = _of_the_fine_surface(after, before)
-    assert said.startswith("the fine surface is FAILS, though the surface of the run was VIABLE, MARGINAL: ")
+    assert said.startswith("the fine surface FAILS a fall of 1.5 m, though the surface of the run HOLDS a fall of 1.5 m (not sure): ")
+    assert _of_the_fine_surface(before, after) == ()
+    assert _of_the_fine_surface(None, before) == (NOT_DROPPED,)
+
+
+def test_a_file_warns_of_what_fails_and_of_what_is_in_doubt():
+    doubt = Doubt(about="relief", value=0.81)
+    sure, doubtful, failed = verdict(row()), verdict(row(), doubts=(doubt,)), verdict(row(0.5 * FALL))
+    assert _of_the_test(sure) == _of_the_test(None) == ()
+    assert _of_the_test(doubtful) == (doubtful.doubt,)
+    assert _of_the_test(failed) == (failed.head,)

@@ -10,7 +10,7 @@ from mechstyle.errors import BadInput
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.run import Run, stylize
 
-QUICK = {"vertices": 900, "iterations": 60, "orientations": 1, "tilts": 0, "window": 0.2, "element": "tet4", "schedule": "never",
+QUICK = {"vertices": 900, "iterations": 60, "orientations": 1, "nearly_flat": False, "window": 0.2, "element": "tet4", "schedule": "never",
          "base": "free"}  # fmt: skip
 
 

@@ -10,9 +10,9 @@ from mechstyle.records import CONTROLS, POSES, Recipe
 from mechstyle.records.load_cases import Load, LoadCase, Support
 from mechstyle.records.material import LIBRARY, Material
 from mechstyle.records.regions import HalfSpace, Inside
-from mechstyle.runs.recipes import changed, check_settings, draft, expected, idle, plan
+from mechstyle.runs.recipes import brought, changed, check_settings, draft, expected, idle, plan, typed
 
-WITHOUT_OUR_ADDITIONS = {"memory": False, "retraction": False, "base": "free", "guarantee": False}
+WITHOUT_OUR_ADDITIONS = {"base": "free", "guarantee": False}
 
 
 def defaults(part, **settings):
@@ -50,7 +50,8 @@ def test_freestyle_is_stylization_without_feedback(part):
 
 
 def test_the_paper_criterion_brings_the_published_method(part):
-    theirs = {"normalisation": "sigma_c", "transfer": "nearest", "element": "tet4", "minimum_wall": 0.0, "tilts": 0, "delivered": 0}
+    theirs = {"normalisation": "sigma_c", "transfer": "nearest", "element": "tet4", "minimum_wall": 0.0}
+    theirs |= {"nearly_flat": False, "delivered": 0, "schedule": "stress"}
     expected = defaults(part, criterion="paper", **theirs, **WITHOUT_OUR_ADDITIONS)
     assert plan(part, "brick", criterion="paper") == expected
 
@@ -70,9 +71,9 @@ def test_what_the_published_method_leaves_of_a_style_is_told_beforehand(part, se
         ({"every": 5}, ["every does nothing without the schedule every"]),
         ({"every": 5, "schedule": "every"}, []),
         ({"travel": 0.2, "schedule": "never"}, ["travel does nothing without the schedule geometry or stress"]),
-        ({"threshold": 0.5, "control": "none"}, ["threshold does nothing without a control"]),
+        ({"threshold": 0.5, "control": "none"}, ["threshold does nothing without masks: ask for a schedule such as stress"]),
         ({"poses": "box26", "orientations": 1}, ["poses does nothing without more than one orientation"]),
-        ({"poses": "box26", "orientations": 2, "threshold": 0.5, "travel": 0.2}, []),
+        ({"poses": "box26", "orientations": 2, "threshold": 0.5, "travel": 0.2, "schedule": "stress"}, []),
     ],
 )
 def test_settings_that_do_nothing_beside_the_others_are_named(given, told):
@@ -87,13 +88,13 @@ def test_freestyle_under_the_paper_criterion_is_both(part):
 @pytest.mark.parametrize(
     ("preset", "setting"),
     [
-        ({"freestyle": True}, {"schedule": "always"}),
+        ({"freestyle": True}, {"schedule": "quadratic"}),
         ({"freestyle": True}, {"control": "linear"}),
         ({"freestyle": True}, {"guarantee": True}),
-        ({"criterion": "paper"}, {"memory": True}),
+        ({"criterion": "paper"}, {"nearly_flat": True}),
         ({"criterion": "paper"}, {"transfer": "barycentric"}),
-        ({"criterion": "paper"}, {"normalisation": "yield"}),
-        ({"criterion": "paper", "freestyle": True}, {"base": "protected"}),
+        ({"criterion": "paper"}, {"normalisation": "headroom"}),
+        ({"criterion": "paper", "freestyle": True}, {"base": "plain"}),
     ],
 )
 def test_what_is_asked_for_overrides_the_preset_and_nothing_else(part, preset, setting):
@@ -129,14 +130,15 @@ def test_each_control_has_its_own_normalisation(part, criterion, control, normal
 
 @by_control
 def test_another_control_brings_its_own_normalisation(part, criterion, control, normalisation):
-    one = plan(part, "brick", criterion=criterion, control="linear", normalisation="yield")
+    other = "headroom" if normalisation == "sigma_c" else "sigma_c"
+    one = plan(part, "brick", criterion=criterion, control="linear", normalisation=other)
     assert changed(one, {"control": control}) == msgspec.structs.replace(one, control=control, normalisation=normalisation)
 
 
 @pytest.mark.parametrize("control", CONTROLS)
 def test_a_normalisation_asked_for_is_kept(part, control):
-    assert plan(part, "brick", control=control, normalisation="yield").normalisation == "yield"
-    assert changed(plan(part, "brick"), {"control": control, "normalisation": "yield"}).normalisation == "yield"
+    assert plan(part, "brick", control=control, normalisation="sigma_c").normalisation == "sigma_c"
+    assert changed(plan(part, "brick"), {"control": control, "normalisation": "sigma_c"}).normalisation == "sigma_c"
 
 
 def test_another_control_and_criterion_at_once_follow_the_new_criterion(part):
@@ -190,13 +192,17 @@ def both_ways(part, settings):
         ({"transfer": "nearst"}, "unknown transfer 'nearst': did you mean 'nearest'"),
         ({"iterations": 0}, "iterations is 0, but must lie between 1 and 100000"),
         ({"amplitude": -0.1}, "amplitude is -0.1, but must lie between 0 and 2"),
-        ({"drop_height": 1e6}, r"drop height is 1e\+06, but must lie between 1 and 100000"),
+        ({"height": 1e6}, r"height is 1e\+06, but must lie between 1 and 100000"),
         ({"travel": float("nan")}, "travel is nan, but must lie between 0.001 and 10"),
         ({"iterations": "many"}, "iterations is 'many', but must be a whole number"),
         ({"iterations": 20.5}, "iterations is 20.5, but must be a whole number"),
         ({"orientations": True}, "orientations is True, but must be a whole number"),
         ({"amplitude": "high"}, "amplitude is 'high', but must be a number"),
-        ({"memory": "no"}, "memory is 'no', but must be True or False"),
+        ({"nearly_flat": "no"}, "nearly flat is 'no', but must be True or False"),
+        ({"height": 1.5}, 'a height of 1.5 would be 1.5 mm: write "1.5 m", "1.5 cm" or "1.5 mm"'),
+        ({"height": "5 ft"}, "a height is in m, cm or mm, not in 'ft'"),
+        ({"height": np.float64("nan")}, "a height of nan is no fall"),
+        ({"tilts": 3}, "unknown setting 'tilts': "),
     ],
     ids=str,
 )
@@ -227,12 +233,12 @@ def test_settings_can_be_checked_before_a_part_is_prepared():
 # --- a recipe and its name on disk --------------------------------------------------------------------------------
 
 NUMBERS = [
-    {"drop_height": 1000},
+    {"height": 1000},
     {"travel": 1, "window": 2, "friction": 0},
     {"amplitude": np.linspace(0.1, 0.3, 3)[1]},
     {"amplitude": np.float32(0.25)},
     {"iterations": np.arange(40, 41)[0], "seed": np.uint32(2**32 - 1)},
-    {"memory": np.bool_(0)},
+    {"nearly_flat": np.bool_(0)},
     {"material": Material(name="ABS", youngs_modulus=2100, poisson_ratio=np.float64(0.35), density=1.05e-3, yield_strength=40)},
 ]
 
@@ -248,7 +254,8 @@ def test_any_kind_of_number_gives_a_recipe_that_is_found_again(part, tmp_path, s
 
 
 def test_equal_requests_have_equal_digests(part):
-    assert plan(part, "brick", drop_height=1000).digest == plan(part, "brick", drop_height=1000.0).digest
+    assert plan(part, "brick", height=1000).digest == plan(part, "brick", height=1000.0).digest
+    assert plan(part, "brick", height="1 m").digest == plan(part, "brick", height=1000.0).digest
     assert plan(part, "brick", every=np.int64(5)).digest == plan(part, "brick", every=5).digest
 
 
@@ -280,8 +287,8 @@ def test_poses_bring_their_number_of_drops_unless_told(poses, drops):
     assert draft("brick", poses=poses).orientations == drops
     assert draft("brick", poses=poses, orientations=3).orientations == 3
     assert changed(draft("brick", orientations=3), {"poses": poses}).orientations == drops
-    with pytest.raises(BadInput, match="unknown poses 'tilt': did you mean 'tilts'"):
-        draft("brick", poses="tilt")
+    with pytest.raises(BadInput, match="unknown poses 'rest': did you mean 'resting'"):
+        draft("brick", poses="rest")
 
 
 @pytest.mark.parametrize("given", ["z", "+Z", "0,0,1", "[0, 0, 1]", (0, 0, 1), np.array([0.0, 0.0, 1.0])])
@@ -315,10 +322,30 @@ def test_a_build_direction_that_cannot_be_judged_is_refused(given, material, wor
 
 def test_a_standard_brings_its_landings_to_a_draft_and_to_a_branch():
     recipe = draft("brick", standard="mil-810h")
-    assert (recipe.standard, recipe.poses, recipe.orientations, recipe.drop_height) == ("mil-810h", "box26", 27, 1220.0)
+    assert (recipe.standard, recipe.poses, recipe.orientations, recipe.height) == ("mil-810h", "box26", 27, 1220.0)
     other = changed(recipe, {"standard": "astm-f963"})
-    assert (other.poses, other.orientations, other.drop_height) == ("fibonacci", 10, 1372.0)
-    assert "but poses tilts" in changed(recipe, {"poses": "tilts"}).after_standard
+    assert (other.poses, other.orientations, other.height) == ("fibonacci", 10, 1372.0)
+    assert "but poses resting" in changed(recipe, {"poses": "resting"}).after_standard
+
+
+# --- the fall -------------------------------------------------------------------------------------------------------
+
+
+def test_a_height_is_read_with_its_unit_wherever_settings_come_in():
+    assert draft("brick", height="1,2 m").height == 1200.0
+    assert changed(draft("brick"), {"height": "4 cm"}).height == 40.0
+    assert brought({"height": "2 m"}, "exponential") == {"height": 2000.0}
+    assert draft("brick", **dict([typed("height=80 cm")])).height == 800.0
+    assert draft("brick", **dict([typed("height=4 cm")])).height == 40.0, "its unit is not lost on the way"
+
+
+def test_a_height_set_by_name_is_asked_about_at_once():
+    with pytest.raises(BadInput, match=r"would be 1\.5 mm"):
+        typed("height=1.5")
+
+
+def test_the_height_of_a_standard_is_left_where_another_is_written():
+    assert draft("brick", standard="mil-810h", height="1 m").height == 1000.0
 
 
 # --- depths ---------------------------------------------------------------------------------------------------------

@@ -15,6 +15,8 @@ from mechstyle.runs.run import Run
 from support import ROOT
 from support.kills import on_a_block
 from support.lanes import lane_on_a_sheet
+from support.records import UNKNOWN, row
+from support.records import verdict as judged
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +54,7 @@ def test_a_run_that_goes_on_on_another_machine_keeps_the_tetrahedra_it_was_compa
     run = Run(block.store, "main")
     simulator = run.simulator(run.recipe)
     again = simulator.simulate(simulator._at_rest.surface.vertices[:, 0].astype("f4") * 0, thorough=True)
-    assert again.as_placed == run.simulation(0).as_placed
+    assert again.landings == run.simulation(0).landings
 
 
 SCRIPT = """
@@ -81,35 +83,32 @@ def test_where_it_differs_is_said():
         digest: str
         verdict: object = None
 
-    class Verdict(msgspec.Struct):
-        outcome: str
-        value: float
-
-        @property
-        def deciding(self):
-            return self
-
-    before = [Entry(0, "a", Verdict("VIABLE", 20.0)), Entry(1, "b"), Entry(2, "c", Verdict("VIABLE", 30.0))]
-    near = [*before[:2], Entry(2, "d", Verdict("VIABLE", 30.0 * (1 + 0.5 * CLOSE)))]
-    far = [*before[:2], Entry(2, "d", Verdict("VIABLE", 30.0 * (1 + 2 * CLOSE)))]
-    other = [*before[:2], Entry(2, "d", Verdict("FAILS", 30.0))]
+    before = [Entry(0, "a", judged(row(stress=20.0))), Entry(1, "b"), Entry(2, "c", judged(row(stress=30.0)))]
+    near = [*before[:2], Entry(2, "d", judged(row(stress=30.0 * (1 + 0.5 * CLOSE))))]
+    far = [*before[:2], Entry(2, "d", judged(row(stress=30.0 * (1 + 2 * CLOSE))))]
+    other = [*before[:2], Entry(2, "d", judged(row(stress=30.0, outcome="FAILS")))]
+    broken = [*before[:2], Entry(2, "d", UNKNOWN)]
     short = before[:2]
     assert compared(before, before, "").same_bytes
     assert compared(before, near, "").equal
     assert (compared(before, near, "").same_bytes, compared(before, near, "").first_other) == (False, 2)
     assert "other bytes from iteration 2 on" in compared(before, near, "").words
     assert [one.iteration for one in compared(before, far, "").differences] == [2]
-    assert "FAILS, 30 MPa, instead of VIABLE, 30 MPa" in compared(before, other, "").words
+    assert "FAILS, 30 MPa, instead of HOLDS, 30 MPa (flat)" in compared(before, other, "").words
     assert compared(before, short, "").first_other == 2
+    assert [one.verdict_again for one in compared(before, broken, "").differences] == ["UNKNOWN"]
+    assert compared(broken, broken, "").equal, "neither gave an answer"
+    assert not compared(broken, before, "").equal
 
 
 def test_a_forged_figure_is_found_out(block, tmp_path, capsys):
     """A head that claims a lower stress than its recipe comes to."""
     store = block.store
     head = store.checkpoint(store.lane().head)
-    deciding = msgspec.structs.replace(head.verdict.as_placed, value=0.5)
+    *others, last = head.verdict.rows
+    forged = msgspec.structs.replace(head.verdict, rows=(*others, msgspec.structs.replace(last, stress=0.5)))
     forged = store.put_checkpoint(type(head)(**{**{name: getattr(head, name) for name in head.__dataclass_fields__},
-                                                "verdict": msgspec.structs.replace(head.verdict, as_placed=deciding)}))
+                                                "verdict": forged}))
     store.move("forged", Lane(recipe=store.lane().recipe, head=forged))
     with pytest.raises(SystemExit) as left:
         rerun_command(f"{store.root}@forged", tmp_path / "again", device="cpu")

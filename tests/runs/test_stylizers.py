@@ -218,7 +218,7 @@ def mug():
 def test_the_inside_of_a_container_is_left_plain_and_that_is_said(mug, part):
     radius, height = np.hypot(*mug.surface.vertices[:, :2].T), mug.surface.vertices[:, 2]
     inside, outside = (radius < 17.2) & (height > 2.9) & (height < 28.0), (radius > 19.8) & (height < 25.0)
-    bounds, notes = bounds_for(mug, plan(part, "brick"))
+    bounds, notes = bounds_for(mug, plan(part, "brick", base="free"))
     assert not bounds.freedom[inside].any()
     assert np.all(bounds.freedom[outside] == 1.0)
     assert bounds.uncoloured[inside].all()
@@ -264,7 +264,7 @@ def test_the_plain_inside_of_a_container_is_no_part_of_the_style(mug):
 
 
 def test_the_inside_of_a_container_is_styled_where_the_prompt_says_so(mug, part):
-    bounds, notes = bounds_for(mug, plan(part, "brick; inside: blue stone"))
+    bounds, notes = bounds_for(mug, plan(part, "brick; inside: blue stone", base="free"))
     assert np.all(bounds.freedom == 1.0)
     assert notes == ()
     assert bounds_for(mug, plan(part, "brick; top: stone"))[1] != ()

@@ -3,16 +3,27 @@
 from __future__ import annotations
 
 import msgspec
+import pytest
 
-from mechstyle.loop.history import Strength
-from mechstyle.records import Judgement, Verdict
+from mechstyle.loop.objects import read_record, to_json
+from mechstyle.runs.summary import Summary
+from support.lanes import lane_on_a_sheet
+from support.records import UNKNOWN
 
 
-def test_an_unknown_verdict_has_no_safety_factor_and_can_be_read_back():
-    nothing = Judgement(rule="peak", outcome="UNKNOWN", value=0.0, limit=45.6, unit="MPa", marginal=False)
-    verdict = Verdict(
-        outcome="UNKNOWN", criterion="robust", as_placed=nothing, all_orientations=None, literal=nothing, words="UNKNOWN: it broke down."
-    )
-    strength = Strength.of(verdict)
-    assert strength.safety_factor is None
-    assert msgspec.json.decode(msgspec.json.encode(strength), type=Strength) == strength
+def test_a_summary_has_the_verdict_of_what_is_delivered_and_the_tests_behind_it(tmp_path):
+    run = lane_on_a_sheet(tmp_path / "run", iterations=20)
+    summary, verdict = run.summary, run.verdict
+    assert (summary.outcome, summary.doubts, summary.rows, summary.words) == (verdict.outcome, verdict.doubts, verdict.rows, verdict.words)
+    most = max(row.stress for row in verdict.rows if row.decides)
+    assert summary.safety_factor == pytest.approx(run.recipe.material.yield_strength / most)
+    assert summary.landings == run.simulation().landings
+    assert summary.plain.rows[0].stress == pytest.approx(20.0)
+
+
+def test_an_unknown_verdict_has_no_safety_factor_and_can_be_read_back(tmp_path):
+    run = lane_on_a_sheet(tmp_path / "run", iterations=2)
+    none = msgspec.structs.replace(run.summary, outcome="UNKNOWN", rows=(), safety_factor=UNKNOWN.safety_factor, plain=UNKNOWN)
+    assert none.safety_factor is None
+    (tmp_path / "summary.json").write_bytes(to_json(none))
+    assert read_record(tmp_path / "summary.json", Summary) == none

@@ -12,9 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from mechstyle.fea.orientations import AS_PLACED, UP
+from mechstyle.fea.orientations import UP
 from mechstyle.pictures.fields import moment
 from mechstyle.records import Checkpoint, Simulation
+from mechstyle.records.simulation import Place
 from mechstyle.runs.report.replay_data import ReplayData, channel_of, layer_entry
 from mechstyle.runs.report.run_protocol import LaneOfRun
 from mechstyle.simulation.impact import Impact, impact_key, impact_of
@@ -26,7 +27,7 @@ BUDGET = 3_700_000
 
 
 def impacts(run: LaneOfRun) -> list[ReplayData]:
-    """The impacts of the last checkpoint that were worked out: as placed, then those that stress it most, as many as there is room for."""
+    """The impacts of the last checkpoint that were worked out: flat, then those that stress it most, as many as there is room for."""
     found: list[ReplayData] = []
     state = run.store.checkpoint(run.store.lane(run.lane).head)
     for name, impact in _known(run, state):
@@ -37,26 +38,30 @@ def impacts(run: LaneOfRun) -> list[ReplayData]:
 
 
 def work_out(run: LaneOfRun) -> None:
-    """Drop the last checkpoint as placed, and in the landing that stresses it most, so that `impacts` finds them.
+    """Drop the last checkpoint flat, and in the other landing that stresses it most, so that `impacts` finds them.
 
     Raises:
         SimulationFailed: If a drop breaks down.
     """
     state = run.store.checkpoint(run.store.lane(run.lane).head)
-    worst = run.store.objects.get_record(state.simulation, Simulation).worst if state.simulation else None
-    for normal in {UP: None, **({} if worst is None else {worst.normal: None})}:
+    for _, normal in _landings(run, state)[:2]:
         impact_of(run.part, run.store.recipe(state.recipe), state.displacement, run.store.memo, normal=normal)
 
 
 def _known(run: LaneOfRun, state: Checkpoint) -> Iterator[tuple[str, Impact]]:
     """Name and impact of each landing of the last simulation whose impact is remembered."""
-    tested = run.store.objects.get_record(state.simulation, Simulation).landings if state.simulation else ()
-    others = sorted((one for one in tested if one.normal != UP), key=lambda one: -one.measures.peak)
     recipe = run.store.recipe(state.recipe)
-    for name, normal in ((AS_PLACED, UP), *((one.name, one.normal) for one in others)):
+    for name, normal in _landings(run, state):
         impact = run.store.memo.recall(impact_key(recipe, state.displacement, normal), Impact)
         if impact is not None and impact.displacement.shape[1] == len(state.displacement):
             yield name, impact
+
+
+def _landings(run: LaneOfRun, state: Checkpoint) -> list[tuple[str, Place]]:
+    """Name and floor normal of the landings of the last simulation: flat, then those that stress the part most."""
+    tested = run.store.objects.get_record(state.simulation, Simulation).landings if state.simulation else ()
+    hardest = sorted(tested[1:], key=lambda one: -one.stress)
+    return [(one.name, one.normal) for one in (*tested[:1], *hardest)] or [("flat", UP)]
 
 
 def impact_data(run: LaneOfRun, state: Checkpoint, name: str, impact: Impact) -> ReplayData:
@@ -67,7 +72,7 @@ def impact_data(run: LaneOfRun, state: Checkpoint, name: str, impact: Impact) ->
     spans = zip([-1, *frames[:-1]], frames, strict=True)
     stress = channel_of("moment", [impact.stress[before + 1 : last + 1].max(axis=0) for before, last in spans])
     deformation = channel_of("deformation", [motion.deformation for motion in motions])
-    quantity = moment(run.store.allowable_in_the_drop(state))
+    quantity = moment(run.store.allowable_flat(state))
     header: dict[str, Any] = {
         "name": name,
         "peak": frames.index(impact.peak),

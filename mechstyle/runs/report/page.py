@@ -13,8 +13,8 @@ import msgspec
 
 from mechstyle._files import write_whole
 from mechstyle.errors import BadInput
-from mechstyle.loop.history import Row, Step, Strength, largest_mask_change, standing, steps
-from mechstyle.records import Judgement, Recipe, Verdict
+from mechstyle.loop.history import Row, Step, largest_mask_change, standing, steps
+from mechstyle.records import Recipe, Verdict, sentences
 from mechstyle.records.landings import STANDARDS
 from mechstyle.records.material import SPREAD, Material
 from mechstyle.records.recipe import described
@@ -22,6 +22,7 @@ from mechstyle.runs.report import texts
 from mechstyle.runs.report.bundle import IN_A_REPORT, bundle, static
 from mechstyle.runs.report.impact_data import impacts, work_out
 from mechstyle.runs.report.markup import Markup, cells, fill, joined, script_json, table, with_code
+from mechstyle.runs.report.outcomes import badge, kind, legend
 from mechstyle.runs.report.replay_data import ReplayData, replay_data
 from mechstyle.runs.report.reproduce import command_for
 from mechstyle.runs.report.run_protocol import LaneOfRun, begun
@@ -63,9 +64,10 @@ def report_page(run: LaneOfRun) -> str:
         title=f"{run.record.name}, “{run.recipe.prompt}”",
         style=Markup(static("report.css") + static("player.css")),
         head=_head(run, history, len(told) - 1),
-        figures=_figures(run, history, told[0].verdict),
+        verdict=_verdict(standing(history)[1]),
+        figures=_figures(run, history),
         still=still(run),
-        rules=_rules(standing(history)[1], told[0].verdict),
+        legend=legend(),
         chart=timeline(told, history[-1].iteration),
         story=_story(told, standing(history)[0]),
         notes=_notes(run),
@@ -120,97 +122,58 @@ def _impact_payloads(struck: Sequence[ReplayData]) -> Markup:
 
 
 def _head(run: LaneOfRun, history: Sequence[Row], simulations: int) -> Markup:
-    last, (_, verdict) = history[-1].iteration, standing(history)
-    kind = "marginal" if verdict.marginal else verdict.outcome.lower()
+    last = history[-1].iteration
     stands = "finished" if run.finished else f"stands at iteration {last} of {run.recipe.iterations}"
     return fill(
         '<p class="kicker">MechStyle report</p><h1>{name}<span class="prompt"> as “{prompt}”</span></h1>'
-        '<p class="facts">{material} · {iterations} iterations · {simulations} simulations · lane {lane}, {stands}</p>'
-        '<div class="verdict {kind}"><strong>{outcome}</strong><div><p>{meaning}{marginal}</p><p class="faint">{words}</p></div></div>',
+        '<p class="facts">{material} · {iterations} iterations · {simulations} simulations · lane {lane}, {stands}</p>',
         name=run.record.name.replace("_", " "), prompt=run.recipe.prompt, material=run.recipe.material.label,
-        iterations=last, simulations=simulations, lane=run.lane, stands=stands, kind=kind,
-        outcome=verdict.told, meaning=texts.OUTCOMES[verdict.outcome], marginal=f" {texts.MARGINAL}" if verdict.marginal else "",
-        words=verdict.words,
+        iterations=last, simulations=simulations, lane=run.lane, stands=stands,
     )  # fmt: skip
 
 
-def _figures(run: LaneOfRun, history: Sequence[Row], first: Verdict) -> Markup:
-    """The figures one looks for first, `first` being the verdict on the original."""
-    now, verdict = standing(history)
-    decides, unknown = verdict.deciding, verdict.outcome == "UNKNOWN"
+def _verdict(verdict: Verdict) -> Markup:
+    """The head of the verdict, the table of tests, what is in doubt, and how it came about."""
+    headings, rows = sentences.tabulated(verdict)
     shown = [
-        ("peak stress", "–" if unknown else f"{decides.value:.1f} MPa", f"limit {decides.limit:.1f}, before {first.deciding.value:.1f}"),
-        ("safety factor", "–" if unknown else f"{verdict.safety_factor:.2f}", "the least of the rules that count"),
+        (*cells[:-1], badge(row.outcome, sure=row.sure) if row.decides else cells[-1])
+        for row, cells in zip(verdict.rows, rows, strict=True)
     ]
-    spread = verdict.all_orientations
-    if spread is not None and not unknown:
-        shown.append(("all orientations", f"{spread.value:.2f} ×", f"the original's stress, limit {spread.limit:.2f}"))
-    if run.finished:
-        shown += _informing(run.summary.baseline, run.summary.result)
+    doubt = fill('<p class="unknown">{doubt}</p>', doubt=verdict.doubt) if verdict.doubt else Markup("")
+    meanings = joined(
+        fill("<dt>{outcome}</dt><dd>{meaning}</dd>", outcome=badge(outcome), meaning=meaning)
+        for outcome, meaning in sentences.MEANINGS.items()
+    )
+    return fill(
+        '<p class="verdict {kind}"><span><strong>{outcome}</strong>{rest}</span></p>{rows}{doubt}'
+        "<details><summary>How a part is judged</summary><p>{explanation}</p><dl>{meanings}</dl></details>",
+        kind=kind(verdict.outcome), outcome=verdict.outcome, rest=verdict.head.removeprefix(verdict.outcome),
+        rows=table(headings, shown, "Falls and loads", "tests") if shown else Markup(""),
+        doubt=doubt, explanation=" ".join(sentences.EXPLANATION), meanings=meanings,
+    )  # fmt: skip
+
+
+def _figures(run: LaneOfRun, history: Sequence[Row]) -> Markup:
+    """The figures one looks for first, beside the verdict."""
+    now, verdict = standing(history)
+    factor = verdict.safety_factor
+    shown = [("safety factor", "–" if factor is None else f"{factor:.2f}", "yield strength over stress, the least that decides")]
     shown.append(("held back", f"{now.share:.0%}", f"{now.restrained} of {now.vertices} vertices"))
     if run.part.mass_gained:
-        shown.append(("thickened first", f"{run.part.mass_gained:+.1f} g", "before the style: the original here is the thickened part"))
+        shown.append(("thickened first", f"{run.part.mass_gained:+.1f} g", "before the style: the plain part here is the thickened one"))
     if run.finished:
-        shown.append(("relief kept", f"{run.summary.kept:.0%}", "of what the style alone would have made"))
+        shown.append(("style kept", f"{run.summary.kept:.0%}", "of the relief that can be seen"))
     return joined(
         fill("<div><dt>{name}</dt><dd>{value}</dd><dd class='faint'>{more}</dd></div>", name=name, value=value, more=more)
         for name, value, more in shown
     )
 
 
-def _informing(before: Strength, now: Strength) -> list[tuple[str, str, str]]:
-    """What decides nothing but tells what a fall may do: the worst landing, and how many random drops begin to yield the part."""
-    shown = []
-    if now.worst is not None and before.worst is not None:
-        shown.append(("worst landing", f"{now.worst:.0f} MPa", f"{now.worst_landing}; the original {before.worst:.0f}"))
-    if now.failure_probability is not None and before.failure_probability is not None:
-        more = f"of random drops; the original in {before.failure_probability:.0%}"
-        shown.append(("begins to yield", f"{now.failure_probability:.0%}", more))
-    return shown
-
-
-def _rules(now: Verdict, first: Verdict) -> Markup:
-    """Each rule applied to the styled part and to the original."""
-    rows: list[tuple[str, Judgement, Judgement | None]] = [("as placed", now.as_placed, first.as_placed)]
-    if now.tilted is not None:
-        rows.append(("tilted by 3°", now.tilted, first.tilted))
-    if now.all_orientations is not None:
-        rows.append(("all orientations", now.all_orientations, first.all_orientations))
-    rows.append(("published rule", now.literal, first.literal))
-    return table(
-        ("test", "rule", "counts", "outcome", "now", "original", "limit"),
-        [
-            (
-                name, judged.rule, "yes" if judged in now.counting else "shown only",
-                _badge(judged.outcome, marginal=judged.marginal), _value(judged),
-                "–" if before is None else _value(before), _figure(judged.limit, judged.unit),
-            )
-            for name, judged, before in rows
-        ],
-        "Verdicts",
-        "rules",
-    )  # fmt: skip
-
-
-def _badge(outcome: str, *, marginal: bool) -> Markup:
-    kind = "marginal" if marginal else outcome.lower()
-    return fill('<span class="{kind}">{outcome}</span>{more}', kind=kind, outcome=outcome, more=", marginal" if marginal else "")
-
-
-def _value(judged: Judgement) -> str:
-    return "–" if judged.outcome == "UNKNOWN" else _figure(judged.value, judged.unit)
-
-
-def _figure(value: float, unit: str) -> str:
-    """A number with as many digits as are significant."""
-    return f"{value:.1f} MPa" if unit == "MPa" else f"{value:.2f} {unit}"
-
-
 def _story(told: Sequence[Step], last: Row) -> Markup:
     """The history of the mask up to what is delivered: a sentence, then every simulation."""
     jump = largest_mask_change(told)
     sentence = f"{last.restrained} of {last.vertices} vertices ({last.share:.0%}) ended up held back by more than half. "
-    sentence += f"{told[0].restrained} were so from the start: by the stress of the original part, or because they are protected. "
+    sentence += f"{told[0].restrained} were so from the start: by the stress of the plain part, or because they are protected. "
     sentence += (
         f"The largest step was at iteration {jump.iteration}, which restrained {jump.added} more."
         if jump
@@ -222,24 +185,25 @@ def _story(told: Sequence[Step], last: Row) -> Markup:
     return fill(
         '<p>{sentence}</p><div class="scroll"><table class="steps">'
         "<caption>Simulations, and what they restrained; a click shows the iteration</caption>"
-        '<thead><tr><th scope="col">iteration</th><th scope="col">why it was simulated</th><th scope="col">verdict</th>'
-        '<th scope="col">peak [MPa]</th><th scope="col">held back</th><th scope="col">newly</th></tr></thead>'
+        '<thead><tr><th scope="col">iteration</th><th scope="col">why it was simulated</th><th scope="col">outcome</th>'
+        '<th scope="col">stress</th><th scope="col">held back</th><th scope="col">newly</th></tr></thead>'
         "<tbody>{rows}</tbody></table></div>",
         sentence=sentence, rows=rows,
     )  # fmt: skip
 
 
 def _row(step: Step) -> tuple[object, ...]:
-    badge = _badge(step.outcome, marginal=step.verdict.marginal)
-    peak = "–" if step.peak is None else f"{step.peak:.1f}"
-    return step.iteration, step.reason, badge, peak, f"{step.restrained} ({step.share:.1%})", step.added
+    decides = step.verdict.deciding
+    outcome, stress = badge(step.outcome, sure=step.verdict.sure), "–" if decides is None else sentences.figures(decides)
+    return step.iteration, step.reason, outcome, stress, f"{step.restrained} ({step.share:.1%})", step.added
 
 
 def _notes(run: LaneOfRun) -> Markup:
     notes = run.summary.notes if run.finished else run.part.notes
     if not notes:
         return Markup("")
-    return fill('<ul class="notes">{items}</ul>', items=joined(fill("<li>{note}</li>", note=with_code(note)) for note in notes))
+    items = joined(fill("<li>{note}</li>", note=with_code(note)) for note in notes)
+    return fill('<section aria-labelledby="h-notes"><h2 id="h-notes">Notes</h2><ul class="notes">{items}</ul></section>', items=items)
 
 
 def _settings(recipe: Recipe) -> Markup:

@@ -24,8 +24,8 @@ from mechstyle.loop.history import Row, per_iteration
 from mechstyle.loop.objects import Objects
 from mechstyle.pictures import shading
 from mechstyle.pictures.colormap import ABOVE, LINE, STRIPE, UNKNOWN, Scale
-from mechstyle.pictures.fields import Quantity, quantities
-from mechstyle.records import Simulation, Verdict
+from mechstyle.pictures.fields import Quantity, limit_of, quantities
+from mechstyle.records import Verdict, sentences
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.report.run_protocol import LaneOfRun, begun
 
@@ -70,7 +70,6 @@ class Digests(msgspec.Struct, frozen=True):
     stress: str
     demand: str
     mask: str
-    simulation: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,8 +127,7 @@ def replay_data(run: LaneOfRun) -> ReplayData:
     rows = per_iteration(history)
     digests = [run.store.objects.get_record(row.digest, Digests) for row in rows]
     surface = run.part.surface
-    verdict = run.store.verdict(history[-1])
-    shown = quantities(run.recipe, run.store.allowable(history[-1]), () if verdict is None else verdict.each)
+    shown = quantities(run.recipe, limit_of(run.recipe, run.store.verdict(history[-1])))
     fields = {quantity.name: _channel(run.store.objects, digests, quantity) for quantity in shown}
     channels = [*fields.values(), _colour_channel(run.store.objects, digests)]
     header = {
@@ -161,22 +159,13 @@ def _unique(digests: Sequence[Digests], key: str) -> tuple[list[str], list[int]]
 
 def _channel(objects: Objects, digests: Sequence[Digests], quantity: Quantity) -> Channel:
     """A scalar field quantised to LEVELS steps between its extremes."""
-    different, frames = _unique(digests, "simulation" if quantity.each else quantity.source)
-    arrays = [_values(objects, digests[frames.index(plane)], quantity) for plane in range(len(different))]
+    different, frames = _unique(digests, quantity.source)
+    arrays = [quantity.made(objects.get_array(digest)) for digest in different]
     known = [array[np.isfinite(array)] for array in arrays]
     low = min((float(array.min()) for array in known if array.size), default=0.0)
     high = max((float(array.max()) for array in known if array.size), default=0.0)
     step = (high - low) / LEVELS or 1.0
     return Channel(quantity.name, [_quantised(array, low, step) for array in arrays], frames, low, step)
-
-
-def _values(objects: Objects, one: Digests, quantity: Quantity) -> NDArray[Any]:
-    """A quantity in a checkpoint, shape [vertex_count], from its last simulation where that knows more and did not break down."""
-    if quantity.each and one.simulation:
-        simulation = objects.get_record(one.simulation, Simulation)
-        if not simulation.failure:
-            return quantity.of(simulation)
-    return quantity.made(objects.get_array(getattr(one, quantity.source)))
 
 
 def channel_of(name: str, arrays: Sequence[NDArray[Any]]) -> Channel:
@@ -211,8 +200,10 @@ def _frame(row: Row) -> dict[str, Any]:
 
 
 def _verdict_words(verdict: Verdict) -> dict[str, Any]:
-    decides = verdict.deciding
-    return {"outcome": verdict.told, "peak": decides.value, "limit": decides.limit}
+    """Outcome, its line of words, and stress and limit of the test that decides [MPa], 0 without an answer."""
+    row = verdict.deciding
+    figures = {"stress": 0.0, "limit": verdict.strength} if row is None else {"stress": row.stress, "limit": row.limit}
+    return {"outcome": sentences.marked(verdict.outcome, sure=verdict.sure), "words": sentences.note(verdict), **figures}
 
 
 def layer_entry(quantity: Quantity, channel: Channel) -> dict[str, Any]:

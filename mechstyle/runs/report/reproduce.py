@@ -13,6 +13,7 @@ import msgspec
 
 from mechstyle.loop.store import Entry
 from mechstyle.records import SETTINGS, Recipe
+from mechstyle.records.lengths import written
 from mechstyle.records.material import LIBRARY, Material
 from mechstyle.records.mesh import STANDARD_VERTICES
 from mechstyle.records.regions import Region
@@ -22,9 +23,9 @@ from mechstyle.runs.report.run_protocol import LaneOfRun
 
 OF_FREESTYLE = frozenset(
     (
-        "amplitude", "clip", "criterion", "feature", "field", "guidance", "image", "image_as", "image_layout", "image_size", "inside",
-        "iterations", "minimum_wall", "nozzle", "orientations", "poses", "projection", "relief", "seed", "side", "standard", "stylizer",
-        "tilts",
+        "amplitude", "clip", "criterion", "feature", "field", "guidance", "height", "image", "image_as", "image_layout", "image_size",
+        "inside", "iterations", "minimum_wall", "nearly_flat", "nozzle", "orientations", "poses", "projection", "relief", "seed", "side",
+        "standard", "stylizer",
     )
 )
 OPTIONS = OF_FREESTYLE | {"base", "control", "every", "normalisation", "schedule", "threshold"}
@@ -73,7 +74,7 @@ def cell_for(run: LaneOfRun, history: Sequence[Entry]) -> str:
 
 def _arguments(settings: dict[str, Any]) -> list[str]:
     """Settings as Python writes them."""
-    return [f"{name}={_literal(value)}" for name, value in settings.items()]
+    return [f"{name}={_literal(written(value) if name == 'height' else value)}" for name, value in settings.items()]
 
 
 def _literal(value: Any) -> str:
@@ -115,6 +116,8 @@ def options(settings: dict[str, Any], known: Collection[str] = OPTIONS) -> list[
             arguments += ["--material", value.name]
         elif name == "prompt":
             arguments += [f"--prompt={value}"] if value.startswith("-") else ["--prompt", value]
+        elif name == "height":
+            arguments += ["--height", written(value)]
         elif name == "image":
             arguments += ["--image", file_name(value)]
         elif name in known and isinstance(value, bool):

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from mechstyle.loop.history import Step, rows, standing, steps
 from mechstyle.pictures.panels import Picture, picture
+from mechstyle.records import sentences
 from mechstyle.runs.report.markup import Markup, fill, joined, table
 from mechstyle.runs.report.run_protocol import LaneOfRun
 
@@ -23,27 +24,27 @@ def mimebundle(run: LaneOfRun) -> dict[str, str]:
 
 def as_text(run: LaneOfRun, told: Sequence[Step], words: str) -> str:
     """The run, its verdict in words and its simulations, a line each."""
-    lines = [f"{step.iteration:>5}  {step.verdict.told:<16} {_peak(step):>7} MPa  {step.reason}" for step in told]
+    lines = [f"{step.iteration:>5}  {_outcome(step):<19}  {_stress(step)}  {step.reason}" for step in told]
     return "\n".join([repr(run), words, *lines])
 
 
 def as_html(run: LaneOfRun, told: Sequence[Step], words: str) -> str:
     """The same as a table under a picture; no style sheet and no script, which such places strip."""
-    lines = [(step.iteration, step.reason, step.verdict.told, _peak(step), f"{step.share:.0%}") for step in told]
+    lines = [(step.iteration, step.reason, _outcome(step), _stress(step), f"{step.share:.0%}") for step in told]
     return fill(
         "<p><strong>{name}</strong> as “{prompt}”</p>{picture}<p>{words}</p>{rows}",
         name=run.record.name, prompt=run.recipe.prompt, picture=still(run), words=words,
-        rows=table(("iteration", "why it was simulated", "verdict", "peak [MPa]", "held back"), lines, "Simulations"),
+        rows=table(("iteration", "why it was simulated", "outcome", "stress", "held back"), lines, "Simulations"),
     )  # fmt: skip
 
 
 def still(run: LaneOfRun) -> Markup:
-    """The original part, then styled, stressed and restrained, as images that carry their own bytes."""
+    """The plain part, then styled, stressed and restrained, as images that carry their own bytes."""
     from mechstyle.pictures.figure import Panel  # noqa: PLC0415 — matplotlib is loaded when a picture is wanted
 
     return joined(
         [
-            _image(picture([Panel(run.part.surface, "original")]), "The original part"),
+            _image(picture([Panel(run.part.surface, "plain part")]), "The plain part"),
             _image(run.show(), f"The part as {run.recipe.prompt}, its stress and its restraint"),
         ]
     )
@@ -54,5 +55,11 @@ def _image(shown: Picture, words: str) -> Markup:
     return fill('<img src="data:image/png;base64,{data}" alt="{words}">', data=data, words=words)
 
 
-def _peak(step: Step) -> str:
-    return "–" if step.peak is None else f"{step.peak:.1f}"
+def _outcome(step: Step) -> str:
+    return sentences.marked(step.outcome, sure=step.verdict.sure)
+
+
+def _stress(step: Step) -> str:
+    """The test that decides, its stress and its limit; a dash without an answer."""
+    decides = step.verdict.deciding
+    return "–" if decides is None else sentences.figures(decides)

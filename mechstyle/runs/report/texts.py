@@ -1,22 +1,16 @@
-"""Fixed texts of a report: method, limits, meaning of the outcomes."""
+"""Fixed texts of a report: limits of the method, and where it comes from."""
 
 from __future__ import annotations
 
-OUTCOMES = {
-    "VIABLE": "In the simulated drop the part stayed within every limit that counts under the criterion.",
-    "FAILS": "In the simulated drop the part exceeded a limit. Do not use it as it is: restrain the style more, or thicken the part.",
-    "UNKNOWN": "The simulation gave no usable answer. Never read this as survived.",
-}
-
-MARGINAL = "Marginal: within the uncertainty of the method, so take it as undecided."
+from mechstyle.fea.stressed_volume import DROPPED, LOADED
 
 LIMITS = (
-    "The verdict compares the styled part with the original. It is no certificate: do not rely on it where somebody can get hurt.",
-    "The material is isotropic and elastic up to yield: no layers without a build direction, no infill, fatigue, creep or fracture.",
-    "Where the floor meets the part at a point, the literal peak stress depends on the mesh.",
-    "The default rule therefore uses a mean over 2 mm, along the surface or beside contact in a ball; the published one is shown too.",
-    "Landings on edges and corners are judged by how much they differ from the original, not against yield: any plastic part yields there.",
-    "Figures within 5 % of a limit, or 15 % where the stress around a contact decides, are marginal: meshing anew moves them that far.",
+    "The verdict compares falls and loads in a simulation. It is no certificate: do not rely on it where somebody can get hurt.",
+    "The part is solid, isotropic and elastic up to yield: no layers without a build direction, no infill, fatigue, creep or fracture.",
+    f"In a fall a cube of {DROPPED:.0f} mm that is bent for good counts, under a load one of {LOADED:.0f} mm; smaller dents do not.",
+    "Where the plain part itself begins to yield, as most plastic parts do on an edge, the styled part is compared with it.",
+    "A fall or a load closer to its limit than a mesh made anew moves it is not sure.",
+    "The largest stress of an element, which the published rule looks at, depends on the mesh where the floor meets the part at a point.",
     "A drop hardly notices walls that are merely too thin to print or to handle. Look at the wall thickness too.",
     "Between simulations the stress and the mask shown are those of the last one.",
 )

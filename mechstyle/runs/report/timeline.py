@@ -1,4 +1,4 @@
-"""The timeline as SVG: peak stress against its limit at each simulation, and below it how much of the surface is held back."""
+"""The timeline as SVG: stress against its limit at each simulation, and below it how much of the surface is held back."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ import math
 from collections.abc import Iterator, Sequence
 
 from mechstyle.loop.history import Step
+from mechstyle.records import sentences
 from mechstyle.runs.report.markup import Markup, fill, joined
+from mechstyle.runs.report.outcomes import kind, mark
 
 WIDTH, HEIGHT = 960, 330
 LEFT, RIGHT = 62, 944
@@ -17,16 +19,8 @@ NAME = (96, 14)
 """Width and height of the name of the limit, at most."""
 OVER, UNDER = -7, 16
 """Where its letters stand over and under the line."""
-REACH, ROOM = 7.0, 3.0
-"""How far a mark reaches, and what is to be free between the name and whatever is drawn."""
-
-SHAPES = {
-    "VIABLE": '<circle r="6"/>',
-    "FAILS": '<path d="M-6-6 6 6M-6 6 6-6"/>',
-    "UNKNOWN": '<path d="M0-7 7 0 0 7-7 0Z"/>',
-    "MARGINAL": '<path d="M0-7 7 6-7 6Z"/>',
-}
-"""A mark for each outcome in one word: told by shape, and only then by colour."""
+REACH, ROOM = 11.0, 3.0
+"""How far a mark reaches with its ring, and what is to be free between the name and whatever is drawn."""
 
 
 def timeline(told: Sequence[Step], last: int) -> Markup:
@@ -37,23 +31,23 @@ def timeline(told: Sequence[Step], last: int) -> Markup:
         last: Newest iteration, at least the last of `told`.
     """
     span = max(last, 1)
-    top = 1.12 * max(max(step.verdict.deciding.value, step.verdict.deciding.limit) for step in told)
+    top = 1.12 * max(max(_stress(step), _limit(step)) for step in told)
     x = {step.iteration: LEFT + (RIGHT - LEFT) * step.iteration / span for step in told}
 
     def height(stress: float) -> float:
         return STRESS_BOTTOM - (STRESS_BOTTOM - STRESS_TOP) * stress / top
 
     known = [step for step in told if step.verdict.outcome != "UNKNOWN"]
-    line = [(x[step.iteration], height(step.verdict.deciding.value)) for step in known]
+    line = [(x[step.iteration], height(_stress(step))) for step in known]
     peaks = " ".join(f"{right:.1f},{down:.1f}" for right, down in line)
-    limit = told[-1].verdict.deciding.limit
-    allowed = f"M{LEFT} {height(told[0].verdict.deciding.limit):.1f}"
-    allowed += "".join(f"H{x[step.iteration]:.1f}V{height(step.verdict.deciding.limit):.1f}" for step in told)
-    beside, name = _free_place(height(limit), line, [(x[step.iteration], height(step.verdict.deciding.value)) for step in told])
+    limit = _limit(told[-1])
+    allowed = f"M{LEFT} {height(_limit(told[0])):.1f}"
+    allowed += "".join(f"H{x[step.iteration]:.1f}V{height(_limit(step)):.1f}" for step in told)
+    beside, name = _free_place(height(limit), line, [(x[step.iteration], height(_stress(step))) for step in told])
     return fill(
         '<svg class="timeline" viewBox="0 0 {width} {height}" role="group" tabindex="0"'
         ' data-left="{left}" data-right="{right}" data-last="{last}"'
-        ' aria-label="Timeline: peak stress and restraint at each simulation. Arrow keys move the replay.">'
+        ' aria-label="Timeline: stress and restraint at each simulation. Arrow keys move the replay.">'
         '{axes}<path class="limit" d="{allowed}H{right}"/>'
         '<text class="limit-name" x="{beside}" y="{name}" text-anchor="end">limit {limit} MPa</text>'
         '{held}<polyline class="peaks" points="{peaks}"/>{marks}'
@@ -61,7 +55,7 @@ def timeline(told: Sequence[Step], last: int) -> Markup:
         width=WIDTH, height=HEIGHT, left=LEFT, right=RIGHT, last=span,
         beside=beside, allowed=allowed, name=f"{name:.1f}",
         limit=f"{limit:.1f}", peaks=peaks, axes=_axes(span, top), held=_held(told, x, RIGHT if last else LEFT),
-        marks=joined(_mark(step, x[step.iteration], height(step.verdict.deciding.value)) for step in told),
+        marks=joined(_mark(step, x[step.iteration], height(_stress(step))) for step in told),
         top=STRESS_TOP - 8, bottom=HELD_BOTTOM,
     )  # fmt: skip
 
@@ -103,23 +97,34 @@ def _distance(x: float, y: float, right: float, base: float) -> float:
 
 def _mark(step: Step, x: float, y: float) -> Markup:
     decides = step.verdict.deciding
-    figures = "" if step.verdict.outcome == "UNKNOWN" else f", peak {decides.value:.1f} of {decides.limit:.1f} MPa"
-    unsure = ", marginal" if step.verdict.marginal else ""
-    words = f"iteration {step.iteration}: {step.verdict.outcome}{unsure}{figures}; {step.reason}"
+    figures = "" if decides is None else f", {sentences.figures(decides)}"
+    words = f"iteration {step.iteration}: {sentences.marked(step.outcome, sure=step.verdict.sure)}{figures}; {step.reason}"
     return fill(
         '<g class="mark {kind}" transform="translate({x} {y})" data-iteration="{iteration}"'
         ' role="button" tabindex="0" aria-label="{words}">'
         '<title>{words}</title><circle class="reach" r="14"/>{shape}</g>',
-        kind=step.verdict.word.lower(), x=f"{x:.1f}", y=f"{y:.1f}", iteration=step.iteration, words=words,
-        shape=Markup(SHAPES[step.verdict.word]),
+        kind=kind(step.outcome), x=f"{x:.1f}", y=f"{y:.1f}", iteration=step.iteration, words=words,
+        shape=mark(step.outcome, sure=step.verdict.sure),
     )  # fmt: skip
+
+
+def _stress(step: Step) -> float:
+    """Stress in the test that decides [MPa], 0 without an answer."""
+    decides = step.verdict.deciding
+    return 0.0 if decides is None else decides.stress
+
+
+def _limit(step: Step) -> float:
+    """What it may at most be there [MPa], the yield strength without an answer."""
+    decides = step.verdict.deciding
+    return step.verdict.strength if decides is None else decides.limit
 
 
 def _axes(span: int, top: float) -> Markup:
     """Names, round numbers and faint lines."""
     parts = [
         fill('<text class="axis" x="{x}" y="{y}">{name}</text>', x=4, y=y, name=name)
-        for y, name in ((STRESS_TOP - 16, "peak stress [MPa]"), (HELD_TOP - 12, "vertices held back"))
+        for y, name in ((STRESS_TOP - 16, "stress in the test that decides [MPa]"), (HELD_TOP - 12, "vertices held back"))
     ]
     parts += [_rung(STRESS_BOTTOM - (STRESS_BOTTOM - STRESS_TOP) * value / top, f"{value:g}") for value in ticks(top, 4)]
     parts += [_rung(HELD_BOTTOM, "0 %"), _rung(HELD_TOP, "100 %")]

@@ -55,7 +55,7 @@ def planes(played, name):
 
 
 def test_every_moment_is_that_of_the_impact(seen, impact):
-    played = impact_data(seen, seen.checkpoint(), "as placed", impact)
+    played = impact_data(seen, seen.checkpoint(), "flat", impact)
     deformation, step = planes(played, "deformation")
     surface, frames = seen.surface(), moments(40, 7)
     for number, frame in enumerate(played.header["frames"]):
@@ -66,7 +66,7 @@ def test_every_moment_is_that_of_the_impact(seen, impact):
 
 
 def test_no_stress_is_lost_between_the_moments_that_are_shown(seen, impact):
-    played = impact_data(seen, seen.checkpoint(), "as placed", impact)
+    played = impact_data(seen, seen.checkpoint(), "flat", impact)
     stress, step = planes(played, "moment")
     assert stress.max(axis=0) == pytest.approx(impact.stress.max(axis=0), abs=step)
     assert int(stress.max(axis=1).argmax()) == played.header["peak"]
@@ -87,7 +87,7 @@ def test_a_report_has_the_impacts_that_were_looked_at_and_no_others(lane, impact
     lane.store.memo.remember(impact_key(lane.store.recipe(state.recipe), state.displacement), impact)
     page = report_page(lane)
     assert page.count('id="impact"') == 1
-    assert re.findall(r'<option value="0">([^<]+)</option>', page) == ["as placed"]
+    assert re.findall(r'<option value="0">([^<]+)</option>', page) == ["flat"]
 
 
 def test_what_there_is_no_room_for_is_left_out(seen, monkeypatch):

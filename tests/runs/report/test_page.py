@@ -3,6 +3,7 @@
 import base64
 import gzip
 import hashlib
+import html
 import itertools
 import json
 import re
@@ -15,13 +16,17 @@ import pytest
 
 from mechstyle.errors import BadInput
 from mechstyle.loop.history import largest_mask_change, rows, steps
+from mechstyle.records import Doubt, sentences
 from mechstyle.records.landings import STANDARDS
 from mechstyle.records.recipe import described
 from mechstyle.runs.report import texts
 from mechstyle.runs.report.markup import cells
-from mechstyle.runs.report.page import _row, report_page, write_report
+from mechstyle.runs.report.outcomes import RING, SHAPES, kind
+from mechstyle.runs.report.page import _limits, _row, report_page, write_report
 from mechstyle.runs.report.replay_data import replay_data
-from mechstyle.runs.report.timeline import SHAPES, ticks, timeline
+from mechstyle.runs.report.timeline import ticks, timeline
+from support.records import UNKNOWN, row
+from support.records import verdict as judged
 
 
 class Reader(HTMLParser):
@@ -66,8 +71,8 @@ def read(page):
 def test_it_says_what_a_reader_must_know(read, lane):
     verdict, recipe = lane.verdict, lane.recipe
     for words_ in (
-        verdict.words, texts.OUTCOMES[verdict.outcome], recipe.digest, recipe.material.source, "a note on the part", *texts.LIMITS,
-        verdict.as_placed.rule, verdict.literal.rule, "mechstyle run gallery:pen_holder --prompt brick",
+        verdict.head, *sentences.EXPLANATION, *sentences.MEANINGS.values(), recipe.digest, recipe.material.source, "a note on the part",
+        *texts.LIMITS, "mechstyle run gallery:pen_holder --prompt brick",
     ):  # fmt: skip
         assert words_ in read.text
     for name in type(recipe).__struct_fields__:
@@ -75,13 +80,14 @@ def test_it_says_what_a_reader_must_know(read, lane):
 
 
 def test_it_says_what_the_material_and_the_standard_leave_open(sheet):
-    text = Reader(report_page(sheet(iterations=3, standard="mil-810h", build_direction=(0.0, 0.0, 1.0)))).text
+    run = sheet(iterations=3, standard="mil-810h", build_direction=(0.0, 0.0, 1.0))
+    text = Reader(report_page(run)).text
     assert "generic PLA; what is sold under the name lies apart (strength 23 to 65 MPa" in text
     assert "Simulated orientations after MIL-STD-810H, method 516.8, procedure IV (transit drop), but" in text
     assert STANDARDS["mil-810h"].departs in text
     assert "0.55 of that along them" in text
     assert "Layers printed along (0, 0, 1) are judged with 0.55" in text
-    assert "pass" not in text.lower()
+    assert not [words for words in _limits(run.recipe) if "pass" in words.lower()], "it is no test to the standard"
 
 
 def test_a_part_that_was_thickened_first_is_not_taken_for_the_one_it_was(sheet):
@@ -97,7 +103,7 @@ def test_every_setting_is_explained(read, lane):
     for name in lane.recipe.settings:
         assert name == "material" or described(name).replace("`", "") in read.text
     assert "`" not in read.text, "what one types is set apart by its letters"
-    assert "Height of fall [mm]." in read.text
+    assert "height of the fall" in read.text.lower()
 
 
 def test_every_simulation_has_a_mark_and_a_row_with_its_reason(read, lane):
@@ -109,20 +115,52 @@ def test_every_simulation_has_a_mark_and_a_row_with_its_reason(read, lane):
     for step, mark in zip(told, marks, strict=True):
         assert step.reason in mark["aria-label"]
         assert step.verdict.outcome in mark["aria-label"]
-        assert ("marginal" in mark["aria-label"]) is step.verdict.marginal
-        assert step.verdict.word.lower() in mark["class"].split()
+        assert (sentences.NOT_SURE in mark["aria-label"]) is not step.verdict.sure
+        assert sentences.figures(step.verdict.deciding) in mark["aria-label"]
+        assert kind(step.outcome) in mark["class"].split()
         assert mark["tabindex"] == "0"
 
 
-def test_an_outcome_that_is_not_sure_has_a_mark_of_its_own(lane):
+def test_the_verdict_stands_there_once_with_its_table_and_its_doubt(sheet):
+    """It stood there five times: word, meaning, sentence, boxes and rules."""
+    run = sheet(iterations=20, gain=30.0, schedule="never", guarantee=False)
+    verdict, page = run.verdict, report_page(run)
+    text = Reader(page).text
+    assert verdict.doubt
+    for words in (verdict.head, verdict.doubt):
+        assert text.count(words) == 1
+    shown = re.search(r'<table class="tests">.*?</table>', page, re.DOTALL)[0]
+    cells = re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", shown.replace("\n", ""))
+    headings, rows = sentences.tabulated(verdict)
+    assert [re.sub("<[^>]+>", "", html.unescape(cell)).removesuffix(f" {sentences.NOT_SURE}") for cell in cells] == [
+        *headings, *(cell for row in rows for cell in row),
+    ]  # fmt: skip
+    assert len(rows) == len(verdict.rows) == 3
+
+
+def step_of(lane, judged, iteration=0):
     step = steps(lane.store, rows(lane.store))[0]
-    close = msgspec.structs.replace(step.verdict.as_placed, outcome="VIABLE", marginal=True)
-    unsure = msgspec.structs.replace(step.verdict, outcome="VIABLE", as_placed=close, tilted=None, all_orientations=None)
-    drawn = str(timeline([msgspec.structs.replace(step, verdict=unsure)], 1))
-    assert 'class="mark marginal"' in drawn
-    assert "VIABLE, marginal" in drawn
-    assert SHAPES["MARGINAL"] in drawn
-    assert '<span class="marginal">VIABLE</span>, marginal' in cells(_row(msgspec.structs.replace(step, verdict=unsure)))
+    return msgspec.structs.replace(step, iteration=iteration, verdict=judged)
+
+
+def test_an_outcome_that_is_not_sure_has_a_ring_and_says_so(lane):
+    doubt = Doubt(about="limit", value=1.01, test="flat", landing="flat")
+    unsure = step_of(lane, msgspec.structs.replace(judged(row()), doubts=(doubt,)))
+    drawn = str(timeline([unsure], 1))
+    assert 'class="mark holds"' in drawn
+    assert "HOLDS (not sure), flat: " in drawn
+    assert RING in drawn
+    assert '<span class="holds">HOLDS</span><span class="unknown"> (not sure)</span>' in cells(_row(unsure))
+    sure = step_of(lane, judged(row()))
+    assert RING not in str(timeline([sure], 1))
+    assert '<span class="holds">HOLDS</span></td>' in cells(_row(sure))
+
+
+def test_a_test_without_an_answer_is_drawn_as_one(lane):
+    drawn = str(timeline([step_of(lane, UNKNOWN)], 1))
+    assert SHAPES["UNKNOWN"] in drawn
+    assert "UNKNOWN; original part" in drawn
+    assert "limit 45.6 MPa" in drawn
 
 
 @pytest.mark.parametrize(
@@ -130,12 +168,7 @@ def test_an_outcome_that_is_not_sure_has_a_mark_of_its_own(lane):
 )
 def test_the_name_of_the_limit_stands_where_the_curve_is_not(lane, peaks):
     """Far below the limit of 45.6 MPa, falling to it, rising to it, across it, and along it."""
-    step = steps(lane.store, rows(lane.store))[0]
-    told = []
-    for iteration, peak in enumerate(peaks):
-        rule = msgspec.structs.replace(step.verdict.as_placed, value=float(peak), limit=45.6)
-        verdict = msgspec.structs.replace(step.verdict, as_placed=rule, tilted=None, all_orientations=None, outcome="VIABLE")
-        told.append(msgspec.structs.replace(step, iteration=iteration, verdict=verdict))
+    told = [step_of(lane, judged(row(stress=float(peak), limit=45.6)), iteration) for iteration, peak in enumerate(peaks)]
     drawn = str(timeline(told, len(peaks) - 1))
     right, base = (float(re.search(rf'class="limit-name"[^>]* {name}="([-.\d]+)"', drawn)[1]) for name in "xy")
     line = [tuple(map(float, point.split(","))) for point in re.search(r'class="peaks" points="([^"]+)"', drawn)[1].split()]
@@ -147,12 +180,8 @@ def test_the_name_of_the_limit_stands_where_the_curve_is_not(lane, peaks):
 
 
 def test_each_simulation_is_drawn_against_its_own_limit(lane):
-    """Where a load is told first and the drop at the end, the mark of either stood beside the limit of the last."""
-    step = steps(lane.store, rows(lane.store))[0]
-    told = []
-    for iteration, limit in enumerate((45.6, 91.2)):
-        rule = msgspec.structs.replace(step.verdict.as_placed, value=0.5 * limit, limit=limit)
-        told.append(msgspec.structs.replace(step, iteration=iteration, verdict=msgspec.structs.replace(step.verdict, as_placed=rule)))
+    """Where a load decides first and a landing at the end, the mark of either stood beside the limit of the last."""
+    told = [step_of(lane, judged(row(stress=0.5 * limit, limit=limit)), iteration) for iteration, limit in enumerate((45.6, 91.2))]
     drawn = str(timeline(told, 1))
     heights = [float(y) for y in re.findall(r"V([-.\d]+)", re.search(r'class="limit" d="([^"]+)"', drawn)[1])]
     marks = [float(y) for y in re.findall(r'class="mark [^"]*" transform="translate\([-.\d]+ ([-.\d]+)\)', drawn)]
@@ -161,13 +190,22 @@ def test_each_simulation_is_drawn_against_its_own_limit(lane):
 
 def test_the_legend_tells_every_mark(page):
     for word, shape in SHAPES.items():
-        assert f'class="mark {word.lower()}">{shape}</svg> {word.lower()}' in page
+        assert f'class="mark {kind(word)}">{shape}</svg> {word}' in page
+    assert f'class="mark unknown">{RING}</svg> not sure' in page
+
+
+def test_every_outcome_has_a_mark_and_a_colour_of_its_own(page):
+    assert set(SHAPES) == set(sentences.MEANINGS)
+    assert len(set(SHAPES.values())) == len(SHAPES), "in grey the colour does not tell"
+    style = page.partition("</style>")[0]
+    found = [re.search(rf"\.{kind(word)} {{ color: var\(--([a-z-]+)\)", style)[1] for word in SHAPES]
+    assert len({re.search(rf"--{name}: (#[0-9a-f]+)", style)[1] for name in found}) == len(SHAPES)
 
 
 def test_the_story_of_the_mask_counts_vertices(lane):
     told = steps(lane.store, rows(lane.store))
     for step in told:
-        assert step.restrained == int((lane.checkpoint(step.iteration).mask < 0.5).sum()) or step.reason.startswith("correction")
+        assert step.restrained == int((lane.store.checkpoint(step.digest).mask < 0.5).sum())
     jump = largest_mask_change(told)
     assert jump is not None
     assert jump.added == max(step.added for step in told[1:])
@@ -240,15 +278,15 @@ def test_a_notebook_without_a_kernel_shows_a_picture_and_a_table(lane):
         assert "every 10 iterations" in text
 
 
-def test_a_notebook_without_a_kernel_and_the_replay_say_marginal_where_a_verdict_is(sheet):
-    run = sheet(iterations=20, gain=30.0)
+def test_a_notebook_without_a_kernel_and_the_replay_say_where_a_verdict_is_not_sure(sheet):
+    run = sheet(iterations=20, gain=30.0, control="none", guarantee=False)
     told = [step.verdict for step in steps(run.store, rows(run.store))]
-    assert {verdict.marginal for verdict in told} == {True, False}
+    assert {verdict.sure for verdict in told} == {True, False}
     shown, last = run._repr_mimebundle_(), replay_data(run).header["frames"][-1]
     for text in (Reader(shown["text/html"]).text, shown["text/plain"]):
-        assert text.replace(run.verdict.words, "").count("MARGINAL") == sum(verdict.marginal for verdict in told)
-    assert last["outcome"] == "VIABLE, MARGINAL"
-    assert "<strong>VIABLE, MARGINAL</strong>" in report_page(run), "in grey the colour of the head does not tell"
+        assert text.replace(run.verdict.words, "").count(sentences.NOT_SURE) == sum(not verdict.sure for verdict in told)
+    assert last["outcome"].endswith(" (not sure)")
+    assert " (not sure); " in last["words"]
 
 
 @pytest.mark.parametrize(("top", "about", "wanted"), [(60, 6, [0, 10, 20, 30, 40, 50, 60]), (51, 4, [0, 20, 40]), (1, 10, None)])

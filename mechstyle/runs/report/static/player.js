@@ -226,8 +226,7 @@ export class Player {
 
   sentence(frame) {
     if (frame.outcome === undefined) return `Iteration ${frame.iteration}: not simulated; stress and mask are those of iteration ${frame.simulatedAt}.`;
-    const peak = frame.outcome === "UNKNOWN" ? "" : `, peak ${frame.peak.toFixed(1)} of ${frame.limit.toFixed(1)} MPa`;
-    return `Iteration ${frame.iteration}: ${frame.outcome}${peak}. Simulated because: ${frame.reason}.`;
+    return `Iteration ${frame.iteration}: ${frame.words}. Simulated because: ${frame.reason}.`;
   }
 
   describeScale() {
