@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from mechstyle.loop.engine import Engine, Stylizer
     from mechstyle.loop.store import Store
     from mechstyle.pictures.panels import Picture
-    from mechstyle.records import Checkpoint, Judgement, Measures, Recipe, Simulation, Verdict
+    from mechstyle.records import Checkpoint, Doubt, Landing, LoadResult, Recipe, Row, Simulation, Verdict
     from mechstyle.records.load_cases import Load, LoadCase, Patch, Support
     from mechstyle.records.material import LIBRARY, Material, material_named
     from mechstyle.records.mesh import SurfaceMesh, TetMesh
@@ -47,17 +47,18 @@ _WHERE = {
     "Checkpoint": "records",
     "DamagedStore": "errors",
     "Depth": "runs.deepest",
+    "Doubt": "records",
     "DropSimulator": "simulation.simulator",
     "End": "records.regions",
     "Engine": "loop.engine",
     "HalfSpace": "records.regions",
     "Inside": "records.regions",
-    "Judgement": "records",
     "LIBRARY": "records.material",
+    "Landing": "records",
     "Load": "records.load_cases",
     "LoadCase": "records.load_cases",
+    "LoadResult": "records",
     "Material": "records.material",
-    "Measures": "records",
     "MechStyleError": "errors",
     "MissingPiece": "errors",
     "Model": "simulation.part",
@@ -70,6 +71,7 @@ _WHERE = {
     "ProtectedPart": "runs.protection",
     "Recipe": "records",
     "Rim": "records.regions",
+    "Row": "records",
     "Run": "runs.run",
     "Segment": "records.regions",
     "Session": "runs.session",
@@ -111,16 +113,17 @@ __all__ = [
     "Checkpoint",
     "DamagedStore",
     "Depth",
+    "Doubt",
     "DropSimulator",
     "End",
     "Engine",
     "HalfSpace",
     "Inside",
-    "Judgement",
+    "Landing",
     "Load",
     "LoadCase",
+    "LoadResult",
     "Material",
-    "Measures",
     "MechStyleError",
     "MissingPiece",
     "Model",
@@ -133,6 +136,7 @@ __all__ = [
     "ProtectedPart",
     "Recipe",
     "Rim",
+    "Row",
     "Run",
     "Segment",
     "Session",

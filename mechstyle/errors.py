@@ -19,7 +19,7 @@ class MissingPiece(MechStyleError):
 
 
 class SimulationFailed(MechStyleError):
-    """The drop test gave no usable answer; never read as VIABLE."""
+    """The drop test gave no usable answer; never read as HOLDS."""
 
 
 class DamagedStore(MechStyleError):

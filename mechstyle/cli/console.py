@@ -20,6 +20,7 @@ from rich.table import Table
 
 from mechstyle.errors import MechStyleError
 from mechstyle.loop.events import Corrected, Event, Finished, Simulated, SimulationStarted, Stylized
+from mechstyle.records import Verdict, sentences
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -32,7 +33,8 @@ err = Console(stderr=True, highlight=False, soft_wrap=True)
 
 UNBOUNDED = 10_000
 """More characters than any line of a table has."""
-COLOURS = {"VIABLE": "green", "FAILS": "red", "UNKNOWN": "yellow"}
+COLOURS = {"HOLDS": "green", "NO WORSE": "cyan", "FAILS": "red", "UNKNOWN": "yellow"}
+"""Of each outcome; a doubt has that of UNKNOWN."""
 
 
 def print_json(value: object) -> None:
@@ -83,14 +85,40 @@ def escape(text: str) -> str:
     return markup.escape("".join("�" if unicodedata.category(sign) == "Cc" and sign not in "\n\t" else sign for sign in text))
 
 
-def verdict_text(outcome: str, *, marginal: bool = False) -> str:
-    """The outcome in its colour; amber where it is too close to a limit to be sure."""
-    return f"[bold yellow]{outcome}, MARGINAL[/]" if marginal else f"[bold {COLOURS[outcome]}]{outcome}[/]"
+def verdict_text(outcome: str, *, sure: bool = True) -> str:
+    """The outcome in its colour, and in amber that it is not sure."""
+    doubt = sentences.marked(outcome, sure=sure).removeprefix(outcome)
+    return f"[bold {COLOURS[outcome]}]{outcome}[/]" + (f"[{COLOURS['UNKNOWN']}]{doubt}[/]" if doubt else "")
 
 
-def factor(value: float | None) -> str:
-    """A safety factor, a dash if it is not known."""
-    return "–" if value is None else f"{value:.2f}"
+def headline(verdict: Verdict) -> str:
+    """The head of a verdict with its outcome in its colour."""
+    return f"{verdict_text(verdict.outcome)}{escape(verdict.head.removeprefix(verdict.outcome))}"
+
+
+def in_colour(cell: str) -> str:
+    """The cell of a table, with the outcome that it ends with in its colour."""
+    outcome = next((known for known in COLOURS if cell.endswith(known)), "")
+    return f"{escape(cell.removesuffix(outcome))}{verdict_text(outcome)}" if outcome else escape(cell)
+
+
+def report_verdict(verdict: Verdict) -> None:
+    """Print a verdict: its head, the table of tests, and what is in doubt."""
+    out.print(headline(verdict))
+    if verdict.rows:
+        out.print(tests_table(verdict))
+    if verdict.doubt:
+        out.print(f"[{COLOURS['UNKNOWN']}]{escape(verdict.doubt)}[/]")
+
+
+def tests_table(verdict: Verdict) -> Table:
+    """The table of tests, each with its outcome in its colour; pale if it does not decide."""
+    headings, rows = sentences.tabulated(verdict)
+    made = table(*headings)
+    for row, cells in zip(verdict.rows, rows, strict=True):
+        outcome = verdict_text(row.outcome, sure=row.sure) if row.decides else f"[dim]{escape(cells[-1])}[/]"
+        made.add_row(*map(escape, cells[:-1]), outcome)
+    return made
 
 
 class FittingTable(Table):
@@ -168,10 +196,10 @@ class Teller:
             self.stage(f"drop test at {event.iteration}")
             self._progress.update(self._task, completed=event.iteration)
         elif isinstance(event, Simulated):
-            decides = event.verdict.deciding
-            outcome = verdict_text(event.verdict.outcome, marginal=event.verdict.marginal)
-            figures = f"peak {decides.value:.1f} of {decides.limit:.1f} MPa"
-            self._progress.console.print(f"  {event.iteration:>4}  {outcome}  {figures}  [dim]{escape(event.reason)}[/]")
+            row = event.verdict.deciding
+            outcome = verdict_text(event.verdict.outcome, sure=event.verdict.sure)
+            figures = "" if row is None else f"{escape(sentences.figures(row))}  "
+            self._progress.console.print(f"  {event.iteration:>4}  {outcome}  {figures}[dim]{escape(event.reason)}[/]")
         elif isinstance(event, Corrected):
             self._progress.console.print(f"        [dim]correction: {escape(event.step)}, {event.kept:.0%} of the relief left[/]")
         elif isinstance(event, Finished):

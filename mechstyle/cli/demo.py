@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import os
+import shlex
+import shutil
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from mechstyle.cli.console import command, err, escape, out, print_json, table, verdict_text
+from mechstyle.cli.console import command, err, escape, headline, in_colour, out, print_json, table
 from mechstyle.cli.options import OPTIONS, Device, Json, Settings, Vertices, recipe_options
 from mechstyle.cli.run import carry_out
+from mechstyle.records import sentences
 from mechstyle.records.mesh import STANDARD_VERTICES
 from mechstyle.records.recipe import described
 
@@ -24,7 +29,10 @@ DEMO_MODEL, DEMO_VERTICES = "gallery:tealight_holder", 3_000
 
 @app.command("demo")
 @command
+@recipe_options("height")
 def demo_command(
+    *,
+    settings: Settings,
     folder: Annotated[Path, typer.Option("--out", help="Where the runs, pictures and 3MF files go.")] = Path("demo-out"),
     model: Annotated[str, typer.Option(help="What to style.")] = DEMO_MODEL,
     prompt: Annotated[str, typer.Option(*OPTIONS["prompt"].flags, help=described("prompt"))] = "brick",
@@ -33,7 +41,7 @@ def demo_command(
     as_json: Json = False,
 ) -> None:
     """Style the gallery's tealight holder as brick, freely and with feedback, and compare the verdicts."""
-    tell(both_ways(model, {"prompt": prompt}, vertices, device, folder, as_json=as_json), folder, as_json=as_json)
+    tell(both_ways(model, {"prompt": prompt, **settings}, vertices, device, folder, as_json=as_json), folder, as_json=as_json)
 
 
 @app.command("application")
@@ -77,21 +85,34 @@ def both_ways(model: str, settings: Settings, vertices: int, device: str, folder
 
 
 def tell(pair: Pair, folder: Path, *, as_json: bool) -> None:
-    """Write and print what the two runs came to."""
-    from mechstyle.study.applications import COLUMNS  # noqa: PLC0415 — as above
-
+    """Write and print what the two runs came to; the table of falls stands last."""
     files = pair.save(folder)
     if as_json:
         print_json({"freestyle": pair.free.summary, "mechstyle": pair.fed.summary, "files": files})
         return
-    rows = table(*COLUMNS)
-    for label, verdict, *figures in pair.rows():
-        outcome, _, close = verdict.partition(", ")
-        rows.add_row(label, verdict_text(outcome, marginal=bool(close)), *figures)
-    out.print(rows)
-    for label, run in (("Freestyle", pair.free), ("MechStyle", pair.fed)):
-        out.print(f"\n{label}: {escape(run.summary.words)}")
-        out.print(f"  3MF: {escape(run.summary.files['model'])}")
+    runs = (("Freestyle", pair.free), ("MechStyle", pair.fed))
+    for label, run in runs:
+        out.print(f"{label}: 3MF {escape(run.summary.files['model'])}")
         for note in run.summary.notes:
             out.print(f"  [dim]note: {escape(note)}[/]")
-    out.print(f"\npicture: {escape(files['comparison'])}\ntable: {escape(files['table'])}")
+    out.print(f"picture: {escape(files['comparison'])}\ntable: {escape(files['table'])}\n")
+    for label, run in runs:
+        out.print(f"{label}: {headline(run.verdict)}")
+        if run.verdict.doubt:
+            out.print(f"  {escape(run.verdict.doubt)}")
+    rows = table("test", "plain", *(label for label, _ in runs), "asked")
+    for cells in sentences.paired([run.verdict for _, run in runs]):
+        rows.add_row(*map(in_colour, cells))
+    rows.add_row("style kept", "–", *(f"{run.summary.kept:.0%}" for _, run in runs), "–")
+    out.print()
+    out.print(rows)
+    out.print(f"next: {escape(activation())}mechstyle run YOUR_PART.stl --prompt brick")
+
+
+def activation() -> str:
+    """What a shell needs in front of `mechstyle …`: nothing if it finds the command, else the virtual environment of this Python."""
+    script, found = Path(sys.prefix, "bin", "activate"), shutil.which("mechstyle")
+    if not script.is_file() or (found and Path(found).parent == script.parent):
+        return ""
+    here = os.path.relpath(script) if Path(sys.prefix).is_relative_to(Path.cwd()) else str(script)
+    return f"source {shlex.quote(here)} && "

@@ -11,6 +11,7 @@ from mechstyle.cli.console import command, escape, out, print_json, table, verdi
 from mechstyle.cli.options import Device, Json
 from mechstyle.errors import BadInput, unknown
 from mechstyle.loop.store import Store, parse_address
+from mechstyle.records import sentences
 
 if TYPE_CHECKING:
     from mechstyle.loop.history import LaneSummary
@@ -50,10 +51,10 @@ def log_command(
         print_json({"directory": str(directory), "lanes": lanes})
         return
     for lane in lanes:
-        rows = table("iteration", "verdict", "MPa", "reason", title=lane_title(lane))
+        rows = table("iteration", "outcome", "stress", "reason", title=lane_title(lane))
         for line in lane.simulations:
-            verdict = verdict_text(line.verdict, marginal=bool(line.marginal))
-            rows.add_row(str(line.iteration), verdict, f"{line.peak_stress:.1f}", escape(line.reason))
+            outcome = verdict_text(line.outcome, sure=line.sure)
+            rows.add_row(str(line.iteration), outcome, sentences.stress(line.stress, line.limit), escape(line.reason))
         out.print(rows)
         out.print()
 
@@ -76,13 +77,13 @@ def show_command(
         list[str] | None,
         typer.Option(
             "--field",
-            help="Show this instead of stress and mask: safety_factor, envelope (worst of all landings), thickness, probability, …; may be"
-            " given several times.",
+            help="Show this instead of stress and mask: safety_factor, flat_stress, nearly_flat_stress, load_NAME, contact, thickness, …;"
+            " may be given several times.",
         ),
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Picture of a checkpoint: styled, stress, mask, or other fields, side by side."""
+    """Picture of a checkpoint: styled, stress of the test that decides, mask, or other fields, side by side."""
     from mechstyle.runs.run import Run  # noqa: PLC0415 — loaded when wanted
 
     root, lane, iteration = parse_address(address)
@@ -100,6 +101,10 @@ def show_command(
         }
         print_json({**told, "lane": lane, "files": {"picture": str(path)}})
         return
+    row = None if state.verdict is None else state.verdict.deciding
+    if state.verdict is not None:
+        figures = "" if row is None else f"  {escape(sentences.figures(row))}"
+        out.print(f"{verdict_text(state.verdict.outcome, sure=state.verdict.sure)}{figures}")
     out.print(escape(str(path)))
 
 
@@ -127,9 +132,6 @@ def export_command(
         bool | None,
         typer.Option("--fine/--coarse", help="Draw the style finer and drop the result, or keep the faces of the run; as the run says."),
     ] = None,
-    texture: Annotated[
-        bool, typer.Option("--texture", help="Colours as a texture, as fine as they can be drawn: GLB with it, or OBJ, MTL and PNG.")
-    ] = False,
     fields: Annotated[
         bool,
         typer.Option("--fields", help="With stress, demand and all other known fields at its vertices, for Blender, ParaView: GLB, PLY."),
@@ -163,7 +165,7 @@ def export_command(
     number = run.store.find(iteration, lane).iteration
     place = path or root / f"{run.record.stem}-{lane}-{number}{FINENESS[fine]}.{chosen}"
     printing = Printing(slicer=slicer, palette=palette, colours=colours, bands=bands, bodies=bodies)
-    written = run.exported(place, iteration, fine=fine, texture=texture, fields=fields, printing=printing)
+    written = run.exported(place, iteration, fine=fine, fields=fields, printing=printing)
     if as_json:
         print_json({"export": written, "files": {"model": str(place), "quality": str(sidecar(place))}})
         return
@@ -174,9 +176,9 @@ def report_export(place: Path, written: Exported) -> None:
     """Print what was written, and what is known of that very surface."""
     q, verdict = written.quality, written.verdict
     rows = table(str(place), "before", "written")
-    rows.add_row("verdict", "", "not simulated" if verdict is None else verdict_text(verdict.outcome, marginal=verdict.marginal))
-    if verdict is not None:
-        rows.add_row("peak stress, MPa", "", f"{verdict.deciding.value:.1f} of {verdict.deciding.limit:.1f}")
+    rows.add_row("outcome", "", "not simulated" if verdict is None else verdict_text(verdict.outcome, sure=verdict.sure))
+    if verdict is not None and verdict.deciding is not None:
+        rows.add_row("stress", "", escape(sentences.figures(verdict.deciding)))
     rows.add_row("folded faces", "", str(q.folds))
     rows.add_row("crossing pairs of faces", str(q.crossings_before), str(q.crossings))
     rows.add_row("thinnest wall, mm", f"{q.thinnest_before:.2f}", f"{q.thinnest:.2f}")
@@ -200,4 +202,4 @@ def report_printing(plan: PrintPlan) -> None:
         bands = len(offer.palette) == len(plan.palette)
         how = "--bands" if bands else f'--palette "{",".join(offer.palette)}"'
         count = f"about {offer.changes}" if bands else offer.changes  # what the teeth of a border meet is a matter of luck
-        out.print(f"[dim]fewer changes:[/] {count} with {how}, {offer.hours[0]:.1f} to {offer.hours[1]:.1f} h")
+        out.print(f"[dim]fewer changes:[/] {count} with {how}")

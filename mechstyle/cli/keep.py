@@ -38,7 +38,8 @@ def rerun_command(
     else:
         out.print(escape(found.words))
         for one in found.differences:
-            out.print(f"  iteration {one.iteration}: {one.verdict} {one.before:.6g} MPa, again {one.verdict_again} {one.again:.6g} MPa")
+            stress = f"{one.test}: {one.before:.6g} MPa, again {one.again:.6g} MPa"
+            out.print(f"  iteration {one.iteration}: {one.verdict}, again {one.verdict_again}; {escape(stress)}")
         out.print(f"[dim]the repetition is in {escape(found.folder)}[/]")
     if not found.equal:
         raise SystemExit(EXIT_DIFFERS)

@@ -15,6 +15,7 @@ import msgspec
 import typer
 
 from mechstyle.gallery import PREFIX, use_of
+from mechstyle.records.lengths import length_of, written
 from mechstyle.records.recipe import DEFAULTS, Recipe, described
 from mechstyle.records.regions import KINDS
 
@@ -94,10 +95,11 @@ OPTIONS = {
     "material": RecipeOption(
         DROP_TEST, ("--material", "-m"), str, "One of the library (see `mechstyle materials`), or a .toml or .json file.", "PLA"
     ),
+    "height": RecipeOption(DROP_TEST, kind=str, hint='In m, cm or mm, such as "1.5 m"; a bare number is in mm.'),
     "orientations": RecipeOption(DROP_TEST),
     "poses": RecipeOption(DROP_TEST),
     "standard": RecipeOption(DROP_TEST),
-    "tilts": RecipeOption(DROP_TEST),
+    "nearly_flat": RecipeOption(DROP_TEST),
     "build_direction": RecipeOption(DROP_TEST, kind=str),
     "criterion": RecipeOption(DROP_TEST),
     "window": RecipeOption(DROP_TEST),
@@ -148,7 +150,7 @@ def _parameter(name: str, *, begins: bool) -> Parameter:
     """The parameter from which typer makes the option for a field of the recipe."""
     known = OPTIONS[name]
     required = begins and name not in DEFAULTS and known.default is None
-    shown = str(DEFAULTS[name]) if begins and DEFAULTS.get(name) not in (None, "", ()) else True
+    shown = _shown(name) if begins and DEFAULTS.get(name) not in (None, "", ()) else True
     option = typer.Option(
         ... if required else known.default if begins else None,
         *known.flags,
@@ -158,6 +160,14 @@ def _parameter(name: str, *, begins: bool) -> Parameter:
     )
     kind = known.kind or TYPES[name]
     return Parameter(name, Parameter.KEYWORD_ONLY, annotation=kind if required else kind | None, default=option)
+
+
+def _shown(name: str) -> str:
+    """A default as it is typed."""
+    default = DEFAULTS[name]
+    if isinstance(default, bool):
+        return f"--{'' if default else 'no-'}{name.replace('_', '-')}"
+    return written(default) if name == "height" else str(default)
 
 
 def _joined(signature: Signature, options: list[Parameter]) -> Signature:
@@ -172,6 +182,8 @@ def _used(others: list[str] | None = None, **settings: Any) -> Settings:
     used = {name: value for name, value in settings.items() if value not in (None, [])}
     if str(used.get("loads", "")).startswith(PREFIX):
         used["loads"] = [use_of(str(used["loads"]))]
+    if "height" in used:
+        length_of(used["height"])  # refused before anything slow; its unit goes on to where settings are read
     with suppress(KeyError, ValueError):  # what is neither a number nor auto is refused where settings are
         used["amplitude"] = float(used["amplitude"])
     if others:

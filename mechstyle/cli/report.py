@@ -19,11 +19,11 @@ def report_command(
     address: Annotated[str, typer.Argument(metavar="DIR", help="A run directory: DIR, or DIR@lane.")],
     path: Annotated[Path | None, typer.Option("--out", help="HTML file to write; by default in the run directory.")] = None,
     impact: Annotated[
-        bool, typer.Option("--impact", help="Drop the part once more, as placed and in its worst landing, to play both in the report.")
+        bool, typer.Option("--impact", help="Drop the part once more, flat and in its hardest other landing, to play both in the report.")
     ] = False,
     as_json: Json = False,
 ) -> None:
-    """Write a report as one HTML file that opens offline: verdicts, replay, timeline, settings, how to make it again."""
+    """Write a report as one HTML file that opens offline: verdict, replay, timeline, settings, how to make it again."""
     from mechstyle.runs.run import Run  # noqa: PLC0415 — loaded when wanted
 
     run = Run.open(address, "cpu")

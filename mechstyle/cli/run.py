@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import msgspec
 import typer
 
-from mechstyle.cli.console import command, err, escape, factor, out, print_json, table, telling, verdict_text
+from mechstyle.cli.console import command, err, escape, out, print_json, report_verdict, telling
 from mechstyle.cli.options import (
     DEFAULTS_MAY_CHANGE,
     OPTIONS,
@@ -29,17 +29,12 @@ from mechstyle.records.landings import STANDARDS
 from mechstyle.records.mesh import STANDARD_VERTICES
 from mechstyle.records.recipe import Recipe
 
-if TYPE_CHECKING:
-    from mechstyle.loop.history import Strength
-
 RESTRAINED = ("control", "normalisation", "threshold", "schedule", "every", "base")
 """Settings that restrain a style, or say when to simulate to that end: Freestyle has no use for them."""
 AUTO = "auto"
-"""In place of an amplitude: the deepest that holds."""
+"""In place of an amplitude: the deepest that passes."""
 AS_IT_RAN = {"delivered": 0}
 """The surface of the run is delivered, drawn no finer."""
-FINISH_FIRST = {"schedule": "never"}
-"""Nothing is simulated before the last iteration, so that no mask ever closes."""
 FREE = tuple(name for name in OPTIONS if name not in RESTRAINED)
 
 app = typer.Typer()
@@ -109,7 +104,7 @@ def carry_out(
 def at_its_deepest(
     wanted: Recipe, mesh: Any, settings: Settings, vertices: int, device: str, folder: Path | None, teller: Any
 ) -> tuple[Recipe, str]:
-    """A recipe with the deepest relief that holds, found by trials in a folder beside the run's, and what limits it, in words."""
+    """A recipe with the deepest relief that passes, found by trials in a folder beside the run's, and what limits it, in words."""
     from mechstyle.runs.deepest import deepest  # noqa: PLC0415 — physics is loaded when something is run
     from mechstyle.runs.folders import default_folder  # noqa: PLC0415
 
@@ -133,56 +128,29 @@ def finish(run: Any, teller: Any, known: Iterable[str] = ()) -> Any:
     return run
 
 
-COLUMNS = ("stresses in MPa", "verdict", "as placed", "of", "tilted", "of", "all orientations", "safety", "worst landing", "yield in")
-
-
 def report(run: Any, *, as_json: bool) -> None:
-    """Print what a run came to."""
+    """Print what a run came to; its verdict stands last."""
     summary = run.summary
     if as_json:
         print_json(summary)
         return
-    rows = table(*COLUMNS)
-    before = "thicker" if run.part.mass_gained else "original"
-    for name, strength in ((before, summary.baseline), ("styled", summary.result)):
-        rows.add_row(name, verdict_text(strength.verdict, marginal=strength.marginal), *_figures(strength))
-    out.print(rows)
-    out.print(f"\n{escape(summary.words)}")
-    kept = f"kept {summary.kept:.0%} of the freestyle relief; style loss {summary.style_loss_ratio:.1%} of its start"
-    out.print(f"{kept}; {len(summary.simulations)} simulations")
-    if summary.level_share is not None:
-        out.print(f"it stands on {summary.level_share:.0%} of its base")
-    out.print(f"the tetrahedra carry {summary.carried:.0%} of the relief ({escape(summary.meshing)})")
-    first, last = summary.baseline.failure_probability, summary.result.failure_probability
-    if first is not None and last is not None:
-        out.print(f"{last:.0%} of random drops begin to yield it somewhere, {first:.0%} of those of the {before} part ({run.recipe.poses})")
-    shown_only = "" if run.recipe.criterion == "paper" else ", shown only"
-    out.print(f"published rule{shown_only}: literal maximum {summary.result.maximum:.1f} MPa (depends on the mesh)")
+    for note in summary.notes:
+        out.print(f"[dim]note: {escape(note)}[/]")
     if run.recipe.layers_judged:
         out.print(escape(run.recipe.layers_judged))
     if run.recipe.after_standard:
         out.print(f"{escape(run.recipe.after_standard)}. {escape(STANDARDS[run.recipe.standard].departs)}")
-    for note in summary.notes:
-        out.print(f"[dim]note: {escape(note)}[/]")
-    for case in summary.loads:
-        out.print(f"load {escape(repr(case.name))}: {case.words}")
+    if run.part.mass_gained:
+        out.print(f"the plain part is the thickened one, {run.part.mass_gained:+.1f} g")
+    if summary.level_share is not None:
+        out.print(f"{summary.level_share:.0%} of its base touches the floor")
+    out.print(f"the mesh follows {summary.carried:.0%} of the relief ({escape(summary.meshing)})")
     out.print("seconds: " + ", ".join(f"{stage} {value:.1f}" for stage, value in summary.seconds.items()))
     for what, path in summary.files.items():
         out.print(f"{what}: {escape(path)}")
-
-
-def _figures(strength: Strength) -> tuple[str, ...]:
-    """As placed, tilted, over all orientations, the least safety factor, the worst landing, and how many random drops begin to yield it."""
-    return (
-        f"{strength.peak_stress:.1f}",
-        f"{strength.allowable:.1f}",
-        "–" if strength.tilted is None else f"{strength.tilted:.1f}",
-        "–" if strength.tilted_limit is None else f"{strength.tilted_limit:.1f}",
-        "–" if strength.all_orientations is None else f"{strength.all_orientations:.2f} x",
-        factor(strength.safety_factor),
-        "–" if strength.worst is None else f"{strength.worst:.1f}",
-        "–" if strength.failure_probability is None else f"{strength.failure_probability:.0%}",
-    )
+    kept = f"style kept {summary.kept:.0%}; style loss {summary.style_loss_ratio:.1%} of its start"
+    out.print(f"{kept}; {len(summary.simulations)} simulations\n")
+    report_verdict(run.verdict)
 
 
 @app.command("run", epilog=DEFAULTS_MAY_CHANGE)
@@ -191,9 +159,6 @@ def _figures(strength: Strength) -> tuple[str, ...]:
 def run_command(
     model: Model,
     settings: Settings,
-    finish_first: Annotated[
-        bool, typer.Option("--finish-first", help="Drop the finished relief first and correct it where it fails; no masks while it grows.")
-    ] = False,
     coarse: Coarse = False,
     vertices: Vertices = STANDARD_VERTICES,
     scale: Scale = None,
@@ -203,7 +168,6 @@ def run_command(
     as_json: Json = False,
 ) -> None:
     """Style a part while a drop test watches its strength."""
-    settings |= short_for(FINISH_FIRST, settings, "--finish-first", given=finish_first)
     settings |= short_for(AS_IT_RAN, settings, "--coarse", given=coarse)
     run = carry_out(model, settings, vertices, scale, up, device, folder, freestyle=False, as_json=as_json)
     report(run, as_json=as_json)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from mechstyle.cli.console import command, err, escape, factor, out, print_json, table, telling, verdict_text
+from mechstyle.cli.console import command, err, escape, out, print_json, report_verdict, table, telling
 from mechstyle.cli.options import Device, Json, Model, Scale, Settings, Up, Vertices, recipe_options
 from mechstyle.cli.run import read_model
 from mechstyle.records.landings import STANDARDS
@@ -21,13 +21,16 @@ app = typer.Typer()
 
 Original = Annotated[
     str,
-    typer.Option(help="What it was styled from, a file or gallery:NAME in the same place; it is then judged beside that, as in its run."),
+    typer.Option(help="The plain part it was styled from, a file or gallery:NAME in the same place, to compare it with as in its run."),
 ]
 
 
 @app.command("simulate")
 @command
-@recipe_options("material", "orientations", "poses", "tilts", "standard", "build_direction", "criterion", "loads", "minimum_wall", "window")
+@recipe_options(
+    "material", "height", "orientations", "poses", "nearly_flat", "standard", "build_direction", "criterion", "loads", "minimum_wall",
+    "window",
+)  # fmt: skip
 def simulate_command(
     model: Model,
     settings: Settings,
@@ -41,7 +44,7 @@ def simulate_command(
     vtu_each: Annotated[bool, typer.Option("--vtu-each", help="The same, with stress and contact of every orientation.")] = False,
     as_json: Json = False,
 ) -> None:
-    """Drop a part as it is, without any style, and load it if asked to; beside the original it was styled from if that is named."""
+    """Drop a part without styling it, and load it with --load; compare it with the plain part with --original."""
     from mechstyle.simulation.part_test import simulate  # noqa: PLC0415 — physics is loaded when something is run
 
     mesh, name = read_model(model, scale, up, quiet=as_json)
@@ -73,25 +76,24 @@ def _figures(dropped: PartTest, files: dict[str, str]) -> dict[str, Any]:
     """The measured figures as plain values, for `--json`."""
     from mechstyle.simulation.drop_history import history_figures  # noqa: PLC0415 — as above
 
-    simulation = dropped.simulation
+    simulation, original, verdict = dropped.simulation, dropped.original, dropped.verdict
     return {
-        **to_dict(dropped.strength),
-        "as_placed": simulation.as_placed,
-        "overall": simulation.overall,
+        "outcome": verdict.outcome,
+        "doubts": verdict.doubts,
+        "safety_factor": verdict.safety_factor,
+        "rows": verdict.rows,
+        "words": verdict.words,
         "landings": simulation.landings,
+        "loads": simulation.loads,
+        "original": None if original is None else {"landings": original.landings, "loads": original.loads},
         "after_standard": dropped.recipe.after_standard,
         "course": dropped.course,
         "history": history_figures(dropped.history),
         "warning": dropped.warning,
-        "loads": simulation.loaded,
         "notes": dropped.part.notes,
         "material": dropped.recipe.material,
         "tetrahedra": len(dropped.tets.tets),
         "fit": dropped.fit,
-        "original": None if dropped.original is None else dropped.original.as_placed,
-        "original_tilted": None if dropped.original is None else dropped.original.tilted,
-        "original_landings": () if dropped.original is None else dropped.original.landings,
-        "original_failure_probability": None if dropped.original is None else dropped.original.failure_probability,
         "steps": simulation.steps,
         "time_step": simulation.time_step,
         "added_mass": simulation.added_mass,
@@ -101,97 +103,46 @@ def _figures(dropped: PartTest, files: dict[str, str]) -> dict[str, Any]:
 
 def _report(dropped: PartTest, files: dict[str, str]) -> None:
     """Print what a drop test found, for people."""
-    strength, simulation = dropped.strength, dropped.simulation
+    simulation, recipe = dropped.simulation, dropped.recipe
+    report_verdict(dropped.verdict)
     rows = table("", "")
-    peak = "largest element stress" if dropped.verdict.criterion == "paper" else "peak stress as placed"
     for label, value in (
-        ("verdict", verdict_text(strength.verdict, marginal=strength.marginal)),
-        ("safety factor", f"{factor(strength.safety_factor)}, the least of the rules that count"),
-        (peak, f"{strength.peak_stress:.1f} MPa of {strength.allowable:.1f} MPa"),
-        *_tilted_row(dropped),
-        ("p99.9 as placed", f"{simulation.as_placed.p999:.1f} MPa"),
-        *_orientation_rows(dropped),
-        *((escape(f"load {case.name!r}"), case.words) for case in simulation.loaded),
-        ("literal maximum", f"{strength.maximum:.1f} MPa (depends on the mesh)"),
         *_course_rows(dropped),
         ("shape", f"tetrahedra {dropped.fit.words}"),
-        *_original_rows(dropped),
-        *([("layers", escape(dropped.recipe.layers_judged))] if dropped.recipe.build_direction else []),
+        *_relief_rows(dropped),
+        *([("layers", escape(recipe.layers_judged))] if recipe.build_direction else []),
+        *([("orientations", escape(recipe.after_standard))] if recipe.standard else []),
         ("tetrahedra", f"{len(dropped.tets.tets)}; {simulation.steps} steps of {1e3 * simulation.time_step:.3f} µs"),
         *((what, escape(path)) for what, path in files.items()),
     ):
         rows.add_row(label, value)
+    out.print()
     out.print(rows)
-    out.print(f"\n{escape(strength.words)}")
-    if dropped.recipe.standard:
-        out.print(f"[dim]{escape(STANDARDS[dropped.recipe.standard].departs)}[/]")
+    if recipe.standard:
+        out.print(f"[dim]{escape(STANDARDS[recipe.standard].departs)}[/]")
     if dropped.original is None:
-        out.print("[dim]judged alone, by the strength of its material: a styled part is judged as in its run with --original FILE[/]")
+        out.print("[dim]tested by itself: --original FILE compares a styled part with the plain one, as in its run[/]")
     if dropped.warning:
         err.print(f"[yellow]warning:[/] {escape(dropped.warning)}")
 
 
-def _tilted_row(dropped: PartTest) -> list[tuple[str, str]]:
-    """A table row of the drops nearly as placed, with their limit where they are judged."""
-    simulation, judged = dropped.simulation, dropped.verdict.tilted
-    if simulation.tilted is None:
+def _relief_rows(dropped: PartTest) -> list[tuple[str, str]]:
+    """A table row of what a part has over its original."""
+    relief = dropped.fit.relief
+    if relief is None:
         return []
-    limit = f" of {judged.limit:.1f} MPa" if judged is not None and judged in dropped.verdict.counting and not simulation.failure else ""
-    return [("tilted by 3°", f"{simulation.tilted.surface:.1f} MPa{limit} at the surface")]
-
-
-def _original_rows(dropped: PartTest) -> list[tuple[str, str]]:
-    """Table rows of what a part is compared with."""
-    original, relief = dropped.original, dropped.fit.relief
-    if original is None or relief is None:
-        return []
-    tilted = "" if original.tilted is None else f", tilted {original.tilted.surface:.1f} MPa"
     under = "" if relief.carried_base is None else f" ({relief.carried_base:.0%} under the part)"
-    carried = f"{relief.carried:.0%} of it carried by the tetrahedra{under}"
-    return [
-        ("original", f"{original.as_placed.peak:.1f} MPa as placed{tilted}"),
-        ("relief", f"{relief.lowest:.2f} to {relief.highest:.2f} mm over the original, {carried}"),
-    ]
-
-
-def _orientation_rows(dropped: PartTest) -> list[tuple[str, str]]:
-    """Table rows of the drops in other orientations."""
-    overall = dropped.simulation.overall
-    if overall is None or not dropped.simulation.landings:
-        return [("p99 over all orientations", "not run" if overall is None else "not known")]
-    worst, before = dropped.simulation.worst, dropped.original
-    assert worst is not None, "there are landings"
-    first = "" if before is None or before.worst is None else f"; the original {before.worst.measures.peak:.1f} MPa"
-    x, y, z = worst.normal
-    rows = [
-        ("p99 over all orientations", f"{overall.p99:.1f} MPa"),
-        ("worst orientation", f"{worst.measures.peak:.1f} MPa, {worst.name}, floor normal ({x:.2f}, {y:.2f}, {z:.2f}){first}"),
-    ]
-    if dropped.recipe.after_standard:
-        rows.append(("orientations", dropped.recipe.after_standard))
-    chance = dropped.simulation.failure_probability
-    if chance is not None:
-        share = f"{chance:.0%} of random drops begin to yield it somewhere, beyond {dropped.recipe.material.yield_strength:.1f} MPa"
-        if before is not None and before.failure_probability is not None:
-            share += f", the original in {before.failure_probability:.0%}"
-        rows.append(("failure probability", f"{share} (of {len(dropped.simulation.landings)} {dropped.recipe.poses} drops)"))
-    return rows
+    carried = f"the mesh follows {relief.carried:.0%} of it{under}"
+    return [("relief", f"{relief.lowest:.2f} to {relief.highest:.2f} mm over the plain part, {carried}")]
 
 
 def _course_rows(dropped: PartTest) -> list[tuple[str, str]]:
-    """When the drop as placed did what."""
+    """When the flat landing did what."""
     course = dropped.course
     if course is None:
         return []
-    x, y, z = course.peak_where
     return [
-        ("highest on the surface", f"{course.peak_stress:.1f} MPa by {course.peak_time:.2f} ms, at ({x:.1f}, {y:.1f}, {z:.1f}) mm"),
         ("contact force", f"up to {course.peak_force:.0f} N, the last of it at {course.contact_time:.2f} ms"),
         ("touches", course.touch_words),
         ("energy", course.words),
     ]
-
-
-def to_dict(record: Any) -> dict[str, Any]:
-    """The fields of a record by name."""
-    return {name: getattr(record, name) for name in record.__struct_fields__}

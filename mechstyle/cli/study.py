@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperCommand
 
+from mechstyle.cli.ablation import brief
 from mechstyle.cli.console import EXIT_BAD_INPUT, command, escape, out, print_json, table, telling
 from mechstyle.cli.options import MACHINE, Device, Json, Settings, Vertices, recipe_options
 from mechstyle.records.mesh import STANDARD_VERTICES
@@ -45,7 +46,7 @@ Models = Annotated[
     list[str] | None,
     typer.Option(
         "--models",
-        help="Gallery models or files, one after the other; unless told, all of the gallery.",
+        help="Gallery models or files, one after the other; by default all of the gallery.",
         rich_help_panel=CROSSED,
     ),
 ]
@@ -53,7 +54,7 @@ Styles = Annotated[
     list[str] | None,
     typer.Option(
         "--styles",
-        help="Prompts; unless told, the six of the published study.",
+        help="Prompts; by default the six of the published study.",
         rich_help_panel=CROSSED,
     ),
 ]
@@ -61,7 +62,7 @@ Controls = Annotated[
     list[str] | None,
     typer.Option(
         "--controls",
-        help="Unless told linear, exponential and frozen.",
+        help="By default linear, exponential and frozen.",
         rich_help_panel=CROSSED,
     ),
 ]
@@ -69,7 +70,7 @@ Schedules = Annotated[
     list[str] | None,
     typer.Option(
         "--schedules",
-        help="Unless told every, exponential, geometry and stress.",
+        help="By default every, exponential, geometry and stress.",
         rich_help_panel=CROSSED,
     ),
 ]
@@ -77,15 +78,16 @@ Arms = Annotated[
     list[str] | None,
     typer.Option(
         "--arms",
-        help="freestyle, static, masks, full, finish-first, strengthened; unless told static, masks and full.",
+        help="freestyle, static, finish-first, masks, strengthened; by default all but the last.",
         rich_help_panel=CROSSED,
     ),
 ]
-Amplitudes = Annotated[
-    list[float] | None,
+Conditions = Annotated[
+    list[str] | None,
     typer.Option(
-        "--amplitudes",
-        help="Half the relief's depth over local wall thickness; unless told the default depth and 0.5.",
+        "--conditions",
+        help="drop: the fall alone; load: also the load of a model's use at 0.85 of what the plain part carries; deep: relief half the "
+        "wall deep. By default all.",
         rich_help_panel=CROSSED,
     ),
 ]
@@ -93,7 +95,7 @@ Seeds = Annotated[
     list[int] | None,
     typer.Option(
         "--seeds",
-        help="Seeds of the style; unless told 0.",
+        help="Seeds of the style; by default 0.",
         rich_help_panel=CROSSED,
     ),
 ]
@@ -102,7 +104,7 @@ Jobs = Annotated[int, typer.Option(min=1, max=256, help="Processes side by side 
 Scheduler = Annotated[
     str, typer.Option(help="Address or file of a Dask scheduler, whose workers then run the cells.", rich_help_panel=MACHINE)
 ]
-shared = recipe_options("iterations", "material", "orientations", "criterion", begins=False, others=True)
+shared = recipe_options("iterations", "material", "height", "orientations", "criterion", begins=False, others=True)
 
 
 @study_app.command("formative", cls=SeveralWords)
@@ -112,7 +114,7 @@ def formative_command(
     settings: Settings, models: Models = None, styles: Styles = None, seeds: Seeds = None, folder: Out = Path("study-formative"),
     jobs: Jobs = 1, scheduler: Scheduler = "", vertices: Vertices = STANDARD_VERTICES, device: Device = "auto", as_json: Json = False,
 ) -> None:  # fmt: skip
-    """How often a style alone breaks a part: every model in every style, without feedback."""
+    """How often a part passes with a style alone: every model in every style, without feedback."""
     crossed = {"models": models, "styles": styles, "seeds": seeds}
     _carried_out("formative", _factors(crossed, settings, vertices, device), folder, jobs, scheduler, as_json=as_json)
 
@@ -134,13 +136,12 @@ def evaluation_command(
 @command
 @shared
 def ablation_study_command(
-    settings: Settings, models: Models = None, styles: Styles = None, arms: Arms = None, amplitudes: Amplitudes = None, seeds: Seeds = None,
-    loaded: Annotated[bool, typer.Option("--loads/--no-loads", help="Once more under the load of a model's use.")] = True,
+    settings: Settings, models: Models = None, styles: Styles = None, arms: Arms = None, conditions: Conditions = None, seeds: Seeds = None,
     folder: Out = Path("study-ablation"), jobs: Jobs = 1, scheduler: Scheduler = "", vertices: Vertices = STANDARD_VERTICES,
     device: Device = "auto", as_json: Json = False,
 ) -> None:  # fmt: skip
-    """What each mechanism is worth: arms with some taken away, at two depths, dropped and under the load of their use."""
-    crossed = {"models": models, "styles": styles, "seeds": seeds, "arms": arms, "amplitudes": amplitudes, "loaded": loaded}
+    """What each mechanism is worth: arms with some taken away, dropped, under the load of their use, and with deep relief."""
+    crossed = {"models": models, "styles": styles, "seeds": seeds, "arms": arms, "conditions": conditions}
     _carried_out("ablation", _factors(crossed, settings, vertices, device), folder, jobs, scheduler, as_json=as_json)
 
 
@@ -174,7 +175,7 @@ def _factors(crossed: dict[str, Any], settings: Settings, vertices: int, device:
 
 
 def _carried_out(study: str, factors: Factors, folder: Path, jobs: int, scheduler: str, *, as_json: bool) -> None:
-    """Walk over the cells, then keep the table and say what came out."""
+    """Walk over the cells, then keep the table and print what came of them."""
     from mechstyle.study.grids import cells_of  # noqa: PLC0415 — as above
     from mechstyle.study.tables import write_table  # noqa: PLC0415
     from mechstyle.study.walk import walk  # noqa: PLC0415
@@ -195,21 +196,23 @@ def _carried_out(study: str, factors: Factors, folder: Path, jobs: int, schedule
 
 
 def _said(step: Callable[[str], None]) -> Callable[[Row], None]:
-    return lambda row: step(escape(f"{row.part} as {row.prompt!r}, {row.arm}: {row.verdict or row.refused}"))
+    return lambda row: step(escape(brief(row)))
 
 
 def _print_counts(rows: list[Row]) -> None:
-    """How many are viable, arm by arm, and what did not run."""
+    """How many pass, arm by arm, and what did not run."""
     from mechstyle.study.statistics import wilson  # noqa: PLC0415 — scipy is loaded when something is counted
 
-    counts = table("arm", "runs", "viable", "95 % interval", "kept", "CPU s")
-    for arm in dict.fromkeys(row.arm for row in rows):
-        told = [row for row in rows if row.arm == arm and row.status == "done"]
-        if told:
-            viable, (low, high) = sum(row.viable for row in told), wilson(sum(row.viable for row in told), len(told))
-            kept, seconds = median(row.kept for row in told), median(row.cpu_seconds for row in told)
-            counts.add_row(arm, str(len(told)), str(viable), f"{low:.0%} to {high:.0%}", f"{kept:.2f}", f"{seconds:.0f}")
+    counts = table("condition", "arm", "runs", "passes", "95 % interval", "sure", "kept", "CPU s")
+    for condition, arm in dict.fromkeys((row.condition, row.arm) for row in rows):
+        done = [row for row in rows if (row.condition, row.arm, row.status) == (condition, arm, "done")]
+        if done:
+            passes, sure = sum(row.passes for row in done), sum(row.sure for row in done)
+            low, high = wilson(passes, len(done))
+            kept, seconds = median(row.kept for row in done), median(row.cpu_seconds for row in done)
+            figures = (str(len(done)), str(passes), f"{low:.0%} to {high:.0%}", str(sure), f"{kept:.2f}", f"{seconds:.0f}")
+            counts.add_row(condition, arm, *figures)
     out.print(counts)
     for row in rows:
         if row.status != "done":
-            out.print(f"[yellow]{row.status}:[/] {escape(f'{row.part} as {row.prompt!r}, {row.arm}: {row.refused}')}")
+            out.print(f"[yellow]{row.status}:[/] {escape(brief(row))}")

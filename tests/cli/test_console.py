@@ -5,13 +5,14 @@ import io
 import pytest
 from rich.console import Console
 
-from mechstyle.cli import run
-from mechstyle.cli.console import table
-from mechstyle.study import applications
+from mechstyle.cli.console import COLOURS, report_verdict, table, verdict_text
+from mechstyle.cli.console import out as stdout
+from mechstyle.records import Doubt, sentences
+from support.records import FALL, UNKNOWN, published_row, row, verdict
 
 ROWS = {
-    applications.COLUMNS: ("MechStyle", "VIABLE", "27.1", "45.6", "1.68", "0.99 x", "3", "82%"),
-    run.COLUMNS: ("original", "VIABLE, MARGINAL", "38.6", "45.6", "44.7", "45.6", "1.07 x", "1.02", "117.7", "97%"),
+    sentences.COLUMNS: ("nearly flat: tilted 3° onto the left front corner", "99 cm", "90 cm", "1.5 m", "+1%", "NO WORSE (not sure)"),
+    ("test", "plain", "Freestyle", "MechStyle", "asked"): ("nearly flat", "99 cm", "20 cm FAILS", "90 cm NO WORSE", "1.5 m"),
 }
 
 
@@ -34,3 +35,36 @@ def test_units_stand_in_the_headings_of_a_table(width):
     page = io.StringIO()
     Console(file=page, width=width).print(rows)
     assert {"density", "[g/mm³]", "[/red]"} <= set(page.getvalue().split())
+
+
+def printed(judged):
+    with stdout.capture() as said:
+        report_verdict(judged)
+    return " ".join(said.get().split())
+
+
+def test_a_verdict_is_its_head_its_table_and_its_doubt():
+    doubt = Doubt(about="limit", value=1.01, test="nearly flat", landing="tilted")
+    nearly = row(0.6 * FALL, test="nearly flat", landing="tilted", outcome="NO WORSE", limit=59.0, original=0.65 * FALL)
+    judged = verdict(row(2.0 * FALL, original=2.1 * FALL), nearly, published_row(), doubts=(doubt,))
+    said = printed(judged)
+    assert said.startswith(judged.head)
+    assert said.endswith(judged.doubt)
+    assert "test plain styled asked reserve outcome flat 3.1 m 3.0 m 1.5 m +100% HOLDS" in said
+    assert "NO WORSE (not sure)" in said
+    assert said.count("not judged") == 1, "the published rule is shown and does not decide"
+
+
+def test_a_part_that_is_tested_by_itself_has_one_column_of_figures():
+    assert "test survives asked reserve outcome flat 3.0 m 1.5 m +100% HOLDS" in printed(verdict(row(2.0 * FALL)))
+
+
+def test_what_gave_no_answer_has_no_table():
+    assert printed(UNKNOWN) == "UNKNOWN: the integration blew up."
+
+
+def test_every_outcome_has_a_colour_of_its_own_and_a_doubt_that_of_unknown():
+    assert set(COLOURS) == set(sentences.MEANINGS)
+    assert len(set(COLOURS.values())) == len(COLOURS)
+    assert verdict_text("HOLDS", sure=False) == "[bold green]HOLDS[/][yellow] (not sure)[/]"
+    assert verdict_text("UNKNOWN", sure=False) == "[bold yellow]UNKNOWN[/]"

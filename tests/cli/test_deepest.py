@@ -19,7 +19,7 @@ def test_what_limits_the_relief_is_among_what_a_run_tells(monkeypatch, tmp_path)
     assert "amplitude auto: 0.25 of the wall is the deepest relief that holds" in json.loads(outcome.stdout)["notes"]
 
 
-@pytest.mark.parametrize(("command", "base", "control"), [("freestyle", "free", "none"), ("run", "level", "exponential")])
+@pytest.mark.parametrize(("command", "base", "control"), [("freestyle", "free", "none"), ("run", "plain", "exponential")])
 def test_depths_are_tried_as_the_command_styles_the_part(monkeypatch, command, base, control):
     """Freestyle's trials stood on a level base, which its part does not."""
 

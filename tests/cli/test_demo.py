@@ -1,9 +1,16 @@
 """`application` and the contact sheet on the command line, as far as no simulation is needed."""
 
+import shlex
+import subprocess
+import sys
+from types import SimpleNamespace
+
 import pytest
 from typer.testing import CliRunner
 
+from mechstyle.cli import demo
 from mechstyle.cli.app import app
+from support.records import FALL, published_row, row, verdict
 
 
 def test_applications_are_listed_with_model_and_style(mechstyle):
@@ -30,3 +37,72 @@ def test_a_sheet_that_cannot_be_written_is_refused_before_it_is_drawn(what, draw
     refused = CliRunner().invoke(app, [what, "--sheet", path, "--json"])
     assert refused.exit_code == 2
     assert ".png file in a folder that exists" in refused.output
+
+
+def test_the_demo_ends_with_one_table_of_the_falls_of_both_runs(pair, capsys):
+    demo.tell(pair, "demo-out", as_json=False)
+    *_, headings, flat, published, kept, _next = (" ".join(line.split()) for line in capsys.readouterr().out.splitlines() if line)
+    assert headings == "test plain Freestyle MechStyle asked"
+    assert flat == "flat 2.4 m 20 cm FAILS 2.3 m HOLDS 1.5 m"
+    assert published == "published rule – 0.76 × not judged 0.76 × not judged 1 ×"
+    assert kept == "style kept – 91% 91% –"
+
+
+NEXT = "mechstyle run YOUR_PART.stl --prompt brick"
+
+
+@pytest.fixture
+def environment(tmp_path, monkeypatch):
+    """A virtual environment with the command, in the folder one is in, not activated."""
+    folder = tmp_path / "a project" / ".venv"
+    (folder / "bin").mkdir(parents=True)
+    (folder / "bin" / "activate").write_text(f"PATH={shlex.quote(str(folder / 'bin'))}:$PATH\n")
+    command = folder / "bin" / "mechstyle"
+    command.write_text("#!/bin/sh\necho ran $*\n")
+    command.chmod(0o755)
+    monkeypatch.setattr(sys, "prefix", str(folder))
+    monkeypatch.setenv("PATH", "/usr/bin:/bin")
+    monkeypatch.chdir(folder.parent)
+    return folder
+
+
+@pytest.fixture
+def pair(tmp_path):
+    """Two finished runs, as far as they are printed."""
+    summary = SimpleNamespace(kept=0.91, files={"model": "part.3mf"}, notes=())
+    files = {"comparison": "comparison.png", "table": "comparison.md"}
+    told = [verdict(row(height, original=1.6 * FALL), published_row()) for height in (200.0, 1.55 * FALL)]
+    free, fed = (SimpleNamespace(summary=summary, verdict=one) for one in told)
+    return SimpleNamespace(free=free, fed=fed, save=lambda _: files)
+
+
+def last_line(pair, capsys):
+    demo.tell(pair, "demo-out", as_json=False)
+    return capsys.readouterr().out.splitlines()[-1]
+
+
+def test_the_next_command_is_printed_as_it_can_be_pasted(environment, pair, capsys, monkeypatch):
+    assert last_line(pair, capsys) == f"next: source .venv/bin/activate && {NEXT}"
+    for folder in (environment.parent, environment.parent.parent, environment / "bin"):  # the second names the folder with a blank in it
+        monkeypatch.chdir(folder)
+        line = last_line(pair, capsys).removeprefix("next: ")
+        done = subprocess.run(["bash", "-c", line], cwd=folder, capture_output=True, text=True, check=True)
+        assert done.stdout == f"ran {NEXT.removeprefix('mechstyle ')}\n"
+
+
+def test_in_an_active_environment_the_next_command_is_all(environment, pair, capsys, monkeypatch):
+    monkeypatch.setenv("PATH", f"{environment / 'bin'}:/usr/bin")
+    assert last_line(pair, capsys) == f"next: {NEXT}"
+
+
+def test_the_command_of_another_environment_is_not_taken_for_this_one(environment, pair, capsys, monkeypatch, tmp_path):
+    other = tmp_path / "other"
+    other.mkdir()
+    (environment / "bin" / "mechstyle").rename(other / "mechstyle")
+    monkeypatch.setenv("PATH", f"{other}:/usr/bin")
+    assert last_line(pair, capsys) == f"next: source .venv/bin/activate && {NEXT}"
+
+
+def test_without_an_environment_there_is_nothing_to_activate(pair, capsys, monkeypatch, tmp_path):
+    monkeypatch.setattr(sys, "prefix", str(tmp_path))
+    assert last_line(pair, capsys) == f"next: {NEXT}"

@@ -71,7 +71,7 @@ def test_every_command_works_without_a_network(finished, offline):
     """One after the other in one process; the tetrahedra are made, or read, in processes of their own."""
     _, root, _ = finished
     out = offline.folder
-    small = ("vertices=2000", "iterations=2", "orientations=1", "coarse", "set=element=tet4", "set=window=0.05", "set=tilts=0")
+    small = ("vertices=2000", "iterations=2", "orientations=1", "coarse", "set=element=tet4", "set=window=0.05", "set=nearly_flat=False")
     quick = [f"--{one}" for one in small]
     commands = [
         ["--help"], ["materials"], ["styles"], ["gallery"], ["doctor"], ["weights", "list"], ["application"], ["log", f"{root}"],
@@ -81,7 +81,7 @@ def test_every_command_works_without_a_network(finished, offline):
         ["freestyle", "gallery:pen_holder", "--prompt", "brick", *quick, "--out", f"{out}/free"],
         ["branch", f"{out}/run@1", "--control", "frozen"], ["rerun", f"{out}/run"], ["orient", f"{out}/run"],
         ["validate", "--case", "rigid"],
-        ["simulate", f"{out}/part.glb", "--vertices=2000", "--orientations=1", "--tilts=0", "--window=0.05", "--out", f"{out}"],
+        ["simulate", f"{out}/part.glb", "--vertices=2000", "--orientations=1", "--no-nearly-flat", "--window=0.05", "--out", f"{out}"],
         ["protect", "gallery:pen_holder", "--protect", "rim", "--vertices", "2000", "--out", f"{out}/rim.png"],
     ]  # fmt: skip
     assert {words[0] for words in commands} | LONG >= set(typer.main.get_command(app).commands)

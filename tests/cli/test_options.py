@@ -18,6 +18,7 @@ from mechstyle.cli import run, simulate
 from mechstyle.cli.app import app
 from mechstyle.cli.options import OPTIONS
 from mechstyle.records.recipe import CHOICES, DEFAULTS, described
+from mechstyle.runs.recipes import draft
 from mechstyle.simulation import part_test
 
 STYLED = (
@@ -25,29 +26,29 @@ STYLED = (
     "--relief --side --feature --nozzle --inside --delivered --coarse "
     "--image --image-size --image-as --image-layout --project --projection "
     "--amplitude --clip --criterion --device --field --guidance --iterations --json --load --material -m --minimum-wall --orientations "
-    "--poses --prompt -p --protect --seed --set --standard --stylizer --tilts --window"
+    "--height --nearly-flat --no-nearly-flat --poses --prompt -p --protect --seed --set --standard --stylizer --window"
 )
 STUDIED = (
-    "--criterion --device --iterations --jobs --json --material -m --models --orientations --out --scheduler --seeds --set --styles "
-    "--vertices"
+    "--criterion --device --height --iterations --jobs --json --material -m --models --orientations --out --scheduler --seeds --set "
+    "--styles --vertices"
 )
 RESTRAINED = "--base --control --every --normalisation --schedule --threshold"
 NAMES = {
     "": "--version",
-    "run": f"model --out --scale --strengthen --up --vertices {STYLED} {RESTRAINED} --finish-first",
+    "run": f"model --out --scale --strengthen --up --vertices {STYLED} {RESTRAINED}",
     "freestyle": f"model --out --scale --strengthen --up --vertices {STYLED}",
     "branch": f"address --lane {STYLED} {RESTRAINED}",
     "simulate": "model --build-direction "
     "--criterion --device --json --load --material -m --minimum-wall --orientations --original --out --poses --scale --standard "
-    "--tilts --up --vertices --vtu --vtu-each --window",
-    "demo": "--device --json --model --out --prompt --vertices -p",
-    "ablation": "models --arm --amplitude --device --iterations --jobs --json --load --material -m --orientations --out --poses --prompt "
-    "-p --seed --set --vertices",
+    "--height --nearly-flat --no-nearly-flat --up --vertices --vtu --vtu-each --window",
+    "demo": "--device --height --json --model --out --prompt --vertices -p",
+    "ablation": "models --arm --condition --device --height --iterations --jobs --json --load --material -m --orientations --out --poses "
+    "--prompt -p --seed --set --vertices",
     "application": "name --device --iterations --json --orientations --out --vertices",
     "validate": "--case --json --out --page --quick",
     "log": "address --json",
     "show": "address --field --json --out",
-    "export": "address --bands --bodies --coarse --colours --device --fields --fine --format -f --json --out --palette --slicer --texture",
+    "export": "address --bands --bodies --coarse --colours --device --fields --fine --format -f --json --out --palette --slicer",
     "orient": "address --count --device --json",
     "protect": "model --json --out --protect --scale --up --vertices",
     "rerun": "address --device --json --out",
@@ -59,7 +60,7 @@ NAMES = {
     "study": "",
     "study formative": STUDIED,
     "study evaluation": f"{STUDIED} --controls --schedules",
-    "study ablation": f"{STUDIED} --amplitudes --arms --loads --no-loads",
+    "study ablation": f"{STUDIED} --arms --conditions",
     "study page": "sources --json --note --out",
     "doctor": "--json",
     "weights": "",
@@ -149,6 +150,8 @@ def test_the_default_of_a_setting_is_the_recipes():
     told = shown("run", "--help")
     assert f"[default: ({DEFAULTS['minimum_wall']})]" in told
     assert f"[default: ({DEFAULTS['control']})]" in told
+    assert "[default: (1.5 m)]" in told
+    assert "[default: (--nearly-flat)]" in told
     assert "[default: (" not in shown("branch", "--help"), "there it is what the parent has"
 
 
@@ -205,6 +208,22 @@ def test_only_what_was_given_reaches_the_recipe(asked):
     }  # fmt: skip
 
 
+@pytest.mark.parametrize("command", ["run", "freestyle"])
+def test_a_fall_is_given_with_its_unit_and_nearly_flat_as_a_flag(asked, command):
+    given = asked(command, "gallery:vase", "-p", "brick", "--height", "4 cm", "--no-nearly-flat")
+    recipe = draft(**given)
+    assert (recipe.height, recipe.nearly_flat) == (40.0, False)
+    assert draft(**asked(command, "gallery:vase", "-p", "brick", "--set", "height=1,2 m")).height == 1200.0
+
+
+@pytest.mark.parametrize("command", ["run", "freestyle", "simulate", "demo", "branch"])
+def test_a_height_without_unit_that_would_be_a_few_millimetres_is_asked_about_before_anything_else(command):
+    model = {"demo": ["--model", "gallery:none"], "branch": ["nowhere"]}.get(command, ["gallery:none"])
+    outcome = CliRunner().invoke(app, [command, *model, "--height", "1.5"])
+    assert outcome.exit_code == 2
+    assert 'a height of 1.5 would be 1.5 mm: write "1.5 m", "1.5 cm" or "1.5 mm"' in " ".join(outcome.output.split())
+
+
 def test_what_is_set_by_name_comes_last(asked):
     later = ("--set", "seed=4", "--set", "travel=0.2", "--set", "prompt=moss")
     given = asked("freestyle", "gallery:vase", "-p", "brick", "--seed", "3", *later)
@@ -227,7 +246,6 @@ def test_a_drop_without_style_has_the_defaults_of_the_python_function(monkeypatc
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["--finish-first", "--schedule", "every"], "--finish-first is short for schedule never, and schedule every is asked for as well"),
         (["--coarse", "--delivered", "50000"], "--coarse is short for delivered 0, and delivered 50000 is asked for as well"),
     ],
 )
@@ -236,7 +254,7 @@ def test_a_flag_and_a_setting_that_contradict_each_other_are_refused(arguments, 
     outcome = CliRunner().invoke(app, ["run", "gallery:none", "-p", "brick", *arguments])
     assert outcome.exit_code == 2
     assert said in " ".join(outcome.output.split())
-    same = ["run", "gallery:none", "-p", "brick", "--finish-first", "--schedule", "never", "--coarse", "--delivered", "0"]
+    same = ["run", "gallery:none", "-p", "brick", "--coarse", "--delivered", "0"]
     assert "short for" not in CliRunner().invoke(app, same).output
 
 

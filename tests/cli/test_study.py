@@ -17,7 +17,7 @@ def asked(monkeypatch, tmp_path):
 
     def walk(cells, folder, *, jobs, scheduler, tell):
         seen.append((cells, str(folder), jobs, scheduler))
-        return [cell.row(verdict="VIABLE", kept=0.9, tetrahedra=9) for cell in cells]
+        return [cell.row(outcome="HOLDS", sure=True, kept=0.9, tetrahedra=9) for cell in cells]
 
     monkeypatch.setattr(walking, "walk", walk)
 
@@ -33,28 +33,32 @@ def test_lists_take_all_the_words_that_follow(asked):
     line, seen = asked
     line(
         "formative", "--models", "pen_holder", "phone_stand", "wall_hook", "--styles", "brick", "green", "--vertices", "6000",
-        "--iterations", "60", "--seeds", "1", "2", "--jobs", "2", "--out", "here", "--set", "tilts=0",
+        "--iterations", "60", "--seeds", "1", "2", "--jobs", "2", "--out", "here", "--set", "nearly_flat=False",
     )  # fmt: skip
     (cells, folder, jobs, scheduler), = seen
     assert (len(cells), folder, jobs, scheduler) == (12, "here", 2, "")
     assert {cell.part for cell in cells} == {"pen_holder", "phone_stand", "wall_hook"}
-    assert {(cell.recipe.iterations, cell.recipe.tilts, cell.vertices) for cell in cells} == {(60, 0, 6000)}
+    assert {(cell.recipe.iterations, cell.recipe.nearly_flat, cell.vertices) for cell in cells} == {(60, 0, 6000)}
     assert {cell.recipe.seed for cell in cells} == {1, 2}
 
 
 def test_what_is_asked_for_reaches_every_study(asked):
     line, seen = asked
     line("evaluation", "--models", "vase", "--styles", "brick", "--controls", "frozen", "--schedules", "stress", "--scheduler", "tcp://h:1")
-    line("ablation", "--models", "vase", "--styles", "fish scales", "--arms", "full", "strengthened", "--amplitudes", "0.3", "--no-loads")
+    line("ablation", "--models", "vase", "--styles", "fish scales", "--arms", "masks", "strengthened", "--conditions", "deep", "load")
     assert [cell.arm for cell in seen[0][0]] == ["freestyle", "stress × frozen"]
     assert seen[0][3] == "tcp://h:1"
-    assert [(cell.recipe.amplitude, cell.recipe.strengthen) for cell in seen[1][0]] == [(0.3, 0.0), (0.3, 2.0)]
+    told = [(cell.arm, cell.condition, cell.recipe.amplitude, cell.load_share, cell.recipe.strengthen) for cell in seen[1][0]]
+    assert told == [
+        ("masks", "deep", 0.25, 0.0, 0.0), ("masks", "load", None, 0.85, 0.0),
+        ("strengthened", "deep", 0.25, 0.0, 2.0), ("strengthened", "load", None, 0.85, 2.0),
+    ]  # fmt: skip
 
 
 def test_one_object_of_json_is_all_that_is_printed(asked):
     line, _ = asked
     told = json.loads(line("formative", "--models", "vase", "--styles", "brick", "--json").output)
-    assert [row["verdict"] for row in told["rows"]] == ["VIABLE"]
+    assert [(row["outcome"], row["sure"]) for row in told["rows"]] == [("HOLDS", True)]
     assert set(told["files"]) == {"rows", "table"}
 
 
@@ -89,3 +93,17 @@ def test_a_study_of_which_all_was_refused_ends_with_the_exit_code_of_bad_input(a
     line, _ = asked
     monkeypatch.setattr(walking, "walk", lambda cells, *_, **__: [cell.row(status="refused", refused="too thin") for cell in cells])
     assert "too thin" in line("formative", "--models", "vase", "--styles", "brick", code=2).output
+
+
+def test_the_fall_that_is_asked_for_reaches_every_recipe(asked):
+    line, seen = asked
+    line("formative", "--models", "vase", "--styles", "brick", "--height", "80 cm")
+    assert [cell.recipe.height for cell in seen[0][0]] == [800.0]
+
+
+def test_what_passes_is_counted_by_condition_and_arm_with_how_many_are_sure(asked, monkeypatch):
+    line, _ = asked
+    rows = [("HOLDS", True), ("NO WORSE", False), ("FAILS", True)]
+    monkeypatch.setattr(walking, "walk", lambda cells, *_, **__: [cells[0].row(outcome=one, sure=sure, kept=0.5) for one, sure in rows])
+    told = [words.split() for words in line("formative", "--models", "vase", "--styles", "brick").output.splitlines()]
+    assert any(words[:4] == ["drop", "freestyle", "3", "2"] and words[-3:] == ["2", "0.50", "0"] for words in told)
