@@ -10,14 +10,16 @@ from typing import Any
 
 from mechstyle._files import write_whole
 from mechstyle.errors import unknown
-from mechstyle.loop.history import Strength
 from mechstyle.pictures.panels import Picture, comparison
+from mechstyle.records import sentences
 from mechstyle.records.mesh import STANDARD_VERTICES
 from mechstyle.runs.recipes import draft
 from mechstyle.runs.run import Run
+from mechstyle.study.ablation import markdown
 from mechstyle.study.cells import Cell
 
-COLUMNS = ("", "verdict", "peak [MPa]", "allowed [MPa]", "safety", "all orientations", "simulations", "style kept")
+COLUMNS = ("test", "plain", "Freestyle", "MechStyle", "asked")
+"""Headings of the table of falls."""
 
 
 @dataclass(frozen=True)
@@ -44,9 +46,7 @@ APPLICATIONS: Mapping[str, Application] = MappingProxyType(
             "pill_box", "floral patterns", "Only the outside is stylized: pills slide out of smooth, plain cells.", ("inside colour",)
         ),
         "utensil_grip": Application("utensil_grip", "Damascus steel", "A grip falls often, and onto its ends."),
-        "lampshade": Application(
-            "lampshade", "colorful mandala texture on mahogany wood", "A thin, wide wall hangs from a narrow collar."
-        ),
+        "lampshade": Application("lampshade", "colorful mandala texture on mahogany wood", "A thin, wide wall hangs from a narrow collar."),
     }
 )
 
@@ -71,39 +71,24 @@ class Pair:
     fed: Run
 
     def show(self) -> Picture:
-        """The original and both results: look above, stress below and from underneath."""
+        """Plain part and both results: look above, stress below and from underneath, each with the landing it is of."""
         finals = [(label, run.checkpoint(), run.recipe) for label, run in (("Freestyle", self.free), ("MechStyle", self.fed))]
         found = (self.free.delivered(), self.fed.delivered())
         delivered = [None if one is None else one.styled for one in found]
         return comparison(self.free.part.surface, self.free.checkpoint(0), finals, delivered)
 
-    def rows(self) -> list[tuple[str, ...]]:
-        """The figures of the original part, of Freestyle and of MechStyle under `COLUMNS`."""
-        rows = [("original", *_figures(self.fed.summary.baseline), "1", "–")]
-        for label, run in (("Freestyle", self.free), ("MechStyle", self.fed)):
-            summary = run.summary
-            rows.append((label, *_figures(summary.result), str(len(summary.simulations)), f"{summary.kept:.0%}"))
-        return rows
-
-    def table(self) -> str:
-        """`rows` as a Markdown table."""
-        lines = [COLUMNS, tuple("---" for _ in COLUMNS), *self.rows()]
-        return "".join(f"| {' | '.join(line)} |\n" for line in lines)
+    def table(self) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+        """The fall or load that each part survives, test by test, as text: headings and rows, the style kept last."""
+        rows = sentences.paired([self.free.verdict, self.fed.verdict])
+        return COLUMNS, [*rows, ("style kept", "–", f"{self.free.summary.kept:.0%}", f"{self.fed.summary.kept:.0%}", "–")]
 
     def save(self, folder: Path) -> dict[str, str]:
-        """Write `comparison.png` and `comparison.md`; what each file is, and its path."""
-        prompt, words = self.fed.recipe.prompt, [run.summary.words for run in (self.free, self.fed)]
-        page = f"# {self.fed.record.name}: “{prompt}”\n\n{self.table()}\nFreestyle: {words[0]}\n\nMechStyle: {words[1]}\n"
+        """Write `comparison.png` and `comparison.md` with the table and both verdicts; what each file is, and its path."""
+        columns, rows = self.table()
+        words = [f"{label}: {run.verdict.words}" for label, run in (("Freestyle", self.free), ("MechStyle", self.fed))]
+        page = f"# {self.fed.record.name}: “{self.fed.recipe.prompt}”\n\n{markdown([columns, *rows])}\n{words[0]}\n\n{words[1]}\n"
         write_whole(folder / "comparison.md", page.encode())
         return {"comparison": str(self.show().save(folder / "comparison.png")), "table": str(folder / "comparison.md")}
-
-
-def _figures(strength: Strength) -> tuple[str, ...]:
-    """Verdict, peak, limit, safety factor and p99 over all orientations relative to the original part."""
-    safety = "–" if strength.safety_factor is None else f"{strength.safety_factor:.2f}"
-    turns = "–" if strength.all_orientations is None else f"{strength.all_orientations:.2f} x"
-    outcome = f"{strength.verdict}, MARGINAL" if strength.marginal else strength.verdict
-    return outcome, f"{strength.peak_stress:.1f}", f"{strength.allowable:.1f}", safety, turns
 
 
 def apply(name: str, out: str | Path, *, vertices: int = STANDARD_VERTICES, device: str = "auto", **settings: Any) -> Pair:

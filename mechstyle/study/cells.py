@@ -1,4 +1,4 @@
-"""One cell of a study: a recipe on a model, run in one directory, told in one row file. The rows on disk are the truth.
+"""One cell of a study: a recipe on a model, run in one directory, with one row file. The rows on disk are the truth.
 
 A row file is written aside and renamed, and named by the digest of what was asked for. Whoever walks over the cells skips those with a
 row, so an interrupted study goes on where it stopped, on one machine or on many that share a folder.
@@ -23,45 +23,51 @@ from mechstyle.errors import MechStyleError
 from mechstyle.gallery import PREFIX, load
 from mechstyle.geometry.tetrahedra import VERSION as TETRAHEDRA
 from mechstyle.loop.lock import exclusive
-from mechstyle.records import Judgement, Recipe
+from mechstyle.records import Recipe
 from mechstyle.runs.run import Run, started
 from mechstyle.simulation.physics import PHYSICS_VERSION
+from mechstyle.study.loads import with_loads, words_of
 
 Status = Literal["done", "refused", "failed"]
 
 
-class Row(msgspec.Struct, frozen=True, kw_only=True):
+class Row(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """One run in figures.
+
+    Heights are critical drop heights: how far the part may fall before a piece as large as a cube of 4 mm begins to yield.
 
     Attributes:
         part: The model.
         prompt: The style.
-        arm: What the cell is called beside the others of its part and style, such as "freestyle" or "stress × frozen".
+        arm: Name of the cell beside the others of its part and style, such as "freestyle" or "stress × frozen".
+        condition: Name of what is asked of the part, one of `grids.CONDITIONS`.
         control: How stress restrains the style.
         schedule: When it is simulated.
         amplitude: Half the relief's depth over local wall thickness; None for the depth that is the default.
-        loaded: Whether load cases are judged besides the drop.
+        load: Name and size of its load cases, "" without any.
+        fall: Height of the fall that is asked for [mm].
         seed: Seed of the style.
         iterations: Stylization iterations.
         vertices: Vertices of the standardised surface.
         status: `done`; `refused` for a part or a setting that cannot be used; `failed` for a run that broke.
         refused: Why there is no run, "" if there is one.
-        verdict: VIABLE, FAILS, UNKNOWN, or "" without a run.
-        marginal: Whether a rule that counts is too close to its limit to be sure.
-        as_placed: Stress as placed and under loads over its limit.
-        tilted: Stress tilted a little over its limit, None if not run.
-        all_orientations: Percentile over all orientations relative to the original, None if not run.
-        literal: Literal maximum over the yield strength, the published rule.
-        peak: Stress that decides as placed [MPa].
-        limit: What it may at most be [MPa].
-        safety: The least safety factor of all rules, None if that is not known.
-        kept: Share of the freestyle displacement that was kept.
+        outcome: HOLDS, NO WORSE, FAILS, UNKNOWN, or "" without a run.
+        sure: Whether no doubt is left.
+        doubt: Why the outcome is not sure, "" if it is.
+        decides: Test with the least reserve, "" if nothing could be tested.
+        reserve: What is survived in that test over what is needed; below 1 it fails.
+        flat_stress, nearly_stress: σ_V of the flat landing and of the worst nearly flat one, at the fall asked for [MPa].
+        flat_height, nearly_height: Critical drop height of the styled part in each [mm].
+        plain_flat_height, plain_nearly_height: Critical drop height of the plain part in each [mm].
+        load_factor, plain_load_factor: The least load factor, and the plain part's under the same load; None without loads.
+        published_factor: Yield strength over the largest stress at a point; the published rule asks for 1.
+        safety_factor: Least yield strength over σ_V of the tests that decide, None if that is not known.
+        kept: Share of the style's relief that is left, by what can be seen of it.
         style_loss: Loss of the delivered surface.
         simulations: Simulations of the styled part.
-        original: The original's stress as placed over the yield strength.
         tetrahedra: Tetrahedra of the run.
-        mass_gained: What strengthening added before the style [g].
-        wall_seconds, cpu_seconds: Time of the process that finished the run, and what its processors worked [s].
+        mass_gained: Mass that strengthening added before the style [g].
+        seconds, cpu_seconds: Wall time of the process that finished the run, and processor time of its processes [s].
         starts: How many times the cell was begun.
         device: Where it was simulated.
         program: Version of MechStyle.
@@ -71,31 +77,38 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
     part: str
     prompt: str
     arm: str
+    condition: str = "drop"
     control: str = ""
     schedule: str = ""
     amplitude: float | None = None
-    loaded: bool = False
+    load: str = ""
+    fall: float = 0.0
     seed: int = 0
     iterations: int = 0
     vertices: int = 0
     status: Status = "done"
     refused: str = ""
-    verdict: str = ""
-    marginal: bool = False
-    as_placed: float = 0.0
-    tilted: float | None = None
-    all_orientations: float | None = None
-    literal: float = 0.0
-    peak: float = 0.0
-    limit: float = 0.0
-    safety: float | None = None
+    outcome: str = ""
+    sure: bool = False
+    doubt: str = ""
+    decides: str = ""
+    reserve: float | None = None
+    flat_stress: float | None = None
+    nearly_stress: float | None = None
+    flat_height: float | None = None
+    nearly_height: float | None = None
+    plain_flat_height: float | None = None
+    plain_nearly_height: float | None = None
+    load_factor: float | None = None
+    plain_load_factor: float | None = None
+    published_factor: float | None = None
+    safety_factor: float | None = None
     kept: float = 0.0
     style_loss: float = 0.0
     simulations: int = 0
-    original: float = 0.0
     tetrahedra: int = 0
     mass_gained: float = 0.0
-    wall_seconds: float = 0.0
+    seconds: float = 0.0
     cpu_seconds: float = 0.0
     starts: int = 0
     device: str = ""
@@ -103,19 +116,19 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
     recipe: str = ""
 
     @property
-    def viable(self) -> bool:
-        """Whether the part survives."""
-        return self.verdict == "VIABLE"
+    def passes(self) -> bool:
+        """Whether the outcome is HOLDS or NO WORSE."""
+        return self.outcome in ("HOLDS", "NO WORSE")
 
     @property
-    def a_holds(self) -> bool:
-        """Whether the part holds as placed and under its loads."""
-        return self.verdict not in ("UNKNOWN", "") and self.as_placed <= 1.0
+    def holds_flat(self) -> bool:
+        """Whether the part survives the fall that is asked for where it lands flat."""
+        return self.flat_height is not None and self.flat_height >= self.fall
 
     @property
-    def literally_viable(self) -> bool:
-        """Whether the published rule calls it viable: the literal maximum within the yield strength."""
-        return self.verdict not in ("UNKNOWN", "") and self.literal <= 1.0
+    def passes_published(self) -> bool:
+        """Whether it passes the published rule: the largest stress at a point within the yield strength."""
+        return self.published_factor is not None and self.published_factor >= 1.0
 
 
 class Cell(msgspec.Struct, frozen=True, kw_only=True):
@@ -123,18 +136,22 @@ class Cell(msgspec.Struct, frozen=True, kw_only=True):
 
     Attributes:
         model: A file or `gallery:NAME`.
-        arm: What it is called beside the others of its part and style.
+        arm: Its name beside the others of its part and style.
         recipe: All it asks for, before it is fitted to the part.
         vertices: Vertices of the standardised surface.
+        condition: Name of what is asked of the part, one of `grids.CONDITIONS`.
+        load_share: Share of what the plain part carries that the loads of the recipe are scaled to; 0 leaves them as they are.
         folder: Its run directory under the study's folder; by default one named by its factors and key.
         device: `auto`, `cpu` or `cuda`.
-        name: What the part is called; by default as its model.
+        name: Name of the part; by default that of its model.
     """
 
     model: str
     arm: str
     recipe: Recipe
     vertices: int
+    condition: str = "drop"
+    load_share: float = 0.0
     folder: str = ""
     device: str = "auto"
     name: str = ""
@@ -146,9 +163,11 @@ class Cell(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def key(self) -> str:
-        """Digest of what decides the result: model, recipe, vertices, and the tetrahedra and physics of this version."""
+        """Digest of what decides the result: model, recipe, vertices, scale of loads, and this version's tetrahedra and physics."""
         version = f"{TETRAHEDRA}-{PHYSICS_VERSION}"
-        asked = {"model": self.model, "recipe": self.recipe.digest, "vertices": self.vertices, "version": version}
+        asked = {
+            "model": self.model, "recipe": self.recipe.digest, "vertices": self.vertices, "load_share": self.load_share, "version": version,
+        }  # fmt: skip
         return hashlib.sha256(msgspec.json.encode(asked, order="sorted")).hexdigest()[:24]
 
     def run(self, out: Path) -> Run:
@@ -157,21 +176,23 @@ class Cell(msgspec.Struct, frozen=True, kw_only=True):
         Raises:
             MechStyleError: If the part or a setting cannot be used, or the run fails in a way that is known.
         """
-        where = out / (self.folder or f"runs/{self._slug}")
-        return started(self.recipe, load(self.model), vertices=self.vertices, out=where, name=self.part, device=self.device).go()
+        where, model, recipe = out / (self.folder or f"runs/{self._slug}"), load(self.model), self.recipe
+        if self.load_share:
+            recipe = with_loads(recipe, model, self.vertices, share=self.load_share, folder=out / "loads")
+        return started(recipe, model, vertices=self.vertices, out=where, name=self.part, device=self.device).go()
 
     @property
     def _slug(self) -> str:
-        words = f"{self.part}-{self.recipe.prompt}-{self.arm}"
+        words = f"{self.part}-{self.recipe.prompt}-{self.condition}-{self.arm}"
         return f"{file_stem('-'.join(words.replace('×', ' ').split()))}-{self.key[:8]}"
 
     def row(self, **figures: Any) -> Row:
         """A row with its factors and these figures."""
         asked = self.recipe
         return Row(
-            part=self.part, prompt=asked.prompt, arm=self.arm, control=asked.control, schedule=asked.schedule, amplitude=asked.amplitude,
-            loaded=bool(asked.loads), seed=asked.seed, iterations=asked.iterations, vertices=self.vertices, program=__version__,
-            recipe=asked.digest, **figures,
+            part=self.part, prompt=asked.prompt, arm=self.arm, condition=self.condition, control=asked.control, schedule=asked.schedule,
+            amplitude=asked.amplitude, fall=asked.height, seed=asked.seed, iterations=asked.iterations, vertices=self.vertices,
+            program=__version__, recipe=asked.digest, **figures,
         )  # fmt: skip
 
 
@@ -249,29 +270,34 @@ def _figures(cell: Cell, folder: Path) -> Mapping[str, Any]:
 
 def figures_of(run: Run) -> Mapping[str, Any]:
     """The figures of a finished run, as fields of a row."""
-    verdict, summary = run.verdict, run.summary
+    verdict, summary, decides = run.verdict, run.summary, run.verdict.deciding
+    loads = [row for row in verdict.rows if row.test == "load"]
+    flat, nearly, published = verdict.row("flat"), verdict.row("nearly flat"), verdict.published
+    hardest = min(loads, key=lambda row: row.survived, default=None)
     return {
-        "verdict": verdict.outcome,
-        "marginal": verdict.marginal,
-        "as_placed": _use(verdict.as_placed),
-        "tilted": None if verdict.tilted is None else _use(verdict.tilted),
-        "all_orientations": None if verdict.all_orientations is None else verdict.all_orientations.value,
-        "literal": _use(verdict.literal),
-        "peak": summary.peak_stress,
-        "limit": summary.allowable,
-        "safety": summary.safety_factor,
+        "load": "; ".join(map(words_of, run.recipe.loads)),
+        "outcome": verdict.outcome,
+        "sure": verdict.sure,
+        "doubt": verdict.doubt,
+        "decides": "" if decides is None else decides.test,
+        "reserve": None if decides is None else decides.reserve,
+        "flat_stress": None if flat is None else flat.stress,
+        "nearly_stress": None if nearly is None else nearly.stress,
+        "flat_height": None if flat is None else flat.height,
+        "nearly_height": None if nearly is None else nearly.height,
+        "plain_flat_height": None if flat is None else flat.original,
+        "plain_nearly_height": None if nearly is None else nearly.original,
+        "load_factor": None if hardest is None else hardest.factor,
+        "plain_load_factor": None if hardest is None else hardest.original,
+        "published_factor": None if published is None else published.factor,
+        "safety_factor": verdict.safety_factor,
         "kept": summary.kept,
         "style_loss": summary.style_loss,
         "simulations": len(summary.simulations),
-        "original": summary.baseline.peak_stress / run.recipe.material.yield_strength,
         "tetrahedra": len(run.part.tets.volumes),
         "mass_gained": run.part.mass_gained,
         "device": summary.device,
     }
-
-
-def _use(judgement: Judgement) -> float:
-    return judgement.value / judgement.limit if judgement.limit else 0.0
 
 
 @contextmanager
@@ -282,4 +308,4 @@ def _clocked() -> Iterator[dict[str, float]]:
     try:
         yield spent
     finally:
-        spent.update(wall_seconds=round(perf_counter() - wall, 2), cpu_seconds=round(sum(os.times()[:4]) - cpu, 2))
+        spent.update(seconds=round(perf_counter() - wall, 2), cpu_seconds=round(sum(os.times()[:4]) - cpu, 2))

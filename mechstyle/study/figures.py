@@ -15,15 +15,17 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-INK, VIABLE, FAILS, UNKNOWN = "#202020", "#0072b2", "#d55e00", "#7a7a80"
+INK, PASSES, FAILS, UNKNOWN = "#202020", "#0072b2", "#d55e00", "#7a7a80"
+OUTCOMES = {"HOLDS": ("✓", PASSES), "NO WORSE": ("≈", "#009e73"), "FAILS": ("✗", FAILS)}
+"""Mark and colour of an outcome."""
 MARKS = {"linear": ("o", "#0072b2"), "exponential": ("s", "#009e73"), "frozen": ("^", "#cc79a7"), "none": ("D", "#7a7a80")}
-"""Mark and colour of a control (Okabe and Ito), told apart in grey by the mark."""
+"""Mark and colour of a control (Okabe and Ito), each with a mark of its own in grey."""
 WIDE, DPI = 7.0, 200
 """Width of a figure across two columns [inch], dots per inch."""
 
 
 def matrix(rows: Sequence[Row], title: str) -> bytes:
-    """Every part in every style: stress over its limit as a number, with a mark and a colour for the verdict, as PNG."""
+    """Every part in every style: critical drop height of the flat landing [m], with a mark and a colour for the outcome, as PNG."""
     parts, styles = (list(dict.fromkeys(values)) for values in ([row.part for row in rows], [row.prompt for row in rows]))
     sheet, axes = _sheet(0.9 + 0.24 * len(parts), 1)
     place = {(row.part, row.prompt): row for row in rows}
@@ -44,25 +46,25 @@ def matrix(rows: Sequence[Row], title: str) -> bytes:
     return _png(sheet)
 
 
-def viability(rows: Sequence[Row], published: dict[str, float]) -> bytes:
-    """Share of viable runs of each arm with Wilson's interval, and the published value where there is one, as PNG."""
+def passing(rows: Sequence[Row], published: dict[str, float]) -> bytes:
+    """Share of the runs of each arm that pass, with Wilson's interval, and the published value where there is one, as PNG."""
     arms = list(dict.fromkeys(row.arm for row in rows))
     sheet, axes = _sheet(0.9 + 0.26 * len(arms), 1)
     for y, arm in enumerate(arms):
-        told = [row for row in rows if row.arm == arm and row.status == "done"]
-        if not told:
+        done = [row for row in rows if row.arm == arm and row.status == "done"]
+        if not done:
             continue
-        viable = sum(row.viable for row in told)
-        low, high = wilson(viable, len(told))
-        mark, colour = MARKS.get(told[0].control, ("o", INK))
+        count = sum(row.passes for row in done)
+        low, high = wilson(count, len(done))
+        mark, colour = MARKS.get(done[0].control, ("o", INK))
         axes[0].plot([100 * low, 100 * high], [y, y], color=colour, linewidth=1.4)
-        axes[0].plot(100 * viable / len(told), y, marker=mark, color=colour, markersize=5)
+        axes[0].plot(100 * count / len(done), y, marker=mark, color=colour, markersize=5)
         if arm in published:
             axes[0].plot(published[arm], y, marker="D", markersize=7, markerfacecolor="none", markeredgecolor=INK)
-        axes[0].text(102, y, f"{viable} of {len(told)}", va="center", size=7.5)
+        axes[0].text(102, y, f"{count} of {len(done)}", va="center", size=7.5)
     _named(axes[0], arms)
     axes[0].set_xlim(-2, 100)
-    axes[0].set_xlabel("viable [%], 95 % Wilson interval; open diamond: published", size=8)
+    axes[0].set_xlabel("passes [%], 95 % Wilson interval; open diamond: published", size=8)
     return _png(sheet)
 
 
@@ -80,11 +82,11 @@ def spread(rows: Sequence[Row], field: str, label: str, *, log: bool = False) ->
     arms = list(dict.fromkeys(row.arm for row in rows))
     sheet, axes = _sheet(0.9 + 0.26 * len(arms), 1)
     for y, arm in enumerate(arms):
-        told = [row for row in rows if row.arm == arm and row.status == "done"]
-        values = np.sort([float(getattr(row, field)) for row in told])
+        done = [row for row in rows if row.arm == arm and row.status == "done"]
+        values = np.sort([float(getattr(row, field)) for row in done])
         if not len(values):
             continue
-        mark, colour = MARKS.get(told[0].control, ("o", INK))
+        mark, colour = MARKS.get(done[0].control, ("o", INK))
         shift = 0.3 * (np.arange(len(values)) % 3 - 1) if len(values) > 1 else 0.0
         axes[0].scatter(values, y + np.asarray(shift), marker=mark, s=12, facecolor=colour, edgecolor="white", linewidth=0.3)
         axes[0].plot([np.median(values)] * 2, [y - 0.4, y + 0.4], color=INK, linewidth=1.2)
@@ -106,8 +108,8 @@ def losses(found: dict[str, Equivalence], counts: dict[str, int]) -> bytes:
     axes[0].axvspan(-margin, margin, color="#e6eef4", zorder=0)
     axes[0].axvline(0.0, color="#a0a0a0", linewidth=0.8)
     for y, (arm, one) in enumerate(found.items()):
-        axes[0].plot([one.low, one.high], [y, y], color=VIABLE, linewidth=1.4)
-        axes[0].plot(one.difference, y, marker="o" if one.shown else "X", color=VIABLE if one.shown else FAILS, markersize=5)
+        axes[0].plot([one.low, one.high], [y, y], color=PASSES, linewidth=1.4)
+        axes[0].plot(one.difference, y, marker="o" if one.shown else "X", color=PASSES if one.shown else FAILS, markersize=5)
         axes[0].text(1.01, y, f"n = {counts[arm]}", va="center", size=7.5, transform=axes[0].get_yaxis_transform())
     _named(axes[0], list(found))
     axes[0].set_xlabel("style loss less freestyle's [% of it], 90 % interval; shaded: margin; cross: not shown to lie in it", size=8)
@@ -115,10 +117,12 @@ def losses(found: dict[str, Equivalence], counts: dict[str, int]) -> bytes:
 
 
 def _cell(row: Row) -> tuple[str, str]:
+    """Text and colour of a run: its mark stands in brackets where the outcome is not sure."""
     if row.status != "done":
         return row.status, UNKNOWN
-    mark = {"VIABLE": "✓", "FAILS": "✗"}.get(row.verdict, "?")
-    return f"{row.as_placed:.2f} {mark}", {"VIABLE": VIABLE, "FAILS": FAILS}.get(row.verdict, UNKNOWN)
+    mark, colour = OUTCOMES.get(row.outcome, ("?", UNKNOWN))
+    height = "–" if row.flat_height is None else f"{row.flat_height / 1000.0:.2f}"
+    return f"{height} {mark}" if row.sure or mark == "?" else f"{height} ({mark})", colour
 
 
 def _rectangle(x: float, y: float, colour: str) -> Any:

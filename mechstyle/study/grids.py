@@ -1,4 +1,4 @@
-"""What the studies ask for: the published formative study and evaluation (Faruqi et al. 2025), and what each mechanism is worth."""
+"""The cells of each study: the published formative study and evaluation (Faruqi et al. 2025), and what each mechanism is worth."""
 
 from __future__ import annotations
 
@@ -9,7 +9,9 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from mechstyle.errors import unknown
+import msgspec
+
+from mechstyle.errors import BadInput, unknown
 from mechstyle.gallery import PREFIX, entry, load, names
 from mechstyle.records.mesh import STANDARD_VERTICES
 from mechstyle.runs.recipes import FREESTYLE, draft
@@ -38,20 +40,48 @@ class Arm:
 
 ARMS: Mapping[str, Arm] = MappingProxyType(
     {
-        "freestyle": Arm("the style alone", FREESTYLE),
-        "static": Arm("base and walls bounded, no feedback", {"schedule": "never", "guarantee": False}),
-        "masks": Arm("masks while the relief grows, no correction", {"guarantee": False}),
-        "full": Arm("masks, then corrections", {}),
-        "finish-first": Arm("no masks, corrections of the finished relief", {"schedule": "never"}),
+        "freestyle": Arm("the published free method, the style alone", FREESTYLE),
+        "static": Arm("plain base and thinnest wall, no simulation before the end", {"schedule": "never", "guarantee": False}),
+        "finish-first": Arm("no masks, corrections of the finished relief", {"schedule": "never", "guarantee": True}),
+        "masks": Arm("masks while the relief grows, then corrections", {"schedule": "stress", "guarantee": True}),
     }
 )
-"""The arms by name; `static` is the twin without feedback of all that follow it."""
-
+"""The arms by name; `static` is the twin without feedback of the two that follow it."""
 
 STUDY_ARMS: Mapping[str, Arm] = MappingProxyType(
-    {**ARMS, "strengthened": Arm("as full, the part first thickened by up to 2 mm where it does not hold", {"strengthen": 2.0})}
+    {
+        **ARMS,
+        "strengthened": Arm(
+            "as masks, the part first thickened by up to 2 mm where it does not hold", {**ARMS["masks"].settings, "strengthen": 2.0}
+        ),
+    }
 )
 """The arms a study knows."""
+
+
+@dataclass(frozen=True)
+class Condition:
+    """What is asked of a part, and how deep its style is.
+
+    Attributes:
+        about: The condition in words.
+        settings: What its recipe has different from the default.
+        load_share: Share of what the plain part carries that the load of its use is scaled to; 0 for no load.
+    """
+
+    about: str
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    load_share: float = 0.0
+
+
+CONDITIONS: Mapping[str, Condition] = MappingProxyType(
+    {
+        "drop": Condition("the fall alone"),
+        "load": Condition("the fall, and the load of its use at 0.85 of what the plain part carries", load_share=0.85),
+        "deep": Condition("the fall alone, relief half the wall deep", {"amplitude": 0.25}),
+    }
+)
+"""The conditions of an ablation by name; an amplitude is half a depth."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,9 +94,8 @@ class Factors:
         controls: Of an evaluation.
         schedules: Of an evaluation.
         arms: Of an ablation, names of `STUDY_ARMS`.
-        amplitudes: Of an ablation: half the relief's depth over local wall thickness; None is the depth that is the default.
+        conditions: Of an ablation, names of `CONDITIONS`.
         seeds: Seeds of the style.
-        loaded: Whether an ablation is run once more under the loads of the gallery's models, where they have one.
         iterations: Stylization iterations.
         vertices: Vertices of the standardised surface.
         device: `auto`, `cpu` or `cuda`.
@@ -77,10 +106,9 @@ class Factors:
     styles: Sequence[str] = STYLES
     controls: Sequence[str] = STUDY_CONTROLS
     schedules: Sequence[str] = STUDY_SCHEDULES
-    arms: Sequence[str] = ("static", "masks", "full")
-    amplitudes: Sequence[float | None] = (None, 0.5)
+    arms: Sequence[str] = tuple(ARMS)
+    conditions: Sequence[str] = tuple(CONDITIONS)
     seeds: Sequence[int] = (0,)
-    loaded: bool = True
     iterations: int = 200
     vertices: int = STANDARD_VERTICES
     device: str = "auto"
@@ -88,7 +116,7 @@ class Factors:
 
     @property
     def addresses(self) -> list[str]:
-        """The models as they are opened, all of the gallery unless told; BadInput for a name neither of a file nor in the gallery."""
+        """The models as they are opened, all of the gallery if there are none; BadInput for a name neither of a file nor in the gallery."""
         return [_address(model) for model in self.models or names()]
 
     def cell(self, model: str, style: str, seed: int, arm: str, **settings: Any) -> Cell:
@@ -135,22 +163,33 @@ def _evaluation(factors: Factors) -> list[Cell]:
 
 
 def _ablation(factors: Factors) -> list[Cell]:
-    """Mechanisms taken away, at each depth, under the drop alone and under the load of the model's use."""
-    for arm in factors.arms:
-        if arm not in STUDY_ARMS:
-            raise unknown("arm", arm, STUDY_ARMS)
-    cells = []
-    for model, style, seed, depth in product(factors.addresses, factors.styles, factors.seeds, factors.amplitudes):
-        deep = {} if depth is None else {"amplitude": depth}
-        for loads in _loads(model, loaded=factors.loaded):
-            cells += [factors.cell(model, style, seed, arm, **{**deep, **loads, **STUDY_ARMS[arm].settings}) for arm in factors.arms]
+    """Each arm under each condition; parts that carry nothing are left out where a load is asked for.
+
+    Cells that ask for the same tetrahedra stand apart, so that processes side by side do not make them at the same time.
+    """
+    for what, asked, known in (("arm", factors.arms, STUDY_ARMS), ("condition", factors.conditions, CONDITIONS)):
+        for name in asked:
+            if name not in known:
+                raise unknown(what, name, known)
+    blocks = product(factors.addresses, factors.arms, factors.conditions, factors.styles, factors.seeds)
+    cells = [_under(factors, *block) for block in blocks if not CONDITIONS[block[2]].load_share or _loads(factors, block[0])]
+    if not cells:
+        raise BadInput("none of these parts carries a load in its use: name a load file, or ask for another condition than load")
     return cells
 
 
-def _loads(model: str, *, loaded: bool) -> list[dict[str, Any]]:
-    """No load, and if wanted the load of its use, if it has one."""
-    use = entry(model.removeprefix(PREFIX)).use if loaded and model.startswith(PREFIX) else None
-    return [{}, {"loads": [use]}] if use is not None else [{}]
+def _under(factors: Factors, model: str, arm: str, condition: str, style: str, seed: int) -> Cell:
+    """The cell of an arm under a condition."""
+    asked = CONDITIONS[condition]
+    loads = _loads(factors, model) if asked.load_share else ()
+    cell = factors.cell(model, style, seed, arm, **{**asked.settings, "loads": loads, **STUDY_ARMS[arm].settings})
+    return msgspec.structs.replace(cell, condition=condition, load_share=asked.load_share)
+
+
+def _loads(factors: Factors, model: str) -> Any:
+    """The load cases of a part: those given for all parts, or the load of its use; none where it carries nothing."""
+    use = entry(model.removeprefix(PREFIX)).use if model.startswith(PREFIX) else None
+    return factors.settings.get("loads") or ([] if use is None else [use])
 
 
 def _address(model: str) -> str:

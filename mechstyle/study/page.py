@@ -1,4 +1,4 @@
-"""The page of a study: what was run, how much survives, what the tests say, and where that stands beside the published figures."""
+"""The page of a study: what was run, how much of it passes, what the tests say, and the published figures beside it."""
 
 from __future__ import annotations
 
@@ -12,8 +12,11 @@ import numpy as np
 
 from mechstyle._files import write_whole
 from mechstyle.errors import BadInput
+from mechstyle.records.sentences import EXPLANATION, MEANINGS, fall, length
 from mechstyle.study import figures
+from mechstyle.study.ablation import markdown
 from mechstyle.study.cells import Row
+from mechstyle.study.grids import CONDITIONS
 from mechstyle.study.statistics import (
     Equivalence,
     bootstrap_over,
@@ -33,17 +36,24 @@ FREE = "freestyle"
 MARGIN = 5.0
 """Style losses are called equal within this share of freestyle's [%], fixed before anything was measured."""
 LEAST = 5
-"""Fewer blocks than these are told, but not tested."""
+"""Fewer blocks than these are counted, but not tested."""
 PUBLISHED = {FREE: 25.55}
-"""Viable in the published study [%] (Faruqi et al. 2025)."""
-NUMBERS = "Numbers are the stress as placed over its limit; ✗ beside one below 1: another landing fails."
+"""Runs that pass in the published study [%] (Faruqi et al. 2025)."""
+NUMBERS = (
+    "Numbers are the critical drop height of the flat landing in m; ✓ holds, ≈ no worse than the plain part, ✗ fails. A mark in brackets is"
+    " not sure. ≈ or ✗ beside a number above the fall that was asked for: another test decides."
+)
+MEASURE = (
+    "Measure of the table: the critical drop height, which is the fall a part survives (columns `flat_height` and `nearly_height`, and"
+    " `load_factor` for a load)."
+)
 SLIPS = """\
 * Free stylization: 25.55 % is 46 of 180 (25.56 %, cut off).
 * The worst way, 80.2 %, is no share of 180 (144 are 80.0 %, 145 are 80.6 %): its count must differ, or it is a slip. Only that and three
   ways with 100 % are given in the text: non-linear × frozen, stress × exponential, stress × frozen.
 * One comparison of run times is given twice with T = 6.74, once with p < .0001 and once with p > .05; it is not repeated here.
-* Its models are not listed and its code is not published, so the models here are others, and its criterion is one of two shown here: the
-  literal maximum within the yield strength, beside the verdict that decides here.
+* Its models are not listed and its code is not published, so the models here are others. Its criterion stands here as "published rule":
+  the largest stress at a point within the yield strength. It does not decide here.
 """
 
 
@@ -58,7 +68,7 @@ def write_page(rows: Sequence[Row], page: Path, *, note: str = "") -> dict[str, 
     Raises:
         BadInput: If no run of these is finished.
     """
-    own = sorted({(row.recipe, row.part, row.vertices, row.arm): row for row in rows}.values(), key=_order)
+    own = sorted({(row.recipe, row.part, row.vertices, row.arm, row.condition): row for row in rows}.values(), key=_order)
     done = [row for row in own if row.status == "done"]
     if not done:
         raise BadInput("none of these runs is finished, so there is nothing to make a page of: run the study to its end")
@@ -71,7 +81,7 @@ def write_page(rows: Sequence[Row], page: Path, *, note: str = "") -> dict[str, 
         pictures[name], files[name] = path.name, str(path)
     digest = hashlib.sha256(msgspec.json.encode(own)).hexdigest()[:12]
     made = f"Made of [{table.name}]({table.name}) (rows {digest}) by `mechstyle study page {table.name} --out {page.name}`."
-    parts = ["# Study", "\n".join(filter(None, (note, made))), _what(own, done), _free(done, pictures), _ways(done, pictures)]
+    parts = ["# Study", "\n".join(filter(None, (note, made))), _what(own, done), _how(), _free(done, pictures), _ways(done, pictures)]
     parts += [_times(done, pictures), _losses(done, pictures), _arms(done, pictures)]
     parts.append(f"## Beside the published study\n\n{_beside(done)}{SLIPS}")
     write_whole(page, ("\n\n".join(part.rstrip() for part in parts if part) + "\n").encode())
@@ -79,7 +89,7 @@ def write_page(rows: Sequence[Row], page: Path, *, note: str = "") -> dict[str, 
 
 
 def _order(row: Row) -> tuple[str, ...]:
-    return row.part, row.prompt, row.arm, str(row.amplitude), str(row.loaded), str(row.seed)
+    return row.part, row.prompt, row.arm, row.condition, str(row.amplitude), str(row.seed)
 
 
 def _freely(done: Sequence[Row]) -> list[Row]:
@@ -104,17 +114,17 @@ def _pictures(done: Sequence[Row]) -> dict[str, Callable[[], bytes]]:
     beside = [row for row in done if row.arm == FREE and _block(row) in blocks]
     made: dict[str, Callable[[], bytes]] = {}
     if free:
-        made["freestyle"] = lambda: figures.matrix(free, "Stress as placed over its limit; ✗ below 1: another landing fails")
+        made["freestyle"] = lambda: figures.matrix(free, "Fall survived in the flat landing [m]")
     if ways:
-        made["viable"] = lambda: figures.viability([*beside, *ways], PUBLISHED)
+        made["passes"] = lambda: figures.passing([*beside, *ways], PUBLISHED)
         made["time"] = lambda: figures.spread(_alike(ways)[0], "cpu_seconds", "processor time of a run [s]", log=True)
         found = _equivalences(done)
         if found:
             made["loss"] = lambda: figures.losses(found, {arm: len(_pairs(done, arm)) for arm in found})
     if arms:
-        told = [msgspec.structs.replace(row, arm=_arm_name(row)) for row in arms]
-        made["arms"] = lambda: figures.viability(told, {})
-        made["kept"] = lambda: figures.spread(told, "kept", "share of the style that is kept")
+        named = [msgspec.structs.replace(row, arm=_arm_name(row)) for row in arms]
+        made["arms"] = lambda: figures.passing(named, {})
+        made["kept"] = lambda: figures.spread(named, "kept", "share of the style that is kept")
     return made
 
 
@@ -124,66 +134,82 @@ def _what(own: Sequence[Row], done: Sequence[Row]) -> str:
     sizes, seeds = sorted({row.tetrahedra for row in done}), len({row.seed for row in done})
     tetrahedra = str(sizes[0]) if len(sizes) == 1 else f"{sizes[0]} to {sizes[-1]}"
     iterations, vertices = (_either(sorted({getattr(row, field) for row in done})) for field in ("iterations", "vertices"))
+    falls, sure = " and ".join(fall(height) for height in sorted({row.fall for row in done})), sum(row.sure for row in done)
     hours = sum(row.cpu_seconds for row in done) / 3600.0
     text = (
         f"{len(done)} runs: {len(models)} models in {len(styles)} styles, {iterations} iterations, {vertices} vertices, "
-        f"{tetrahedra} tetrahedra, {'one seed' if seeds == 1 else f'{seeds} seeds'}, {hours:.1f} hours of processor time."
+        f"{tetrahedra} tetrahedra, {'one seed' if seeds == 1 else f'{seeds} seeds'}, {hours:.1f} hours of processor time. "
+        f"Asked for is a fall of {falls}. {sure} of {len(done)} outcomes are sure."
     )
     lost = [f"* {row.part} as {row.prompt!r}, {row.arm}: {row.status}, {row.refused}" for row in own if row.status != "done"]
     return text + ("\n\nNot run:\n\n" + "\n".join(lost) if lost else "")
+
+
+def _how() -> str:
+    """How to read the page, in plain words."""
+    meanings = "\n".join(f"* **{outcome}**: {meaning}" for outcome, meaning in MEANINGS.items())
+    return f"## How to read it\n\n{' '.join(EXPLANATION)}\n\n{meanings}\n\nA run passes if it HOLDS or is NO WORSE. {MEASURE}"
 
 
 def _free(done: Sequence[Row], pictures: dict[str, str]) -> str:
     free = _freely(done)
     if not free:
         return ""
-    lines = [("rule", "viable", "95 % Wilson interval", "drawn over models")]
-    for rule, holds in (("the verdict here", [row.viable for row in free]), ("published rule", [row.literally_viable for row in free])):
-        low, high = wilson(sum(holds), len(holds))
-        over = bootstrap_over([row.part for row in free], np.array(holds, float))
-        lines.append((rule, _share(sum(holds), len(holds)), _range(100 * low, 100 * high, "%"), _range(100 * over[0], 100 * over[1], "%")))
+    lines = [("rule", "passes", "95 % Wilson interval", "drawn over models")]
+    for rule, passed in (("this study", [row.passes for row in free]), ("published rule", [row.passes_published for row in free])):
+        low, high = wilson(sum(passed), len(passed))
+        over = bootstrap_over([row.part for row in free], np.array(passed, float))
+        share, drawn = _share(sum(passed), len(passed)), _range(100 * over[0], 100 * over[1], "%")
+        lines.append((rule, share, _range(100 * low, 100 * high, "%"), drawn))
     shown = f"![{len(free)} runs, part by style]({pictures['freestyle']})"
-    return f"## The style alone\n\n{_markdown(lines)}\n{_by_style(free)}{shown}\n\n{NUMBERS}"
+    return f"## The style alone\n\n{markdown(lines)}\n{_by_style(free)}{shown}\n\n{NUMBERS}"
 
 
 def _by_style(free: Sequence[Row]) -> str:
-    """What each style alone leaves whole, where there are several."""
+    """How often a part passes with each style alone, where there are several."""
     styles = {style: [row for row in free if row.prompt == style] for style in dict.fromkeys(row.prompt for row in free)}
     if len(styles) < 2:
         return ""
-    lines = [("style", "viable", "95 % Wilson interval", "holds as placed", "stress as placed over its limit, median")]
-    for style, told in styles.items():
-        viable, holding = (sum(getattr(row, of) for row in told) for of in ("viable", "a_holds"))
-        stress = f"{np.median([row.as_placed for row in told]):.2f}"
-        lines.append((style, _share(viable, len(told)), _interval(viable, len(told)), _share(holding, len(told)), stress))
-    return f"{_markdown(lines)}\n"
+    lines: list[tuple[str, ...]] = [
+        ("style", "passes", "95 % Wilson interval", "holds flat", "sure", "fall survived flat, median", "of the plain part, median")
+    ]
+    for style, rows in styles.items():
+        passes, flat, sure = (sum(getattr(row, of) for row in rows) for of in ("passes", "holds_flat", "sure"))
+        heights = (_median([getattr(row, of) for row in rows]) for of in ("flat_height", "plain_flat_height"))
+        lines.append((style, _share(passes, len(rows)), _interval(passes, len(rows)), _share(flat, len(rows)), str(sure), *heights))
+    return f"{markdown(lines)}\n"
+
+
+def _median(heights: Sequence[float | None]) -> str:
+    """Median of the heights that are known, in words; a dash without any."""
+    known = [height for height in heights if height is not None]
+    return length(float(np.median(known))) if known else "–"
 
 
 def _ways(done: Sequence[Row], pictures: dict[str, str]) -> str:
-    """Viability of every control with every schedule, tested in pairs."""
+    """How often every control with every schedule passes, tested in pairs."""
     ways = _grouped([row for row in done if _is_way(row)])
     if not ways:
         return ""
     lines: list[tuple[str, ...]] = [
-        ("schedule × control", "viable", "95 % Wilson interval", "published rule", "kept, median", "simulations, mean")
+        ("schedule × control", "passes", "95 % Wilson interval", "sure", "published rule", "kept, median", "simulations, mean")
     ]
-    for arm, told in ways.items():
-        viable = sum(row.viable for row in told)
-        interval = _interval(viable, len(told))
-        literal = _share(sum(row.literally_viable for row in told), len(told))
-        kept, times = np.median([row.kept for row in told]), np.mean([row.simulations for row in told])
-        lines.append((arm, _share(viable, len(told)), interval, literal, f"{kept:.2f}", f"{times:.1f}"))
+    for arm, rows in ways.items():
+        passes, sure, published = (sum(getattr(row, of) for row in rows) for of in ("passes", "sure", "passes_published"))
+        kept, times = np.median([row.kept for row in rows]), np.mean([row.simulations for row in rows])
+        counts = (_share(passes, len(rows)), _interval(passes, len(rows)), str(sure), _share(published, len(rows)))
+        lines.append((arm, *counts, f"{kept:.2f}", f"{times:.1f}"))
     words = "\n".join([_cochran_words(ways), *_mcnemar_words(done, ways)])
-    return f"## Control and schedule\n\n{_markdown(lines)}\n![viable, way by way]({pictures['viable']})\n\n{words}"
+    return f"## Control and schedule\n\n{markdown(lines)}\n![share that passes, way by way]({pictures['passes']})\n\n{words}"
 
 
 def _cochran_words(ways: dict[str, list[Row]]) -> str:
-    table = _blocks(ways, lambda row: float(row.viable))
+    table = _blocks(ways, lambda row: float(row.passes))
     if len(table) < LEAST:
         return f"* {len(table)} blocks of part and style have every way: too few for a test."
     found = cochran(table)
     if found is None:
-        return "* In no block of part and style do the ways differ in whether the part survives."
+        return "* In no block of part and style do the ways differ in whether the part passes."
     return f"* Cochran's Q over {len(table)} blocks of part and style: {found[0]:.2f}, p {_p(found[1])}."
 
 
@@ -193,10 +219,10 @@ def _mcnemar_words(done: Sequence[Row], ways: dict[str, list[Row]]) -> list[str]
     for arm in ways:
         pairs = _pairs(done, arm)
         if len(pairs) >= LEAST:
-            tested.append((arm, len(pairs), mcnemar([free.viable for free, _ in pairs], [fed.viable for _, fed in pairs])))
+            tested.append((arm, len(pairs), mcnemar([free.passes for free, _ in pairs], [fed.passes for _, fed in pairs])))
     adjusted = holm([p for _, _, p in tested])
-    told = zip(tested, adjusted, strict=True)
-    return [f"* {arm} against the style alone, {n} pairs, exact McNemar after Holm: p {_p(p)}." for (arm, n, _), p in told]
+    both = zip(tested, adjusted, strict=True)
+    return [f"* {arm} against the style alone, {n} pairs, exact McNemar after Holm: p {_p(p)}." for (arm, n, _), p in both]
 
 
 def _times(done: Sequence[Row], pictures: dict[str, str]) -> str:
@@ -220,7 +246,7 @@ def _times(done: Sequence[Row], pictures: dict[str, str]) -> str:
         words.append(f"* Friedman over {len(table)} blocks of part and style: {blocked[0]:.2f}, p {_p(blocked[1])}.")
     shown = f"![processor time, way by way]({pictures['time']})"
     head = f"## Time\n\nProcessor time, since wall time on shared machines says little{where}."
-    return f"{head}\n\n{_markdown(lines)}\n{shown}\n\n" + "\n".join(words)
+    return f"{head}\n\n{markdown(lines)}\n{shown}\n\n" + "\n".join(words)
 
 
 def _alike(rows: Sequence[Row]) -> tuple[list[Row], str]:
@@ -247,25 +273,28 @@ def _losses(done: Sequence[Row], pictures: dict[str, str]) -> str:
         shown = f"shown, p {_p(one.p)}" if one.shown else "not shown"
         lines.append((arm, str(len(pairs)), f"{one.difference:+.1f} %", _range(one.low, one.high, "%"), shown, _range(*over, "%"), _p(p)))
     words = "That no difference is found would not show that there is none; two one-sided tests against a margin fixed beforehand do."
-    return f"## Style loss\n\n{words}\n\n{_markdown(lines)}\n![differences in style loss]({pictures['loss']})"
+    return f"## Style loss\n\n{words}\n\n{markdown(lines)}\n![differences in style loss]({pictures['loss']})"
 
 
 def _arms(done: Sequence[Row], pictures: dict[str, str]) -> str:
-    """What each mechanism is worth, by depth and load."""
-    groups: dict[str, list[Row]] = {}
-    for row in done:
-        if _is_arm(row):
-            groups.setdefault(_arm_name(row), []).append(row)
-    if not groups:
+    """What each mechanism is worth, condition by condition."""
+    arms = [row for row in done if _is_arm(row)]
+    if not arms:
         return ""
-    lines = [("arm", "viable", "95 % Wilson interval", "kept, median", "simulations, mean")]
-    for arm, told in groups.items():
-        viable = sum(row.viable for row in told)
-        interval = _interval(viable, len(told))
-        kept, times = np.median([row.kept for row in told]), np.mean([row.simulations for row in told])
-        lines.append((arm, _share(viable, len(told)), interval, f"{kept:.2f}", f"{times:.1f}"))
-    shown = f"![viable, arm by arm]({pictures['arms']})\n\n![style kept, arm by arm]({pictures['kept']})"
-    return f"## What each mechanism is worth\n\n{_markdown(lines)}\n{shown}"
+    groups: dict[tuple[str, str], list[Row]] = {}
+    for row in sorted(arms, key=lambda row: (row.condition, row.arm)):
+        groups.setdefault((row.condition, row.arm), []).append(row)
+    lines: list[tuple[str, ...]] = [
+        ("condition", "arm", "passes", "95 % Wilson interval", "fails", "sure", "kept, median", "kept, least", "simulations, mean")
+    ]
+    for names, rows in groups.items():
+        passes, sure, fails = sum(row.passes for row in rows), sum(row.sure for row in rows), sum(row.outcome == "FAILS" for row in rows)
+        kept, times = [row.kept for row in rows], np.mean([row.simulations for row in rows])
+        counts = (_share(passes, len(rows)), _interval(passes, len(rows)), str(fails), str(sure))
+        lines.append((*names, *counts, f"{np.median(kept):.2f}", f"{min(kept):.2f}", f"{times:.1f}"))
+    asked = "".join(f"* **{name}**: {one.about}.\n" for name, one in CONDITIONS.items() if any(row.condition == name for row in arms))
+    shown = f"![share that passes, arm by arm]({pictures['arms']})\n\n![style kept, arm by arm]({pictures['kept']})"
+    return f"## What each mechanism is worth\n\n{asked}\n{markdown(lines)}\n{shown}"
 
 
 def _beside(done: Sequence[Row]) -> str:
@@ -273,14 +302,14 @@ def _beside(done: Sequence[Row]) -> str:
     lines = [("", "here", "here, published rule", "published")]
     free = _freely(done)
     if free:
-        here, literal = (_share(count, len(free)) for count in (sum(r.viable for r in free), sum(r.literally_viable for r in free)))
-        lines.append((f"viable, {FREE}", here, literal, f"{PUBLISHED[FREE]:g} % (46 of 180)"))
-    worst = [(sum(row.viable for row in told) / len(told), arm, told) for arm, told in _grouped([r for r in done if _is_way(r)]).items()]
+        here, published = (_share(sum(getattr(row, of) for row in free), len(free)) for of in ("passes", "passes_published"))
+        lines.append((f"passes, {FREE}", here, published, f"{PUBLISHED[FREE]:g} % (46 of 180)"))
+    worst = [(sum(row.passes for row in rows) / len(rows), arm, rows) for arm, rows in _grouped([r for r in done if _is_way(r)]).items()]
     if worst:
-        _, arm, told = min(worst, key=lambda one: one[:2])
-        literal = _share(sum(row.literally_viable for row in told), len(told))
-        lines.append((f"viable, worst way ({arm})", _share(sum(row.viable for row in told), len(told)), literal, "80.2 %"))
-    return _markdown(lines) + "\n" if len(lines) > 1 else ""
+        _, arm, rows = min(worst, key=lambda one: one[:2])
+        here, published = (_share(sum(getattr(row, of) for row in rows), len(rows)) for of in ("passes", "passes_published"))
+        lines.append((f"passes, worst way ({arm})", here, published, "80.2 %"))
+    return markdown(lines) + "\n" if len(lines) > 1 else ""
 
 
 def _grouped(rows: Sequence[Row]) -> dict[str, list[Row]]:
@@ -289,7 +318,7 @@ def _grouped(rows: Sequence[Row]) -> dict[str, list[Row]]:
 
 def _blocks(ways: dict[str, list[Row]], value: Callable[[Row], float]) -> list[list[float]]:
     """A value for each block that has every way, one for each way."""
-    tables = [{_block(row): value(row) for row in told} for told in ways.values()]
+    tables = [{_block(row): value(row) for row in rows} for rows in ways.values()]
     shared = [block for block in tables[0] if all(block in table for table in tables)]
     return [[table[block] for table in tables] for block in shared]
 
@@ -297,13 +326,13 @@ def _blocks(ways: dict[str, list[Row]], value: Callable[[Row], float]) -> list[l
 def _pairs(done: Sequence[Row], arm: str) -> list[tuple[Row, Row]]:
     """The same block, freely and under an arm."""
     free = {_block(row): row for row in done if row.arm == FREE}
-    told = [row for row in done if row.arm == arm]
-    return [(free[_block(row)], row) for row in told if _block(row) in free]
+    fed = [row for row in done if row.arm == arm]
+    return [(free[_block(row)], row) for row in fed if _block(row) in free]
 
 
 def _block(row: Row) -> tuple[Any, ...]:
-    """What rows that are compared have in common: part, style, depth, loads, seed and resolution."""
-    return row.part, row.prompt, row.amplitude, row.loaded, row.seed, row.vertices, row.iterations
+    """What rows that are compared have in common: part, style, condition, depth, seed and resolution."""
+    return row.part, row.prompt, row.condition, row.amplitude, row.seed, row.vertices, row.iterations
 
 
 def _differences(pairs: Sequence[tuple[Row, Row]]) -> np.ndarray:
@@ -323,8 +352,7 @@ def _equivalences(done: Sequence[Row]) -> dict[str, Equivalence]:
 
 
 def _arm_name(row: Row) -> str:
-    depth = "default depth" if row.amplitude is None else f"depth {row.amplitude:g}"
-    return f"{row.arm}, {depth}, {'drop and load' if row.loaded else 'drop'}"
+    return f"{row.arm}, {row.condition}"
 
 
 def _either(values: Sequence[int]) -> str:
@@ -348,8 +376,3 @@ def _range(low: float, high: float, unit: str) -> str:
 
 def _p(value: float) -> str:
     return "< .0001" if value < 1e-4 else f"= {value:.4f}"
-
-
-def _markdown(lines: Sequence[tuple[str, ...]]) -> str:
-    ruled = [lines[0], tuple("---" for _ in lines[0]), *lines[1:]]
-    return "".join(f"| {' | '.join(line)} |\n" for line in ruled)

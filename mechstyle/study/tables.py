@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
@@ -13,6 +14,10 @@ import msgspec
 from mechstyle._files import write_whole
 from mechstyle.errors import BadInput
 from mechstyle.study.cells import Row, Rows
+
+MEASURED = ("outcome", "sure", "flat_stress", "flat_height")
+"""Columns by which a table is known to be of critical drop heights."""
+FIELDS = Row.__struct_fields__
 
 
 def write_table(rows: Sequence[Row], path: Path) -> Path:
@@ -40,11 +45,11 @@ def read_table(source: str | Path) -> list[Row]:
     """The rows of a study's folder, or of a table made of one, .parquet or .json.
 
     Raises:
-        BadInput: If there are none, or the table is another's.
+        BadInput: If there are none, or the table is another's or of another measure.
     """
     path = Path(source)
     if path.is_dir():
-        rows = Rows(path).all()
+        rows = Rows(path).all() or _refused(path)
     elif not path.is_file():
         raise BadInput(f"{path} does not exist: name the folder of a study, or its table")
     else:
@@ -54,15 +59,37 @@ def read_table(source: str | Path) -> list[Row]:
     return rows
 
 
+def check_measure(path: Path, columns: Iterable[str]) -> None:
+    """Refuse a table whose columns are not those of critical drop heights, with BadInput in one sentence."""
+    known = set(columns)
+    missing, strange = ([name for name in names if name not in others] for names, others in ((MEASURED, known), (sorted(known), FIELDS)))
+    if missing and known & set(FIELDS):
+        theirs = f", and has {', '.join(strange[:4])} instead" if strange else ""
+        raise BadInput(f"{path} is of another measure: it lacks the columns {', '.join(missing)}{theirs}; run the study again")
+
+
+def _refused(folder: Path) -> list[Row]:
+    """No rows; BadInput if the folder has some of another measure."""
+    for path in sorted((folder / "rows").glob("*.json")):
+        with suppress(OSError, msgspec.MsgspecError):
+            check_measure(folder, msgspec.json.decode(path.read_bytes(), type=dict[str, Any]))
+    return []
+
+
 def _read(path: Path) -> list[Row]:
     try:
+        rows: list[Any]
         if path.suffix == ".json":
-            return msgspec.json.decode(path.read_bytes(), type=list[Row])
-        if _pyarrow() is None:
+            rows = msgspec.json.decode(path.read_bytes(), type=list[dict[str, Any]])
+        elif _pyarrow() is None:
             raise BadInput(f"{path} is Parquet, which needs pyarrow: pip install 'mechstyle[study]'")
-        from pyarrow import parquet  # noqa: PLC0415 — an extra
+        else:
+            from pyarrow import parquet  # noqa: PLC0415 — an extra
 
-        return msgspec.convert(parquet.read_table(path).to_pylist(), list[Row])
+            rows = parquet.read_table(path).to_pylist()
+        for row in rows[:1]:
+            check_measure(path, row)
+        return msgspec.convert(rows, list[Row])
     except (msgspec.MsgspecError, ValueError, OSError) as error:
         if isinstance(error, BadInput):
             raise

@@ -10,18 +10,23 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import msgspec
 
 from mechstyle.errors import BadInput
+from mechstyle.fea.explicit import THREADS, cores
 from mechstyle.study.cells import Cell, Row, Rows, carry_out
 
 DEATHS = 3
 """A cell whose process died so often is a row that says so."""
 AHEAD = 2
 """Cells a scheduler is given for each worker: one in hand and one to follow, so that stopping and priorities stay cheap."""
+
+THREADS_OF = (THREADS, "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+"""Environment variables that say how many threads a process has."""
 
 Tell = Callable[[Row], None]
 
@@ -34,7 +39,7 @@ def walk(cells: Sequence[Cell], folder: str | Path, *, jobs: int = 1, scheduler:
         folder: The study's folder.
         jobs: Processes side by side on this machine.
         scheduler: Address of a Dask scheduler, such as `tcp://10.0.0.1:8786`, or a scheduler file; then jobs do not count.
-        tell: Told every row as it comes, those that were there before first.
+        tell: Called with every row as it comes, those that were there before first.
 
     Raises:
         BadInput: If there is no such scheduler.
@@ -90,7 +95,8 @@ def _in_a_pool(cells: Sequence[Cell], rows: Rows, jobs: int, deaths: Counter[str
     context = multiprocessing.get_context("spawn")
     coming = iter(cells)
     begun = context.Value("i", 0)
-    with ProcessPoolExecutor(jobs, mp_context=context, initializer=_begin_process, initargs=(begun, jobs, os.getpid())) as pool:
+    pool = ProcessPoolExecutor(jobs, mp_context=context, initializer=_begin_process, initargs=(begun, jobs, os.getpid()))
+    with _threads_shared(jobs), pool:
         hand: dict[Future[Row], Cell] = {}
         while True:
             for cell in coming:  # no more than there are processes, so that a death is blamed on few
@@ -104,6 +110,22 @@ def _in_a_pool(cells: Sequence[Cell], rows: Rows, jobs: int, deaths: Counter[str
                 deaths.update(cell.key for cell in hand.values() if rows.settled(cell) is None)
             for future in done:
                 yield future.result(), hand.pop(future)
+
+
+@contextmanager
+def _threads_shared(jobs: int) -> Iterator[None]:
+    """Processes that begin in the block have as many threads as their share of the cores, unless the environment says otherwise.
+
+    Libraries read it when they are loaded, before a process takes its share.
+    """
+    share = str(max(1, cores() // jobs))
+    added = [name for name in THREADS_OF if name not in os.environ]
+    os.environ.update(dict.fromkeys(added, share))
+    try:
+        yield
+    finally:
+        for name in added:
+            del os.environ[name]
 
 
 def _given_up(cell: Cell, rows: Rows) -> Row:
@@ -137,9 +159,9 @@ def _end_with(parent: int) -> None:
 def on_worker(cell: str, folder: str) -> str:
     """Carry out a cell given as JSON and return its key: what a Dask worker runs. Its row is on disk, never in the worker's memory.
 
-    A worker simulates with as many threads as MECHSTYLE_THREADS says, one unless told: several share a machine.
+    A worker simulates with as many threads as MECHSTYLE_THREADS says, by default one: several share a machine.
     """
-    os.environ.setdefault("MECHSTYLE_THREADS", "1")
+    os.environ.setdefault(THREADS, "1")
     asked = msgspec.json.decode(cell, type=Cell)
     carry_out(asked, folder)
     return asked.key
@@ -182,4 +204,3 @@ def _client(make: Any, scheduler: str) -> Any:
         return make(scheduler_file=scheduler) if scheduler.endswith(".json") else make(scheduler)
     except (OSError, ValueError) as error:
         raise BadInput(f"no Dask scheduler answers at {scheduler} ({error}): start one with `dask scheduler`, give its address") from error
-

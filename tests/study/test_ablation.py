@@ -8,27 +8,30 @@ from typer.testing import CliRunner
 from mechstyle.cli.app import app
 from mechstyle.errors import BadInput
 from mechstyle.records.recipe import SETTINGS
+from mechstyle.runs.recipes import draft
 from mechstyle.study import ablation as module
-from mechstyle.study.ablation import Ablation, ablation
+from mechstyle.study.ablation import COUNTED, SINGLE, Ablation, ablation
 from mechstyle.study.cells import Cell, Row
-from mechstyle.study.grids import ARMS
+from mechstyle.study.grids import ARMS, CONDITIONS
 
 
 def row(**changes):
-    known = {"part": "hook", "prompt": "brick", "amplitude": 0.15, "arm": "full", "verdict": "VIABLE", "as_placed": 0.8, "kept": 0.9}
-    return Row(**{**known, "simulations": 3, **changes})
+    known = {"part": "hook", "prompt": "brick", "arm": "masks", "outcome": "HOLDS", "sure": True, "kept": 0.9, "simulations": 3}
+    return Row(**{**known, "flat_stress": 41.5, "flat_height": 1800.0, "plain_flat_height": 2400.0, "seconds": 60.0, **changes})
 
 
-def test_every_arm_takes_something_away_from_the_last_but_never_adds_a_setting_no_recipe_has():
-    assert list(ARMS)[-2:] == ["full", "finish-first"]
-    assert not ARMS["full"].settings
+def test_every_arm_is_a_recipe_of_its_own_whatever_the_defaults_are():
+    assert list(ARMS) == ["freestyle", "static", "finish-first", "masks"]
     assert all(name in SETTINGS for arm in ARMS.values() for name in arm.settings)
+    recipes = {name: draft("brick", **arm.settings) for name, arm in ARMS.items()}
+    assert [name for name, recipe in recipes.items() if recipe.steered] == ["finish-first", "masks"]
+    assert {name: recipe.base for name, recipe in recipes.items() if recipe.base != "plain"} == {"freestyle": "free"}
+    assert [recipes[name].schedule for name in ("finish-first", "masks")] == ["never", "stress"]
 
 
 def test_the_static_twin_differs_from_the_corrected_one_by_the_correction_alone():
-    static, corrected = (dict(ARMS[name].settings) for name in ("static", "finish-first"))
-    assert static.pop("guarantee") is False
-    assert static == corrected
+    static, corrected = (draft("brick", **ARMS[name].settings) for name in ("static", "finish-first"))
+    assert [name for name, *_ in static.differences(corrected)] == ["guarantee"]
 
 
 @pytest.fixture
@@ -38,74 +41,97 @@ def asked(monkeypatch):
 
     def walk(given, *_, **__):
         cells.extend(given)
-        return [cell.row(verdict="VIABLE", kept=0.9) for cell in given]
+        return [cell.row(outcome="HOLDS", kept=0.9) for cell in given]
 
     monkeypatch.setattr(module, "walk", walk)
     return cells
 
 
-def test_all_arms_get_the_same_part_style_depth_and_settings(asked, tmp_path):
-    found = ablation(["gallery:wall_hook"], ["fish scales"], tmp_path, amplitudes=[0.5], iterations=9)
+def test_all_arms_get_the_same_part_style_and_settings(asked, tmp_path):
+    found = ablation(["gallery:wall_hook", "gallery:wall_hook"], ["fish scales"], tmp_path, iterations=9, height="1 m")
     for cell, (name, arm) in zip(asked, ARMS.items(), strict=True):
-        assert cell.folder == f"wall_hook-fish-scales-0.5/{name}"
-        assert (cell.recipe.prompt, cell.recipe.amplitude, cell.recipe.iterations) == ("fish scales", 0.5, 9)
+        assert cell.arm == name
+        assert (cell.recipe.prompt, cell.recipe.amplitude, cell.recipe.iterations, cell.recipe.height) == ("fish scales", None, 9, 1000.0)
         assert cell.recipe.settings.items() >= arm.settings.items()
-    assert [(one.part, one.arm) for one in found.rows] == [("wall_hook", name) for name in ARMS]
+    assert [(one.part, one.condition, one.arm) for one in found.rows] == [("wall_hook", "drop", name) for name in ARMS]
 
 
-def test_unless_told_the_depth_is_the_default_one(asked, tmp_path):
-    found = ablation(["gallery:wall_hook"], ["brick"], tmp_path, arms=["static"])
-    assert asked[0].recipe.amplitude is None
-    assert asked[0].folder == "wall_hook-brick-default/static"
-    deeper = Ablation([row(amplitude=0.5), *found.rows])
-    assert [line[0] for line in deeper.summary()[1:]] == ["default", "0.5"]
-    assert "| brick | default | static |" in deeper.table()
+def test_rows_stand_by_condition_then_part_style_and_arm(asked, tmp_path):
+    found = ablation(["gallery:wall_hook", "gallery:pill_box"], ["brick"], tmp_path, conditions=["deep", "drop"], arms=["masks", "static"])
+    told = [(one.condition, one.part, one.arm) for one in found.rows]
+    assert told[:3] == [("deep", "pill_box", "static"), ("deep", "pill_box", "masks"), ("deep", "wall_hook", "static")]
+    assert [line[:2] for line in found.summary()[1:]] == [(one, arm) for one in ("deep", "drop") for arm in ("static", "masks")]
 
 
-def test_a_part_that_its_run_refuses_is_a_row_with_its_reason(monkeypatch, tmp_path):
+def test_a_part_that_its_run_refuses_is_a_row_with_its_reason_and_stops_no_other(monkeypatch, tmp_path):
     def refuse(self, out):
-        raise BadInput("its walls are too thin")
+        if self.arm == "static":
+            raise BadInput("its walls are too thin")
+        raise ZeroDivisionError("nothing left")
 
     monkeypatch.setattr(Cell, "run", refuse)
-    found = ablation(["gallery:wall_hook"], ["brick"], tmp_path / "out", arms=["static"])
-    assert found.rows[0].refused == "its walls are too thin"
-    assert "refused" in found.table()
+    found = ablation(["gallery:wall_hook"], ["brick"], tmp_path / "out", arms=["static", "masks"])
+    assert [(one.status, one.refused) for one in found.rows] == [
+        ("refused", "its walls are too thin"), ("failed", "ZeroDivisionError: nothing left"),
+    ]  # fmt: skip
+    assert "| refused: its walls are too thin |" in found.table()
+    assert found.summary()[1:] == []
 
 
-def test_an_unknown_arm_is_refused_before_anything_is_run(tmp_path):
-    with pytest.raises(BadInput, match="did you mean 'static'"):
-        ablation(["gallery:wall_hook"], ["brick"], tmp_path, arms=["statics"])
+@pytest.mark.parametrize(
+    ("changes", "words"), [({"arms": ["statics"]}, "did you mean 'static'"), ({"conditions": ["lead"]}, "did you mean 'load'")]
+)
+def test_an_unknown_name_is_refused_before_anything_is_run(asked, changes, words, tmp_path):
+    with pytest.raises(BadInput, match=words):
+        ablation(["gallery:wall_hook"], ["brick"], tmp_path, **changes)
+    assert not asked
 
 
-def test_counts_are_by_depth_and_arm_and_leave_refused_runs_out():
-    rows = [row(), row(part="cup", verdict="FAILS", as_placed=1.2, kept=0.5), row(part="box", refused="no"), row(amplitude=0.5, kept=0.7)]
+def test_counts_are_by_condition_and_arm_and_leave_out_what_did_not_run():
+    rows = [
+        row(), row(part="cup", outcome="FAILS", kept=0.5, seconds=90.0), row(part="pin", outcome="NO WORSE", sure=False),
+        row(part="lid", outcome="UNKNOWN", sure=False, kept=0.7), row(part="box", status="refused", refused="no"),
+        row(part="jar", status="failed", refused="died"), row(condition="deep", kept=0.6),
+    ]  # fmt: skip
     headings, shallow, deep = Ablation(rows).summary()
-    assert dict(zip(headings, shallow, strict=True)) | {"tilted": "–"} == {
-        "depth": "0.15", "arm": "full", "runs": "2", "viable": "50%", "as placed": "50%", "tilted": "–", "all orientations": "–",
-        "marginal": "0", "kept": "0.70", "least": "0.50", "simulations": "3.0",
+    assert headings == ("condition", "arm", *COUNTED)
+    assert dict(zip(headings, shallow, strict=True)) == {
+        "condition": "drop", "arm": "masks", "runs": "4", "passes": "2", "HOLDS": "1", "FAILS": "1", "sure": "2",
+        "kept": "0.80", "least": "0.50", "simulations": "3.0", "seconds": "68",
     }  # fmt: skip
-    assert deep[:3] == ("0.5", "full", "1")
+    assert deep[:4] == ("deep", "masks", "1", "1")
+
+
+def test_feedback_is_compared_with_its_twin_of_the_same_part_and_style_only():
+    rows = [row(arm="static", outcome="FAILS"), row(), row(arm="static", part="cup"), row(part="cup"), row(part="lid")]
+    said = "drop: masks passes in 2 of 2, its static twin in 1 of 2 (+50 points)."
+    assert Ablation([*rows, row(arm="freestyle")]).against_the_twin() == [said]
 
 
 def test_what_is_saved_is_read_by_people_and_by_programs(tmp_path):
-    rows = [row(), row(arm="static", verdict="FAILS", tilted=1.3, all_orientations=1.2, kept=0.97)]
+    rows = [row(), row(arm="static", outcome="FAILS", nearly_stress=88.0, nearly_height=400.0, load_factor=0.7, sure=False, kept=0.97)]
     files = Ablation(rows).save(tmp_path)
-    assert json.loads((tmp_path / "ablation.json").read_bytes())[1]["tilted"] == 1.3
-    assert "| hook | brick | 0.15 | static | FAILS | 0.80 | 1.30 | 1.20 | 0.97 | 3 |" in (tmp_path / "ablation.md").read_text()
+    assert json.loads((tmp_path / "ablation.json").read_bytes())[1]["nearly_height"] == 400.0
+    text = (tmp_path / "ablation.md").read_text()
+    assert "| hook | brick | drop | static | FAILS | no | 41.5 | 2.4 m | 1.8 m | 88.0 | – | 40 cm | 0.70 | – | 0.97 | 3 | 60 |" in text
+    assert f"* **drop**: {CONDITIONS['drop'].about}." in text
+    assert f"* **static**: {ARMS['static'].about}." in text
+    assert "freestyle" not in text
+    assert all(line.count("|") in (len(SINGLE) + 1, len(COUNTED) + 3) for line in text.splitlines() if line.startswith("|"))
     assert (tmp_path / "ablation.png").read_bytes().startswith(b"\x89PNG")
     assert set(files) == {"table", "rows", "picture"}
 
 
-def test_what_is_marginal_has_a_mark_and_a_colour_of_its_own_in_the_picture(monkeypatch):
+def test_each_outcome_has_a_mark_of_its_own_that_is_filled_only_where_it_is_sure(monkeypatch):
     drawn = {}
 
     def scatter(_axes, _x, kept, **look):
-        drawn[look["label"]] = (*kept, look["facecolor"])
+        drawn[look["label"]] = (*kept, look["marker"], look["facecolor"])
 
     monkeypatch.setattr("matplotlib.axes.Axes.scatter", scatter)
     monkeypatch.setattr("matplotlib.axes.Axes.legend", lambda *_, **__: None)
-    Ablation([row(), row(part="cup", marginal=True, kept=0.7), row(part="box", verdict="FAILS", marginal=True, kept=0.6)]).show()
-    assert drawn == {"viable": (0.9, "#0072b2"), "marginal": (0.6, 0.7, "#f5b82e")}
+    Ablation([row(), row(part="cup", sure=False, kept=0.7), row(part="box", outcome="FAILS", kept=0.6)]).show()
+    assert drawn == {"HOLDS": (0.9, "o", "#0072b2"), "HOLDS, not sure": (0.7, "o", "white"), "FAILS": (0.6, "X", "#d55e00")}
 
 
 def test_a_model_that_cannot_be_used_is_refused_before_anything_runs(asked, tmp_path):
@@ -116,9 +142,22 @@ def test_a_model_that_cannot_be_used_is_refused_before_anything_runs(asked, tmp_
     assert not (tmp_path / "out").exists()
 
 
+def test_the_command_asks_for_the_cells_it_is_given(asked, tmp_path):
+    words = ["gallery:wall_hook", "gallery:coaster", "-p", "brick", "-p", "cactus", "--condition", "drop", "--condition", "load"]
+    words += ["--arm", "static", "--height", "1 m", "--vertices", "900", "--out", str(tmp_path), "--json"]
+    done = CliRunner().invoke(app, ["ablation", *words])
+    assert done.exit_code == 0, done.output
+    told = [(cell.part, cell.recipe.prompt, cell.condition, cell.vertices, cell.recipe.height) for cell in asked]
+    assert sorted(told) == sorted(
+        (part, style, condition, 900, 1000.0)
+        for part, condition in (("wall_hook", "drop"), ("wall_hook", "load"), ("coaster", "drop")) for style in ("brick", "cactus")
+    )  # fmt: skip
+    assert len(json.loads(done.output)["rows"]) == 6
+
+
 @pytest.mark.parametrize(("refused", "code"), [(("too thin", "too thin"), 2), (("too thin", ""), 0)])
 def test_the_command_tells_by_its_exit_code_that_nothing_could_be_used(refused, code, monkeypatch, tmp_path):
-    rows = [row(status="refused" if why else "done", refused=why, arm=arm) for why, arm in zip(refused, ("static", "full"), strict=True)]
+    rows = [row(status="refused" if why else "done", refused=why, arm=arm) for why, arm in zip(refused, ("static", "masks"), strict=True)]
     monkeypatch.setattr(module, "ablation", lambda *_, **__: Ablation(rows))
     done = CliRunner().invoke(app, ["ablation", "gallery:wall_hook", "--out", str(tmp_path)])
     assert done.exit_code == code, done.output

@@ -33,18 +33,38 @@ def test_the_style_alone_is_the_same_cell_in_both_studies():
     assert {cell.key for cell in formative} < {cell.key for cell in evaluation}
 
 
-def test_an_ablation_is_run_at_each_depth_and_under_the_load_of_its_use():
+def test_an_ablation_is_every_arm_under_each_condition_and_loads_only_what_carries_something():
     cells = cells_of("ablation", Factors(**{**SMALL, "models": ["wall_hook", "coaster"]}))
-    told = [(cell.part, cell.arm, cell.recipe.amplitude, len(cell.recipe.loads)) for cell in cells]
-    assert len(told) == 3 * 2 * 2 + 3 * 2  # a coaster carries nothing
-    assert ("wall_hook", "masks", 0.5, 1) in told
-    assert not [one for one in told if one[0] == "coaster" and one[3]]
-    assert len(cells_of("ablation", Factors(**SMALL, loaded=False, amplitudes=[None]))) == 2 * 3
+    asked = [(cell.part, cell.arm, cell.condition) for cell in cells]
+    assert len(asked) == len(set(asked)) == len({cell.key for cell in cells}) == 4 * 3 + 4 * 2  # a coaster carries nothing
+    assert {cell.arm for cell in cells} == set(ARMS)
+    assert not [one for one in asked if one[0] == "coaster" and one[2] == "load"]
+    for cell in cells:
+        assert (cell.recipe.amplitude, cell.load_share) == (0.25 if cell.condition == "deep" else None, 0.85 * (cell.condition == "load"))
+        assert [case.name for case in cell.recipe.loads] == ["heavy coat"] * (cell.condition == "load")
 
 
-def test_the_strengthened_arm_differs_from_the_full_one_by_strengthening_alone():
+def test_loads_that_are_given_are_those_of_the_condition_load_alone():
+    given = gallery.use_of("gallery:pill_box")
+    cells = cells_of("ablation", Factors(**{**SMALL, "models": ["coaster"]}, settings={"loads": [given]}))
+    assert {(cell.condition, cell.recipe.loads) for cell in cells} == {("drop", ()), ("deep", ()), ("load", (given,))}
+
+
+def test_a_load_for_parts_that_carry_nothing_is_refused():
+    with pytest.raises(BadInput, match="none of these parts carries a load"):
+        cells_of("ablation", Factors(**{**SMALL, "models": ["coaster"]}, conditions=["load"]))
+
+
+def test_cells_of_a_part_that_rest_on_the_same_tetrahedra_stand_apart():
+    """Side by side they would make them at the same time."""
+    cells = cells_of("ablation", Factors(**{**SMALL, "models": ["wall_hook"], "styles": ["brick", "cactus"]}, conditions=["drop", "deep"]))
+    meshed = [(cell.recipe.prompt, cell.recipe.base, cell.recipe.amplitude) for cell in cells]
+    assert all(len(set(meshed[first : first + 4])) == 4 for first in range(len(meshed) - 3))
+
+
+def test_the_strengthened_arm_differs_from_masks_by_strengthening_alone():
     assert STUDY_ARMS.keys() - ARMS.keys() == {"strengthened"}
-    assert set(STUDY_ARMS["strengthened"].settings) == {"strengthen"}
+    assert STUDY_ARMS["strengthened"].settings.items() - ARMS["masks"].settings.items() == {("strengthen", 2.0)}
     assert all(name in SETTINGS for arm in STUDY_ARMS.values() for name in arm.settings)
 
 
@@ -63,6 +83,7 @@ def test_seeds_and_other_settings_reach_every_recipe():
         *((study, {"models": ["vase", "none.stl"]}, r"none\.stl does not exist") for study in STUDIES),
         ("evaluation", {"controls": ["frosen"]}, "did you mean 'frozen'"),
         ("ablation", {"arms": ["statics"]}, "did you mean 'static'"),
+        ("ablation", {"conditions": ["deeper"]}, "did you mean 'deep'"),
     ],
 )
 def test_what_there_is_not_is_refused_before_anything_runs(study, changes, words):

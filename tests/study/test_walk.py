@@ -36,7 +36,7 @@ class Quick(Cell, frozen=True, kw_only=True):
 
 def quick(*models):
     recipe = draft("brick", orientations=1)
-    return [Quick(model=model, arm="full", recipe=recipe, vertices=1000) for model in models]
+    return [Quick(model=model, arm="masks", recipe=recipe, vertices=1000) for model in models]
 
 
 def starts(folder):
@@ -69,6 +69,19 @@ def test_processes_that_die_cost_their_own_cell_alone(tmp_path):
     assert os.getpid() not in {int(path.name.split("-")[-1]) for path in (tmp_path / "where").iterdir()}
 
 
+def test_a_process_has_as_many_threads_as_its_share_of_the_cores_unless_the_environment_says_otherwise(monkeypatch):
+    for name in module.THREADS_OF:
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("OMP_NUM_THREADS", "5")
+    monkeypatch.setattr(module, "cores", lambda: 16)
+    before = dict(os.environ)
+    for jobs, share in ((4, "4"), (16, "1"), (40, "1")):
+        with module._threads_shared(jobs):
+            given = [os.environ[name] for name in module.THREADS_OF if name != "OMP_NUM_THREADS"]
+            assert (given, os.environ["OMP_NUM_THREADS"]) == ([share] * 3, "5")
+        assert dict(os.environ) == before
+
+
 def _for_long(parent):
     module._begin_process(multiprocessing.get_context("spawn").Value("i", 0), 1, parent)
     time.sleep(60)
@@ -98,7 +111,7 @@ def scheduler():
 @pytest.mark.filterwarnings("ignore")  # Dask's own, of workers that were killed
 def test_a_worker_that_is_killed_leaves_a_complete_table(scheduler, tmp_path):
     recipe = draft("brick", orientations=1)  # of parts that do not exist: rows with a reason, in no time
-    cells = [Cell(model=f"part {number}.stl", arm="full", recipe=recipe, vertices=1000) for number in range(40)]
+    cells = [Cell(model=f"part {number}.stl", arm="masks", recipe=recipe, vertices=1000) for number in range(40)]
     pids, killed = [worker.pid for worker in scheduler.workers.values()], threading.Event()
 
     def kill_one():
