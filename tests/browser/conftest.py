@@ -276,7 +276,7 @@ def finished_run(tmp_path_factory: pytest.TempPathFactory) -> Run:
     """A small run on disk, with a branch."""
     run = stylize(
         make("pen_holder"), "brick", vertices=2000, iterations=12, orientations=1, schedule="every", every=4,
-        tilts=0, window=0.3, element="tet4", out=tmp_path_factory.mktemp("runs") / "part", name="pen holder", device="cpu",
+        nearly_flat=False, window=0.3, element="tet4", out=tmp_path_factory.mktemp("runs") / "part", name="pen holder", device="cpu",
     )
     run.branch(6, lane="frozen", control="frozen").go()
     return run

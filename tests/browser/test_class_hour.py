@@ -5,6 +5,7 @@ Its runs take no time, for what they come to is the matter of other tests: a par
 
 from __future__ import annotations
 
+import re
 import zipfile
 
 import pytest
@@ -31,6 +32,7 @@ AGAIN = f"""{WITHOUT_PHYSICS}
 studio = Studio("hour")
 studio
 """
+OUTCOME = re.compile("HOLDS|NO WORSE|FAILS")
 SETTLING = 20_000  # a width and all that follows it [ms]
 CELLS = "() => window.jupyterapp.shell.currentWidget.content.widgets.length"
 MARKS = "() => document.querySelectorAll('.mechstyle-studio .js-plotly-plot path.point').length"
@@ -113,8 +115,7 @@ def test_a_run_is_stepped_paused_and_gone_on_with(hour):
     hour.changed(hour.canvas(), before, 0.02)
     press(hour, "Run to the end")
     hour.until("(studio.state.status, studio.state.iteration)", "('finished', 8)")
-    badge(hour).get_by_text("safety factor").wait_for()
-    badge(hour).get_by_text(hour.python("print(studio.state.row().word)")).wait_for()
+    badge(hour).get_by_text(hour.python("print(studio.state.row().verdict.short)")).wait_for()
     before = hour.drawn()
     badge(hour).get_by_role("button", name="worst place").click()
     hour.changed(hour.canvas(), before, 0.05)
@@ -170,7 +171,7 @@ def test_another_part_in_the_same_studio(hour, cube, part):
     hour.changed(hour.canvas(), before, 0.05)
     press(hour, "Run to the end")
     hour.until("(studio.state.status, studio.run.record.name, studio._viewer.iteration)", f"('finished', {part!r}, 8)")
-    badge(hour).get_by_text("safety factor").wait_for()
+    badge(hour).get_by_text(OUTCOME).wait_for()
     hour.drawn()
 
 
@@ -178,7 +179,7 @@ def test_after_a_reload_it_is_what_the_kernel_has(hour):
     told, now = badge(hour).inner_text(), hour.python("print(studio.state.lane, studio.state.iteration)")
     hour.page.evaluate("() => window.jupyterapp.commands.execute('docmanager:save')")
     hour.page.reload(wait_until="domcontentloaded")
-    badge(hour).get_by_text("safety factor").wait_for()
+    badge(hour).get_by_text(OUTCOME).wait_for()
     assert badge(hour).inner_text() == told
     hour.drawn()
     hour.page.wait_for_function(f"({MARKS})() >= 3")
@@ -197,5 +198,5 @@ def test_it_fits_whatever_width_it_has(hour, width):
 def test_a_run_of_that_hour_is_opened_again(hour):
     hour.open(AGAIN)
     hour.drawn()
-    badge(hour).get_by_text("safety factor").wait_for()
+    badge(hour).get_by_text(OUTCOME).wait_for()
     hour.until("(studio.state.status, studio.state.iteration, len(studio.state.branches))", "('finished', 8, 3)")

@@ -33,10 +33,10 @@ run = Run.open({str(root)!r})
 def test_the_timeline_after_a_reload_is_that_of_the_kernel(shown):
     shown.page.wait_for_function(f"({TEXT}).includes('Nothing has run yet')")
     shown.python("state.open(run)")
-    shown.page.wait_for_function(f"({TEXT}).includes('VIABLE') && !({TEXT}).includes('Nothing has run yet')")
+    shown.page.wait_for_function(f"({TEXT}).includes('HOLDS') && !({TEXT}).includes('Nothing has run yet')")
     shown.page.evaluate("() => window.jupyterapp.commands.execute('docmanager:save')")
     shown.page.reload(wait_until="domcontentloaded")
-    shown.page.wait_for_function(f"({TEXT}).includes('VIABLE') && !({TEXT}).includes('Nothing has run yet')")
+    shown.page.wait_for_function(f"({TEXT}).includes('HOLDS') && !({TEXT}).includes('Nothing has run yet')")
 
 
 LATE = """() => {

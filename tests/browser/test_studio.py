@@ -8,7 +8,8 @@ from PIL import Image
 
 pytestmark = pytest.mark.browser
 
-SETTINGS = 'prompt="brick", vertices=2000, iterations=12, orientations=1, schedule="every", every=4, tilts=0, window=0.3, element="tet4"'
+SETTINGS = 'prompt="brick", vertices=2000, iterations=12, orientations=1, nearly_flat=False, schedule="every", every=4, window=0.3'
+SETTINGS += ', element="tet4"'
 RUN = 300_000  # a small run, meshed before, where others want the cores too [ms]
 EVERYWHERE = "(studio.state.iteration, studio._timeline.iteration, studio._viewer.iteration, studio.state.checkpoint.iteration)"
 PLACE = """([x, y]) => {
@@ -61,7 +62,7 @@ def test_a_picture_is_chosen_from_a_file_and_left_again(studio, tmp_path):
     shades = np.add.outer(np.arange(64), np.arange(64)).astype(np.uint8) * 2
     Image.fromarray(np.dstack([shades, 255 - shades, shades])).save(tmp_path / "mine.png")
     with studio.page.expect_file_chooser() as asked:
-        whole(studio).locator("button[title^='A PNG, JPEG']").click()
+        whole(studio).locator("button[title^='A PNG or JPEG']").click()
     asked.value.set_files(str(tmp_path / "mine.png"))
     studio.until("(studio.prompt_box.prompt, studio.prompt_box.reading.words)", ("picture", "picture"))
     whole(studio).locator(".widget-image").wait_for()
@@ -92,7 +93,8 @@ def test_a_click_on_the_timeline_moves_everything(studio):
 def test_the_threshold_changes_the_picture_of_the_mask(studio):
     """Stress over yield is some tenths all over this part, so that a threshold of a tenth freezes it."""
     studio.page.get_by_role("tab", name="Mask").click()
-    studio.python("studio.mask_inspector.selector.normalisation = 'yield'")
+    studio.python("studio.mask_inspector.selector.normalisation = 'sigma_c'")
+    studio.python("studio.mask_inspector.selector._lambda.value = 1.0")
     before = studio.drawn()
     studio.page.get_by_role("button", name="show it").click()
     studio.until("studio.state.layer", "what_if")

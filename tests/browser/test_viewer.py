@@ -1,4 +1,4 @@
-"""The viewer as a user meets it: the mouse turns it, a click asks, another layer paints it anew, the original stands beside it."""
+"""The viewer as a user meets it: the mouse turns it, a click asks, another layer paints it anew, the plain part stands beside it."""
 
 from __future__ import annotations
 
@@ -72,14 +72,14 @@ def test_a_click_tells_all_that_is_known_of_the_place(shown):
     shown.keep("viewer-probed")
 
 
-def test_the_original_stands_beside_and_turns_along(shown):
-    shown.page.get_by_role("button", name="original").click()
+def test_the_plain_part_stands_beside_and_turns_along(shown):
+    shown.page.get_by_role("button", name="plain").click()
     first, second = shown.drawn(0), shown.drawn(1)
     shown.drag(shown.canvas(1), (0.5, 0.5), (0.8, 0.5))
     shown.changed(shown.canvas(1), second)
     shown.changed(shown.canvas(0), first)
     shown.keep("viewer-beside")
-    shown.page.get_by_role("button", name="original").click()
+    shown.page.get_by_role("button", name="plain").click()
     shown.until("viewer.beside", False)
 
 

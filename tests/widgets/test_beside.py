@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mechstyle.runs.recipes import FREESTYLE
-from mechstyle_widgets.panels.branches import Branches
+from mechstyle_widgets.panels.branches import Branches, said_of
 from mechstyle_widgets.state.controller import Wanted
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.viewer.run_viewer import RunViewer
@@ -26,7 +26,7 @@ def test_one_press_runs_both_and_compares_them(controller, settle):
     recipe = state.run.store.recipe(state.run.store.lane("freestyle").recipe)
     assert {name: getattr(recipe, name) for name in FREESTYLE} == FREESTYLE
     assert table(branches)["control"] == ["none", "exponential"]
-    assert [cell.split()[-1] for cell in table(branches)["verdict"]] == [state.row(12, lane).word for lane in ("freestyle", "main")]
+    assert table(branches)["outcome"] == [said_of(state.row(12, lane).verdict) for lane in ("freestyle", "main")]
 
 
 def test_pressed_again_it_finds_what_it_made(controller, settle):
@@ -53,8 +53,8 @@ def test_the_place_that_decides_is_that_of_the_one_with_least_left(controller, s
     controller.both()
     settle(controller)
     place, words = branches.decisive()
-    factors = {lane: state.row(12, lane).verdict.safety_factor for lane in ("main", "freestyle")}
-    worst = min(factors, key=factors.get)
+    reserves = {lane: state.row(12, lane).verdict.deciding.reserve for lane in ("main", "freestyle")}
+    worst = min(reserves, key=reserves.get)
     assert f"where {worst} has least left" in words
     assert np.isfinite(place).all()
     assert words in branches._comparison.value
@@ -70,7 +70,7 @@ def test_a_third_pane_for_what_is_branched_from(controller, settle):
     settle(controller)
     assert (state.lane, branches.places) == ("branch-1", [("freestyle", 12), ("main", 12), ("branch-1", 12)])
     assert table(branches)["control"] == ["none", "exponential", "frozen"]
-    assert len(table(branches)["verdict"]) == 3
+    assert len(table(branches)["outcome"]) == 3
     branches._pin.click()
     assert (branches.pinned, branches.third) == (("branch-1", 12), None)
 
@@ -86,7 +86,7 @@ def test_three_views_share_the_camera_and_the_width(done):
     viewer.also = None
     assert [view.width for view in viewer._stage.children] == [450, 450]
     viewer.compared = None
-    assert viewer.names == ("styled", "original")
+    assert viewer.names == ("styled", "plain")
     viewer.close()
 
 

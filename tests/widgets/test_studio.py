@@ -22,11 +22,11 @@ def unprotected(monkeypatch):
 
 def test_settings_given_by_name_reach_the_recipe():
     studio = Studio("gallery:wall_hook", prompt="small wood", material="PETG", control="linear", every=7, schedule="every", vertices=900,
-                    threshold=0.5, protect=["inside"], drop_height=800)  # fmt: skip
+                    threshold=0.5, protect=["inside"], height=800)  # fmt: skip
     wanted = studio.wanted()
     recipe = wanted.recipe
     assert (recipe.prompt, recipe.material.name, recipe.control, recipe.every) == ("small wood", "PETG", "linear", 7)
-    assert (recipe.threshold, recipe.protect[0].words, recipe.drop_height) == (0.5, "inside", 800.0)
+    assert (recipe.threshold, recipe.protect[0].words, recipe.height) == (0.5, "inside", 800.0)
     assert (wanted.vertices, wanted.name) == (900, "wall_hook")
     assert wanted.mesh is studio.part_picker.mesh
 
@@ -70,11 +70,11 @@ def test_a_criterion_brings_its_method_as_on_the_command_line_and_back():
 
 @pytest.mark.usefixtures("unprotected")
 def test_a_run_by_the_published_rule_opens_with_its_own_settings(tmp_path, fake_run):
-    made = fake_run(tmp_path / "published", criterion="paper", base="protected", tilts=2)
+    made = fake_run(tmp_path / "published", criterion="paper", base="plain", nearly_flat=True)
     made.go()
     studio = Studio(made.run)
     assert studio.controller.differs() == {}
-    assert studio.regions_picker.base == "protected"
+    assert studio.regions_picker.base == "plain"
 
 
 @pytest.mark.usefixtures("unprotected")
@@ -331,7 +331,7 @@ def test_a_pinned_iteration_stands_beside_the_one_on_show(done):
     assert not np.allclose(viewer.subject.mesh.vertices, viewer.original.mesh.vertices)
     studio.state.lane, studio.state.iteration = "main", 4
     studio.branches._pin.click()
-    assert (studio.branches.pinned, viewer.beside, viewer.names) == (None, False, ("styled", "original"))
+    assert (studio.branches.pinned, viewer.beside, viewer.names) == (None, False, ("styled", "plain"))
     assert np.allclose(viewer.original.mesh.vertices, done.part.surface.vertices)
 
 

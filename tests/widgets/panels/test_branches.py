@@ -6,7 +6,8 @@ import pytest
 from mechstyle.errors import MissingPiece
 from mechstyle.records.load_cases import Load, LoadCase, Support
 from mechstyle.records.regions import Inside
-from mechstyle_widgets.panels.branches import Branches, said
+from mechstyle.records.sentences import survived
+from mechstyle_widgets.panels.branches import Branches, said, said_of
 from mechstyle_widgets.state.controller import Controller, Wanted
 from mechstyle_widgets.state.studio_state import StudioState
 
@@ -40,7 +41,19 @@ def test_two_iterations_are_compared_in_settings_and_results(branches):
     assert table["control"] == ("exponential", "linear")
     assert table["iteration"] == ("4", "9")
     assert table["simulated because"] == ("every 4 iterations", "every 3 iterations")
+    tested = (branches.state.row(4, "main").verdict, branches.state.row(9, "soft").verdict)
+    assert table["outcome"] == tuple(said_of(verdict) for verdict in tested)
+    assert table["flat"] == tuple(survived(verdict)["flat"] for verdict in tested)
     assert "main · 4" in branches._comparison.value
+
+
+def test_what_was_not_tested_has_a_dash_for_what_it_survives(branches):
+    branches.state.iteration = 5
+    branches._pin.click()
+    branches.state.iteration = 4
+    table = {name: (there, here) for name, there, here in branches.comparison()}
+    assert (table["outcome"][0], table["flat"][0]) == ("–", "–")
+    assert table["flat"][1] != "–"
 
 
 def test_nothing_is_compared_before_something_is_pinned(branches):
@@ -69,11 +82,11 @@ def test_a_branch_from_the_iteration_on_show_takes_what_was_changed_at_the_left(
 
 
 def test_a_branch_has_the_very_settings_of_the_left_column(controller, settle):
-    """Told `frozen` alone, a branch would compare with the part's own maximum, which is not what the column shows."""
+    """Given `frozen` alone, a branch would compare with the part's own maximum, which is not what the column shows."""
     branches = Branches(controller)
     controller.run()
     settle(controller)
-    shown = msgspec.structs.replace(controller.state.run.recipe, control="frozen", poses="tilts")
+    shown = msgspec.structs.replace(controller.state.run.recipe, control="frozen", poses="resting")
     controller.wanted = lambda: Wanted(shown, None, 500, "sheet")
     controller.state.iteration = 5
     branches._branch.click()

@@ -3,26 +3,29 @@
 import msgspec
 import pytest
 
-from mechstyle_widgets.panels.result import Result, informing, steps
+from mechstyle.records import Doubt, sentences
+from mechstyle_widgets.panels.result import Result, of_verdict, steps
 from mechstyle_widgets.state.studio_state import StudioState
-from support.lanes import lane_on_a_sheet
 
-SETTINGS = {"schedule": "every", "every": 4, "travel": 0.1, "iterations": 12, "relief": None, "amplitude": None, "orientations": 6}
+SETTINGS = {"schedule": "every", "every": 4, "travel": 0.1, "iterations": 12, "relief": None, "amplitude": None, "orientations": 1}
 
 
 @pytest.mark.parametrize(
-    ("changed", "told"),
+    ("changed", "expected"),
     [
-        ({}, "Drop it on the way, 2 times"),
+        ({}, "Drop it on the way, 2 times, in 3 landings"),
         ({"schedule": "geometry"}, "Drop it on the way, about"),
-        ({"orientations": 1}, "Drop what has come of it, once"),
-        ({"orientations": 5, "tilts": 3}, "Drop what has come of it, 8 times"),
+        ({"nearly_flat": False}, "Drop it on the way, 2 times, in 1 landing"),
+        ({"nearly_flat": False}, "Drop what has come of it flat"),
+        ({}, "Drop what has come of it flat and nearly flat"),
+        ({"orientations": 5}, "Drop what has come of it flat, nearly flat and in 4 other landings"),
+        ({"loads": ("a case",)}, "Drop what has come of it flat and nearly flat, and load it"),
     ],
 )
-def test_a_plan_is_told_step_by_step(changed, told):
+def test_a_plan_is_given_step_by_step(changed, expected):
     said = steps({**SETTINGS, **changed})
-    assert said[0] == "Drop the part as it came"
-    assert any(step.startswith(told) for step in said)
+    assert said[0].startswith("Drop the plain part flat")
+    assert any(step == expected or step.startswith(f"{expected} ") for step in said), said
 
 
 def test_what_is_dropped_at_the_end_only_is_not_dropped_on_the_way():
@@ -38,30 +41,42 @@ def test_nothing_is_promised_while_the_settings_are_not_known():
     assert steps({}) == []
 
 
-def test_a_plan_gives_way_to_the_last_verdict_of_each_lane(done):
+def test_a_plan_gives_way_to_the_table_of_falls_and_the_outcome_of_each_lane(done):
     state = StudioState()
     state.settings = SETTINGS
     result = Result(state)
-    assert "Drop the part as it came" in result.value
+    assert "Drop the plain part" in result.value
     state.open(done)
-    assert "Drop the part" not in result.value
+    assert "Drop the plain part" not in result.value
     last = done.history[-1].verdict
-    assert "as it came" in result.value.replace("\N{NO-BREAK SPACE}", " ")
-    for word in ("main", "soft", f"{last.safety_factor:.2f}", last.tightest.short):
-        assert word in result.value
+    for words in ("main", "soft", last.outcome, *sentences.COLUMNS, *sentences.table(last)[0]):
+        assert words in result.value
+    assert last.head.split("(")[0] in result.value
 
 
-def test_the_worst_landing_and_random_drops_stand_beside_those_of_the_part_as_it_came(tmp_path, monkeypatch):
-    done, state = lane_on_a_sheet(tmp_path / "run", iterations=10), StudioState()
-    summary = done.summary
-    known = {"worst": 151.2, "worst_landing": "direction 1", "failure_probability": 0.4}
-    now, before = (msgspec.structs.replace(strength, **known) for strength in (summary.result, summary.baseline))
-    other = msgspec.structs.replace(summary, result=now, baseline=msgspec.structs.replace(before, worst=98.0, failure_probability=0.1))
-    result = Result(state)
-    monkeypatch.setattr(type(done), "summary", other)
-    state.open(done)
-    assert "Worst landing of main: 151 MPa, direction 1; as it came 98 MPa. 40% of random drops begin to yield it, 10% as" in result.value
-    unknown = msgspec.structs.replace(before, worst=None, failure_probability=None)
-    monkeypatch.setattr(type(done), "summary", msgspec.structs.replace(summary, result=now, baseline=unknown))
-    assert informing(done) == ""
-    assert informing(None) == ""
+def test_the_table_is_that_of_the_lane_on_show(done):
+    state = StudioState(done)
+    result, before = Result(state), Result(state).value
+    state.lane = "soft"
+    assert result.value != before
+    _, verdict = next((row, row.verdict) for row in reversed(state.history) if row.verdict is not None)
+    assert sentences.table(verdict)[0][2] in result.value
+
+
+def test_a_plain_part_has_one_column_of_what_it_survives(done):
+    plain = done.history[0].verdict
+    assert '<th scope="col">survives</th>' in of_verdict(plain)
+    assert '<th scope="col">plain</th>' not in of_verdict(plain)
+
+
+def test_a_doubt_stands_under_the_table(done):
+    last = done.history[-1].verdict
+    assert "mechstyle-warning" not in of_verdict(msgspec.structs.replace(last, doubts=()))
+    unsure = msgspec.structs.replace(last, doubts=(Doubt(about="relief", value=0.4),))
+    assert "mechstyle-warning" in of_verdict(unsure)
+    assert "the mesh follows only 40% of the relief" in of_verdict(unsure)
+
+
+def test_what_gave_no_answer_has_no_table(done):
+    unknown = msgspec.structs.replace(done.history[-1].verdict, outcome="UNKNOWN", rows=(), doubts=(), failure="the mesh is gone")
+    assert of_verdict(unknown) == "<div>UNKNOWN: the mesh is gone.</div>"

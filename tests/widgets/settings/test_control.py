@@ -32,8 +32,8 @@ def test_the_curve_of_sigma_c_moves_with_lambda():
 
 
 def test_the_curve_moves_with_threshold_and_normalisation():
-    selector = ControlSelector(PLA, control="linear", normalisation="yield", threshold=0.5)
-    assert ends_at(selector) == pytest.approx(0.5 * 45.6, abs=0.1)
+    selector = ControlSelector(PLA, control="linear", normalisation="sigma_c", threshold=0.5)
+    assert ends_at(selector) == pytest.approx(0.5 * 0.2 * 45.6, abs=0.1)
     selector.normalisation, selector.peak_stress, selector.threshold = "own_max", 30.0, 1.0
     assert ends_at(selector) == pytest.approx(30.0, abs=0.1)
 

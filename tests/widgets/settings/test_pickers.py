@@ -11,9 +11,11 @@ from mechstyle.errors import BadInput
 from mechstyle.geometry.files import save
 from mechstyle.records.load_cases import read_loads
 from mechstyle.records.material import LIBRARY
+from mechstyle.records.recipe import BASES
 from mechstyle.records.regions import Inside, Sphere
 from mechstyle.runs.images import digest_of
-from mechstyle.styling.image_files.decode import png_of
+from mechstyle.runs.recipes import draft
+from mechstyle.styling.image_files import png_of
 from mechstyle.styling.library import names
 from mechstyle_widgets.settings.drop import ONCE, DropOptions
 from mechstyle_widgets.settings.material import MaterialPicker
@@ -316,8 +318,9 @@ def test_clicks_paint_where_the_switch_is_on():
 
 
 def test_the_folded_regions_say_what_becomes_of_the_underside_or_how_many_there_are():
-    briefs = {base: RegionsPicker(base=base).brief for base in ("level", "protected", "free")}
-    assert briefs == {"level": "underside level", "protected": "underside smooth", "free": "underside as it comes"}
+    briefs = {base: RegionsPicker(base=base).brief for base in BASES}
+    assert briefs == {"plain": "underside smooth", "level": "underside level", "free": "underside styled"}
+    assert RegionsPicker().brief == "underside smooth"
     assert RegionsPicker(["inside", "below 5"]).brief == "2 regions"
 
 
@@ -326,16 +329,49 @@ def test_the_folded_regions_say_what_becomes_of_the_underside_or_how_many_there_
 
 def test_options_go_both_ways():
     options = DropOptions(vertices=2000)
-    options.children[0].value = 750.0
-    assert options.settings["drop_height"] == 750.0
+    options.children[0].value = "750"
+    assert (options.height, options.settings["height"], options.children[0].value) == (750.0, "75 cm", "75 cm")
     options.orientations = 3
     assert options._drops.value == 3
     assert options.vertices == 2000
 
 
+def test_the_fall_is_written_with_its_unit_and_what_is_none_is_said_at_the_control():
+    options = DropOptions()
+    assert options._height.value == "1.5 m"
+    options._height.value = "1,2 m"
+    assert (options.height, options._height.value, options.brief) == (1200.0, "1.2 m", "1.2 m, as it stands")
+    for wrong, said in (("1.5", "a height of 1.5 would be 1.5 mm"), ("5 ft", "not in &#x27;ft&#x27;"), ("200 m", "between 1 mm and 100 m")):
+        options._height.value = wrong
+        assert said in options.trouble
+        assert (options.height, options._height.value) == (1200.0, wrong)
+    options._height.value = "4 cm"
+    assert (options.trouble, options.height) == ("", 40.0)
+    assert draft("brick", **options.settings).height == 40.0, "a small one is not asked about again"
+    options.take(recipe(height=760.0))
+    assert options._height.value == "76 cm"
+
+
+def test_python_may_set_the_fall_as_people_write_it():
+    options = DropOptions(height="80 cm")
+    assert options.height == 800.0
+    with pytest.raises(BadInput, match="would be 2 mm"):
+        options.height = "2"
+    assert options.height == 800.0
+
+
+def test_nearly_flat_landings_are_ticked_and_said():
+    options = DropOptions()
+    assert "Nearly flat as well" in options._note.value
+    control = next(one for one in options.children if getattr(one, "description", "") == "nearly flat")
+    control.value = False
+    assert options.settings["nearly_flat"] is False
+    assert "early flat" not in options._note.value
+
+
 def test_a_way_to_land_brings_its_usual_number_of_drops():
-    options = DropOptions(orientations=1, poses="tilts")
-    assert (options._way.label, options._drops.layout.display) == ("as it stands, once", "none")
+    options = DropOptions(poses="box26")
+    assert (options._way.label, options._drops.layout.display) == ("as it stands", "none")
     options._way.value = "resting"
     assert (options.poses, options.orientations, options._drops.layout.display) == ("resting", 8, None)
     assert "up to 8 drops" in options._note.value
@@ -351,14 +387,14 @@ def test_a_way_to_land_brings_its_usual_number_of_drops():
 def test_a_standard_brings_its_landings_and_says_where_it_is_departed_from():
     options = DropOptions()
     options._standard.value = "mil-810h"
-    assert (options.standard, options.poses, options.orientations, options.drop_height) == ("mil-810h", "box26", 27, 1220.0)
+    assert (options.standard, options.poses, options.orientations, options.height) == ("mil-810h", "box26", 27, 1220.0)
     assert options._way.value == "box26"
     assert "Simulated orientations after MIL-STD-810H" in options._note.value
     assert "but" not in options._note.value
-    options.drop_height = 800.0
-    assert "but 800 mm instead of 1220 mm" in options._note.value
+    options.height = 800.0
+    assert "but 80 cm instead of 1.22 m" in options._note.value
     options._standard.value = ""
-    assert (options.standard, options.poses, options.drop_height) == ("", "box26", 800.0)
+    assert (options.standard, options.poses, options.height) == ("", "box26", 800.0)
     assert "after" not in options._note.value
 
 

@@ -14,7 +14,6 @@ from mechstyle_widgets.settings.schedule import ScheduleSelector
         ("quadratic", [1, 4, 9, 16, 20]),
         ("exponential", [2, 4, 8, 16, 20]),
         ("never", [20]),
-        ("always", list(range(1, 21))),
     ],
 )
 def test_fixed_schedules_are_previewed_exactly(schedule, expected):

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import msgspec
 import pytest
 
+from mechstyle.records import Doubt
 from mechstyle_widgets.state.outcomes import LOOKS
 from mechstyle_widgets.state.studio_state import StudioState
-from mechstyle_widgets.timeline.figure import story
+from mechstyle_widgets.timeline.figure import contents, story
 from mechstyle_widgets.timeline.timeline import Timeline
 from support.models import alive
 
-LANES, STEPS, VIABLE, MARGINAL, FAILS, UNKNOWN, OTHER_PEAKS, LIMIT, PEAKS, OTHER_CURVES, CURVE, PLANNED = range(12)
+LANES, STEPS, HOLDS, NO_WORSE, FAILS, UNKNOWN, OTHER_STRESSES, LIMIT, STRESSES, OTHER_CURVES, CURVE, PLANNED = range(12)
 
 
 @pytest.fixture
@@ -31,22 +33,22 @@ def frame(timeline):
     return timeline._curves.frame
 
 
-def test_every_simulation_is_a_mark_by_its_verdict(timeline, state):
-    for number, word in ((VIABLE, "VIABLE"), (MARGINAL, "MARGINAL"), (FAILS, "FAILS"), (UNKNOWN, "UNKNOWN")):
-        of_this = [row.iteration for row in state.histories["main"] if row.word == word]
+def test_every_simulation_is_a_mark_by_its_outcome(timeline, state):
+    for number, outcome in ((HOLDS, "HOLDS"), (NO_WORSE, "NO WORSE"), (FAILS, "FAILS"), (UNKNOWN, "UNKNOWN")):
+        of_this = [row.iteration for row in state.histories["main"] if row.outcome == outcome]
         marks = zip(trace(timeline, number)["x"], trace(timeline, number)["y"], strict=True)
         assert [x for x, lane in marks if lane == "main"] == of_this
-    assert sum(len(trace(timeline, number)["x"]) for number in (VIABLE, MARGINAL, FAILS, UNKNOWN)) == 4 + 2
+    assert sum(len(trace(timeline, number)["x"]) for number in (HOLDS, NO_WORSE, FAILS, UNKNOWN)) == 4 + 2
 
 
-def test_verdicts_differ_in_shape_and_not_by_colour_alone():
-    for told_by in ("mark", "symbol", "line", "fill"):
-        assert len({getattr(look, told_by) for look in LOOKS.values()}) == len(LOOKS)
+def test_outcomes_differ_in_shape_and_not_by_colour_alone():
+    for by in ("mark", "symbol", "line", "fill"):
+        assert len({getattr(look, by) for look in LOOKS.values()}) == len(LOOKS)
 
 
 def test_hovering_tells_reason_verdict_and_figures(state):
     told = story("a<b", state.row(4))
-    for text in ("a&lt;b · iteration 4", "simulated because: every 4 iterations", state.row(4).word, "style loss", "travel 0.00"):
+    for text in ("a&lt;b · iteration 4", "simulated because: every 4 iterations", state.row(4).outcome, "style loss", "travel 0.00"):
         assert text in told
 
 
@@ -60,10 +62,19 @@ def test_the_axis_of_lanes_is_one_of_names_before_a_run_as_well():
     assert set(trace(timeline, LANES)["y"]) == {"main"}, "plotly would take it for an axis of numbers, on which no mark is seen"
 
 
-def test_the_peak_stands_beside_its_limit(timeline, state):
-    simulated = [row for row in state.history if row.peak is not None]
-    assert trace(timeline, PEAKS)["y"] == [row.peak for row in simulated]
+def test_the_stress_stands_beside_its_limit(timeline, state):
+    simulated = [row for row in state.history if row.stress is not None]
+    assert trace(timeline, STRESSES)["y"] == [row.stress for row in simulated]
     assert trace(timeline, LIMIT)["y"][: len(simulated)] == [row.limit for row in simulated]
+
+
+def test_what_is_not_sure_has_a_line_around_its_mark(state):
+    row = state.row(4)
+    doubt = Doubt(about="relief", value=0.4)
+    sure, unsure = (msgspec.structs.replace(row, verdict=msgspec.structs.replace(row.verdict, doubts=doubts)) for doubts in ((), (doubt,)))
+    traces, _ = contents({"main": [sure, unsure]}, [], "main", "style_loss", "light")
+    assert traces[STRESSES]["marker"]["line"]["width"] == [0, 2]
+    assert traces[HOLDS + list(LOOKS).index(row.outcome)]["marker"]["line"]["width"] == [0, 2]
 
 
 def test_the_curve_can_be_chosen(timeline, state):

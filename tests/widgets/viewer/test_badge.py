@@ -1,47 +1,83 @@
-"""The badge: the word of the verdict, the least factor of the rules that count, and the way to the place that decides."""
+"""The badge: the outcome in a few words, the figures behind it, and the way to the place that decides."""
+
+from dataclasses import replace
+from html import escape
 
 import msgspec
 import numpy as np
 import pytest
 
-from mechstyle.records import Judgement, Simulation, Verdict
-from mechstyle_widgets.state.outcomes import LOOKS
+from mechstyle.records import Doubt, LoadResult, Row, Simulation, Verdict, sentences
+from mechstyle_widgets.state.outcomes import DOUBT, LOOKS, UNTESTED
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.viewer import badge
 from mechstyle_widgets.viewer.run_viewer import RunViewer
 
-
-def rule(value, limit, *, unit="MPa", marginal=False):
-    return Judgement(rule="a rule", outcome="VIABLE" if value <= limit else "FAILS", value=value, limit=limit, unit=unit, marginal=marginal)
+STRENGTH = 45.6
 
 
-def verdict(as_placed, all_orientations=None, **more):
-    outcome = "FAILS" if any(one and one.outcome == "FAILS" for one in (as_placed, all_orientations)) else "VIABLE"
-    given = {"outcome": outcome, "criterion": "robust", "literal": rule(80.0, 45.0), "words": "", **more}
-    return Verdict(as_placed=as_placed, all_orientations=all_orientations, **given)
+def flat(height, original=2400.0, outcome="HOLDS"):
+    found = {"stress": STRENGTH * (1500.0 / height) ** 0.5, "limit": STRENGTH * max(1.0, 1500.0 / (0.9 * original)) ** 0.5}
+    return Row(test="flat", landing="flat", outcome=outcome, height=height, asked=1500.0, original=original, decides=True, **found)
 
 
-def test_the_figure_is_the_factor_of_the_rule_that_decides():
-    told = badge.told(verdict(rule(43.8, 45.6), rule(1.18, 1.10, unit="x the original")))
-    assert "FAILS" in told
-    assert "<b>0.93</b>" in told
-    assert "1.18 of 1.10 times, of all landings" in told
-    assert LOOKS["FAILS"].fill in told
+def load(factor, outcome="HOLDS"):
+    found = {"stress": STRENGTH / factor, "limit": STRENGTH}
+    return Row(test="load", load="a coat", outcome=outcome, factor=factor, asked=1.0, original=2.0, decides=True, **found)
 
 
-def test_what_is_not_sure_is_amber_and_never_green():
-    told = badge.told(verdict(rule(44.0, 45.0, marginal=True)))
-    assert "MARGINAL" in told
-    assert "VIABLE" not in told
-    assert LOOKS["MARGINAL"].fill in told
-    assert LOOKS["VIABLE"].fill not in told
+def verdict(outcome, *rows, **more):
+    given = {"criterion": "robust", "fall": 1500.0, "strength": STRENGTH, "material": "PLA", "style": "brick", **more}
+    return Verdict(outcome=outcome, rows=rows, **given)
 
 
-def test_no_answer_has_no_figure():
-    told = badge.told(verdict(rule(float("nan"), 45.0), outcome="UNKNOWN"))
-    assert "UNKNOWN" in told
-    assert "nan" not in told
-    assert "safety factor" not in told
+def test_it_says_the_outcome_with_its_fall_and_what_the_test_that_decides_found():
+    said = badge.judged(verdict("HOLDS", flat(1900.0)), kept="80% of the relief kept")
+    assert "HOLDS a fall of 1.5 m" in said
+    assert "flat: plain 2.4 m, brick 1.9 m · 80% of the relief kept" in said
+    assert LOOKS["HOLDS"].fill in said
+    assert DOUBT not in said
+    assert sentences.NOT_SURE not in said
+
+
+def test_the_figures_are_those_of_the_test_with_the_least_reserve():
+    said = badge.judged(verdict("FAILS", flat(1900.0), load(0.4, "FAILS")))
+    assert "FAILS the load" in said
+    assert "load a coat: plain 2.00 ×, brick 0.40 ×" in said
+    assert LOOKS["FAILS"].fill in said
+
+
+def test_no_worse_has_a_mark_and_a_shade_of_its_own():
+    said = badge.judged(verdict("NO WORSE", flat(1400.0, 1450.0, "NO WORSE")))
+    assert "NO WORSE than the plain part" in said
+    assert LOOKS["NO WORSE"].fill in said
+    assert LOOKS["NO WORSE"].mark in said
+
+
+def test_what_is_not_sure_has_an_amber_line_around_its_own_colour():
+    doubt = Doubt(about="limit", value=1.01, test="flat", landing="flat")
+    said = badge.judged(verdict("HOLDS", flat(1515.0), doubts=(doubt,)))
+    assert f"outline:3px solid {DOUBT}" in said
+    assert "not sure" in said
+    assert LOOKS["HOLDS"].fill in said
+
+
+def test_no_answer_is_amber_and_has_no_figure():
+    said = badge.judged(verdict("UNKNOWN", failure="the integration blew up"))
+    assert "UNKNOWN" in said
+    assert "the integration blew up" in said
+    assert LOOKS["UNKNOWN"].fill in said
+    assert "<small></small>" in said
+
+
+def test_where_the_mouse_rests_it_says_how_the_part_is_judged_and_every_figure():
+    found = verdict("NO WORSE", flat(1900.0), load(0.95, "NO WORSE"))
+    title = badge.judged(found).split('title="')[1].split('">')[0]
+    for sentence in sentences.EXPLANATION:
+        assert escape(sentence) in title
+    for row in sentences.table(found):
+        for cell in row:
+            assert escape(cell) in title
 
 
 @pytest.mark.parametrize("look", LOOKS.values())
@@ -54,15 +90,20 @@ def test_words_on_a_badge_can_be_read(look):
     assert (high + 0.05) / (low + 0.05) >= 4.5
 
 
-def test_it_tells_of_the_last_drop_and_when_that_was(done):
+def test_it_tells_of_the_last_test_and_when_that_was_in_grey(done):
     state = StudioState(done)
     viewer = RunViewer(state)
+    state.iteration = 4
+    found = state.row(4).verdict
+    assert LOOKS[found.outcome].fill in viewer.badge._words.value
     state.iteration = 6
-    tested = state.row(4)
-    assert f"<b>{tested.verdict.safety_factor:.2f}</b>" in viewer.badge._words.value
+    assert escape(found.short) in viewer.badge._words.value
     assert "tested at iteration 4" in viewer.badge._words.value
+    assert f"background:{UNTESTED.fill}" in viewer.badge._words.value
+    assert LOOKS[found.outcome].fill not in viewer.badge._words.value
     state.iteration = 12
     assert "tested at" not in viewer.badge._words.value
+    assert f"background:{UNTESTED.fill}" not in viewer.badge._words.value
 
 
 def test_the_worst_place_is_flown_to_and_asked_about(done):
@@ -78,12 +119,13 @@ def test_the_worst_place_is_flown_to_and_asked_about(done):
     np.testing.assert_allclose(viewer._orbit.seen.target, viewer.subject.mesh.vertices[nearest], atol=1e-6)
 
 
-def test_the_place_is_that_of_the_test_whose_rule_decides(done):
-    tested = done.simulation()
-    there = msgspec.structs.replace(tested.as_placed, where=(1.0, 2.0, 3.0))
-    tested = Simulation(**{**{name: getattr(tested, name) for name in tested.__dataclass_fields__}, "overall": there})
-    assert badge.worst_place(verdict(rule(20.0, 45.0), rule(1.05, 1.10, unit="x the original")), tested) == (1.0, 2.0, 3.0)
-    assert badge.worst_place(verdict(rule(44.0, 45.0), rule(0.5, 1.10, unit="x the original")), tested) == tested.as_placed.where
+def test_the_place_is_that_of_the_test_that_decides(done):
+    there, count = (1.0, 2.0, 3.0), len(done.part.surface.vertices)
+    case = LoadResult(name="a coat", stress=30.0, maximum=60.0, where=there, deflection=1.0)
+    tested = replace(done.simulation(), loads=(case,), load_stress=np.zeros((1, count), np.float32))
+    landing = msgspec.structs.replace(flat(1600.0), landing=tested.landings[0].name)
+    assert badge.worst_place(verdict("HOLDS", landing, load(1.01)), tested) == there
+    assert badge.worst_place(verdict("HOLDS", landing, load(5.0)), tested) == tested.landings[0].where
 
 
 def test_keys_turn_the_part_and_bring_it_back(done):

@@ -5,11 +5,11 @@ from __future__ import annotations
 import asyncio
 from dataclasses import replace
 
+import msgspec
 import numpy as np
 import pytest
 
 from mechstyle.errors import SimulationFailed
-from mechstyle.records import Landing
 from mechstyle.simulation.impact import Impact
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.viewer import impact_player
@@ -67,18 +67,23 @@ def test_it_opens_at_the_peak_and_plays_up_to_it(viewer, impact, monkeypatch):
 
 def test_any_landing_that_was_tested_can_be_seen(state, viewer, monkeypatch):
     tested, known = state.run.simulation(12), state.simulation
-    ways = {"as placed": (0.0, 0.0, 1.0), "on its side": (1.0, 0.0, 0.0)}
-    landings = tuple(Landing(name=name, normal=normal, weight=0.5, measures=tested.as_placed) for name, normal in ways.items())
+    ways = {"flat": (0.0, 0.0, 1.0), "on its side": (1.0, 0.0, 0.0)}
+    flat, aside = (msgspec.structs.replace(tested.landings[0], name=name, normal=normal) for name, normal in ways.items())
+    aside = msgspec.structs.replace(aside, way="any landing", critical_height=400.0)
+    fields = np.stack([tested.landing_stress[0]] * 2)
 
     def with_landings(store, checkpoint):
         found = known(store, checkpoint)
-        return replace(found, landings=landings) if checkpoint.iteration == 12 else found
+        if checkpoint.iteration == 12:
+            return replace(found, landings=(flat, aside), landing_stress=fields)
+        return replace(found, landings=found.landings[:1], landing_stress=found.landing_stress[:1])
 
     monkeypatch.setattr(state, "simulation", with_landings)
     state.iteration = 4
     state.iteration = 12
     player = viewer.player
     assert [normal for _, normal in player._which.options] == list(ways.values())
+    assert player._which.options[1][0] == "on its side · 40 cm"
     player.play()
     player.landing = (1.0, 0.0, 0.0)
     assert player.impact.normal == (1.0, 0.0, 0.0), "another landing is worked out at once"
@@ -87,6 +92,20 @@ def test_any_landing_that_was_tested_can_be_seen(state, viewer, monkeypatch):
     assert within.max() < 1.0, "all of it is in view, where it stands now"
     state.iteration = 4
     assert player.landing == (0.0, 0.0, 1.0), "which was tested in no other way"
+
+
+def test_the_limit_of_the_moment_is_that_of_the_landing(viewer, state, impact):
+    verdict = state.row(12).verdict
+    rows = (verdict.row("flat"), msgspec.structs.replace(verdict.row("flat"), test="nearly flat", limit=77.0))
+    given = msgspec.structs.replace(verdict, rows=rows)
+    player = viewer.player
+    player.play()
+    assert player.at_the_moment(viewer._still, given).layer("moment").threshold == rows[0].limit
+    landing = msgspec.structs.replace(player._landings[impact.normal], way="nearly flat")
+    player._landings = {impact.normal: landing}
+    assert player.at_the_moment(viewer._still, given).layer("moment").threshold == 77.0
+    unknown = msgspec.structs.replace(verdict, rows=())
+    assert player.at_the_moment(viewer._still, unknown).layer("moment").threshold == verdict.strength
 
 
 def test_put_away_the_part_is_at_rest_again(viewer):
@@ -166,7 +185,7 @@ def test_a_drop_that_breaks_off_can_be_tried_again(viewer, later, impact, monkey
 
 def test_another_landing_ends_the_drop_of_the_one_before(viewer, later):
     player = viewer.player
-    player._which.options = [("as placed", (0.0, 0.0, 1.0)), ("on its side", (1.0, 0.0, 0.0))]
+    player._which.options = [("flat", (0.0, 0.0, 1.0)), ("on its side", (1.0, 0.0, 0.0))]
     player.play()
     player.landing = (1.0, 0.0, 0.0)
     for drop in reversed(later.drops):

@@ -18,7 +18,7 @@ from support.lanes import lane_on_a_sheet
 @pytest.fixture
 def growing(tmp_path):
     """A lane whose last iteration has the largest relief, stress and demand of all."""
-    settings = {"control": "none", "retraction": False, "guarantee": False, "threshold": 0.5, "normalisation": "yield"}
+    settings = {"control": "none", "guarantee": False, "threshold": 0.5, "normalisation": "own_max"}
     return lane_on_a_sheet(tmp_path / "run", iterations=20, **settings)
 
 
@@ -47,8 +47,12 @@ def test_a_checkpoint_shows_every_field_that_is_known_there(done):
     state = done.checkpoint(12)
     subject = subject_of(done, state)
     of_any = ["stress", "safety_factor", "restraint", "demand", "displacement", "thickness", "contact"]
-    of_several = ["envelope", "probability"]
-    assert [layer.name for layer in subject.layers] == of_any + of_several
+    of_tests = ["flat_stress", "nearly_flat_stress"]
+    assert [layer.name for layer in subject.layers] == of_any + of_tests
+    for name, way in zip(of_tests, ("flat", "nearly flat"), strict=True):
+        [landing] = done.simulation(12).of(way)
+        assert np.allclose(subject.layer(name).values, done.simulation(12).stress_of(landing=landing.name))
+        assert subject.layer(name).threshold == pytest.approx(state.verdict.row(way).limit)
     assert np.array_equal(subject.layer("stress").values, state.stress)
     assert np.allclose(subject.layer("restraint").values, 1.0 - state.mask)
     assert np.array_equal(subject.layer("displacement").values, state.displacement)
@@ -56,30 +60,29 @@ def test_a_checkpoint_shows_every_field_that_is_known_there(done):
     assert subject.mesh.colours is not None
 
 
-def test_the_least_safety_factor_is_that_of_the_rule_and_what_is_below_one_is_set_apart(done):
-    layer = subject_of(done, done.checkpoint(12)).layer("safety_factor")
-    assert layer.values.min() == pytest.approx(done.history[-1].verdict.as_placed.safety_factor, rel=1e-5)
+def test_the_least_safety_factor_is_that_of_the_verdict_and_what_is_below_one_is_set_apart(done):
+    layer, verdict = subject_of(done, done.checkpoint(12)).layer("safety_factor"), done.history[-1].verdict
+    assert layer.values.min() == pytest.approx(verdict.safety_factor, rel=1e-5)
     assert layer.values.max() <= 10.0
     assert (layer.limits, layer.threshold, layer.title) == ((4.0, 0.0), 1.0, "safety factor")
-    over = done.store.allowable(done.checkpoint(12)) * np.array([0.25, 0.99, 1.01])
-    factors = safety_factor(done.store.allowable(done.checkpoint(12))).made(over)
+    strength = done.recipe.material.yield_strength
+    factors = safety_factor(strength).made(strength * np.array([0.25, 0.99, 1.01]))
     assert layer.scale.beyond(factors).tolist() == [False, False, True]
 
 
-def test_contact_is_told_in_words_and_a_probability_in_per_cent(done):
+def test_contact_is_given_in_words(done):
     subject = subject_of(done, done.checkpoint(12))
-    contact, probability = subject.layer("contact"), subject.layer("probability")
+    contact = subject.layer("contact")
     assert [replace(contact, values=[value]).told(0) for value in (0.0, 1.0)] == ["no", "yes"]
-    shares = {0.0: "0 %", 0.0004: "under 0.1 %", 0.01508: "1.5 %", 0.4: "40 %", 1.0: "100 %", np.nan: "not known"}
-    assert [replace(probability, values=[share]).told(0) for share in shares] == list(shares.values())
     assert replace(subject.layer("stress"), values=[12.345]).told(0) == "12.35 MPa"
-    told = {name: subject.layer(name).told(5) for name in ("contact", "probability")}
-    assert all(f">{value}</td>" in table(subject, 5) for value in told.values())
-    assert f"<b>{told['contact']}</b>" in brief(subject, 5, "contact")
+    said = contact.told(5)
+    assert f">{said}</td>" in table(subject, 5)
+    assert f"<b>{said}</b>" in brief(subject, 5, "contact")
 
 
-def test_all_orientations_are_shown_only_where_they_were_run(done):
-    assert subject_of(done, done.checkpoint(4)).layer("envelope") is None
+def test_nearly_flat_landings_are_shown_only_where_they_were_dropped(fake_run, tmp_path):
+    flat_only = fake_run(tmp_path / "flat", nearly_flat=False)
+    assert subject_of(flat_only.go(), flat_only.run.checkpoint(4)).layer("nearly_flat_stress") is None
 
 
 def test_the_limits_are_those_of_the_verdict_and_of_the_recipe(done):
@@ -88,11 +91,11 @@ def test_the_limits_are_those_of_the_verdict_and_of_the_recipe(done):
     assert subject.layer("demand").threshold == done.recipe.threshold
 
 
-def test_between_simulations_the_last_verdict_holds_and_its_age_is_told(done):
+def test_between_simulations_the_last_verdict_holds_and_its_age_is_said(done):
     state = done.checkpoint(6)
     assert subject_of(done, state).layer("stress").threshold == done.history[4].verdict.deciding.limit
-    assert subject_of(done, state).layer("stress").note == "simulated at iteration 4"
-    assert subject_of(done, done.checkpoint(4)).layer("stress").note == ""
+    assert subject_of(done, state).layer("stress").note == "flat, simulated at iteration 4"
+    assert subject_of(done, done.checkpoint(4)).layer("stress").note == "flat"
 
 
 def test_displacement_keeps_its_colours_from_iteration_to_iteration(done):

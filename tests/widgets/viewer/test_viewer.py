@@ -379,6 +379,16 @@ def test_what_is_delivered_stands_for_the_part_where_its_own_look_is_shown(paint
     assert shown(viewer) == (True, []), "the hatch lies on the part"
 
 
+def test_what_is_delivered_is_shown_where_nothing_is_protected(painted, delivered):
+    """A choice of regions that covers no vertex hatches nothing."""
+    viewer = Viewer(painted)
+    viewer.subject = replace(viewer.subject, look=delivered)
+    viewer.protected = np.zeros(len(painted.vertices), bool)
+    assert shown(viewer) == (False, [delivered])
+    viewer.protected = np.arange(len(painted.vertices)) == 0
+    assert shown(viewer) == (True, [])
+
+
 def test_what_is_delivered_is_sent_once(painted, height, delivered):
     viewer = Viewer(painted, [height])
     viewer.subject, viewer.layer = replace(viewer.subject, look=delivered), "style"

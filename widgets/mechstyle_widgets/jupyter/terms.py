@@ -13,7 +13,7 @@ ALSO = {
     "drops": "orientations, poses",
     "it lands": "orientations, poses",
     "thinnest": "minimum_wall",
-    "correct until it is viable": "guarantee",
+    "correct until it passes": "guarantee",
     "regions": "protect",
     "branches": "lane",
     "lanes": "lane",
@@ -60,7 +60,7 @@ def _part(x: float, turned: float, fill: str) -> str:
     return f'<rect x="{x}" y="6" width="14" height="20" transform="rotate({turned} {x + 7} 16)" fill="{fill}" stroke="{INK}"/>'
 
 
-_FROM_ORIGINAL_TO_LIMIT = (_bar(4, 272, "none"), _bar(4, 110, FAINT), _limit(250), _word(4, "as it came"), _word(236, "limit"))
+_FROM_ORIGINAL_TO_LIMIT = (_bar(4, 272, "none"), _bar(4, 110, FAINT), _limit(250), _word(4, "plain part"), _word(236, "limit"))
 PICTURES = {
     "demand": _picture(*_FROM_ORIGINAL_TO_LIMIT, _bar(114, 56, ACCENT), _word(128, "style")),
     "headroom": _picture(*_FROM_ORIGINAL_TO_LIMIT, f'<path d="M116 16H248" stroke="{ACCENT}" stroke-width="4"/>', _word(142, "headroom")),
@@ -71,10 +71,10 @@ PICTURES = {
         *(f'<circle cx="{x}" cy="16" r="6" fill="{ACCENT}"/>' for x in (8, 40, 96, 176, 272)),
         _word(4, "start"), _word(86, "dropped on the way"), _word(256, "end"),
     ),
-    "envelope": _picture(
+    "nearly_flat": _picture(
         f'<path d="M4 30H276" stroke="{FAINT}"/>',
-        *(_part(x, turned, fill) for x, turned, fill in ((20, 0, "none"), (92, 35, "none"), (164, 90, OVER), (236, 145, "none"))),
-        _word(148, "the worst"),
+        *(_part(x, turned, fill) for x, turned, fill in ((20, 0, "none"), (110, -12, "none"), (200, 12, OVER))),
+        _word(12, "flat"), _word(182, "the worst"),
     ),
 }  # fmt: skip
 """Small pictures of terms that a sentence alone does not teach."""

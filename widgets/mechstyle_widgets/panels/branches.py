@@ -13,7 +13,7 @@ import traitlets
 
 from mechstyle.errors import MechStyleError
 from mechstyle.loop.history import Branch, Row
-from mechstyle.records import Checkpoint
+from mechstyle.records import Checkpoint, Verdict, sentences
 from mechstyle.records.load_cases import LoadCase
 from mechstyle.records.material import Material
 from mechstyle.records.regions import Point
@@ -70,7 +70,7 @@ class Branches(Section):
     def branch(self) -> None:
         """A new lane from the iteration on show, with the settings of the left column.
 
-        All of them are asked for: told the changed ones only, a branch adds what usually goes with them.
+        All of them are asked for: given the changed ones only, a branch adds what usually goes with them.
         """
         try:
             changed, wanted = self.controller.differs(), self.controller.wanted().recipe
@@ -101,12 +101,14 @@ class Branches(Section):
         if len(sides) < 2 or self.state.run is None:
             return []
         store = self.state.run.store
-        told = [results(*side) for side in sides]
+        found = [results(*side) for side in sides]
         recipes = [store.recipe(store.lane(lane).recipe) for lane, _ in self.places]
         other = [{name: (theirs, ours) for name, theirs, ours in recipe.differences(recipes[-1], by_figure=True)} for recipe in recipes]
         ours = {name: here for differing in other for name, (_, here) in differing.items()}
         settings = [(name, *(differing.get(name, (here,))[0] for differing in other)) for name, here in ours.items()]
-        rows = [(name, *(one[name] for one in told)) for name in told[0] if any(one[name] != "–" for one in told)]
+        names = dict.fromkeys(name for one in found for name in one)
+        cells = [(name, *(one.get(name, "–") for one in found)) for name in names]
+        rows = [row for row in cells if set(row[1:]) != {"–"}]
         return rows + [(name.replace("_", " "), *map(said, values)) for name, *values in settings]
 
     @property
@@ -131,11 +133,10 @@ class Branches(Section):
         judged = [(side, verdict) for side, verdict in sides if verdict is not None and verdict.outcome != "UNKNOWN"]
         if len(judged) < 2:
             return None
-        (run, _, checkpoint), verdict = min(judged, key=lambda one: one[1].safety_factor)
+        (run, _, checkpoint), verdict = min(judged, key=lambda one: _reserve(one[1]))
         place = worst_place(verdict, self.state.simulation(run.store, checkpoint))
         vertex = int(np.linalg.norm(run.part.surface.vertices - np.asarray(place), axis=1).argmin())
-        there = ", ".join(f"{one.lane} {state.stress[vertex]:.0f} MPa" for (one, _, state), _ in judged)
-        return place, f"✕ marks where {run.lane} has least left ({verdict.tightest.short}); stress there as it stands: {there}."
+        return place, sentences.least_left(run.lane, verdict, {one.lane: float(state.stress[vertex]) for (one, _, state), _ in judged})
 
     def _list(self, _change: object = None) -> None:
         self._choice.unobserve(self._choose, "value")
@@ -181,28 +182,42 @@ def _on_show_first(cells: Sequence[str]) -> tuple[str, ...]:
 
 
 def _line(branch: Branch, rows: Sequence[Row]) -> str:
-    """A lane in one line, with the mark of its newest verdict."""
-    word = next((row.word for row in reversed(rows) if row.word), "")
+    """A lane in one line, with the mark of its newest outcome."""
+    outcome = next((row.outcome for row in reversed(rows) if row.outcome), "")
     where = f"{branch.iteration} of {branch.iterations}" if branch.iteration < branch.iterations else f"{branch.iterations} iterations"
     origin = f", from {branch.parent} at {branch.forked_at}" if branch.forked_at is not None else ""
-    return f"{LOOKS[word].mark if word else '·'} {branch.lane}: {where}{origin}"
+    return f"{LOOKS[outcome].mark if outcome else '·'} {branch.lane}: {where}{origin}"
 
 
 def results(run: Run, row: Row, checkpoint: Checkpoint) -> dict[str, str]:
     """Results of an iteration of a lane, as table cells."""
-    known = row.verdict is not None and row.verdict.outcome != "UNKNOWN"
+    verdict = row.verdict
+    factor = None if verdict is None else verdict.safety_factor
     return {
         "iteration": str(row.iteration),
         "simulated because": row.reason or "not simulated",
-        "verdict": f"{LOOKS[row.word].mark} {row.word}" if row.word else "–",
-        "safety factor": f"{row.verdict.safety_factor:.2f}" if known and row.verdict is not None else "–",
+        "outcome": "–" if verdict is None else said_of(verdict),
+        **({} if verdict is None else sentences.survived(verdict)),
+        "safety factor": "–" if factor is None else f"{factor:.2f}",
         "relief kept": kept(run, row),
-        "peak stress": "–" if row.peak is None else f"{row.peak:.1f} MPa",
+        "stress (σ_V)": "–" if row.stress is None else f"{row.stress:.1f} MPa",
         "limit": "–" if row.limit is None else f"{row.limit:.1f} MPa",
         "style loss": f"{row.style_loss:.3g}",
         "largest relief": f"{float(np.abs(checkpoint.displacement).max()):.2f} mm",
         "held back by more than half": f"{row.share:.1%}",
     }
+
+
+def said_of(verdict: Verdict) -> str:
+    """An outcome with its mark, and whether it is sure, as a table cell."""
+    return f"{LOOKS[verdict.outcome].mark}\N{NO-BREAK SPACE}{sentences.marked(verdict.outcome, sure=verdict.sure)}"
+
+
+def _reserve(verdict: Verdict) -> float:
+    """Least reserve of the tests that decide."""
+    row = verdict.deciding
+    assert row is not None, "asked of an answer"
+    return row.reserve
 
 
 def kept(run: Run, row: Row) -> str:

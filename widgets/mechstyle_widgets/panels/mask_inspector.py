@@ -105,12 +105,12 @@ class MaskInspector(Section):
 
     def _restore(self, _change: object = None) -> None:
         """Try the settings in force, whenever another run or lane comes into view."""
-        run, first = self.state.run, self.state.checkpoint_at(0)
+        run = self.state.run
         if run is not None:
             self.selector.take(run.recipe)
-        if first is not None:
-            self.selector.typical_stress = float(np.median(first.stress))
-            self.selector.peak_stress = float(first.stress.max())
+        if run is not None and self.state.row(0) is not None:
+            stress = self._original(run).stress
+            self.selector.typical_stress, self.selector.peak_stress = float(np.median(stress)), float(stress.max())
         self._redraw()
 
     def _redraw(self, _change: object = None) -> None:
@@ -136,14 +136,16 @@ class MaskInspector(Section):
 
 
 def mask_of(simulation: Simulation, original: Simulation, recipe: Recipe) -> Field:
-    """The mask a recipe makes of a simulation, protection left out, shape [vertex_count].
+    """The mask a recipe makes of a simulation, protection left out, shape [vertex_count]; it restrains nothing without an answer.
 
     Args:
         simulation: What was tested.
         original: The unstylized part.
         recipe: Gives strategy, normalisation, threshold and material.
     """
-    demand = control.demand(simulation, original, recipe.material, recipe.normalisation)
+    if simulation.failure or original.failure:
+        return np.ones(len(simulation.displacement), np.float32)
+    demand = control.demand(simulation, original, recipe)
     return control.mask(demand, recipe.control, recipe.threshold)
 
 

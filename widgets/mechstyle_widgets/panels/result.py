@@ -2,86 +2,79 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from contextlib import suppress
+from collections.abc import Iterator, Mapping, Sequence
 from html import escape
 from typing import Any
 
-from mechstyle.errors import MechStyleError
-from mechstyle.loop.history import Row
+from mechstyle.loop.history import Row, standing
+from mechstyle.records import Verdict, sentences
 from mechstyle.runs.run import Run
-from mechstyle_widgets.panels.branches import kept
+from mechstyle_widgets.panels.branches import kept, said_of
 from mechstyle_widgets.settings.section import WIDE, Words, table
-from mechstyle_widgets.state.outcomes import LOOKS
-from mechstyle_widgets.state.schedule_forecast import plan_of
+from mechstyle_widgets.state.schedule_forecast import landings_on_the_way, plan_of
 from mechstyle_widgets.state.studio_state import StudioState
 
-HEAD = ("run", "verdict", "factor", "value and limit", "kept")
+LANES = ("run", "outcome", "kept")
 
 
 class Result(Words):
-    """The steps of a run before there is one, then the last verdict of each lane beside that of the part as it came."""
+    """The steps of a run before there is one, then the table of falls of the lane on show and the outcome of every lane."""
 
     def __init__(self, state: StudioState) -> None:
         """Tell of what a state shows."""
         self._state = state
         super().__init__(layout=WIDE)
         self.add_class("mechstyle-result")
-        state.observe(self._tell, ("histories", "settings", "run", "status"))
+        state.observe(self._tell, ("histories", "lane", "settings", "run", "status"))
         self._tell()
 
     def _tell(self, _change: object = None) -> None:
-        rows = [(_name(one), *cells) for one, cells in self._judged()]
-        if rows:
-            told = informing(self._state.run)
-            self.say(f"<b>Result</b>{table(HEAD, rows)}" + (f'<div class="mechstyle-note">{escape(told)}</div>' if told else ""))
+        history = self._state.histories.get(self._state.lane, [])
+        if self._state.run is not None and any(row.verdict is not None for row in history):
+            _, verdict = standing(history)
+            self.say(f"<b>Result</b>{of_verdict(verdict)}{self._lanes()}")
         else:
             self.say(f"<b>What will happen</b><ol>{''.join(f'<li>{escape(step)}</li>' for step in steps(self._state.settings))}</ol>")
 
+    def _lanes(self) -> str:
+        """HTML of outcome and relief kept of each lane that was tested since it began, "" where none was."""
+        rows = [(lane, *cells) for lane, cells in self._judged()]
+        return table(LANES, rows) if rows else ""
+
     def _judged(self) -> Iterator[tuple[str, tuple[str, ...]]]:
-        """Name and cells of the part as it came and of each lane that was tested since."""
-        run, histories = self._state.run, self._state.histories
-        if run is None:
-            return
-        first = next((rows[0] for rows in histories.values() if rows and rows[0].iteration == 0), None)
-        if first is not None and first.verdict is not None:
-            yield "", _cells(first, "–")
-        for lane, rows in histories.items():
-            tested = next((row for row in reversed(rows) if row.verdict is not None and row.iteration > 0), None)
-            if tested is not None:
-                yield lane, _cells(tested, kept(Run(run.store, lane, run.device), tested))
+        """Name and cells of each lane that was tested since it began."""
+        run = self._state.run
+        for lane, rows in self._state.histories.items():
+            tested: Sequence[Row] = [row for row in rows if row.verdict is not None and row.iteration > 0]
+            if tested and run is not None:
+                row, verdict = standing(tested)
+                yield lane, (said_of(verdict), kept(Run(run.store, lane, run.device), row))
 
 
-def informing(run: Run | None) -> str:
-    """What decides nothing but tells what a fall may do, beside the part as it came: known at the end of a lane, "" before.
-
-    The worst landing, and how many random drops begin to yield the part.
-    """
-    said = []
-    with suppress(MechStyleError):  # there is no summary before the end
-        if run is not None:
-            before, now = run.summary.baseline, run.summary.result
-            if now.worst is not None and before.worst is not None:
-                said.append(f"Worst landing of {run.lane}: {now.worst:.0f} MPa, {now.worst_landing}; as it came {before.worst:.0f} MPa.")
-            chance, first = now.failure_probability, before.failure_probability
-            if chance is not None and first is not None:
-                said.append(f"{chance:.0%} of random drops begin to yield it, {first:.0%} as it came.")
-    return " ".join(said)
+def of_verdict(verdict: Verdict) -> str:
+    """HTML of a verdict: its outcome in a sentence, the table of falls, and the doubt where there is one."""
+    (headings, rows), doubt = sentences.tabulated(verdict), sentences.doubt(verdict)
+    falls = table(headings, rows) if rows else ""
+    unsure = f'<div class="mechstyle-warning" role="status">{escape(doubt)}</div>' if doubt else ""
+    return f"<div>{escape(verdict.head)}</div>{falls}{unsure}"
 
 
 def steps(settings: Mapping[str, Any]) -> list[str]:
     """What a run with these settings does, one thing after the other."""
-    plan, drops = plan_of(settings), settings.get("orientations", 1) + settings.get("tilts", 0)
+    plan, loads = plan_of(settings), settings.get("loads", ())
     if plan is None:
         return []
-    between = len(plan.places) - 1
+    between, landings = len(plan.places) - 1, landings_on_the_way(settings)
     about, budget = "" if plan.certain else "about ", settings.get("strengthen", 0.0)
+    others = settings.get("orientations", 1) - 1
+    ways = ["flat", *(["nearly flat"] if settings.get("nearly_flat", True) else []), *([f"in {others} other landings"] if others else [])]
+    carried = ", and load it" if loads else ""
     return [
-        *([f"Thicken it by up to {budget:g} mm where it does not hold as it came"] if budget else []),
-        "Drop the part as it came",
+        *([f"Thicken it by up to {budget:g} mm where it does not hold as it is"] if budget else []),
+        f"Drop the plain part {_listed(ways)}{carried}",
         f"Style it in {plan.places[-1]} small steps",
-        *([f"Drop it on the way, {about}{_times(between)}"] if between else []),
-        f"Drop what has come of it, {_times(drops)}",
+        *([f"Drop it on the way, {about}{_times(between)}, in {landings} landing{'s' if landings > 1 else ''}"] if between else []),
+        f"Drop what has come of it {_listed(ways)}{carried}",
     ]
 
 
@@ -89,12 +82,5 @@ def _times(count: int) -> str:
     return "once" if count == 1 else f"{count} times"
 
 
-def _name(lane: str) -> str:
-    return lane or "as\N{NO-BREAK SPACE}it\N{NO-BREAK SPACE}came"
-
-
-def _cells(row: Row, left: str) -> tuple[str, ...]:
-    verdict = row.verdict
-    assert verdict is not None, "only what was tested is told of"
-    told = ("–", "–") if verdict.outcome == "UNKNOWN" else (f"{verdict.safety_factor:.2f}", verdict.tightest.short)
-    return (f"{LOOKS[verdict.word].mark}\N{NO-BREAK SPACE}{verdict.word}", *told, left)
+def _listed(words: Sequence[str]) -> str:
+    return " and ".join(filter(None, (", ".join(words[:-1]), words[-1])))

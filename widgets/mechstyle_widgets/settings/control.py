@@ -23,48 +23,43 @@ MEANS = {
     "headroom": "the share of each vertex's own headroom that the style has used up",
     "own_max": "stress over the largest stress of the unstylized part",
     "sigma_c": "stress over λ times the yield strength",
-    "yield": "stress over the yield strength",
 }
 """What each normalisation compares."""
 
 
 class ControlSelector(Section):
-    """Strategy, normalisation, threshold, memory and retraction, or Freestyle, which has none of them.
+    """Strategy, normalisation and threshold, or Freestyle, which has none of them.
 
     Attributes:
         freestyle: Whether nothing restrains the style.
         control: How demand becomes a mask: `linear`, `exponential` or `frozen`.
         normalisation: How stress becomes demand, one of NORMALISATIONS.
         threshold: Demand at which a vertex may move no further.
-        memory: Whether a vertex once restrained stays so.
-        retraction: Whether the relief shrinks where stress comes near its limit.
         material: Gives yield strength and, for `sigma_c`, λ, which is its safety coefficient and changes with the slider.
         typical_stress: Stress of the unstylized vertex the curve is drawn for [MPa].
         peak_stress: Largest stress of the unstylized part [MPa].
     """
 
-    FIELDS = ("control", "normalisation", "threshold", "memory", "retraction")
+    FIELDS = ("control", "normalisation", "threshold")
     OWN = ("freestyle",)
 
     freestyle = traitlets.Bool(False)
     control = traitlets.Enum(tuple(name for name in CONTROLS if name != "none"), DEFAULTS["control"])
     normalisation = setting("normalisation")
     threshold = setting("threshold")
-    memory = setting("memory")
-    retraction = setting("retraction")
     material = traitlets.Instance(Material)
     typical_stress = traitlets.Float(min=0.0)
     peak_stress = traitlets.Float(min=0.0)
 
-    def __init__(self, material: Material = LIBRARY["PLA"], drop_height: float = DEFAULTS["drop_height"], **traits: Any) -> None:
+    def __init__(self, material: Material = LIBRARY["PLA"], height: float = DEFAULTS["height"], **traits: Any) -> None:
         """Offer the strategies for a material.
 
         Args:
             material: The material.
-            drop_height: Height of fall [mm]; gives the stress of a flat landing, ρ c v, for which the curve is drawn at first.
+            height: Height of fall [mm]; gives the stress of a flat landing, ρ c v, for which the curve is drawn at first.
             traits: Any of the attributes.
         """
-        wave = material.density * material.bar_wave_speed * DropTest(height=drop_height).speed
+        wave = material.density * material.bar_wave_speed * DropTest(height=height).speed
         traits = {"material": material, "typical_stress": wave, "peak_stress": material.yield_strength, **traits}
         self._plot = lean(ipywidgets.HTML, layout=WIDE)
         self._make_controls()
@@ -105,17 +100,10 @@ class ControlSelector(Section):
             ipywidgets.FloatSlider,
             description="λ (σ_c / yield)", min=0.05, max=1.0, step=0.01, tooltip="Safety coefficient of the material", **choice
         )
-        plain = {"indent": False, "layout": WIDE}
-        self._memory = lean(ipywidgets.Checkbox, description="memory: once held, always held", **plain)
-        self._retraction = lean(ipywidgets.Checkbox, description="retraction: shrinks near the limit", **plain)
-        self._restraint = lean(
-            ipywidgets.VBox,
-            [self._strategy, self._compared_with, self._threshold, self._lambda, self._plot, self._memory, self._retraction]
-        )
+        self._restraint = lean(ipywidgets.VBox, [self._strategy, self._compared_with, self._threshold, self._lambda, self._plot])
 
     def _link(self) -> None:
-        pairs = {"freestyle": self._mode, "control": self._strategy, "normalisation": self._compared_with, "threshold": self._threshold,
-                 "memory": self._memory, "retraction": self._retraction}  # fmt: skip
+        pairs = {"freestyle": self._mode, "control": self._strategy, "normalisation": self._compared_with, "threshold": self._threshold}
         for name, widget in pairs.items():
             traitlets.link((self, name), (widget, "value"))
         self._lambda.value = self.material.safety_coefficient

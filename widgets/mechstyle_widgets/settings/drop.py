@@ -10,8 +10,10 @@ import traitlets
 from mechstyle.errors import BadInput
 from mechstyle.records import CRITERIA, POSES
 from mechstyle.records.landings import STANDARDS, landings_after, with_drops
+from mechstyle.records.lengths import length_of, written
 from mechstyle.records.load_cases import LoadCase, load_cases
 from mechstyle.records.mesh import STANDARD_VERTICES
+from mechstyle.records.recipe import DEFAULTS, LIMITS
 from mechstyle.runs.recipes import EXPECTED
 from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, range_of, setting
@@ -20,9 +22,8 @@ DEVICES = ("auto", "cpu", "cuda")
 ONCE = "once"
 """The way to land that is a single drop."""
 WAYS = {
-    ONCE: ("as it stands, once", "one drop, as the part stands"),
+    ONCE: ("as it stands", "one drop, as the part stands"),
     "fibonacci": ("any way up", "{} drops: as the part stands, then turned every way, evenly spread"),
-    "tilts": ("nearly as it stands", "{} drops: as the part stands, then tilted a little to every side"),
     "resting": ("as it comes to rest", "up to {} drops: as the part stands, then on what it would come to rest on, the likeliest first"),
     "box26": ("on faces, edges, corners", "up to {} drops: as the part stands, then on each face, edge and corner of the box around it"),
     "box10": (
@@ -34,18 +35,26 @@ WAYS = {
 """Ways to land, a single drop or one of `POSES`: what they are called, and what is dropped so many times."""
 
 
+class Height(traitlets.Float[float, Any]):
+    """A height of fall [mm], which may be set as people write it."""
+
+    def validate(self, obj: Any, value: Any) -> Any:
+        """The height in millimetres; BadInput for text that is none."""
+        return super().validate(obj, length_of(value) if isinstance(value, str) else value)
+
+
 class DropOptions(Section):
     """Drop test, loads, criterion, resolution, device and folder.
 
     Attributes:
-        drop_height: Height of fall [mm].
+        height: Height of fall [mm]; text with a unit, such as "1.5 m", may be set, too.
         orientations: Drops in the final test, the first as placed.
         poses: How the others land, one of `POSES`; of no account with one drop.
         standard: Drop standard whose orientations and height are simulated, a key of `STANDARDS`, or "". Choosing one by hand brings them.
-        tilts: Landings tilted by 3° that are judged together with the drop as placed.
+        nearly_flat: Whether landings tilted by 3° onto the corners and sides of what the part stands on are judged, too.
         loads: Load cases the part must carry besides the drop, as records; a load file or a list of records may be set.
-        criterion: What viable means, `robust` or `paper`.
-        guarantee: Whether the finished relief is corrected until it is viable.
+        criterion: What the part is judged by, `robust` or `paper`.
+        guarantee: Whether the finished relief is corrected until the part passes.
         minimum_wall: The thinnest wall the style may leave [mm], 0 for no rule.
         strengthen: The most that a part that does not hold as it is may be thickened by before its style [mm], 0 to leave it as it is.
         vertices: Of the standardised surface.
@@ -54,15 +63,15 @@ class DropOptions(Section):
     """
 
     FIELDS = (
-        "standard", "drop_height", "orientations", "poses", "tilts", "loads", "criterion", "guarantee", "minimum_wall", "strengthen",
+        "standard", "height", "orientations", "poses", "nearly_flat", "loads", "criterion", "guarantee", "minimum_wall", "strengthen",
     )  # fmt: skip
     OWN = ("vertices", "device", "folder")
 
-    drop_height = setting("drop_height")
+    height: Any = Height(DEFAULTS["height"], min=LIMITS["height"][0], max=LIMITS["height"][1])
     orientations = setting("orientations")
     poses = setting("poses")
     standard = setting("standard")
-    tilts = setting("tilts")
+    nearly_flat = setting("nearly_flat")
     loads = traitlets.Any(())
     criterion = setting("criterion")
     guarantee = setting("guarantee")
@@ -76,18 +85,17 @@ class DropOptions(Section):
         """Offer them; `traits` are any of the attributes."""
         look = {"style": NARROW_LABEL, "layout": WIDE}
         controls = {
-            "drop_height": lean(ipywidgets.BoundedFloatText, description="drop [mm]", step=100.0, **range_of("drop_height"), **look),
             "orientations": lean(
                 ipywidgets.BoundedIntText,
                 description="drops", tooltip="Drops of the final test, the first as the part stands", **range_of("orientations"), **look
             ),
-            "tilts": lean(
-                ipywidgets.BoundedIntText,
-                description="tilted by 3°", tooltip="Drops tilted to all sides, judged with the one as placed; 0 takes flat at its word",
-                **range_of("tilts"), **look,
+            "nearly_flat": lean(
+                ipywidgets.Checkbox,
+                description="nearly flat", tooltip="Landings tilted by 3° onto its corners and sides are judged, too", indent=False,
+                layout=WIDE,
             ),
             "criterion": lean(ipywidgets.Dropdown, options=CRITERIA, description="criterion", **look),
-            "guarantee": lean(ipywidgets.Checkbox, description="correct until it is viable", indent=False, layout=WIDE),
+            "guarantee": lean(ipywidgets.Checkbox, description="correct until it passes", indent=False, layout=WIDE),
             "minimum_wall": lean(
                 ipywidgets.BoundedFloatText,
                 description="thinnest [mm]", step=0.1, tooltip="The thinnest wall the style may leave", **range_of("minimum_wall"), **look
@@ -111,14 +119,18 @@ class DropOptions(Section):
         after = "A drop standard: its landings and height"
         self._standard = lean(ipywidgets.Dropdown, options=known, description="after", tooltip=after, **look)
         self._drops = controls["orientations"]
-        drop_height, *others = controls.values()
-        super().__init__([drop_height, self._way, *others[:1], self._standard, self._loads_row(), *others[1:]])
+        self._height = lean(
+            ipywidgets.Text, description="fall", continuous_update=False, tooltip="From how high it falls, such as 1.5 m or 80 cm", **look
+        )
+        others = tuple(controls.values())
+        super().__init__([self._height, self._way, *others[:1], self._standard, self._loads_row(), *others[1:]])
         for name, value in traits.items():
             setattr(self, name, value)
         for name, widget in controls.items():
             traitlets.link((self, name), (widget, "value"))
         self._way.observe(self._choose_way, "value")
         self._standard.observe(self._choose_standard, "value")
+        self._height.observe(self._fall, "value")
         self._file.observe(self._read, "value")
         self._tell()
 
@@ -136,27 +148,34 @@ class DropOptions(Section):
     @property
     def brief(self) -> str:
         """Height and landings."""
-        return f"{self.drop_height / 1000:g} m, {WAYS[self.way][0]}"
+        return f"{written(self.height)}, {WAYS[self.way][0]}"
 
     @property
     def way(self) -> str:
         """Landing orientations, a key of WAYS."""
         return ONCE if self.orientations == 1 else self.poses
 
+    @property
+    def settings(self) -> dict[str, Any]:
+        """The chosen settings, by the names of the recipe's fields; the height as it is written, so that a small one is not asked about."""
+        return {**super().settings, "height": written(self.height)}
+
     @traitlets.validate("loads")
     def _as_records(self, proposal: dict[str, Any]) -> tuple[LoadCase, ...]:
         return load_cases(proposal["value"])
 
-    @traitlets.observe("orientations", "poses", "standard", "drop_height", "loads", "strengthen", "criterion")
+    @traitlets.observe("orientations", "poses", "standard", "height", "nearly_flat", "loads", "strengthen", "criterion")
     def _tell(self, _change: object = None) -> None:
         """Bring the way up to date, and say what will be tested."""
         self._way.value, self._standard.value = self.way, self.standard
         show(self._drops, self.way != ONCE)
         show(self._unload, self.loads)
+        self._height.value = written(self.height)
         drops, carried = WAYS[self.way][1].format(self.orientations), "; ".join(case.name for case in self.loads)
-        after = landings_after(self.standard, poses=self.poses, orientations=self.orientations, drop_height=self.drop_height)
+        after = landings_after(self.standard, poses=self.poses, orientations=self.orientations, height=self.height)
         said = (
             drops,
+            "Nearly flat as well, tilted by 3° onto the corners and sides of what it stands on" if self.nearly_flat else "",
             f"{after[:1].upper()}{after[1:]}",
             f"Besides, it must carry: {carried}" if carried else "",
             f"Where it does not hold as it is, it is thickened by up to {self.strengthen:g} mm before the style" if self.strengthen else "",
@@ -167,6 +186,19 @@ class DropOptions(Section):
     def _forget_file(self, _change: object) -> None:
         """Loads that came another way are not those of the file named last."""
         self._name("")
+
+    def _fall(self, change: dict[str, Any]) -> None:
+        """Take the height that was written; what cannot be used is said and leaves the last one."""
+        try:
+            self.height = change["new"]
+        except BadInput as error:
+            self.complain(str(error))
+        except traitlets.TraitError:
+            low, high = (written(height) for height in range_of("height").values())
+            self.complain(f"a fall of {change['new']} cannot be simulated: write one between {low} and {high}")
+        else:
+            self.complain("")
+            self._height.value = written(self.height)
 
     def _choose_way(self, change: dict[str, Any]) -> None:
         """Another way brings its usual number of drops."""

@@ -16,9 +16,9 @@ from mechstyle_widgets.jupyter.looks import lean
 from mechstyle_widgets.settings.brush import dabbed
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, setting
 
-UNDERSIDES = {"level": "relief, standing level", "protected": "smooth", "free": "relief as it comes"}
+UNDERSIDES = {"plain": "smooth underside", "level": "relief, standing level", "free": "relief as the style has it"}
 """What becomes of the base, one of `BASES`, in words."""
-BRIEFS = {"level": "underside level", "protected": "underside smooth", "free": "underside as it comes"}
+BRIEFS = {"plain": "underside smooth", "level": "underside level", "free": "underside styled"}
 """The same where nothing says that it is of the underside."""
 
 

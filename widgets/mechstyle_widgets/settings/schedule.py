@@ -8,6 +8,7 @@ import ipywidgets
 import traitlets
 
 from mechstyle.records import SCHEDULES, Recipe
+from mechstyle.runs.recipes import MASKED
 from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.jupyter.svg import Frame, drawing, line
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, range_of, setting
@@ -20,7 +21,6 @@ WHAT = {
     "geometry": "when a vertex has moved a share of its wall",
     "stress": "as geometry, sooner where stress is high",
     "never": "only at the end",
-    "always": "every iteration",
 }
 
 
@@ -38,7 +38,7 @@ class ScheduleSelector(Section):
 
     FIELDS = ("schedule", "every", "travel", "iterations")
 
-    schedule = setting("schedule")
+    schedule = traitlets.Enum(SCHEDULES, MASKED)  # the Studio is where people watch the mask grow
     every = setting("every")
     travel = setting("travel")
     iterations = setting("iterations")
@@ -83,7 +83,7 @@ class ScheduleSelector(Section):
         show(self._every, self.schedule == "every")
         show(self._travel, not self.plan.certain)
         guess = "" if self.plan.certain else "; an estimate, the run decides"
-        self.note(f"{self.plan.count}, the last one in all orientations{guess}")
+        self.note(f"{self.plan.count}, the last one in all landings{guess}")
         self._plot.value = self._picture()
 
     def _picture(self) -> str:

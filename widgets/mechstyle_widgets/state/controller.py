@@ -181,7 +181,7 @@ class Controller:
         assert part is not None, "a part that is not prepared comes with its mesh"
         came = part.surface if isinstance(part, Workpiece) and wanted.mesh is None else wanted.mesh  # with which it is wanted from now on
         if earlier is not None and earlier.part.mass_gained and wanted.recipe.strengthen != earlier.recipe.strengthen:
-            raise BadInput("the part of this run was thickened already: to thicken it otherwise choose the part again, as it came")
+            raise BadInput("the part of this run was thickened already: to thicken it otherwise choose the plain part again")
 
         def events(progress: Progress) -> Generator[Event, None, None]:
             self.state.tell(status="preparing", fraction=0.0)

@@ -1,4 +1,4 @@
-"""Looks of the outcomes, told by colour, by shape and by word wherever one is shown; green, amber and red mean nothing else."""
+"""Looks of the outcomes: colour, shape and word wherever one is shown; green, amber and red mean nothing else."""
 
 from __future__ import annotations
 
@@ -24,12 +24,14 @@ class Look:
     ink: str
 
 
-UNTOLD = Look("◆", "diamond", "#7d8188", "#5f6368", "#ffffff")
-"""Look of no answer, and of no test."""
+UNTESTED = Look("◆", "diamond", "#7d8188", "#5f6368", "#ffffff")
+"""Look of no test, and of the test of another iteration."""
 LOOKS = {
-    "VIABLE": Look("●", "circle", "#2a8a52", "#1b6e3c", "#ffffff"),
-    "MARGINAL": Look("▲", "triangle-up", "#b67a0c", "#f5b82e", "#1a1a1a"),
+    "HOLDS": Look("●", "circle", "#2a8a52", "#1b6e3c", "#ffffff"),
+    "NO WORSE": Look("■", "square", "#6b8e23", "#cfe3a6", "#1f2d05"),
     "FAILS": Look("✕", "x", "#d1453b", "#b3261e", "#ffffff"),
-    "UNKNOWN": UNTOLD,
+    "UNKNOWN": Look("▲", "triangle-up", "#b67a0c", "#f5b82e", "#1a1a1a"),
 }
-"""By the word of a verdict."""
+"""By the outcome of a verdict."""
+DOUBT = LOOKS["UNKNOWN"].line
+"""Colour around an outcome that is not sure."""

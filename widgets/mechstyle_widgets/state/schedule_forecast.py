@@ -12,6 +12,7 @@ import numpy as np
 from mechstyle.loop.schedule import Progress, due
 from mechstyle.records import Recipe
 from mechstyle.records.material import LIBRARY
+from mechstyle.simulation.simulator import STEERING
 from mechstyle.styling.dimensions import NOMINAL, SHARE
 
 APPROACH = 40.0
@@ -50,6 +51,11 @@ def plan_of(settings: Mapping[str, Any]) -> Plan | None:
     if not all(name in settings for name in DECIDES):
         return None
     return plan(*(settings[name] for name in DECIDES))
+
+
+def landings_on_the_way(settings: Mapping[str, Any]) -> int:
+    """Landings of a test while the relief grows; the last test has all there are."""
+    return 1 + (STEERING if settings.get("nearly_flat", True) else 0)
 
 
 @lru_cache(maxsize=8)

@@ -2,7 +2,7 @@
 
 It is filled as plain dictionaries: plotly's own objects check every value they are given, which for a run of 120 iterations kept the
 kernel for 30 ms each time (CPU; 1 ms so).
-Verdicts are told by shape as well as by colour. Whatever can be clicked carries the name of its lane as custom data.
+Outcomes differ by shape as well as by colour. Whatever can be clicked carries the name of its lane as custom data.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from plotly import io
 from plotly.subplots import make_subplots
 
 from mechstyle.loop.history import Branch, Row
-from mechstyle_widgets.state.outcomes import LOOKS
+from mechstyle_widgets.state.outcomes import DOUBT, LOOKS
 from mechstyle_widgets.state.schedule_forecast import Plan
 
 CURVES = {"style_loss": "style loss", "travel": "travel", "seconds": "seconds"}
@@ -68,8 +68,8 @@ def _empty() -> dict[str, Any]:
     line = {"mode": "lines", "hoverinfo": "skip", "showlegend": False}
     figure.add_scatter(row=1, col=1, line={"color": FAINT, "width": 2}, **line)
     figure.add_scatter(row=1, col=1, mode="markers", showlegend=False)
-    for word in LOOKS:
-        figure.add_scatter(row=1, col=1, mode="markers", name=word)
+    for outcome in LOOKS:
+        figure.add_scatter(row=1, col=1, mode="markers", name=outcome)
     figure.add_scatter(row=2, col=1, line={"color": FAINT, "width": 1.5}, **line)
     figure.add_scatter(row=2, col=1, line={"color": LOOKS["FAILS"].line, "width": 1.5, "dash": "dash"}, **line)
     figure.add_scatter(row=2, col=1, mode="lines+markers", line={"color": INK, "width": 1.5}, showlegend=False)
@@ -107,9 +107,9 @@ def contents(
     shown = {lane: histories.get(lane, [])}
     traces = [
         *_lanes(own, forks),
-        _lines(others, lambda row: row.peak),
+        _lines(others, lambda row: row.stress),
         _lines(shown, lambda row: row.limit),
-        _peaks(lane, shown[lane]),
+        _stresses(lane, shown[lane]),
         _lines(others, lambda row: getattr(row, curve)),
         _curve(lane, shown[lane], curve),
         _planned(lane, ()),
@@ -141,12 +141,12 @@ def before(plan: Plan | None, lane: str, curve: str, theme: str, width: int) -> 
 def _prospect(plan: Plan | None, width: int) -> list[str]:
     """Text shown before a run, in lines that fit between the axes of a figure so wide [pixels]."""
     letters = min(max(int((width - LEFT - RIGHT) / LETTER), 12), LINE)
-    later = "Verdicts, peak stress against its limit and the style loss will appear here."
+    later = "Outcomes, stress against its limit and the style loss will appear here."
     if plan is None:
         return ["Nothing has run yet.", *textwrap.wrap(later, letters)]
     where = "" if plan.certain else ", about there: the run decides"
-    told = f"Nothing has run yet. Hollow marks are to come: the unstylized part, then {plan.count}{where}."
-    return [*textwrap.wrap(told, letters), *textwrap.wrap(later, letters)]
+    said = f"Nothing has run yet. Hollow marks are to come: the unstylized part, then {plan.count}{where}."
+    return [*textwrap.wrap(said, letters), *textwrap.wrap(later, letters)]
 
 
 def _planned(lane: str, places: Sequence[int]) -> dict[str, Any]:
@@ -156,7 +156,7 @@ def _planned(lane: str, places: Sequence[int]) -> dict[str, Any]:
 
 
 def _lanes(own: Mapping[str, Rows], forks: Mapping[str, tuple[int, str]]) -> list[dict[str, Any]]:
-    """The lines of the lanes from where they fork, their iterations, and their simulations by verdict."""
+    """The lines of the lanes from where they fork, their iterations, and their simulations by outcome."""
     flat = [(name, row) for name, rows in own.items() for row in rows]
     lines: list[tuple[float | None, str]] = []
     for name, rows in own.items():
@@ -164,9 +164,9 @@ def _lanes(own: Mapping[str, Rows], forks: Mapping[str, tuple[int, str]]) -> lis
         gap = (None, name)  # with its name: plotly tells the kind of an axis anew from the first values it meets, and none are no names
         lines += [*start, *((row.iteration, name) for row in (*rows[:1], *rows[-1:])), gap]
     traces = [{"x": [x for x, _ in lines], "y": [y for _, y in lines]}, {**_marks(flat), "marker": {"size": 16, "opacity": 0.0}}]
-    for word, look in LOOKS.items():
-        of_this = _marks([(name, row) for name, row in flat if row.word == word])
-        traces.append({**of_this, "marker": {"symbol": look.symbol, "color": look.line, "size": 9}})
+    for outcome, look in LOOKS.items():
+        of_this = [(name, row) for name, row in flat if row.outcome == outcome]
+        traces.append({**_marks(of_this), "marker": {"symbol": look.symbol, "color": look.line, "size": 9, "line": _around(of_this)}})
     return traces
 
 
@@ -191,11 +191,16 @@ def _lines(lanes: Mapping[str, Rows], value: Any) -> dict[str, Any]:
     return {"x": x, "y": y}
 
 
-def _peaks(lane: str, rows: Rows) -> dict[str, Any]:
-    simulated = [row for row in rows if row.peak is not None]
-    looks = [LOOKS[row.word] for row in simulated]
-    marker = {"symbol": [look.symbol for look in looks], "color": [look.line for look in looks], "size": 8}
-    return {**_marks([(lane, row) for row in simulated]), "y": [row.peak for row in simulated], "marker": marker}
+def _stresses(lane: str, rows: Rows) -> dict[str, Any]:
+    marks = [(lane, row) for row in rows if row.stress is not None]
+    looks = [LOOKS[row.outcome] for _, row in marks]
+    shape = {"symbol": [look.symbol for look in looks], "color": [look.line for look in looks], "size": 8}
+    return {**_marks(marks), "y": [row.stress for _, row in marks], "marker": {**shape, "line": _around(marks)}}
+
+
+def _around(marks: Sequence[tuple[str, Row]]) -> dict[str, Any]:
+    """A line around each mark whose outcome is not sure."""
+    return {"color": DOUBT, "width": [2 if row.verdict is not None and row.verdict.doubts else 0 for _, row in marks]}
 
 
 def _curve(lane: str, rows: Rows, curve: str) -> dict[str, Any]:
@@ -206,8 +211,8 @@ def _curve(lane: str, rows: Rows, curve: str) -> dict[str, Any]:
 def story(lane: str, row: Row) -> str:
     """Hover text of an iteration."""
     lines = [f"<b>{escape(lane)} · iteration {row.iteration}</b>"]
-    if row.word:
-        lines.append(f"{row.word}, simulated because: {escape(row.reason)}")
+    if row.outcome:
+        lines.append(f"{row.outcome}, simulated because: {escape(row.reason)}")
         lines += _wrapped(row.words)
     figures = [f"style loss {row.style_loss:.3g}"]
     if row.travel is not None:
@@ -243,7 +248,7 @@ def _layout(lanes: Sequence[str], lane: str, curve: str, theme: str, iterations:
         "paper_bgcolor": GROUND[theme],
         "plot_bgcolor": "rgba(0,0,0,0)",
         "yaxis": {"domain": domains[0], "type": "category", "range": [-0.6, len(lanes) - 0.4], "showgrid": False, **rows},
-        "yaxis2": {"domain": domains[1], "title": {"text": "peak [MPa]"}, "rangemode": "tozero", "nticks": 5, "showticklabels": True},
+        "yaxis2": {"domain": domains[1], "title": {"text": "σ_V [MPa]"}, "rangemode": "tozero", "nticks": 5, "showticklabels": True},
         "yaxis3": {"domain": domains[2], "title": {"text": UNITS[curve]}, "rangemode": "tozero", "nticks": 4, "showticklabels": True},
         "xaxis3": {"title": {"text": "iteration", "standoff": 4}},
         **{axis: _range(iterations) for axis in ("xaxis", "xaxis2")},

@@ -22,7 +22,7 @@ from mechstyle_widgets.timeline.figure import CURVES, TEMPLATES
 
 
 class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
-    """Iterations from left to right: lanes with their simulations on top, peak stress against its limit, and one curve to choose.
+    """Iterations from left to right: lanes with their simulations on top, stress against its limit, and one curve to choose.
 
     A click, or the arrow keys on the slider, shows another iteration; a click on another lane shows that lane. Before there is
     an iteration, it shows where the schedule that is asked for will simulate.

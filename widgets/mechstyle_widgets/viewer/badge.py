@@ -1,19 +1,20 @@
-"""Badge above the view: whether the part holds, by how much, how much of the style is left, and where it is hardest pressed."""
+"""Badge above the view: what the part survives, how much of the style is left, and where it is hardest pressed."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import replace
 from html import escape
 
 import ipywidgets
 
 from mechstyle.errors import MechStyleError
 from mechstyle.loop.history import Row
-from mechstyle.records import Simulation, Verdict
+from mechstyle.records import Simulation, Verdict, sentences
 from mechstyle.records.regions import Point
 from mechstyle_widgets.jupyter.looks import lean, show
-from mechstyle_widgets.state.outcomes import LOOKS, UNTOLD, Look
+from mechstyle_widgets.state.outcomes import DOUBT, LOOKS, UNTESTED, Look
 from mechstyle_widgets.state.studio_state import StudioState
 
 SHEET = """<style>
@@ -29,8 +30,8 @@ SHEET = """<style>
 .mechstyle-badge[style*="none"] { display: none !important; }
 .mechstyle-badge .widget-html, .mechstyle-badge .widget-html-content { height: auto; margin: 0; line-height: 1.45; font-size: 13px;
   white-space: normal; }
-.mechstyle-badge b { font-size: 18px; font-variant-numeric: tabular-nums; margin: 0 4px 0 8px; }
 .mechstyle-badge .mechstyle-outcome { display: inline-block; padding: 1px 8px; border-radius: 3px; font-weight: 600; }
+.mechstyle-unsure { font-weight: 600; margin-left: 6px; }
 .mechstyle-badge small { font-size: 12px; }
 .mechstyle-badge .widget-button { width: auto; height: 24px; line-height: 22px; margin: 0; padding: 0 8px;
   font-size: 12px; }
@@ -61,13 +62,6 @@ SHEET = """<style>
 .mechstyle-stage .widget-hbox > :has(canvas:focus-visible)::after { content: "+"; position: absolute; inset: 0; display: grid;
   place-items: center; pointer-events: none; font: 22px/1 monospace; color: #000; text-shadow: 0 0 2px #fff, 0 0 2px #fff; }
 </style>"""
-RULES = {
-    "as_placed": "dropped as it stands",
-    "tilted": "landing tilted by 3°",
-    "all_orientations": "of all landings",
-    "literal": "as published",
-}
-"""Where the tightest of the rules looks."""
 
 
 class Badge(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
@@ -93,55 +87,68 @@ class Badge(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
 
 
 def untested(name: str, more: str) -> str:
-    """HTML for what was not dropped."""
-    return f"<div>{escape(name)} {_sign(UNTOLD, 'NOT TESTED')}</div><small>{escape(more)}</small>"
+    """HTML for what was not tested."""
+    return f"<div>{escape(name)} {_sign(UNTESTED, sentences.NOT_TESTED)}</div><small>{escape(more)}</small>"
 
 
 def of_state(state: StudioState) -> tuple[str, Verdict | None]:
-    """HTML for the iteration a state shows, and the verdict it tells of: its own, or that of the last drop before it."""
+    """HTML for the iteration a state shows, and its verdict: its own, or that of the last test before it."""
     rows = [row for row in state.history if row.iteration <= state.iteration and row.verdict is not None]
     if not rows or state.run is None:
         return "", None
     verdict = rows[-1].verdict
     assert verdict is not None
-    return told(verdict, _when(state, rows[-1]), _kept(state)), verdict
+    return judged(verdict, _when(state, rows[-1]), _kept(state), aged=rows[-1].iteration < state.iteration), verdict
 
 
-def told(verdict: Verdict, when: str = "", kept: str = "") -> str:
-    """HTML for a verdict: its word, the least safety factor of the rules that count, value and limit of that rule."""
-    head = _sign(LOOKS[verdict.word], verdict.word)
-    lines = [when, kept]
-    if verdict.outcome != "UNKNOWN":
-        rule = verdict.tightest
-        where = next(words for name, words in RULES.items() if getattr(verdict, name) is rule)
-        head += f"<b>{rule.safety_factor:.2f}</b>safety factor"
-        lines = [f"{rule.short}, {where}", kept, when]
-    return f"<div>{head}</div><small>{escape(' · '.join(filter(None, lines)))}</small>"
+def judged(verdict: Verdict, when: str = "", kept: str = "", *, aged: bool = False) -> str:
+    """HTML for a verdict: its outcome, the figures of the test with the least reserve, and how it was found where the mouse rests.
+
+    Args:
+        verdict: The verdict.
+        when: When it was tested, "" for on show.
+        kept: How much of the style is left, "" if that is not known.
+        aged: Whether it is of another iteration, so that its colour says nothing.
+    """
+    more = " · ".join(filter(None, (sentences.least(verdict), kept, when)))
+    sign = _outcome(verdict, verdict.short, aged=aged)
+    return f'<div title="{escape(sentences.in_full(verdict))}">{sign}</div><small>{escape(more)}</small>'
 
 
 def outcome(row: Row | None) -> str:
-    """HTML for the verdict on an iteration in two words; that it was not tested if it was not."""
+    """HTML for the outcome of an iteration; that it was not tested if it was not."""
     if row is None or row.verdict is None:
-        return f"<small>{_sign(UNTOLD, 'NOT TESTED')}</small>"
-    factor = "" if row.verdict.outcome == "UNKNOWN" else f" {row.verdict.safety_factor:.2f}"
-    return f"<small>{_sign(LOOKS[row.verdict.word], row.verdict.word)}{factor}</small>"
+        return f"<small>{_sign(UNTESTED, sentences.NOT_TESTED)}</small>"
+    return f'<small title="{escape(sentences.in_full(row.verdict))}">{_outcome(row.verdict, row.verdict.outcome)}</small>'
 
 
 def worst_place(verdict: Verdict, simulation: Simulation) -> Point:
-    """Place of the largest stress in the test whose rule leaves least [mm, of the part at rest]."""
-    rule = verdict.tightest
-    tested = {id(verdict.tilted): simulation.tilted, id(verdict.all_orientations): simulation.overall}.get(id(rule))
-    return (tested or simulation.as_placed).where
+    """Place of the largest stress in the test with the least reserve [mm, of the part at rest]."""
+    row = verdict.deciding
+    assert row is not None, "where there is no answer there is no place"
+    found = simulation.load(row.load) if row.load else simulation.landing(row.landing)
+    assert found is not None, "a verdict is about what was simulated"
+    return found.where
 
 
-def _sign(look: Look, word: str) -> str:
-    style = f"background:{look.fill};color:{look.ink}"
-    return f'<span class="mechstyle-outcome" style="{style}"><span aria-hidden="true">{look.mark}</span> {word}</span>'
+def _outcome(verdict: Verdict, words: str, *, aged: bool = False) -> str:
+    """The sign of a verdict, with an amber line around it and a word beside it where it is not sure."""
+    look = LOOKS[verdict.outcome]
+    shown = replace(UNTESTED, mark=look.mark) if aged else look
+    if not verdict.doubts:
+        return _sign(shown, words)
+    sign = _sign(shown, words, "" if aged else f";outline:3px solid {DOUBT}")
+    return f'{sign} <span class="mechstyle-unsure">{sentences.NOT_SURE}</span>'
+
+
+def _sign(look: Look, word: str, more: str = "") -> str:
+    style = f"background:{look.fill};color:{look.ink}{more}"
+    return f'<span class="mechstyle-outcome" style="{style}"><span aria-hidden="true">{look.mark}</span> {escape(word)}</span>'
 
 
 def _when(state: StudioState, row: Row) -> str:
     """When it was tested, where that was not at the end."""
-    return f"tested at iteration {row.iteration}" if state.run is not None and row.iteration < state.run.recipe.iterations else ""
+    return sentences.tested_at(row.iteration) if state.run is not None and row.iteration < state.run.recipe.iterations else ""
 
 
 def _kept(state: StudioState) -> str:

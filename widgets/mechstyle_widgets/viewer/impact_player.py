@@ -11,9 +11,11 @@ import traitlets
 
 from mechstyle.errors import MechStyleError
 from mechstyle.fea.explicit import Progress
-from mechstyle.fea.orientations import AS_PLACED, UP
+from mechstyle.fea.orientations import FLAT, UP
 from mechstyle.pictures.fields import moment
-from mechstyle.records import Landing
+from mechstyle.records import Landing, Verdict
+from mechstyle.records.regions import Point
+from mechstyle.records.sentences import length
 from mechstyle.simulation.impact import Impact, impact_of
 from mechstyle_widgets.jupyter.closing import close_family
 from mechstyle_widgets.jupyter.frame import unseen
@@ -49,13 +51,13 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
 
     def __init__(self, state: StudioState) -> None:
         """Play impacts of whatever iteration a state shows."""
-        self._state = state
+        self._state, self._landings = state, dict[Point, Landing]()
         self._over = threading.Event()  # of the newest drop, set when its answer is there or nobody waits for it; each has its own
         self._over.set()
         self._button = lean(ipywidgets.Button, description="see the impact", icon="play-circle", tooltip="Drop this part and watch")
         self._which = unseen(lean(
             ipywidgets.Dropdown,
-            options=[(AS_PLACED, UP)], description="landing", tooltip="Which landing, and its largest stress",
+            options=[(FLAT, UP)], description="landing", tooltip="Which landing, and its critical drop height",
             layout={"width": "auto", "max_width": "280px"},
         ))  # fmt: skip
         self._away = lean(ipywidgets.Button, icon="times", tooltip="Back to the part at rest", layout={"width": "36px"})
@@ -113,12 +115,14 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         self.impact = None
         self._say(self._start)
 
-    def at_the_moment(self, subject: Subject, limit: float) -> Subject:
-        """A subject as the impact has it now, with the stress of the moment against a limit [MPa]; as it is without an impact."""
+    def at_the_moment(self, subject: Subject, verdict: Verdict) -> Subject:
+        """A subject as the impact has it now, the stress of the moment against the limit of its landing; as it is without one."""
         if self.impact is None:
             return subject
-        stress = self.impact.stress
-        name = next((label for label, normal in self._which.options if normal == self.impact.normal), "").split(" · ")[0]
+        stress, landing = self.impact.stress, self._landings.get(self.impact.normal)
+        row = None if landing is None else verdict.row(landing.way)
+        limit = verdict.strength if row is None else row.limit
+        name = FLAT if landing is None else landing.name
         note = f"{name}, at {1e3 * self.impact.time[self.frame]:.0f} µs, deformed × {self.exaggeration:g}"
         layer = layer_of(moment(limit), stress[self.frame], stress, note)
         return Subject(self.impact.shape(subject.mesh, self.frame, self.exaggeration), (*subject.layers, layer))
@@ -186,8 +190,8 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         found: tuple[Landing, ...] = ()
         if run is not None and checkpoint is not None and checkpoint.simulation:
             found = self._state.simulation(run.store, checkpoint).landings
-        others = [(f"{one.name or 'landing'} · {one.measures.peak:.0f} MPa", one.normal) for one in found]
-        options = others or [(AS_PLACED, UP)]
+        self._landings = {one.normal: one for one in found}
+        options = [(f"{one.name} · {length(one.critical_height)}", one.normal) for one in found] or [(FLAT, UP)]
         if tuple(self._which.options) != tuple(options):
             kept = self.landing if self.landing in [normal for _, normal in options] else options[0][1]
             self._which.options = options

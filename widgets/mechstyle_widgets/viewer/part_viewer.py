@@ -1,4 +1,4 @@
-"""A part before its run: as it came, or with the style that is asked for on it."""
+"""A part before its run: plain, or with the style that is asked for on it."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ class PartViewer(Viewer):
     """The part, to which the places of clicks belong whatever style is shown on it."""
 
     def __init__(self, mesh: SurfaceMesh, **look: Any) -> None:
-        """Show a part as it came; `look` as for `Viewer`."""
+        """Show a plain part; `look` as for `Viewer`."""
         self._rest = mesh
         super().__init__(mesh, **look)
 
     @property
     def at_rest(self) -> SurfaceMesh:
-        """The part as it came."""
+        """The plain part."""
         return self._rest
 
     def put_on(self, styled: SurfaceMesh, more: str) -> None:
@@ -29,6 +29,6 @@ class PartViewer(Viewer):
         self.badge.say(untested("Preview", more))
 
     def take_off(self, why: str = "") -> None:
-        """Show the part as it came, and say why if there is a reason."""
+        """Show the plain part, and say why if there is a reason."""
         self.subject, self.original = Subject(self._rest), None
         self.badge.say(untested("No preview", why) if why else "")

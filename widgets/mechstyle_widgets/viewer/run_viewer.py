@@ -11,7 +11,7 @@ import traitlets
 from mechstyle.errors import BadInput
 from mechstyle.fea.orientations import UP
 from mechstyle.pictures.fields import MOMENT
-from mechstyle.records import Checkpoint
+from mechstyle.records import Checkpoint, Verdict
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.run import Run
 from mechstyle_widgets.jupyter.looks import sharing
@@ -78,7 +78,7 @@ class RunViewer(Linked, Viewer):
         self._catch_up, self._moment = Paced(self._show_checkpoint), Paced(self._show_moment)
         self._newest, self._place = Newest(_seen, self._bring), state.run.store.place
         self._drawn, self._drawn_lane = state.checkpoint.iteration, state.run.lane
-        subject, self._limit = _seen(_Wish(state.run, state.checkpoint, ()))
+        subject, self._verdict = _seen(_Wish(state.run, state.checkpoint, ()))
         self._still = subject
         original = subject_of(state.run, state.run.checkpoint(0))
         wanted = state.layer if subject.layer(state.layer) else STYLE
@@ -129,7 +129,7 @@ class RunViewer(Linked, Viewer):
             also = self.also if self.compared else None
             places = [self.compared or (self._state.lane, 0), *([also] if also else [])]
             with self.hold_trait_notifications():
-                self.names = tuple(map(_named, (self._drawn_place, *places))) if self.compared else ("styled", "original")
+                self.names = tuple(map(_named, (self._drawn_place, *places))) if self.compared else ("styled", "plain")
                 self.outcomes = ("", *(badge.outcome(self._state.row(iteration, lane)) for lane, iteration in places))
                 self.original, self.third = self._subject_at(*places[0]), self._subject_at(*also) if also else None
                 self.beside = self.compared is not None
@@ -168,16 +168,16 @@ class RunViewer(Linked, Viewer):
         if run is not None and state is not None and run.store.place == self._place:  # another part needs another viewer
             self._newest.ask(_Wish(run, state, self.derived))
 
-    def _bring(self, wish: _Wish, seen: tuple[Subject, float]) -> None:
+    def _bring(self, wish: _Wish, seen: tuple[Subject, Verdict]) -> None:
         self._drawn, self._drawn_lane = wish.state.iteration, wish.run.lane
-        self._still, self._limit = seen
+        self._still, self._verdict = seen
         with self.hold_trait_notifications():
             if self.compared:
                 self.names = (_named(self._drawn_place), *self.names[1:])
             self._show_moment()
 
     def _show_moment(self) -> None:
-        self.subject = self.player.at_the_moment(self._still, self._limit)
+        self.subject = self.player.at_the_moment(self._still, self._verdict)
 
     def _show_stress(self, change: Any) -> None:
         """An impact begins with its stress on show, and when it is put away the stress of the whole drop takes its place."""
@@ -194,10 +194,12 @@ def _named(place: tuple[str, int]) -> str:
     return f"{lane}, iteration {iteration}"
 
 
-def _seen(wish: _Wish) -> tuple[Subject, float]:
-    """In whatever thread: what is to be seen of an iteration, and the stress that is allowed there when it falls [MPa]."""
+def _seen(wish: _Wish) -> tuple[Subject, Verdict]:
+    """In whatever thread: what is to be seen of an iteration, and the newest verdict there."""
     subject = subject_of(wish.run, wish.state)
     for layer in wish.derived:
         subject = subject.with_layer(layer(wish.run, wish.state))
     _ = subject.mesh.vertex_normals  # are kept with the mesh, and are most of the work
-    return subject, wish.run.store.allowable_in_the_drop(wish.state)
+    verdict = wish.run.store.verdict(wish.state)
+    assert verdict is not None, "the unstylized part is always tested"
+    return subject, verdict

@@ -52,7 +52,7 @@ class Toolbar(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
             layout={"width": "120px"},
         ))  # fmt: skip
         self._fit = _button("arrows-alt", "Bring the whole part into view (Home)")
-        self.both = _toggle("columns", "Show the original beside it", "original")
+        self.both = _toggle("columns", "Show the plain part beside it", "plain")
         show(self.both, False)
         self._marks = _toggle("dot-circle-o", "Mark the greatest and the least value", "extremes")
         self._parallel = _toggle("cube", "Look in parallel, without perspective (O)")

@@ -66,7 +66,7 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
     original = traitlets.Instance(Subject, None, allow_none=True)
     third = traitlets.Instance(Subject, None, allow_none=True)
     beside = traitlets.Bool(False)
-    names = traitlets.Tuple(default_value=("styled", "original"))
+    names = traitlets.Tuple(default_value=("styled", "plain"))
     outcomes = traitlets.Tuple()
     markers = traitlets.Bool(True)
     protected = traitlets.Instance(np.ndarray, None, allow_none=True)
@@ -247,7 +247,7 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
                 scene.cut(self.section.plane, filled=self.section.filled)
                 scene.mark(_extremes(subject, self.layer) if self.markers else None, self.probed, self.places, self.measured)
             self._scenes[0].hatch(self.protected)
-            if self.protected is not None:
+            if self.protected is not None and self.protected.any():
                 self._scenes[0].stand_in(None)  # the hatch is on the part
         mesh = self.subject.mesh
         key = "" if self.protected is None else legend.protected(self.protected, mesh)

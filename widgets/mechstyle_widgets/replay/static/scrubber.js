@@ -112,7 +112,7 @@ function render({ model, el }) {
   const said = () => {
     const at = Number(slider.value), frame = frameOf(at);
     count.textContent = `${at} of ${model.get("max")}`;
-    const tested = frame?.outcome ? `, ${frame.outcome}, ${frame.peak.toPrecision(3)} of ${frame.limit.toPrecision(3)} MPa` : "";
+    const tested = frame?.outcome ? `, ${frame.words}` : "";
     slider.setAttribute("aria-valuetext", `iteration ${at} of ${model.get("max")}${tested}`);
   };
   const frameOf = (at) => (replay && model.get("_served").includes(at) ? replay.frames.find((frame) => frame.iteration === at) : undefined);
