@@ -13,7 +13,7 @@ from support import ROOT
 NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
 
 SMALL = {
-    "02_what_the_drop_test_computes": {"finest": 8},
+    "02_what_the_drop_test_computes": {"finest": 3},
     "08_a_reproducible_report": {"prompt": "cactus", "vertices": 1000, "iterations": 20},
 }
 """Parameters by notebook that are smaller than, or other than, the defaults in it."""
