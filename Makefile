@@ -44,10 +44,9 @@ lint: .venv/dev.stamp ## style, import directions and types only
 mutants: .venv/dev.stamp ## seeded mutation run over the pure modules
 	$(BIN)/python benchmarks/mutants.py
 
-bench: .venv/dev.stamp ## speed and memory of stages, drops, gradient and renderer beside their budgets
+bench: .venv/dev.stamp ## speed and memory of stages, drops and renderer beside their budgets
 	$(BIN)/python benchmarks/stages.py
 	$(BIN)/python benchmarks/drops.py
-	$(BIN)/python benchmarks/gradient.py
 	$(BIN)/python benchmarks/renderer.py
 
 bench-widgets: .venv/dev.stamp ## size and speed of report, replay, viewer and Studio in headless Chromium

@@ -81,7 +81,7 @@ def main() -> None:
     asked = parser.parse_args()
     factors = Factors(models=[asked.model], styles=[asked.style], vertices=asked.vertices, iterations=asked.iterations, device="cpu")
     row, tests = carried_out(factors)
-    what = f"{row.part} × {row.prompt}, {row.vertices} vertices, {row.iterations} iterations: {row.verdict or row.refused}"
+    what = f"{row.part} × {row.prompt}, {row.vertices} vertices, {row.iterations} iterations: {row.outcome or row.refused}"
     table = Table(title=what, caption=f"{platform.machine()}, load {os.getloadavg()[0]:.1f}")
     for heading in ("drop test", "step [ns]", "steps [10³]", "M updates/s", "processor [s]"):
         table.add_column(heading, justify="left" if heading == "drop test" else "right")

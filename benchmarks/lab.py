@@ -54,7 +54,7 @@ studio.previewer._arrived = noted
 """
 RUNNING = """
 from mechstyle_widgets import Studio
-quick = {"vertices": 8000, "orientations": 1, "tilts": 0, "window": 0.3, "element": "tet4", "schedule": "every", "every": 10}
+quick = {"vertices": 8000, "orientations": 1, "nearly_flat": False, "window": 0.3, "element": "tet4", "schedule": "every", "every": 10}
 studio = Studio("gallery:pen_holder", prompt="brick", iterations=400, folder="busy", **quick)
 studio
 """

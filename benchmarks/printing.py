@@ -1,4 +1,4 @@
-"""Parts of the gallery styled, written for the slicer and sliced by PrusaSlicer: watertight, warnings, walls, demand, changes, hours.
+"""Parts of the gallery styled, written for the slicer and sliced by PrusaSlicer: watertight, warnings, walls, changes.
 
 Needs prusa-slicer on PATH, lib3mf, and minutes a part. Writes docs/print-benchmark.md; what was measured before is kept in its .json.
 
@@ -28,7 +28,6 @@ from mechstyle.pictures.panels import picture
 from mechstyle.runs.run import Run
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
-from support.slicer import hours_in
 
 DOCS = Path(__file__).parent.parent / "docs"
 PARTS = {
@@ -42,7 +41,6 @@ PARTS = {
 SIZE = {"vertices": 2000, "iterations": 30, "orientations": 2, "delivered": 12_000}
 MACHINE = (
     *("--nozzle-diameter", "0.4,0.4,0.4,0.4", "--filament-diameter", "1.75,1.75,1.75,1.75", "--temperature", "210,210,210,210"),
-    *("--filament-load-time", "15,15,15,15", "--filament-unload-time", "12,12,12,12"),  # as Prusa's profiles of its changer have them
     *("--single-extruder-multi-material", "--layer-height", "0.2"),
 )
 HEAD = """\
@@ -57,14 +55,12 @@ by `python benchmarks/printing.py`, which writes this page.
 * **slicer warnings**: what PrusaSlicer repaired or warned of while it read and sliced.
 * **thinnest wall** (thin over a spot two lines, 0.84 mm, wide; these were measured when a few vertices were enough) and
   **crossings**: of the surface in the file, before and after the style.
-* **worst demand**: largest stress of the drop as placed over what it may at most be; above 1 the part fails.
-* **changes** and **hours**: as MechStyle says before slicing, and as the G-code has them, both with a fast changer (27 s a change):
-  [how they are estimated, and more parts](printing.md). A dash: not measured since the estimate is a new one.
+* **changes** of filament: as MechStyle counts them before slicing ([how](printing.md#what-it-costs)), and as the G-code has them.
 
 """
 COLUMNS = (
-    "part", "style", "watertight", "slicer warnings", "thinnest wall [mm]", "crossing pairs", "worst demand", "verdict", "layers",
-    "changes, estimated", "changes, sliced", "hours, estimated", "hours, sliced",
+    "part", "style", "watertight", "slicer warnings", "thinnest wall [mm]", "crossing pairs", "layers",
+    "changes, counted", "changes, sliced",
 )  # fmt: skip
 
 
@@ -76,11 +72,8 @@ class Measured(msgspec.Struct):
     warnings: list[str]
     thinnest: tuple[float, float]
     crossings: tuple[int, int]
-    demand: float
-    verdict: str
     layers: int
     changes: tuple[int, int]
-    hours: tuple[float, float] | None
 
 
 def measure(name: str, style: str, folder: Path) -> Measured:
@@ -89,7 +82,7 @@ def measure(name: str, style: str, folder: Path) -> Measured:
     written = run.exported(folder / f"{name}.3mf")
     sound, said = sliceable(folder / f"{name}.3mf")
     gcode = (folder / f"{name}.gcode").read_text()
-    plan, quality, deciding = written.printing, written.quality, run.verdict.deciding
+    plan, quality = written.printing, written.quality
     tools = len(re.findall(r"^T\d", gcode, re.MULTILINE))
     return Measured(
         style=style,
@@ -97,11 +90,8 @@ def measure(name: str, style: str, folder: Path) -> Measured:
         warnings=said,
         thinnest=(quality.thinnest_before, quality.thinnest),
         crossings=(quality.crossings_before, quality.crossings),
-        demand=deciding.value / deciding.limit,
-        verdict=run.verdict.outcome,
         layers=plan.cost.layers,
         changes=(plan.cost.changes, max(tools - 1, 0)),  # the first loads, and changes nothing
-        hours=(plan.cost.hours[0], hours_in(gcode)),
     )
 
 
@@ -128,11 +118,10 @@ def sliceable(path: Path) -> tuple[bool, list[str]]:
 
 def row(name: str, found: Measured) -> str:
     """A line of the table."""
-    hours = [f"{each:.1f}" for each in found.hours] if found.hours else ["–", "–"]
     cells = (
         name.replace("_", " "), found.style, "yes" if found.watertight else "**no**", "; ".join(found.warnings) or "none",
-        f"{found.thinnest[0]:.2f} → {found.thinnest[1]:.2f}", f"{found.crossings[0]} → {found.crossings[1]}", f"{found.demand:.2f}",
-        found.verdict, found.layers, *found.changes, *hours,
+        f"{found.thinnest[0]:.2f} → {found.thinnest[1]:.2f}", f"{found.crossings[0]} → {found.crossings[1]}",
+        found.layers, *found.changes,
     )  # fmt: skip
     return "| " + " | ".join(map(str, cells)) + " |"
 
@@ -150,7 +139,7 @@ def draw(run: Run) -> None:
         )),
     )  # fmt: skip
     panels = [
-        Panel(mesh, title, note=f"{cost.changes} changes, {cost.hours[0]:.1f} to {cost.hours[1]:.1f} h" if cost else "")
+        Panel(mesh, title, note=f"{cost.changes} changes" if cost else "")
         for mesh, title, cost in looks
     ]
     picture(panels, title="").save(DOCS / "printing.png")

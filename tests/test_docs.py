@@ -11,6 +11,7 @@ import typer
 
 import mechstyle
 from mechstyle.records.recipe import SETTINGS
+from mechstyle.records.sentences import EXPLANATION, MEANINGS
 from mechstyle.records.words import WORDS
 from support import ROOT
 
@@ -142,3 +143,24 @@ def test_the_glossary_tells_every_word_as_the_program_does():
     rows = re.findall(r"^\| (`.+?) \| \*\*(.+?)\*\* \| (.+) \|$", words(ROOT / "docs" / "glossary.md"), re.MULTILINE)
     told = {names.replace("`", ""): (word, sentence.replace("**", "")) for names, word, sentence in rows}
     assert told == WORDS
+
+
+JUDGES = {
+    "stressed_volume": "fea", "verdict": "records", "orientations": "fea", "footprint": "fea", "simulator": "simulation",
+    "simulation": "records", "phases": "fea",
+}  # fmt: skip
+"""Rooms of the modules whose constants can move an outcome."""
+
+
+def test_the_table_of_constants_tells_their_values_and_has_a_dozen_at_most():
+    rows = re.findall(r"^\| `(\w+)\.(\w+)` \| ([\d.]+)", words(ROOT / "docs" / "how-mechstyle-judges.md"), re.MULTILINE)
+    assert 8 <= len(rows) <= 12
+    for module, name, told in rows:
+        value = getattr(importlib.import_module(f"mechstyle.{JUDGES[module]}.{module}"), name)
+        assert float(told) in (value.values() if isinstance(value, dict) else (value,)), name
+
+
+def test_the_page_on_verdicts_begins_with_the_sentences_of_the_program():
+    page = words(ROOT / "docs" / "how-mechstyle-judges.md")
+    assert " ".join(page.split()).startswith(" ".join(("# How MechStyle judges", *EXPLANATION)))
+    assert all(f"**{outcome}** | {meaning.removesuffix('.')}" in page for outcome, meaning in MEANINGS.items())
