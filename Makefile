@@ -16,7 +16,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK = 1
 help: ## list these targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-13s %s\n", $$1, $$2}' $(firstword $(MAKEFILE_LIST))
 
-demo: .venv/core.stamp ## stylize a tealight holder as brick, drop it, write demo-out/
+demo: .venv/core.stamp ## stylize a utensil grip as brick, drop it, write demo-out/
 	$(BIN)/mechstyle demo --out demo-out
 
 test: lint ## everything that must pass: lint, types, import directions, all tests

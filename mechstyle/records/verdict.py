@@ -189,7 +189,7 @@ class Verdict(msgspec.Struct, frozen=True, kw_only=True):
         return " ".join(filter(None, (self.head, self.doubt)))
 
 
-def judge(simulation: Simulation, original: Simulation | None, recipe: Recipe) -> Verdict:
+def judge(simulation: Simulation, original: Simulation | None, recipe: Recipe, reference: Simulation | None = None) -> Verdict:
     """Compare what a part survives with what is asked of it, and with what its original survives.
 
     Flat and every load decide. Nearly flat decides beside an original, as most plastic parts yield at an edge; so do all other landings
@@ -199,6 +199,7 @@ def judge(simulation: Simulation, original: Simulation | None, recipe: Recipe) -
         simulation: The test of the part.
         original: The same test of the unstyled part; None for a part that is tested by itself.
         recipe: What was asked for.
+        reference: The original as it sets the limits, where that is read on more than one mesh; the original itself unless given.
     """
     if recipe.criterion not in CRITERIA:
         raise unknown("criterion", recipe.criterion, CRITERIA)
@@ -209,7 +210,7 @@ def judge(simulation: Simulation, original: Simulation | None, recipe: Recipe) -
     )  # fmt: skip
     if empty.failure:
         return empty
-    rows = tuple(_rows(simulation, original, recipe))
+    rows = tuple(_rows(simulation, original, reference or original, recipe))
     counting = [row for row in rows if row.decides]
     outcome = max((row.outcome for row in counting), key=_SEVERITY.__getitem__)
     return msgspec.structs.replace(empty, outcome=outcome, rows=rows, doubts=tuple(_doubts(counting, outcome, simulation)))
@@ -245,24 +246,23 @@ def _failure(simulation: Simulation, original: Simulation | None, recipe: Recipe
     return next((f"the part was not tested under the load {name!r}" for name in missing), "")
 
 
-def _rows(simulation: Simulation, original: Simulation | None, recipe: Recipe) -> Iterable[Row]:
+def _rows(simulation: Simulation, original: Simulation | None, reference: Simulation | None, recipe: Recipe) -> Iterable[Row]:
     """The rows of all tests that were made of a part."""
     strength, robust = recipe.material.yield_strength, recipe.criterion != "paper"
     for test in WAYS:
-        landings, before = simulation.of(test), [] if original is None else original.of(test)
+        landings, one = simulation.of(test), _average if test == "any landing" else _hardest
         if landings:
-            hardest, theirs = _hardest(landings), _hardest(before) if before else None
-            if test == "any landing":
-                hardest, theirs = _average(landings), _average(before) if before else None
-            limit = strength if theirs is None else drop_limit(theirs.stress, strength)
+            before, limiting = ([] if part is None else part.of(test) for part in (original, reference))
+            hardest, theirs = one(landings), one(before) if before else None
+            limit = drop_limit(one(limiting).stress, strength) if limiting else strength
             yield Row(
                 test=test, landing=hardest.name, stress=hardest.stress, limit=limit, height=hardest.critical_height, asked=recipe.height,
                 original=None if theirs is None else theirs.critical_height, outcome=_outcome(hardest.stress, limit, strength),
                 decides=robust and (test == "flat" or theirs is not None),
             )  # fmt: skip
     for case in simulation.loads:
-        own = None if original is None else original.load(case.name)
-        limit = strength if own is None else load_limit(own.stress, strength)
+        own, sets = (None if part is None else part.load(case.name) for part in (original, reference))
+        limit = strength if sets is None else load_limit(sets.stress, strength)
         yield Row(
             test="load", load=case.name, stress=case.stress, limit=limit, factor=strength / case.stress, asked=1.0,
             original=None if own is None else strength / own.stress, outcome=_outcome(case.stress, limit, strength), decides=robust,

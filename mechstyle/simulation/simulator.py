@@ -115,7 +115,7 @@ class DropSimulator:
         verdict = judge(simulation, self.baseline, self.recipe)
         if verdict.settled or verdict.outcome == "UNKNOWN" or self.recipe.criterion == "paper":  # which an original does not excuse
             return verdict
-        return judge(simulation, self._original_beside(simulation.mesh), self.recipe)
+        return judge(simulation, self.baseline, self.recipe, self._original_beside(simulation.mesh))
 
     def _original_beside(self, mesh: str) -> Simulation:
         """The original where a part does not pass for sure: as hard in each landing as on the part's own tetrahedra, by their digest.

@@ -171,7 +171,7 @@ def test_a_lower_gap_under_a_part_carries_no_more_but_standing_on_more_does(memo
     whole, lower, wider = (sim.simulate(displacement, thorough=False) for displacement in gaps)
     assert lower.flat.stress > 0.85 * whole.flat.stress
     assert wider.level_share > 4.0 * whole.level_share
-    assert wider.flat.stress < 0.75 * whole.flat.stress
+    assert wider.flat.stress < 0.85 * whole.flat.stress
 
 
 def test_a_relief_that_the_tets_carry_is_judged_on_them(block, memo):

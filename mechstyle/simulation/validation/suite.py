@@ -14,6 +14,14 @@ EDGE = (
     "**Known limit.** Tilted by 3° this cup touches with a single corner of its rim. One element through the wall spreads that over more "
     "volume than there is: it reads a quarter more than a mesh that is twice as fine, which is the safe side."
 )
+CORNER = (
+    "**Known limit.** Nearly flat this thin square cup lands on a corner of its rim, which five triangulations resolve differently: 5.8 % "
+    "standard deviation, where the gallery parts of 12 000 vertices have 3.5 % at most."
+)
+STEEP = (
+    "**Known limit.** A steep bar still rings when its other end lands. Phases begin from rest, so that the second impact reads a seventh "
+    "less than one long drop: the unsafe side, in directions that no default test judges."
+)
 """Why figures of a case fail."""
 
 CASES = {
@@ -50,10 +58,10 @@ CASES = {
         Case("finer", "A plain cup on a finer mesh", convergence.finer, slow=True, fault=EDGE),
         Case("finer_styled", "A square cup in brick on a finer mesh", convergence.finer_styled, slow=True),
         Case("turned", "An angle bracket, turned and mirrored, prepared anew", repeatability.turned, slow=True),
-        Case("again", "Five triangulations of a square cup, each meshed anew", repeatability.smooth, slow=True),
+        Case("again", "Five triangulations of a square cup, each meshed anew", repeatability.smooth, slow=True, fault=CORNER),
         Case("again_styled", "Five triangulations of a square cup in brick", repeatability.styled, slow=True),
         Case("numerics", "A square cup in brick for twice as long, and with half the step", repeatability.numerics, slow=True),
-        Case("numerics_bar", "The bar that lands again, the same way", repeatability.numerics_of_a_bar, slow=True),
+        Case("numerics_bar", "The bar that lands again, the same way", repeatability.numerics_of_a_bar, slow=True, fault=STEEP),
     )
 }
 """In their order on the page."""
