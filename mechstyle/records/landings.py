@@ -10,7 +10,7 @@ import msgspec
 from mechstyle.records.lengths import written
 
 POSES: Mapping[str, int] = {"fibonacci": 5, "resting": 8, "box26": 27, "box10": 11, "faces6": 7}
-"""Ways a part may land, and how many drops each takes unless told, flat counted as the first: all directions, what it comes to rest on;
+"""Ways a part may land, and how many drops each takes by default, flat counted as the first: all directions, what it comes to rest on;
 faces, edges and corners of the smallest box around it, a corner with its edges and the faces, or the faces alone."""
 
 

@@ -39,7 +39,7 @@ NOT_TESTED = "NOT TESTED"
 """What stands there where nothing was tested."""
 
 HIGHEST = 10_000.0
-"""Heights above are not told apart [mm]."""
+"""Heights above are all shown as more than this [mm]."""
 
 
 # --- figures ------------------------------------------------------------------------------------------------------
