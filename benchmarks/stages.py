@@ -38,7 +38,7 @@ from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh, TetMesh
 from mechstyle.runs.recipes import plan
 from mechstyle.runs.run import begin
-from mechstyle.simulation.carrying import TETS_PER_KEPT_VERTEX
+from mechstyle.simulation.meshes import TETS_PER_KEPT_VERTEX
 from mechstyle.simulation.part import Workpiece
 from mechstyle.styling.dimensions import Dimensions
 from mechstyle.styling.drawn import Target, target

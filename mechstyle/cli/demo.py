@@ -41,7 +41,7 @@ def demo_command(
     as_json: Json = False,
 ) -> None:
     """Style the gallery's utensil grip as brick, freely and with feedback, and compare the verdicts."""
-    asked = {"prompt": prompt, "delivered": 0, **settings}  # so few vertices say more of the method than of the style
+    asked = {"prompt": prompt, **settings}
     tell(both_ways(model, asked, vertices, device, folder, as_json=as_json), folder, as_json=as_json)
 
 

@@ -39,9 +39,6 @@ Others = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="NAME=VALUE", help="Any other setting of the recipe, such as travel=0.2. May be given several times."),
 ]
-Coarse = Annotated[
-    bool, typer.Option("--coarse", help="Deliver the surface of the run, without drawing it finer at the end.", rich_help_panel=STYLE)
-]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout and nothing else.")]
 
 Settings = dict[str, Any]
@@ -82,7 +79,6 @@ OPTIONS = {
     "image_as": RecipeOption(STYLE),
     "image_layout": RecipeOption(STYLE),
     "projection": RecipeOption(STYLE, ("--project", "--projection")),
-    "delivered": RecipeOption(STYLE, hint="--coarse is short for 0."),
     "stylizer": RecipeOption(STYLE),
     "guidance": RecipeOption(STYLE, hint="clip takes any prompt; see `mechstyle weights list`."),
     "clip": RecipeOption(STYLE, hint="A name of `mechstyle weights list`, or a folder as transformers saves one."),

@@ -13,7 +13,6 @@ from mechstyle.cli.console import command, err, escape, out, print_json, report_
 from mechstyle.cli.options import (
     DEFAULTS_MAY_CHANGE,
     OPTIONS,
-    Coarse,
     Device,
     Folder,
     Json,
@@ -24,7 +23,6 @@ from mechstyle.cli.options import (
     Vertices,
     recipe_options,
 )
-from mechstyle.errors import BadInput
 from mechstyle.records.landings import STANDARDS
 from mechstyle.records.mesh import STANDARD_VERTICES
 from mechstyle.records.recipe import Recipe
@@ -33,8 +31,6 @@ RESTRAINED = ("control", "normalisation", "threshold", "schedule", "every", "bas
 """Settings that restrain a style, or say when to simulate to that end: Freestyle has no use for them."""
 AUTO = "auto"
 """In place of an amplitude: the deepest that passes."""
-AS_IT_RAN = {"delivered": 0}
-"""The surface of the run is delivered, drawn no finer."""
 FREE = tuple(name for name in OPTIONS if name not in RESTRAINED)
 
 app = typer.Typer()
@@ -49,14 +45,6 @@ def read_model(model: str, scale: float | None, up: str, *, quiet: bool) -> tupl
         for note in mesh.notes:
             err.print(f"[dim]{escape(mesh.origin.model)}: {escape(note)}[/]")
     return mesh, mesh.name
-
-
-def short_for(preset: Settings, settings: Settings, flag: str, *, given: bool) -> Settings:
-    """What a flag stands for, nothing if it is not given; BadInput if something else is asked for besides."""
-    for name, value in preset.items() if given else ():
-        if settings.get(name, value) != value:
-            raise BadInput(f"{flag} is short for {name} {value}, and {name} {settings[name]} is asked for as well: leave out one of them")
-    return preset if given else {}
 
 
 def carry_out(
@@ -159,7 +147,6 @@ def report(run: Any, *, as_json: bool) -> None:
 def run_command(
     model: Model,
     settings: Settings,
-    coarse: Coarse = False,
     vertices: Vertices = STANDARD_VERTICES,
     scale: Scale = None,
     up: Up = "",
@@ -168,7 +155,6 @@ def run_command(
     as_json: Json = False,
 ) -> None:
     """Style a part while a drop test watches its strength."""
-    settings |= short_for(AS_IT_RAN, settings, "--coarse", given=coarse)
     run = carry_out(model, settings, vertices, scale, up, device, folder, freestyle=False, as_json=as_json)
     report(run, as_json=as_json)
 
@@ -179,7 +165,6 @@ def run_command(
 def freestyle_command(
     model: Model,
     settings: Settings,
-    coarse: Coarse = False,
     vertices: Vertices = STANDARD_VERTICES,
     scale: Scale = None,
     up: Up = "",
@@ -188,7 +173,6 @@ def freestyle_command(
     as_json: Json = False,
 ) -> None:
     """Style a part without feedback; one drop test at the end."""
-    settings |= short_for(AS_IT_RAN, settings, "--coarse", given=coarse)
     run = carry_out(model, settings, vertices, scale, up, device, folder, freestyle=True, as_json=as_json)
     report(run, as_json=as_json)
 
@@ -199,7 +183,6 @@ def freestyle_command(
 def branch_command(
     address: Annotated[str, typer.Argument(metavar="DIR@ITERATION", help="Where to branch: DIR@120 or DIR@lane:120.")],
     settings: Settings,
-    coarse: Coarse = False,
     lane: Annotated[str, typer.Option(help="Name of the new lane.")] = "",
     device: Device = "auto",
     as_json: Json = False,
@@ -208,7 +191,6 @@ def branch_command(
     from mechstyle.loop.store import parse_address  # noqa: PLC0415
     from mechstyle.runs.run import Run  # noqa: PLC0415 — physics is loaded when something is run
 
-    settings |= short_for(AS_IT_RAN, settings, "--coarse", given=coarse)
     root, origin, iteration = parse_address(address)
     run = Run.open(f"{root}@{origin}", device).branch(iteration, lane=lane, **settings)
     with telling(run.recipe.iterations, quiet=as_json) as teller:

@@ -94,6 +94,7 @@ def _figures(dropped: PartTest, files: dict[str, str]) -> dict[str, Any]:
         "material": dropped.recipe.material,
         "tetrahedra": len(dropped.tets.tets),
         "fit": dropped.fit,
+        "relief": {"lowest": float(dropped.relief.min()), "highest": float(dropped.relief.max()), "followed": simulation.carried},
         "steps": simulation.steps,
         "time_step": simulation.time_step,
         "added_mass": simulation.added_mass,
@@ -128,12 +129,12 @@ def _report(dropped: PartTest, files: dict[str, str]) -> None:
 
 def _relief_rows(dropped: PartTest) -> list[tuple[str, str]]:
     """A table row of what a part has over its original."""
-    relief = dropped.fit.relief
-    if relief is None:
+    if dropped.original is None:
         return []
-    under = "" if relief.carried_base is None else f" ({relief.carried_base:.0%} under the part)"
-    carried = f"the mesh follows {relief.carried:.0%} of it{under}"
-    return [("relief", f"{relief.lowest:.2f} to {relief.highest:.2f} mm over the plain part, {carried}")]
+    found = dropped.simulation
+    under = "" if found.carried_base is None else f" ({found.carried_base:.0%} under the part)"
+    follows = f"the mesh follows {found.carried:.0%} of it{under}"
+    return [("relief", f"{dropped.relief.min():.2f} to {dropped.relief.max():.2f} mm over the original, {follows}")]
 
 
 def _course_rows(dropped: PartTest) -> list[tuple[str, str]]:

@@ -312,14 +312,3 @@ def figures(row: Row) -> str:
 def named(row: Row) -> str:
     """The landing or load that a picture of a test shows."""
     return {"load": f"load {row.load}", "published rule": "published rule"}.get(row.test, row.landing)
-
-
-def delivered(verdict: Verdict, coarse: Verdict | None) -> str:
-    """What a surface drawn finer does not keep of what the run's own surface promised."""
-    was = "" if coarse is None else f", though the surface of the run {_verb(coarse)}"
-    return f"the fine surface {_verb(verdict)}{was}: export it with --coarse, or branch with a smaller amplitude"
-
-
-def _verb(verdict: Verdict) -> str:
-    """The outcome as what a surface does."""
-    return marked(f"{'is ' * (verdict.outcome == 'NO WORSE')}{short(verdict)}", sure=verdict.sure)

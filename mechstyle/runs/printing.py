@@ -1,10 +1,9 @@
-"""A delivered surface as a 3MF file for a slicer: in the colours of a few filaments, or as two bodies, and what that costs to print."""
+"""A styled surface as a 3MF file for a slicer: in the colours of a few filaments, or as two bodies, and what that costs to print."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
 
 import msgspec
 import numpy as np
@@ -14,7 +13,6 @@ from mechstyle.geometry.bodies import shell_and_rest
 from mechstyle.geometry.filaments import MOST, USUAL, Painted, Palette, clustered, in_bands, painted, palette_of
 from mechstyle.geometry.files import write_file
 from mechstyle.geometry.print_cost import PrintCost, banded, cheaper, print_cost
-from mechstyle.geometry.subdivision import Subdivided
 from mechstyle.geometry.threemf import Body, bodies_bytes, check_slicer, threemf_bytes, together
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import SurfaceMesh
@@ -66,18 +64,6 @@ class Printing(msgspec.Struct, frozen=True, kw_only=True):
         return found
 
 
-class Delivered(NamedTuple):
-    """Surface to export, with the subdivision it came from.
-
-    Attributes:
-        cut: The unstylized part in its faces; None for those of the run.
-        styled: The styled, coloured surface.
-    """
-
-    cut: Subdivided | None
-    styled: SurfaceMesh
-
-
 class PrintPlan(msgspec.Struct, frozen=True, kw_only=True):
     """What a file tells a slicer, and what it costs.
 
@@ -103,23 +89,22 @@ class PrintPlan(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def write_for_printing(
-    path: Path, delivered: Delivered, original: SurfaceMesh, part: Workpiece, recipe: Recipe, printing: Printing, *, name: str = ""
+    path: Path, styled: SurfaceMesh, part: Workpiece, recipe: Recipe, printing: Printing, *, name: str = ""
 ) -> PrintPlan:
     """Write a styled part for a slicer.
 
     Args:
         path: The 3MF file.
-        delivered: The styled, coloured surface.
-        original: The unstylized surface in the same faces.
+        styled: The styled, coloured surface.
         part: The part of the run.
         recipe: Its recipe.
         printing: What is wanted.
         name: What slicers call it.
     """
-    mesh, kind = delivered.styled, recipe.material.name if recipe.material.name in FILAMENT_TYPES else FILAMENT_TYPES[0]
+    mesh, kind = styled, recipe.material.name if recipe.material.name in FILAMENT_TYPES else FILAMENT_TYPES[0]
     palette, called = printing.filaments(mesh), name or "part"
     if printing.bodies:
-        paint, content = _in_bodies(delivered, original, part, recipe, palette, called, printing.slicer, kind)
+        paint, content = _in_bodies(mesh, part, recipe, palette, called, printing.slicer, kind)
     else:
         paint = in_bands(mesh, palette) if printing.bands else painted(mesh, palette)
         content = threemf_bytes(mesh, called, paint=paint, slicer=printing.slicer, filament_type=kind)
@@ -139,14 +124,10 @@ def write_for_printing(
 
 
 def _in_bodies(
-    delivered: Delivered, original: SurfaceMesh, part: Workpiece, recipe: Recipe, palette: Palette, name: str, slicer: str, kind: str
+    styled: SurfaceMesh, part: Workpiece, recipe: Recipe, palette: Palette, name: str, slicer: str, kind: str
 ) -> tuple[Painted, bytes]:
     """The part as a shell of the first filament and the rest of the second: both as they fill the layers, and the file."""
     bounds = bounds_for(part, recipe)[0]
-    free = ((bounds.freedom > 0.0) & ~np.asarray(bounds.plain)).astype(np.float32)
-    thickness = part.thickness
-    if delivered.cut is not None:
-        free, thickness = (np.asarray(delivered.cut.interpolation @ values, np.float32) for values in (free, thickness))
-    shell, rest = shell_and_rest(original, delivered.styled, free == 1.0, thickness)
+    shell, rest = shell_and_rest(part.surface, styled, (bounds.freedom > 0.0) & ~np.asarray(bounds.plain), part.thickness)
     bodies = (Body("styled shell", shell, 0), Body("rest", rest, 1))
     return together(bodies, palette), bodies_bytes(bodies, palette, name, slicer=slicer, filament_type=kind)

@@ -23,7 +23,7 @@ from mechstyle.simulation import part_test
 
 STYLED = (
     "--build-direction "
-    "--relief --side --feature --nozzle --inside --delivered --coarse "
+    "--relief --side --feature --nozzle --inside "
     "--image --image-size --image-as --image-layout --project --projection "
     "--amplitude --clip --criterion --device --field --guidance --iterations --json --load --material -m --minimum-wall --orientations "
     "--height --nearly-flat --no-nearly-flat --poses --prompt -p --protect --seed --set --standard --stylizer --window"
@@ -48,7 +48,7 @@ NAMES = {
     "validate": "--case --json --out --page --quick",
     "log": "address --json",
     "show": "address --field --json --out",
-    "export": "address --bands --bodies --coarse --colours --device --fields --fine --format -f --json --out --palette --slicer",
+    "export": "address --bands --bodies --colours --fields --format -f --json --out --palette --slicer",
     "orient": "address --count --device --json",
     "protect": "model --json --out --protect --scale --up --vertices",
     "rerun": "address --device --json --out",
@@ -241,21 +241,6 @@ def test_a_drop_without_style_has_the_defaults_of_the_python_function(monkeypatc
     monkeypatch.setattr(simulate, "read_model", lambda *_, **__: (None, "vase"))
     CliRunner().invoke(app, ["simulate", "gallery:vase", "--criterion", "paper"])
     assert {"material", "criterion"} == set(caught[0]) - {"original", "vertices", "device", "stage", "progress", "measured"}
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (["--coarse", "--delivered", "50000"], "--coarse is short for delivered 0, and delivered 50000 is asked for as well"),
-    ],
-)
-def test_a_flag_and_a_setting_that_contradict_each_other_are_refused(arguments, said):
-    """The setting was left out without a word."""
-    outcome = CliRunner().invoke(app, ["run", "gallery:none", "-p", "brick", *arguments])
-    assert outcome.exit_code == 2
-    assert said in " ".join(outcome.output.split())
-    same = ["run", "gallery:none", "-p", "brick", "--coarse", "--delivered", "0"]
-    assert "short for" not in CliRunner().invoke(app, same).output
 
 
 def test_a_setting_that_does_nothing_is_said_to_before_anything_slow():

@@ -157,7 +157,6 @@ def test_every_field_decides_the_digest(field):
         "iterations": 7, "seed": 7, "every": 7, "amplitude": 0.7, "travel": 0.7, "orientations": 7, "poses": "resting", "standard": "en71",
         "relief": 0.7, "side": "outwards", "feature": 7.0, "nozzle": 0.7, "inside": "styled",
         "image": "9" * 64, "image_size": 7.0, "image_as": "colour", "image_layout": "placed", "projection": "around",
-        "delivered": 70_000,
         "nearly_flat": False, "build_direction": (0.0, 0.0, 1.0), "height": 700.0, "friction": 0.7,
         "window": 0.7, "damping": 0.007, "threshold": 0.7, "guidance": "clip", "field": "network", "clip": "ViT-B-32@7", "crops": 7,
     }  # fmt: skip
