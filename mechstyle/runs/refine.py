@@ -22,8 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mechstyle.errors import BadInput
+from mechstyle.geometry.print_quality import untangled
 from mechstyle.geometry.subdivision import Subdivided, refined_to
-from mechstyle.geometry.untangling import untangled
 from mechstyle.loop import minimum_wall
 from mechstyle.loop.store import Store
 from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict

@@ -13,7 +13,8 @@ from mechstyle._files import cache_folder
 from mechstyle.geometry.going_on import GoOn, regardless
 from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.morph import Morph, Morphed
-from mechstyle.geometry.tetrahedra import KEPT, tetrahedralise
+from mechstyle.geometry.remeshing import fill as tetrahedralise
+from mechstyle.geometry.remeshing.filling import KEPT
 from mechstyle.records.mesh import Floats, SurfaceMesh, TetMesh
 from mechstyle.records.simulation import LEAST_CARRIED, VOLUME_ERROR
 

@@ -12,10 +12,10 @@ import pytest
 import trimesh
 from manifold3d import CrossSection, Manifold
 
-from mechstyle.geometry.remesh import surface_of
-from mechstyle.geometry.self_intersections import crossings
+from mechstyle.geometry.print_quality import untangled
+from mechstyle.geometry.remeshing.crossings import crossings
+from mechstyle.geometry.remeshing.evening import surface_of
 from mechstyle.geometry.subdivision import Subdivided, subdivided
-from mechstyle.geometry.untangling import untangled
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs import refine as module
 from mechstyle.runs.refine import INTERPOLATED, MOST_PARTS

@@ -10,7 +10,7 @@ from manifold3d import Manifold
 
 from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.morph import Morph
-from mechstyle.geometry.remesh import standardise, surface_of
+from mechstyle.geometry.remeshing.evening import even, surface_of
 from mechstyle.geometry.transfer import SurfaceMean
 from mechstyle.records.simulation import LEAST_CARRIED, VOLUME_ERROR
 from mechstyle.simulation.carrying import Carried, carried, carrying
@@ -19,7 +19,7 @@ from mechstyle.simulation.part import Workpiece, refilled
 
 @pytest.fixture(scope="module")
 def slab():
-    return standardise(surface_of(Manifold.cube((24.0, 16.0, 6.0))), 1500)
+    return even(surface_of(Manifold.cube((24.0, 16.0, 6.0))), 1500)
 
 
 def as_it_is(relief):

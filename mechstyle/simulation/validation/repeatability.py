@@ -16,8 +16,8 @@ import numpy as np
 from mechstyle.fea.drop import DropTest
 from mechstyle.fea.orientations import landings
 from mechstyle.fea.stressed_volume import Walls
-from mechstyle.geometry.remesh import standardise
-from mechstyle.geometry.tetrahedra import tetrahedralise
+from mechstyle.geometry.remeshing import even as standardise
+from mechstyle.geometry.remeshing import fill as tetrahedralise
 from mechstyle.records import Landing, Recipe, Simulation, Verdict, judge
 from mechstyle.records.mesh import Floats, SurfaceMesh, TetMesh
 from mechstyle.simulation.part import prepare
