@@ -18,12 +18,11 @@ from mechstyle.fea.backends.gpu import DeviceBody
 from mechstyle.fea.discretisation import Discretisation, discretise
 from mechstyle.fea.elasticity import LAWS, element_frequencies, law_named
 from mechstyle.fea.elements import element_named
-from mechstyle.fea.explicit import RECORD_EVERY, Body, Progress, Scheme, no_progress
+from mechstyle.fea.explicit import RECORD_EVERY, Body, Progress, Scheme, damped_step, no_progress
 from mechstyle.fea.flight import RigidBody
 from mechstyle.fea.history import History, Phase, history_of, phases_of
 from mechstyle.fea.period import lowest_period
 from mechstyle.fea.phases import Rule, Track, follow, longest
-from mechstyle.fea.stable_step import damped_step
 from mechstyle.records.material import Material
 from mechstyle.records.mesh import Floats, TetMesh, frozen_array
 
