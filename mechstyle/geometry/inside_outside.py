@@ -1,6 +1,5 @@
 """How much of the sky each place of a part sees: what is inside of a hollow one, what outside, and what light falls on it as it stands."""
 
-
 from __future__ import annotations
 
 from typing import Any
