@@ -275,7 +275,7 @@ def notebook(chromium: Browser, lab: Lab, request: pytest.FixtureRequest) -> Ite
 def finished_run(tmp_path_factory: pytest.TempPathFactory) -> Run:
     """A small run on disk, with a branch."""
     run = stylize(
-        make("pen_holder"), "brick", vertices=2000, delivered=6000, iterations=12, orientations=1, schedule="every", every=4,
+        make("pen_holder"), "brick", vertices=2000, iterations=12, orientations=1, schedule="every", every=4,
         nearly_flat=False, window=0.3, element="tet4", out=tmp_path_factory.mktemp("runs") / "part", name="pen holder", device="cpu",
     )
     run.branch(6, lane="frozen", control="frozen").go()

@@ -39,8 +39,7 @@ def elsewhere(tmp_path_factory) -> Run:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("MECHSTYLE_CACHE", str(folder / "cache"))
         Image.fromarray(STRIPED).save(folder / "mine.png")
-        shape, settings = SurfaceMesh(box.vertices, box.faces), {**QUICK, "delivered": 3500}
-        stylize(shape, image=folder / "mine.png", image_size=10, relief=0.5, out=folder / "run", **settings)
+        stylize(SurfaceMesh(box.vertices, box.faces), image=folder / "mine.png", image_size=10, relief=0.5, out=folder / "run", **QUICK)
         (folder / "mine.png").unlink()
         shutil.rmtree(folder / "cache")
         patch.setenv("MECHSTYLE_CACHE", str(folder / "other"))
