@@ -17,7 +17,7 @@ import msgspec
 import numpy as np
 
 from mechstyle.gallery.style_sheet import Specimen, lettered, png
-from mechstyle.geometry.remesh import surface_of
+from mechstyle.geometry.remeshing.evening import surface_of
 from mechstyle.pictures.colormap import PLAIN
 from mechstyle.pictures.scene import BACKGROUND, Camera, render
 from mechstyle.records.mesh import SurfaceMesh

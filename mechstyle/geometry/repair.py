@@ -13,9 +13,9 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from mechstyle.errors import BadInput, SimulationFailed
-from mechstyle.geometry.remesh import manifold_of, surface_of
-from mechstyle.geometry.self_intersections import encloses, overlaps
-from mechstyle.geometry.tetwild import Settings, tetwild
+from mechstyle.geometry.remeshing.crossings import encloses, overlaps
+from mechstyle.geometry.remeshing.evening import manifold_of, surface_of
+from mechstyle.geometry.remeshing.tetwild import Settings, tetwild
 from mechstyle.records.mesh import Floats, Indices, SurfaceMesh, TetMesh
 
 HAIRLINE = 1e-4

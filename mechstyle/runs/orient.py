@@ -16,7 +16,7 @@ from mechstyle.errors import BadInput
 from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.fea.orientations import FLAT, resting
 from mechstyle.geometry.resting_face import centre_of_mass
-from mechstyle.geometry.standing import standing
+from mechstyle.geometry.upright import standing
 from mechstyle.records import Recipe, Simulation
 from mechstyle.records.regions import Point
 from mechstyle.runs.run import Run

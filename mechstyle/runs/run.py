@@ -17,7 +17,7 @@ from mechstyle.errors import BadInput
 from mechstyle.fea.drop import resolve_device
 from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.geometry.going_on import GoOn, regardless
-from mechstyle.geometry.untangling import untangled
+from mechstyle.geometry.print_quality import untangled
 from mechstyle.loop import minimum_wall
 from mechstyle.loop.engine import Engine
 from mechstyle.loop.events import Event, Finished

@@ -13,7 +13,7 @@ from mechstyle._files import cache_folder
 from mechstyle.errors import MechStyleError
 from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.geometry.going_on import GoOn, regardless
-from mechstyle.geometry.tetrahedra import KEPT, tetrahedralise
+from mechstyle.geometry.remeshing.filling import KEPT, fill
 from mechstyle.loop.objects import AT_REST, CARRIER, LAST_MESH, MESH, MESH_FOR, Memo
 from mechstyle.records.mesh import SurfaceMesh, TetMesh, digest_of
 from mechstyle.simulation.body import Body
@@ -148,7 +148,7 @@ def carrying(surface: SurfaceMesh, relief: NDArray[np.float32], go_on: GoOn = re
         SimulationFailed: If the surface with half of the relief cannot be meshed.
     """
     half, exaggerated = (HALF * relief).astype(np.float32), surface.displaced(EXAGGERATED * relief)
-    return tetrahedralise(surface.displaced(half), _count(surface), keep=exaggerated, cache=cache_folder() / "tets", go_on=go_on), half
+    return fill(surface.displaced(half), _count(surface), keep=exaggerated, cache=cache_folder() / "tets", go_on=go_on), half
 
 
 def at_rest(surface: SurfaceMesh, go_on: GoOn = regardless) -> TetMesh:
@@ -157,7 +157,7 @@ def at_rest(surface: SurfaceMesh, go_on: GoOn = regardless) -> TetMesh:
     Raises:
         SimulationFailed: If it cannot be meshed.
     """
-    return tetrahedralise(surface, _count(surface), cache=cache_folder() / "tets", go_on=go_on)
+    return fill(surface, _count(surface), cache=cache_folder() / "tets", go_on=go_on)
 
 
 def _count(surface: SurfaceMesh) -> int:

@@ -19,10 +19,10 @@ from mechstyle.geometry.going_on import GoOn, regardless
 from mechstyle.geometry.inside_outside import is_container, is_inside
 from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.region_selection import protection
-from mechstyle.geometry.remesh import standardise
+from mechstyle.geometry.remeshing import even as standardise
+from mechstyle.geometry.remeshing.filling import VERSION as TETRAHEDRA
 from mechstyle.geometry.resting_face import resting_face
 from mechstyle.geometry.subdivision import refined_to
-from mechstyle.geometry.tetrahedra import VERSION as TETRAHEDRA
 from mechstyle.geometry.thickness import local_thickness
 from mechstyle.geometry.visibility import sky_seen
 from mechstyle.loop import minimum_wall as walls

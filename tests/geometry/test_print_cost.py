@@ -6,7 +6,7 @@ from manifold3d import Manifold
 
 from mechstyle.geometry.filaments import Painted, in_bands
 from mechstyle.geometry.print_cost import PURGED, banded, changes_of, cheaper, colours_by_layer, print_cost
-from mechstyle.geometry.remesh import surface_of
+from mechstyle.geometry.remeshing.evening import surface_of
 from mechstyle.geometry.threemf import threemf_bytes
 from support.slicer import FOUR_FILAMENTS, prusa_slicer, tools_by_height
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from manifold3d import Manifold
 
-from mechstyle.geometry.remesh import standardise, surface_of
+from mechstyle.geometry.remeshing.evening import even, surface_of
 from mechstyle.records.simulation import LEAST_CARRIED, VOLUME_ERROR
 from mechstyle.simulation.body import Body, Followed, Skin
 from mechstyle.simulation.meshes import carrying
@@ -17,7 +17,7 @@ from mechstyle.simulation.part import Workpiece, refilled
 
 @pytest.fixture(scope="module")
 def slab():
-    return standardise(surface_of(Manifold.cube((24.0, 16.0, 6.0))), 1500)
+    return even(surface_of(Manifold.cube((24.0, 16.0, 6.0))), 1500)
 
 
 def body(slab, tets, at, nozzle=0.0):

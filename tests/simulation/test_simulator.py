@@ -12,7 +12,7 @@ import trimesh
 from mechstyle.errors import SimulationFailed
 from mechstyle.fea.stressed_volume import at_nodes, exceeded
 from mechstyle.geometry.level_base import LevelBase
-from mechstyle.geometry.tetrahedra import tetrahedralise
+from mechstyle.geometry.remeshing.filling import fill
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.records.simulation import GREATEST_HEIGHT, LEAST_CARRIED, LEAST_HEIGHT, VOLUME_ERROR
@@ -167,7 +167,7 @@ def test_a_lower_gap_under_a_part_carries_no_more_but_standing_on_more_does(memo
     middle, standing = np.hypot(surface.vertices[:, 0], surface.vertices[:, 1]), LevelBase(surface).standing
     gap = np.where(standing & (middle > 3.0), -0.3, 0.0).astype(np.float32)
     half = np.float32(0.5) * gap
-    tets = tetrahedralise(surface.displaced(half), 1500, keep=surface.displaced(2.0 * gap))
+    tets = fill(surface.displaced(half), 1500, keep=surface.displaced(2.0 * gap))
     sim = replace(simulator((surface, tets), memo), at=half)
     gaps = (gap, np.float32(0.5) * gap, np.where(middle < 8.0, np.float32(0.0), gap))
     whole, lower, wider = (sim.simulate(displacement, thorough=False) for displacement in gaps)

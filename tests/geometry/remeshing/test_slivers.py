@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mechstyle.geometry.proximity import TriangleTree
-from mechstyle.geometry.slivers import edge_pairs, mended
+from mechstyle.geometry.remeshing.cleaning import edge_pairs, mended
 from mechstyle.records.mesh import SurfaceMesh
 
 

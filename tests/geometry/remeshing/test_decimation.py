@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from manifold3d import Manifold
 
-from mechstyle.geometry.decimation import decimated
 from mechstyle.geometry.proximity import TriangleTree
-from mechstyle.geometry.remesh import _shape, surface_of
+from mechstyle.geometry.remeshing.decimation import decimated
+from mechstyle.geometry.remeshing.evening import _shape, surface_of
 
 
 def test_planes_and_corners_of_a_box_cost_nothing():

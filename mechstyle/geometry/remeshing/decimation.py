@@ -10,14 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mechstyle.geometry.collapses import edges_of, far_apart, merged, sound_ones
 from mechstyle.geometry.going_on import GoOn, regardless
+from mechstyle.geometry.remeshing.tolerances import TOL
+from mechstyle.geometry.remeshing.topology import edges_of, far_apart, merged, sound_ones
 from mechstyle.records.mesh import Floats, Indices, SurfaceMesh
-
-CHEAP = 0.06  # of the edges take part in a round: the others wait to be the cheapest
-STEADY = 0.2  # cosine of the angle by which a triangle may turn
-TIED = 1e-4  # of a quadric's weight, with which a vertex stays in the middle of its edge where planes leave it free
-ROUNDS = 400
 
 
 class _Quadrics(NamedTuple):
@@ -36,7 +32,7 @@ class _Quadrics(NamedTuple):
 
     def lowest(self, near: Floats) -> Floats:
         """Where they are least, near the places given in directions that change little."""
-        weight = TIED * np.trace(self.a, axis1=1, axis2=2) + 1e-30
+        weight = TOL.tied * np.trace(self.a, axis1=1, axis2=2) + 1e-30
         downhill = -(np.einsum("kij,kj->ki", self.a, near) + self.b)
         return near + np.linalg.solve(self.a + weight[:, None, None] * np.eye(3), downhill[:, :, None])[:, :, 0]
 
@@ -53,7 +49,7 @@ def decimated(mesh: SurfaceMesh, faces: int, go_on: GoOn = regardless, *, longes
     centre = mesh.vertices.mean(axis=0)
     vertices, corners = mesh.vertices - centre, mesh.faces
     quadrics = _quadrics(vertices, corners)
-    for _ in range(ROUNDS):
+    for _ in range(TOL.decimation_rounds):
         go_on()
         excess = (len(corners) - faces + 1) // 2  # a collapse takes two triangles
         edges, places = _cheapest(vertices, corners, quadrics, excess, longest)
@@ -90,7 +86,7 @@ def _cheapest(vertices: Floats, faces: Indices, quadrics: _Quadrics, most: int, 
     shared = quadrics.of(edges)
     places = shared.lowest(0.5 * (vertices[edges[:, 0]] + vertices[edges[:, 1]]))
     costs = shared.at(places)
-    sound = np.flatnonzero(sound_ones(vertices, faces, edges, places, longest=longest, cosine=STEADY))
-    cheap = sound[np.argsort(costs[sound], kind="stable")][: max(int(CHEAP * len(edges)), 1)]
+    sound = np.flatnonzero(sound_ones(vertices, faces, edges, places, longest=longest, cosine=TOL.turn_in_decimation))
+    cheap = sound[np.argsort(costs[sound], kind="stable")][: max(int(TOL.cheap * len(edges)), 1)]
     chosen = cheap[far_apart(edges[cheap], np.floor(np.log2(np.maximum(costs[cheap], 1e-12))), faces, len(vertices))][: max(most, 0)]
     return edges[chosen], places[chosen]

@@ -11,12 +11,13 @@ import numpy as np
 import pytest
 
 from mechstyle.errors import BadInput, SimulationFailed
-from mechstyle.geometry import tetrahedra as module
-from mechstyle.geometry import tetwild as worker
 from mechstyle.geometry.going_on import regardless
 from mechstyle.geometry.proximity import TriangleTree
-from mechstyle.geometry.remesh import standardise
-from mechstyle.geometry.tetrahedra import tetrahedralise
+from mechstyle.geometry.remeshing import filling as module
+from mechstyle.geometry.remeshing import tetwild as worker
+from mechstyle.geometry.remeshing.evening import even
+from mechstyle.geometry.remeshing.filling import fill
+from mechstyle.geometry.remeshing.tolerances import TOL
 from mechstyle.records.mesh import SurfaceMesh, TetMesh
 
 
@@ -49,7 +50,7 @@ def kept(block, tmp_path_factory):
     cache, here = tmp_path_factory.mktemp("cache"), tmp_path_factory.mktemp("here")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(here)
-        return cache, tetrahedralise(block, 600, cache=cache), here
+        return cache, fill(block, 600, cache=cache), here
 
 
 def test_nothing_is_left_in_the_working_directory(kept):
@@ -59,7 +60,7 @@ def test_nothing_is_left_in_the_working_directory(kept):
 def test_a_kept_mesh_is_used_again_to_the_byte(block, kept, monkeypatch):
     cache, first, _ = kept
     monkeypatch.setattr(module, "tetwild", None)
-    assert tetrahedralise(block, 600, cache=cache).digest == first.digest
+    assert fill(block, 600, cache=cache).digest == first.digest
 
 
 @pytest.mark.skipif(os.name != "posix", reason="rights are those of POSIX")
@@ -75,7 +76,7 @@ def test_others_may_read_a_kept_mesh_which_is_as_numpy_writes_it(kept, tmp_path)
 def test_a_mesh_that_cannot_be_kept_is_returned_all_the_same(block, kept, tmp_path, monkeypatch):
     (tmp_path / "taken").write_bytes(b"")
     monkeypatch.setattr(module, "_meshed", lambda *_, **__: kept[1])
-    assert tetrahedralise(block, 600, cache=tmp_path / "taken").digest == kept[1].digest
+    assert fill(block, 600, cache=tmp_path / "taken").digest == kept[1].digest
 
 
 def test_of_two_that_mesh_the_same_part_at_once_both_get_the_mesh_of_the_first(block, kept, tmp_path, monkeypatch):
@@ -88,8 +89,8 @@ def test_of_two_that_mesh_the_same_part_at_once_both_get_the_mesh_of_the_first(b
         return mine
 
     monkeypatch.setattr(module, "_meshed", overtaken)
-    assert tetrahedralise(block, 600, cache=tmp_path).digest == theirs.digest
-    assert tetrahedralise(block, 600, cache=tmp_path).digest == theirs.digest
+    assert fill(block, 600, cache=tmp_path).digest == theirs.digest
+    assert fill(block, 600, cache=tmp_path).digest == theirs.digest
 
 
 def test_a_damaged_cache_entry_is_not_used(block, kept, tmp_path, monkeypatch):
@@ -100,14 +101,14 @@ def test_a_damaged_cache_entry_is_not_used(block, kept, tmp_path, monkeypatch):
     entry.write_bytes(whole[:-200])
     asked = []
     monkeypatch.setattr(module, "_meshed", lambda *_, **__: asked.append(1) or sound)
-    assert tetrahedralise(block, 600, cache=tmp_path).digest == sound.digest
+    assert fill(block, 600, cache=tmp_path).digest == sound.digest
     assert asked
     assert entry.read_bytes() == whole, "the next finds a sound one"
 
 
 def test_running_out_of_time_is_said_and_leaves_no_process(cup):
     with pytest.raises(SimulationFailed, match="stopped after"):
-        tetrahedralise(cup, 100_000, timeout=0.5)
+        fill(cup, 100_000, timeout=0.5)
     # Only a zombie or a living child would be waited for; there is none left.
     with pytest.raises(ChildProcessError):
         os.waitpid(-1, os.WNOHANG)
@@ -121,13 +122,13 @@ def test_a_worker_that_dies_is_named(block, monkeypatch):
 
     monkeypatch.setattr(worker.subprocess, "Popen", dying)
     with pytest.raises(SimulationFailed, match=r"exit code 3.*out of luck"):
-        tetrahedralise(block, 1000)
+        fill(block, 1000)
 
 
 @pytest.mark.parametrize("target", [0, 499, 10**7])
 def test_targets_out_of_range_are_refused(block, target):
     with pytest.raises(BadInput, match="500 to 400000"):
-        tetrahedralise(block, target)
+        fill(block, target)
 
 
 @pytest.mark.parametrize(
@@ -142,7 +143,7 @@ def test_targets_out_of_range_are_refused(block, target):
 )
 def test_what_would_crash_or_fool_the_mesher_is_refused(cup, broken):
     with pytest.raises(BadInput):
-        tetrahedralise(broken(cup), 1000)
+        fill(broken(cup), 1000)
 
 
 class Attempts:
@@ -162,7 +163,7 @@ class Attempts:
 def counts_of(monkeypatch, cup, *results, detailed=False):
     attempts = Attempts(*results, detailed=detailed)
     monkeypatch.setattr(module, "_attempt", attempts)
-    return len(tetrahedralise(cup, 1000).tets), attempts.asked
+    return len(fill(cup, 1000).tets), attempts.asked
 
 
 @pytest.mark.parametrize("count", [600, 1000, 1600])
@@ -273,8 +274,8 @@ def test_triangles_that_are_kept_are_filled_once_however_many_tetrahedra_they_ma
     monkeypatch.setattr(module, "tetwild", counted)
     relief = np.where(block.vertices[:, 2] > 19.9, 0.2 * np.sin(1.5 * block.vertices[:, 0]), 0.0)
     target = round(0.6 * len(block.faces))
-    tets = tetrahedralise(block.displaced(0.5 * relief), target, keep=block.displaced(2.0 * relief))
-    assert len(tets.tets) > module.MOST_COUNT * target
+    tets = fill(block.displaced(0.5 * relief), target, keep=block.displaced(2.0 * relief))
+    assert len(tets.tets) > TOL.most_count * target
     assert len(settings) == 1
 
 
@@ -301,9 +302,9 @@ def test_triangles_that_are_to_be_kept_are_kept_or_given_up_where_they_are_neede
 
 def test_a_relief_of_the_surface_itself_keeps_its_triangles(embossed):
     """It is lower than the tolerance of so thick a part, and was lost to two fifths."""
-    plain, styled = (standardise(mesh, 2500) for mesh in embossed)
-    even, own = (module._filled_as(mesh, 5000.0, 1.0, 2.0, regardless) for mesh in (plain, styled))
-    assert len(even.vertices) < 0.6 * len(plain.vertices)
+    plain, styled = (even(mesh, 2500) for mesh in embossed)
+    evened, own = (module._filled_as(mesh, 5000.0, 1.0, 2.0, regardless) for mesh in (plain, styled))
+    assert len(evened.vertices) < 0.6 * len(plain.vertices)
     assert len(own.vertices) > 0.95 * len(styled.vertices)
 
 

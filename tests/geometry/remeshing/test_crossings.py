@@ -7,8 +7,8 @@ import pytest
 import trimesh
 
 from mechstyle import gallery
+from mechstyle.geometry.remeshing.crossings import crossings, overlaps
 from mechstyle.geometry.repair import repaired
-from mechstyle.geometry.self_intersections import crossings, overlaps
 from mechstyle.records.mesh import SurfaceMesh
 
 

@@ -14,33 +14,19 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from mechstyle.errors import BadInput
-from mechstyle.geometry.collapses import edges_of
-from mechstyle.geometry.decimation import decimated
-from mechstyle.geometry.degenerate import heights, without_degenerate
 from mechstyle.geometry.going_on import GoOn, regardless
-from mechstyle.geometry.isotropic_remeshing import isotropic
 from mechstyle.geometry.proximity import TriangleTree
-from mechstyle.geometry.slivers import EdgePairs, edge_pairs, mended
+from mechstyle.geometry.remeshing.cleaning import heights, mended, without_degenerate
+from mechstyle.geometry.remeshing.decimation import decimated
+from mechstyle.geometry.remeshing.isotropic import isotropic
+from mechstyle.geometry.remeshing.tolerances import TOL
+from mechstyle.geometry.remeshing.topology import EdgePairs, edge_pairs, edges_of
 from mechstyle.records.mesh import STANDARD_VERTICES, Floats, SurfaceMesh
 
 FEWEST, MOST = 500, 400_000
-SHARP = math.radians(30.0)  # an edge where the surface turns by more is a crease
-FLAT = math.radians(2.0)  # one where it turns by less says nothing of a round
-FINEST_STEP, WIDEST_STEP = 0.45, 0.8  # of the edge length: steps between the vertices that are fixed on narrow rounds
-ON_THE_PART = 1e-4  # mm; what is nearer stays exactly where it is, as on a plane or a crease
-LOWEST = 1e-3  # of the edge length: height below which a triangle is taken out
-NO_AREA = 1e-5  # the same, below which none is left
-ROW = 0.05  # of the edge length: vertices of a round whose distances from its border differ by less are in one row
-NEXT = 1.6  # steps within which the next one of a row is looked for
-CLEARANCE = 0.7  # of such a step, to the nearest crease
-CROWDED = 0.75  # of the vertices wished for: with so many on creases alone, hardly any are left for what lies between them
-REACH = 2.0  # of the edge length: what an edge may then grow to where the surface is flat
-TRIALS = 9
-SIMPLIFIED = 0.01  # of the edge length: most by which needless vertices may move the surface when they go
-TRIAL_ITERATIONS, ITERATIONS = 3, 8  # of the remesher: few suffice to see the count
 
 
-def standardise(mesh: SurfaceMesh, vertices: int = STANDARD_VERTICES, tolerance: float = 0.05, go_on: GoOn = regardless) -> SurfaceMesh:
+def even(mesh: SurfaceMesh, vertices: int = STANDARD_VERTICES, tolerance: float = 0.05, go_on: GoOn = regardless) -> SurfaceMesh:
     """The surface in nearly equilateral triangles of one size.
 
     Needless vertices go (Manifold), long edges are cut, and isotropic remeshing by splits, collapses, flips and tangential
@@ -73,8 +59,9 @@ def standardise(mesh: SurfaceMesh, vertices: int = STANDARD_VERTICES, tolerance:
     if (kept := _by_shape(body, edge, vertices, tolerance, go_on)) is not None:
         return kept
     short, long, nearly = 0.0, math.inf, None
-    for trial in range(TRIALS):
-        found = remeshed(body, edge, tolerance=SIMPLIFIED * edge, iterations=TRIAL_ITERATIONS if trial == 0 else ITERATIONS, go_on=go_on)
+    for trial in range(TOL.trials):
+        iterations = TOL.trial_iterations if trial == 0 else TOL.iterations
+        found = remeshed(body, edge, tolerance=TOL.simplified * edge, iterations=iterations, go_on=go_on)
         missed = abs(len(found.vertices) / vertices - 1.0)
         if trial > 0 and missed <= 2.0 * tolerance and _shape(found) == shape and _has_area(found, edge):
             if missed <= tolerance:
@@ -93,28 +80,28 @@ def crowded(body: Any, edge: float, vertices: float, go_on: GoOn = regardless) -
 
     Those count that are left where straight creases are simplified and cut into edges of this length [mm].
     """
-    return _too_many_creases(_refined(body, edge, SIMPLIFIED * edge, go_on), vertices)
+    return _too_many_creases(_refined(body, edge, TOL.simplified * edge, go_on), vertices)
 
 
 def _too_many_creases(mesh: SurfaceMesh, vertices: float) -> bool:
     edges, turns, _ = _bends(mesh)
-    return len(np.unique(edges[turns > SHARP])) >= CROWDED * vertices
+    return len(np.unique(edges[turns > TOL.crease])) >= TOL.crowded * vertices
 
 
 def _by_shape(body: Any, edge: float, vertices: int, tolerance: float, go_on: GoOn) -> SurfaceMesh | None:
     """A Manifold decimated to so many vertices if its creases are too many for even triangles; None if not, or if that cannot be."""
-    fine = _refined(body, edge, SIMPLIFIED * edge, go_on)
+    fine = _refined(body, edge, TOL.simplified * edge, go_on)
     if not _too_many_creases(fine, vertices):
         return None
-    fewer = decimated(fine, len(fine.faces) - 2 * (len(fine.vertices) - vertices), go_on, longest=REACH * edge)
-    found = without_degenerate(fewer, LOWEST * edge, go_on)
+    fewer = decimated(fine, len(fine.faces) - 2 * (len(fine.vertices) - vertices), go_on, longest=TOL.flat_reach * edge)
+    found = without_degenerate(fewer, TOL.lowest * edge, go_on)
     met = abs(len(found.vertices) / vertices - 1.0) <= tolerance
     return found if met and _shape(found) == _shape(surface_of(body)) and _has_area(found, edge) else None
 
 
 def _has_area(mesh: SurfaceMesh, edge: float) -> bool:
     """Whether every triangle of a mesh of this edge length [mm] has an area."""
-    return bool(heights(mesh.corners).min() >= NO_AREA * edge)
+    return bool(heights(mesh.corners).min() >= TOL.no_area * edge)
 
 
 def _corrected(edge: float, excess: float, short: float, long: float) -> tuple[float, float, float]:
@@ -139,7 +126,7 @@ def surface_of(body: Any) -> SurfaceMesh:
     return SurfaceMesh(mesh.vert_properties[:, :3], mesh.tri_verts)
 
 
-def remeshed(body: Any, edge: float, *, tolerance: float, iterations: int = ITERATIONS, go_on: GoOn = regardless) -> SurfaceMesh:
+def remeshed(body: Any, edge: float, *, tolerance: float, iterations: int = TOL.iterations, go_on: GoOn = regardless) -> SurfaceMesh:
     """A Manifold in even triangles.
 
     Args:
@@ -155,11 +142,11 @@ def remeshed(body: Any, edge: float, *, tolerance: float, iterations: int = ITER
     original, fine = surface_of(body), _refined(body, edge, tolerance, go_on)
     creases, rounds = _fixed(fine, edge)
     part = TriangleTree(original.vertices, original.faces)
-    even = isotropic(fine, edge, part, creases=creases, rounds=rounds, iterations=iterations, go_on=go_on)
+    evened = isotropic(fine, edge, part, creases=creases, rounds=rounds, iterations=iterations, go_on=go_on)
     go_on()
-    there = part.nearest(even.vertices)
-    landed = even.moved(np.where(there.distance[:, None] > ON_THE_PART, there.point, even.vertices))
-    return without_degenerate(mended(landed, part, len(creases), go_on), LOWEST * edge, go_on)
+    there = part.nearest(evened.vertices)
+    landed = evened.moved(np.where(there.distance[:, None] > TOL.on_the_part, there.point, evened.vertices))
+    return without_degenerate(mended(landed, part, len(creases), go_on), TOL.lowest * edge, go_on)
 
 
 def _refined(body: Any, edge: float, tolerance: float, go_on: GoOn) -> SurfaceMesh:
@@ -185,7 +172,7 @@ def _without_false_creases(body: Any, tolerance: float) -> Any:
     """
     mesh = surface_of(body)
     pairs = edge_pairs(mesh.faces)
-    sharp = np.bincount(pairs.faces[_turns(mesh, pairs) > SHARP].ravel(), minlength=len(mesh.faces))
+    sharp = np.bincount(pairs.faces[_turns(mesh, pairs) > TOL.crease].ravel(), minlength=len(mesh.faces))
     needles = (sharp > 1) & (heights(mesh.corners) < tolerance)
     return manifold_of(without_degenerate(mesh, tolerance)) if needles.any() else body
 
@@ -197,31 +184,26 @@ def _fixed(mesh: SurfaceMesh, edge: float) -> tuple[NDArray[np.int32], NDArray[n
     of each round vertices stand in a row, which the rim of a part is seen by: anywhere across it they made it ragged.
     """
     edges, turns, radii = _bends(mesh)
-    sharp = np.unique(edges[turns > SHARP]).astype(np.int32)
+    sharp = np.unique(edges[turns > TOL.crease]).astype(np.int32)
     creases = np.union1d(sharp, _ends_of_floor(mesh, sharp, edge))
     radius = np.full(len(mesh.vertices), np.inf)
-    bent = (turns > FLAT) & (turns <= SHARP)
+    bent = (turns > TOL.bend) & (turns <= TOL.crease)
     np.minimum.at(radius, edges[bent].ravel(), np.repeat(radii[bent], 2))
-    narrow = np.setdiff1d(np.flatnonzero(radius < WIDEST_STEP * edge), creases).astype(np.int32)
-    depths = _depths(mesh.vertices, narrow)
-    steps = np.clip(radius[narrow], FINEST_STEP * edge, WIDEST_STEP * edge)
+    narrow = np.setdiff1d(np.flatnonzero(radius < TOL.widest_step * edge), creases).astype(np.int32)
+    others = np.delete(mesh.vertices, narrow, axis=0)
+    depths = np.asarray(cKDTree(others).query(mesh.vertices[narrow])[0]) if len(others) else np.zeros(len(narrow))
+    steps = np.clip(radius[narrow], TOL.finest_step * edge, TOL.widest_step * edge)
     if len(creases) and len(narrow):
-        clear = cKDTree(mesh.vertices[creases]).query(mesh.vertices[narrow])[0] > CLEARANCE * steps
+        clear = cKDTree(mesh.vertices[creases]).query(mesh.vertices[narrow])[0] > TOL.clearance * steps
         narrow, depths, steps = narrow[clear], depths[clear], steps[clear]
-    return creases, narrow[_spread(mesh.vertices[narrow], steps, np.round(depths / (ROW * edge)))]
+    return creases, narrow[_spread(mesh.vertices[narrow], steps, np.round(depths / (TOL.row * edge)))]
 
 
 def _ends_of_floor(mesh: SurfaceMesh, creases: NDArray[np.int32], edge: float) -> NDArray[np.int32]:
     """Vertices around the faces on the floor, apart from those on creases, as close as those of narrow rounds."""
-    low, pairs = (mesh.corners[:, :, 2] < mesh.vertices[:, 2].min() + ON_THE_PART).all(axis=1), edge_pairs(mesh.faces)
+    low, pairs = (mesh.corners[:, :, 2] < mesh.vertices[:, 2].min() + TOL.on_the_part).all(axis=1), edge_pairs(mesh.faces)
     ends = np.setdiff1d(pairs.edges[low[pairs.faces[:, 0]] != low[pairs.faces[:, 1]]], creases).astype(np.int32)
-    return ends[_spread(mesh.vertices[ends], np.full(len(ends), FINEST_STEP * edge), np.zeros(len(ends)))]
-
-
-def _depths(vertices: Floats, some: NDArray[np.int32]) -> Floats:
-    """How far some vertices lie from the nearest of the others [mm], shape [len(some)]; 0 if there are no others."""
-    others = np.delete(vertices, some, axis=0)
-    return np.asarray(cKDTree(others).query(vertices[some])[0]) if len(others) else np.zeros(len(some))
+    return ends[_spread(mesh.vertices[ends], np.full(len(ends), TOL.finest_step * edge), np.zeros(len(ends)))]
 
 
 def _bends(mesh: SurfaceMesh) -> tuple[NDArray[np.int32], Floats, Floats]:
@@ -259,7 +241,7 @@ def _spread(points: Floats, steps: Floats, rows: Floats) -> NDArray[np.int64]:
             continue
         taken.append(index)
         free[tree.query_ball_point(points[index], steps[index])] = False
-        around = np.array(tree.query_ball_point(points[index], NEXT * steps[index]), np.int64)
+        around = np.array(tree.query_ball_point(points[index], TOL.next_in_row * steps[index]), np.int64)
         for next_one in around[free[around]].tolist():
             heapq.heappush(waiting, (-float(rows[next_one]), float(np.linalg.norm(points[next_one] - points[index])), next_one))
     return np.array(taken, np.int64)

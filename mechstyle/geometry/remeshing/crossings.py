@@ -13,16 +13,8 @@ from scipy.spatial import cKDTree
 from mechstyle._warp import wp
 from mechstyle.geometry.kernels import count_crossings, turns_exceed
 from mechstyle.geometry.proximity import TriangleTree
+from mechstyle.geometry.remeshing.tolerances import TOL
 from mechstyle.records.mesh import Bools, Floats, Indices, SurfaceMesh
-
-DEEP = 0.1
-"""Parts of a body that reach less far into each other are no overlap: printers do not resolve it [mm]."""
-GRAZING = 0.05
-"""Faces whose |n + m|² / 2 is less look at each other within 18 degrees: bodies that reach deep into each other cross more steeply too."""
-APART = 0.05
-"""Overlaps closer than this share of the part's size are one place."""
-MOST_ASKED = 2000
-"""Crossings looked at, evenly chosen, so that a file full of them takes no longer."""
 
 
 class Crossings(NamedTuple):
@@ -61,13 +53,13 @@ def overlaps(mesh: SurfaceMesh) -> Floats:
     """Middles of the places where a closed body reaches into itself [mm], the largest first, shape [place_count, 3].
 
     Around the line in which two faces cross, the winding number is w behind both, w - 1 behind one of them and w - 2 before both. A simple
-    body has 0 and 1 only; 2 is inside twice, and -1 is inside out. Either must hold `DEEP` away from both faces.
+    body has 0 and 1 only; 2 is inside twice, and -1 is inside out. Either must hold `TOL.deep` away from both faces.
     """
     other = crossings(mesh).other
     one = np.flatnonzero(other >= 0)
     if not len(one):
         return np.zeros((0, 3))
-    one = one[:: -(-len(one) // MOST_ASKED)]
+    one = one[:: -(-len(one) // TOL.crossings_asked)]
     depth = _depth(mesh, one, other[one])
     steep = np.isfinite(depth).all(axis=1)
     one, depth = one[steep], depth[steep]
@@ -75,7 +67,7 @@ def overlaps(mesh: SurfaceMesh) -> Floats:
     tree = TriangleTree(mesh.vertices, mesh.faces, winding=True)
     twice = _turns_exceed(tree, lines - depth, 1.5)
     inside_out = ~_turns_exceed(tree, lines + depth, -0.5)
-    return _middles(lines[twice | inside_out], APART * mesh.size)
+    return _middles(lines[twice | inside_out], TOL.one_place * mesh.size)
 
 
 def encloses(mesh: SurfaceMesh, points: Floats) -> Bools:
@@ -85,11 +77,11 @@ def encloses(mesh: SurfaceMesh, points: Floats) -> Bools:
 
 
 def _depth(mesh: SurfaceMesh, one: NDArray[np.int64], other: Indices) -> Floats:
-    """Offset from an intersection line to the point `DEEP` below both faces [mm], shape [k, 3]; NaN where they only graze."""
+    """Offset from an intersection line to the point `TOL.deep` below both faces [mm], shape [k, 3]; NaN where they only graze."""
     normals = mesh.face_vectors / np.maximum(np.linalg.norm(mesh.face_vectors, axis=1, keepdims=True), 1e-30)
     both = normals[one] + normals[other]
     along = 0.5 * np.square(both).sum(axis=1, keepdims=True)  # n · (n + m) = |n + m|² / 2
-    return np.asarray(DEEP * both / np.where(along > GRAZING, along, np.nan))
+    return np.asarray(TOL.deep * both / np.where(along > TOL.grazing, along, np.nan))
 
 
 def _lines(mesh: SurfaceMesh, one: NDArray[np.int64], other: Indices) -> Floats:

@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given, settings
 from manifold3d import Manifold
 
-from mechstyle.geometry.isotropic_remeshing import isotropic
 from mechstyle.geometry.proximity import TriangleTree
-from mechstyle.geometry.remesh import _fixed, _shape, surface_of
+from mechstyle.geometry.remeshing.evening import _fixed, _shape, surface_of
+from mechstyle.geometry.remeshing.isotropic import isotropic
 from mechstyle.records.mesh import SurfaceMesh
 
 NONE = np.empty(0, np.int32)

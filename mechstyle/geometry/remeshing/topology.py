@@ -1,8 +1,8 @@
-"""Edges of a closed surface drawn together to one vertex, many at once, so that it stays a closed surface with its shells and handles."""
+"""The connections of a closed surface: its edges with their faces, and edges drawn together, many at once, so that it stays one."""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,10 +14,49 @@ from mechstyle.records.mesh import Bools, Floats, Indices
 SCATTER = 2_654_435_761  # 2³² over the golden ratio: spreads equals that stand in a row, of which only the first could change in a round
 
 
+class EdgePairs(NamedTuple):
+    """The edges of a closed surface with their two faces.
+
+    Attributes:
+        edges: Vertices of each, directed as in its first face, shape [k, 2].
+        faces: Its two faces, shape [k, 2].
+        across: The third vertex of each of them, shape [k, 2].
+    """
+
+    edges: Indices
+    faces: NDArray[np.int64]
+    across: Indices
+
+    def some(self, which: NDArray[np.bool_]) -> EdgePairs:
+        """Subset of the edges selected by `which`, shape [k]."""
+        return EdgePairs(self.edges[which], self.faces[which], self.across[which])
+
+
 def edges_of(faces: Indices) -> Indices:
     """The edges of a closed surface, each once, its lower vertex first: in one of its two faces it runs that way."""
     directed = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
     return directed[directed[:, 0] < directed[:, 1]]
+
+
+def edge_pairs(faces: Indices) -> EdgePairs:
+    """The edges of a closed surface, each once."""
+    directed = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    start, end = directed.T
+    key = np.maximum(start, end) * (np.int64(faces.max()) + 1) + np.minimum(start, end)
+    order = np.argsort(key, kind="stable")  # each edge is there twice, now side by side
+    across = faces[:, [2, 0, 1]].reshape(-1)[order]
+    return EdgePairs(directed[order][::2], (order // 3).reshape(-1, 2), across.reshape(-1, 2))
+
+
+def edge_keys(pairs: Indices, count: int) -> NDArray[np.int64]:
+    """A number for each unordered pair of so many vertices, in the order in which `edge_pairs` lists edges."""
+    one, other = pairs.T
+    return np.maximum(one, other).astype(np.int64) * count + np.minimum(one, other)
+
+
+def among(wanted: NDArray[np.int64], there: NDArray[np.int64]) -> Bools:
+    """Whether keys are among others, which ascend."""
+    return there[np.minimum(np.searchsorted(there, wanted), len(there) - 1)] == wanted
 
 
 def sound_ones(vertices: Floats, faces: Indices, edges: Indices, meeting: Floats, *, longest: float, cosine: float) -> Bools:

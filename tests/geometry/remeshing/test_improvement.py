@@ -1,10 +1,15 @@
+"""The lowest tetrahedra become higher, and nothing else changes."""
+
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from mechstyle.geometry import tet_improvement as module
 from mechstyle.geometry.going_on import regardless
-from mechstyle.geometry.tet_improvement import heights, improved
+from mechstyle.geometry.remeshing import improvement as module
+from mechstyle.geometry.remeshing.improvement import heights, improved
+from mechstyle.geometry.remeshing.tolerances import TOL
 from mechstyle.records.mesh import TetMesh
 
 REGULAR = np.array([(1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)], np.float64)
@@ -62,7 +67,7 @@ def test_inwards_of_most_faces_around_is_not_outwards_of_one_that_looks_the_othe
     normals = module._unit_normals(vertices, wedge.boundary_faces[(wedge.boundary_faces == 0).any(axis=1)])
     out = np.einsum("ki,fi->fk", axes[0], normals)  # of each face's plane, by a step along each axis
     assert out[:, 0].min() < -0.9, "one face looks against the mean normal"
-    assert np.maximum(out * least[0], out * most[0]).max() <= module.OUTWARDS + 1e-9
+    assert np.maximum(out * least[0], out * most[0]).max() <= TOL.outwards + 1e-9
 
 
 def test_vertices_of_the_plane_it_stands_on_stay_in_it(fan):
@@ -77,7 +82,7 @@ def test_a_flat_tetrahedron_under_the_boundary_is_peeled_off_but_an_edge_of_the_
     upright = np.where((TetMesh(vertices, tets).volumes < 0)[:, None], tets[:, [0, 2, 1, 3]], tets)
     assert module._to_peel(vertices, upright, 4.0) == gone
     assert len(module._peeled(TetMesh(vertices, upright), 4.0).tets) == 3 - len(gone)
-    monkeypatch.setattr(module, "LEANING", -1.0)
+    monkeypatch.setattr(module, "TOL", replace(TOL, leaning=-1.0))
     assert module._to_peel(vertices, upright, 4.0), "it is low, and only leans too much"
 
 

@@ -15,34 +15,23 @@ from scipy.sparse.csgraph import connected_components, reverse_cuthill_mckee
 
 from mechstyle._files import write_whole
 from mechstyle.errors import BadInput, MechStyleError, SimulationFailed
-from mechstyle.geometry.decimation import decimated
-from mechstyle.geometry.degenerate import without_degenerate
 from mechstyle.geometry.going_on import GoOn, regardless
 from mechstyle.geometry.proximity import TriangleTree
-from mechstyle.geometry.remesh import crowded, even_edge, manifold_of, remeshed
-from mechstyle.geometry.tet_improvement import improved
-from mechstyle.geometry.tetwild import Settings, tetwild
+from mechstyle.geometry.remeshing.cleaning import without_degenerate
+from mechstyle.geometry.remeshing.decimation import decimated
+from mechstyle.geometry.remeshing.evening import crowded, even_edge, manifold_of, remeshed
+from mechstyle.geometry.remeshing.improvement import improved
+from mechstyle.geometry.remeshing.tetwild import Settings, tetwild
+from mechstyle.geometry.remeshing.tolerances import TOL
 from mechstyle.records.mesh import Floats, Indices, SurfaceMesh, TetMesh, digest_of
 from mechstyle.records.simulation import VOLUME_ERROR
 
 VERSION = "15"  # of what is cached: raise it when the result for the same input may change
 FEWEST, MOST = 500, 400_000
-RUNS = 3
-LEAST_COUNT, MOST_COUNT = 0.6, 1.6  # of the target
-PER_FACE, PER_KEPT_FACE = 0.5, 0.75  # tetrahedra that an even triangle of the input makes, and one that is kept as it is
-PINCHED = 1e-3  # of the boundary's edges, at which it may touch itself
-# The rest in walls, a wall being 2 V / A: what a part is thick on average.
-LOOSE = 0.08  # the input may leave the surface by this (99.9th percentile) ...
-ENVELOPE, WIDEST = 0.04, 6e-4  # ... and fTetWild's boundary its input by this or 0.6 ‰ of the diagonal, and improvement that
-DEVIATION = 0.3  # together they may lose no detail larger than this, the input half of it
-FINEST = 20_000  # faces, about, of the finest input; thin parts of much detail would ask for more than can be meshed in a minute
-LOW = 0.2  # of an even triangle's edge: triangles lower than that make slivers, which cost steps, and carry no relief
 KEPT = 24_000  # faces, at most, of an input that keeps its triangles: with 18 000 a wall hook's bricks are carried to 0.87, so to 0.91
-EXAGGERATION = (1.0, 0.3, 0.0)  # shares of the exaggeration wished for, at which triangles are chosen to be kept
-FLAT = 0.05  # mm above the floor within which a vertex on a flat base is set down onto it
 
 
-def tetrahedralise(
+def fill(
     surface: SurfaceMesh, target: int = 16_000, *,
     keep: SurfaceMesh | None = None, timeout: float = 600.0, cache: Path | None = None, go_on: GoOn = regardless,
 ) -> TetMesh:  # fmt: skip
@@ -75,8 +64,10 @@ def tetrahedralise(
     if file is not None:
         if (meanwhile := _read(file)) is not None:  # somebody else was faster, and runs may rest on that mesh already
             return meanwhile
+        content = io.BytesIO()
+        np.savez_compressed(content, vertices=tets.vertices, tets=tets.tets, digest=np.array(tets.digest))
         with contextlib.suppress(MechStyleError):  # a full disk costs time later, not this result
-            _write(file, tets)
+            write_whole(file, content.getvalue())
     return tets
 
 
@@ -103,20 +94,20 @@ class Attempt(NamedTuple):
 
 
 def _meshed(surface: SurfaceMesh, target: int, timeout: float, go_on: GoOn, *, keep: SurfaceMesh | None) -> TetMesh:
-    """Run fTetWild until count and checks are met, aiming lower or higher or sharpening the tolerances, at most RUNS times.
+    """Run fTetWild until count and checks are met, aiming lower or higher or sharpening the tolerances, at most `TOL.runs` times.
 
     A mesh of the wrong size is better than none: after one correction the nearest count is taken, and at once if the surface's detail, or
     that its triangles are kept, is why there are too many.
     """
     aim, sharpness, sound, fault = float(target), 1.0, list[TetMesh](), ""
-    for _ in range(RUNS):
+    for _ in range(TOL.runs):
         tets, fault, detailed = _attempt(surface, aim, sharpness, timeout, go_on, keep=keep)
         if fault:
             sharpness /= 2.0
             continue
         sound.append(tets)
         ratio = len(tets.tets) / target
-        if LEAST_COUNT <= ratio <= MOST_COUNT or len(sound) == 2 or (ratio > 1.0 and detailed):
+        if TOL.least_count <= ratio <= TOL.most_count or len(sound) == 2 or (ratio > 1.0 and detailed):
             break
         aim /= ratio
     if not sound:
@@ -126,18 +117,18 @@ def _meshed(surface: SurfaceMesh, target: int, timeout: float, go_on: GoOn, *, k
 
 def _attempt(surface: SurfaceMesh, aim: float, sharpness: float, timeout: float, go_on: GoOn, *, keep: SurfaceMesh | None) -> Attempt:
     wall = 2.0 * surface.volume / float(surface.face_areas.sum())
-    tolerance = sharpness * min(ENVELOPE * wall, WIDEST * surface.size)
+    tolerance = sharpness * min(TOL.envelope * wall, TOL.widest_envelope * surface.size)
     epsilon = (1.0 if keep is None else 0.5) * tolerance
-    loose = sharpness * LOOSE * wall
-    detail = 0.5 * DEVIATION * wall
+    loose = sharpness * TOL.loose * wall
+    detail = 0.5 * TOL.lost_detail * wall
     even = _filled_as(surface, aim, loose, detail, go_on) if keep is None else _kept(surface, keep, loose, detail, go_on)
-    own = (PER_FACE if keep is None else PER_KEPT_FACE) * len(even.faces)
+    own = (TOL.per_face if keep is None else TOL.per_kept_face) * len(even.faces)
     edge = _edge(surface.volume, own, aim)
     found = _tidied(*tetwild(even.vertices, even.faces, Settings(edge, epsilon / surface.size), timeout=timeout, go_on=go_on))
-    settled = _set_down(surface, found, max(FLAT, 1.5 * epsilon))
+    settled = _set_down(surface, found, max(TOL.set_down, 1.5 * epsilon))
     better = improved(settled, reach=tolerance, floor=float(surface.vertices[:, 2].min()), go_on=go_on)
     tets = _tidied(better.vertices, better.tets)
-    return Attempt(tets, _fault(surface, tets, DEVIATION * wall), detailed=keep is not None or own > aim)
+    return Attempt(tets, _fault(surface, tets, TOL.lost_detail * wall), detailed=keep is not None or own > aim)
 
 
 def _edge(volume: float, own: float, aim: float) -> float:
@@ -152,7 +143,7 @@ def _edge(volume: float, own: float, aim: float) -> float:
 
 def _first_edge(surface: SurfaceMesh, aim: float) -> float:
     """The edge length [mm] of `_edge` when the surface, too, is cut into triangles of that edge: F = 4 A / (√3 l²)."""
-    roots = np.roots([aim, 0.0, -4.0 * PER_FACE / math.sqrt(3.0) * float(surface.face_areas.sum()), -9.0 * surface.volume])
+    roots = np.roots([aim, 0.0, -4.0 * TOL.per_face / math.sqrt(3.0) * float(surface.face_areas.sum()), -9.0 * surface.volume])
     return float(roots[np.isreal(roots)].real.max())
 
 
@@ -177,28 +168,24 @@ def _kept(surface: SurfaceMesh, exaggerated: SurfaceMesh, deviation: float, deta
     """
     fewer = _decimated(surface, exaggerated, detail, go_on) if len(surface.faces) > KEPT else surface
     edge = math.sqrt(4.0 / math.sqrt(3.0) * float(fewer.face_areas.mean()))
-    return without_degenerate(fewer, min(LOW * edge, deviation))
+    return without_degenerate(fewer, min(TOL.low_input * edge, deviation))
 
 
 def _decimated(surface: SurfaceMesh, exaggerated: SurfaceMesh, detail: float, go_on: GoOn) -> SurfaceMesh:
     """The surface in KEPT triangles that lose no detail larger than `detail` [mm], or the least; itself if none stay closed."""
     losses: list[tuple[float, SurfaceMesh]] = []
-    for share in EXAGGERATION:
-        fewer = _by_quadrics(surface, surface.moved(surface.vertices + share * (exaggerated.vertices - surface.vertices)), go_on)
+    for share in TOL.exaggeration:
+        high = surface.moved(surface.vertices + share * (exaggerated.vertices - surface.vertices))
+        fewer = decimated(high, KEPT, go_on)
+        there = TriangleTree(high.vertices, high.faces).nearest(fewer.vertices)
+        stretch = (high.vertices - surface.vertices)[surface.faces[there.face]]
+        fewer = fewer.moved(fewer.vertices - np.einsum("vi,vij->vj", there.weights, stretch))
         lost = float(TriangleTree(fewer.vertices, fewer.faces).nearest(surface.vertices).distance.max())
         if fewer.is_closed:
             losses.append((lost, fewer))
             if lost <= detail:
                 break
     return min(losses, key=lambda found: found[0])[1] if losses else surface
-
-
-def _by_quadrics(surface: SurfaceMesh, exaggerated: SurfaceMesh, go_on: GoOn) -> SurfaceMesh:
-    """The surface in KEPT triangles, chosen on the exaggerated one."""
-    fewer = decimated(exaggerated, KEPT, go_on)
-    there = TriangleTree(exaggerated.vertices, exaggerated.faces).nearest(fewer.vertices)
-    stretch = (exaggerated.vertices - surface.vertices)[surface.faces[there.face]]
-    return fewer.moved(fewer.vertices - np.einsum("vi,vij->vj", there.weights, stretch))
 
 
 def _evened(surface: SurfaceMesh, edge: float, deviation: float, go_on: GoOn) -> SurfaceMesh:
@@ -208,7 +195,7 @@ def _evened(surface: SurfaceMesh, edge: float, deviation: float, go_on: GoOn) ->
     decimation, and an even input of 9000 faces twice as fast as one of 48 000.
     """
     body, tree = manifold_of(surface), TriangleTree(surface.vertices, surface.faces)
-    finest = even_edge(surface, FINEST)
+    finest = even_edge(surface, TOL.finest_input)
     while True:
         even = remeshed(body, max(edge, finest), tolerance=0.25 * deviation, iterations=5, go_on=go_on)
         there = tree.nearest(even.vertices).distance
@@ -267,7 +254,7 @@ def _fault(surface: SurfaceMesh, tets: TetMesh, deviation: float) -> str:
     """The fault of a mesh in words, "" for none."""
     if tets.volumes.min() <= 0:
         return "some tetrahedra are turned inside out"
-    if (pinched := _pinched(tets.boundary_faces)) > PINCHED:
+    if (pinched := _pinched(tets.boundary_faces)) > TOL.pinched:
         return f"the surface of the tetrahedra touches itself at {pinched:.1%} of its edges"
     volume = float(tets.volumes.sum()) / surface.volume
     if abs(volume - 1.0) > VOLUME_ERROR:
@@ -296,10 +283,3 @@ def _read(file: Path) -> TetMesh | None:
             return tets if str(kept["digest"]) == tets.digest else None
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
         return None
-
-
-def _write(file: Path, tets: TetMesh) -> None:
-    """Keep a mesh."""
-    content = io.BytesIO()
-    np.savez_compressed(content, vertices=tets.vertices, tets=tets.tets, digest=np.array(tets.digest))
-    write_whole(file, content.getvalue())

@@ -1,14 +1,22 @@
-"""fTetWild (Hu et al. 2020) as a function that can be interrupted."""
+"""fTetWild (Hu et al. 2020) as a function that can be interrupted.
+
+It holds the interpreter lock for its whole run, crashes on some input and leaves files where it stands. In a process that can be killed, in
+a folder that is thrown away, none of that matters: `tetwild` starts this very module there, and `main` is what it does.
+"""
 
 from __future__ import annotations
 
 import contextlib
+import ctypes
+import faulthandler
+import math
 import os
 import shutil
 import signal
 import subprocess
 import sys
 import tempfile
+import types
 import zipfile
 from pathlib import Path
 from time import monotonic, time
@@ -30,6 +38,8 @@ FOLDER = "mechstyle-mesh-"
 """How the temporary folders of workers are called."""
 ABANDONED = 86400.0
 """Age [s] of such a folder at which nobody works in it any more: what was killed cannot remove its own."""
+PR_SET_PDEATHSIG = 1
+"""Of `prctl` in Linux; with threads it means the end of the one that started this process, which waits for it."""
 
 
 class Settings(NamedTuple):
@@ -66,7 +76,7 @@ def tetwild(
         request, answer = folder / "request.npz", folder / "answer.npz"
         longest = PATIENCE * timeout
         np.savez(request, vertices=vertices, faces=faces, processor=timeout, limit=longest + GRACE, **settings._asdict())
-        command = [sys.executable, "-m", "mechstyle.geometry._tetwild_worker", str(request), str(answer)]
+        command = [sys.executable, "-m", "mechstyle.geometry.remeshing.tetwild", str(request), str(answer)]
         try:
             done = _ended(command, folder, longest, go_on)
         except subprocess.TimeoutExpired as error:
@@ -124,6 +134,48 @@ def _answer(path: Path, done: subprocess.CompletedProcess[bytes]) -> tuple[Float
 
 def _environment() -> dict[str, str]:
     """The environment with this package importable from another folder."""
-    root = str(Path(__file__).resolve().parents[2])
-    paths = [root, *filter(None, [os.environ.get("PYTHONPATH")])]
+    paths = [str(Path(__file__).resolve().parents[3]), *filter(None, [os.environ.get("PYTHONPATH")])]
     return {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}
+
+
+def main(request: str, answer: str) -> None:
+    """The other process: fill the surface in the file `request` with the settings in it; write vertices and tets to the file `answer`.
+
+    The system ends it as soon as its parent ends, in whatever way; on other systems than Linux there is the limit.
+    """
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+    with np.load(request, allow_pickle=False) as asked:
+        # A C thread ends this process even if the parent died and can no longer kill it.
+        faulthandler.dump_traceback_later(float(asked["limit"]), exit=True)
+        _limit_processor_time(math.ceil(asked["processor"]))
+        # The package imports pyvista, and with it VTK, for functions that are not used here: an empty module will do.
+        sys.modules.setdefault("pyvista", types.ModuleType("pyvista"))
+        from pytetwild.pytetwild import tetrahedralize  # noqa: PLC0415 (the stand-in must be there first)
+
+        vertices, tets = tetrahedralize(
+            asked["vertices"],
+            asked["faces"],
+            edge_length_abs=float(asked["edge_length"]),
+            epsilon=float(asked["epsilon"]),
+            stop_energy=float(asked["stop_energy"]),
+            num_opt_iter=int(asked["iterations"]),
+            simplify=False,
+            num_threads=1,
+            quiet=True,
+        )
+    np.savez(answer, vertices=vertices, tets=tets)
+
+
+def _limit_processor_time(seconds: int) -> None:
+    """Have the system end this process by SIGXCPU when it has computed for so long [s]; on Windows there is only the limit by the clock."""
+    if sys.platform != "win32":
+        import resource  # noqa: PLC0415 (not there on Windows)
+
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        _, most = resource.getrlimit(resource.RLIMIT_CPU)
+        resource.setrlimit(resource.RLIMIT_CPU, (seconds if most == resource.RLIM_INFINITY else min(seconds, most), most))
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

@@ -11,23 +11,24 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from mechstyle.geometry.collapses import edges_of, far_apart, least, merged, ranks, sound_ones
 from mechstyle.geometry.going_on import GoOn, regardless
 from mechstyle.geometry.proximity import TriangleTree
-from mechstyle.geometry.slivers import EdgePairs, among, edge_keys, edge_pairs
+from mechstyle.geometry.remeshing.tolerances import TOL
+from mechstyle.geometry.remeshing.topology import (
+    EdgePairs,
+    among,
+    edge_keys,
+    edge_pairs,
+    edges_of,
+    far_apart,
+    least,
+    merged,
+    ranks,
+    sound_ones,
+)
 from mechstyle.records.mesh import Bools, Floats, Indices, SurfaceMesh
 
-LONG, SHORT = 4.0 / 3.0, 4.0 / 5.0  # of the edge length wished for: what is longer is split, what is shorter collapses
 REGULAR = 6  # neighbours of a vertex among equilateral triangles
-SPLITS, COLLAPSES, FLIPS = 4, 30, 6  # rounds in an iteration; what is left over waits for the next
-FEW = 1e-3  # of the vertices: changes in a round after which there is no further one
-STEADY = 0.7  # cosine of the angle by which a triangle may turn
-STILL = 0.9  # the same in a collapse, which would round off what is bent within a few triangles
-FACING = 0.3  # the same between a vertex and the place on the part it is put down on: another side of a thin wall looks elsewhere
-BENT = 0.985  # cosine of the angle, about 10°, by which the surface turns at an edge between fixed vertices that has to stay
-WORTH = 0.3  # quality 4 √3 A / Σ l² that an edge flip must leave
-CLASSES = 4  # of lengths: with all of them told apart few edges are the shortest far around, with none the long ones go too
-UNDOINGS = 4  # times that vertices go back because triangles would turn over
 
 
 class _State(NamedTuple):
@@ -64,29 +65,24 @@ def isotropic(
     Returns:
         A closed surface with the same shells and handles; the same input gives the same bytes.
     """
-    state = _begun(mesh, creases, rounds)
+    fixed = np.concatenate([creases, rounds])
+    order = np.concatenate([fixed, np.setdiff1d(np.arange(len(mesh.vertices)), fixed)])
+    rank = np.empty(len(order), np.int32)
+    rank[order] = np.arange(len(order), dtype=np.int32)
+    state = _State(mesh.vertices[order], rank[mesh.faces], len(creases), len(fixed))
     for _ in range(iterations):
-        state = _split(state, LONG * edge, go_on)
-        state = _collapsed(state, SHORT * edge, LONG * edge, go_on)
+        state = _split(state, TOL.long * edge, go_on)
+        state = _collapsed(state, TOL.short * edge, TOL.long * edge, go_on)
         state = _flipped(state, go_on)
         go_on()
         state = _smoothed(state, part)
     return SurfaceMesh(state.vertices, state.faces)
 
 
-def _begun(mesh: SurfaceMesh, creases: Indices, rounds: Indices) -> _State:
-    """The surface with its fixed vertices first."""
-    fixed = np.concatenate([creases, rounds])
-    order = np.concatenate([fixed, np.setdiff1d(np.arange(len(mesh.vertices)), fixed)])
-    rank = np.empty(len(order), np.int32)
-    rank[order] = np.arange(len(order), dtype=np.int32)
-    return _State(mesh.vertices[order], rank[mesh.faces], len(creases), len(fixed))
-
-
 def _split(state: _State, longest: float, go_on: GoOn) -> _State:
     """Long edges cut in their middle, in each round those that are the longest of both their triangles."""
     vertices, faces, _, fixed = state
-    for _ in range(SPLITS):
+    for _ in range(TOL.splits):
         go_on()
         pairs = edge_pairs(faces)
         length = _lengths(vertices, pairs.edges)
@@ -101,7 +97,7 @@ def _split(state: _State, longest: float, go_on: GoOn) -> _State:
         faces = faces.copy()
         faces[pairs.faces[:, 0]], faces[pairs.faces[:, 1]] = np.stack([a, middle, c], 1), np.stack([b, middle, d], 1)
         faces = np.concatenate([faces, np.stack([middle, b, c], 1), np.stack([middle, a, d], 1)])
-        if len(middle) < FEW * len(vertices):
+        if len(middle) < TOL.few * len(vertices):
             break
     return state._replace(vertices=vertices, faces=faces)
 
@@ -109,22 +105,22 @@ def _split(state: _State, longest: float, go_on: GoOn) -> _State:
 def _collapsed(state: _State, shortest: float, longest: float, go_on: GoOn) -> _State:
     """Short edges drawn together to one vertex, the shortest first, where that makes no edge too long and turns no triangle over."""
     vertices, faces, creases, fixed = state
-    for _ in range(COLLAPSES):
+    for _ in range(TOL.collapses):
         go_on()
         edges = edges_of(faces)
         length = _lengths(vertices, edges)
         wanted = (length < shortest) & ((edges[:, 0] >= fixed) | (edges[:, 0] < creases) & (edges[:, 1] >= fixed))
         edges, length = edges[wanted], length[wanted]
         meeting = np.where((edges[:, 0] < fixed)[:, None], vertices[edges[:, 0]], 0.5 * (vertices[edges[:, 0]] + vertices[edges[:, 1]]))
-        sound = sound_ones(vertices, faces, edges, meeting, longest=longest, cosine=STILL)
+        sound = sound_ones(vertices, faces, edges, meeting, longest=longest, cosine=TOL.turn_in_collapse)
         edges, length, meeting = edges[sound], length[sound], meeting[sound]
-        chosen = far_apart(edges, np.floor(length * (CLASSES / shortest)), faces, len(vertices))
+        chosen = far_apart(edges, np.floor(length * (TOL.length_classes / shortest)), faces, len(vertices))
         if not chosen.any():
             break
         (stays, goes), vertices = edges[chosen].T, vertices.copy()
         vertices[stays] = meeting[chosen]
         vertices, faces = merged(vertices, faces, stays, goes)
-        if np.count_nonzero(chosen) < FEW * len(vertices):
+        if np.count_nonzero(chosen) < TOL.few * len(vertices):
             break
     return state._replace(vertices=vertices, faces=faces)
 
@@ -132,11 +128,14 @@ def _collapsed(state: _State, shortest: float, longest: float, go_on: GoOn) -> _
 def _flipped(state: _State, go_on: GoOn) -> _State:
     """Edges turned where that brings the numbers of neighbours nearer to six and folds nothing."""
     vertices, faces, _, fixed = state
-    for _ in range(FLIPS):
+    for _ in range(TOL.flips):
         go_on()
         pairs = edge_pairs(faces)
         there = edge_keys(pairs.edges, len(vertices))  # ascending
-        gain = _regularity_gain(pairs, np.bincount(faces.ravel(), minlength=len(vertices)))
+        valence = np.bincount(faces.ravel(), minlength=len(vertices))
+        losing = np.abs(valence - REGULAR) - np.abs(valence - 1 - REGULAR)  # nearer to the regular one without an edge …
+        gaining = np.abs(valence - REGULAR) - np.abs(valence + 1 - REGULAR)  # … and with one more
+        gain = losing[pairs.edges].sum(axis=1) + gaining[pairs.across].sum(axis=1)
         pairs, gain = pairs.some(gain > 0), gain[gain > 0]
         new = ~among(edge_keys(pairs.across, len(vertices)), there)
         wanted = new & ~_held(vertices, faces, pairs, fixed) & _flips_well(vertices, faces, pairs)
@@ -146,13 +145,16 @@ def _flipped(state: _State, go_on: GoOn) -> _State:
             break
         faces = faces.copy()
         faces[pairs.faces[:, 0]], faces[pairs.faces[:, 1]] = _halves(pairs)
-        if len(pairs.edges) < FEW * len(vertices):
+        if len(pairs.edges) < TOL.few * len(vertices):
             break
     return state._replace(vertices=vertices, faces=faces)
 
 
 def _smoothed(state: _State, part: TriangleTree) -> _State:
-    """Free vertices moved towards the middle of their neighbours, along the surface, and put down on the part."""
+    """Free vertices moved towards the middle of their neighbours, along the surface, and put down on the part.
+
+    Those of triangles that turn over by that go back where they were.
+    """
     vertices, faces, _, fixed = state
     normals = _vertex_normals(vertices, faces)
     step = _neighbour_means(vertices, faces) - vertices
@@ -160,21 +162,16 @@ def _smoothed(state: _State, part: TriangleTree) -> _State:
     there = part.nearest(vertices[fixed:] + step[fixed:])
     wanted = vertices.copy()
     looks = _crosses(part.vertices, part.faces[there.face])
-    facing = _dots(looks, normals[fixed:]) > FACING * _norms(looks)
+    facing = _dots(looks, normals[fixed:]) > TOL.facing * _norms(looks)
     wanted[fixed:][facing] = there.point[facing]
-    return state._replace(vertices=_without_turned(vertices, wanted, faces))
-
-
-def _without_turned(before: Floats, after: Floats, faces: Indices) -> Floats:
-    """The positions after a move, with vertices of triangles that it turned over back where they were."""
-    was, moved = _crosses(before, faces), after.copy()
-    for _ in range(UNDOINGS):
-        turned = ~_steady(was, _crosses(moved, faces))
+    was = _crosses(vertices, faces)
+    for _ in range(TOL.put_back):
+        turned = ~_steady(was, _crosses(wanted, faces))
         if not turned.any():
             break
         spoilt = faces[turned].ravel()
-        moved[spoilt] = before[spoilt]
-    return moved
+        wanted[spoilt] = vertices[spoilt]
+    return state._replace(vertices=wanted)
 
 
 def _lengths(vertices: Floats, edges: Indices) -> Floats:
@@ -198,7 +195,7 @@ def _crosses(vertices: Floats, faces: Indices) -> Floats:
 
 def _steady(was: Floats, becomes: Floats) -> Bools:
     """Whether normals turn by less than triangles may."""
-    return _dots(was, becomes) >= STEADY * _norms(was) * _norms(becomes)
+    return _dots(was, becomes) >= TOL.turn * _norms(was) * _norms(becomes)
 
 
 def _quality(vertices: Floats, faces: Indices) -> Floats:
@@ -210,13 +207,10 @@ def _quality(vertices: Floats, faces: Indices) -> Floats:
 
 def _vertex_normals(vertices: Floats, faces: Indices) -> Floats:
     """Unit normals, the faces weighted by area."""
-    total = _summed(_crosses(vertices, faces), faces, len(vertices))
+    total = np.column_stack([
+        sum(np.bincount(faces[:, k], column, len(vertices)) for k in range(3)) for column in _crosses(vertices, faces).T
+    ])
     return total / np.maximum(_norms(total), 1e-30)[:, None]
-
-
-def _summed(values: Floats, faces: Indices, count: int) -> Floats:
-    """Values of faces added up at their vertices, shape [count, 3]."""
-    return np.column_stack([sum(np.bincount(faces[:, k], column, count) for k in range(3)) for column in values.T])
 
 
 def _neighbour_means(vertices: Floats, faces: Indices) -> Floats:
@@ -231,7 +225,7 @@ def _held(vertices: Floats, faces: Indices, pairs: EdgePairs, fixed: int) -> Boo
     """Whether an edge is one between fixed vertices at which the surface bends."""
     held: Bools = np.asarray((pairs.edges < fixed).all(axis=1))
     one, other = (_crosses(vertices, faces[pairs.faces[held, side]]) for side in (0, 1))
-    held[held] = _dots(one, other) < BENT * _norms(one) * _norms(other)
+    held[held] = _dots(one, other) < TOL.bent * _norms(one) * _norms(other)
     return held
 
 
@@ -248,14 +242,6 @@ def _foremost(needs: NDArray[np.integer], urgency: NDArray[Any], count: int) -> 
     return (first[needs] == order[:, None]).all(axis=1)
 
 
-def _regularity_gain(pairs: EdgePairs, valence: NDArray[np.int64]) -> NDArray[np.int64]:
-    """By how much turning edges brings the numbers of neighbours nearer to the regular one, summed over the four vertices."""
-    losing = np.abs(valence - REGULAR) - np.abs(valence - 1 - REGULAR)
-    gaining = np.abs(valence - REGULAR) - np.abs(valence + 1 - REGULAR)
-    (a, b), (c, d) = pairs.edges.T, pairs.across.T
-    return losing[a] + losing[b] + gaining[c] + gaining[d]
-
-
 def _halves(pairs: EdgePairs) -> tuple[Indices, Indices]:
     """The two faces that take the place of an edge's two when it is turned."""
     (a, b), (c, d) = pairs.edges.T, pairs.across.T
@@ -267,4 +253,4 @@ def _flips_well(vertices: Floats, faces: Indices, pairs: EdgePairs) -> Bools:
     old, new = [faces[side] for side in pairs.faces.T], _halves(pairs)
     steady = [_steady(_crosses(vertices, was), _crosses(vertices, becomes)) for was in old for becomes in new]
     worst_old, worst_new = (np.minimum(*(_quality(vertices, half) for half in two)) for two in (old, new))
-    return np.logical_and.reduce(steady) & (worst_new >= np.minimum(WORTH, worst_old))
+    return np.logical_and.reduce(steady) & (worst_new >= np.minimum(TOL.flipped_quality, worst_old))

@@ -17,19 +17,11 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from mechstyle.geometry.going_on import GoOn, regardless
+from mechstyle.geometry.remeshing.tolerances import TOL
 from mechstyle.records.mesh import Floats, Indices, TetMesh
 
 ACROSS = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
 """Corners of the face across from each corner of a tetrahedron, counterclockwise from outside."""
-LOWEST = 0.03  # share of the tetrahedra that is made higher
-PASSES = (1.0, 0.5)  # reaches of a vertex, in turn: after the first pass others are the lowest
-OUTWARDS = 0.05  # of the reach, at which a vertex that slides along a bent surface or over an edge stands out
-INSIDE = 5.0  # reaches for a vertex inside, which no surface asks to stay
-ROUNDS = 150  # of the minimiser in a pass: it has converged, or wins no more than rounding does
-PEELED = 10  # rounds of peeling: a flat tetrahedron may lie under another one
-LEANING = 0.5  # cosine between two faces of a tetrahedron up to which peeling would cut an edge of the part off, or cut a crack into it
-TURNED_OVER = 1e3  # the value of a mesh in which a tetrahedron has no volume; values are logarithms of a height over another one
-POWER = 2.0  # of Σ 1/h² in the mean that is made small: the higher, the more the very lowest count
 
 
 def improved(tets: TetMesh, *, reach: float, floor: float, go_on: GoOn = regardless) -> TetMesh:
@@ -43,7 +35,7 @@ def improved(tets: TetMesh, *, reach: float, floor: float, go_on: GoOn = regardl
         go_on: Asked in every round of the minimiser.
     """
     peeled = _peeled(tets, 2.0 * reach)
-    for share in PASSES:
+    for share in TOL.reaches:
         peeled = peeled.moved(_moved(peeled, share * reach, floor, go_on))
     return peeled
 
@@ -65,7 +57,7 @@ def _peeled(tets: TetMesh, low: float) -> TetMesh:
     A flat one that lies with one face on others and has another upon it, at an inner edge of the part, would leave a crack.
     """
     kept = tets.tets
-    for _ in range(PEELED):
+    for _ in range(TOL.peelings):
         gone = _to_peel(tets.vertices, kept, low)
         if not gone:
             break
@@ -97,7 +89,7 @@ def _to_peel(vertices: Floats, tets: Indices, low: float) -> list[int]:
 
 def _side_by_side(one: Floats, other: Floats) -> bool:
     """Whether two faces are almost one, by their normals, shape [3]."""
-    return bool(one @ other > LEANING * np.linalg.norm(one) * np.linalg.norm(other))
+    return bool(one @ other > TOL.leaning * np.linalg.norm(one) * np.linalg.norm(other))
 
 
 def _boundary(tets: Indices) -> tuple[NDArray[np.bool_], set[tuple[int, int]]]:
@@ -112,15 +104,15 @@ def _boundary(tets: Indices) -> tuple[NDArray[np.bool_], set[tuple[int, int]]]:
 def _moved(tets: TetMesh, reach: float, floor: float, go_on: GoOn) -> Floats:
     """Vertices [mm] after the lowest tetrahedra were made higher, shape [vertex_count, 3]."""
     height = heights(tets.vertices, tets.tets)
-    wanted = float(np.quantile(height, LOWEST))
+    wanted = float(np.quantile(height, TOL.made_higher))
     free = np.unique(tets.tets[height <= wanted])
     around = tets.tets[np.isin(tets.tets, free).any(axis=1)]
     axes, least, most = _room(tets, free, floor)
     patch = _Patch(tets.vertices, around, free, reach * axes, wanted)
     found = minimize(
         patch.value, np.zeros(least.size), jac=True, method="L-BFGS-B",
-        bounds=np.stack([least.ravel(), most.ravel()], axis=1), options={"maxiter": ROUNDS, "maxfun": 2 * ROUNDS},
-        callback=lambda _: go_on(),
+        bounds=np.stack([least.ravel(), most.ravel()], axis=1), callback=lambda _: go_on(),
+        options={"maxiter": TOL.minimiser_rounds, "maxfun": 2 * TOL.minimiser_rounds},
     )
     moved = patch.moved(found.x)
     moved[:, 2] = np.maximum(moved[:, 2], floor)
@@ -153,9 +145,9 @@ def _room(tets: TetMesh, free: Indices, floor: float) -> tuple[Floats, Floats, F
     towards = np.einsum("fki,fi->fk", axes[vertex], around)
     np.maximum.at(leaning, vertex, np.abs(towards))
     np.maximum.at(against, vertex, -towards[:, 0])
-    most = np.where(outside[:, None], np.minimum(OUTWARDS / leaning, 1.0), INSIDE)
+    most = np.where(outside[:, None], np.minimum(TOL.outwards / leaning, 1.0), TOL.inside)
     least = -most
-    most[outside, 0], least[outside, 0] = 0.0, -np.minimum(OUTWARDS / against, 1.0)[outside]
+    most[outside, 0], least[outside, 0] = 0.0, -np.minimum(TOL.outwards / against, 1.0)[outside]
     least[standing, 0] = 0.0
     return axes, least, most
 
@@ -200,10 +192,10 @@ class _Patch(NamedTuple):
         corners = vertices[self.tets]
         volumes, normals = _volumes_and_normals(corners)
         if volumes.min() <= 0.0:
-            return TURNED_OVER, np.zeros_like(shift)
+            return TOL.turned_over, np.zeros_like(shift)
         inverse = self.wanted**2 / (36.0 * volumes**2)  # the normals are twice the faces' areas, and h = 3 V / A
         squares = inverse * _squares(normals).sum(axis=1)
-        powers = squares**POWER
+        powers = squares**TOL.power
         weights = powers / (squares * powers.sum())
         gradient = np.zeros_like(corners)
         for corner, (a, b, c) in enumerate(ACROSS):
@@ -216,7 +208,7 @@ class _Patch(NamedTuple):
             gradient[:, corner] += (weights * squares / (3.0 * volumes))[:, None] * normal  # dV = -n/6 for an outward normal n
         total = np.zeros_like(vertices)
         np.add.at(total, self.tets.ravel(), gradient.reshape(-1, 3))
-        return float(np.log(powers.sum()) / POWER), np.einsum("vki,vi->vk", self.axes, total[self.free]).ravel()
+        return float(np.log(powers.sum()) / TOL.power), np.einsum("vki,vi->vk", self.axes, total[self.free]).ravel()
 
 
 def _volumes_and_normals(corners: Floats) -> tuple[Floats, Floats]:
