@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 from mechstyle.records.regions import Region, region
 from mechstyle.styling import vocabulary as english
-from mechstyle.styling.words import Word, style_words
+from mechstyle.styling.vocabulary import COLOURS, UNKNOWN_PLACES, Meaning, apart, styles, weak
+from mechstyle.styling.words import Word
 
 
 class Length(NamedTuple):
@@ -40,9 +41,25 @@ def meaning(item: Item | None) -> str:
     return item.means if isinstance(item, Word) else "the"
 
 
+LIKE = 2
+"""Rank of a word that only looks like a style."""
+
+
+def style_of(item: Item) -> Meaning | None:
+    """What an item says that names a style, None if it names none."""
+    means = meaning(item)
+    return weak()[means[1:]] if means.startswith("~") else styles().get(means)
+
+
 def is_style(item: Item) -> bool:
     """Whether an item names a style."""
-    return meaning(item) in style_words()
+    return style_of(item) is not None
+
+
+def is_thing(item: Item) -> bool:
+    """Whether an item names a thing, which may have a colour and a style of its own: an eye, a door, a castle."""
+    means, style = meaning(item), style_of(item)
+    return not means or means in UNKNOWN_PLACES or (means in weak() and means not in COLOURS) or (style is not None and style.rank == LIKE)
 
 
 def items_of(found: Sequence[Word], notes: list[str]) -> list[Item]:
@@ -55,14 +72,12 @@ def _with_phrases(found: Sequence[Word]) -> list[Word]:
 
     The style takes the place of the first word and a filler that of the others; phrases of more words are read first.
     """
-    phrases = {phrase: [part.removesuffix("s") for part in phrase.split("_")] for phrase in style_words() if "_" in phrase}
     read = list(found)
-    for phrase, parts in sorted(phrases.items(), key=lambda item: (-len(item[1]), item[0])):
-        roots = [word.means.removesuffix("s") for word in read]
-        if all(part in roots for part in parts):
-            first, *others = sorted(roots.index(part) for part in parts)
-            if not {":", ";"} & set(roots[first : max(others)]):
-                read[first] = read[first]._replace(means=phrase)
+    for parts in apart():
+        if all(part in (means := [word.means for word in read]) for part in parts):
+            first, *others = sorted(means.index(part) for part in parts)
+            if not {":", ";"} & set(means[first : max(others)]):
+                read[first] = read[first]._replace(means="_".join(parts))
                 for other in others:
                     read[other] = NOTHING
     return read

@@ -14,18 +14,32 @@ from mechstyle.errors import BadInput
 from mechstyle.records.recipe import Recipe, check_prompt
 from mechstyle.records.regions import End, Region, Rim, region
 from mechstyle.styling import vocabulary as english
-from mechstyle.styling.clauses import NO_PLACE, Clause, clauses_of
+from mechstyle.styling.clauses import Clause, clauses_of
 from mechstyle.styling.drawing.colours import rgb, shaded
-from mechstyle.styling.library import library, style_named
-from mechstyle.styling.phrases import NOTHING, Item, Length, Place, is_style, items_of, meaning, without_negated
+from mechstyle.styling.phrases import (
+    LIKE,
+    NOTHING,
+    Item,
+    Length,
+    Place,
+    is_content,
+    is_style,
+    is_thing,
+    items_of,
+    meaning,
+    style_of,
+    without_negated,
+)
 from mechstyle.styling.picture import NAME as OWN
-from mechstyle.styling.words import PICTURE, Word, quoted, style_words, words
+from mechstyle.styling.vocabulary import PICTURE
+from mechstyle.styling.words import Word, quoted, words
 
 Rgb = tuple[float, float, float]
 
 FEATURES, RELIEFS = (0.2, 500.0), (0.0, 20.0)
 """Sizes of features and depths of relief that can be asked for [mm]."""
-_NEAR = 0.6  # how alike a word must be to a style's to be suggested
+_NEAR, _LEAST_LETTERS = 0.75, 5  # how alike a word must be to a style's to be suggested, and how long
+_WELL_KNOWN = ("brick", "honeycomb", "waves", "wood", "stone")
 _AMOUNT_RANGE, _SIZE_RANGE = (0.2, 3.0), (0.4, 3.0)
 _DARK_RECESS, _LIGHT_RECESS = "charcoal", "off_white"  # joints that are asked for dark or light, in no colour
 
@@ -119,17 +133,44 @@ def read(prompt: str, *, picture: bool = False) -> Reading:
         found = _with_picture(found)
     items = items_of(found, notes)
     kept, unwanted = without_negated(items, adjectives_only=False)
-    if not any(is_style(item) for item in kept) and any(is_style(item) for item in unwanted):
+    if not _clauses(kept, notes=[]) and any(is_style(item) for item in unwanted):
         kept, unwanted = without_negated(items, adjectives_only=True)
-    clauses = clauses_of(kept)
-    if not any(is_style(item) for clause in clauses for item in clause.items):
+    clauses = _clauses(kept, notes)
+    if not clauses:
         raise _unknown_prompt(prompt, found, [item for item in unwanted if is_style(item)])
     wishes = _inherited([_wish(clause, notes) for clause in clauses if clause.named or clause.described])
     if picture and all(wish.style != OWN for wish in wishes):
         names = quoted(_spoken(wish.style) for wish in wishes if wish.style)
         way = "give each its place, such as `outside: picture; rim: brick`"
         raise BadInput(f"the prompt {prompt!r} names {names}, but not the picture: {way}")
-    return Reading(wishes, (*notes, *_left_out(kept, unwanted, wishes)))
+    return Reading(wishes, (*notes, *_left_out(clauses, unwanted, wishes)))
+
+
+def _clauses(kept: Sequence[Item], notes: list[str]) -> list[Clause]:
+    """The clauses of a prompt, none if it names no style even by its weaker words; notes are added on those that were taken for one.
+
+    A metal is a style where nothing is named, then a thing that looks like one, then a word such as "green", first of the whole, then of
+    its parts.
+    """
+    for whole in (False, True):
+        clauses = clauses_of(kept, whole=whole)
+        said = [item for clause in clauses for item in clause.items]
+        if any((style := style_of(item)) and style.rank < LIKE for item in said):
+            return clauses
+        metal = next(
+            (item for item in itertools.takewhile(lambda item: meaning(item) != ",", said) if meaning(item) in english.METALS), None
+        )
+        if metal is not None and not any(isinstance(item, Place) for item in said):
+            notes.append(f"read {meaning(metal)!r} as hammered {meaning(metal).replace('_', ' ')}")
+            return clauses_of([other for item in kept for other in ([item, Word("", "metal")] if item is metal else [item])], whole=whole)
+        if any(map(is_style, said)):
+            return clauses
+        for rank in (LIKE + 1, LIKE + 2):
+            weak = {id(item) for item in said if (style := english.weak().get(meaning(item))) and style.rank == rank}
+            if weak:
+                named = [item._replace(means=f"~{item.means}") if id(item) in weak and isinstance(item, Word) else item for item in kept]
+                return clauses_of(named, whole=whole)
+    return []
 
 
 def _with_picture(found: Sequence[Word]) -> list[Word]:
@@ -145,9 +186,11 @@ def _wish(clause: Clause, notes: list[str]) -> tuple[Wish, bool]:
     """What the items of one place ask for, and whether they say of what style; notes are added on what a wish has no room for."""
     whole = clause.named or (clause.titled and not clause.plain)
     items = clause.items if whole else _measuring_its_place(clause.items, plain=clause.plain)
-    style, alike = _style(items, notes)
+    style, alike, own = _style(items, notes)
     colour, second = _colours(items, alike, notes)
     shade = next((english.SHADES[means] for means in map(meaning, _loose_shades(items))), 1.0)
+    if own and colour is second is None:
+        colour, second = (*(_rgb(word) for word in own), None)[:2]
     if colour is not None and shade != 1.0:
         colour, shade = _shaded(colour, shade), 1.0
     places = [item for item in items if isinstance(item, Place)]
@@ -182,24 +225,31 @@ def _measuring_its_place(items: Sequence[Item], *, plain: bool) -> list[Item]:
     return [sized if item is place else NOTHING if item is length else item for item in items]
 
 
-def _style(items: Sequence[Item], notes: list[str]) -> tuple[str, set[str]]:
-    """The style of a wish, "" for none, and the words that ask for it."""
-    by_word = style_words()
-    found = [meaning(item) for item in items if is_style(item)]
+def _style(items: Sequence[Item], notes: list[str]) -> tuple[str, set[str], tuple[str, ...]]:
+    """The style of a wish, "" for none, the words that ask for it, and the colours that they mean."""
+    found = [(item, style) for item in items if (style := style_of(item))]
     if not found:
-        return "", set()
-    chosen = next((by_word[word] for word in _heads(items) if not style_named(by_word[word]).yields), by_word[found[0]])
-    others = sorted({by_word[word] for word in found if word not in english.COLOURS} - {chosen})
+        return "", set(), ()
+    strongest = min(style.rank for _, style in found)
+    heads = [(item, style) for item, style in _heads(items) if style.rank == strongest]
+    word, chosen = ((strongest < LIKE and heads) or [one for one in found if one[1].rank == strongest])[0]
+    others = sorted({style.style for item, style in found if not style.near and meaning(item) not in english.COLOURS} - {chosen.style})
     if others:
-        way = f"for both, give each its place, such as `outside: {_spoken(chosen)}; rim: {_spoken(others[0])}`"
-        notes.append(f"one style at one place: took {chosen!r}, left out {quoted(others)}; {way}")
-    return chosen, {word for word in found if by_word[word] == chosen}
+        way = f"for both, give each its place, such as `outside: {_spoken(chosen.style)}; rim: {_spoken(others[0])}`"
+        notes.append(f"one style at one place: took {chosen.style!r}, left out {quoted(others)}; {way}")
+    if chosen.near and isinstance(word, Word) and word.text.replace(" ", "_") != chosen.style:
+        notes.append(f"read {word.text or word.means.removeprefix('~')!r} as {chosen.words}")
+    return chosen.style, {meaning(item) for item, style in found if style.style == chosen.style}, chosen.colours
 
 
-def _heads(items: Sequence[Item]) -> list[str]:
+def _heads(items: Sequence[Item]) -> list[tuple[Item, english.Meaning]]:
     """The words for styles, without those that only describe the one that follows at once: cracked leather is leather, cable knit stays."""
-    pairs = itertools.pairwise([*items, NOTHING])
-    return [meaning(item) for item, following in pairs if is_style(item) and not (is_style(following) and "_" not in meaning(item))]
+    read = [(item, style_of(item)) for item in (*items, NOTHING)]
+    return [
+        (item, style)
+        for (item, style), (_, following) in itertools.pairwise(read)
+        if style and not (following and "_" not in meaning(item) and following.rank <= style.rank)
+    ]
 
 
 def _factor(items: Sequence[Item], table: Mapping[str, float], limits: tuple[float, float]) -> float:
@@ -238,14 +288,14 @@ def _colours(items: Sequence[Item], alike: set[str], notes: list[str]) -> tuple[
     recesses: tuple[str, float] | None = None
     left_out = []
     for at, item in enumerate(items):
-        means = meaning(item)
+        means = _colour_word(item)
         if at and means in english.FAMILIES and meaning(items[at - 1]) in english.COLOURS.keys() - english.FAMILIES:  # emerald green
             notes.append(f"read '{meaning(items[at - 1])} {means}' as {meaning(items[at - 1])!r}")
             continue
         shade = english.SHADES[meaning(items[at - 1])] if at and _shades_next(items, at - 1) else 1.0
         if means in english.SHADES and _meant_for(items, at, english.RECESSES) and recesses is None:
             recesses = (_DARK_RECESS if english.SHADES[means] < 1.0 else _LIGHT_RECESS), 1.0
-        if means not in english.COLOURS or (means in alike and shade == 1.0):
+        if means not in english.COLOURS or (meaning(item) in alike and shade == 1.0):
             continue
         if alike and _of_another_style(items, at, alike):
             left_out.append(means)
@@ -261,9 +311,14 @@ def _colours(items: Sequence[Item], alike: set[str], notes: list[str]) -> tuple[
     return tuple(None if one is None else _shaded(_rgb(one[0]), one[1]) for one in (body, recesses))  # type: ignore[return-value]
 
 
+def _colour_word(item: Item) -> str:
+    """The word of an item, also where it was taken for a style as there is no other: dark green."""
+    return meaning(item).removeprefix("~")
+
+
 def _shades_next(items: Sequence[Item], at: int) -> bool:
     """Whether the word belongs to the colour after it: "deep blue" is no deep relief."""
-    following = next((meaning(item) for item in items[at + 1 :] if meaning(item) not in english.SHADES), "")
+    following = next((_colour_word(item) for item in items[at + 1 :] if meaning(item) not in english.SHADES), "")
     return meaning(items[at]) in english.SHADES and following in english.COLOURS
 
 
@@ -280,12 +335,12 @@ def _meant_for(items: Sequence[Item], at: int, nouns: Collection[str]) -> bool:
     """Whether a colour is said of a noun: "gold seams", "seams in gold"."""
     after = _next_content(items, at)
     before = next((meaning(item) for item in reversed(items[:at]) if meaning(item) not in {*english.FILLERS, *english.SHADES}), "")
-    return after in nouns or (before in nouns and after not in style_words())
+    return after in nouns or (before in nouns and after not in english.styles())
 
 
 def _of_another_style(items: Sequence[Item], at: int, alike: set[str]) -> bool:
     """Whether a colour is said of a style that is left out: "leather with brass studs"."""
-    others = style_words().keys() - alike - english.COLOURS.keys()
+    others = english.styles().keys() - alike - english.COLOURS.keys()
     before, after = meaning(items[at - 1]) if at else "", _next_content(items, at)
     return (after in others and before not in alike) or (before in others and after not in alike)
 
@@ -319,7 +374,7 @@ def _inherited(wishes: Sequence[tuple[Wish, bool]]) -> tuple[Wish, ...]:
 # --- what was left out --------------------------------------------------------------------------------------------
 
 
-def _left_out(items: Sequence[Item], unwanted: Sequence[Item], wishes: Sequence[Wish]) -> list[str]:
+def _left_out(clauses: Sequence[Clause], unwanted: Sequence[Item], wishes: Sequence[Wish]) -> list[str]:
     """Sentences on what is not drawn: what is not wanted, what a style cannot do and what would, and what is not understood."""
     notes = []
     if parts := [item.text for item in unwanted if isinstance(item, Word) and item.means in english.RECESSES]:
@@ -329,20 +384,24 @@ def _left_out(items: Sequence[Item], unwanted: Sequence[Item], wishes: Sequence[
         notes.append(f"not wanted and left out: {quoted(names)}" + colours * "; name the colour that is, or the style keeps its own")
     ways: dict[str, list[str]] = {}
     strange = []
-    for item in items:
-        if isinstance(item, Word) and item.means in english.BEYOND:
-            ways.setdefault(english.BEYOND[item.means], []).append(item.text)
-        elif isinstance(item, Word) and item.means in english.UNKNOWN_PLACES:
-            ways.setdefault(NO_PLACE, []).append(item.text)
-        elif isinstance(item, Word) and item.number is not None:
-            ways.setdefault("a number says nothing without its unit: write `5 mm`", []).append(item.text)
-        elif isinstance(item, Word) and (not item.means or item.means in english.NEEDS_NUMBERS):
-            strange.append(item.text)
+    for clause in clauses:
+        drawn = {wish.style for wish in wishes}
+        for item in [*clause.items, *clause.parts]:
+            if not isinstance(item, Word) or not item.text:
+                continue
+            style = style_of(item)
+            if item.means in english.BEYOND:
+                ways.setdefault(english.BEYOND[item.means], []).append(item.text)
+            elif item.number is not None:
+                ways.setdefault("a number says nothing without its unit: write `5 mm`", []).append(item.text)
+            elif (
+                item.means in english.NEEDS_NUMBERS
+                or (is_thing(item) and (style is None or style.style not in drawn))
+                or (item in clause.parts and is_content(item))
+            ):
+                strange.append(item.text)
     notes += [f"left out {quoted(texts)}: {way}" for way, texts in ways.items()]
-    if strange:
-        only = "a drawn style knows styles, colours, sizes in mm, depths and places; other words need guidance 'clip'"
-        notes.append(f"not understood and left out: {quoted(strange)}; {only}")
-    return notes
+    return notes + [f"left out: {quoted(strange)}"] * bool(strange)
 
 
 def _rgb(word: str) -> Rgb:
@@ -364,21 +423,37 @@ def _spoken(style: str) -> str:
 
 
 def _unknown_prompt(prompt: str, found: Sequence[Word], unwanted: Sequence[Item]) -> BadInput:
-    """The error for a prompt without a style, nearest styles first; it never picks one."""
+    """The error for a prompt without a style, with those that come near it; it never picks one."""
     if not prompt.strip():
         return BadInput("the prompt is empty: say in words what the part is to look like, or give a picture with `--image` or image=")
     if any(word.means in english.PICTURES - english.FILLERS for word in found):
         return BadInput(f"the prompt {prompt!r} asks for a picture: give its file, with `--image` or image=")
-    by_word = style_words()
-    texts = [word.text for word in found if word.text and not word.means]
-    near = [close for text in texts for close in difflib.get_close_matches(text, by_word, n=3, cutoff=_NEAR)]
-    nearest = list(dict.fromkeys(by_word[word] for word in near))[:3]
-    known = f"known are {', '.join(library())}"
+    names = [_spoken(style) for style in suggestions(prompt)]
+    colour = next((word for word in found if word.means in english.COLOURS), None)
+    said = f"only a colour and no style: write `{colour.text} {names[0]}` or" if colour else "no style that can be drawn offline: try"
     if unwanted:
-        names = quoted(meaning(item).replace("_", " ") for item in unwanted)
-        return BadInput(f"the prompt {prompt!r} names no style that is wanted, only what is not ({names}): name one; {known}")
-    hint = f"the nearest are {quoted(nearest)}; " if nearest else ""
+        said = f"no style that is wanted, only what is not ({quoted(meaning(item).replace('_', ' ') for item in unwanted)}): try"
     return BadInput(
-        f"the prompt {prompt!r} names no style that can be drawn offline: {hint}{known}; "
+        f"the prompt {prompt!r} names {said} {quoted(names[bool(colour) :])}; `mechstyle styles` lists them all; "
         "any other prompt needs guidance 'clip' (`--guidance clip`) and the weights that `mechstyle weights fetch ViT-B-32` brings once"
     )
+
+
+def suggestions(prompt: str, count: int = 3) -> tuple[str, ...]:
+    """Names of the styles that come nearest to a prompt by what its words mean, nearest first; always as many as asked for.
+
+    Words that mean nothing are compared by their letters; what is missing then are styles that most people know.
+    """
+    found, _ = words(prompt)
+    near: list[list[str]] = []
+    for word in found:
+        one = style_of(word) or english.weak().get(word.means)
+        hints = english.hints(word.text) if one or not word.means else ()
+        near.append([*([one.style] if one else []), *hints])
+    letters = [word.text for word in found if not word.means and len(word.text) >= _LEAST_LETTERS]
+    near += [
+        [english.styles()[close].style for close in difflib.get_close_matches(text, english.styles(), n=1, cutoff=_NEAR)]
+        for text in letters
+    ]
+    ordered = [name for rank in itertools.zip_longest(*near) for name in rank if name]
+    return tuple(dict.fromkeys([*ordered, *_WELL_KNOWN]))[:count]
