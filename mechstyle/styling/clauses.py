@@ -81,7 +81,9 @@ def clauses_of(items: Sequence[Item], *, whole: bool = False) -> list[Clause]:
 
 
 def _of_a_part(piece: Clause) -> bool:
-    """Whether a piece names a thing and says something of it: "black stone ears", but not "japanese waves" and no place."""
+    """Whether a piece is of another thing: "black stone ears", "standing on a trunk", but not "japanese waves", and no place."""
+    if meaning(piece.items[0]) in english.BESIDE and not piece.placed:
+        return True
     content = [item for item in piece.items if _speaks(item) and meaning(item) not in english.BEYOND]
     if not any(map(is_thing, content)) or any(isinstance(item, Place) or meaning(item) in english.RECESSES for item in content):
         return False
@@ -98,7 +100,7 @@ def _pieces(items: Sequence[Item]) -> Iterator[Clause]:
     for clause in _split(items, {";"}):
         titles = [_title(clause, at) for at, item in enumerate(clause) if meaning(item) == ":"]
         starts = [start for start in titles if start is not None]
-        for piece in _split(clause[: starts[0] if starts else len(clause)], english.SEPARATORS | {":"}):
+        for piece in _split(clause[: starts[0] if starts else len(clause)], english.SEPARATORS | english.BESIDE | {":"}):
             yield from map(Clause, _alternating(piece))
         for start, end in itertools.pairwise([*starts, len(clause)]):
             yield Clause([item for item in clause[start:end] if meaning(item) != ":"], titled=True)
@@ -116,13 +118,13 @@ def _alternating(piece: Sequence[Item]) -> list[list[Item]]:
 
 
 def _split(items: Sequence[Item], marks: Collection[str]) -> Iterator[list[Item]]:
-    """The items between marks, where there are any; words such as "with" go with what follows."""
+    """The items between marks, where there are any; words such as "standing on" go with what follows."""
     part: list[Item] = []
     for item in [*items, Word("", ";")]:
         if meaning(item) in {*marks, ";"}:
             if part:
                 yield part
-            part = []
+            part = [item] if meaning(item) in english.BESIDE else []
         else:
             part.append(item)
 

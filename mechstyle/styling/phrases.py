@@ -33,7 +33,7 @@ ADJECTIVES = english.SIZES.keys() | english.AMOUNTS.keys() | english.SHADES.keys
 _LARGE = {"wide", "large", "big"}
 _LINKS, _NOUNS = {"of", "in", "the"}, {"depth", "relief"}
 """Words between a length and the second ones that say it is one of depth: "1 mm of depth", but "5 mm in deep blue"."""
-_NO_CONTENT = {"", "or", ":", ";"} | english.FILLERS | english.SEPARATORS | english.DEGREES.keys()
+_NO_CONTENT = {"", "or", ":", ";"} | english.FILLERS | english.SEPARATORS | english.BESIDE | english.DEGREES.keys()
 
 
 def meaning(item: Item | None) -> str:

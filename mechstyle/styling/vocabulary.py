@@ -101,9 +101,9 @@ def _numbers(kind: str) -> Mapping[str, float]:
 COLOURS, METALS = _values("colour", "metal"), frozenset(_values("metal"))
 SIZES, AMOUNTS, SHADES, DEGREES, MILLIMETRES = map(_numbers, ("size", "relief", "shade", "degree", "mm"))
 PLACES, BEYOND = _values("place"), _values("beyond")
-FILLERS, NEGATIONS, SEPARATORS, PLAIN, SMOOTH, EVERYWHERE, UNKNOWN_PLACES, RECESSES, DEPTHS, PICTURES = (
+FILLERS, NEGATIONS, SEPARATORS, BESIDE, PLAIN, SMOOTH, EVERYWHERE, UNKNOWN_PLACES, RECESSES, DEPTHS, PICTURES = (
     frozenset(_values(kind))
-    for kind in ("filler", "not", "separator", "plain", "smooth", "everywhere", "nowhere", "recess", "depth", "picture")
+    for kind in ("filler", "not", "separator", "beside", "plain", "smooth", "everywhere", "nowhere", "recess", "depth", "picture")
 )
 NEGATED_BEFORE = "not_before"
 """What stands before it is not wanted; only other languages have such a word."""
@@ -143,8 +143,13 @@ def styles() -> Mapping[str, Meaning]:
 def weak() -> Mapping[str, Meaning]:
     """What each English word says that names a style only where nothing else does."""
     found = {word: meaning for table in ("english", "words") for word, kind, meaning in _meant(table) if kind in _STYLES[3:]}
-    other = {word for row in rows("words") if row.kind not in _STYLES[3:] for word in row.words[0]} - {"green"}  # a colour as well
-    return {word: meaning for word, meaning in found.items() if word not in other}
+    other = {word for row in rows("words") if row.kind not in _STYLES[3:] for word in row.words[0]}
+    return {word: meaning for word, meaning in found.items() if word not in other or _STYLES[meaning.rank] == "last"}
+
+
+def called(style: str) -> tuple[str, ...]:
+    """The English words that name a style, its own name aside."""
+    return tuple(word for word, meaning in styles().items() if meaning[:3:2] == (style, False) and word not in {style, PICTURE})
 
 
 @cache

@@ -20,13 +20,14 @@ _ENDINGS = (
     ("ies", "y"), ("ves", "f"), ("s", ""), ("es", ""), ("ed", ""), ("ed", "e"), ("ing", ""), ("ing", "e"), ("ish", ""), ("ish", "e"),
     ("er", ""), ("er", "e"), ("est", ""), ("est", "e"), ("y", ""), ("en", ""),
 )  # fmt: skip
+_COMPARED = ("er", "est")  # rougher is rough, but a bagger is no bag
 _PLURALS = ("ies", "es", "s", "ed")
 _INFLECTION = {"German": re.compile("(?:en|er|es|em|e|n|s)$")} | dict.fromkeys(LANGUAGES[1:5], re.compile("(?:[aeio]?s?|x)$"))
 _COMPOUNDING = ("", "German")
 _LEAST_STEM = 3
 _LEAST_STYLE = 4
 _LONGEST_PHRASE = 4  # words
-_FIRM = 7  # letters from which on one of them may be another: shorter words are often words of their own
+_FIRM = 6  # letters from which on one of them may be another: shorter words are often words of their own
 
 
 class Word(NamedTuple):
@@ -157,7 +158,7 @@ def _forms(word: str) -> Iterator[str]:
 def _known(word: str, language: str) -> str:
     """English word that one word of a language stands for, whatever its ending; "" if it is none."""
     if not language:
-        compared = word.endswith(("er", "est"))  # rougher, but a bagger is no bag
+        compared = word.endswith(_COMPARED)
         return next((form for form in _forms(word) if form in meanings() and not (compared and form != word and form in weak())), "")
     stem = _stem(word, language)
     return _dictionary(language).get(word) or _dictionary(language).get(stem) or _stems(language).get(stem, "")
@@ -196,17 +197,18 @@ def _unlisted(word: str, language: str, *, named: bool) -> tuple[list[str], str]
     found = _known(word, language) or _known(word, "")
     if found:
         return [found], ""
-    common = next((form for form in _forms(word) if form in english.english()), "")
+    compared = word.endswith(_COMPARED)
+    common = next((form for form in _forms(word) if form in english.english() and (form == word or not compared)), "")
     if common and (not language or common in weak()):  # a word of its own is no slip of another
         return [common if common in weak() else ""], ""
-    seen = {*styles(), *english.COLOURS}  # filling words of another language are often words of this one
+    seen = {*styles(), *weak(), *english.COLOURS}  # filling words of another language are often words of this one
     foreign = next((means for other in LANGUAGES[:5] if (means := _dictionary(other).get(word, "")) in seen), "")
     if foreign:
         return [foreign], f"read {word!r} as {foreign!r}"
     parts = _compound(word, language)
     if parts:
         return parts, "" if language else f"read {word!r} as {' '.join(parts)!r}"
-    close = _misspelt(word, language, named=named)
+    close = _misspelt(word, language, named=named) or _begun(word)
     return [close], f"read {word!r} as {close!r}" if close else ""
 
 
@@ -222,19 +224,26 @@ def _compound(word: str, language: str) -> list[str]:
     return []
 
 
+def _begun(word: str) -> str:
+    """The style or thing with which a longer word begins, in German or English: Schuppenpanzer, Holzkiste; "" if it is none."""
+    starts = [word[:cut] for cut in range(len(word) - _LEAST_STEM, _LEAST_STYLE - 1, -1)]
+    known = (means for start in starts for language in _COMPOUNDING if (means := _known(start, language)))
+    return next((means for means in known if means in styles() or means in weak()), "")
+
+
 def _misspelt(word: str, language: str, *, named: bool) -> str:
     """The word of a language that this one is a misspelling of; "" if it is none's, or too short to tell.
 
     A style must be named by more letters, and by still more beside one that is spelt out.
     """
     named_by = {**weak(), **styles()}
-    least = _LEAST_STYLE + named
+    least = _LEAST_STYLE + named + bool(language)  # no list says which words of other languages are words of their own
     among = [
         (other, means) for other, means in _dictionary(language).items() if means not in named_by or min(len(word), len(other)) >= least
     ]
-    close = [(means not in named_by, other, means) for form in (_forms(word) if not language else [word]) for other, means in among
+    close = [(means not in named_by, len(other) == len(form), other, means) for form in (_forms(word) if not language else [word]) for other, means in among
              if _slips(form, other) and means not in english.FILLERS]  # fmt: skip
-    return min(close)[2] if close else ""
+    return min(close)[3] if close else ""
 
 
 def _slips(word: str, meant: str) -> bool:

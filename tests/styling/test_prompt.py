@@ -235,7 +235,7 @@ def test_misspelt_colours_and_sizes_are_forgiven_too():
 @pytest.mark.parametrize(
     ("typed", "meant", "slip"),
     [("brik", "brick", True), ("birck", "brick", True), ("bricck", "brick", True), ("brock", "brick", False), ("trick", "brick", False),
-     ("marvle", "marble", False), ("damaskus", "damascus", True), ("feather", "leather", False), ("in", "ivy", False)],
+     ("marvle", "marble", True), ("damaskus", "damascus", True), ("feather", "leather", False), ("in", "ivy", False)],
 )  # fmt: skip
 def test_a_slip_of_a_typist_is_forgiven_where_it_makes_no_other_word(typed, meant, slip):
     assert words._slips(typed, meant) is slip
