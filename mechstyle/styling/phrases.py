@@ -64,7 +64,7 @@ def is_thing(item: Item) -> bool:
 
 def items_of(found: Sequence[Word], notes: list[str]) -> list[Item]:
     """The words with those that belong together as one: phrases, lengths, places; notes are added on numbers left out."""
-    return _with_places(_with_lengths(_with_recesses(_with_phrases(found)), notes))
+    return _with_places(_with_lengths(_with_recesses(_with_shades(_with_phrases(found), notes)), notes))
 
 
 def _with_phrases(found: Sequence[Word]) -> list[Word]:
@@ -80,6 +80,22 @@ def _with_phrases(found: Sequence[Word]) -> list[Word]:
                 read[first] = read[first]._replace(means="_".join(parts))
                 for other in others:
                     read[other] = NOTHING
+    return read
+
+
+def _with_shades(found: Sequence[Word], notes: list[str]) -> list[Word]:
+    """The words with every colour as light as the word before it says: "deep blue", which is no deep relief; "emerald green" is emerald."""
+    read: list[Word] = []
+    for word in found:
+        last = next((at for at in range(len(read) - 1, -1, -1) if read[at].means not in english.SHADES), -1)
+        if word.means in english.FAMILIES and read and read[-1].means in english.COLOURS.keys() - english.FAMILIES:
+            notes.append(f"read '{read[-1].means} {word.means}' as {read[-1].means!r}")
+            read.append(NOTHING)
+        elif word.means in english.COLOURS and last < len(read) - 1:
+            text = " ".join(shade.text for shade in read[last + 1 :])
+            read[last + 1 :] = [Word(f"{text} {word.text}", word.means, english.SHADES[read[-1].means])]
+        else:
+            read.append(word)
     return read
 
 

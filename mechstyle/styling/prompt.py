@@ -1,14 +1,34 @@
-"""Reading a prompt without a language model: which style where, how large, how strong, in what colours — and what was not understood."""
+"""Reading a prompt without a language model: which style where, how large, how strong, in what colours — and what was not understood.
+
+The grammar, whatever the language; what the words mean stands in the tables of `vocabulary`:
+
+    prompt  =  clause (";" clause)*                  each a wish for its places, or for all of the part
+    clause  =  [place ":"] piece (separator piece)*  a new clause begins where another place has its own style or colour
+    piece   =  (style | thing | metal | colour | size | amount | length | place | negation | filler)*
+    colour  =  (dark | deep | light | …)* colour [family]           said of the recess or style beside it, else of the body
+    length  =  number unit [deep]                                   of features, or of the relief
+    place   =  [length] name | name [length] | name numbers | length "from the" name
+    separator  =  "," | and | with | wearing | …
+
+1. `words`: each word becomes the English word it stands for; the longest phrase goes first. What is no word is mended by one letter, and
+   shown; what is one is never.
+2. `phrases`: colours with their shades, lengths, places; what is not wanted is taken out.
+3. `clauses`: what is said of each place. A piece that names a thing, "gold eyes", is said of that thing alone, and left out with it.
+4. Here: of the words for a style in a clause the strongest counts: a style before one that describes, that before what looks like one.
+   Where no clause names any, a metal is hammered metal, a thing is the style it looks like, and "green" is leaves; where there is nothing
+   either, what was said of parts of the thing is said of all of it. What then names no style is refused, with three that come near.
+"""
 
 from __future__ import annotations
 
 import difflib
 import itertools
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import msgspec
+from numpy.typing import ArrayLike
 
 from mechstyle.errors import BadInput
 from mechstyle.records.recipe import Recipe, check_prompt
@@ -147,29 +167,24 @@ def read(prompt: str, *, picture: bool = False) -> Reading:
 
 
 def _clauses(kept: Sequence[Item], notes: list[str]) -> list[Clause]:
-    """The clauses of a prompt, none if it names no style even by its weaker words; notes are added on those that were taken for one.
-
-    A metal is a style where nothing is named, then a thing that looks like one, then a word such as "green", first of the whole, then of
-    its parts.
-    """
+    """The clauses of a prompt, none if it names no style even by its weaker words; notes are added on metals that were taken for one."""
     for whole in (False, True):
         clauses = clauses_of(kept, whole=whole)
         said = [item for clause in clauses for item in clause.items]
-        if any((style := style_of(item)) and style.rank < LIKE for item in said):
+        ranks = {style.rank for item in said if (style := style_of(item))}
+        first = itertools.takewhile(lambda item: meaning(item) != ",", said)
+        metal = next((item for item in first if meaning(item) in english.METALS), None)
+        if min(ranks, default=LIKE) == LIKE and isinstance(metal, Word) and not any(isinstance(item, Place) for item in said):
+            notes.append(f"read {metal.text!r} as hammered {_spoken(metal.means)}")
+            at = next(at for at, item in enumerate(kept) if item is metal)
+            return clauses_of([*kept[: at + 1], Word("", "metal"), *kept[at + 1 :]], whole=whole)
+        if ranks:
             return clauses
-        metal = next(
-            (item for item in itertools.takewhile(lambda item: meaning(item) != ",", said) if meaning(item) in english.METALS), None
-        )
-        if metal is not None and not any(isinstance(item, Place) for item in said):
-            notes.append(f"read {meaning(metal)!r} as hammered {meaning(metal).replace('_', ' ')}")
-            return clauses_of([other for item in kept for other in ([item, Word("", "metal")] if item is metal else [item])], whole=whole)
-        if any(map(is_style, said)):
-            return clauses
-        for rank in (LIKE + 1, LIKE + 2):
-            weak = {id(item) for item in said if (style := english.weak().get(meaning(item))) and style.rank == rank}
-            if weak:
-                named = [item._replace(means=f"~{item.means}") if id(item) in weak and isinstance(item, Word) else item for item in kept]
-                return clauses_of(named, whole=whole)
+        weak = [(item, english.weak()[meaning(item)].rank) for item in said if meaning(item) in english.weak()]
+        if weak:
+            chosen = {id(item) for item, rank in weak if rank == min(rank for _, rank in weak)}
+            named = [item._replace(means=f"~{item.means}") if isinstance(item, Word) and id(item) in chosen else item for item in kept]
+            return clauses_of(named, whole=whole)
     return []
 
 
@@ -188,9 +203,11 @@ def _wish(clause: Clause, notes: list[str]) -> tuple[Wish, bool]:
     items = clause.items if whole else _measuring_its_place(clause.items, plain=clause.plain)
     style, alike, own = _style(items, notes)
     colour, second = _colours(items, alike, notes)
-    shade = next((english.SHADES[means] for means in map(meaning, _loose_shades(items))), 1.0)
+    loose = [item for at, item in enumerate(items) if not _of_recesses(items, at)]
+    shades = english.SHADES.keys() - english.AMOUNTS.keys()  # "deep" alone speaks of the relief
+    shade = next((english.SHADES[means] for means in map(meaning, loose) if means in shades), 1.0)
     if own and colour is second is None:
-        colour, second = (*(_rgb(word) for word in own), None)[:2]
+        colour, second = (*(_rgb(Word("", word)) for word in own), None)[:2]
     if colour is not None and shade != 1.0:
         colour, shade = _shaded(colour, shade), 1.0
     places = [item for item in items if isinstance(item, Place)]
@@ -227,12 +244,16 @@ def _measuring_its_place(items: Sequence[Item], *, plain: bool) -> list[Item]:
 
 def _style(items: Sequence[Item], notes: list[str]) -> tuple[str, set[str], tuple[str, ...]]:
     """The style of a wish, "" for none, the words that ask for it, and the colours that they mean."""
-    found = [(item, style) for item in items if (style := style_of(item))]
+    read = [(item, style_of(item)) for item in (*items, NOTHING)]
+    found = [(item, style) for item, style in read if style]
     if not found:
         return "", set(), ()
-    strongest = min(style.rank for _, style in found)
-    heads = [(item, style) for item, style in _heads(items) if style.rank == strongest]
-    word, chosen = ((strongest < LIKE and heads) or [one for one in found if one[1].rank == strongest])[0]
+    strongest = [one for one in found if one[1].rank == min(style.rank for _, style in found)]
+    describing = [  # the style that follows at once: cracked leather is leather, but cable knit stays
+        item for (item, style), (_, following) in itertools.pairwise(read)
+        if style and following and following.rank <= style.rank < LIKE and "_" not in meaning(item)
+    ]  # fmt: skip
+    word, chosen = next((one for one in strongest if not any(one[0] is item for item in describing)), strongest[0])
     others = sorted({style.style for item, style in found if not style.near and meaning(item) not in english.COLOURS} - {chosen.style})
     if others:
         way = f"for both, give each its place, such as `outside: {_spoken(chosen.style)}; rim: {_spoken(others[0])}`"
@@ -242,22 +263,12 @@ def _style(items: Sequence[Item], notes: list[str]) -> tuple[str, set[str], tupl
     return chosen.style, {meaning(item) for item, style in found if style.style == chosen.style}, chosen.colours
 
 
-def _heads(items: Sequence[Item]) -> list[tuple[Item, english.Meaning]]:
-    """The words for styles, without those that only describe the one that follows at once: cracked leather is leather, cable knit stays."""
-    read = [(item, style_of(item)) for item in (*items, NOTHING)]
-    return [
-        (item, style)
-        for (item, style), (_, following) in itertools.pairwise(read)
-        if style and not (following and "_" not in meaning(item) and following.rank <= style.rank)
-    ]
-
-
 def _factor(items: Sequence[Item], table: Mapping[str, float], limits: tuple[float, float]) -> float:
     """The product of the factors named, each to the power of a degree ("very") before it, within limits."""
     logarithm = 0.0
     for at, item in enumerate(items):
         means = meaning(item)
-        if means in table and not _shades_next(items, at):
+        if means in table:
             before = meaning(items[at - 1]) if at else ""
             logarithm += math.log(table[means]) * english.DEGREES.get(before, 1.0)
     return min(max(math.exp(logarithm), limits[0]), limits[1])
@@ -277,82 +288,56 @@ def _length(items: Sequence[Item], limits: tuple[float, float], notes: list[str]
 
 
 def _colours(items: Sequence[Item], alike: set[str], notes: list[str]) -> tuple[Rgb | None, Rgb | None]:
-    """Colour of the body and of its recesses: the first one named for each, shaded by the word before it.
+    """Colour of the body and of its recesses: the first one named for each.
 
     Args:
         items: The items of a wish.
         alike: Words that ask for its style, which are no colours unless they are shaded.
         notes: Told of what is left out.
     """
-    body: tuple[str, float] | None = None
-    recesses: tuple[str, float] | None = None
+    body: Word | None = None
+    recesses: Word | None = None
     left_out = []
     for at, item in enumerate(items):
-        means = _colour_word(item)
-        if at and means in english.FAMILIES and meaning(items[at - 1]) in english.COLOURS.keys() - english.FAMILIES:  # emerald green
-            notes.append(f"read '{meaning(items[at - 1])} {means}' as {meaning(items[at - 1])!r}")
+        means, of_recesses = meaning(item).removeprefix("~"), _of_recesses(items, at)
+        if means in english.SHADES and of_recesses and recesses is None:
+            recesses = Word("", _DARK_RECESS if english.SHADES[means] < 1.0 else _LIGHT_RECESS)
+        if not isinstance(item, Word) or means not in english.COLOURS or (item.means in alike and item.shade == 1.0):
             continue
-        shade = english.SHADES[meaning(items[at - 1])] if at and _shades_next(items, at - 1) else 1.0
-        if means in english.SHADES and _meant_for(items, at, english.RECESSES) and recesses is None:
-            recesses = (_DARK_RECESS if english.SHADES[means] < 1.0 else _LIGHT_RECESS), 1.0
-        if means not in english.COLOURS or (meaning(item) in alike and shade == 1.0):
-            continue
+        word = item._replace(means=means)
         if alike and _of_another_style(items, at, alike):
             left_out.append(means)
-        elif recesses is None and (_meant_for(items, at, english.RECESSES) or (body is not None and not _alternative(items, at))):
-            recesses = means, shade
-        elif body is None and not _meant_for(items, at, english.RECESSES):
-            body = means, shade
-        elif means not in {one[0] for one in (body, recesses) if one}:
+        elif recesses is None and (of_recesses or (body is not None and _neighbours(items, at)[0] != "or")):
+            recesses = word
+        elif body is None and not of_recesses:
+            body = word
+        elif means not in {one.means for one in (body, recesses) if one}:
             left_out.append(means)
     if left_out:
-        took = quoted(one[0].replace("_", " ") for one in (body, recesses) if one)
+        took = quoted(_spoken(one.means) for one in (body, recesses) if one)
         notes.append(f"one colour for a style and one for its recesses: took {took or 'its own'}, left out {quoted(left_out)}")
-    return tuple(None if one is None else _shaded(_rgb(one[0]), one[1]) for one in (body, recesses))  # type: ignore[return-value]
+    return _rgb(body), _rgb(recesses)
 
 
-def _colour_word(item: Item) -> str:
-    """The word of an item, also where it was taken for a style as there is no other: dark green."""
-    return meaning(item).removeprefix("~")
+def _neighbours(items: Sequence[Item], at: int) -> tuple[str, str]:
+    """What the words before and after an item mean, without those that ask for nothing."""
+    silent = {*english.FILLERS, *english.SHADES}
+    around = ((meaning(item) for item in side if meaning(item) not in silent) for side in (reversed(items[:at]), items[at + 1 :]))
+    before, after = (next(side, "") for side in around)
+    return before, after
 
 
-def _shades_next(items: Sequence[Item], at: int) -> bool:
-    """Whether the word belongs to the colour after it: "deep blue" is no deep relief."""
-    following = next((_colour_word(item) for item in items[at + 1 :] if meaning(item) not in english.SHADES), "")
-    return meaning(items[at]) in english.SHADES and following in english.COLOURS
-
-
-def _loose_shades(items: Sequence[Item]) -> list[Item]:
-    """The shades that belong to no colour and no recess; "deep" alone speaks of the relief."""
-    return [
-        item for at, item in enumerate(items)
-        if meaning(item) in english.SHADES.keys() - english.AMOUNTS.keys()
-        and not (_shades_next(items, at) or _meant_for(items, at, english.RECESSES))
-    ]  # fmt: skip
-
-
-def _meant_for(items: Sequence[Item], at: int, nouns: Collection[str]) -> bool:
-    """Whether a colour is said of a noun: "gold seams", "seams in gold"."""
-    after = _next_content(items, at)
-    before = next((meaning(item) for item in reversed(items[:at]) if meaning(item) not in {*english.FILLERS, *english.SHADES}), "")
-    return after in nouns or (before in nouns and after not in english.styles())
+def _of_recesses(items: Sequence[Item], at: int) -> bool:
+    """Whether a colour is said of the low places of a relief: "gold seams", "seams in gold"."""
+    before, after = _neighbours(items, at)
+    return after in english.RECESSES or (before in english.RECESSES and after not in english.styles())
 
 
 def _of_another_style(items: Sequence[Item], at: int, alike: set[str]) -> bool:
     """Whether a colour is said of a style that is left out: "leather with brass studs"."""
     others = english.styles().keys() - alike - english.COLOURS.keys()
-    before, after = meaning(items[at - 1]) if at else "", _next_content(items, at)
+    before, after = _neighbours(items, at)
     return (after in others and before not in alike) or (before in others and after not in alike)
-
-
-def _next_content(items: Sequence[Item], at: int) -> str:
-    return next((meaning(item) for item in items[at + 1 :] if meaning(item) not in english.FILLERS), "")
-
-
-def _alternative(items: Sequence[Item], at: int) -> bool:
-    """Whether "or" stands before a word."""
-    before = [meaning(item) for item in items[:at] if meaning(item) not in {*english.FILLERS, *english.SHADES}]
-    return bool(before) and before[-1] == "or"
 
 
 _UNSAID = Wish("")
@@ -384,32 +369,28 @@ def _left_out(clauses: Sequence[Clause], unwanted: Sequence[Item], wishes: Seque
         notes.append(f"not wanted and left out: {quoted(names)}" + colours * "; name the colour that is, or the style keeps its own")
     ways: dict[str, list[str]] = {}
     strange = []
-    for clause in clauses:
-        drawn = {wish.style for wish in wishes}
-        for item in [*clause.items, *clause.parts]:
-            if not isinstance(item, Word) or not item.text:
-                continue
-            style = style_of(item)
-            if item.means in english.BEYOND:
-                ways.setdefault(english.BEYOND[item.means], []).append(item.text)
-            elif item.number is not None:
-                ways.setdefault("a number says nothing without its unit: write `5 mm`", []).append(item.text)
-            elif (
-                item.means in english.NEEDS_NUMBERS
-                or (is_thing(item) and (style is None or style.style not in drawn))
-                or (item in clause.parts and is_content(item))
-            ):
-                strange.append(item.text)
+    drawn = {wish.style for wish in wishes}
+    said = [(item, of_part) for clause in clauses for items, of_part in ((clause.items, False), (clause.parts, True)) for item in items]
+    for item, of_part in said:
+        if not isinstance(item, Word) or not item.text:
+            continue
+        style = style_of(item)
+        unseen = is_thing(item) and not (style and style.style in drawn)
+        if item.means in english.BEYOND:
+            ways.setdefault(english.BEYOND[item.means], []).append(item.text)
+        elif item.number is not None:
+            ways.setdefault("a number says nothing without its unit: write `5 mm`", []).append(item.text)
+        elif unseen or item.means in english.NEEDS_NUMBERS or (of_part and is_content(item)):
+            strange.append(item.text)
     notes += [f"left out {quoted(texts)}: {way}" for way, texts in ways.items()]
     return notes + [f"left out: {quoted(strange)}"] * bool(strange)
 
 
-def _rgb(word: str) -> Rgb:
-    red, green, blue = rgb(english.COLOURS[word]).tolist()
-    return red, green, blue
+def _rgb(colour: Word | None) -> Rgb | None:
+    return None if colour is None else _shaded(rgb(english.COLOURS[colour.means]), colour.shade)
 
 
-def _shaded(colour: Rgb, shade: float) -> Rgb:
+def _shaded(colour: ArrayLike, shade: float) -> Rgb:
     red, green, blue = shaded(colour, shade).tolist()
     return red, green, blue
 

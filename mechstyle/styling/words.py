@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 import unicodedata
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -36,10 +37,12 @@ class Word(NamedTuple):
     Attributes:
         text: As typed, in lower case and without accents.
         means: The English word of the vocabulary, or of a style, that it stands for; a mark or number for itself; "" for none.
+        shade: How light a colour is to be: below 1 darker, above 1 lighter.
     """
 
     text: str
     means: str
+    shade: float = 1.0
 
     @property
     def number(self) -> float | None:
@@ -241,8 +244,12 @@ def _misspelt(word: str, language: str, *, named: bool) -> str:
     among = [
         (other, means) for other, means in _dictionary(language).items() if means not in named_by or min(len(word), len(other)) >= least
     ]
-    close = [(means not in named_by, len(other) == len(form), other, means) for form in (_forms(word) if not language else [word]) for other, means in among
-             if _slips(form, other) and means not in english.FILLERS]  # fmt: skip
+    forms = [word] if language else list(_forms(word))
+    close = [
+        (means not in named_by, len(other) == len(form), other, means)
+        for form, (other, means) in itertools.product(forms, among)
+        if _slips(form, other) and means not in english.FILLERS
+    ]
     return min(close)[3] if close else ""
 
 
