@@ -141,11 +141,11 @@ def _title(clause: Sequence[Item], colon: int) -> int | None:
     title = clause[start:colon]
     if any(isinstance(item, Place) for item in title):
         return start
-    strange = [item.text for item in title if isinstance(item, Word) and item.means in {"", *english.UNKNOWN_PLACES}]
+    strange = [item.text for item in title if isinstance(item, Word) and is_thing(item)]
     if strange:
         raise BadInput(f"{quoted(strange)} in the prompt is {NO_PLACE}")
     return None
 
 
 def _may_stand_in_a_title(item: Item) -> bool:
-    return (not is_content(item) and meaning(item) != ":") or isinstance(item, Place) or meaning(item) in english.UNKNOWN_PLACES
+    return (not is_content(item) and meaning(item) != ":") or isinstance(item, Place) or is_thing(item)
