@@ -33,6 +33,11 @@ development needs (the extra `dev`) are not listed. Versions are those of `const
 **Copyleft in it.** MechStyle only imports these packages. Who passes on an image or an installer with them inside passes on their licences,
 too: the text, and for MPL and LGPL parts where their source is.
 """
+DATA = """
+**Data in it.** `mechstyle/styling/english.tsv`, a table of English words, is derived from WordNet 3.0 (Copyright 2006 by Princeton
+University) and SCOWL (Copyright 2000-2011 by Kevin Atkinson). Both allow any use with
+[their notices](../mechstyle/styling/english-notices.txt), which lie beside it.
+"""
 
 
 def reached(requirements: list[str]) -> set[str]:
@@ -87,6 +92,7 @@ def main() -> None:
     extra = {name: reached(project["optional-dependencies"][name]) - core for name in EXTRAS}
     print(HEAD)
     print("\n".join(remarks(core.union(*extra.values()))))
+    print(DATA, end="")
     for title, names in {"Always": core, **{f"With `mechstyle[{name}]`": found for name, found in extra.items()}}.items():
         print(f"\n## {title}\n\n| package | licence it declares |\n|---|---|")
         for name in sorted(names):

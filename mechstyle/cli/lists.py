@@ -46,6 +46,7 @@ def styles_command(
 ) -> None:
     """List the offline styles and the words that call them."""
     from mechstyle.styling.library import library  # noqa: PLC0415 — loaded when wanted
+    from mechstyle.styling.vocabulary import called  # noqa: PLC0415 — as above
 
     if sheet is not None:
         written = _draw_sheet(sheet, quiet=as_json)
@@ -54,12 +55,12 @@ def styles_command(
     known = library().values()
     if as_json:
         print_json(
-            {"styles": [{"name": s.name, "words": s.words, "description": s.description, "feature_mm": s.feature_mm} for s in known]}
+            {"styles": [{"name": s.name, "words": called(s.name), "description": s.description, "feature_mm": s.feature_mm} for s in known]}
         )
         return
     rows = table("style", "also called", "what it is")
     for style in known:
-        rows.add_row(style.name, escape(", ".join(style.words)), escape(style.description))
+        rows.add_row(style.name, escape(", ".join(word.replace("_", " ") for word in called(style.name))), escape(style.description))
     out.print(rows)
 
 

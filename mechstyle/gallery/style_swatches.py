@@ -19,6 +19,7 @@ from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.styling.drawing.canvas import Canvas
 from mechstyle.styling.library import library, style_named
 from mechstyle.styling.style import Style
+from mechstyle.styling.vocabulary import called
 
 ROWS, COLUMNS = 80, 107
 """Vertices of the plate from below and from the left, and pixels of its picture."""
@@ -63,7 +64,7 @@ def styles() -> Styles:
 
 def _row(style: Style) -> str:
     picture = base64.b64encode(swatch(style.name)).decode()
-    words = ", ".join(word.replace("_", " ") for word in style.words)
+    words = ", ".join(word.replace("_", " ") for word in called(style.name))
     cells = (
         f'<img alt="{html.escape(style.name)}" width="{COLUMNS}" height="{ROWS}" src="data:image/png;base64,{picture}">',
         f"<b>{html.escape(style.name)}</b>",

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from mechstyle.errors import BadInput
 from mechstyle.styling import vocabulary as english
-from mechstyle.styling.phrases import ADJECTIVES, Item, Length, Place, is_content, is_style, meaning
+from mechstyle.styling.phrases import ADJECTIVES, Item, Length, Place, is_content, is_style, is_thing, meaning
 from mechstyle.styling.words import Word, quoted
 
 NO_PLACE = (
@@ -25,10 +25,12 @@ class Clause:
     Attributes:
         items: What it says, its place included.
         titled: Whether its place stands before a colon.
+        parts: What it says of parts of the thing, such as "gold eyes": they do not have its style, and it does not have theirs.
     """
 
     items: list[Item]
     titled: bool = False
+    parts: list[Item] = field(default_factory=list)
 
     @property
     def named(self) -> bool:
@@ -56,8 +58,12 @@ class Clause:
         return self.plain or any(isinstance(item, Length) or meaning(item) in ADJECTIVES for item in self.items)
 
 
-def clauses_of(items: Sequence[Item]) -> list[Clause]:
+def clauses_of(items: Sequence[Item], *, whole: bool = False) -> list[Clause]:
     """The items by the wish they belong to.
+
+    Args:
+        items: What was read.
+        whole: Whether what is said of parts of the thing counts for all of it.
 
     Raises:
         BadInput: If a place before a colon is not known.
@@ -67,9 +73,26 @@ def clauses_of(items: Sequence[Item]) -> list[Clause]:
         last = groups[-1] if groups else None
         if last is None or piece.titled or (last.whole and (piece.whole if last.placed else piece.whole and piece.placed)):
             groups.append(piece)
+        elif _of_a_part(piece) and not whole and any(map(_speaks, last.items)):
+            last.parts += piece.items
         else:
             last.items += [Word(",", ","), *piece.items]
     return groups
+
+
+def _of_a_part(piece: Clause) -> bool:
+    """Whether a piece is of another thing: "black stone ears", "standing on a trunk", but not "japanese waves", and no place."""
+    if meaning(piece.items[0]) in english.BESIDE and not piece.placed:
+        return True
+    content = [item for item in piece.items if _speaks(item) and meaning(item) not in english.BEYOND]
+    if not any(map(is_thing, content)) or any(isinstance(item, Place) or meaning(item) in english.RECESSES for item in content):
+        return False
+    return is_thing(content[-1]) or not is_style(content[-1])
+
+
+def _speaks(item: Item) -> bool:
+    """Whether an item asks for something or is not understood."""
+    return is_content(item) or not meaning(item)
 
 
 def _pieces(items: Sequence[Item]) -> Iterator[Clause]:
@@ -77,7 +100,7 @@ def _pieces(items: Sequence[Item]) -> Iterator[Clause]:
     for clause in _split(items, {";"}):
         titles = [_title(clause, at) for at, item in enumerate(clause) if meaning(item) == ":"]
         starts = [start for start in titles if start is not None]
-        for piece in _split(clause[: starts[0] if starts else len(clause)], english.SEPARATORS | {":"}):
+        for piece in _split(clause[: starts[0] if starts else len(clause)], english.SEPARATORS | english.BESIDE | {":"}):
             yield from map(Clause, _alternating(piece))
         for start, end in itertools.pairwise([*starts, len(clause)]):
             yield Clause([item for item in clause[start:end] if meaning(item) != ":"], titled=True)
@@ -95,13 +118,13 @@ def _alternating(piece: Sequence[Item]) -> list[list[Item]]:
 
 
 def _split(items: Sequence[Item], marks: Collection[str]) -> Iterator[list[Item]]:
-    """The items between marks, where there are any; words such as "with" go with what follows."""
+    """The items between marks, where there are any; words such as "standing on" go with what follows."""
     part: list[Item] = []
     for item in [*items, Word("", ";")]:
         if meaning(item) in {*marks, ";"}:
             if part:
                 yield part
-            part = []
+            part = [item] if meaning(item) in english.BESIDE else []
         else:
             part.append(item)
 
@@ -118,11 +141,11 @@ def _title(clause: Sequence[Item], colon: int) -> int | None:
     title = clause[start:colon]
     if any(isinstance(item, Place) for item in title):
         return start
-    strange = [item.text for item in title if isinstance(item, Word) and item.means in {"", *english.UNKNOWN_PLACES}]
+    strange = [item.text for item in title if isinstance(item, Word) and is_thing(item)]
     if strange:
         raise BadInput(f"{quoted(strange)} in the prompt is {NO_PLACE}")
     return None
 
 
 def _may_stand_in_a_title(item: Item) -> bool:
-    return (not is_content(item) and meaning(item) != ":") or isinstance(item, Place) or meaning(item) in english.UNKNOWN_PLACES
+    return (not is_content(item) and meaning(item) != ":") or isinstance(item, Place) or is_thing(item)

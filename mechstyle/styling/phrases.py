@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 from mechstyle.records.regions import Region, region
 from mechstyle.styling import vocabulary as english
-from mechstyle.styling.words import Word, style_words
+from mechstyle.styling.vocabulary import COLOURS, UNKNOWN_PLACES, Meaning, apart, styles, weak
+from mechstyle.styling.words import Word
 
 
 class Length(NamedTuple):
@@ -32,7 +33,7 @@ ADJECTIVES = english.SIZES.keys() | english.AMOUNTS.keys() | english.SHADES.keys
 _LARGE = {"wide", "large", "big"}
 _LINKS, _NOUNS = {"of", "in", "the"}, {"depth", "relief"}
 """Words between a length and the second ones that say it is one of depth: "1 mm of depth", but "5 mm in deep blue"."""
-_NO_CONTENT = {"", "or", ":", ";"} | english.FILLERS | english.SEPARATORS | english.DEGREES.keys()
+_NO_CONTENT = {"", "or", ":", ";"} | english.FILLERS | english.SEPARATORS | english.BESIDE | english.DEGREES.keys()
 
 
 def meaning(item: Item | None) -> str:
@@ -40,14 +41,30 @@ def meaning(item: Item | None) -> str:
     return item.means if isinstance(item, Word) else "the"
 
 
+LIKE = 2
+"""Rank of a word that only looks like a style."""
+
+
+def style_of(item: Item) -> Meaning | None:
+    """What an item says that names a style, None if it names none."""
+    means = meaning(item)
+    return weak()[means[1:]] if means.startswith("~") else styles().get(means)
+
+
 def is_style(item: Item) -> bool:
     """Whether an item names a style."""
-    return meaning(item) in style_words()
+    return style_of(item) is not None
+
+
+def is_thing(item: Item) -> bool:
+    """Whether an item names a thing, which may have a colour and a style of its own: an eye, a door, a castle."""
+    means, style = meaning(item), style_of(item)
+    return not means or means in UNKNOWN_PLACES or (means in weak() and means not in COLOURS) or (style is not None and style.rank == LIKE)
 
 
 def items_of(found: Sequence[Word], notes: list[str]) -> list[Item]:
     """The words with those that belong together as one: phrases, lengths, places; notes are added on numbers left out."""
-    return _with_places(_with_lengths(_with_recesses(_with_phrases(found)), notes))
+    return _with_places(_with_lengths(_with_recesses(_with_shades(_with_phrases(found), notes)), notes))
 
 
 def _with_phrases(found: Sequence[Word]) -> list[Word]:
@@ -55,16 +72,30 @@ def _with_phrases(found: Sequence[Word]) -> list[Word]:
 
     The style takes the place of the first word and a filler that of the others; phrases of more words are read first.
     """
-    phrases = {phrase: [part.removesuffix("s") for part in phrase.split("_")] for phrase in style_words() if "_" in phrase}
     read = list(found)
-    for phrase, parts in sorted(phrases.items(), key=lambda item: (-len(item[1]), item[0])):
-        roots = [word.means.removesuffix("s") for word in read]
-        if all(part in roots for part in parts):
-            first, *others = sorted(roots.index(part) for part in parts)
-            if not {":", ";"} & set(roots[first : max(others)]):
-                read[first] = read[first]._replace(means=phrase)
+    for parts in apart():
+        if all(part in (means := [word.means for word in read]) for part in parts):
+            first, *others = sorted(means.index(part) for part in parts)
+            if not {":", ";"} & set(means[first : max(others)]):
+                read[first] = read[first]._replace(means="_".join(parts))
                 for other in others:
                     read[other] = NOTHING
+    return read
+
+
+def _with_shades(found: Sequence[Word], notes: list[str]) -> list[Word]:
+    """The words with every colour as light as the word before it says: "deep blue", which is no deep relief; "emerald green" is emerald."""
+    read: list[Word] = []
+    for word in found:
+        last = next((at for at in range(len(read) - 1, -1, -1) if read[at].means not in english.SHADES), -1)
+        if word.means in english.FAMILIES and read and read[-1].means in english.COLOURS.keys() - english.FAMILIES:
+            notes.append(f"read '{read[-1].means} {word.means}' as {read[-1].means!r}")
+            read.append(NOTHING)
+        elif word.means in english.COLOURS and last < len(read) - 1:
+            text = " ".join(shade.text for shade in read[last + 1 :])
+            read[last + 1 :] = [Word(f"{text} {word.text}", word.means, english.SHADES[read[-1].means])]
+        else:
+            read.append(word)
     return read
 
 

@@ -1,31 +1,65 @@
-"""Reading a prompt without a language model: which style where, how large, how strong, in what colours — and what was not understood."""
+"""Reading a prompt without a language model: which style where, how large, how strong, in what colours — and what was not understood.
+
+The grammar, whatever the language; what the words mean stands in the tables of `vocabulary`:
+
+    prompt  =  clause (";" clause)*                  each a wish for its places, or for all of the part
+    clause  =  [place ":"] piece (separator piece)*  a new clause begins where another place has its own style or colour
+    piece   =  (style | thing | metal | colour | size | amount | length | place | negation | filler)*
+    colour  =  (dark | deep | light | …)* colour [family]           said of the recess or style beside it, else of the body
+    length  =  number unit [deep]                                   of features, or of the relief
+    place   =  [length] name | name [length] | name numbers | length "from the" name
+    separator  =  "," | and | with | wearing | …
+
+1. `words`: each word becomes the English word it stands for; the longest phrase goes first. What is no word is mended by one letter, and
+   shown; what is one is never.
+2. `phrases`: colours with their shades, lengths, places; what is not wanted is taken out.
+3. `clauses`: what is said of each place. A piece that names a thing, "gold eyes", is said of that thing alone, and left out with it.
+4. Here: of the words for a style in a clause the strongest counts: a style before one that describes, that before what looks like one.
+   Where no clause names any, a metal is hammered metal, a thing is the style it looks like, and "green" is leaves; where there is nothing
+   either, what was said of parts of the thing is said of all of it. What then names no style is refused, with three that come near.
+"""
 
 from __future__ import annotations
 
 import difflib
 import itertools
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import msgspec
+from numpy.typing import ArrayLike
 
 from mechstyle.errors import BadInput
 from mechstyle.records.recipe import Recipe, check_prompt
 from mechstyle.records.regions import End, Region, Rim, region
 from mechstyle.styling import vocabulary as english
-from mechstyle.styling.clauses import NO_PLACE, Clause, clauses_of
+from mechstyle.styling.clauses import Clause, clauses_of
 from mechstyle.styling.drawing.colours import rgb, shaded
-from mechstyle.styling.library import library, style_named
-from mechstyle.styling.phrases import NOTHING, Item, Length, Place, is_style, items_of, meaning, without_negated
+from mechstyle.styling.phrases import (
+    LIKE,
+    NOTHING,
+    Item,
+    Length,
+    Place,
+    is_content,
+    is_style,
+    is_thing,
+    items_of,
+    meaning,
+    style_of,
+    without_negated,
+)
 from mechstyle.styling.picture import NAME as OWN
-from mechstyle.styling.words import PICTURE, Word, quoted, style_words, words
+from mechstyle.styling.vocabulary import PICTURE
+from mechstyle.styling.words import Word, quoted, words
 
 Rgb = tuple[float, float, float]
 
 FEATURES, RELIEFS = (0.2, 500.0), (0.0, 20.0)
 """Sizes of features and depths of relief that can be asked for [mm]."""
-_NEAR = 0.6  # how alike a word must be to a style's to be suggested
+_NEAR, _LEAST_LETTERS = 0.75, 5  # how alike a word must be to a style's to be suggested, and how long
+_WELL_KNOWN = ("brick", "honeycomb", "waves", "wood", "stone")
 _AMOUNT_RANGE, _SIZE_RANGE = (0.2, 3.0), (0.4, 3.0)
 _DARK_RECESS, _LIGHT_RECESS = "charcoal", "off_white"  # joints that are asked for dark or light, in no colour
 
@@ -119,17 +153,39 @@ def read(prompt: str, *, picture: bool = False) -> Reading:
         found = _with_picture(found)
     items = items_of(found, notes)
     kept, unwanted = without_negated(items, adjectives_only=False)
-    if not any(is_style(item) for item in kept) and any(is_style(item) for item in unwanted):
+    if not _clauses(kept, notes=[]) and any(is_style(item) for item in unwanted):
         kept, unwanted = without_negated(items, adjectives_only=True)
-    clauses = clauses_of(kept)
-    if not any(is_style(item) for clause in clauses for item in clause.items):
+    clauses = _clauses(kept, notes)
+    if not clauses:
         raise _unknown_prompt(prompt, found, [item for item in unwanted if is_style(item)])
     wishes = _inherited([_wish(clause, notes) for clause in clauses if clause.named or clause.described])
     if picture and all(wish.style != OWN for wish in wishes):
         names = quoted(_spoken(wish.style) for wish in wishes if wish.style)
         way = "give each its place, such as `outside: picture; rim: brick`"
         raise BadInput(f"the prompt {prompt!r} names {names}, but not the picture: {way}")
-    return Reading(wishes, (*notes, *_left_out(kept, unwanted, wishes)))
+    return Reading(wishes, (*notes, *_left_out(clauses, unwanted, wishes)))
+
+
+def _clauses(kept: Sequence[Item], notes: list[str]) -> list[Clause]:
+    """The clauses of a prompt, none if it names no style even by its weaker words; notes are added on metals that were taken for one."""
+    for whole in (False, True):
+        clauses = clauses_of(kept, whole=whole)
+        said = [item for clause in clauses for item in clause.items]
+        ranks = {style.rank for item in said if (style := style_of(item))}
+        first = itertools.takewhile(lambda item: meaning(item) != ",", said)
+        metal = next((item for item in first if meaning(item) in english.METALS), None)
+        if min(ranks, default=LIKE) == LIKE and isinstance(metal, Word) and not any(isinstance(item, Place) for item in said):
+            notes.append(f"read {metal.text!r} as hammered {_spoken(metal.means)}")
+            at = next(at for at, item in enumerate(kept) if item is metal)
+            return clauses_of([*kept[: at + 1], Word("", "metal"), *kept[at + 1 :]], whole=whole)
+        if ranks:
+            return clauses
+        weak = [(item, english.weak()[meaning(item)].rank) for item in said if meaning(item) in english.weak()]
+        if weak:
+            chosen = {id(item) for item, rank in weak if rank == min(rank for _, rank in weak)}
+            named = [item._replace(means=f"~{item.means}") if isinstance(item, Word) and id(item) in chosen else item for item in kept]
+            return clauses_of(named, whole=whole)
+    return []
 
 
 def _with_picture(found: Sequence[Word]) -> list[Word]:
@@ -145,9 +201,13 @@ def _wish(clause: Clause, notes: list[str]) -> tuple[Wish, bool]:
     """What the items of one place ask for, and whether they say of what style; notes are added on what a wish has no room for."""
     whole = clause.named or (clause.titled and not clause.plain)
     items = clause.items if whole else _measuring_its_place(clause.items, plain=clause.plain)
-    style, alike = _style(items, notes)
+    style, alike, own = _style(items, notes)
     colour, second = _colours(items, alike, notes)
-    shade = next((english.SHADES[means] for means in map(meaning, _loose_shades(items))), 1.0)
+    loose = [item for at, item in enumerate(items) if not _of_recesses(items, at)]
+    shades = english.SHADES.keys() - english.AMOUNTS.keys()  # "deep" alone speaks of the relief
+    shade = next((english.SHADES[means] for means in map(meaning, loose) if means in shades), 1.0)
+    if own and colour is second is None:
+        colour, second = (*(_rgb(Word("", word)) for word in own), None)[:2]
     if colour is not None and shade != 1.0:
         colour, shade = _shaded(colour, shade), 1.0
     places = [item for item in items if isinstance(item, Place)]
@@ -182,24 +242,25 @@ def _measuring_its_place(items: Sequence[Item], *, plain: bool) -> list[Item]:
     return [sized if item is place else NOTHING if item is length else item for item in items]
 
 
-def _style(items: Sequence[Item], notes: list[str]) -> tuple[str, set[str]]:
-    """The style of a wish, "" for none, and the words that ask for it."""
-    by_word = style_words()
-    found = [meaning(item) for item in items if is_style(item)]
+def _style(items: Sequence[Item], notes: list[str]) -> tuple[str, set[str], tuple[str, ...]]:
+    """The style of a wish, "" for none, the words that ask for it, and the colours that they mean."""
+    read = [(item, style_of(item)) for item in (*items, NOTHING)]
+    found = [(item, style) for item, style in read if style]
     if not found:
-        return "", set()
-    chosen = next((by_word[word] for word in _heads(items) if not style_named(by_word[word]).yields), by_word[found[0]])
-    others = sorted({by_word[word] for word in found if word not in english.COLOURS} - {chosen})
+        return "", set(), ()
+    strongest = [one for one in found if one[1].rank == min(style.rank for _, style in found)]
+    describing = [  # the style that follows at once: cracked leather is leather, but cable knit stays
+        item for (item, style), (_, following) in itertools.pairwise(read)
+        if style and following and following.rank <= style.rank < LIKE and "_" not in meaning(item)
+    ]  # fmt: skip
+    word, chosen = next((one for one in strongest if not any(one[0] is item for item in describing)), strongest[0])
+    others = sorted({style.style for item, style in found if not style.near and meaning(item) not in english.COLOURS} - {chosen.style})
     if others:
-        way = f"for both, give each its place, such as `outside: {_spoken(chosen)}; rim: {_spoken(others[0])}`"
-        notes.append(f"one style at one place: took {chosen!r}, left out {quoted(others)}; {way}")
-    return chosen, {word for word in found if by_word[word] == chosen}
-
-
-def _heads(items: Sequence[Item]) -> list[str]:
-    """The words for styles, without those that only describe the one that follows at once: cracked leather is leather, cable knit stays."""
-    pairs = itertools.pairwise([*items, NOTHING])
-    return [meaning(item) for item, following in pairs if is_style(item) and not (is_style(following) and "_" not in meaning(item))]
+        way = f"for both, give each its place, such as `outside: {_spoken(chosen.style)}; rim: {_spoken(others[0])}`"
+        notes.append(f"one style at one place: took {chosen.style!r}, left out {quoted(others)}; {way}")
+    if chosen.near and isinstance(word, Word) and word.text.replace(" ", "_") != chosen.style:
+        notes.append(f"read {word.text or word.means.removeprefix('~')!r} as {chosen.words}")
+    return chosen.style, {meaning(item) for item, style in found if style.style == chosen.style}, chosen.colours
 
 
 def _factor(items: Sequence[Item], table: Mapping[str, float], limits: tuple[float, float]) -> float:
@@ -207,7 +268,7 @@ def _factor(items: Sequence[Item], table: Mapping[str, float], limits: tuple[flo
     logarithm = 0.0
     for at, item in enumerate(items):
         means = meaning(item)
-        if means in table and not _shades_next(items, at):
+        if means in table:
             before = meaning(items[at - 1]) if at else ""
             logarithm += math.log(table[means]) * english.DEGREES.get(before, 1.0)
     return min(max(math.exp(logarithm), limits[0]), limits[1])
@@ -227,77 +288,56 @@ def _length(items: Sequence[Item], limits: tuple[float, float], notes: list[str]
 
 
 def _colours(items: Sequence[Item], alike: set[str], notes: list[str]) -> tuple[Rgb | None, Rgb | None]:
-    """Colour of the body and of its recesses: the first one named for each, shaded by the word before it.
+    """Colour of the body and of its recesses: the first one named for each.
 
     Args:
         items: The items of a wish.
         alike: Words that ask for its style, which are no colours unless they are shaded.
         notes: Told of what is left out.
     """
-    body: tuple[str, float] | None = None
-    recesses: tuple[str, float] | None = None
+    body: Word | None = None
+    recesses: Word | None = None
     left_out = []
     for at, item in enumerate(items):
-        means = meaning(item)
-        if at and means in english.FAMILIES and meaning(items[at - 1]) in english.COLOURS.keys() - english.FAMILIES:  # emerald green
-            notes.append(f"read '{meaning(items[at - 1])} {means}' as {meaning(items[at - 1])!r}")
+        means, of_recesses = meaning(item).removeprefix("~"), _of_recesses(items, at)
+        if means in english.SHADES and of_recesses and recesses is None:
+            recesses = Word("", _DARK_RECESS if english.SHADES[means] < 1.0 else _LIGHT_RECESS)
+        if not isinstance(item, Word) or means not in english.COLOURS or (item.means in alike and item.shade == 1.0):
             continue
-        shade = english.SHADES[meaning(items[at - 1])] if at and _shades_next(items, at - 1) else 1.0
-        if means in english.SHADES and _meant_for(items, at, english.RECESSES) and recesses is None:
-            recesses = (_DARK_RECESS if english.SHADES[means] < 1.0 else _LIGHT_RECESS), 1.0
-        if means not in english.COLOURS or (means in alike and shade == 1.0):
-            continue
+        word = item._replace(means=means)
         if alike and _of_another_style(items, at, alike):
             left_out.append(means)
-        elif recesses is None and (_meant_for(items, at, english.RECESSES) or (body is not None and not _alternative(items, at))):
-            recesses = means, shade
-        elif body is None and not _meant_for(items, at, english.RECESSES):
-            body = means, shade
-        elif means not in {one[0] for one in (body, recesses) if one}:
+        elif recesses is None and (of_recesses or (body is not None and _neighbours(items, at)[0] != "or")):
+            recesses = word
+        elif body is None and not of_recesses:
+            body = word
+        elif means not in {one.means for one in (body, recesses) if one}:
             left_out.append(means)
     if left_out:
-        took = quoted(one[0].replace("_", " ") for one in (body, recesses) if one)
+        took = quoted(_spoken(one.means) for one in (body, recesses) if one)
         notes.append(f"one colour for a style and one for its recesses: took {took or 'its own'}, left out {quoted(left_out)}")
-    return tuple(None if one is None else _shaded(_rgb(one[0]), one[1]) for one in (body, recesses))  # type: ignore[return-value]
+    return _rgb(body), _rgb(recesses)
 
 
-def _shades_next(items: Sequence[Item], at: int) -> bool:
-    """Whether the word belongs to the colour after it: "deep blue" is no deep relief."""
-    following = next((meaning(item) for item in items[at + 1 :] if meaning(item) not in english.SHADES), "")
-    return meaning(items[at]) in english.SHADES and following in english.COLOURS
+def _neighbours(items: Sequence[Item], at: int) -> tuple[str, str]:
+    """What the words before and after an item mean, without those that ask for nothing."""
+    silent = {*english.FILLERS, *english.SHADES}
+    around = ((meaning(item) for item in side if meaning(item) not in silent) for side in (reversed(items[:at]), items[at + 1 :]))
+    before, after = (next(side, "") for side in around)
+    return before, after
 
 
-def _loose_shades(items: Sequence[Item]) -> list[Item]:
-    """The shades that belong to no colour and no recess; "deep" alone speaks of the relief."""
-    return [
-        item for at, item in enumerate(items)
-        if meaning(item) in english.SHADES.keys() - english.AMOUNTS.keys()
-        and not (_shades_next(items, at) or _meant_for(items, at, english.RECESSES))
-    ]  # fmt: skip
-
-
-def _meant_for(items: Sequence[Item], at: int, nouns: Collection[str]) -> bool:
-    """Whether a colour is said of a noun: "gold seams", "seams in gold"."""
-    after = _next_content(items, at)
-    before = next((meaning(item) for item in reversed(items[:at]) if meaning(item) not in {*english.FILLERS, *english.SHADES}), "")
-    return after in nouns or (before in nouns and after not in style_words())
+def _of_recesses(items: Sequence[Item], at: int) -> bool:
+    """Whether a colour is said of the low places of a relief: "gold seams", "seams in gold"."""
+    before, after = _neighbours(items, at)
+    return after in english.RECESSES or (before in english.RECESSES and after not in english.styles())
 
 
 def _of_another_style(items: Sequence[Item], at: int, alike: set[str]) -> bool:
     """Whether a colour is said of a style that is left out: "leather with brass studs"."""
-    others = style_words().keys() - alike - english.COLOURS.keys()
-    before, after = meaning(items[at - 1]) if at else "", _next_content(items, at)
+    others = english.styles().keys() - alike - english.COLOURS.keys()
+    before, after = _neighbours(items, at)
     return (after in others and before not in alike) or (before in others and after not in alike)
-
-
-def _next_content(items: Sequence[Item], at: int) -> str:
-    return next((meaning(item) for item in items[at + 1 :] if meaning(item) not in english.FILLERS), "")
-
-
-def _alternative(items: Sequence[Item], at: int) -> bool:
-    """Whether "or" stands before a word."""
-    before = [meaning(item) for item in items[:at] if meaning(item) not in {*english.FILLERS, *english.SHADES}]
-    return bool(before) and before[-1] == "or"
 
 
 _UNSAID = Wish("")
@@ -319,7 +359,7 @@ def _inherited(wishes: Sequence[tuple[Wish, bool]]) -> tuple[Wish, ...]:
 # --- what was left out --------------------------------------------------------------------------------------------
 
 
-def _left_out(items: Sequence[Item], unwanted: Sequence[Item], wishes: Sequence[Wish]) -> list[str]:
+def _left_out(clauses: Sequence[Clause], unwanted: Sequence[Item], wishes: Sequence[Wish]) -> list[str]:
     """Sentences on what is not drawn: what is not wanted, what a style cannot do and what would, and what is not understood."""
     notes = []
     if parts := [item.text for item in unwanted if isinstance(item, Word) and item.means in english.RECESSES]:
@@ -329,28 +369,28 @@ def _left_out(items: Sequence[Item], unwanted: Sequence[Item], wishes: Sequence[
         notes.append(f"not wanted and left out: {quoted(names)}" + colours * "; name the colour that is, or the style keeps its own")
     ways: dict[str, list[str]] = {}
     strange = []
-    for item in items:
-        if isinstance(item, Word) and item.means in english.BEYOND:
+    drawn = {wish.style for wish in wishes}
+    said = [(item, of_part) for clause in clauses for items, of_part in ((clause.items, False), (clause.parts, True)) for item in items]
+    for item, of_part in said:
+        if not isinstance(item, Word) or not item.text:
+            continue
+        style = style_of(item)
+        unseen = is_thing(item) and not (style and style.style in drawn)
+        if item.means in english.BEYOND:
             ways.setdefault(english.BEYOND[item.means], []).append(item.text)
-        elif isinstance(item, Word) and item.means in english.UNKNOWN_PLACES:
-            ways.setdefault(NO_PLACE, []).append(item.text)
-        elif isinstance(item, Word) and item.number is not None:
+        elif item.number is not None:
             ways.setdefault("a number says nothing without its unit: write `5 mm`", []).append(item.text)
-        elif isinstance(item, Word) and (not item.means or item.means in english.NEEDS_NUMBERS):
+        elif unseen or item.means in english.NEEDS_NUMBERS or (of_part and is_content(item)):
             strange.append(item.text)
     notes += [f"left out {quoted(texts)}: {way}" for way, texts in ways.items()]
-    if strange:
-        only = "a drawn style knows styles, colours, sizes in mm, depths and places; other words need guidance 'clip'"
-        notes.append(f"not understood and left out: {quoted(strange)}; {only}")
-    return notes
+    return notes + [f"left out: {quoted(strange)}"] * bool(strange)
 
 
-def _rgb(word: str) -> Rgb:
-    red, green, blue = rgb(english.COLOURS[word]).tolist()
-    return red, green, blue
+def _rgb(colour: Word | None) -> Rgb | None:
+    return None if colour is None else _shaded(rgb(english.COLOURS[colour.means]), colour.shade)
 
 
-def _shaded(colour: Rgb, shade: float) -> Rgb:
+def _shaded(colour: ArrayLike, shade: float) -> Rgb:
     red, green, blue = shaded(colour, shade).tolist()
     return red, green, blue
 
@@ -364,21 +404,37 @@ def _spoken(style: str) -> str:
 
 
 def _unknown_prompt(prompt: str, found: Sequence[Word], unwanted: Sequence[Item]) -> BadInput:
-    """The error for a prompt without a style, nearest styles first; it never picks one."""
+    """The error for a prompt without a style, with those that come near it; it never picks one."""
     if not prompt.strip():
         return BadInput("the prompt is empty: say in words what the part is to look like, or give a picture with `--image` or image=")
     if any(word.means in english.PICTURES - english.FILLERS for word in found):
         return BadInput(f"the prompt {prompt!r} asks for a picture: give its file, with `--image` or image=")
-    by_word = style_words()
-    texts = [word.text for word in found if word.text and not word.means]
-    near = [close for text in texts for close in difflib.get_close_matches(text, by_word, n=3, cutoff=_NEAR)]
-    nearest = list(dict.fromkeys(by_word[word] for word in near))[:3]
-    known = f"known are {', '.join(library())}"
+    names = [_spoken(style) for style in suggestions(prompt)]
+    colour = next((word for word in found if word.means in english.COLOURS), None)
+    said = f"only a colour and no style: write `{colour.text} {names[0]}` or" if colour else "no style that can be drawn offline: try"
     if unwanted:
-        names = quoted(meaning(item).replace("_", " ") for item in unwanted)
-        return BadInput(f"the prompt {prompt!r} names no style that is wanted, only what is not ({names}): name one; {known}")
-    hint = f"the nearest are {quoted(nearest)}; " if nearest else ""
+        said = f"no style that is wanted, only what is not ({quoted(meaning(item).replace('_', ' ') for item in unwanted)}): try"
     return BadInput(
-        f"the prompt {prompt!r} names no style that can be drawn offline: {hint}{known}; "
+        f"the prompt {prompt!r} names {said} {quoted(names[bool(colour) :])}; `mechstyle styles` lists them all; "
         "any other prompt needs guidance 'clip' (`--guidance clip`) and the weights that `mechstyle weights fetch ViT-B-32` brings once"
     )
+
+
+def suggestions(prompt: str, count: int = 3) -> tuple[str, ...]:
+    """Names of the styles that come nearest to a prompt by what its words mean, nearest first; always as many as asked for.
+
+    Words that mean nothing are compared by their letters; what is missing then are styles that most people know.
+    """
+    found, _ = words(prompt)
+    near: list[list[str]] = []
+    for word in found:
+        one = style_of(word) or english.weak().get(word.means)
+        hints = english.hints(word.text) if one or not word.means else ()
+        near.append([*([one.style] if one else []), *hints])
+    letters = [word.text for word in found if not word.means and len(word.text) >= _LEAST_LETTERS]
+    near += [
+        [english.styles()[close].style for close in difflib.get_close_matches(text, english.styles(), n=1, cutoff=_NEAR)]
+        for text in letters
+    ]
+    ordered = [name for rank in itertools.zip_longest(*near) for name in rank if name]
+    return tuple(dict.fromkeys([*ordered, *_WELL_KNOWN]))[:count]

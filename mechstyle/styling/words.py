@@ -2,35 +2,33 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 import unicodedata
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from typing import NamedTuple
 
-from mechstyle.styling import picture
 from mechstyle.styling import vocabulary as english
-from mechstyle.styling.languages import LANGUAGES, words_of
-from mechstyle.styling.library import library
+from mechstyle.styling.vocabulary import LANGUAGES, meanings, styles, weak, words_of
 
 MARKS = {":": ":", ";": ";", "\n": ";", "&": "and", "+": "and", "/": "and", **dict.fromkeys(",.、。()–—", ",")}
 """Punctuation that means something; the other has no meaning."""
 _EAST = "\u3040-\u30ff\u3400-\u9fff々〆"  # signs that are written without spaces between words
-_TOKEN = re.compile(
-    rf"3d\b|(?<![\w.])[-+]?\d+(?:\.\d+)?|\d+(?:\.\d+)?|[{_EAST}]+|[^\W\d_{_EAST}]+|[{re.escape(''.join(MARKS))}]"
-)
+_TOKEN = re.compile(rf"3d\b|(?<![\w.])[-+]?\d+(?:\.\d+)?|\d+(?:\.\d+)?|[{_EAST}]+|[^\W\d_{_EAST}]+|[{re.escape(''.join(MARKS))}]")
 _KANA = re.compile("[\u3040-\u30ff]")
 _ENDINGS = (
     ("ies", "y"), ("ves", "f"), ("s", ""), ("es", ""), ("ed", ""), ("ed", "e"), ("ing", ""), ("ing", "e"), ("ish", ""), ("ish", "e"),
     ("er", ""), ("er", "e"), ("est", ""), ("est", "e"), ("y", ""), ("en", ""),
 )  # fmt: skip
+_COMPARED = ("er", "est")  # rougher is rough, but a bagger is no bag
 _PLURALS = ("ies", "es", "s", "ed")
 _INFLECTION = {"German": re.compile("(?:en|er|es|em|e|n|s)$")} | dict.fromkeys(LANGUAGES[1:5], re.compile("(?:[aeio]?s?|x)$"))
 _COMPOUNDING = ("", "German")
 _LEAST_STEM = 3
 _LEAST_STYLE = 4
 _LONGEST_PHRASE = 4  # words
-_FIRM = 7  # letters from which on one of them may be another: shorter words are often words of their own
+_FIRM = 6  # letters from which on one of them may be another: shorter words are often words of their own
 
 
 class Word(NamedTuple):
@@ -39,10 +37,12 @@ class Word(NamedTuple):
     Attributes:
         text: As typed, in lower case and without accents.
         means: The English word of the vocabulary, or of a style, that it stands for; a mark or number for itself; "" for none.
+        shade: How light a colour is to be: below 1 darker, above 1 lighter.
     """
 
     text: str
     means: str
+    shade: float = 1.0
 
     @property
     def number(self) -> float | None:
@@ -56,7 +56,7 @@ def words(prompt: str) -> tuple[list[Word], list[str]]:
     eastern = ("Japanese", "Chinese") if _KANA.search(folded) else ("Chinese", "Japanese")
     tokens = [part for token in _TOKEN.findall(folded) for part in (_segmented(token, eastern) if _is_eastern(token) else [token])]
     western = _language(tokens)
-    named = any(_known(token, western) in style_words() for token in tokens)
+    named = any(_known(token, western) in styles() for token in tokens)
     read, notes = [], []
     while tokens:
         token = tokens[0]
@@ -73,29 +73,6 @@ def words(prompt: str) -> tuple[list[Word], list[str]]:
 def quoted(texts: Iterable[str]) -> str:
     """Some words for a sentence, each once."""
     return ", ".join(repr(text) for text in dict.fromkeys(texts))
-
-
-PICTURE = "own picture"
-"""What stands for a picture of the user's where there is one; no word of a prompt has a space."""
-
-
-@cache
-def style_words() -> dict[str, str]:
-    """Name of the style that each style word asks for."""
-    styles = library().values()
-    named = {word: style.name for style in styles for word in style.words} | {style.name: style.name for style in styles}
-    return {**named, PICTURE: picture.NAME}
-
-
-@cache
-def meanings() -> frozenset[str]:
-    """All English words that mean something."""
-    tables: Iterable[Collection[str]] = (
-        english.SIZES, english.AMOUNTS, english.COLOURS, english.SHADES, english.DEGREES, english.FILLERS, english.NEGATIONS,
-        english.SEPARATORS, english.PLAIN, english.EVERYWHERE, english.PLACES, english.UNKNOWN_PLACES, english.RECESSES,
-        english.DEPTHS, english.MILLIMETRES, english.BEYOND, ("or",),
-    )  # fmt: skip
-    return frozenset(style_words()).union(*tables)
 
 
 def _folded(text: str) -> str:
@@ -151,7 +128,7 @@ def _next(tokens: list[str], language: str, *, named: bool) -> tuple[int, list[s
 def _dictionary(language: str) -> Mapping[str, str]:
     """English word by word of a language, folded as prompts are; "" for English itself."""
     if not language:
-        return {word: word for word in meanings()}
+        return {word.replace("_", ""): word for word in meanings()} | {word: word for word in meanings()}
     folded = {}
     for word, means in words_of(language).items():
         folded[_folded(word)] = means
@@ -184,32 +161,38 @@ def _forms(word: str) -> Iterator[str]:
 def _known(word: str, language: str) -> str:
     """English word that one word of a language stands for, whatever its ending; "" if it is none."""
     if not language:
-        return next((form for form in _forms(word) if form in meanings()), "")
+        compared = word.endswith(_COMPARED)
+        return next((form for form in _forms(word) if form in meanings() and not (compared and form != word and form in weak())), "")
     stem = _stem(word, language)
     return _dictionary(language).get(word) or _dictionary(language).get(stem) or _stems(language).get(stem, "")
 
 
 def _language(tokens: list[str]) -> str:
-    """The language, "" for English, of which most of the words are; English if that is as likely."""
+    """The language, "" for English, that knows most of the words, and most of them as they are written; English if that is as likely."""
     western = [token for token in tokens if token.isalpha() and not _is_eastern(token)]
     return max(("", *LANGUAGES[:5]), key=lambda language: _covered(western, language))
 
 
-def _covered(tokens: Sequence[str], language: str) -> int:
-    """How many of some words a language knows, alone or in its phrases."""
-    at = covered = 0
+def _covered(tokens: Sequence[str], language: str) -> tuple[int, int]:
+    """How many of some words a language knows, alone or in its phrases, and how many of them as they are written."""
+    at = covered = written = 0
     while at < len(tokens):
-        count = _phrase(tokens[at:], language)[0] or int(bool(_known(tokens[at], language) or _compound(tokens[at], language)))
-        covered += count
+        count = _phrase(tokens[at:], language)[0]
+        covered += count or bool(_known(tokens[at], language) or _compound(tokens[at], language))
+        written += count
         at += count or 1
-    return covered
+    return covered, written
 
 
 def _phrase(tokens: Sequence[str], language: str) -> tuple[int, str]:
     """How many tokens the longest entry of a dictionary is made of with which they begin, and its meaning; 0 if there is none."""
     dictionary = _dictionary(language)
-    counts = range(min(_LONGEST_PHRASE, len(tokens)), 0, -1)
-    return next(((count, found) for count in counts if (found := dictionary.get("_".join(tokens[:count]), ""))), (0, ""))
+    for count in range(min(_LONGEST_PHRASE, len(tokens)), 0, -1):
+        last = _forms(tokens[count - 1]) if count > 1 and not language else tokens[count - 1 : count]
+        found = next((means for form in last if (means := dictionary.get("_".join([*tokens[: count - 1], form]), ""))), "")
+        if found:
+            return count, found
+    return 0, ""
 
 
 def _unlisted(word: str, language: str, *, named: bool) -> tuple[list[str], str]:
@@ -217,14 +200,18 @@ def _unlisted(word: str, language: str, *, named: bool) -> tuple[list[str], str]
     found = _known(word, language) or _known(word, "")
     if found:
         return [found], ""
-    seen = {*style_words(), *english.COLOURS}  # filling words of another language are often words of this one
+    compared = word.endswith(_COMPARED)
+    common = next((form for form in _forms(word) if form in english.english() and (form == word or not compared)), "")
+    if common and (not language or common in weak()):  # a word of its own is no slip of another
+        return [common if common in weak() else ""], ""
+    seen = {*styles(), *weak(), *english.COLOURS}  # filling words of another language are often words of this one
     foreign = next((means for other in LANGUAGES[:5] if (means := _dictionary(other).get(word, "")) in seen), "")
     if foreign:
         return [foreign], f"read {word!r} as {foreign!r}"
     parts = _compound(word, language)
     if parts:
         return parts, "" if language else f"read {word!r} as {' '.join(parts)!r}"
-    close = _misspelt(word, language, named=named)
+    close = _misspelt(word, language, named=named) or _begun(word)
     return [close], f"read {word!r} as {close!r}" if close else ""
 
 
@@ -240,17 +227,30 @@ def _compound(word: str, language: str) -> list[str]:
     return []
 
 
+def _begun(word: str) -> str:
+    """The style or thing with which a longer word begins, in German or English: Schuppenpanzer, Holzkiste; "" if it is none."""
+    starts = [word[:cut] for cut in range(len(word) - _LEAST_STEM, _LEAST_STYLE - 1, -1)]
+    known = (means for start in starts for language in _COMPOUNDING if (means := _known(start, language)))
+    return next((means for means in known if means in styles() or means in weak()), "")
+
+
 def _misspelt(word: str, language: str, *, named: bool) -> str:
     """The word of a language that this one is a misspelling of; "" if it is none's, or too short to tell.
 
     A style must be named by more letters, and by still more beside one that is spelt out.
     """
-    styles = style_words()
-    least = _LEAST_STYLE + named
-    among = [(other, means) for other, means in _dictionary(language).items() if means not in styles or min(len(word), len(other)) >= least]
-    close = [(means not in styles, other, means) for form in (_forms(word) if not language else [word]) for other, means in among
-             if _slips(form, other) and means not in english.FILLERS]  # fmt: skip
-    return min(close)[2] if close else ""
+    named_by = {**weak(), **styles()}
+    least = _LEAST_STYLE + named + bool(language)  # no list says which words of other languages are words of their own
+    among = [
+        (other, means) for other, means in _dictionary(language).items() if means not in named_by or min(len(word), len(other)) >= least
+    ]
+    forms = [word] if language else list(_forms(word))
+    close = [
+        (means not in named_by, len(other) == len(form), other, means)
+        for form, (other, means) in itertools.product(forms, among)
+        if _slips(form, other) and means not in english.FILLERS
+    ]
+    return min(close)[3] if close else ""
 
 
 def _slips(word: str, meant: str) -> bool:

@@ -214,12 +214,12 @@ def test_a_setting_that_cannot_be_is_refused_in_one_sentence(part, settings, mes
 
 
 def test_an_unknown_prompt_or_material_is_refused(part):
-    with pytest.raises(BadInput, match="the prompt 'chocolate' names no style"):
-        plan(part, "chocolate")
+    with pytest.raises(BadInput, match="the prompt 'nonsense' names no style"):
+        plan(part, "nonsense")
     with pytest.raises(BadInput, match="unknown material 'PLAA': did you mean 'PLA'"):
         plan(part, "brick", "PLAA")
-    with pytest.raises(BadInput, match="'chocolate' names no style"):
-        changed(plan(part, "brick"), {"prompt": "chocolate"})
+    with pytest.raises(BadInput, match="'nonsense' names no style"):
+        changed(plan(part, "brick"), {"prompt": "nonsense"})
     with pytest.raises(BadInput, match="unknown material 'PLAA': did you mean 'PLA'"):
         changed(plan(part, "brick"), {"material": "PLAA"})
 

@@ -18,12 +18,6 @@ def test_the_styles_of_the_study_are_there_and_each_is_found_by_its_name():
     assert [style.name for style in library().values()] == list(names())
 
 
-def test_no_two_styles_answer_to_one_word():
-    words = [word for style in library().values() for word in (style.name, *style.words)]
-    assert len(words) == len(set(words))
-    assert all(word.replace("_", "").isalnum() and word == word.lower() for word in words)
-
-
 def test_an_unknown_style_is_refused_with_the_nearest_first():
     with pytest.raises(BadInput, match="did you mean 'brick'"):
         style_named("bricks")

@@ -32,7 +32,6 @@ def art_deco(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="art_deco",
-    words=("deco", "gatsby", "scallop", "scalloped", "sunburst"),
     description="overlapping fans of golden rays on black",
     feature_mm=0.5 * RADIUS,
     program=art_deco,

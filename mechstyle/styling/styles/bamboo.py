@@ -38,7 +38,6 @@ def bamboo(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="bamboo",
-    words=("cane", "bambu"),
     description="upright green canes side by side, with rings at their joints",
     feature_mm=CANE,
     program=bamboo,

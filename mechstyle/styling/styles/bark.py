@@ -28,7 +28,6 @@ def bark(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="bark",
-    words=("tree", "trunk", "log", "stump"),
     description="long plates of bark between deep, branching furrows",
     feature_mm=PLATE,
     program=bark,

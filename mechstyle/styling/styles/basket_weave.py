@@ -36,7 +36,6 @@ def basket_weave(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="basket_weave",
-    words=("basket", "weave", "woven", "weaving", "wicker", "rattan", "straw", "reed"),
     description="flat strips woven over and under each other like a basket",
     feature_mm=STRIP,
     program=basket_weave,

@@ -33,7 +33,6 @@ def brick(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="brick",
-    words=("brickwork", "masonry", "bricklaying"),
     description="courses of fired brick in running bond with recessed, light mortar",
     feature_mm=HEIGHT,
     program=brick,

@@ -24,7 +24,6 @@ def brushed_metal(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="brushed_metal",
-    words=("brushed", "aluminium", "aluminum", "stainless", "brushed_steel", "stainless_steel", "inox"),
     description="long level scratches on bright metal",
     feature_mm=2.6 * SCRATCH,
     program=brushed_metal,

@@ -24,7 +24,7 @@ def bubbles(canvas: Canvas) -> Relief:
         stamps = canvas.stamps(canvas.scattered(spacing, f"bubbles {size}"), spacing, count=3)
         radius = (SHARE + 0.14 * canvas.random(stamps.identity, "radius")) * spacing
         ball = dome(np.hypot(stamps.x, stamps.y) / radius) * smoothstep(0.2, 0.5, stamps.facing)
-        spark = np.exp(-(np.hypot(stamps.x + 0.25 * radius, stamps.y - 0.35 * radius) / (0.28 * radius)) ** 2)
+        spark = np.exp(-((np.hypot(stamps.x + 0.25 * radius, stamps.y - 0.35 * radius) / (0.28 * radius)) ** 2))
         for k in range(ball.shape[1]):
             higher = -1.0 + (1.05 + 1.05 * size) * ball[:, k]
             front = higher > height
@@ -37,7 +37,6 @@ def bubbles(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="bubbles",
-    words=("bubble", "bubbly", "froth", "frothy", "fizz", "fizzy"),
     description="round bubbles of many sizes crowded together",
     feature_mm=LARGE,
     program=bubbles,

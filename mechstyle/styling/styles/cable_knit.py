@@ -37,7 +37,6 @@ def cable_knit(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="cable_knit",
-    words=("cable", "aran", "plait", "plaited", "braid", "braided", "rope"),
     description="plaits of thick strands crossing over each other, as on an Aran jumper",
     feature_mm=0.5 * WIDTH,
     program=cable_knit,

@@ -35,7 +35,6 @@ def cactus(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="cactus",
-    words=("cacti", "cactuses", "saguaro", "succulent", "spiny", "thorny", "prickly"),
     description="upright green ribs with clusters of pale spines along their ridges",
     feature_mm=RIB,
     program=cactus,

@@ -32,7 +32,6 @@ def carbon_fibre(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="carbon_fibre",
-    words=("carbon", "fibre", "fiber", "carbon_fiber", "carbon_fibre_weave", "carbon_fiber_weave", "cfrp"),
     description="black tows of carbon fibre in a twill with slanting steps",
     feature_mm=2.0 * TOW,
     program=carbon_fibre,

@@ -53,7 +53,6 @@ def _arcs(a: Floats, b: Floats) -> Floats:
 
 STYLE = Style(
     name="celtic_knot",
-    words=("celtic", "celt", "knot", "knotwork", "interlace", "interlaced", "viking"),
     description="golden bands that pass over and under each other and turn back without an end",
     feature_mm=0.3 * CELL,
     program=celtic_knot,

@@ -40,7 +40,6 @@ def circuit(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="circuit",
-    words=("electronic", "electronics", "pcb", "motherboard", "circuitry", "cyber", "tech"),
     description="a printed circuit board with tracks at right angles between gilded pads",
     feature_mm=GRID,
     program=circuit,

@@ -32,7 +32,6 @@ def concrete(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="concrete",
-    words=("cement", "brutalist", "brutalism", "formwork"),
     description="grey concrete with the print of boards, pores and round tie holes",
     feature_mm=BOARD,
     program=concrete,

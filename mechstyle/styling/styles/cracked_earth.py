@@ -31,7 +31,6 @@ def cracked_earth(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="cracked_earth",
-    words=("cracked", "mud", "muddy", "desert", "drought", "parched", "earth", "crackle"),
     description="dried mud in plates with curled rims and deep cracks between",
     feature_mm=PLATE,
     program=cracked_earth,

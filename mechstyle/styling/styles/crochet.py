@@ -19,7 +19,7 @@ def crochet(canvas: Canvas) -> Relief:
     bond = canvas.bond(LENGTH * unit, HEIGHT * unit, shift=0.0, grip=0.3)
     x, y = np.abs(bond.x) * LENGTH - 0.25 * LENGTH, bond.y * HEIGHT
     strand = np.max([leg(x, y - rows * HEIGHT) for rows in (-1.0, 0.0, 1.0)], axis=0)
-    groove = 1.0 - 0.15 * np.exp(-((np.abs(bond.y) - 0.5) * HEIGHT / 1.6) ** 2)
+    groove = 1.0 - 0.15 * np.exp(-(((np.abs(bond.y) - 0.5) * HEIGHT / 1.6) ** 2))
     lift = strand * groove
     fluff = canvas.noise(6.0 * unit, 2, "fluff")
     heather = canvas.noise(45.0 * unit, 2, "heather")
@@ -37,7 +37,6 @@ def leg(x: Floats, y: Floats) -> Floats:
 
 STYLE = Style(
     name="crochet",
-    words=("crocheting", "yarn", "amigurumi", "stitch", "stitched"),
     description="rows of plump V-shaped stitches in thick yarn",
     feature_mm=HEIGHT,
     program=crochet,

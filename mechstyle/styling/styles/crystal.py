@@ -28,7 +28,6 @@ def crystal(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="crystal",
-    words=("crystalline", "gem", "gemstone", "amethyst", "quartz", "geode", "jewel", "shard", "diamond"),
     description="crystals grown side by side, flat facets that meet in sharp ridges",
     feature_mm=SHARD,
     program=crystal,

@@ -31,7 +31,6 @@ def damascus(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="damascus",
-    words=("damascus_steel", "damascene", "wootz", "blade"),
     description="flowing layers and rings of light and dark steel, folded and etched",
     feature_mm=2.0 * LAYER,
     program=damascus,

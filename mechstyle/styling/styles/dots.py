@@ -25,9 +25,7 @@ def dots(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="dots",
-    words=("dot", "dotted", "polka", "polka_dot", "spot", "spotted", "spotty", "braille"),
     description="raised round dots in staggered rows, white on blue",
     feature_mm=PITCH,
     program=dots,
-    yields=True,
 )

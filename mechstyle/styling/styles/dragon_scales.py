@@ -38,7 +38,6 @@ def dragon_scales(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="dragon_scales",
-    words=("dragon", "reptile", "reptilian", "lizard", "snake", "snakeskin"),
     description="large pointed scales with a keel and gilded rims, overlapping like armour",
     feature_mm=LENGTH,
     program=dragon_scales,

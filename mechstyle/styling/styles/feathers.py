@@ -37,7 +37,6 @@ def feathers(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="feathers",
-    words=("feather", "feathered", "feathery", "plumage", "plume", "wing"),
     description="feathers laid over each other in rows, with shafts and slanting barbs",
     feature_mm=HEIGHT,
     program=feathers,

@@ -37,7 +37,6 @@ def fish_scales(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="fish_scales",
-    words=("scale", "scaly", "fish", "mermaid", "koi"),
     description="round, overlapping scales that shine from deep blue to pale green",
     feature_mm=LENGTH,
     program=fish_scales,

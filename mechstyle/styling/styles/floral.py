@@ -58,7 +58,6 @@ def _leaves(canvas: Canvas, unit: float) -> tuple[Floats, Floats]:
 
 STYLE = Style(
     name="floral",
-    words=("flower", "flowery", "flowering", "blossom", "bloom", "daisy", "petal", "bouquet"),
     description="open flowers of many colours on a bed of leaves",
     feature_mm=SPACING,
     program=floral,

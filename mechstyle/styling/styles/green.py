@@ -40,9 +40,7 @@ def green(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="green",
-    words=("leaf", "leafy", "foliage", "ivy", "plant", "verdant", "botanical", "greenery"),
     description="overlapping leaves in many greens, their tips standing off",
     feature_mm=WIDTH,
     program=green,
-    yields=True,
 )

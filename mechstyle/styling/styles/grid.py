@@ -25,9 +25,7 @@ def grid(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="grid",
-    words=("gridded", "lattice", "waffle", "checked", "chequered", "checkered"),
     description="a square lattice of raised bars around pockets, like a waffle",
     feature_mm=PITCH,
     program=grid,
-    yields=True,
 )

@@ -30,7 +30,6 @@ def hammered(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="hammered",
-    words=("hammer", "metal", "metallic", "beaten", "forged", "pewter", "steel", "iron", "tin"),
     description="polished metal beaten into round dents with bright crests between",
     feature_mm=DENT,
     program=hammered,

@@ -38,7 +38,6 @@ def honeycomb(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="honeycomb",
-    words=("honey", "comb", "beehive", "hive", "hexagon", "hexagonal", "beeswax", "bee"),
     description="hexagonal cells of wax, hollow, full of honey or capped",
     feature_mm=CELL,
     program=honeycomb,

@@ -34,7 +34,6 @@ def isogrid(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="isogrid",
-    words=("truss", "orthogrid", "triangulated", "aerospace"),
     description="triangular ribs around milled pockets, as on the panel of a rocket",
     feature_mm=ROW,
     program=isogrid,

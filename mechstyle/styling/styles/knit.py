@@ -36,7 +36,6 @@ def knit(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="knit",
-    words=("knitted", "knitting", "knitwear", "wool", "woolen", "woollen", "woolly", "sweater", "jumper"),
     description="columns of slanting stitches in thick, pale wool",
     feature_mm=LENGTH,
     program=knit,

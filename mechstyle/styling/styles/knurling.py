@@ -25,7 +25,6 @@ def knurling(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="knurling",
-    words=("knurl", "grippy", "diamond_knurl", "diamond_knurling"),
     description="diamond knurling, small pyramids in slanting rows as on the handle of a tool",
     feature_mm=HEIGHT,
     program=knurling,

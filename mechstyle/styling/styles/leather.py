@@ -30,7 +30,6 @@ def leather(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="leather",
-    words=("leathery", "hide", "suede", "saddle", "pebbled"),
     description="pebbled brown leather with soft creases and a worn polish",
     feature_mm=PEBBLE,
     program=leather,

@@ -25,9 +25,7 @@ def low_poly(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="low_poly",
-    words=("lowpoly", "poly", "polygon", "polygonal", "faceted", "facet", "geometric", "origami"),
     description="large flat triangles that meet in straight edges",
     feature_mm=FACET,
     program=low_poly,
-    yields=True,
 )

@@ -50,7 +50,6 @@ def mandala(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="mandala",
-    words=("mandalas", "mandala_wood", "mandala_mahogany", "mandala_mahogany_wood", "rosette"),
     description="round mandalas of coloured petals, inlaid in mahogany",
     feature_mm=15.0,
     program=mandala,

@@ -39,7 +39,6 @@ def marble(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="marble",
-    words=("marbled", "carrara", "veined", "alabaster"),
     description="polished white marble with grey veins that cross and fade",
     feature_mm=24.0,
     program=marble,

@@ -28,7 +28,6 @@ def moss(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="moss",
-    words=("mossy", "lichen", "turf", "grass", "grassy"),
     description="soft green cushions of moss, large and small",
     feature_mm=0.5 * MOUND,
     program=moss,

@@ -30,10 +30,6 @@ def quilting(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="quilting",
-    words=(
-        "quilt", "quilted", "padded", "upholstery", "upholstered", "cushion", "cushioned", "chesterfield", "tufted",
-        "diamond_quilt", "diamond_quilted", "diamond_quilting",
-    ),
     description="puffed diamonds between stitched seams, with a button where seams cross",
     feature_mm=0.5 * HEIGHT,
     program=quilting,

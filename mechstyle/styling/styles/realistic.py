@@ -38,9 +38,7 @@ def realistic(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="realistic",
-    words=("realism", "real", "lifelike", "natural", "photorealistic", "plaster", "worn", "aged", "antique", "old"),
     description="worn, hand-finished plaster: strokes of a trowel, pits, cracks and bare patches, dirt in the hollows, stains running down",
     feature_mm=21.0,
     program=realistic,
-    yields=True,
 )

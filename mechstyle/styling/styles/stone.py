@@ -32,7 +32,6 @@ def stone(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="stone",
-    words=("stonework", "rock", "rocky", "stony", "cobblestone", "cobble", "boulder", "pebble", "fieldstone", "rubble"),
     description="field stones set close, rounded and rough, with dark gaps",
     feature_mm=STONE,
     program=stone,

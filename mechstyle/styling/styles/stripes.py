@@ -28,9 +28,7 @@ def stripes(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="stripes",
-    words=("stripe", "striped", "rib", "ribbed", "ridge", "ridged", "groove", "grooved", "line", "lined"),
     description="level raised bands with hollow grooves between, in red and white",
     feature_mm=PERIOD,
     program=stripes,
-    yields=True,
 )

@@ -47,7 +47,6 @@ def _middles(canvas: Canvas, unit: float) -> Indices:
 
 STYLE = Style(
     name="studs",
-    words=("stud", "studded", "rivet", "riveted", "knob", "bump", "bumpy", "lego"),
     description="domed brass studs in staggered rows on dark leather",
     feature_mm=PITCH,
     program=studs,

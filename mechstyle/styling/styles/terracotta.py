@@ -35,9 +35,7 @@ def terracotta(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="terracotta",
-    words=("clay", "pottery", "earthenware", "ceramic", "ceramics", "thrown"),
     description="thrown, fired clay with finger rings, grooves and waves drawn on bands of pale slip",
     feature_mm=12.0,
     program=terracotta,
-    yields=True,
 )

@@ -28,7 +28,6 @@ def topographic(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="topographic",
-    words=("topography", "topographical", "topo", "contour", "contour_line", "topographic_line", "terrain", "map", "elevation"),
     description="raised contour lines of a hilly land in the colours of a map",
     feature_mm=0.25 * HILL,
     program=topographic,

@@ -28,7 +28,6 @@ def twill(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="twill",
-    words=("denim", "jeans", "gabardine", "cloth", "fabric", "textile"),
     description="cloth with slanting ribs of plump thread, like denim",
     feature_mm=RIB,
     program=twill,

@@ -30,7 +30,6 @@ def voronoi(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="voronoi",
-    words=("cellular", "organic", "net", "mesh", "web", "foam", "coral"),
     description="a pale organic net of smooth ribs around hollow, coloured cells",
     feature_mm=CELL,
     program=voronoi,

@@ -30,7 +30,6 @@ def waves(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="waves",
-    words=("wave", "wavy", "seigaiha", "ocean", "sea", "water", "ripple", "rippled"),
     description="overlapping rounds of waves in blue with crests of foam, as on Japanese cloth",
     feature_mm=RADIUS / ARCS * 1.5,
     program=waves,

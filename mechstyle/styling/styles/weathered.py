@@ -35,9 +35,7 @@ def weathered(canvas: Canvas) -> Relief:
 
 STYLE = Style(
     name="weathered",
-    words=("peeling", "flaking", "corroded", "derelict", "patina", "shabby"),
     description="old paint that flakes off rusty metal, with stains running down",
     feature_mm=FLAKE,
     program=weathered,
-    yields=True,
 )

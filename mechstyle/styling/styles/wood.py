@@ -43,7 +43,6 @@ def grain(canvas: Canvas, unit: float) -> tuple[Floats, Floats, Floats]:
 
 STYLE = Style(
     name="wood",
-    words=("wooden", "woodgrain", "wood_grain", "grain", "timber", "oak", "walnut", "pine", "lumber", "plank"),
     description="plain-sawn wood with the dark arches of its year rings, fine fibres and a few knots",
     feature_mm=1.8 * RING,
     program=wood,

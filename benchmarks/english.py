@@ -1,0 +1,152 @@
+"""Make `mechstyle/styling/english.tsv`: common English words, and what those look like that WordNet knows as animals, plants or things.
+
+Needs WordNet 3.0 and SCOWL; on Debian the packages `wordnet-base` and `scowl`. Prints the table:
+
+    .venv/bin/python benchmarks/english.py /usr/share/wordnet /usr/share/dict/scowl > mechstyle/styling/english.tsv
+"""
+
+from __future__ import annotations
+
+import sys
+from collections import defaultdict
+from pathlib import Path
+
+COMMON, RARER = (10, 20, 35, 40), (50, 55, 60, 70)
+"""Sizes of SCOWL: of words that everybody knows, and of names of animals, plants and things that more people know than use."""
+CLASSES = """
+thing bird 1 feathers fish_scales shingles
+thing cetacean 1 leather waves fish_scales
+thing shark 1 leather grip fish_scales
+thing fish 1 fish_scales waves bubbles
+thing turtle 2 giraffe voronoi honeycomb
+thing reptile 1 dragon_scales fish_scales leather
+thing amphibian 3 leather bubbles dots
+thing pachyderm 1 leather cracked_earth bark
+thing mammal 1 fur fuzzy leather
+hint insect 1 honeycomb panels fuzzy
+hint arachnid 1 fur fuzzy voronoi
+hint mollusk 1 spiral fluted waves
+hint crustacean 1 panels dragon_scales bubbles
+thing flower 1 floral green mandala
+thing tree 1 wood bark green
+hint fungus 1 fluted dots bubbles
+thing fern 1 green feathers moss
+thing grass 1 moss fur basket_weave
+hint edible_fruit 1 dots bubbles fuzzy
+hint vegetable 1 green fluted bubbles
+thing plant 2 green floral moss
+thing gem 2 crystal glass low_poly
+thing precious_stone 1 crystal glass low_poly
+thing mineral 1 crystal stone marble
+thing rock 2 stone concrete marble
+thing metallic_element 1 hammered brushed_metal panels
+thing alloy 1 hammered brushed_metal panels
+thing rug 1 fuzzy knit tartan
+thing fabric 1 twill knit pleats
+thing wood 1 wood bark bamboo
+thing paper 1 paper pleats low_poly
+thing fur 1 fur fuzzy leather
+thing leather 1 leather quilting dragon_scales
+thing body_of_water 1 waves ice bubbles
+thing geological_formation 1 stone topographic cracked_earth
+hint ice 1 ice crystal glass
+hint footwear 1 leather knit grip
+hint clothing 1 twill knit pleats
+hint building 1 brick stone concrete
+hint structure 1 stone concrete panels
+hint furniture 1 wood quilting basket_weave
+hint aircraft 1 panels brushed_metal carbon_fibre
+hint vessel 2 wood panels waves
+hint vehicle 1 panels diamond_plate carbon_fibre
+hint weapon 1 damascus hammered knurling
+hint musical_instrument 1 wood hammered fluted
+hint toy 1 studs dots stripes
+hint jewelry 1 crystal hammered celtic_knot
+hint container 1 basket_weave wood hammered
+hint machine 1 panels knurling circuit
+hint electronic_equipment 1 circuit panels brushed_metal
+hint tool 1 knurling hammered wood
+hint device 1 panels knurling circuit
+hint artifact 1 panels brushed_metal wood
+hint candy 1 stripes bubbles spiral
+hint beverage 1 bubbles waves glass
+hint baked_goods 1 cork fuzzy tiles
+hint food 2 bubbles dots fuzzy
+hint food 1 bubbles dots fuzzy
+hint person 1 knit leather chainmail
+hint body_part 1 leather fuzzy realistic
+hint celestial_body 1 hammered crystal dots
+hint weather 1 waves ice fuzzy
+hint game 1 tiles studs dots
+hint sport 1 grip dots fluted
+hint animal 1 fur dragon_scales leather
+hint substance 1 stone crystal cork
+"""
+"""Kind of row, class as a lemma and the number of its sense, and the styles that come near, nearest first."""
+
+
+def synsets(folder: Path) -> tuple[dict[str, list[str]], dict[str, list[str]]]:
+    """Hypernyms of each noun synset, and synsets of each noun in the order of their use."""
+    above, senses = {}, {}
+    for line in (folder / "data.noun").read_text("utf-8").splitlines():
+        if not line.startswith("  "):
+            fields = line.split(" | ")[0].split()
+            start = 4 + 2 * int(fields[3], 16)
+            pointers = [fields[start + 1 + 4 * k : start + 5 + 4 * k] for k in range(int(fields[start]))]
+            above[fields[0]] = [offset for sign, offset, part, _ in pointers if sign in {"@", "@i"} and part == "n"]
+    for line in (folder / "index.noun").read_text("utf-8").splitlines():
+        if not line.startswith("  "):
+            fields = line.split()
+            senses[fields[0]] = [offset for offset in fields[-int(fields[2]) :] if offset in above]
+    return above, senses
+
+
+def ancestors(offset: str, above: dict[str, list[str]]) -> set[str]:
+    """A synset and all that it is a kind of."""
+    seen, rest = set(), [offset]
+    while rest:
+        seen.add(offset := rest.pop())
+        rest += [other for other in above[offset] if other not in seen]
+    return seen
+
+
+def spelt(folder: Path, sizes: tuple[int, ...]) -> set[str]:
+    """Words of SCOWL of some sizes, in small letters, without those that have marks."""
+    names = [f"{kind}-words.{size}" for kind in ("english", "american", "british") for size in sizes]
+    words = {word for name in names for word in (folder / name).read_text("latin-1").split()}
+    return {word for word in words if word.isascii() and word.isalpha() and word.islower() and len(word) > 2}
+
+
+def base(word: str, words: set[str]) -> bool:
+    """Whether a word is no plural or other inflection of another one of some."""
+    stems = [word.removesuffix(ending) for ending in ("s", "es", "ed", "d", "ing", "ly") if word.endswith(ending)]
+    stems += [f"{word.removesuffix('ies')}y", f"{word.removesuffix('ing')}e", f"{word.removesuffix('ied')}y"]
+    stems += [stem[:-1] for stem in stems if len(stem) > 3 and stem[-1] == stem[-2]]
+    return not any(stem in words and stem != word for stem in stems)
+
+
+def main() -> None:
+    """Print the table."""
+    wordnet, scowl = map(Path, sys.argv[1:])
+    above, senses = synsets(wordnet)
+    lines = map(str.split, CLASSES.strip().splitlines())
+    classes = [(kind, senses[lemma][int(sense) - 1], " ".join(near)) for kind, lemma, sense, *near in lines]
+    common = spelt(scowl, COMMON)
+    rows = defaultdict(list)
+    for word in sorted(common | spelt(scowl, RARER)):
+        found = ("english", "")
+        for order, offset in enumerate(senses.get(word, [])[:2]):
+            line = ancestors(offset, above)
+            first = next(((kind, near) for kind, top, near in classes if top in line), None)
+            if first and (order == 0 or (first[0] == "thing" and word not in common)):
+                found = first
+                break
+        if (word in common or found[0] == "thing") and base(word, common):
+            rows[found].append(word)
+    print("kind\tvalue\tEnglish")
+    for (kind, value), words in sorted(rows.items(), key=lambda row: (row[0][0], row[0][1])):
+        print(kind, value, " ".join(words), sep="\t")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,149 @@
+"""Kinds of prompts rather than prompts: each holds for every word of the table, or for words that no table was made for."""
+
+import itertools
+
+import pytest
+
+from mechstyle.errors import BadInput
+from mechstyle.styling import words
+from mechstyle.styling.library import names
+from mechstyle.styling.prompt import read, suggestions
+from mechstyle.styling.vocabulary import COLOURS, METALS, english, rows, styles, weak
+
+KINDS = {"style", "describes", "like", "thing"}
+STYLES = [(word.replace("+", "_"), row) for row in rows("words") if row.kind in KINDS for word in row.words[0]]
+
+
+def only(prompt):
+    """The only wish of a prompt, and its notes."""
+    reading = read(prompt)
+    (wish,) = reading.wishes
+    return wish, reading.notes
+
+
+def test_the_table_has_fifteen_hundred_ideas_and_english_brings_as_many_more():
+    assert len({word for word, _ in STYLES}) >= 1500
+    assert len(weak().keys() & english().keys()) >= 1500
+
+
+def test_every_word_and_phrase_of_the_table_asks_for_its_style_whatever_its_parts_mean():
+    for word, row in STYLES:
+        wish, notes = only(word.replace("_", " "))
+        assert wish.style == (styles().get(word) or weak()[word]).style, word
+        assert not any(note.startswith("left out") for note in notes), word
+        if row.kind == "style" and row.value in names():
+            assert not notes, word
+
+
+@pytest.mark.parametrize(
+    ("prompt", "style"),
+    [("lego brick", "studs"), ("diamond plate steel", "diamond_plate"), ("tree rings", "wood"), ("a cow print vase", "giraffe"),
+     ("orange peel", "dots"), ("water lily", "floral"), ("corrugated iron", "fluted"), ("sea urchins", "spikes")],
+)  # fmt: skip
+def test_a_phrase_goes_before_its_words(prompt, style):
+    wish, _ = only(prompt)
+    assert wish.style == (style if style in names() else styles()[style].style)
+
+
+MATERIALS = (("brick", "brick"), ("wooden", "wood"), ("knitted", "knit"), ("marble", "marble"))
+THINGS = ("teapot", "submarine", "wombat", "lantern")  # a thing in words.tsv, in english.tsv, in neither
+PARTS = ("gold eyes", "a black door", "pale green buttons", "two dark red wheels", "silver teeth")
+
+
+@pytest.mark.parametrize(("material", "thing", "part"), list(itertools.product(MATERIALS, THINGS, PARTS)))
+def test_a_colour_goes_with_its_noun_and_both_are_left_out_in_one_line(material, thing, part):
+    word, style = material
+    wish, notes = only(f"a {word} {thing} with {part}")
+    assert (wish.style, wish.colour, wish.second, wish.shade) == (style, None, None, 1.0)
+    (note,) = notes
+    assert note.startswith("left out: ")
+    assert all(text in note for text in (*part.removeprefix("a ").removeprefix("two ").split(), thing))
+
+
+@pytest.mark.parametrize("part", ["marble eyes", "black stone ears", "wooden wheels and leather straps", "a golden crown"])
+def test_a_stuff_of_a_part_is_not_that_of_the_whole(part):
+    assert only(f"knitted wombat with {part}")[0].style == "knit"
+    gold, notes = only(f"a gold wombat with {part}")
+    assert (gold.style, gold.colour) == ("hammered", only("gold knit")[0].colour)
+    assert notes[0] == "read 'gold' as hammered gold"
+
+
+@pytest.mark.parametrize(
+    "prompt",
+    ["Ziegelhaus mit einer schwarzen Lampe", "maison en brique avec une lampe noire", "casa de ladrillo con una lámpara negra",
+     "casa de tijolo com uma janelinha preta", "casa di mattoni con una lampada nera"],
+)  # fmt: skip
+def test_a_colour_goes_with_its_noun_in_other_languages(prompt):
+    wish, _ = only(prompt)
+    assert (wish.style, wish.colour) == ("brick", None)
+
+
+@pytest.mark.parametrize("prompt", ["a kettle with wooden knobs", "a submarine standing on bricks", "my gearbox with leather straps"])
+def test_what_is_said_of_a_part_counts_where_nothing_is_said_of_the_whole(prompt):
+    assert only(prompt)[0].style in {"wood", "brick", "leather", "hammered", "brushed_metal"}
+
+
+def test_a_colour_of_the_thing_itself_is_that_of_the_style_and_a_thing_has_its_own_without():
+    assert only("a yellow brick wombat")[0].colour == only("yellow brick")[0].colour
+    ladybird, notes = only("a ladybird")
+    assert (ladybird.style, ladybird.colour) == ("dots", only("red dots")[0].colour)
+    assert notes == ("read 'ladybird' as red dots",)
+    assert only("a blue ladybird")[0].colour == only("blue dots")[0].colour
+
+
+@pytest.mark.parametrize("stuff", ["brick", "crochet", "knurling", "striped", "old weathered", "fiery"])
+@pytest.mark.parametrize("thing", ["cat", "owl", "dragon", "castaway", "gecko"])
+def test_a_thing_yields_to_whatever_is_named_beside_it(stuff, thing):
+    assert only(f"{stuff} {thing}")[0].style == only(stuff)[0].style
+
+
+@pytest.mark.parametrize("metal", sorted(METALS))
+def test_a_metal_alone_is_hammered_and_beside_a_style_a_colour(metal):
+    spoken = metal.replace("_", " ")
+    assert only(spoken)[0].style == only(f"{spoken} otter")[0].style == only(f"an otter made of {spoken}")[0].style == "hammered"
+    beside, notes = only(f"{spoken} honeycomb")
+    assert (beside.style, beside.colour, notes) == ("honeycomb", only(f"{spoken} brick")[0].colour, ())
+
+
+COMMON = [word for row in rows("english") if row.kind != "thing" for word in row.words[0] if len(word) >= 4]
+
+
+@pytest.mark.parametrize("start", range(4))
+def test_no_letter_of_an_english_word_is_mended(start):
+    for word in COMMON[start::60]:
+        _, notes = words.words(word)
+        assert not notes, word
+
+
+@pytest.mark.parametrize("word", ["fire", "face", "river", "three", "grove", "pants", "trick", "brink", "bread", "marvel", "later"])
+def test_what_looks_like_a_slip_and_is_a_word_is_no_style_by_its_letters(word):
+    assert not words.words(f"a {word}")[1]
+    assert only(f"a wooden {word}")[0].style == "wood"
+
+
+@pytest.mark.parametrize("style", ["honeycomb", "knurling", "terracotta", "leather", "crochet", "carbon", "marble"])
+def test_a_slip_that_makes_no_word_is_mended_and_shown(style):
+    for at in range(1, len(style) - 1):
+        slip = style[:at] + style[at + 1 :]
+        if slip not in english():
+            wish, notes = only(f"{slip} owl")
+            assert wish.style == only(style)[0].style, slip
+            assert any(note.startswith(f"read {slip!r} as ") for note in notes), slip
+
+
+@pytest.mark.parametrize("row", [row for row in rows("english") if row.kind == "hint"], ids=lambda row: row.words[0][0])
+def test_what_no_style_is_like_gets_three_suggestions_that_come_near(row):
+    unread = [word for word in row.words[0] if not words.words(word)[0][0].means]
+    for word in unread[:: max(len(unread) // 3, 1)]:
+        near = suggestions(f"my {word}")
+        assert near[0] == (row.value.split()[0] if row.value.split()[0] in names() else near[0]), word
+        assert len(set(near)) == 3
+        assert set(near) <= set(names())
+        with pytest.raises(BadInput) as refusal:
+            read(f"my {word}")
+        assert all(name.replace("_", " ") in str(refusal.value) for name in near)
+
+
+def test_colours_of_things_are_colours():
+    tints = {colour for _, row in STYLES for colour in row.value.partition(" ")[2].split("/") if colour}
+    assert tints <= COLOURS.keys()
