@@ -49,16 +49,16 @@ class Style:
 
     Attributes:
         name: Its name.
-        words: Other words that ask for it, in the singular and lower case; joined by "_" if they do so only together.
         description: What it looks like, in one sentence.
         feature_mm: Size of the feature the eye reads (a course, a stone, a rib) on a part of 100 mm [mm].
         program: Draws it on a canvas.
-        yields: Whether its words only describe, so that any other style beside them is the one meant ("old brick", "green stone").
+        words: Words that ask for it besides those of `vocabulary`, in the singular and lower case; "_" joins the words of a phrase.
+        yields: Whether they only describe, so that any other style beside them is the one meant ("old brick").
     """
 
     name: str
-    words: tuple[str, ...]
     description: str
     feature_mm: float
     program: Callable[[Canvas], Relief]
+    words: tuple[str, ...] = ()
     yields: bool = False

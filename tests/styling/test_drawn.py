@@ -173,13 +173,14 @@ def test_a_target_does_not_fold_and_says_where_it_would_have(stand):
 
 
 @pytest.mark.parametrize("make", [seamed, lambda mesh: twinned(mesh, range(0, 400, 20))], ids=["seams", "twins"])
-def test_every_style_can_be_drawn_and_approached_where_there_is_no_area(holder, make):
+def test_every_style_can_be_drawn_and_approached_where_there_is_no_area(cup, blank, make):
     """A plug-in or a run of an earlier version may bring such a surface."""
-    part = make(holder)
+    part = make(cup)
     assert part.face_areas.min() == 0.0
     thick = np.full(len(part.vertices), 3.0)
+    limits = {"thickness": thick, "inward": 0.25 * thick, "outward": thick}
     for style in names():
-        aim = target(part, Wish(style), Dimensions(), seed=0, thickness=thick, inward=0.25 * thick, outward=thick)
+        aim = target(part, Wish(style), Dimensions(), seed=0, canvas=blank(part), **limits)
         stylizer = ProceduralStylizer(part, aim)
         for _ in range(200):
             proposal = stylizer.step()
