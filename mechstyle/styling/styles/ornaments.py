@@ -11,7 +11,7 @@ from mechstyle.styling.drawing.tilings import dome, folded
 from mechstyle.styling.style import Relief, Style
 
 FLUTE, PLEAT, TWIST, KEY, STAR = 11.0, 12.0, 19.0, 3.6, 44.0
-BAND = 0.11  # half the width of a strap over the side of a cell, times two
+BAND = 0.12  # width of a strap over the side of a cell
 MEANDER = np.array([list(row) for row in (
     "######", "......", "#####.", "#...#.", "#.#.#.", "#.###.", "#.....", "######", "......",
 )]) == "#"  # fmt: skip
@@ -73,16 +73,15 @@ def greek_key(canvas: Canvas) -> Relief:
 
 def girih(canvas: Canvas) -> Relief:
     """Straps that cross over and under each other and leave eight-pointed stars and crosses."""
-    unit = canvas.unit("straps", 0.7 * BAND * STAR, edges=2.0)
+    unit = canvas.unit("straps", BAND * STAR, edges=3.2)
     bond = canvas.bond(STAR * unit, STAR * unit, shift=0.0)
     over, under = strapped(bond)
     x, y = np.abs(bond.x), np.abs(bond.y)
     star = smoothstep(0.150, 0.125, np.minimum(np.maximum(x, y), (x + y) / 2.0**0.5))
-    top, low = (smoothstep(0.5 * BAND + 0.012, 0.5 * BAND - 0.012, away) for away in (over, under))
-    dive = smoothstep(0.5 * BAND + 0.06, 0.5 * BAND + 0.015, over)
-    furrow = smoothstep(0.020, 0.004, np.where(top > 0.5, over, under))
+    top, low = (smoothstep(0.5 * BAND + 0.012, 0.5 * BAND - 0.022, away) for away in (over, under))
+    dive = smoothstep(0.5 * BAND + 0.07, 0.5 * BAND + 0.02, over)
     strap = np.maximum(top, low)
-    lift = np.maximum(1.80 * top, low * (1.60 - 0.75 * dive)) - 0.35 * furrow * strap + 0.90 * star
+    lift = np.maximum(1.80 * top, low * (1.65 - 1.20 * dive)) + 0.80 * star
     glaze = canvas.noise(18.0 * unit, 3, "glaze")
     blue = ramp(["0f3f55", "14667c", "2d93a0"], np.clip(0.5 + 0.6 * glaze, 0.0, 1.0))
     white = canvas.painted(ramp(["b7a888", "e8dcc2", "fbf5e6"], np.clip(0.25 + 0.35 * lift + 0.15 * glaze, 0.0, 1.0)))
@@ -115,6 +114,6 @@ STYLES = {
         Style(name="pleats", description="cloth folded into upright knife pleats", feature_mm=1.8 * PLEAT, program=pleats),
         Style(name="spiral", description="round strands winding upwards around the part", feature_mm=TWIST, program=spiral),
         Style(name="greek_key", description="friezes of a black meander on fired clay", feature_mm=2.0 * KEY, program=greek_key),
-        Style(name="girih", description="interlaced straps around eight-pointed stars", feature_mm=0.4 * STAR, program=girih),
+        Style(name="girih", description="interlaced straps around eight-pointed stars", feature_mm=0.3 * STAR, program=girih),
     )
 }

@@ -47,7 +47,7 @@ def tartan(canvas: Canvas) -> Relief:
     twill = 0.5 + 0.5 * np.cos(2.0 * np.pi * 6.0 * (bond.x + bond.y))
     broad, line = zip(*(_sett(np.abs(phase)) for phase in (bond.x, bond.y)), strict=True)
     wool = canvas.noise(6.0 * unit, 2, "wool")
-    height = -0.90 + 0.42 * (broad[0] + broad[1]) + 0.55 * np.maximum(*line) + 0.42 * twill + 0.08 * wool
+    height = -0.95 + 0.55 * (broad[0] + broad[1]) + 0.85 * np.maximum(*line) + 0.24 * twill + 0.08 * wool
     colour = np.tile(rgb("a3202b"), (len(wool), 1))
     colour = canvas.painted(colour * (1.0 + 0.12 * wool)[:, None])
     for band in broad:
@@ -67,7 +67,7 @@ def fuzzy(canvas: Canvas) -> Relief:
     """Fuzzy skin: a surface roughened evenly, to be held and to hide layers."""
     unit = canvas.unit("grains of the skin", FUZZ, edges=1.8)
     grain = np.clip(2.6 * canvas.noise(FUZZ * unit, 1, "grain") + 0.4 * canvas.noise(1.9 * FUZZ * unit, 1, "coarse"), -1.0, 1.2)
-    tone = np.clip(0.5 + 0.35 * grain, 0.0, 1.0)
+    tone = np.clip(0.5 + 0.22 * grain, 0.0, 1.0)
     return Relief(grain, canvas.softened(canvas.painted(ramp(["4c5a63", "71828c", "a3b1b8"], tone))))
 
 
@@ -76,7 +76,7 @@ STYLES = {
     for style in (
         Style(name="cork", description="granules of cork pressed together", feature_mm=2.1 * GRAIN, program=cork),
         Style(name="paper", description="paper crumpled and spread again", feature_mm=CREASE, program=paper),
-        Style(name="tartan", description="bands and lines of wool woven through each other", feature_mm=0.45 * SETT, program=tartan),
+        Style(name="tartan", description="bands and lines of wool woven through each other", feature_mm=0.4 * SETT, program=tartan),
         Style(name="fuzzy", description="a skin roughened evenly and finely", feature_mm=FUZZ, program=fuzzy),
     )
 }
