@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from mechstyle._files import write_whole
 from mechstyle.geometry.files import check_holds_fields, save
+from mechstyle.geometry.glb import DULL, Sheen
 from mechstyle.geometry.print_quality import Quality, quality
 from mechstyle.loop.objects import to_json
 from mechstyle.loop.store import Entry, Store
@@ -18,9 +19,10 @@ from mechstyle.pictures.fields import Known
 from mechstyle.records import Checkpoint, Recipe, Verdict, sentences
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.known_fields import known_fields
-from mechstyle.runs.printing import Delivered, Printing, PrintPlan, write_for_printing
+from mechstyle.runs.printing import Delivered, Printing, PrintPlan, wishes_of, write_for_printing
 from mechstyle.runs.refine import Refined, Refinement
 from mechstyle.simulation.part import Workpiece
+from mechstyle.styling.drawing.finishes import finish_of
 
 AS_USUAL = Printing()
 """A strict file in the colours of a usual changer."""
@@ -113,7 +115,8 @@ def exported(
         delivered = Delivered(None if found is None else found.cut, styled)
         plan = write_for_printing(path, delivered, original, part, recipe, printing, name=name)
     else:
-        save(styled, path, name=name, fields={one.quantity.name: _at_vertices(one, found) for one in known})
+        sheen = sheen_of(recipe) if entry.iteration else DULL
+        save(styled, path, name=name, fields={one.quantity.name: _at_vertices(one, found) for one in known}, sheen=sheen)
     measured = quality(original, styled, recipe.material.density)
     record = Exported(
         file=path.name, lane=lane, iteration=entry.iteration, recipe=entry.recipe, fine=refinement is not None, verdict=verdict,
@@ -122,6 +125,13 @@ def exported(
     )  # fmt: skip
     write_whole(sidecar(path), msgspec.json.format(to_json(record), indent=2))
     return record
+
+
+def sheen_of(recipe: Recipe) -> Sheen:
+    """How the part of a recipe reflects: as a metal, if all of its style is asked for in that metal."""
+    found = {finish_of(wish.colour) for wish in wishes_of(recipe) if wish.style}
+    only = found.pop() if len(found) == 1 else None
+    return DULL if only is None else only[0].sheen
 
 
 def _in_its_own_faces(store: Store, part: Workpiece, entry: Entry, state: Checkpoint, *, was_tested: bool) -> _Leaving:

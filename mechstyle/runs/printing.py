@@ -19,7 +19,7 @@ from mechstyle.geometry.threemf import Body, bodies_bytes, check_slicer, threemf
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.simulation.part import Workpiece, bounds_for
-from mechstyle.styling.prompt import reading_of
+from mechstyle.styling.prompt import Wish, reading_of
 
 FILAMENT_TYPES = ("PLA", "PETG", "ABS", "TPU")
 """Materials that slicers have a filament for by that name; of others the file speaks as of the first."""
@@ -73,11 +73,14 @@ class Printing(msgspec.Struct, frozen=True, kw_only=True):
         return found
 
 
+def wishes_of(recipe: Recipe) -> tuple[Wish, ...]:
+    """What the prompt of a recipe asks for; none where another stylizer or CLIP reads it in its own way."""
+    return () if recipe.stylizer or recipe.guidance == "clip" else reading_of(recipe).wishes
+
+
 def asked_for(recipe: Recipe) -> Palette:
     """The colours that a prompt asks for, if it does so wherever it asks for anything; else none, and styles bring their own."""
-    if recipe.stylizer or recipe.guidance == "clip":  # which read prompts their own way
-        return ()
-    wishes = reading_of(recipe).wishes
+    wishes = wishes_of(recipe)
     if any(wish.colour is None and wish.style for wish in wishes):
         return ()
     colours = (colour for wish in wishes for colour in (wish.colour, wish.second) if colour is not None)

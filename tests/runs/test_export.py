@@ -14,8 +14,9 @@ import pytest
 import trimesh
 
 from mechstyle.errors import BadInput
+from mechstyle.geometry.glb import DULL, Sheen
 from mechstyle.records import Doubt
-from mechstyle.runs.export import COARSE, NOT_DROPPED, Exported, _of_the_fine_surface, _of_the_test, sidecar, unsimulated
+from mechstyle.runs.export import COARSE, NOT_DROPPED, Exported, _of_the_fine_surface, _of_the_test, sheen_of, sidecar, unsimulated
 from mechstyle.runs.printing import Printing, asked_for
 from mechstyle.runs.run import Run
 from support.records import FALL, row, verdict
@@ -86,6 +87,25 @@ def test_the_fields_of_the_run_s_own_faces_are_those_of_the_checkpoint_and_say_t
     assert np.array_equal(found["stress"], state.stress)
     assert np.array_equal(found["demand"], state.demand)
     assert written.fields["stress"].endswith("simulated at iteration 3")
+
+
+@pytest.mark.parametrize(
+    ("prompt", "metallic"),
+    [("gold brick", 1.0), ("dark gold brick", 1.0), ("outside: copper brick; rim: copper studs", 1.0), ("gold brick; rim: plain", 1.0),
+     ("rust brick", 0.0), ("blue brick", 0.0), ("brick", 0.0), ("gold brick; rim: studs", 0.0), ("gold brick; rim: silver studs", 0.0)],
+)  # fmt: skip
+def test_a_part_all_in_one_metal_reflects_like_it(coarse, prompt, metallic):
+    recipe = msgspec.structs.replace(coarse.recipe, prompt=prompt)
+    assert sheen_of(recipe).metallic == metallic
+    assert (sheen_of(recipe) == DULL) == (metallic == 0.0 and "rust" not in prompt)
+    assert sheen_of(msgspec.structs.replace(recipe, stylizer="mine")) == DULL
+
+
+def test_a_glb_says_how_it_reflects(coarse, tmp_path, monkeypatch):
+    monkeypatch.setattr("mechstyle.runs.export.sheen_of", lambda _: Sheen(1.0, 0.25))
+    for iteration, metallic in ((6, 1.0), (0, 0.0)):
+        coarse.export(tmp_path / "part.glb", iteration)
+        assert trimesh.load_mesh(tmp_path / "part.glb", process=False).visual.material.metallicFactor == metallic
 
 
 # --- for a slicer -------------------------------------------------------------------------------------------------
