@@ -64,6 +64,12 @@ def cup() -> SurfaceMesh:
 
 
 @pytest.fixture(scope="session")
+def coarse_cup() -> SurfaceMesh:
+    """The same in 362 vertices, which seams make more than twice as many."""
+    return revolved([(0, 0), (40, 0), (40, 100), (37, 100), (37, 4), (0, 4)], edge=14.0)
+
+
+@pytest.fixture(scope="session")
 def ball() -> SurfaceMesh:
     """A smooth ball, 100 mm wide."""
     return revolved([(50.0 * np.sin(angle), -50.0 * np.cos(angle)) for angle in np.linspace(0.0, np.pi, 30)], edge=6.0)
