@@ -86,8 +86,8 @@ def spikes(canvas: Canvas) -> Relief:
     reach = np.minimum(np.hypot(x, y), np.hypot(0.5 * SPIKE - x, 0.866 * SPIKE - y)) / (0.5 * SPIKE)
     cone = np.clip(1.0 - reach, 0.0, 1.0)
     cloud = canvas.noise(30.0 * unit, 2, "cloud")
-    steel = ramp(["1c1d22", "33363d", "5d626b", "b9bec6"], np.clip(0.05 + 0.95 * cone + 0.10 * cloud, 0.0, 1.0))
-    return Relief(canvas.softened(-0.75 + 2.2 * cone**1.25 + 0.05 * cloud), canvas.softened(canvas.painted(steel)))
+    steel = ramp(["1c1d22", "33363d", "5d626b", "b9bec6"], np.clip(0.05 + 0.95 * cone**1.3 + 0.10 * cloud, 0.0, 1.0))
+    return Relief(canvas.softened(-0.70 + 2.2 * cone**1.6 + 0.05 * cloud), canvas.softened(canvas.painted(steel)))
 
 
 def grip(canvas: Canvas) -> Relief:
@@ -110,7 +110,7 @@ STYLES = {
         Style(name="diamond_plate", description="steel with pointed bars at right angles", feature_mm=0.6 * TREAD, program=diamond_plate),
         Style(name="chainmail", description="rings of steel linked into mail", feature_mm=RING, program=chainmail),
         Style(name="panels", description="hull plates of a spaceship, raised, slatted or bolted", feature_mm=0.5 * HULL, program=panels),
-        Style(name="spikes", description="sharp cones side by side in staggered rows", feature_mm=SPIKE, program=spikes),
+        Style(name="spikes", description="sharp cones side by side in staggered rows", feature_mm=1.4 * SPIKE, program=spikes),
         Style(name="grip", description="rubber lugs in chevrons, as on a tyre", feature_mm=0.5 * LUG, program=grip),
     )
 }
