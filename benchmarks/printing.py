@@ -79,7 +79,7 @@ class Measured(msgspec.Struct):
 def measure(name: str, style: str, folder: Path) -> Measured:
     """Style a part, write it and slice it."""
     run: Run = ms.stylize(ms.load(f"gallery:{name}"), style, **SIZE, name=name, out=folder / name)
-    written = run.exported(folder / f"{name}.3mf")
+    written = run.exported(folder / f"{name}.3mf", printing=ms.Printing(colours=4))
     sound, said = sliceable(folder / f"{name}.3mf")
     gcode = (folder / f"{name}.gcode").read_text()
     plan, quality = written.printing, written.quality
@@ -129,7 +129,7 @@ def row(name: str, found: Measured) -> str:
 def draw(run: Run) -> None:
     """The part of a run in its own colours, in filaments chosen for it, in some of a user's, and in bands."""
     surface = run.surface()
-    own, mine = clustered(surface.colours), palette_of("#2b2b2b, #f4f1e8, #c0392b")
+    own, mine = clustered(surface.colours, 4), palette_of("#2b2b2b, #f4f1e8, #c0392b")
     looks = (
         (surface, "as styled", ""),
         *((paint.shown, title, print_cost(paint)) for paint, title in (

@@ -137,7 +137,7 @@ def export_command(
         str, typer.Option(help='Filaments in the printer, slot 1 first: "#111111, #f4f1e8".', rich_help_panel=PRINTING)
     ] = "",
     colours: Annotated[
-        int | None, typer.Option(help="How many filaments to choose instead, 2 to 16; 4 unless told.", rich_help_panel=PRINTING)
+        int | None, typer.Option(help="How many filaments to choose instead, 1 to 16; the prompt's, or 2.", rich_help_panel=PRINTING)
     ] = None,
     bands: Annotated[
         bool, typer.Option("--bands", help="Filaments one above the other: as good as no changes.", rich_help_panel=PRINTING)
@@ -185,12 +185,12 @@ def report_export(place: Path, written: Exported) -> None:
 
 
 def report_printing(plan: PrintPlan) -> None:
-    """Print which filaments a file names, what the print costs, and what would cost less."""
+    """Print what the print costs, which filaments the file names, and what would cost less."""
+    out.print(f"{plan.cost.words} [dim](estimate, of a changer with one nozzle: docs/printing.md)[/]")
     slots = ", ".join(f"[{colour}]██[/] {slot} {colour}" for slot, colour in enumerate(plan.palette, 1))
     out.print(f"filaments: {slots}")
     if plan.merged:
         out.print(f"[dim]{plan.merged} islands of colour narrower than two lines of plastic went to their neighbours[/]")
-    out.print(f"{plan.cost.words} [dim](estimate, of a changer with one nozzle: docs/printing.md)[/]")
     for offer in plan.offers:
         bands = len(offer.palette) == len(plan.palette)
         how = "--bands" if bands else f'--palette "{",".join(offer.palette)}"'

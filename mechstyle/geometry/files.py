@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from mechstyle._files import write_aside
 from mechstyle.errors import BadInput
 from mechstyle.geometry.claims import MOST_BYTES, MOST_FACES, check_claims
-from mechstyle.geometry.glb import glb_bytes
+from mechstyle.geometry.glb import DULL, Sheen, glb_bytes
 from mechstyle.geometry.repair import repaired
 from mechstyle.geometry.threemf import threemf_bytes
 from mechstyle.geometry.upright import lying, upright
@@ -182,7 +182,7 @@ def _check_size(name: str, vertices: Floats, factor: float) -> None:
     raise BadInput(f"{name} is {shown} mm long; parts must be {SMALLEST:g} to {LARGEST:g} mm: {hint}")
 
 
-def save(mesh: SurfaceMesh, path: str | Path, *, name: str = "", fields: Mapping[str, Field] = NO_FIELDS) -> Path:
+def save(mesh: SurfaceMesh, path: str | Path, *, name: str = "", fields: Mapping[str, Field] = NO_FIELDS, sheen: Sheen = DULL) -> Path:
     """Write a surface in the format its suffix names; colours survive in OBJ, PLY, GLB and 3MF. The file appears whole or not at all.
 
     Args:
@@ -191,6 +191,7 @@ def save(mesh: SurfaceMesh, path: str | Path, *, name: str = "", fields: Mapping
         name: What the part is called in it, where the format has names; by default as it was loaded.
         fields: Values at its vertices by name, such as stress, shape [vertex_count]: properties in PLY, attributes in GLB, where `stress`
             is called `_STRESS`. Their units stay what they are.
+        sheen: How the surface reflects, where the format says so: GLB.
 
     Raises:
         BadInput: If the suffix is not one of FORMATS, cannot hold fields, or the place cannot be written to.
@@ -203,7 +204,7 @@ def save(mesh: SurfaceMesh, path: str | Path, *, name: str = "", fields: Mapping
         check_holds_fields(file)
     called = name or getattr(mesh, "name", "") or "part"
     try:
-        write_aside(file, _content_of(mesh, suffix, called, fields))
+        write_aside(file, _content_of(mesh, suffix, called, fields, sheen))
     except OSError as error:
         raise _no_room(file, error) from error
     return file
@@ -228,10 +229,10 @@ def check_holds_fields(path: str | Path) -> None:
         raise BadInput(f"{Path(path).name}: {suffix.upper()} holds no fields; use {' or '.join(MEASURED)}, or leave the fields out")
 
 
-def _content_of(mesh: SurfaceMesh, suffix: str, name: str, fields: Mapping[str, Field]) -> bytes:
+def _content_of(mesh: SurfaceMesh, suffix: str, name: str, fields: Mapping[str, Field], sheen: Sheen) -> bytes:
     if suffix == "3mf":
         return threemf_bytes(mesh, name)
-    return glb_bytes(mesh, name, fields) if suffix == "glb" else _exported(mesh, suffix, fields)
+    return glb_bytes(mesh, name, fields, sheen) if suffix == "glb" else _exported(mesh, suffix, fields)
 
 
 def _exported(mesh: SurfaceMesh, suffix: str, fields: Mapping[str, Field]) -> bytes:

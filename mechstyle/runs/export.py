@@ -9,14 +9,16 @@ import numpy as np
 
 from mechstyle._files import write_whole
 from mechstyle.geometry.files import check_holds_fields, save
+from mechstyle.geometry.glb import DULL, Sheen
 from mechstyle.geometry.print_quality import Quality, quality
 from mechstyle.loop.objects import to_json
 from mechstyle.loop.store import Entry, Store
 from mechstyle.pictures.fields import Known
-from mechstyle.records import Verdict
+from mechstyle.records import Recipe, Verdict
 from mechstyle.runs.known_fields import known_fields
-from mechstyle.runs.printing import Printing, PrintPlan, write_for_printing
+from mechstyle.runs.printing import Printing, PrintPlan, wishes_of, write_for_printing
 from mechstyle.simulation.part import Workpiece
+from mechstyle.styling.drawing.finishes import finish_of
 
 AS_USUAL = Printing()
 """A strict file in the colours of a usual changer."""
@@ -85,7 +87,8 @@ def exported(
     if path.suffix.lower() == ".3mf":
         plan = write_for_printing(path, styled, part, recipe, printing, name=name)
     else:
-        save(styled, path, name=name, fields={one.quantity.name: one.values.astype(np.float32) for one in known})
+        sheen = sheen_of(recipe) if entry.iteration else DULL
+        save(styled, path, name=name, fields={one.quantity.name: one.values.astype(np.float32) for one in known}, sheen=sheen)
     measured = quality(part.surface, styled, recipe.material.density)
     record = Exported(
         file=path.name, lane=lane, iteration=entry.iteration, recipe=entry.recipe, verdict=verdict,
@@ -94,6 +97,13 @@ def exported(
     )  # fmt: skip
     write_whole(sidecar(path), msgspec.json.format(to_json(record), indent=2))
     return record
+
+
+def sheen_of(recipe: Recipe) -> Sheen:
+    """How the part of a recipe reflects: as a metal, if all of its style is asked for in that metal."""
+    found = {finish_of(wish.colour) for wish in wishes_of(recipe) if wish.style}
+    only = found.pop() if len(found) == 1 else None
+    return DULL if only is None else only[0].sheen
 
 
 def _in_words(known: Known) -> str:

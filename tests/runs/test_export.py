@@ -14,9 +14,10 @@ import pytest
 import trimesh
 
 from mechstyle.errors import BadInput
+from mechstyle.geometry.glb import DULL, Sheen
 from mechstyle.records import Doubt
-from mechstyle.runs.export import Exported, _of_the_test, sidecar, unsimulated
-from mechstyle.runs.printing import Printing
+from mechstyle.runs.export import Exported, _of_the_test, sheen_of, sidecar, unsimulated
+from mechstyle.runs.printing import Printing, asked_for
 from support.records import FALL, row, verdict
 
 
@@ -65,16 +66,84 @@ def test_the_fields_of_an_iteration_that_was_not_simulated_say_their_age(run, tm
     assert written.fields["stress"].endswith("simulated at iteration 3")
 
 
+@pytest.mark.parametrize(
+    ("prompt", "metallic"),
+    [("gold brick", 1.0), ("dark gold brick", 1.0), ("outside: copper brick; rim: copper studs", 1.0), ("gold brick; rim: plain", 1.0),
+     ("rust brick", 0.0), ("blue brick", 0.0), ("brick", 0.0), ("gold brick; rim: studs", 0.0), ("gold brick; rim: silver studs", 0.0)],
+)  # fmt: skip
+def test_a_part_all_in_one_metal_reflects_like_it(run, prompt, metallic):
+    recipe = msgspec.structs.replace(run.recipe, prompt=prompt)
+    assert sheen_of(recipe).metallic == metallic
+    assert (sheen_of(recipe) == DULL) == (metallic == 0.0 and "rust" not in prompt)
+    assert sheen_of(msgspec.structs.replace(recipe, stylizer="mine")) == DULL
+
+
+def test_a_glb_says_how_it_reflects(run, tmp_path, monkeypatch):
+    monkeypatch.setattr("mechstyle.runs.export.sheen_of", lambda _: Sheen(1.0, 0.25))
+    for iteration, metallic in ((6, 1.0), (0, 0.0)):
+        run.export(tmp_path / "part.glb", iteration)
+        assert trimesh.load_mesh(tmp_path / "part.glb", process=False).visual.material.metallicFactor == metallic
+
+
 # --- for a slicer -------------------------------------------------------------------------------------------------
 
 
-def test_a_3mf_is_painted_in_four_filaments_and_says_what_it_costs(run, tmp_path):
+def test_a_3mf_is_painted_in_two_filaments_and_says_first_what_it_costs(run, tmp_path):
     plan = run.exported(tmp_path / "part.3mf").printing
-    assert (plan.slicer, len(plan.palette)) == ("standard", 4)
+    assert (plan.slicer, len(plan.palette)) == ("standard", 2)
+    assert plan.cost.changes <= plan.cost.layers + 2
+    assert plan.words.startswith(f"{plan.cost.changes} changes of filament in {plan.cost.layers} layers, ")
+    assert [offer.changes for offer in plan.offers if len(offer.palette) == 1] == [0]
     assert plan.cost.layers == pytest.approx(20.0 / 0.2, abs=10)  # a box 20 mm high
     assert plan.cost.changes > plan.offers[-1].changes
     assert b"mmu_segmentation" in zipfile.ZipFile(tmp_path / "part.3mf").read("3D/3dmodel.model")
     assert msgspec.json.decode(sidecar(tmp_path / "part.3mf").read_bytes(), type=Exported).printing == plan
+
+
+@pytest.mark.parametrize(
+    ("prompt", "palette"),
+    [
+        ("blue grid", ("#2F5FA8",)),
+        ("outside: blue brick; rim: blue studs", ("#2F5FA8",)),
+        ("gold and black honeycomb", ("#C99A2E", "#262629")),
+        ("outside: blue brick; rim: gold studs", ("#2F5FA8", "#C99A2E")),
+        ("outside: blue brick; rim: studs", ()),
+        ("brick", ()),
+    ],
+)
+def test_a_colour_asked_for_is_a_filament(run, prompt, palette):
+    recipe = msgspec.structs.replace(run.recipe, prompt=prompt)
+    assert asked_for(recipe) == palette
+    assert asked_for(msgspec.structs.replace(recipe, stylizer="mine")) == ()
+    mesh = run.surface()
+    usual = Printing().filaments(mesh)
+    assert Printing(slicer="bambu").filaments(mesh, palette) == (palette or usual)
+    assert len(Printing(colours=5).filaments(mesh, palette)) == 5
+    assert len(Printing(bodies=True).filaments(mesh, palette)) == 2
+    assert len(Printing(bands=True).filaments(mesh, palette)) == 2
+
+
+def test_more_colours_than_two_changes_a_layer_are_reduced_unless_they_are_counted(run):
+    mesh = run.surface()
+    asked = ("#2F5FA8", "#C99A2E", "#262629", "#EBEAE6")
+    assert Printing().filaments(mesh, asked[:3]) == asked[:3]
+    assert len(Printing().filaments(mesh, asked)) == 3
+    assert len(Printing(colours=4).filaments(mesh, asked)) == 4
+
+
+@pytest.mark.parametrize("slicer", ["standard", "bambu"])
+def test_a_part_of_one_filament_is_not_painted_and_costs_no_change(run, tmp_path, slicer):
+    plan = run.exported(tmp_path / "part.3mf", printing=Printing(palette="#2F5FA8", slicer=slicer)).printing
+    assert (plan.cost.changes, plan.offers) == (0, ())
+    assert plan.words.startswith("no change of filament")
+    model = zipfile.ZipFile(tmp_path / "part.3mf").read("3D/3dmodel.model")
+    assert b"#2F5FA8" in model
+    assert not any(word in model for word in (b"mmu_segmentation", b"MmPainting", b"paint_color"))
+
+
+def test_the_unstylized_part_is_in_no_colour_of_the_prompt(run):
+    plain = run.part.surface.coloured(np.full((len(run.part.surface.vertices), 3), 0.75))
+    assert Printing().filaments(plain, ("#2F5FA8",)) == ("#BFBFBF",)
 
 
 def test_the_filaments_of_the_user_are_in_the_file_in_their_order(run, tmp_path):
@@ -109,8 +178,9 @@ def test_two_bodies_fill_the_part_of_the_file(run, tmp_path):
         ("part.stl", Printing(slicer="prusa"), "3MF only"),
         ("part.3mf", Printing(palette="#111111,#222222", colours=3), "contradict"),
         ("part.3mf", Printing(bands=True, bodies=True), "contradict"),
-        ("part.3mf", Printing(colours=1), "2 to 16"),
-        ("part.3mf", Printing(palette="#111111"), "2 to 16"),
+        ("part.3mf", Printing(colours=17), "1 to 16"),
+        ("part.3mf", Printing(palette="#111111", bodies=True), "name those of both"),
+        ("part.3mf", Printing(colours=1, bodies=True), "name those of both"),
     ],
 )
 def test_what_cannot_be_printed_is_refused_before_anything_is_drawn(run, tmp_path, name, printing, said):
