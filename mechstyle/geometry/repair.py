@@ -13,8 +13,10 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from mechstyle.errors import BadInput, SimulationFailed
+from mechstyle.geometry.inside_outside import escaping
+from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.geometry.remesh import manifold_of, surface_of
-from mechstyle.geometry.self_intersections import encloses, overlaps
+from mechstyle.geometry.self_intersections import overlaps
 from mechstyle.geometry.tetwild import Settings, tetwild
 from mechstyle.records.mesh import Floats, Indices, SurfaceMesh, TetMesh
 
@@ -28,6 +30,8 @@ FLATTEST = 0.01
 """Thickness below which something is a sheet and no body [mm]."""
 INSIDE = 0.99
 """A shell that faces inwards is a cavity if this share of it lies within a body; else it is a body inside out."""
+NEARLY, SEEN = 0.96, 0.02
+"""Where a face is looked at, from its middle to its corners, and the share of rays that get out from what is seen from outside."""
 REMESH_TIMEOUT = 120.0
 """Seconds for fTetWild."""
 
@@ -120,7 +124,7 @@ def _is_flat(surface: SurfaceMesh) -> bool:
 def _closed(surface: SurfaceMesh, name: str, notes: list[str]) -> Any:
     """The surface as a valid Manifold of positive volume, mended no more than it takes."""
     body = _accepted(surface)
-    for mend in (_joined, _wound, _emptied, _plugged):
+    for mend in (_joined, _wound, _emptied, _wound, _plugged):
         if body is None:
             surface = mend(surface, name, notes)
             body = _accepted(surface)
@@ -188,20 +192,62 @@ def _wound(surface: SurfaceMesh, _name: str, notes: list[str]) -> SurfaceMesh:
 
 
 def _emptied(surface: SurfaceMesh, _name: str, notes: list[str]) -> SurfaceMesh:
-    """Loose sheets dropped that lie within what is closed: they enclose nothing, and their rims are no openings of what is around them."""
-    piece = _linked(surface.edges, len(surface.vertices))
-    sheet = np.isin(piece, piece[_rim(surface)])
-    whole = ~sheet[surface.faces[:, 0]]
-    if not sheet.any() or not whole.any():
+    """Sheets without thickness dropped that lie within what is closed without them: loose ones, and walls that were left inside.
+
+    They end where an edge has not two faces, and from neither side of them a ray gets out. One after the other is tried, the smallest
+    first, so that of the wall across a cavity not the cavity is taken; then all at once, as of walls that cross.
+    """
+    patch, sizes = _patches(surface)
+    hidden = [number for number in np.argsort(sizes) if number in _inner(surface, patch)]
+    dropped: set[int] = set()
+    for tried in ({number} for number in hidden):
+        if _closes(surface, patch, dropped | tried, tried):
+            dropped |= tried
+    if not dropped and hidden and _closes(surface, patch, set(hidden), set(hidden)):
+        dropped = set(hidden)
+    if not dropped:
         return surface
-    around = _of(surface.vertices, surface.faces[whole])
-    outside = piece[sheet][~encloses(around, surface.vertices[sheet])]
-    within = sheet & ~np.isin(piece, outside)
-    if not within.any():
-        return surface
-    number = len(np.unique(piece[within]))
-    notes.append(f"dropped {counted(number, 'sheet', 'sheets')} without thickness inside it")
-    return _of(surface.vertices, surface.faces[~within[surface.faces[:, 0]]])
+    notes.append(f"dropped {counted(len(dropped), 'sheet', 'sheets')} without thickness inside it")
+    return _of(surface.vertices, surface.faces[~np.isin(patch, list(dropped))])
+
+
+def _patches(surface: SurfaceMesh) -> tuple[NDArray[np.int32], Floats]:
+    """The piece of surface of each face that edges of two faces connect, shape [face_count], and the area of each piece [mm²]."""
+    edge, count = _edges_of(surface)
+    order = np.argsort(edge, kind="stable")
+    pairs = order[np.flatnonzero(count[edge[order]] == 2)].reshape(-1, 2) // 3
+    patch = _linked(pairs, len(surface.faces)).astype(np.int32)
+    return patch, np.bincount(patch, surface.face_areas).astype(np.float64)
+
+
+def _edges_of(surface: SurfaceMesh) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """The number of the edge of each of three sides of each face, shape [3 * face_count], and how many faces each edge has."""
+    sides = np.sort(surface.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    _, edge, count = np.unique(sides, axis=0, return_inverse=True, return_counts=True)
+    return edge.reshape(-1), count
+
+
+def _inner(surface: SurfaceMesh, patch: NDArray[np.int32]) -> set[int]:
+    """The pieces that end at edges of not two faces, and of which nothing is seen from outside."""
+    edge, count = _edges_of(surface)
+    ending = np.unique(patch[np.flatnonzero(count[edge] != 2) // 3])
+    faces = np.flatnonzero(np.isin(patch, ending) & (surface.face_areas > 0.0))
+    corners, middles = surface.corners[faces], surface.corners[faces].mean(axis=1, keepdims=True)
+    points = np.concatenate([middles, middles + NEARLY * (corners - middles)], axis=1).reshape(-1, 3)
+    normals = np.repeat(surface.face_normals[faces], 4, axis=0)
+    tree = TriangleTree(surface.vertices, surface.faces)
+    seen = np.maximum(*(escaping(tree, points, way * normals, surface.size) for way in (1.0, -1.0)))
+    most = np.zeros(int(patch.max()) + 1)
+    np.maximum.at(most, np.repeat(patch[faces], 4), seen)
+    return {int(number) for number in ending if most[number] < SEEN}
+
+
+def _closes(surface: SurfaceMesh, patch: NDArray[np.int32], dropped: set[int], now: set[int]) -> bool:
+    """Whether without some pieces every edge of those that are dropped now has two faces or none."""
+    edge, count = _edges_of(surface)
+    of_dropped = np.bincount(edge[np.repeat(np.isin(patch, list(dropped)), 3)], minlength=len(count))
+    left = (count - of_dropped)[edge[np.repeat(np.isin(patch, list(now)), 3)]]
+    return bool(np.isin(left, (0, 2)).all()) and len(dropped) <= int(patch.max())
 
 
 class _Openings(NamedTuple):

@@ -293,6 +293,46 @@ def test_a_sheet_that_is_not_within_the_body_is_refused(at):
     assert "is open and cannot be closed" in refusal(together(box(), sheet(8.0, at)))
 
 
+def wall(low, high):
+    """An upright square of no thickness, from one corner of the floor to another."""
+    (x, y), (u, v) = low, high
+    return np.array([(x, y, -15.0), (u, v, -15.0), (u, v, 15.0), (x, y, 15.0)]), np.array([(0, 1, 2), (0, 2, 3)])
+
+
+def cut_box(*, hollow=False):
+    """A box of 10 x 20 x 30 mm of which every side has vertices and edges where y is 0, and so may have a cavity."""
+    halves = [box((10.0, 10.0, 30.0), at=(0.0, y, 0.0)) for y in (-5.0, 5.0)]
+    vertices, faces = together(*halves)
+    whole = vertices, faces[~(np.abs(vertices[faces][:, :, 1]) < 1e-9).all(axis=1)]
+    if not hollow:
+        return whole
+    inner = whole[0] * (0.6, 0.6, 0.6), whole[1][:, ::-1]
+    return together(whole, inner)
+
+
+@pytest.mark.parametrize(
+    ("part", "volume", "count"),
+    [
+        (together(box(), wall((0.0, -10.0), (0.0, 10.0))), 6000, 1),
+        (together(cut_box(), wall((-5.0, 0.0), (5.0, 0.0))), 6000, 1),
+        (together(cut_box(), wall((5.0, 0.0), (-5.0, 0.0))), 6000, 1),
+        (together(cut_box(), wall((-5.0, 0.0), (0.0, 0.0)), wall((0.0, 0.0), (5.0, 0.0))), 6000, 1),
+        (together(box(), wall((0.0, -10.0), (0.0, 0.0)), wall((0.0, 0.0), (0.0, 10.0)), wall((-5.0, 0.0), (0.0, 0.0)), wall((0.0, 0.0), (5.0, 0.0))), 6000, 4),
+        (together(cut_box(hollow=True), (wall((-5.0, 0.0), (5.0, 0.0))[0] * 0.6, wall((-5.0, 0.0), (5.0, 0.0))[1])), 6000 * (1 - 0.6**3), 1),
+    ],
+    ids=["not welded", "welded", "the other way round", "in two", "two that cross", "across a cavity"],
+)  # fmt: skip
+def test_walls_without_thickness_inside_are_dropped_and_said(part, volume, count):
+    """As SketchUp leaves them; the part was called open, though its outside is closed."""
+    surface, notes = fixed(part)
+    assert f"dropped {count} sheet{'s' if count > 1 else ''} without thickness inside it" in notes
+    assert surface.volume == pytest.approx(volume)
+
+
+def test_a_fin_without_thickness_outside_is_no_wall_inside():
+    assert "is open and cannot be closed" in refusal(together(cut_box(), wall((5.0, 0.0), (25.0, 0.0))))
+
+
 def test_a_loose_body_in_a_cavity_is_refused():
     rattle = together(box(), box((8.0, 8.0, 8.0), inwards=True), box((5.0, 5.0, 5.0)))
     assert "holds 2 separate bodies" in refusal(rattle)
