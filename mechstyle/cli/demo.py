@@ -81,7 +81,7 @@ def both_ways(model: str, settings: Settings, vertices: int, device: str, folder
         if not as_json:
             err.print(f"[bold]{label}[/]: {escape(model)} as “{escape(settings['prompt'])}”")
         where = folder / label.lower()
-        runs.append(carry_out(model, settings, vertices, None, "", device, where, freestyle=freestyle, as_json=as_json))
+        runs.append(carry_out(model, settings, vertices, {}, device, where, freestyle=freestyle, as_json=as_json))
     return Pair(*runs)
 
 

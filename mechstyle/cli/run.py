@@ -17,10 +17,9 @@ from mechstyle.cli.options import (
     Folder,
     Json,
     Model,
-    Scale,
     Settings,
-    Up,
     Vertices,
+    reads_a_part,
     recipe_options,
 )
 from mechstyle.records.landings import STANDARDS
@@ -36,11 +35,11 @@ FREE = tuple(name for name in OPTIONS if name not in RESTRAINED)
 app = typer.Typer()
 
 
-def read_model(model: str, scale: float | None, up: str, *, quiet: bool) -> tuple[Any, str]:
-    """The mesh and the name of a model given on the command line; repairs are reported on stderr."""
+def read_model(model: str, reading: Settings, *, quiet: bool) -> tuple[Any, str]:
+    """The mesh and the name of a model given on the command line; its size and repairs are reported on stderr."""
     from mechstyle.gallery import load  # noqa: PLC0415 — geometry is loaded when a model is wanted
 
-    mesh = load(model, scale=scale, up=up)
+    mesh = load(model, **reading)
     if not quiet:
         for note in mesh.notes:
             err.print(f"[dim]{escape(mesh.origin.model)}: {escape(note)}[/]")
@@ -51,8 +50,7 @@ def carry_out(
     model: str,
     settings: Settings,
     vertices: int,
-    scale: float | None,
-    up: str,
+    reading: Settings,
     device: str,
     folder: Path | None,
     *,
@@ -69,13 +67,13 @@ def carry_out(
     wanted = draft(**{**settings, "amplitude": None} if deep else settings, freestyle=freestyle)
     device = resolve_device(device)
     if not as_json and not wanted.stylizer and wanted.guidance == "offline":
-        reading = reading_of(wanted)
-        for note in (f"read as {reading.words}", *reading.notes):
+        read = reading_of(wanted)
+        for note in (f"read as {read.words}", *read.notes):
             err.print(f"[dim]prompt: {escape(note)}[/]")
     if not as_json:
         for warning in (*expected(wanted), *idle(settings, wanted)):
             err.print(f"[yellow]warning:[/] {escape(warning)}")
-    mesh, name = read_model(model, scale, up, quiet=as_json)
+    mesh, name = read_model(model, reading, quiet=as_json)
     limited: Sequence[str] = ()
     with telling(wanted.iterations, quiet=as_json) as teller:
         if deep:
@@ -143,37 +141,37 @@ def report(run: Any, *, as_json: bool) -> None:
 
 @app.command("run", epilog=DEFAULTS_MAY_CHANGE)
 @command
+@reads_a_part
 @recipe_options(*OPTIONS, others=True)
 def run_command(
     model: Model,
     settings: Settings,
+    reading: Settings,
     vertices: Vertices = STANDARD_VERTICES,
-    scale: Scale = None,
-    up: Up = "",
     device: Device = "auto",
     folder: Folder = None,
     as_json: Json = False,
 ) -> None:
     """Style a part while a drop test watches its strength."""
-    run = carry_out(model, settings, vertices, scale, up, device, folder, freestyle=False, as_json=as_json)
+    run = carry_out(model, settings, vertices, reading, device, folder, freestyle=False, as_json=as_json)
     report(run, as_json=as_json)
 
 
 @app.command("freestyle", epilog=DEFAULTS_MAY_CHANGE)
 @command
+@reads_a_part
 @recipe_options(*FREE, others=True)
 def freestyle_command(
     model: Model,
     settings: Settings,
+    reading: Settings,
     vertices: Vertices = STANDARD_VERTICES,
-    scale: Scale = None,
-    up: Up = "",
     device: Device = "auto",
     folder: Folder = None,
     as_json: Json = False,
 ) -> None:
     """Style a part without feedback; one drop test at the end."""
-    run = carry_out(model, settings, vertices, scale, up, device, folder, freestyle=True, as_json=as_json)
+    run = carry_out(model, settings, vertices, reading, device, folder, freestyle=True, as_json=as_json)
     report(run, as_json=as_json)
 
 

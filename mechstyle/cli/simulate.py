@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from mechstyle.cli.console import command, err, escape, out, print_json, report_verdict, table, telling
-from mechstyle.cli.options import Device, Json, Model, Scale, Settings, Up, Vertices, recipe_options
+from mechstyle.cli.options import Device, Json, Model, Settings, Vertices, reads_a_part, recipe_options
 from mechstyle.cli.run import read_model
 from mechstyle.records.landings import STANDARDS
 from mechstyle.records.mesh import STANDARD_VERTICES
@@ -27,6 +27,7 @@ Original = Annotated[
 
 @app.command("simulate")
 @command
+@reads_a_part
 @recipe_options(
     "material", "height", "orientations", "poses", "nearly_flat", "standard", "build_direction", "criterion", "loads", "minimum_wall",
     "window",
@@ -34,10 +35,9 @@ Original = Annotated[
 def simulate_command(
     model: Model,
     settings: Settings,
+    reading: Settings,
     original: Original = "",
     vertices: Vertices = STANDARD_VERTICES,
-    scale: Scale = None,
-    up: Up = "",
     device: Device = "auto",
     folder: Annotated[Path | None, typer.Option("--out", help="Folder for pictures and files; the current one by default.")] = None,
     vtu: Annotated[bool, typer.Option("--vtu", help="Write displacement, stress and contact for ParaView.")] = False,
@@ -47,8 +47,8 @@ def simulate_command(
     """Drop a part without styling it, and load it with --load; compare it with the plain part with --original."""
     from mechstyle.simulation.part_test import simulate  # noqa: PLC0415 — physics is loaded when something is run
 
-    mesh, name = read_model(model, scale, up, quiet=as_json)
-    before = read_model(original, None, "", quiet=as_json)[0] if original else None
+    mesh, name = read_model(model, reading, quiet=as_json)
+    before = read_model(original, {}, quiet=as_json)[0] if original else None
     with telling(1, quiet=as_json) as teller:
         dropped = simulate(
             mesh, original=before, **settings, vertices=vertices, device=device, stage=teller.stage, progress=teller.fraction,

@@ -70,12 +70,24 @@ class Origin(msgspec.Struct, frozen=True, kw_only=True):
         vertices: Vertices of the standardised surface asked for.
         scale: Factor on the file's coordinates, None for none.
         up: The axis of the file that points up, "" for its format's own.
+        unit: The unit of the file's coordinates, "" for none that was said.
+        size: Its longest side [mm], None for none that was said.
+        body: Which of its bodies, by name or number, "" for the only one.
     """
 
     model: str = ""
     vertices: int = STANDARD_VERTICES
     scale: float | None = None
     up: str = ""
+    unit: str = ""
+    size: float | None = None
+    body: str = ""
+
+    @property
+    def reading(self) -> dict[str, str | float]:
+        """How its file is to be read, but for what is as by default: arguments of `load`, and options of the command line."""
+        settings = {"scale": self.scale, "unit": self.unit, "size": self.size, "up": self.up, "body": self.body}
+        return {name: value for name, value in settings.items() if value not in (None, "")}
 
     @classmethod
     def of(cls, mesh: SurfaceMesh, vertices: int) -> Origin:

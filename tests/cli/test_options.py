@@ -32,15 +32,16 @@ STUDIED = (
     "--criterion --device --height --iterations --jobs --json --material -m --models --orientations --out --scheduler --seeds --set "
     "--styles --vertices"
 )
+READ = "--body --scale --size --unit --up"
 RESTRAINED = "--base --control --every --normalisation --schedule --threshold"
 NAMES = {
     "": "--version",
-    "run": f"model --out --scale --strengthen --up --vertices {STYLED} {RESTRAINED}",
-    "freestyle": f"model --out --scale --strengthen --up --vertices {STYLED}",
+    "run": f"model --out --strengthen {READ} --vertices {STYLED} {RESTRAINED}",
+    "freestyle": f"model --out --strengthen {READ} --vertices {STYLED}",
     "branch": f"address --lane {STYLED} {RESTRAINED}",
-    "simulate": "model --build-direction "
-    "--criterion --device --json --load --material -m --minimum-wall --orientations --original --out --poses --scale --standard "
-    "--height --nearly-flat --no-nearly-flat --up --vertices --vtu --vtu-each --window",
+    "simulate": f"model --build-direction {READ} "
+    "--criterion --device --json --load --material -m --minimum-wall --orientations --original --out --poses --standard "
+    "--height --nearly-flat --no-nearly-flat --vertices --vtu --vtu-each --window",
     "demo": "--device --height --json --model --out --prompt --vertices -p",
     "ablation": "models --arm --condition --device --height --iterations --jobs --json --load --material -m --orientations --out --poses "
     "--prompt -p --seed --set --vertices",
@@ -50,7 +51,7 @@ NAMES = {
     "show": "address --field --json --out",
     "export": "address --bands --bodies --colours --fields --format -f --json --out --palette --slicer",
     "orient": "address --count --device --json",
-    "protect": "model --json --out --protect --scale --up --vertices",
+    "protect": f"model --json --out --protect {READ} --vertices",
     "rerun": "address --device --json --out",
     "gc": "directory --json --remove",
     "report": "address --impact --json --out",

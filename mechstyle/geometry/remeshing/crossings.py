@@ -14,7 +14,7 @@ from mechstyle._warp import wp
 from mechstyle.geometry.kernels import count_crossings, turns_exceed
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.geometry.remeshing.tolerances import TOL
-from mechstyle.records.mesh import Bools, Floats, Indices, SurfaceMesh
+from mechstyle.records.mesh import Floats, Indices, SurfaceMesh
 
 
 class Crossings(NamedTuple):
@@ -68,12 +68,6 @@ def overlaps(mesh: SurfaceMesh) -> Floats:
     twice = _turns_exceed(tree, lines - depth, 1.5)
     inside_out = ~_turns_exceed(tree, lines + depth, -0.5)
     return _middles(lines[twice | inside_out], TOL.one_place * mesh.size)
-
-
-def encloses(mesh: SurfaceMesh, points: Floats) -> Bools:
-    """Whether points [mm], shape [k, 3], lie within a closed surface, whichever way it faces."""
-    tree = TriangleTree(mesh.vertices, mesh.faces, winding=True)
-    return _turns_exceed(tree, points, 0.5) | ~_turns_exceed(tree, points, -0.5)
 
 
 def _depth(mesh: SurfaceMesh, one: NDArray[np.int64], other: Indices) -> Floats:

@@ -7,8 +7,9 @@ import pytest
 import trimesh
 
 from mechstyle import gallery
+from mechstyle.geometry.one_body import repaired
+from mechstyle.geometry.pieces import Piece, Thing
 from mechstyle.geometry.remeshing.crossings import crossings, overlaps
-from mechstyle.geometry.repair import repaired
 from mechstyle.records.mesh import SurfaceMesh
 
 
@@ -111,7 +112,7 @@ def test_a_pocket_that_is_inside_out_is_no_simple_body_either(sphere):
 
 def test_a_body_that_passes_through_itself_is_taken_with_a_note():
     eight = figure_of_eight(4.0, 0.3)
-    surface, notes = repaired(eight.vertices + np.array([100.0, 50.0, 7.0]), eight.faces, "eight.stl")
+    surface, notes = repaired([Thing("", (Piece("", eight.vertices + np.array([100.0, 50.0, 7.0]), eight.faces),))], "eight.stl")
     assert surface.is_closed
     (note,) = notes
     assert note.startswith("its surface passes through itself in 1 place, around (")
