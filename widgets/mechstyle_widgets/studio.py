@@ -108,8 +108,8 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self.add_class("mechstyle-studio")
         self.frame.observe(self._fit, "size")
         self.frame.observe(self._relight, "dark")
-        self.frame.on_key("view", lambda key, **held: self._viewer.key(key, **held) if self._viewer is not None else None)
-        self.frame.on_key("studio", Keys(self))
+        self.frame.on_key("view", self._heard(lambda key, **held: self._viewer.key(key, **held) if self._viewer is not None else None))
+        self.frame.on_key("studio", self._heard(Keys(self)))
         self.state.observe(self._other_run, "run")
         self.state.observe(self._another_checkpoint, "checkpoint")
         self.part_picker.observe(self._other_part, "mesh")
@@ -123,10 +123,10 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             self._take(run)
             self.state.open(run)
         self._other_part()
-        self.state.observe(self._preview, "settings")
-        self.state.observe(self._emphasise, ("settings", "status", "run"))
-        self.part_picker.observe(self._emphasise, "mesh")
+        self.state.observe(self._emphasise, ("settings", "status", "run", "part"))
         self._emphasise()
+        self.state.observe(self._preview, "settings")
+        self.run_controls.on_back(self.back)
 
     def __repr__(self) -> str:
         """The run and the iteration shown."""
@@ -145,6 +145,12 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     def show_mask(self) -> None:
         """Show what is held back, and what another setting would hold back."""
         self._tabs.selected_index = 0
+
+    def back(self) -> None:
+        """Ask for the run on show again: its part and its settings."""
+        if self.run is not None:
+            self._take(self.run)
+            self._other_part()
 
     def wanted(self) -> Wanted:
         """The run the settings ask for; BadInput if they cannot be used."""
@@ -193,7 +199,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._give(given)
         self.run_controls = RunControls(self.controller)
         self.mask_inspector = MaskInspector(self.controller)
-        self.branches = Branches(self.controller)
+        self.branches, self._result = Branches(self.controller), Result(self.state)
 
     def _give(self, settings: dict[str, Any]) -> None:
         """Set what was given by name; as everywhere, a standard, poses and a criterion bring what belongs to them."""
@@ -213,15 +219,15 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._groups = [Group(title, section, unfolded=title in OPEN) for title, section in sections]
         self._tabs = lean(ipywidgets.Tab, [self.mask_inspector, self.branches], titles=("Mask", "Branches"))
         setup, middle = stacked(self._groups, "mechstyle-setup"), stacked([self._middle, self._timeline], "mechstyle-middle")
-        return stacked([setup, middle, stacked([Result(self.state), self._asked, self._tabs], "mechstyle-inspect")], "mechstyle-body")
+        return stacked([setup, middle, stacked([self._result, self._asked, self._tabs], "mechstyle-inspect")], "mechstyle-body")
 
     def _take(self, run: Run) -> None:
         """Show the settings and the part of a run that was made before."""
         remember(run.recipe, run.store)  # its picture may come from another machine
         self._take_recipe(run.recipe)
         self.drop_options.vertices = len(run.part.surface.vertices)
-        self.part_picker.show(run.part.surface, run.record.name)
         self._opened_mesh, self._opened_place = run.part.surface, run.store.place
+        self.part_picker.show(run.part.surface, run.record.name, run.record.origin.model)
 
     def _take_recipe(self, recipe: Recipe) -> None:
         """Show the settings of a recipe."""
@@ -246,6 +252,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     def _other_part(self, _change: object = None) -> None:
         """A part was picked: show its run if there is one at hand, else the part as it is."""
         mesh = self.part_picker.mesh
+        self.state.part = "" if mesh is None else mesh.digest
         if mesh is not None and not self._show_its_run():
             self._show(self._made(PartViewer, paintable(mesh)))
             self._preview()
@@ -256,7 +263,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         if run is None or mesh is None or self.state.checkpoint is None:
             return False
         opened = mesh is self._opened_mesh and run.store.place == self._opened_place
-        if not opened and not self.controller.began_with(mesh):
+        if (not opened and not self.controller.began_with(mesh)) or self._looks_otherwise():
             return False
         if not isinstance(self._viewer, RunViewer):
             self.previewer.cancel()
@@ -277,10 +284,19 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             self._show(self._made(Viewer, new.part.surface))
 
     def _another_checkpoint(self, change: dict[str, Any]) -> None:
-        """A run is on show from its first checkpoint on, and whenever one of it is looked at while its part is chosen."""
+        """A run is on show from its first checkpoint on, and whenever one of it is looked at."""
         there = self.state.checkpoint is None or isinstance(self._viewer, RunViewer) or self._show_its_run()
-        if not there and change["old"] is None:
+        if not there and (change["old"] is None or not self.state.follow):
             self._show_run()
+
+    def _looks_otherwise(self) -> bool:
+        """Whether a style is asked for that the run on show does not have, while nothing is in hand."""
+        if self.run is None or self.controller.busy:
+            return False
+        try:
+            return not self.controller.differs().keys().isdisjoint(PromptBox.FIELDS)
+        except MechStyleError:  # what is wrong is said where it is set
+            return True
 
     def _show_run(self) -> None:
         self._show(self._made(RunViewer, self.state))
@@ -317,14 +333,16 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
 
     def _emphasise(self, _change: object = None) -> None:
         """Say what is made, and fill the one button that leads on: running, or, once the part is done, taking it away."""
+        state = self.state
         try:
-            done = self.state.status == "finished" and not self.controller.asks_for_another()
+            state.another = self.run is not None and self.controller.asks_for_another()
         except MechStyleError:  # what is wrong is said where it is set
-            done = False
+            state.another = self.run is not None
+        done = state.status == "finished" and not state.another
         self.take_away.main.button_style = "primary" if done else ""
         self.run_controls.emphasise(not done)
-        what = (self.run.record.name, self.run.recipe.prompt) if self.run else (self.part_picker.name, self.prompt_box.prompt)
-        self.run_controls.title = ", ".join(filter(None, what)).replace("_", " ")
+        asked = ", ".join(filter(None, (self.part_picker.name, self.prompt_box.prompt))).replace("_", " ")
+        self.run_controls.title = state.title if self.run is not None and (self.controller.busy or not state.another) else asked
 
     # what the page tells
 
@@ -347,7 +365,12 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     def _preview(self, _change: object = None) -> None:
         """Ask for the style on the part, if that is what is shown."""
         mesh = self.part_picker.mesh
-        if mesh is None or not isinstance(self._viewer, PartViewer):
+        if mesh is not None and isinstance(self._viewer, RunViewer) and self._looks_otherwise():
+            before = self._viewer
+            before.let_go()
+            self._show(self._made(PartViewer, paintable(mesh)))
+            self._viewer.look_from(before)
+        if mesh is None or not isinstance(self._viewer, PartViewer) or self._show_its_run():
             self.previewer.cancel()
             return
         try:
@@ -356,7 +379,8 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             self.previewer.cancel()
             self._viewer.take_off()
             return
-        self.previewer.ask(mesh, self.drop_options.vertices, recipe)
+        if self.previewer.ask(mesh, self.drop_options.vertices, recipe):
+            self._viewer.wait()
 
     def _arrived(self, preview: Preview) -> None:
         """A style was drawn: show it on the part, from where one looks now."""
@@ -391,6 +415,17 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         except BadInput as error:
             viewer.protected = None
             picker.complain(str(error))
+
+    def _heard(self, act: Callable[..., object]) -> Callable[..., None]:
+        """What a key does, whose every error is said."""
+
+        def acted(*given: Any, **more: Any) -> None:
+            try:
+                act(*given, **more)
+            except Exception as error:  # noqa: BLE001 — whatever it is, it is said
+                self.state.alert(error)
+
+        return acted
 
     @traitlets.observe("theme")
     def _relight(self, _change: object) -> None:

@@ -17,6 +17,7 @@ from mechstyle_widgets.jupyter.frame import unseen
 from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section
 from mechstyle_widgets.settings.thumbnail_buttons import PictureChoice
+from mechstyle_widgets.state.troubles import sentence
 
 UNITS = {"as the file says": 0.0, "millimetres": 1.0, "centimetres": 10.0, "inches": 25.4, "metres": 1000.0}
 """Units a file may be in, and the factor that brings it to millimetres; 0 for its own, as None chooses nothing in a menu of ipywidgets."""
@@ -92,11 +93,13 @@ class PartPicker(Section):
             self.model, self.scale, self.name, self.mesh = model, scale, mesh.name, mesh
         self._say(mesh.notes)
 
-    def show(self, mesh: SurfaceMesh, name: str) -> None:
-        """Show a part that has no address."""
+    def show(self, mesh: SurfaceMesh, name: str, origin: str = "") -> None:
+        """Show a part that has no address; `origin` is where it once came from, which is marked if it is of the gallery."""
         with self.hold_trait_notifications():
             self.model, self.scale, self.name, self.mesh = "", None, name, mesh
         self._say(())
+        if origin.startswith(gallery.PREFIX):
+            self._gallery.value = origin.removeprefix(gallery.PREFIX)
 
     def remark(self, found: tuple[str, ...]) -> None:
         """Warn of what was found when the part was measured, under what was said when it was read."""
@@ -136,5 +139,11 @@ class PartPicker(Section):
     def _uploaded(self, change: dict[str, Any]) -> None:
         for file in change["new"]:
             place = UPLOADS / Path(file["name"]).name
-            write_whole(place, bytes(file["content"]))
-            self._wish(str(place), self._unit.value or None)
+            try:
+                write_whole(place, bytes(file["content"]))
+            except OSError as error:
+                self.complain(sentence(error))
+            else:
+                self._wish(str(place), self._unit.value or None)
+        if change["new"]:
+            self._upload.value = ()  # or the button counts what it has read
