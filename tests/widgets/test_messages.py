@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import errno
+import io
 import shutil
+from base64 import b64decode
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from mechstyle.runs.run import Run
 from mechstyle_widgets.state import controller as controller_module
@@ -202,3 +205,17 @@ def test_a_branch_that_would_be_the_same_or_comes_too_late_is_said_beside_its_bu
     assert "Iteration 12 is the end: go to an earlier one" in studio.branches.trouble
     studio.state.iteration = 8
     assert (studio.branches.trouble, studio.state.message) == ("", "")
+
+
+# --- no kernel ----------------------------------------------------------------------------------------------------
+
+
+def test_a_notebook_without_a_kernel_shows_a_picture_under_its_badge(studio):
+    """It showed the children of a box as text."""
+    shown = studio._repr_mimebundle_()
+    picture = Image.open(io.BytesIO(b64decode(shown["image/png"])))
+    assert picture.format == "PNG"
+    assert (np.asarray(picture.convert("L")) < 128).mean() > 0.01, "there is something to see"
+    assert studio._caption == f"part, brick: {studio.run.verdict.short}"
+    studio.prompt_box.prompt = "stone"
+    assert studio._caption == "part, stone: NOT TESTED"

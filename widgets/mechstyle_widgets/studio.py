@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import logging
+from base64 import b64encode
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +14,7 @@ import numpy as np
 import traitlets
 
 from mechstyle.errors import BadInput, MechStyleError
-from mechstyle.records import SETTINGS, Recipe
+from mechstyle.records import SETTINGS, Recipe, sentences
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.images import remember
 from mechstyle.runs.recipes import FREESTYLE, brought, draft
@@ -41,6 +43,7 @@ from mechstyle_widgets.state.opened import run_in
 from mechstyle_widgets.state.preview import Preview, Previewer
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.timeline.timeline import Timeline
+from mechstyle_widgets.viewer.badge import of_state
 from mechstyle_widgets.viewer.part_viewer import PartViewer
 from mechstyle_widgets.viewer.run_viewer import RunViewer
 from mechstyle_widgets.viewer.viewer import Viewer
@@ -131,6 +134,21 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     def __repr__(self) -> str:
         """The run and the iteration shown."""
         return f"Studio({self.state.run!r})" if self.state.run is not None else f"Studio({self.part_picker.name!r})"
+
+    def _repr_mimebundle_(self, **formats: Any) -> Any:
+        """Shown with a picture of the view under its badge, for pages that have no kernel and for those that do not trust the notebook."""
+        bundle = super()._repr_mimebundle_(**formats)
+        with suppress(MechStyleError):  # a picture is not worth an error
+            if self._viewer is not None:
+                bundle["image/png"] = b64encode(self._viewer.picture(self._caption).png).decode()
+        return bundle
+
+    @property
+    def _caption(self) -> str:
+        """What is on show and its badge, in one line."""
+        _, verdict = of_state(self.state)
+        tested = verdict is not None and isinstance(self._viewer, RunViewer)
+        return f"{self.state.title}: {verdict.short}" if verdict and tested else f"{self.run_controls.title}: {sentences.NOT_TESTED}"
 
     @property
     def run(self) -> Run | None:

@@ -15,7 +15,7 @@ from mechstyle.geometry.files import FORMATS
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle_widgets.jupyter.frame import unseen
 from mechstyle_widgets.jupyter.looks import lean, show
-from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section
+from mechstyle_widgets.settings.section import WIDE, Section
 from mechstyle_widgets.settings.thumbnail_buttons import PictureChoice
 from mechstyle_widgets.state.troubles import sentence
 
@@ -51,19 +51,26 @@ class PartPicker(Section):
         Raises:
             BadInput: If the part cannot be used.
         """
-        self._gallery = PictureChoice("model", {one: gallery.describe(one) for one in gallery.names()})
-        look = {"style": NARROW_LABEL, "layout": WIDE}
-        self._path = lean(ipywidgets.Text, description="or a file", placeholder="part.stl", continuous_update=False, **look)
+        groups: dict[str, list[str]] = {}
+        for one in gallery.names():
+            groups.setdefault(gallery.entry(one).module, []).append(one)
+        self._gallery = PictureChoice("model", {one: gallery.describe(one) for one in gallery.names()}, groups)
+        what = "A file where the notebook runs"
+        self._path = unseen(lean(
+            ipywidgets.Text,
+            description="file", placeholder="or a path: part.stl", tooltip=what, continuous_update=False,
+            layout={"flex": "1 1 auto", "width": "0"},
+        ))  # fmt: skip
         self._upload = lean(
             ipywidgets.FileUpload,
             accept=",".join(f".{suffix}" for suffix in FORMATS),
-            description="upload",
+            description="your file",
             tooltip="A file of this computer",
-            layout={"width": "116px"},
+            layout={"width": "104px"},
         )
         narrow = {"width": "138px"}
         self._unit = unseen(lean(ipywidgets.Dropdown, options=UNITS, description="unit", tooltip="Unit of the file", layout=narrow))
-        super().__init__([self._gallery, self._path, lean(ipywidgets.HBox, [self._upload, self._unit])])
+        super().__init__([self._gallery, lean(ipywidgets.HBox, [self._upload, self._path], layout=WIDE), self._unit])
         self._gallery.observe(lambda _: self._wish(gallery.PREFIX + self._gallery.value, None), "pressed")
         self._path.observe(self._typed, "value")
         self._upload.observe(self._uploaded, "value")
