@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import logging
+import math
+import os
 from base64 import b64encode
 from collections.abc import Callable
 from contextlib import suppress
@@ -19,10 +21,11 @@ from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.images import remember
 from mechstyle.runs.recipes import FREESTYLE, brought, draft
 from mechstyle.runs.run import Run
+from mechstyle.simulation.estimate import estimated
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
 from mechstyle_widgets.jupyter.closing import close_family
 from mechstyle_widgets.jupyter.frame import Frame
-from mechstyle_widgets.jupyter.looks import lean, sharing, stacked
+from mechstyle_widgets.jupyter.looks import lean, sharing, show, stacked
 from mechstyle_widgets.panels.branches import Branches
 from mechstyle_widgets.panels.keys import Keys
 from mechstyle_widgets.panels.mask_inspector import DECIDES, MaskInspector
@@ -41,6 +44,7 @@ from mechstyle_widgets.settings.schedule import ScheduleSelector
 from mechstyle_widgets.state.controller import Controller, Wanted
 from mechstyle_widgets.state.opened import run_in
 from mechstyle_widgets.state.preview import Preview, Previewer
+from mechstyle_widgets.state.schedule_forecast import landings_on_the_way, plan_of
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.timeline.timeline import Timeline
 from mechstyle_widgets.viewer.badge import of_state
@@ -51,7 +55,7 @@ from mechstyle_widgets.viewer.viewer import Viewer
 logger = logging.getLogger(__name__)
 
 SIZE = (640, 430)  # width and height of the view until the page has told how much room there is [pixels]
-TITLES = ("Part", "Style", "Material", "Restraint", "Schedule", "Protected", "Drop test")
+TITLES = ("Part", "Style", "Material", "Holding back", "When to test", "Keep plain", "Drop test")
 OPEN = ("Part", "Style")
 """Groups of settings that are open at first: what decides the look."""
 SECTIONS = (PromptBox, MaterialPicker, ControlSelector, ScheduleSelector, RegionsPicker, DropOptions)
@@ -107,7 +111,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._middle, self._asked = stacked([], "mechstyle-view"), stacked([], "mechstyle-asked")
         self.theme = theme
         self._timeline = Timeline(self.state, theme=self.shown_theme, width=SIZE[0])
-        super().__init__([stacked([self.run_controls, self.take_away, self.frame], "mechstyle-bar"), self._body()])
+        super().__init__([stacked([self.run_controls, self.drop_options.sizes, self.take_away, self.frame], "mechstyle-bar"), self._body()])
         self.add_class("mechstyle-studio")
         self.frame.observe(self._fit, "size")
         self.frame.observe(self._relight, "dark")
@@ -127,6 +131,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             self.state.open(run)
         self._other_part()
         self.state.observe(self._emphasise, ("settings", "status", "run", "part"))
+        self.drop_options.observe(self._emphasise, "vertices")
         self._emphasise()
         self.state.observe(self._preview, "settings")
         self.run_controls.on_back(self.back)
@@ -234,10 +239,25 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     def _body(self) -> ipywidgets.Box:
         """Settings, view with timeline, and what looks into them; the sheet of the frame says which stand beside each other."""
         sections = zip(TITLES, (self.part_picker, *self._sections), strict=True)
-        self._groups = [Group(title, section, unfolded=title in OPEN) for title, section in sections]
+        self._groups = [Group(title, section, unfolded=title in OPEN, page=title not in OPEN) for title, section in sections]
+        for group in self._groups:
+            group.observe(self._turn_page, "unfolded")
         self._tabs = lean(ipywidgets.Tab, [self.mask_inspector, self.branches], titles=("Mask", "Branches"))
         setup, middle = stacked(self._groups, "mechstyle-setup"), stacked([self._middle, self._timeline], "mechstyle-middle")
         return stacked([setup, middle, stacked([self._result, self._asked, self._tabs], "mechstyle-inspect")], "mechstyle-body")
+
+    def _turn_page(self, _change: object = None) -> None:
+        """A group that is a page takes the place of all others while it is open."""
+        pages = [group for group in self._groups if group.page and group.unfolded]
+        for group in self._groups:
+            show(group, not pages or group in pages)
+
+    def close_page(self) -> bool:
+        """Go back from a page to all groups of settings; whether one was open."""
+        pages = [group for group in self._groups if group.page and group.unfolded]
+        for group in pages:
+            group.unfolded = False
+        return bool(pages)
 
     def _take(self, run: Run) -> None:
         """Show the settings and the part of a run that was made before."""
@@ -356,11 +376,32 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             state.another = self.run is not None and self.controller.asks_for_another()
         except MechStyleError:  # what is wrong is said where it is set
             state.another = self.run is not None
+        self._foretell()
         done = state.status == "finished" and not state.another
         self.take_away.main.button_style = "primary" if done else ""
         self.run_controls.emphasise(not done)
         asked = ", ".join(filter(None, (self.part_picker.name, self.prompt_box.prompt))).replace("_", " ")
         self.run_controls.title = state.title if self.run is not None and (self.controller.busy or not state.another) else asked
+
+    def _foretell(self) -> None:
+        """Say what test the next run has, and how long it will take on this machine."""
+        plan, vertices = plan_of(self.state.settings), self.drop_options.vertices
+        try:
+            recipe = self.wanted().recipe
+        except MechStyleError:  # what is wrong is said where it is set
+            plan = None
+        if plan is None:
+            self.state.outlook = ""
+            return
+        run, taken = self.run, self.state.seconds_of_a_test
+        fall = None
+        if run is not None and taken is not None and len(run.part.surface.vertices) == vertices:
+            fall = taken / math.ceil(landings_on_the_way(self.state.settings) / (os.cpu_count() or 1))
+        found = estimated(
+            vertices, len(plan.places), height=recipe.height, iterations=recipe.iterations, orientations=recipe.orientations,
+            nearly_flat=recipe.nearly_flat, element=recipe.element, window=recipe.window, fall=fall,
+        )  # fmt: skip
+        self.state.outlook = found.words
 
     # what the page tells
 

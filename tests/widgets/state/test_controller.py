@@ -12,10 +12,11 @@ import pytest
 from mechstyle.errors import BadInput
 from mechstyle.geometry.files import save
 from mechstyle.loop.events import SimulationStarted
+from mechstyle.records.sentences import duration
 from mechstyle.runs.report.reproduce import command_for
 from mechstyle.runs.run import Run
 from mechstyle.simulation.part import Origin
-from mechstyle_widgets.panels.run_controls import RunControls, duration
+from mechstyle_widgets.panels.run_controls import RunControls
 from mechstyle_widgets.settings.part import PartPicker
 from mechstyle_widgets.state import controller as module
 from mechstyle_widgets.state.controller import Wanted

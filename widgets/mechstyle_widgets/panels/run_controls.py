@@ -10,6 +10,7 @@ import ipywidgets
 import traitlets
 
 from mechstyle.errors import MechStyleError
+from mechstyle.records.sentences import duration
 from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.settings.section import WIDE, Section
 from mechstyle_widgets.state.controller import Controller
@@ -31,7 +32,7 @@ AT_REST = ("idle", "stopped", "finished", "failed")
 
 FOLLOWED = (
     "status", "pausing", "stage", "step", "fraction", "seconds_left", "message", "alarming", "iterations_done", "run", "settings",
-    "another",
+    "another", "outlook",
 )  # fmt: skip
 """Traits of the state they tell of."""
 
@@ -118,6 +119,8 @@ def line_of(state: Any) -> str:
         parts = [f"{state.status}, iteration {state.iterations_done} of {state.length}"]
         if state.another and state.status in AT_REST:
             parts = [f"ready · last run: {state.title}, {parts[0]}"]
+    if state.status == "idle" or (state.another and state.status in AT_REST):
+        parts += [state.outlook] if state.outlook else []
     if state.pausing:
         parts.append(f"pausing … when this {'drop test' if state.stage.startswith('drop test') else 'iteration'} has ended")
     if state.stage:
@@ -125,10 +128,3 @@ def line_of(state: Any) -> str:
     if state.seconds_left is not None:
         parts.append(f"about {duration(state.seconds_left)} left")
     return " · ".join(parts)
-
-
-def duration(seconds: float) -> str:
-    """A time for people: 40 s, 3 min, 2 h."""
-    if seconds < 90:
-        return f"{max(round(seconds), 1)} s"
-    return f"{round(seconds / 60)} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"

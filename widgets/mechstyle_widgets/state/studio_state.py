@@ -62,6 +62,7 @@ class StudioState(traitlets.HasTraits):
         settings: Fields of the recipe that the next run is to have.
         part: Name of the part that the next run is of.
         title: What the run on show is called: its part and its style; "" before there is one.
+        outlook: What test the next run has and how long it will take, in one sentence; "" while that is not known.
         another: Whether what is asked for is another run than the one on show, which is then the last one.
     """
 
@@ -89,6 +90,7 @@ class StudioState(traitlets.HasTraits):
     settings = traitlets.Dict()
     part = traitlets.Unicode("")
     title = traitlets.Unicode("")
+    outlook = traitlets.Unicode("")
     another = traitlets.Bool(False)
     _ends_with: tuple[str, ...] = ASKED
 
@@ -135,6 +137,13 @@ class StudioState(traitlets.HasTraits):
         """A message ends with its cause."""
         if change["name"] in self._ends_with:
             self.message = ""
+
+    @property
+    def seconds_of_a_test(self) -> float | None:
+        """Mean time of the tests on the way of the lane on show, as far as they were made here [s]; None if none was."""
+        tested = [row for row in self.history if row.verdict is not None and 0 < row.iteration < self.length]
+        taken = [row.seconds for row in tested if row.seconds is not None]
+        return sum(taken) / len(taken) if taken else None
 
     # what is on show
 

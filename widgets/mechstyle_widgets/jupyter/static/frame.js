@@ -11,7 +11,7 @@ const KEYS = { // the list that `?` opens
     ["1 to 6, L", "style, stress, safety factor, restraint, demand, displacement; the next layer"],
     ["C, N", "compare with the iteration on show, branch from it"], ["I", "the impact, and back"], ["W", "what another setting would hold back"],
     ["X, O, M, A, P", "cut open, look in parallel, measure, keep places, paint"], ["F", "full screen, and back"],
-    ["?", "this list"], ["Escape", "closes this list; leaves the tool, then the measure, then the cut"],
+    ["?", "this list"], ["Escape", "closes this list; goes back from a page of settings; leaves the tool, then the measure, then the cut"],
   ],
   "in the view": [
     ["arrows", "turn the part by 15°, with Ctrl by 1°; with Shift move it"], ["+, −, Home", "nearer, farther, all of it"],
