@@ -79,6 +79,13 @@ def _figures(row: Row, verdict: Verdict) -> str:
     return survives if row.original is None else f"plain {_value(row, row.original)}, {verdict.style or 'styled'} {survives}"
 
 
+def duration(seconds: float) -> str:
+    """A time for people: 40 s, 3 min, 2 h."""
+    if seconds < 90:
+        return f"{max(round(seconds), 1)} s"
+    return f"{round(seconds / 60)} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"
+
+
 def _percent(share: float) -> str:
     return f"{share:.0%}" if share >= 0.005 else "less than 1%"
 
@@ -269,6 +276,20 @@ def _label(row: Row) -> str:
 
 def _judged(row: Row) -> str:
     return row.outcome if row.decides else NOT_JUDGED
+
+
+# --- before a run -------------------------------------------------------------------------------------------------
+
+
+def planned(height: float, falls: int, seconds: float) -> str:
+    """The test of a run that has not begun, and how long it will take [s]."""
+    return f"We let it fall from {fall(height)}, in simulation, about {falls} times: about {duration(_rounded(seconds))}."
+
+
+def _rounded(seconds: float) -> float:
+    """An estimate to one or two figures."""
+    step = 5.0 if seconds < 90 else 60.0
+    return max(step * round(seconds / step), step)
 
 
 # --- beside other things ------------------------------------------------------------------------------------------

@@ -177,11 +177,11 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
         self._beside_legend.children = (self._scale,)
         return self._table
 
-    def picture(self) -> Picture:
+    def picture(self, title: str = "") -> Picture:
         """The view, cut open as it is, without the hatching of protected regions, rendered in the kernel: `.save(path)` writes the PNG."""
         shown = self._shown
         names = self.names if len(shown) > 1 else ("",)
-        return picture([self._panel(subject, title) for subject, title in zip(shown, names, strict=False)])
+        return picture([self._panel(subject, name) for subject, name in zip(shown, names, strict=False)], title=title)
 
     def close(self) -> None:
         """Close the view and every widget it is made of; nothing stays behind in the kernel."""
