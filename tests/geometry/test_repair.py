@@ -299,6 +299,11 @@ def wall(low, high):
     return np.array([(x, y, -15.0), (u, v, -15.0), (u, v, 15.0), (x, y, 15.0)]), np.array([(0, 1, 2), (0, 2, 3)])
 
 
+QUARTERED = (
+    wall((0.0, -10.0), (0.0, 0.0)), wall((0.0, 0.0), (0.0, 10.0)), wall((-5.0, 0.0), (0.0, 0.0)), wall((0.0, 0.0), (5.0, 0.0)),
+)  # fmt: skip
+
+
 def cut_box(*, hollow=False):
     """A box of 10 x 20 x 30 mm of which every side has vertices and edges where y is 0, and so may have a cavity."""
     halves = [box((10.0, 10.0, 30.0), at=(0.0, y, 0.0)) for y in (-5.0, 5.0)]
@@ -317,13 +322,7 @@ def cut_box(*, hollow=False):
         (together(cut_box(), wall((-5.0, 0.0), (5.0, 0.0))), 6000, 1),
         (together(cut_box(), wall((5.0, 0.0), (-5.0, 0.0))), 6000, 1),
         (together(cut_box(), wall((-5.0, 0.0), (0.0, 0.0)), wall((0.0, 0.0), (5.0, 0.0))), 6000, 1),
-        (
-            together(
-                box(), wall((0.0, -10.0), (0.0, 0.0)), wall((0.0, 0.0), (0.0, 10.0)), wall((-5.0, 0.0), (0.0, 0.0)), wall((0.0, 0.0), (5.0, 0.0))
-            ),
-            6000,
-            4,
-        ),
+        (together(box(), *QUARTERED), 6000, 4),
         (
             together(cut_box(hollow=True), (wall((-5.0, 0.0), (5.0, 0.0))[0] * 0.6, wall((-5.0, 0.0), (5.0, 0.0))[1])),
             6000 * (1 - 0.6**3),

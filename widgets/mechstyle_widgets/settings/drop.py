@@ -79,7 +79,7 @@ class DropOptions(Section):
     guarantee = setting("guarantee")
     minimum_wall = setting("minimum_wall")
     strengthen = setting("strengthen")
-    vertices = traitlets.Int(STANDARD_VERTICES, min=1)
+    vertices = traitlets.Int(SIZES["Try it"], min=1)
     device = traitlets.Enum(DEVICES, "auto")
     folder = traitlets.Unicode("")
 
