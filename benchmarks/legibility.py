@@ -41,7 +41,7 @@ HEAD = """\
 # Styles in plain grey
 
 Who prints in one colour sees the relief alone. The mean difference between the grey pictures of a cup with a style and without, over the
-pixels of the cup, in levels of 255, on the surface that is delivered (100 000 to 225 000 vertices), seen from the usual corner with its
+pixels of the cup, in levels of 255, on 25 000 vertices, seen from the usual corner with its
 light, the style finished and restrained by nothing. Made by
 `python benchmarks/legibility.py`. From about 8 on a style is told at a glance. {below}
 
