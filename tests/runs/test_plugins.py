@@ -62,7 +62,7 @@ def test_a_function_given_itself_is_registered_by_its_name():
 
 def test_the_built_in_styles_have_no_name_and_still_read_the_prompt():
     assert draft("brick").stylizer == ""
-    with pytest.raises(BadInput, match="names no style"):
+    with pytest.raises(BadInput, match="no style"):
         draft("whatever it reads", stylizer="")
 
 

@@ -80,14 +80,24 @@ def test_what_the_user_computed_before_is_believed_rather_than_a_run_folder(bloc
     assert sim.baseline.flat == honest.flat
 
 
-@pytest.mark.parametrize("other", ["surface", "tetrahedra"])
-def test_the_baseline_of_a_part_that_is_not_the_one_its_recipe_names_is_for_itself(block, memo, tmp_path, other):
+def test_the_baseline_of_a_part_that_is_not_the_one_its_recipe_names_is_for_itself(block, memo, tmp_path):
     """A run folder could hold a sturdy part under the recipe of another one."""
     users = Memo(tmp_path / "users", Objects(tmp_path / "users-objects"))
     sim = simulator(block, memo)
-    claimed = replace(sim, shared=users, recipe=msgspec.structs.replace(sim.recipe, **{other: "5" * 64}))
+    claimed = replace(sim, shared=users, recipe=msgspec.structs.replace(sim.recipe, surface="5" * 64))
     assert claimed.baseline.stress.any()
     assert not users.folder.exists()
+
+
+def test_what_is_remembered_for_others_bears_the_name_of_the_tetrahedra_it_is_of(block, memo, tmp_path, drops):
+    """The unsafe side: sturdy tetrahedra under a name that an honest run asks for."""
+    users = Memo(tmp_path / "users", Objects(tmp_path / "users-objects"))
+    sim = simulator(block, memo)
+    claimed = replace(sim, shared=users, tets=block[1].moved(block[1].vertices * (1.0, 1.0, 2.0)))
+    assert claimed.baseline.mesh != block[1].digest
+    honest = replace(simulator(block, Memo(tmp_path / "own", memo.objects)), shared=users).baseline
+    assert honest.mesh == block[1].digest
+    assert len(drops) == 2
 
 
 def test_without_a_window_the_impact_ends_by_the_period_of_the_unstylized_part(block, memo, tmp_path, monkeypatch):
