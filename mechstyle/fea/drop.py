@@ -157,7 +157,8 @@ def drop(
     discretisation = discretise(tets, material, test.added_mass, element_named(test.element))
     body = body_on(where, discretisation)
     tracks, scheme = tracks_for(discretisation, material, normals, test, period)
-    steps = _least_steps(scheme, tracks[0].rule)
+    rule = tracks[0].rule
+    steps = scheme.steps if rule.window is not None else math.ceil(rule.period / scheme.time_step)  # through the window, or one period
     failure = _too_long(discretisation, material, scheme, steps)
     if not failure:
         follow(body, scheme, tracks, progress)
@@ -224,11 +225,6 @@ def scheme_for(discretisation: Discretisation, material: Material, test: DropTes
     else:
         raise BadInput("a drop without a window ends by the lowest period of the part: give one of the two")
     return Scheme(law, step, damping, GRAVITY, test.friction, test.speed, stride, samples, test.across)
-
-
-def _least_steps(scheme: Scheme, rule: Rule) -> int:
-    """Steps of a drop through the window, or through one lowest period."""
-    return scheme.steps if rule.window is not None else math.ceil(rule.period / scheme.time_step)
 
 
 def _too_long(discretisation: Discretisation, material: Material, scheme: Scheme, steps: int) -> str:

@@ -4,7 +4,6 @@ How a step is computed is the business of the two implementations of `Body`: `ba
 core) and `backends.gpu` (plain kernels and CUDA graphs, all drops at once).
 """
 
-
 from __future__ import annotations
 
 import math

@@ -1,6 +1,5 @@
 """The small-strain stiffness of a body by blocks of node and node, assembled as often as its tetrahedra are weighted anew."""
 
-
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -189,7 +188,10 @@ class TwoLevel:
         except (RuntimeError, MemoryError) as error:
             raise SimulationFailed(f"the equations of the part could not be factorised: {error}") from error
         self._inverse_diagonal = (1.0 / matrix.diagonal()[:, None]).astype(np.float32)
-        self._upper = MARGIN * self._upper_end()
+        x = np.random.default_rng(0).standard_normal((self._matrix.shape[0], 1)).astype(np.float32)
+        for _ in range(PRODUCTS):  # by power iteration, nearly the largest eigenvalue of D⁻¹A
+            x = self._inverse_diagonal * (self._matrix @ (x / np.linalg.norm(x)))
+        self._upper = MARGIN * float(np.linalg.norm(x))
 
     def __call__(self, right: Floats) -> Floats:
         """About A⁻¹ times each column, shape [n, columns]."""
@@ -210,10 +212,3 @@ class TwoLevel:
                 later = np.float32(1.0) / (np.float32(2.0) * centre / half - ratio)
                 step, ratio = later * ratio * step + np.float32(2.0) * later / half * (self._inverse_diagonal * rest), later
         return found, rest
-
-    def _upper_end(self) -> float:
-        """The largest eigenvalue of D⁻¹A, nearly, by power iteration from a fixed start."""
-        x = np.random.default_rng(0).standard_normal((self._matrix.shape[0], 1)).astype(np.float32)
-        for _ in range(PRODUCTS):
-            x = self._inverse_diagonal * (self._matrix @ (x / np.linalg.norm(x)))
-        return float(np.linalg.norm(x))

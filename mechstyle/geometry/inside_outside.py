@@ -1,5 +1,4 @@
-"""How much of the sky each place of a part sees: what is inside of a hollow one, what outside, and what light falls on it as it stands."""
-
+"""Inside and outside of a hollow part: how much of the sky each place sees, and where one ends and the other begins."""
 
 from __future__ import annotations
 
@@ -12,10 +11,9 @@ from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
 from mechstyle._warp import wp
-from mechstyle.geometry.kernels import count_escapes, gather_light
+from mechstyle.geometry.kernels import count_escapes
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.records.mesh import Floats, SurfaceMesh
-from mechstyle.records.places import on_floor
 
 RAYS = 128
 HIDDEN, OPEN = 0.51, 0.97
@@ -48,14 +46,19 @@ def is_inside(mesh: SurfaceMesh, *, device: str = "cpu") -> NDArray[np.bool_]:
     """
     inside = _known.get(mesh.digest)
     if inside is None:
-        sky = openness(mesh, device=device)
-        inside, outside = sky < HIDDEN, sky > OPEN
-        if inside.any() and outside.any():
-            inside = _without_specks(mesh, _walked(mesh, inside, outside) > 0.5)
-        inside.setflags(write=False)
+        inside = _told_apart(mesh, openness(mesh, device=device))
         while len(_known) >= KEPT:
             _known.pop(next(iter(_known)), None)
         _known[mesh.digest] = inside
+    return inside
+
+
+def _told_apart(mesh: SurfaceMesh, sky: Floats) -> NDArray[np.bool_]:
+    """Whether each vertex is inside, given the share of the sky that it sees, shape [vertex_count]; write-protected."""
+    inside, outside = sky < HIDDEN, sky > OPEN
+    if inside.any() and outside.any():
+        inside = _without_specks(mesh, _walked(mesh, inside, outside) > 0.5)
+    inside.setflags(write=False)
     return inside
 
 
@@ -75,15 +78,18 @@ def openness(mesh: SurfaceMesh, *, device: str = "cpu") -> Floats:
     """Share of the sky each vertex sees past the part itself, as a diffuse light would shine on it, in [0, 1], shape [vertex_count]."""
     tree, count = TriangleTree(mesh.vertices, mesh.faces, device), len(mesh.vertices)
     normals: Any = wp.array(mesh.vertex_normals.astype(np.float32), dtype=wp.vec3, device=device)
-    # As dense as the cosine of their angle to the normal: a Fibonacci spiral on the disc, lifted to the hemisphere.
-    k = np.arange(RAYS) + 0.5
-    radius, angle = np.sqrt(k / RAYS), np.pi * (3.0 - np.sqrt(5.0)) * k
-    dense = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), np.sqrt(1.0 - radius**2)]).astype(np.float32)
-    rays: Any = wp.array(dense, dtype=wp.vec3, device=device)
+    rays: Any = wp.array(_cosine_directions(RAYS), dtype=wp.vec3, device=device)
     escaped: Any = wp.empty(count, dtype=wp.int32, device=device)
     inputs = [tree.id, tree.points(mesh.vertices), normals, rays, 1e-4 * mesh.size, 2.0 * mesh.size, escaped]
     wp.launch(count_escapes, dim=count, inputs=inputs, device=device)
     return np.asarray(escaped.numpy() / RAYS, dtype=np.float64)
+
+
+def _cosine_directions(count: int) -> NDArray[np.float32]:
+    """Unit vectors about z as dense as the cosine of their angle to it: a Fibonacci spiral on the disc, lifted to the hemisphere."""
+    k = np.arange(count) + 0.5
+    radius, angle = np.sqrt(k / count), np.pi * (3.0 - np.sqrt(5.0)) * k
+    return np.column_stack([radius * np.cos(angle), radius * np.sin(angle), np.sqrt(1.0 - radius**2)]).astype(np.float32)
 
 
 def _walked(mesh: SurfaceMesh, ones: NDArray[np.bool_], zeros: NDArray[np.bool_]) -> Floats:
@@ -109,35 +115,3 @@ def _without_specks(mesh: SurfaceMesh, inside: NDArray[np.bool_]) -> NDArray[np.
     piece = connected_components(graph, directed=False)[1]
     areas = np.bincount(piece, mesh.vertex_areas)
     return np.asarray(inside ^ (areas < LEAST_SHARE * areas.sum())[piece])
-
-
-def sky_seen(surface: SurfaceMesh, *, directions: int = 64, device: str = "cpu") -> NDArray[np.float32]:
-    """Share of the sky that each vertex sees from above the floor, in [0, 1], shape [vertex_count].
-
-    It is the light of an even sky that falls on a vertex, over that on a horizontal face in the open. A free vertical wall has one half.
-    The floor gives no light. Vertices that rest on it see nothing, and at the rim of a resting face its share of the area counts as 0.
-
-    Args:
-        surface: A closed surface, z up, as it stands on the floor.
-        directions: Number of directions the sky is divided into.
-        device: Warp device.
-    """
-    sky, count = _hemisphere(directions), len(surface.vertices)
-    tree = TriangleTree(surface.vertices, surface.faces, device)
-    normals: Any = wp.array(surface.vertex_normals.astype(np.float32), dtype=wp.vec3, device=device)
-    rays: Any = wp.array(sky.astype(np.float32), dtype=wp.vec3, device=device)
-    light: Any = wp.empty(count, dtype=wp.float32, device=device)
-    inputs = [tree.id, tree.points(surface.vertices), normals, rays, 1e-4 * surface.size, 2.0 * surface.size, light]
-    wp.launch(gather_light, dim=count, inputs=inputs, device=device)
-    areas = np.where(on_floor(surface), surface.face_areas, 0.0)
-    rests = np.bincount(surface.faces.ravel(), np.repeat(areas / 3.0, 3), count)
-    resting = np.minimum(np.divide(rests, surface.vertex_areas, out=np.zeros(count), where=rests > 0.0), 1.0)
-    return np.asarray(np.clip(light.numpy() / sky[:, 2].sum(), 0.0, 1.0) * (1.0 - resting), dtype=np.float32)
-
-
-def _hemisphere(count: int) -> Floats:
-    """Evenly spread unit vectors with z > 0, shape [count, 3]: a Fibonacci spiral, each for the same solid angle."""
-    k = np.arange(count) + 0.5
-    height, angle = k / count, np.pi * (3.0 - np.sqrt(5.0)) * k
-    radius = np.sqrt(1.0 - height**2)
-    return np.column_stack([radius * np.cos(angle), radius * np.sin(angle), height])

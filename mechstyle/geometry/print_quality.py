@@ -1,6 +1,5 @@
 """Printability of a styled surface: folded and crossing faces, and a relief lowered to be without, thinnest wall, change of mass."""
 
-
 from __future__ import annotations
 
 from typing import Any

@@ -1,6 +1,5 @@
 """How thick the walls of a part are, by the shrinking ball, and how wide its faces."""
 
-
 from __future__ import annotations
 
 import math

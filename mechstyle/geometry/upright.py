@@ -1,6 +1,5 @@
 """Which way is up: the axis of a file that points up as the part stands, whether it seems to be another one, and how it would print so."""
 
-
 from __future__ import annotations
 
 import math

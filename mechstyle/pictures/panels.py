@@ -10,12 +10,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mechstyle._files import write_whole
-from mechstyle.errors import unknown
+from mechstyle.errors import BadInput, unknown
 from mechstyle.pictures import fields
 from mechstyle.pictures.fields import Known, Quantity
-from mechstyle.pictures.png import as_png
 from mechstyle.records import Checkpoint, Recipe, Verdict, sentences
 from mechstyle.records.mesh import SurfaceMesh
+
+
+def as_png(path: str | Path) -> Path:
+    """The path of a picture; BadInput, with a better one, if it is not called PNG."""
+    target = Path(path)
+    if target.suffix.lower() != ".png":
+        raise BadInput(f"pictures are written as PNG: give {target.with_suffix('.png')} instead of {target}")
+    return target
+
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -4,7 +4,6 @@ With many points a piece that is smaller than the sides of the mesh, or cut off 
 ends at the edges of sides, the integral over them is exact.
 """
 
-
 from __future__ import annotations
 
 from collections.abc import Callable

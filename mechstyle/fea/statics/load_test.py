@@ -1,6 +1,5 @@
 """Load cases on a body: places picked once on the unstylized part, loads and stresses worked out on every morph of it."""
 
-
 from __future__ import annotations
 
 from collections.abc import Iterator
@@ -167,7 +166,12 @@ class StaticTest:
             SimulationFailed: If the equations cannot be solved.
         """
         boundary = Boundary(with_nodes(tets, element_named(self.element)))
-        loads = {case.name: self._nodal_loads(case, boundary, material) for case in self.cases}
+        loads: dict[str, Floats] = {}
+        for case in self.cases:
+            each = (self._nodal_load(load, boundary, material) for load in case.loads)
+            loads[case.name] = sum(each, np.zeros_like(boundary.mesh.nodes))
+            if not loads[case.name].any():
+                raise BadInput(f"load case {case.name!r}: its loads cancel out everywhere; leave it out or change a load")
         responses: dict[str, Response] = {}
         for supports, restraint in self._restraints.items():
             names = [case.name for case in self.cases if case.supports == supports]
@@ -209,12 +213,6 @@ class StaticTest:
                 with _naming(case):
                     restraints[case.supports] = Restraint.of(self._undeformed, held)
         return restraints
-
-    def _nodal_loads(self, case: LoadCase, boundary: Boundary, material: Material) -> Floats:
-        total = sum((self._nodal_load(load, boundary, material) for load in case.loads), np.zeros_like(boundary.mesh.nodes))
-        if not total.any():
-            raise BadInput(f"load case {case.name!r}: its loads cancel out everywhere; leave it out or change a load")
-        return total
 
     def _nodal_load(self, load: Load, boundary: Boundary, material: Material) -> Floats:
         """Consistent nodal forces of one load [N], shape [node_count, 3]."""

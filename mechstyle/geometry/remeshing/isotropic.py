@@ -132,7 +132,10 @@ def _flipped(state: _State, go_on: GoOn) -> _State:
         go_on()
         pairs = edge_pairs(faces)
         there = edge_keys(pairs.edges, len(vertices))  # ascending
-        gain = _regularity_gain(pairs, np.bincount(faces.ravel(), minlength=len(vertices)))
+        valence = np.bincount(faces.ravel(), minlength=len(vertices))
+        losing = np.abs(valence - REGULAR) - np.abs(valence - 1 - REGULAR)  # nearer to the regular one without an edge …
+        gaining = np.abs(valence - REGULAR) - np.abs(valence + 1 - REGULAR)  # … and with one more
+        gain = losing[pairs.edges].sum(axis=1) + gaining[pairs.across].sum(axis=1)
         pairs, gain = pairs.some(gain > 0), gain[gain > 0]
         new = ~among(edge_keys(pairs.across, len(vertices)), there)
         wanted = new & ~_held(vertices, faces, pairs, fixed) & _flips_well(vertices, faces, pairs)
@@ -237,14 +240,6 @@ def _foremost(needs: NDArray[np.integer], urgency: NDArray[Any], count: int) -> 
     order = ranks(urgency)
     first = least(needs, np.repeat(order, needs.shape[1]), count, len(order))
     return (first[needs] == order[:, None]).all(axis=1)
-
-
-def _regularity_gain(pairs: EdgePairs, valence: NDArray[np.int64]) -> NDArray[np.int64]:
-    """By how much turning edges brings the numbers of neighbours nearer to the regular one, summed over the four vertices."""
-    losing = np.abs(valence - REGULAR) - np.abs(valence - 1 - REGULAR)
-    gaining = np.abs(valence - REGULAR) - np.abs(valence + 1 - REGULAR)
-    (a, b), (c, d) = pairs.edges.T, pairs.across.T
-    return losing[a] + losing[b] + gaining[c] + gaining[d]
 
 
 def _halves(pairs: EdgePairs) -> tuple[Indices, Indices]:

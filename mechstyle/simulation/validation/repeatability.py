@@ -22,10 +22,9 @@ from mechstyle.records import Landing, Recipe, Simulation, Verdict, judge
 from mechstyle.records.mesh import Floats, SurfaceMesh, TetMesh
 from mechstyle.simulation.part import prepare
 from mechstyle.simulation.validation import second_impacts
-from mechstyle.simulation.validation.bodies import Styled, styled_cup
 from mechstyle.simulation.validation.cases import Result, bounded
 from mechstyle.simulation.validation.meshes import bracket
-from mechstyle.simulation.validation.reading import PLA, Body, period_of_body
+from mechstyle.simulation.validation.reading import PLA, Body, Styled, period_of_body, styled_cup
 
 TETS = 6_000
 VERTICES = (2400, 2700, 3000, 3300, 3600)
