@@ -142,7 +142,11 @@ def _numbering(joined: bytes, element: str) -> _Numbering:
     vertices, number = np.unique(np.frombuffer(joined, np.int32), return_inverse=True)
     tets = number.reshape(-1, 4).astype(np.int32)
     connectivity = with_nodes(TetMesh(np.zeros((len(vertices), 3)), tets), element_named(element)).connectivity
-    place = np.argsort(_bandwidth_order(connectivity)).astype(np.int32)
+    start = np.repeat(np.arange(len(connectivity)), connectivity.shape[1])
+    ones, shape = np.ones(len(start), dtype=np.int32), (int(connectivity.max()) + 1, len(connectivity))
+    inside = csr_array((ones, (connectivity.ravel(), start)), shape=shape)
+    order = reverse_cuthill_mckee((inside @ inside.T).tocsr(), symmetric_mode=True)  # along what the elements join
+    place = np.argsort(order.astype(np.int32)).astype(np.int32)
     numbered = place[connectivity]
     tet_order = np.argsort(numbered.min(axis=1), kind="stable").astype(np.int32)
     slot_nodes = numbered[tet_order].ravel()
@@ -168,11 +172,3 @@ def _refuse_unusable(tets: TetMesh) -> None:
     if len(flat):
         x, y, z = tets.vertices[tets.tets[flat[0]]].mean(axis=0)
         raise BadInput(f"{len(flat)} tetrahedra have no positive volume, the first at ({x:.1f}, {y:.1f}, {z:.1f}) mm; mesh the part again")
-
-
-def _bandwidth_order(connectivity: Indices) -> Indices:
-    """The nodes in reverse Cuthill–McKee order along what the elements join, shape [node_count]."""
-    count, (tet_count, nodes) = int(connectivity.max()) + 1, connectivity.shape
-    start = np.repeat(np.arange(tet_count), nodes)
-    inside = csr_array((np.ones(len(start), dtype=np.int32), (connectivity.ravel(), start)), shape=(count, tet_count))
-    return reverse_cuthill_mckee((inside @ inside.T).tocsr(), symmetric_mode=True).astype(np.int32)

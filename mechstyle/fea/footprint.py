@@ -104,7 +104,12 @@ def straight_sides(outline: Floats) -> Floats:
     before, after = (np.max([np.roll(alike, sign * shift) for shift in range(1, far // 2)], axis=0) for sign in (1, -1))
     beside = 0.5 * (np.roll(alike, far) + np.roll(alike, -far))
     peaks = grid[(alike > before) & (alike >= after) & (alike - beside >= LEAST_SIDE * _diameter(outline))]
-    return np.sort([_centred(peak, facing, lengths) for peak in peaks])
+    sides = []
+    for peak in peaks:  # the azimuth that most of the edges around it face
+        wide = _mean_facing(peak, facing, lengths, ALIKE)
+        near, all_alike = (_weights(facing - wide, lengths, width).sum() for width in (STRAIGHT, ALIKE))
+        sides.append((_mean_facing(wide, facing, lengths, STRAIGHT) if near > 0.5 * all_alike else wide) % 360.0)
+    return np.sort(sides)
 
 
 def own_frame(surface: SurfaceMesh) -> Floats:
@@ -178,13 +183,6 @@ def _weights(away: Floats, lengths: Floats, width: float) -> Floats:
     """Lengths of edges as far as they face a direction, none beyond a width; `away` are their angles to it [degrees]."""
     away = (away + 180.0) % 360.0 - 180.0
     return np.where(np.abs(away) < width, lengths * np.cos(0.5 * math.pi * away / width) ** 2, 0.0)
-
-
-def _centred(peak: float, facing: Floats, lengths: Floats) -> float:
-    """Azimuth from 0 up to 360 that most of the edges around a peak face [degrees]."""
-    wide = _mean_facing(peak, facing, lengths, ALIKE)
-    near, all_alike = (_weights(facing - wide, lengths, width).sum() for width in (STRAIGHT, ALIKE))
-    return (_mean_facing(wide, facing, lengths, STRAIGHT) if near > 0.5 * all_alike else wide) % 360.0
 
 
 def _mean_facing(azimuth: float, facing: Floats, lengths: Floats, width: float) -> float:

@@ -107,7 +107,10 @@ class Stiffness:
         products = np.einsum("n,nik,njl->ijnkl", self.volumes, g, g)
         corners = la * products + mu * products.swapaxes(3, 4)
         corners += mu * np.einsum("ijnkk->ijn", products)[..., None, None] * np.eye(3)
-        blocks = (_products_of_derivatives(self.element) @ corners.reshape(9, -1)).reshape(-1, 3, 3)
+        derivatives = self.element.derivatives[..., 1:] - self.element.derivatives[..., :1]  # by L_1, L_2, L_3, of which L_0 is the rest
+        means = np.einsum("qai,qbj->abij", derivatives, derivatives) / self.element.points
+        means = means[np.triu_indices(self.element.nodes)].reshape(-1, 9)
+        blocks = (means @ corners.reshape(9, -1)).reshape(-1, 3, 3)
         turned = self.pairs.turned.ravel()
         blocks[turned] = blocks[turned].transpose(0, 2, 1)
         return np.asarray(blocks.reshape(-1, 9))
@@ -129,13 +132,6 @@ def spectral_norms(blocks: Floats) -> Floats:
     cosine = np.divide(determinant, cubed, out=np.ones_like(cubed), where=cubed > 0.0)
     angle = np.arccos(np.clip(cosine, -1.0, 1.0)) / 3.0
     return np.asarray(np.sqrt(mean + 2.0 * spread * np.cos(angle)) * (1.0 + 1e-7))
-
-
-def _products_of_derivatives(element: Element) -> Floats:
-    """Mean over the Gauss points of ∂N_a/∂L_i ∂N_b/∂L_j, i and j from 1 to 3 for L_0 = 1 − L_1 − L_2 − L_3, shape [pairs, 9]."""
-    derivatives = element.derivatives[..., 1:] - element.derivatives[..., :1]
-    products = np.einsum("qai,qbj->abij", derivatives, derivatives) / element.points
-    return np.asarray(products[np.triu_indices(element.nodes)].reshape(-1, 9))
 
 
 Singles = NDArray[np.float32]

@@ -176,15 +176,12 @@ class Cell(msgspec.Struct, frozen=True, kw_only=True):
         Raises:
             MechStyleError: If the part or a setting cannot be used, or the run fails in a way that is known.
         """
-        where, model, recipe = out / (self.folder or f"runs/{self._slug}"), load(self.model), self.recipe
+        words = f"{self.part}-{self.recipe.prompt}-{self.condition}-{self.arm}".replace("×", " ").split()
+        where = out / (self.folder or f"runs/{file_stem('-'.join(words))}-{self.key[:8]}")
+        model, recipe = load(self.model), self.recipe
         if self.load_share:
             recipe = with_loads(recipe, model, self.vertices, share=self.load_share, folder=out / "loads")
         return started(recipe, model, vertices=self.vertices, out=where, name=self.part, device=self.device).go()
-
-    @property
-    def _slug(self) -> str:
-        words = f"{self.part}-{self.recipe.prompt}-{self.condition}-{self.arm}"
-        return f"{file_stem('-'.join(words.replace('×', ' ').split()))}-{self.key[:8]}"
 
     def row(self, **figures: Any) -> Row:
         """A row with its factors and these figures."""

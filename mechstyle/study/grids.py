@@ -117,7 +117,15 @@ class Factors:
     @property
     def addresses(self) -> list[str]:
         """The models as they are opened, all of the gallery if there are none; BadInput for a name neither of a file nor in the gallery."""
-        return [_address(model) for model in self.models or names()]
+        found = []
+        for model in self.models or names():
+            if Path(model).suffix and not model.startswith(PREFIX):  # a file
+                found.append(model)
+            else:
+                name = model.removeprefix(PREFIX)
+                entry(name)  # refuses one that there is not
+                found.append(PREFIX + name)
+        return found
 
     def cell(self, model: str, style: str, seed: int, arm: str, **settings: Any) -> Cell:
         """A cell of these factors."""
@@ -190,11 +198,3 @@ def _loads(factors: Factors, model: str) -> Any:
     """The load cases of a part: those given for all parts, or the load of its use; none where it carries nothing."""
     use = entry(model.removeprefix(PREFIX)).use if model.startswith(PREFIX) else None
     return factors.settings.get("loads") or ([] if use is None else [use])
-
-
-def _address(model: str) -> str:
-    if Path(model).suffix and not model.startswith(PREFIX):
-        return model
-    name = model.removeprefix(PREFIX)
-    entry(name)
-    return PREFIX + name

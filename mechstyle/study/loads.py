@@ -72,17 +72,17 @@ def load_factors(recipe: Recipe, model: SurfaceMesh, vertices: int) -> tuple[Loa
 
 def scaled(case: LoadCase, factor: float) -> LoadCase:
     """A load case with all its loads multiplied."""
-    return msgspec.structs.replace(case, loads=tuple(_scaled(load, factor) for load in case.loads))
-
-
-def _scaled(load: Load, factor: float) -> Load:
-    if load.force is not None:
-        x, y, z = load.force
-        return msgspec.structs.replace(load, force=(factor * x, factor * y, factor * z))
-    if load.pressure is not None:
-        return msgspec.structs.replace(load, pressure=factor * load.pressure)
-    assert load.gravity is not None, "a load is a force, a pressure or gravity"
-    return msgspec.structs.replace(load, gravity=factor * load.gravity)
+    loads = []
+    for load in case.loads:
+        if load.force is not None:
+            x, y, z = load.force
+            loads.append(msgspec.structs.replace(load, force=(factor * x, factor * y, factor * z)))
+        elif load.pressure is not None:
+            loads.append(msgspec.structs.replace(load, pressure=factor * load.pressure))
+        else:
+            assert load.gravity is not None, "a load is a force, a pressure or gravity"
+            loads.append(msgspec.structs.replace(load, gravity=factor * load.gravity))
+    return msgspec.structs.replace(case, loads=tuple(loads))
 
 
 def words_of(case: LoadCase) -> str:

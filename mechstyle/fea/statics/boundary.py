@@ -85,18 +85,14 @@ class Boundary:
             inside: Which points of which sides the traction acts at, shape [side_count, point_count].
             traction: t times the area of the whole side [N], shape [side_count, 3].
         """
-        shares = inside @ _shape_functions(POINTS, self.sides.shape[1]) / len(POINTS)
+        N = POINTS  # L_i of a linear triangle; L_i (2 L_i − 1) at the corners and 4 L_i L_j at the middles of a quadratic one
+        if self.sides.shape[1] > 3:
+            first, second = np.triu_indices(3, k=1)
+            N = np.concatenate([N * (2.0 * N - 1.0), 4.0 * N[:, first] * N[:, second]], axis=1)
+        shares = inside @ N / len(POINTS)
         forces = np.zeros_like(self.mesh.nodes)
         np.add.at(forces, self.sides, shares[:, :, None] * traction[:, None, :])
         return forces
-
-
-def _shape_functions(L: Floats, nodes: int) -> Floats:
-    """L_i for a linear triangle; L_i (2 L_i − 1) at the corners and 4 L_i L_j at the middles of a quadratic one, shape [n, nodes]."""
-    if nodes == 3:
-        return L
-    first, second = np.triu_indices(3, k=1)
-    return np.concatenate([L * (2.0 * L - 1.0), 4.0 * L[:, first] * L[:, second]], axis=1)
 
 
 TOUCH = 1e-6
@@ -146,7 +142,12 @@ def pick(boundary: Boundary, place: Place) -> Picked:
         touch = TOUCH * float(np.ptp(boundary.mesh.nodes, axis=0).max())
         picked = _within(boundary, partial(place.contains, margin=touch))
     if not picked.inside.any():
-        raise BadInput(_nothing(boundary, place))
+        if not isinstance(place, Patch):
+            why = "because the part has no flat face to stand on: pick a place by sphere, box or facet"
+            raise BadInput(f"{RESTING_FACE!r} selects nothing, {why}")
+        low, high = boundary.mesh.nodes.min(axis=0), boundary.mesh.nodes.max(axis=0)
+        span = ", ".join(f"{axis} {a:.1f} to {b:.1f}" for axis, a, b in zip("xyz", low, high, strict=True))
+        raise BadInput(f"{place.words} selects no surface: the part spans {span} mm")
     return picked
 
 
@@ -194,12 +195,3 @@ def _facet(boundary: Boundary, place: Floats, angle: float) -> Bools:
     meets = coo_array((np.ones(kept.sum()), (owner[kept], edge.ravel()[kept])), shape=(len(corners), int(edge.max()) + 1)).tocsr()
     _, component = connected_components(meets @ meets.T, directed=False)
     return np.asarray(component == component[side])
-
-
-def _nothing(boundary: Boundary, place: Place) -> str:
-    """Why a place is refused, with where the part is."""
-    if not isinstance(place, Patch):
-        return f"{RESTING_FACE!r} selects nothing, because the part has no flat face to stand on: pick a place by sphere, box or facet"
-    low, high = boundary.mesh.nodes.min(axis=0), boundary.mesh.nodes.max(axis=0)
-    span = ", ".join(f"{axis} {a:.1f} to {b:.1f}" for axis, a, b in zip("xyz", low, high, strict=True))
-    return f"{place.words} selects no surface: the part spans {span} mm"

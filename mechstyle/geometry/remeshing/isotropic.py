@@ -156,7 +156,9 @@ def _smoothed(state: _State, part: TriangleTree) -> _State:
     Those of triangles that turn over by that go back where they were.
     """
     vertices, faces, _, fixed = state
-    normals = _vertex_normals(vertices, faces)
+    was = _crosses(vertices, faces)
+    normals = np.column_stack([sum(np.bincount(faces[:, k], column, len(vertices)) for k in range(3)) for column in was.T])
+    normals /= np.maximum(_norms(normals), 1e-30)[:, None]
     step = _neighbour_means(vertices, faces) - vertices
     step -= _dots(step, normals)[:, None] * normals
     there = part.nearest(vertices[fixed:] + step[fixed:])
@@ -164,7 +166,6 @@ def _smoothed(state: _State, part: TriangleTree) -> _State:
     looks = _crosses(part.vertices, part.faces[there.face])
     facing = _dots(looks, normals[fixed:]) > TOL.facing * _norms(looks)
     wanted[fixed:][facing] = there.point[facing]
-    was = _crosses(vertices, faces)
     for _ in range(TOL.put_back):
         turned = ~_steady(was, _crosses(wanted, faces))
         if not turned.any():
@@ -203,14 +204,6 @@ def _quality(vertices: Floats, faces: Indices) -> Floats:
     corners = vertices[faces]
     squares = np.square(corners - np.roll(corners, 1, axis=1)).sum(axis=(1, 2))
     return 2.0 * np.sqrt(3.0) * _norms(_crosses(vertices, faces)) / np.maximum(squares, 1e-24)
-
-
-def _vertex_normals(vertices: Floats, faces: Indices) -> Floats:
-    """Unit normals, the faces weighted by area."""
-    total = np.column_stack([
-        sum(np.bincount(faces[:, k], column, len(vertices)) for k in range(3)) for column in _crosses(vertices, faces).T
-    ])
-    return total / np.maximum(_norms(total), 1e-30)[:, None]
 
 
 def _neighbour_means(vertices: Floats, faces: Indices) -> Floats:

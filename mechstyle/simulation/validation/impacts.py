@@ -195,7 +195,10 @@ def _against_calculix(name: str, cell: float, window: float) -> Iterator[Result]
     tets = _tilted(bracket(20.0, 8.0, 4.0, cell))
     test = DropTest(window=window, damping=0.0, law="st_venant_kirchhoff", added_mass=0.0, safety=0.5)
     mesh = with_nodes(tets, QUADRATIC)
-    ours = _ours(tets, test)
+    result = drop(tets, PLA, UPRIGHT, test, device="cpu")
+    history = result.history[0]
+    pushed = np.cumsum(history.contact_force) * (history.time[1] - history.time[0])
+    ours = Landed(history.time, pushed, Body(tets).read(result.corners[0], DROPPED), result.von_mises[0].astype(np.float64))
     answer = calculix.landing(mesh, PLA, test.speed, window, 1e-3)
     theirs = _theirs(mesh, answer, test)
     note = f"CalculiX *DYNAMIC, EXPLICIT with GAPUNI, {len(tets.tets)} C3D10, {window:g} ms, {answer.seconds:.0f} s"
@@ -206,13 +209,6 @@ def _against_calculix(name: str, cell: float, window: float) -> Iterator[Result]
     yield compared(f"{name}: σ_V", ours.reading.stress, theirs.reading.stress, STRESS, "MPa", note)
     distance = np.linalg.norm(ours.von_mises - theirs.von_mises) / np.linalg.norm(theirs.von_mises)
     yield bounded(f"{name}: largest von Mises, L2", float(distance), STRESS, note)
-
-
-def _ours(tets: TetMesh, test: DropTest) -> Landed:
-    result = drop(tets, PLA, UPRIGHT, test, device="cpu")
-    history = result.history[0]
-    pushed = np.cumsum(history.contact_force) * (history.time[1] - history.time[0])
-    return Landed(history.time, pushed, Body(tets).read(result.corners[0], DROPPED), result.von_mises[0].astype(np.float64))
 
 
 def _theirs(mesh: ElementMesh, answer: calculix.Landing, test: DropTest) -> Landed:

@@ -160,23 +160,15 @@ def _first_frequency(mesh: ElementMesh, material: Material, fixed: NDArray[np.bo
 def _edge_load(mesh: ElementMesh, force: float) -> Floats:
     """A shear force along z [N] spread over the end face x = LENGTH as a uniform traction."""
     forces = np.zeros_like(mesh.nodes)
-    for side in _end_sides(mesh):
-        corners = mesh.nodes[side[:3]]
-        area = 0.5 * np.linalg.norm(np.cross(corners[1] - corners[0], corners[2] - corners[0]))
-        forces[side[3:], 2] += force * area / (WIDTH * THICKNESS) / 3.0  # a uniform traction acts on the middles only
-    return forces
-
-
-def _end_sides(mesh: ElementMesh) -> list[NDArray[np.int32]]:
-    """Corners and middles of the sides on x = LENGTH."""
-    sides = []
     between = {(0, 1): 4, (0, 2): 5, (0, 3): 6, (1, 2): 7, (1, 3): 8, (2, 3): 9}
     for row in mesh.connectivity:
         at_end = [corner for corner in range(4) if mesh.nodes[row[corner], 0] > LENGTH - 1e-9]
         if len(at_end) == 3:
             a, b, c = at_end
-            sides.append(row[[a, b, c, between[a, b], between[a, c], between[b, c]]])
-    return sides
+            corners, middles = mesh.nodes[row[at_end]], row[[between[a, b], between[a, c], between[b, c]]]
+            area = 0.5 * np.linalg.norm(np.cross(corners[1] - corners[0], corners[2] - corners[0]))
+            forces[middles, 2] += force * area / (WIDTH * THICKNESS) / 3.0  # a uniform traction acts on the middles only
+    return forces
 
 
 def _surface_stress(mesh: ElementMesh, material: Material, u: Floats) -> tuple[Floats, Floats]:
