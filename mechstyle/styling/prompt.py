@@ -409,13 +409,14 @@ def _unknown_prompt(prompt: str, found: Sequence[Word], unwanted: Sequence[Item]
         return BadInput("the prompt is empty: say in words what the part is to look like, or give a picture with `--image` or image=")
     if any(word.means in english.PICTURES - english.FILLERS for word in found):
         return BadInput(f"the prompt {prompt!r} asks for a picture: give its file, with `--image` or image=")
-    names = [_spoken(style) for style in suggestions(prompt)]
-    colour = next((word for word in found if word.means in english.COLOURS), None)
-    said = f"only a colour and no style: write `{colour.text} {names[0]}` or" if colour else "no style that can be drawn offline: try"
+    near = [_spoken(style) for style in suggestions(prompt)]
+    colour = next((word.text for word in found if word.means in english.COLOURS), "")
+    said = "no style that can be drawn offline" if not colour else "only a colour and no style"
     if unwanted:
-        said = f"no style that is wanted, only what is not ({quoted(meaning(item).replace('_', ' ') for item in unwanted)}): try"
+        said = f"no style that is wanted, only what is not ({quoted(_spoken(meaning(item)) for item in unwanted)})"
+    ways = ", ".join(f"`{colour} {name}`" if colour else repr(name) for name in near)
     return BadInput(
-        f"the prompt {prompt!r} names {said} {quoted(names[bool(colour) :])}; `mechstyle styles` lists them all; "
+        f"the prompt {prompt!r} names {said}: try {ways}; `mechstyle styles` lists them all; "
         "any other prompt needs guidance 'clip' (`--guidance clip`) and the weights that `mechstyle weights fetch ViT-B-32` brings once"
     )
 
