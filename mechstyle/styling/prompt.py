@@ -42,7 +42,6 @@ from mechstyle.styling.phrases import (
     Item,
     Length,
     Place,
-    is_content,
     is_style,
     is_thing,
     items_of,
@@ -380,7 +379,7 @@ def _left_out(clauses: Sequence[Clause], unwanted: Sequence[Item], wishes: Seque
             ways.setdefault(english.BEYOND[item.means], []).append(item.text)
         elif item.number is not None:
             ways.setdefault("a number says nothing without its unit: write `5 mm`", []).append(item.text)
-        elif unseen or item.means in english.NEEDS_NUMBERS or (of_part and is_content(item)):
+        elif unseen or item.means in english.NEEDS_NUMBERS or of_part:
             strange.append(item.text)
     notes += [f"left out {quoted(texts)}: {way}" for way, texts in ways.items()]
     return notes + [f"left out: {quoted(strange)}"] * bool(strange)

@@ -27,7 +27,7 @@ from typing import NamedTuple
 
 from mechstyle.records.regions import ENDS
 from mechstyle.styling import picture
-from mechstyle.styling.library import names, style_named
+from mechstyle.styling.library import names
 
 LANGUAGES = ("German", "French", "Spanish", "Portuguese", "Italian", "Chinese", "Japanese")
 """The columns of `words.tsv` after the English words."""
@@ -134,9 +134,8 @@ def _meant(table: str) -> Iterator[tuple[str, str, Meaning]]:
 @cache
 def styles() -> Mapping[str, Meaning]:
     """What each English word says that names a style wherever it stands."""
-    own = [(word, Meaning(name, int(style_named(name).yields))) for name in names() for word in style_named(name).words]
     found = {word.replace("+", "_"): meaning for word, kind, meaning in _meant("words") if kind in _STYLES[:3]}
-    return {PICTURE: Meaning(picture.NAME, 0), **dict(own), **found}
+    return {PICTURE: Meaning(picture.NAME, 0), **found}
 
 
 @cache

@@ -56,14 +56,13 @@ def words(prompt: str) -> tuple[list[Word], list[str]]:
     eastern = ("Japanese", "Chinese") if _KANA.search(folded) else ("Chinese", "Japanese")
     tokens = [part for token in _TOKEN.findall(folded) for part in (_segmented(token, eastern) if _is_eastern(token) else [token])]
     western = _language(tokens)
-    named = any(_known(token, western) in styles() for token in tokens)
     read, notes = [], []
     while tokens:
         token = tokens[0]
         if _is_eastern(token):
             count, means, guess = 1, [_listed(token, eastern)], ""
         else:
-            count, means, guess = _next(tokens, western, named=named)
+            count, means, guess = _next(tokens, western)
         read += [Word(" ".join(tokens[:count]) if not at else "", meaning) for at, meaning in enumerate(means)]
         notes += [guess] if guess else []
         del tokens[:count]
@@ -110,8 +109,8 @@ def _segmented(signs: str, languages: Sequence[str]) -> list[str]:
     return [*parts, unknown] if unknown else parts
 
 
-def _next(tokens: list[str], language: str, *, named: bool) -> tuple[int, list[str], str]:
-    """How many tokens belong together, what they mean, and a note if that was guessed; `named` is whether any token is a style."""
+def _next(tokens: list[str], language: str) -> tuple[int, list[str], str]:
+    """How many tokens belong together, what they mean, and a note if that was guessed."""
     first = tokens[0]
     if first in MARKS:
         return 1, [MARKS[first]], ""
@@ -120,7 +119,7 @@ def _next(tokens: list[str], language: str, *, named: bool) -> tuple[int, list[s
     count, found = max((_phrase(tokens, one) for one in dict.fromkeys([language, ""])), key=lambda phrase: phrase[0])
     if count:
         return count, [found], ""
-    means, guess = _unlisted(first, language, named=named)
+    means, guess = _unlisted(first, language)
     return 1, means, guess
 
 
@@ -204,7 +203,7 @@ def _phrase(tokens: Sequence[str], language: str) -> tuple[int, str]:
     return 0, ""
 
 
-def _unlisted(word: str, language: str, *, named: bool) -> tuple[list[str], str]:
+def _unlisted(word: str, language: str) -> tuple[list[str], str]:
     """What a word means that no dictionary lists as it is, and a note if that was guessed: inflected, foreign, compound, misspelt."""
     found = _known(word, language) or _known(word, "")
     if found:
@@ -219,7 +218,7 @@ def _unlisted(word: str, language: str, *, named: bool) -> tuple[list[str], str]
     parts = _compound(word, language)
     if parts:
         return parts, ""
-    close = _misspelt(word, language, named=named) or _begun(word)
+    close = _misspelt(word, language) or _begun(word)
     return [close], f"read {word!r} as {close!r}" if close else ""
 
 
@@ -242,21 +241,15 @@ def _begun(word: str) -> str:
     return next((means for means in known if means in styles() or means in weak()), "")
 
 
-def _misspelt(word: str, language: str, *, named: bool) -> str:
-    """The word of a language that this one is a misspelling of; "" if it is none's, or too short to tell.
-
-    A style must be named by more letters, and by still more beside one that is spelt out.
-    """
-    named_by = {**weak(), **styles()}
-    least = _LEAST_STYLE + named + bool(language)  # no list says which words of other languages are words of their own
-    among = [
-        (other, means) for other, means in _dictionary(language).items() if means not in named_by or min(len(word), len(other)) >= least
-    ]
+def _misspelt(word: str, language: str) -> str:
+    """The word of a language that this one is a misspelling of; "" if it is none's, or too short to tell."""
+    looks = {*weak(), *styles()}
+    least = _LEAST_STYLE + bool(language)  # no list says which words of other languages are words of their own
     forms = [word] if language else list(_forms(word))
     close = [
-        (means not in named_by, len(other) == len(form), other, means)
-        for form, (other, means) in itertools.product(forms, among)
-        if _slips(form, other) and means not in english.FILLERS
+        (means not in looks, len(other) == len(form), other, means)
+        for form, (other, means) in itertools.product(forms, _dictionary(language).items())
+        if means not in english.FILLERS and (means not in looks or min(len(word), len(other)) >= least) and _slips(form, other)
     ]
     return min(close)[3] if close else ""
 
