@@ -179,7 +179,10 @@ def _clauses(kept: Sequence[Item], notes: list[str]) -> list[Clause]:
             return clauses_of([*kept[: at + 1], Word("", "metal"), *kept[at + 1 :]], whole=whole)
         if ranks:
             return clauses
-        weak = [(item, english.weak()[meaning(item)].rank) for item in said if meaning(item) in english.weak()]
+        like = [item for clause in clauses for item in itertools.dropwhile(lambda item: meaning(item) != "like", clause.items)]
+        known = english.weak()
+        ranked = ([(item, known[meaning(item)].rank) for item in items if meaning(item) in known] for items in (like, said))
+        weak = next(filter(None, ranked), [])
         if weak:
             chosen = {id(item) for item, rank in weak if rank == min(rank for _, rank in weak)}
             named = [item._replace(means=f"~{item.means}") if isinstance(item, Word) and id(item) in chosen else item for item in kept]

@@ -97,6 +97,12 @@ def test_a_thing_yields_to_whatever_is_named_beside_it(stuff, thing):
     assert only(f"{stuff} {thing}")[0].style == only(stuff)[0].style
 
 
+@pytest.mark.parametrize("thing", ["an owl", "a hedgehog", "a shark"])
+@pytest.mark.parametrize("use", ["bottle holder", "window box", "a cabinet that looks", "phone stand shaped"])
+def test_what_something_is_to_be_like_goes_before_what_it_is(use, thing):
+    assert only(f"{use} like {thing}")[0].style == only(thing)[0].style
+
+
 @pytest.mark.parametrize("metal", sorted(METALS))
 def test_a_metal_alone_is_hammered_and_beside_a_style_a_colour(metal):
     spoken = metal.replace("_", " ")
