@@ -20,7 +20,7 @@ demo: .venv/core.stamp ## stylize a utensil grip as brick, drop it, write demo-o
 	$(BIN)/mechstyle demo --out demo-out
 
 test: lint ## everything that must pass: lint, types, import directions, all tests
-	$(BIN)/python -m pytest -n 2
+	$(BIN)/python -m pytest -n 2 --durations=40
 
 test-trust: .venv/dev.stamp ## kill 155 runs at seeded moments and compare what they come to, carried on
 	$(BIN)/python benchmarks/trust.py

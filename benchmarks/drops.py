@@ -34,7 +34,7 @@ from mechstyle.fea.elements import ELEMENTS, LINEAR, with_nodes
 from mechstyle.fea.explicit import RECORD_EVERY, Batch, Scheme, Starts, carry
 from mechstyle.fea.orientations import directions, landings
 from mechstyle.gallery import make
-from mechstyle.geometry.tetrahedra import tetrahedralise
+from mechstyle.geometry.remeshing.filling import fill
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import TetMesh
 from mechstyle.simulation.part import Workpiece, prepare
@@ -175,7 +175,7 @@ def whole_drops(part: Workpiece) -> Iterator[Row]:
     thickness = part.thickness
     size = Dimensions(amplitude=0.15, side="both", nozzle=0.0)
     aim = target(part.surface, Wish("brick"), size, seed=0, thickness=thickness, inward=0.25 * thickness, outward=thickness)
-    styled = tetrahedralise(part.surface.displaced(aim.displacement), STYLED_TETS)
+    styled = fill(part.surface.displaced(aim.displacement), STYLED_TETS)
     sets = ((part.tets, directions(13)), (styled, landings(part.surface, "fibonacci", 1, nearly_flat=True).normals))
     for (name, budget), (tets, normals) in zip(SECONDS.items(), sets, strict=True):
         begun, busy = time.perf_counter(), time.process_time()

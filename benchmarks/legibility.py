@@ -11,21 +11,16 @@ python benchmarks/legibility.py --page               # the page alone
 from __future__ import annotations
 
 import argparse
-from dataclasses import dataclass
 from pathlib import Path
 
 import msgspec
 import numpy as np
 
 from mechstyle.gallery.style_sheet import Specimen, lettered, png
-from mechstyle.geometry.remesh import surface_of
-from mechstyle.geometry.subdivision import Subdivided, refined_to
+from mechstyle.geometry.remeshing.evening import surface_of
 from mechstyle.pictures.colormap import PLAIN
 from mechstyle.pictures.scene import BACKGROUND, Camera, render
 from mechstyle.records.mesh import SurfaceMesh
-from mechstyle.runs.refine import MOST_PARTS, vertices_for
-from mechstyle.styling.dimensions import Dimensions
-from mechstyle.styling.drawing.fine_canvas import FineCanvas
 from mechstyle.styling.library import names
 from mechstyle.styling.prompt import Wish
 
@@ -46,7 +41,7 @@ HEAD = """\
 # Styles in plain grey
 
 Who prints in one colour sees the relief alone. The mean difference between the grey pictures of a cup with a style and without, over the
-pixels of the cup, in levels of 255, on the surface that is delivered (100 000 to 225 000 vertices), seen from the usual corner with its
+pixels of the cup, in levels of 255, on 25 000 vertices, seen from the usual corner with its
 light, the style finished and restrained by nothing. Made by
 `python benchmarks/legibility.py`. From about 8 on a style is told at a glance. {below}
 
@@ -62,33 +57,6 @@ def cup(height: float, wall: float) -> SurfaceMesh:
     radius = 0.4 * height
     inside = Manifold.cylinder(height, radius - wall, circular_segments=128).translate((0.0, 0.0, wall))
     return surface_of(Manifold.cylinder(height, radius, circular_segments=128) - inside)
-
-
-@dataclass(frozen=True, eq=False)
-class Delivered:
-    """A part and the finer surface that a run would deliver of it.
-
-    Attributes:
-        coarse: On the vertices of the loop, where it is decided how large features are and where they lie.
-        cut: The same in the smaller faces of what is delivered.
-    """
-
-    coarse: Specimen
-    cut: Subdivided
-
-    @classmethod
-    def of(cls, mesh: SurfaceMesh) -> Delivered:
-        """A closed surface [mm] made ready."""
-        coarse = Specimen.of(mesh, ASKED)
-        return cls(coarse, refined_to(coarse.surface, vertices_for(coarse.surface, None), most_parts=MOST_PARTS))
-
-    def styled(self, style: str) -> SurfaceMesh:
-        """The finished style, drawn as a run draws what it delivers."""
-        wish, part = Wish(style), self.coarse
-        canvas = Dimensions().canvas(part.surface, part.thickness, wish, seed=0)
-        part.styled(wish, canvas=canvas)  # which decides what the finer drawing takes over
-        finer = Specimen(self.cut.mesh, self.cut.interpolation @ part.thickness)
-        return finer.styled(wish, canvas=FineCanvas(self.cut.mesh, self.cut.interpolation, canvas))[0]
 
 
 def grey(mesh: SurfaceMesh, camera: Camera) -> np.ndarray:
@@ -115,11 +83,11 @@ def main() -> None:
     sheets.mkdir(parents=True, exist_ok=True)
     if not asked.page:
         for told, (height, wall) in CUPS.items():
-            part = Delivered.of(cup(height, wall))
-            camera = Camera.named("three_quarter", part.cut.mesh.vertices)
-            plain = grey(part.cut.mesh, camera)
+            part = Specimen.of(cup(height, wall))
+            camera = Camera.named("three_quarter", part.surface.vertices)
+            plain = grey(part.surface, camera)
             for style in asked.styles or names():
-                styled = grey(part.styled(style), camera)
+                styled = grey(part.styled(Wish(style))[0], camera)
                 np.save(sheets / f"{style}-{list(CUPS).index(told)}.npy", styled.astype(np.uint8))
                 known.setdefault(style, {})[told] = round(difference(plain, styled), 1)
                 print(f"{style} on {told}: {known[style][told]}", flush=True)

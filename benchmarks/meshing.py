@@ -24,8 +24,8 @@ from mechstyle.fea.drop import DropTest, scheme_for
 from mechstyle.fea.elements import element_named
 from mechstyle.fea.period import lowest_period
 from mechstyle.geometry.proximity import TriangleTree
-from mechstyle.geometry.remesh import standardise
-from mechstyle.geometry.self_intersections import crossings
+from mechstyle.geometry.remeshing.crossings import crossings
+from mechstyle.geometry.remeshing.evening import even
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.simulation.part import prepare
@@ -75,16 +75,16 @@ def measure(name: str) -> Measured:
     """Bring a part of the gallery to even triangles."""
     part = gallery.make(name)
     begun = time.process_time()
-    even = standardise(part, ASKED)
+    evened = even(part, ASKED)
     seconds = time.process_time() - begun
-    sides = np.linalg.norm(np.roll(even.corners, -1, axis=1) - even.corners, axis=2)
-    quality = 4.0 * np.sqrt(3.0) * even.face_areas / np.square(sides).sum(axis=1)
+    sides = np.linalg.norm(np.roll(evened.corners, -1, axis=1) - evened.corners, axis=2)
+    quality = 4.0 * np.sqrt(3.0) * evened.face_areas / np.square(sides).sum(axis=1)
     return Measured(
-        vertices=(len(part.vertices), len(even.vertices)),
+        vertices=(len(part.vertices), len(evened.vertices)),
         edge=float(sides.mean()),
         quality=(float(quality.mean()), float(np.percentile(quality, 1))),
-        crossings=(crossings(part).pairs, crossings(even).pairs),
-        deviation=max(farthest(part, even), farthest(even, part)),
+        crossings=(crossings(part).pairs, crossings(evened).pairs),
+        deviation=max(farthest(part, evened), farthest(evened, part)),
         seconds=seconds,
     )
 

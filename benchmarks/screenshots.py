@@ -18,7 +18,7 @@ PATIENCE = 900_000  # for a run [ms]
 STUDIO = """
 from mechstyle_widgets import Studio
 quick = {"vertices": 4000, "iterations": 12, "every": 4, "orientations": 2, "nearly_flat": False, "window": 0.4, "element": "tet4"}
-studio = Studio("gallery:wall_hook", prompt="brick", relief=1.2, folder="hook", schedule="every", delivered=20000, **quick)
+studio = Studio("gallery:wall_hook", prompt="brick", relief=1.2, folder="hook", schedule="every", **quick)
 studio
 """
 PAINTED = """

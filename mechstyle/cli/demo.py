@@ -41,7 +41,7 @@ def demo_command(
     as_json: Json = False,
 ) -> None:
     """Style the gallery's utensil grip as brick, freely and with feedback, and compare the verdicts."""
-    asked = {"prompt": prompt, "delivered": 0, **settings}  # so few vertices say more of the method than of the style
+    asked = {"prompt": prompt, **settings}
     tell(both_ways(model, asked, vertices, device, folder, as_json=as_json), folder, as_json=as_json)
 
 
@@ -81,7 +81,7 @@ def both_ways(model: str, settings: Settings, vertices: int, device: str, folder
         if not as_json:
             err.print(f"[bold]{label}[/]: {escape(model)} as “{escape(settings['prompt'])}”")
         where = folder / label.lower()
-        runs.append(carry_out(model, settings, vertices, None, "", device, where, freestyle=freestyle, as_json=as_json))
+        runs.append(carry_out(model, settings, vertices, {}, device, where, freestyle=freestyle, as_json=as_json))
     return Pair(*runs)
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from mechstyle.cli.console import command, escape, out, print_json, table, verdict_text
-from mechstyle.cli.options import Device, Json
+from mechstyle.cli.options import Json
 from mechstyle.errors import BadInput, unknown
 from mechstyle.loop.store import Store, parse_address
 from mechstyle.records import sentences
@@ -24,8 +24,6 @@ Address = Annotated[
     str, typer.Argument(metavar="DIR@ITERATION", help="A run directory and an iteration: DIR@120, DIR@lane:120; DIR for the last.")
 ]
 
-FINENESS = {None: "", True: "-fine", False: "-coarse"}
-"""What the name of a file says of its faces, by what was asked for; nothing if it is as the run says."""
 
 FORMATS = ("3mf", "glb", "obj", "ply", "stl")
 
@@ -128,10 +126,6 @@ def export_command(
         str | None, typer.Option("--format", "-f", help=f"One of {', '.join(FORMATS)}; that of the file, else 3mf, by default.")
     ] = None,
     path: Annotated[Path | None, typer.Option("--out", help="File to write; by default in the run directory.")] = None,
-    fine: Annotated[
-        bool | None,
-        typer.Option("--fine/--coarse", help="Draw the style finer and drop the result, or keep the faces of the run; as the run says."),
-    ] = None,
     fields: Annotated[
         bool,
         typer.Option("--fields", help="With stress, demand and all other known fields at its vertices, for Blender, ParaView: GLB, PLY."),
@@ -143,7 +137,7 @@ def export_command(
         str, typer.Option(help='Filaments in the printer, slot 1 first: "#111111, #f4f1e8".', rich_help_panel=PRINTING)
     ] = "",
     colours: Annotated[
-        int | None, typer.Option(help="How many filaments to choose instead, 2 to 16; 4 unless told.", rich_help_panel=PRINTING)
+        int | None, typer.Option(help="How many filaments to choose instead, 1 to 16; the prompt's, or 2.", rich_help_panel=PRINTING)
     ] = None,
     bands: Annotated[
         bool, typer.Option("--bands", help="Filaments one above the other: as good as no changes.", rich_help_panel=PRINTING)
@@ -151,7 +145,6 @@ def export_command(
     bodies: Annotated[
         bool, typer.Option("--bodies", help="A styled shell and the rest as two bodies, unpainted.", rich_help_panel=PRINTING)
     ] = False,
-    device: Device = "auto",
     as_json: Json = False,
 ) -> None:
     """Write the surface of a checkpoint to a file, with its colours where the format can hold them, and say what to look at."""
@@ -161,11 +154,11 @@ def export_command(
 
     chosen = chosen_format(form, path)
     root, lane, iteration = parse_address(address)
-    run = Run.open(f"{root}@{lane}", device if fine else "cpu")
+    run = Run.open(f"{root}@{lane}", "cpu")
     number = run.store.find(iteration, lane).iteration
-    place = path or root / f"{run.record.stem}-{lane}-{number}{FINENESS[fine]}.{chosen}"
+    place = path or root / f"{run.record.stem}-{lane}-{number}.{chosen}"
     printing = Printing(slicer=slicer, palette=palette, colours=colours, bands=bands, bodies=bodies)
-    written = run.exported(place, iteration, fine=fine, fields=fields, printing=printing)
+    written = run.exported(place, iteration, fields=fields, printing=printing)
     if as_json:
         print_json({"export": written, "files": {"model": str(place), "quality": str(sidecar(place))}})
         return
@@ -192,12 +185,12 @@ def report_export(place: Path, written: Exported) -> None:
 
 
 def report_printing(plan: PrintPlan) -> None:
-    """Print which filaments a file names, what the print costs, and what would cost less."""
+    """Print what the print costs, which filaments the file names, and what would cost less."""
+    out.print(f"{plan.cost.words} [dim](estimate, of a changer with one nozzle: docs/printing.md)[/]")
     slots = ", ".join(f"[{colour}]██[/] {slot} {colour}" for slot, colour in enumerate(plan.palette, 1))
     out.print(f"filaments: {slots}")
     if plan.merged:
         out.print(f"[dim]{plan.merged} islands of colour narrower than two lines of plastic went to their neighbours[/]")
-    out.print(f"{plan.cost.words} [dim](estimate, of a changer with one nozzle: docs/printing.md)[/]")
     for offer in plan.offers:
         bands = len(offer.palette) == len(plan.palette)
         how = "--bands" if bands else f'--palette "{",".join(offer.palette)}"'

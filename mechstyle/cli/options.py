@@ -26,10 +26,6 @@ DEFAULTS_MAY_CHANGE = "Defaults in parentheses are the recipe's; --control, --cr
 
 Model = Annotated[str, typer.Argument(metavar="MODEL", help="A file (STL, OBJ, PLY, GLB, 3MF) or gallery:NAME.")]
 Vertices = Annotated[int, typer.Option(help="Vertices of the standardised surface.", rich_help_panel=MACHINE)]
-Scale = Annotated[float | None, typer.Option(help="Multiply the file's coordinates to get millimetres.", rich_help_panel=MACHINE)]
-Up = Annotated[
-    str, typer.Option(help="The file's axis that points up: z, -z, y, -y, x or -x; unless told the format's own.", rich_help_panel=MACHINE)
-]
 Device = Annotated[str, typer.Option(help="auto, cpu or cuda.", rich_help_panel=MACHINE)]
 Folder = Annotated[
     Path | None,
@@ -39,10 +35,16 @@ Others = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="NAME=VALUE", help="Any other setting of the recipe, such as travel=0.2. May be given several times."),
 ]
-Coarse = Annotated[
-    bool, typer.Option("--coarse", help="Deliver the surface of the run, without drawing it finer at the end.", rich_help_panel=STYLE)
-]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on stdout and nothing else.")]
+
+READING = {
+    "unit": (str, "", "Unit of the file's coordinates: mm, cm, m, in, ft or um; by default what the format says."),
+    "scale": (float | None, None, "Multiply the file's coordinates by this to get millimetres, instead of a unit."),
+    "size": (float | None, None, "Longest side of the part in mm, instead of a unit: for files that have none."),
+    "up": (str, "", "The file's axis that points up: z, -z, y, -y, x or -x; by default the format's own."),
+    "body": (str, "", "Which body of a file that holds several, by its name or number."),
+}
+"""Options that say how the file of a part is read, as `gallery.load` takes them: their type, default and help."""
 
 Settings = dict[str, Any]
 """Settings of a recipe that were given on the command line, by the names of its fields."""
@@ -82,7 +84,6 @@ OPTIONS = {
     "image_as": RecipeOption(STYLE),
     "image_layout": RecipeOption(STYLE),
     "projection": RecipeOption(STYLE, ("--project", "--projection")),
-    "delivered": RecipeOption(STYLE, hint="--coarse is short for 0."),
     "stylizer": RecipeOption(STYLE),
     "guidance": RecipeOption(STYLE, hint="clip takes any prompt; see `mechstyle weights list`."),
     "clip": RecipeOption(STYLE, hint="A name of `mechstyle weights list`, or a folder as transformers saves one."),
@@ -146,6 +147,27 @@ def recipe_options(*names: str, begins: bool = True, others: bool = False) -> Ca
     return decorate
 
 
+def reads_a_part(function: Callable[..., None]) -> Callable[..., None]:
+    """Give a command the options that say how its file is read; those that were used reach it as one dict, `reading`."""
+    options = [
+        Parameter(
+            name,
+            Parameter.KEYWORD_ONLY,
+            annotation=kind,
+            default=typer.Option(default, help=what, rich_help_panel=MACHINE, show_default=False),
+        )
+        for name, (kind, default, what) in READING.items()
+    ]
+
+    @functools.wraps(function)
+    def wrapped(**given: Any) -> None:
+        reading = {name: value for name in READING if (value := given.pop(name)) not in (None, "")}
+        function(**given, reading=reading)
+
+    wrapped.__signature__ = _joined(inspect.signature(function, eval_str=True), options, "reading")  # type: ignore[attr-defined]
+    return wrapped
+
+
 def _parameter(name: str, *, begins: bool) -> Parameter:
     """The parameter from which typer makes the option for a field of the recipe."""
     known = OPTIONS[name]
@@ -170,10 +192,10 @@ def _shown(name: str) -> str:
     return written(default) if name == "height" else str(default)
 
 
-def _joined(signature: Signature, options: list[Parameter]) -> Signature:
-    """The signature of a command with these options in the place of `settings`."""
+def _joined(signature: Signature, options: list[Parameter], replaced: str = "settings") -> Signature:
+    """The signature of a command with these options in the place of a parameter."""
     own = [parameter.replace(kind=Parameter.KEYWORD_ONLY) for parameter in signature.parameters.values()]
-    place = [parameter.name for parameter in own].index("settings")
+    place = [parameter.name for parameter in own].index(replaced)
     return signature.replace(parameters=[*own[:place], *options, *own[place + 1 :]])
 
 

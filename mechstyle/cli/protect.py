@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from mechstyle.cli.console import command, escape, out, print_json, telling
-from mechstyle.cli.options import Json, Model, Scale, Settings, Up, Vertices, recipe_options
+from mechstyle.cli.options import Json, Model, Settings, Vertices, reads_a_part, recipe_options
 from mechstyle.cli.run import read_model
 from mechstyle.errors import BadInput
 from mechstyle.records.mesh import STANDARD_VERTICES
@@ -19,13 +19,13 @@ app = typer.Typer()
 
 @app.command("protect")
 @command
+@reads_a_part
 @recipe_options("protect")
 def protect_command(
     model: Model,
     settings: Settings,
+    reading: Settings,
     vertices: Vertices = STANDARD_VERTICES,
-    scale: Scale = None,
-    up: Up = "",
     picture: Annotated[Path | None, typer.Option("--out", help="PNG to write; by default in the current folder.")] = None,
     as_json: Json = False,
 ) -> None:
@@ -34,7 +34,7 @@ def protect_command(
 
     if not settings:
         raise BadInput(f"say what to protect with --protect, once or more; it can be: {', '.join(KINDS.values())}")
-    mesh, name = read_model(model, scale, up, quiet=as_json)
+    mesh, name = read_model(model, reading, quiet=as_json)
     with telling(1, quiet=as_json) as teller:
         found = looked_at(mesh, settings["protect"], vertices=vertices, stage=teller.stage)
         path = found.show().save(picture or Path(f"{name}-protected.png"))

@@ -13,18 +13,15 @@ from mechstyle.cli.console import command, err, escape, out, print_json, report_
 from mechstyle.cli.options import (
     DEFAULTS_MAY_CHANGE,
     OPTIONS,
-    Coarse,
     Device,
     Folder,
     Json,
     Model,
-    Scale,
     Settings,
-    Up,
     Vertices,
+    reads_a_part,
     recipe_options,
 )
-from mechstyle.errors import BadInput
 from mechstyle.records.landings import STANDARDS
 from mechstyle.records.mesh import STANDARD_VERTICES
 from mechstyle.records.recipe import Recipe
@@ -33,38 +30,27 @@ RESTRAINED = ("control", "normalisation", "threshold", "schedule", "every", "bas
 """Settings that restrain a style, or say when to simulate to that end: Freestyle has no use for them."""
 AUTO = "auto"
 """In place of an amplitude: the deepest that passes."""
-AS_IT_RAN = {"delivered": 0}
-"""The surface of the run is delivered, drawn no finer."""
 FREE = tuple(name for name in OPTIONS if name not in RESTRAINED)
 
 app = typer.Typer()
 
 
-def read_model(model: str, scale: float | None, up: str, *, quiet: bool) -> tuple[Any, str]:
-    """The mesh and the name of a model given on the command line; repairs are reported on stderr."""
+def read_model(model: str, reading: Settings, *, quiet: bool) -> tuple[Any, str]:
+    """The mesh and the name of a model given on the command line; its size and repairs are reported on stderr."""
     from mechstyle.gallery import load  # noqa: PLC0415 — geometry is loaded when a model is wanted
 
-    mesh = load(model, scale=scale, up=up)
+    mesh = load(model, **reading)
     if not quiet:
         for note in mesh.notes:
             err.print(f"[dim]{escape(mesh.origin.model)}: {escape(note)}[/]")
     return mesh, mesh.name
 
 
-def short_for(preset: Settings, settings: Settings, flag: str, *, given: bool) -> Settings:
-    """What a flag stands for, nothing if it is not given; BadInput if something else is asked for besides."""
-    for name, value in preset.items() if given else ():
-        if settings.get(name, value) != value:
-            raise BadInput(f"{flag} is short for {name} {value}, and {name} {settings[name]} is asked for as well: leave out one of them")
-    return preset if given else {}
-
-
 def carry_out(
     model: str,
     settings: Settings,
     vertices: int,
-    scale: float | None,
-    up: str,
+    reading: Settings,
     device: str,
     folder: Path | None,
     *,
@@ -81,13 +67,13 @@ def carry_out(
     wanted = draft(**{**settings, "amplitude": None} if deep else settings, freestyle=freestyle)
     device = resolve_device(device)
     if not as_json and not wanted.stylizer and wanted.guidance == "offline":
-        reading = reading_of(wanted)
-        for note in (f"read as {reading.words}", *reading.notes):
+        read = reading_of(wanted)
+        for note in (f"read as {read.words}", *read.notes):
             err.print(f"[dim]prompt: {escape(note)}[/]")
     if not as_json:
         for warning in (*expected(wanted), *idle(settings, wanted)):
             err.print(f"[yellow]warning:[/] {escape(warning)}")
-    mesh, name = read_model(model, scale, up, quiet=as_json)
+    mesh, name = read_model(model, reading, quiet=as_json)
     limited: Sequence[str] = ()
     with telling(wanted.iterations, quiet=as_json) as teller:
         if deep:
@@ -155,41 +141,37 @@ def report(run: Any, *, as_json: bool) -> None:
 
 @app.command("run", epilog=DEFAULTS_MAY_CHANGE)
 @command
+@reads_a_part
 @recipe_options(*OPTIONS, others=True)
 def run_command(
     model: Model,
     settings: Settings,
-    coarse: Coarse = False,
+    reading: Settings,
     vertices: Vertices = STANDARD_VERTICES,
-    scale: Scale = None,
-    up: Up = "",
     device: Device = "auto",
     folder: Folder = None,
     as_json: Json = False,
 ) -> None:
     """Style a part while a drop test watches its strength."""
-    settings |= short_for(AS_IT_RAN, settings, "--coarse", given=coarse)
-    run = carry_out(model, settings, vertices, scale, up, device, folder, freestyle=False, as_json=as_json)
+    run = carry_out(model, settings, vertices, reading, device, folder, freestyle=False, as_json=as_json)
     report(run, as_json=as_json)
 
 
 @app.command("freestyle", epilog=DEFAULTS_MAY_CHANGE)
 @command
+@reads_a_part
 @recipe_options(*FREE, others=True)
 def freestyle_command(
     model: Model,
     settings: Settings,
-    coarse: Coarse = False,
+    reading: Settings,
     vertices: Vertices = STANDARD_VERTICES,
-    scale: Scale = None,
-    up: Up = "",
     device: Device = "auto",
     folder: Folder = None,
     as_json: Json = False,
 ) -> None:
     """Style a part without feedback; one drop test at the end."""
-    settings |= short_for(AS_IT_RAN, settings, "--coarse", given=coarse)
-    run = carry_out(model, settings, vertices, scale, up, device, folder, freestyle=True, as_json=as_json)
+    run = carry_out(model, settings, vertices, reading, device, folder, freestyle=True, as_json=as_json)
     report(run, as_json=as_json)
 
 
@@ -199,7 +181,6 @@ def freestyle_command(
 def branch_command(
     address: Annotated[str, typer.Argument(metavar="DIR@ITERATION", help="Where to branch: DIR@120 or DIR@lane:120.")],
     settings: Settings,
-    coarse: Coarse = False,
     lane: Annotated[str, typer.Option(help="Name of the new lane.")] = "",
     device: Device = "auto",
     as_json: Json = False,
@@ -208,7 +189,6 @@ def branch_command(
     from mechstyle.loop.store import parse_address  # noqa: PLC0415
     from mechstyle.runs.run import Run  # noqa: PLC0415 — physics is loaded when something is run
 
-    settings |= short_for(AS_IT_RAN, settings, "--coarse", given=coarse)
     root, origin, iteration = parse_address(address)
     run = Run.open(f"{root}@{origin}", device).branch(iteration, lane=lane, **settings)
     with telling(run.recipe.iterations, quiet=as_json) as teller:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from mechstyle.cli.console import command, err, escape, out, print_json, report_verdict, table, telling
-from mechstyle.cli.options import Device, Json, Model, Scale, Settings, Up, Vertices, recipe_options
+from mechstyle.cli.options import Device, Json, Model, Settings, Vertices, reads_a_part, recipe_options
 from mechstyle.cli.run import read_model
 from mechstyle.records.landings import STANDARDS
 from mechstyle.records.mesh import STANDARD_VERTICES
@@ -27,6 +27,7 @@ Original = Annotated[
 
 @app.command("simulate")
 @command
+@reads_a_part
 @recipe_options(
     "material", "height", "orientations", "poses", "nearly_flat", "standard", "build_direction", "criterion", "loads", "minimum_wall",
     "window",
@@ -34,10 +35,9 @@ Original = Annotated[
 def simulate_command(
     model: Model,
     settings: Settings,
+    reading: Settings,
     original: Original = "",
     vertices: Vertices = STANDARD_VERTICES,
-    scale: Scale = None,
-    up: Up = "",
     device: Device = "auto",
     folder: Annotated[Path | None, typer.Option("--out", help="Folder for pictures and files; the current one by default.")] = None,
     vtu: Annotated[bool, typer.Option("--vtu", help="Write displacement, stress and contact for ParaView.")] = False,
@@ -47,8 +47,8 @@ def simulate_command(
     """Drop a part without styling it, and load it with --load; compare it with the plain part with --original."""
     from mechstyle.simulation.part_test import simulate  # noqa: PLC0415 — physics is loaded when something is run
 
-    mesh, name = read_model(model, scale, up, quiet=as_json)
-    before = read_model(original, None, "", quiet=as_json)[0] if original else None
+    mesh, name = read_model(model, reading, quiet=as_json)
+    before = read_model(original, {}, quiet=as_json)[0] if original else None
     with telling(1, quiet=as_json) as teller:
         dropped = simulate(
             mesh, original=before, **settings, vertices=vertices, device=device, stage=teller.stage, progress=teller.fraction,
@@ -94,6 +94,7 @@ def _figures(dropped: PartTest, files: dict[str, str]) -> dict[str, Any]:
         "material": dropped.recipe.material,
         "tetrahedra": len(dropped.tets.tets),
         "fit": dropped.fit,
+        "relief": {"lowest": float(dropped.relief.min()), "highest": float(dropped.relief.max()), "followed": simulation.carried},
         "steps": simulation.steps,
         "time_step": simulation.time_step,
         "added_mass": simulation.added_mass,
@@ -128,12 +129,12 @@ def _report(dropped: PartTest, files: dict[str, str]) -> None:
 
 def _relief_rows(dropped: PartTest) -> list[tuple[str, str]]:
     """A table row of what a part has over its original."""
-    relief = dropped.fit.relief
-    if relief is None:
+    if dropped.original is None:
         return []
-    under = "" if relief.carried_base is None else f" ({relief.carried_base:.0%} under the part)"
-    carried = f"the mesh follows {relief.carried:.0%} of it{under}"
-    return [("relief", f"{relief.lowest:.2f} to {relief.highest:.2f} mm over the plain part, {carried}")]
+    found = dropped.simulation
+    under = "" if found.carried_base is None else f" ({found.carried_base:.0%} under the part)"
+    follows = f"the mesh follows {found.carried:.0%} of it{under}"
+    return [("relief", f"{dropped.relief.min():.2f} to {dropped.relief.max():.2f} mm over the original, {follows}")]
 
 
 def _course_rows(dropped: PartTest) -> list[tuple[str, str]]:

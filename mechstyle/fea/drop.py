@@ -18,12 +18,11 @@ from mechstyle.fea.backends.gpu import DeviceBody
 from mechstyle.fea.discretisation import Discretisation, discretise
 from mechstyle.fea.elasticity import LAWS, element_frequencies, law_named
 from mechstyle.fea.elements import element_named
-from mechstyle.fea.explicit import RECORD_EVERY, Body, Progress, Scheme, no_progress
+from mechstyle.fea.explicit import RECORD_EVERY, Body, Progress, Scheme, damped_step, no_progress
 from mechstyle.fea.flight import RigidBody
 from mechstyle.fea.history import History, Phase, history_of, phases_of
 from mechstyle.fea.period import lowest_period
 from mechstyle.fea.phases import Rule, Track, follow, longest
-from mechstyle.fea.stable_step import damped_step
 from mechstyle.records.material import Material
 from mechstyle.records.mesh import Floats, TetMesh, frozen_array
 
@@ -158,7 +157,8 @@ def drop(
     discretisation = discretise(tets, material, test.added_mass, element_named(test.element))
     body = body_on(where, discretisation)
     tracks, scheme = tracks_for(discretisation, material, normals, test, period)
-    steps = _least_steps(scheme, tracks[0].rule)
+    rule = tracks[0].rule
+    steps = scheme.steps if rule.window is not None else math.ceil(rule.period / scheme.time_step)  # through the window, or one period
     failure = _too_long(discretisation, material, scheme, steps)
     if not failure:
         follow(body, scheme, tracks, progress)
@@ -225,11 +225,6 @@ def scheme_for(discretisation: Discretisation, material: Material, test: DropTes
     else:
         raise BadInput("a drop without a window ends by the lowest period of the part: give one of the two")
     return Scheme(law, step, damping, GRAVITY, test.friction, test.speed, stride, samples, test.across)
-
-
-def _least_steps(scheme: Scheme, rule: Rule) -> int:
-    """Steps of a drop through the window, or through one lowest period."""
-    return scheme.steps if rule.window is not None else math.ceil(rule.period / scheme.time_step)
 
 
 def _too_long(discretisation: Discretisation, material: Material, scheme: Scheme, steps: int) -> str:

@@ -171,17 +171,15 @@ class RigidBody:
         for restitution in RESTITUTIONS:
             motion = self.rebound(touch, normal, restitution)
             for _ in range(IN_A_ROW):
-                behind = self.next_touch(motion, normal) if self._most_speed(motion) >= enough else None
+                falling = np.sqrt(4.0 * self.gravity * self.reach)  # by twice its reach at most before it touches or has left for good
+                fastest = np.linalg.norm(motion.velocity) + self._most_turning(motion) * self.reach + falling
+                behind = self.next_touch(motion, normal) if fastest >= enough else None
                 if behind is None:
                     break
                 if behind.speed >= enough:
                     return True
                 motion = self.rebound(behind, normal, restitution)
         return False
-
-    def _most_speed(self, motion: Motion) -> float:
-        """Speed [mm/ms] that no point exceeds before the body touches or has left for good: it falls by twice its reach at most."""
-        return float(np.linalg.norm(motion.velocity) + self._most_turning(motion) * self.reach + np.sqrt(4.0 * self.gravity * self.reach))
 
     def _most_turning(self, motion: Motion) -> float:
         """Angular velocity [rad/ms] that a free flight never exceeds: 2 T ≥ I_min ω²."""

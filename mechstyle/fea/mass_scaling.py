@@ -56,14 +56,9 @@ def lengthened(norms: csr_array, masses: Floats, share: float) -> tuple[Floats, 
     for _ in range(ROUNDS):
         image = norms @ x
         needed = image / x
-        highest = _lowest_bound(needed, masses, allowance)
+        order = np.argsort(-needed / masses)  # Σ max(0, needed/λ − m) ≤ allowance is linear in 1/λ between the sorted needed/m
+        highest = float((np.cumsum(needed[order]) / (allowance + np.cumsum(masses[order]))).max())
         heavier = np.maximum(masses, needed / highest)
         proof, x = x, image / heavier
         x = np.maximum(x / x.max(), LEAST)
     return heavier, proof, highest
-
-
-def _lowest_bound(needed: Floats, masses: Floats, allowance: float) -> float:
-    """The lowest λ [1/ms²] with Σ max(0, needed/λ − m) ≤ allowance [g]: the sum is linear in 1/λ between the sorted needed/m."""
-    order = np.argsort(-needed / masses)
-    return float((np.cumsum(needed[order]) / (allowance + np.cumsum(masses[order]))).max())

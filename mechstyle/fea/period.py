@@ -10,7 +10,7 @@ from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
 from mechstyle.errors import SimulationFailed
 from mechstyle.fea.discretisation import Discretisation
-from mechstyle.fea.two_level import TwoLevel, linear_fields
+from mechstyle.fea.stiffness import TwoLevel, linear_fields
 from mechstyle.records.mesh import Floats
 
 PRECISE = 1e-5

@@ -151,8 +151,11 @@ class Track:
         energy = float(here[0, QUANTITIES.index("kinetic")])
         bad = np.flatnonzero(failing(here[1:, :, None], self._scheme, energy))
         if len(bad):
-            self.samples[-1] = here[: bad[0] + 2]
-            self.ended, self.failed = _breakdown(here[bad[0] + 1], self._scheme, energy), True
+            self.samples[-1], broken = here[: bad[0] + 2], here[bad[0] + 1]
+            self.ended, self.failed = "its state is no longer finite", True
+            if np.isfinite(broken).all():
+                rise = float(total_energy(broken[None], self._scheme)[0]) / energy
+                self.ended = f"its energy rose to {rise:.3g} of what it was at the touch"
             return True
         if here[-1, IMPULSE] - self._pushed >= PUSH * self._body.mass * self.rule.speed:
             self._pushed, self._quiet_since = float(here[-1, IMPULSE]), self.time
@@ -216,13 +219,6 @@ class Track:
             return f"a further touch, at {touch.speed:.1f} m/s, comes after {MOST_PHASES} phases, the most that are simulated"
         self._next = touch
         return ""
-
-
-def _breakdown(sample: Floats, scheme: Scheme, energy: float) -> str:
-    """Why a sample cannot be trusted, in words."""
-    if not np.isfinite(sample).all():
-        return "its state is no longer finite"
-    return f"its energy rose to {float(total_energy(sample[None], scheme)[0]) / energy:.3g} of what it was at the touch"
 
 
 def follow(body: Body, scheme: Scheme, tracks: Sequence[Track], told: Callable[[float], None], camera: Camera | None = None) -> None:

@@ -141,7 +141,13 @@ class _Film:
     def take(self, time: float, displacement: Floats, peak: NDArray[np.float32], corners: NDArray[np.float32]) -> None:
         """One more."""
         if len(self.times) == self.most and self._taken % self._in_each == 0:
-            self._halve()
+            last = len(self.times) - 1
+            kept = [min(index + 1, last) for index in range(0, last + 1, 2)]  # half of them are left
+            self.times, self.moved = [self.times[later] for later in kept], [self.moved[later] for later in kept]
+            self.peaks, self.corners = (
+                [np.maximum(stress[later - later % 2], stress[later]) for later in kept] for stress in (self.peaks, self.corners)
+            )
+            self._in_each *= 2
         moved = displacement.astype(np.float32)
         if self._taken % self._in_each:
             self.times[-1], self.moved[-1] = time, moved
@@ -152,15 +158,6 @@ class _Film:
             self.peaks.append(peak)
             self.corners.append(corners)
         self._taken += 1
-
-    def _halve(self) -> None:
-        last = len(self.times) - 1
-        kept = [min(index + 1, last) for index in range(0, last + 1, 2)]
-        self.times, self.moved = [self.times[later] for later in kept], [self.moved[later] for later in kept]
-        self.peaks, self.corners = (
-            [np.maximum(stress[later - later % 2], stress[later]) for later in kept] for stress in (self.peaks, self.corners)
-        )
-        self._in_each *= 2
 
 
 @dataclass

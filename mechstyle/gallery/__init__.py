@@ -92,16 +92,21 @@ def make(name: str, **parameters: float) -> SurfaceMesh:
     return mesh
 
 
-def load(model: str | Path, *, scale: float | None = None, up: str = "") -> Model:
+def load(
+    model: str | Path, *, scale: float | None = None, up: str = "", unit: str = "", size: float | None = None, body: str | int = ""
+) -> Model:
     """Open a part: a file, repaired where needed, or a model of the gallery.
 
     Args:
         model: An STL, OBJ, PLY, GLB or 3MF file, or `gallery:NAME`.
         scale: Factor from the coordinates of a file to millimetres; None for the format's own unit.
         up: The axis of a file that points up: z, -z, y, -y, x or -x; "" for the format's own.
+        unit: The unit of a file's coordinates, such as cm or in, instead of a scale.
+        size: The longest side of a file's part [mm], instead of a scale: for files that have no unit.
+        body: Which of several bodies of a file, by its name or number.
 
     Returns:
-        A closed surface of one body [mm], z up, with its `name`, its `origin` and the repairs it took as `notes`.
+        A closed surface of one body [mm], z up, with its `name`, its `origin` and, as `notes`, its size and the repairs it took.
 
     Raises:
         BadInput: If the file cannot be used or there is no such model, in one sentence that says why and what to do.
@@ -114,11 +119,11 @@ def load(model: str | Path, *, scale: float | None = None, up: str = "") -> Mode
     if address in names():
         raise BadInput(f"{address} is a model of the gallery: write {PREFIX}{address}")
     if not address.startswith(PREFIX):
-        mesh, notes = read(model, scale=scale, up=up)
-        origin = Origin(model=Path(model).name, scale=scale, up=up)
+        mesh, notes = read(model, scale=scale, up=up, unit=unit, size=size, body=body)
+        origin = Origin(model=Path(model).name, scale=scale, up=up, unit=unit, size=size, body=str(body))
         return Model(mesh.vertices, mesh.faces, mesh.colours, name=Path(model).stem, origin=origin, notes=notes)
-    if scale is not None or up:
-        raise BadInput(f"{address}: a scale and an axis for up are for files; gallery models are in millimetres, and stand")
+    if scale is not None or up or unit or size is not None or body:
+        raise BadInput(f"{address}: scale, unit, size, body and an axis for up are for files; gallery models are in millimetres, and stand")
     name = address.removeprefix(PREFIX)
     mesh = make(name)
     return Model(mesh.vertices, mesh.faces, mesh.colours, name=name, origin=Origin(model=address))

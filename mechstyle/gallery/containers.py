@@ -8,7 +8,7 @@ import numpy as np
 from manifold3d import CrossSection
 
 from mechstyle.errors import BadInput
-from mechstyle.gallery import _shells, _solids
+from mechstyle.gallery import _solids
 from mechstyle.records.mesh import Floats, SurfaceMesh
 
 FOOT = 0.8  # chamfer under a standing model [mm]: a printed first layer spreads by about as much
@@ -66,15 +66,15 @@ def vase(
     lobes = _solids.count("lobes", lobes, 3, 24)
     if relief * lobes > 0.35 * diameter:
         raise BadInput(f"{lobes} waves of {relief:g} mm are too steep for a vase of {diameter:g} mm: take fewer or flatter ones")
-    turn = _shells.angles(lobes)
+    turn = _solids.angles(lobes)
     up = np.concatenate([[0.0], np.linspace(FOOT / height, 1.0 - wall / (2 * height), 64)])
     outer = _belly(up)[:, None] * (diameter / 2 + relief * _waves(up, turn, lobes, twist))
-    inner = _shells.inner_radius(outer, up * height, turn, wall)
+    inner = _solids.inner_radius(outer, up * height, turn, wall)
     outer[0] -= FOOT
-    lip, lip_level = _shells.rim(outer[-1], inner[-1], up[-1] * height, wall / 2)
-    bowl, bowl_level = _shells.bowl(inner, up * height, base, fillet=6.0)
+    lip, lip_level = _solids.rim(outer[-1], inner[-1], up[-1] * height, wall / 2)
+    bowl, bowl_level = _solids.bowl(inner, up * height, base, fillet=6.0)
     radius, level = np.concatenate([outer, lip, bowl]), np.concatenate([up * height, lip_level, bowl_level])
-    return _solids.standing(_solids.skinned(_shells.rings(radius, level, turn)))
+    return _solids.standing(_solids.skinned(_solids.rings(radius, level, turn)))
 
 
 def pill_box(

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from mechstyle.errors import BadInput
-from mechstyle.gallery import _shells, _solids
+from mechstyle.gallery import _solids
 from mechstyle.records.mesh import Floats, SurfaceMesh
 
 SHOULDER, COLLAR = 0.64, 0.92
@@ -48,7 +48,7 @@ def lampshade(
         raise BadInput(f"a wall {height:g} mm high would lean too far: bring the diameters together or take fewer or straighter flutes")
     if 1.5 * ((upper - socket) / 2 - wall) > FLATTEST * (COLLAR - SHOULDER) * height:  # where it is flattest
         raise BadInput(f"a shoulder from {upper:g} to {socket:g} mm would lie too flat: bring the two together or make the shade taller")
-    turn = _shells.angles(lobes)
+    turn = _solids.angles(lobes)
     level = np.linspace(0.0, height - wall / 2, 65)
     share = level[:, None] / height
     turned_in = _turned_in(share)
@@ -56,9 +56,9 @@ def lampshade(
     middle = leaning + (socket / 2 + wall - leaning) * turned_in
     depth = relief / (lower / 2) * (1.0 - turned_in)
     outer = middle * (1.0 + depth * np.cos(lobes * (turn + math.radians(twist) * share)))
-    inner = _shells.inner_radius(outer, level, turn, wall)
-    lip, lip_level = _shells.rim(outer[-1], inner[-1], float(level[-1]), wall / 2)
-    walls = _shells.rings(np.concatenate([outer, lip, inner[::-1]]), np.concatenate([level, lip_level, level[::-1]]), turn)
+    inner = _solids.inner_radius(outer, level, turn, wall)
+    lip, lip_level = _solids.rim(outer[-1], inner[-1], float(level[-1]), wall / 2)
+    walls = _solids.rings(np.concatenate([outer, lip, inner[::-1]]), np.concatenate([level, lip_level, level[::-1]]), turn)
     return _solids.standing(_solids.skinned(walls, closed=True))
 
 

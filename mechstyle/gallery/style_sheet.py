@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -61,6 +62,11 @@ class Specimen:
         surface = standardised(mesh, vertices)
         return cls(surface, local_thickness(surface))
 
+    @cached_property
+    def _blank(self) -> Canvas:
+        """A canvas whose operators and chart all styles share."""
+        return Canvas(self.surface, 0)
+
     def styled(self, wish: Wish, seed: int = 0, canvas: Canvas | None = None) -> tuple[SurfaceMesh, tuple[str, ...]]:
         """The finished style on the part, freely, and what the user should know of the drawing.
 
@@ -71,6 +77,9 @@ class Specimen:
         """
         inward, outward = INWARD_SHARE * self.thickness, outwards(self.thickness)
         limits = {"thickness": self.thickness, "inward": inward, "outward": outward}
+        if canvas is None:
+            canvas = Dimensions().canvas(self.surface, self.thickness, wish, seed)
+            canvas.share(self._blank)
         aim = target(self.surface, wish, Dimensions(), seed=seed, canvas=canvas, **limits)
         return self.surface.displaced(aim.displacement).coloured(aim.colour), aim.notes
 

@@ -19,8 +19,8 @@ from mechstyle.records.mesh import Floats, Indices, SurfaceMesh
 
 MOST = 16
 """Most filaments: no slicer paints more in all of its versions."""
-USUAL = 4
-"""Filaments in a changer, as they are sold."""
+USUAL = 2
+"""Filaments that are chosen unasked: one change a layer, where four of a changer's would make three."""
 LINE = 0.42
 """Width of a line of plastic from a nozzle of 0.4 mm [mm]."""
 
@@ -54,7 +54,7 @@ def palette_of(text: str | Sequence[str]) -> Palette:
     """A palette as people write it: "#111111, #f4f1e8, c0392b", or these one by one.
 
     Raises:
-        BadInput: If a colour cannot be read or comes twice, or there are fewer than 2 or more than MOST.
+        BadInput: If a colour cannot be read or comes twice, or there are more than MOST.
     """
     given = text.split(",") if isinstance(text, str) else list(text)
     colours = []
@@ -69,8 +69,13 @@ def palette_of(text: str | Sequence[str]) -> Palette:
 
 
 def _check_count(count: int) -> None:
-    if not 2 <= count <= MOST:
-        raise BadInput(f"{count} colours: a palette has 2 to {MOST}, as many as the printer has filaments")
+    if not 1 <= count <= MOST:
+        raise BadInput(f"{count} colours: a palette has 1 to {MOST}, as many as the printer has filaments")
+
+
+def code_of(colour: Sequence[float]) -> str:
+    """`#RRGGBB` of a display RGB in [0, 1]."""
+    return "#{:02X}{:02X}{:02X}".format(*(round(255.0 * channel) for channel in colour))
 
 
 def display(palette: Palette) -> Floats:
@@ -79,7 +84,7 @@ def display(palette: Palette) -> Floats:
 
 
 def clustered(colours: NDArray[np.floating], count: int = USUAL) -> Palette:
-    """At most `count` colours, from 2 to MOST, that stand for those given, the one of most vertices first: k-means in Oklab, seeded.
+    """At most `count` colours, from 1 to MOST, that stand for those given, the one of most vertices first: k-means in Oklab, seeded.
 
     Args:
         colours: Display RGB, clipped to [0, 1], shape [n, 3].

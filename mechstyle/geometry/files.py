@@ -1,12 +1,14 @@
 """Reading parts from files and writing them back, in millimetres, z up.
 
-STL, OBJ and PLY have no unit and are taken as millimetres; 3MF names its unit; glTF is in metres with y up, by its standard.
+STL, OBJ and PLY have no unit and are taken as millimetres; 3MF names its unit; glTF is in metres with y up, by its standard. A size that
+nobody prints is asked about.
 """
 
 from __future__ import annotations
 
 import io
 import logging
+import re
 import struct
 import warnings
 import zipfile
@@ -15,18 +17,22 @@ from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
+from xml.parsers import expat
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 
 from mechstyle._files import write_aside
-from mechstyle.errors import BadInput
-from mechstyle.geometry.claims import MOST_BYTES, MOST_FACES, check_claims
-from mechstyle.geometry.glb import glb_bytes
-from mechstyle.geometry.repair import repaired
+from mechstyle.errors import BadInput, unknown
+from mechstyle.geometry.claims import MOST_BYTES, MOST_FACES, Beyond, check_claims, stl_length
+from mechstyle.geometry.glb import DULL, Sheen, glb_bytes
+from mechstyle.geometry.glb_reader import plain
+from mechstyle.geometry.one_body import Body, bodies_of, repaired
+from mechstyle.geometry.pieces import COLOURS_LEFT, Held, Piece, Thing, sides
 from mechstyle.geometry.threemf import threemf_bytes
+from mechstyle.geometry.threemf_reader import read_threemf
 from mechstyle.geometry.upright import lying, upright
+from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import Field, Floats, SurfaceMesh
 
 logging.getLogger("trimesh").addHandler(logging.NullHandler())  # or its tracebacks go to people who log nothing
@@ -34,21 +40,30 @@ logging.getLogger("trimesh").addHandler(logging.NullHandler())  # or its traceba
 FORMATS = ("stl", "obj", "ply", "glb", "3mf")
 SMALLEST, LARGEST = 5.0, 1000.0
 """Sizes of a printable part, longest side [mm]."""
+SMALL, THIN = 10.0, 0.3
+"""A part that is shorter, or whose walls are thinner all over [mm], is more probably one of another unit."""
 FARTHEST = 1e7
 """From the origin [mm]: farther away the numbers of a file no longer tell a part's details apart."""
-MILLIMETRES = {"micron": 1e-3, "millimeter": 1.0, "centimeter": 10.0, "inch": 25.4, "foot": 304.8, "meter": 1000.0}
-"""Of the units that 3MF has."""
-SPELLED = {"": "millimeter", "mm": "millimeter", "millimetre": "millimeter"}
-"""What programs write for a unit instead, in small letters and without a plural."""
-GUESSES = {"millimetres": 1.0, "inches": 25.4, "centimetres": 10.0, "metres": 1000.0, "micrometres": 1e-3}
-"""Units that a file may be in without saying so, likeliest first, and their millimetres."""
+UNITS = {"mm": 1.0, "in": 25.4, "cm": 10.0, "m": 1000.0, "ft": 304.8, "um": 1e-3}
+"""Units and their millimetres, those that a file may be in without saying so first."""
+SPELLED = {
+    "": "mm", "millimeter": "mm", "millimetre": "mm", "centimeter": "cm", "centimetre": "cm", "meter": "m", "metre": "m", "inch": "in",
+    "inche": "in", '"': "in", "foot": "ft", "feet": "ft", "micron": "um", "micrometer": "um", "micrometre": "um", "µm": "um",
+}  # fmt: skip
+"""How 3MF and people spell them, in small letters and without a plural."""
 DAMAGED = (
     ArithmeticError, AssertionError, AttributeError, EOFError, LookupError, MemoryError, OSError, RuntimeError, StopIteration, SyntaxError,
-    TypeError, UnboundLocalError, ValueError, struct.error, zipfile.BadZipFile, zlib.error,
+    TypeError, UnboundLocalError, ValueError, expat.ExpatError, struct.error, zipfile.BadZipFile, zlib.error,
 )  # fmt: skip
 """What parsers raise at damaged files: they notice damage where something is missing, too large, or of another kind."""
 MEASURED = ("glb", "ply")
 """Formats that hold fields over the surface."""
+NAMING = ("obj", "glb")
+"""Formats read by trimesh that name their objects."""
+MOST_COPIED = MOST_BYTES // 8
+"""Bytes of an OBJ file times its objects up to which these are told apart: the parser copies all vertices for each."""
+MOST_SAID = 8
+"""Sentences on what was left out."""
 NO_FIELDS: Mapping[str, Field] = MappingProxyType({})
 
 
@@ -59,63 +74,144 @@ class ReadPart(NamedTuple):
     notes: tuple[str, ...]
 
 
-def read(path: str | Path, *, scale: float | None = None, up: str = "") -> ReadPart:
+def read(
+    path: str | Path, *, scale: float | None = None, up: str = "", unit: str = "", size: float | None = None, body: str | int = ""
+) -> ReadPart:
     """Read one closed body from an STL, OBJ, PLY, GLB or 3MF file; also returns the repairs it took.
 
     Args:
         path: The file.
         scale: Factor from the file's coordinates to millimetres; None for the format's own unit.
         up: The axis of the file that points up as the part stands, one of UPS; "" for the format's own, y in GLB and z elsewhere.
+        unit: The unit of the file's coordinates, one of UNITS, instead of a scale.
+        size: The longest side of the part [mm], instead of a scale: for files that have no unit.
+        body: Which of several bodies, by its name or number; "" if there is one, or copies of one.
 
     Raises:
         BadInput: If the file cannot be used, in one sentence that says why and what to do.
     """
-    file = Path(path)
-    own = "y" if file.suffix.lower() == ".glb" else "z"
-    axes = upright(up or own)
-    if scale is not None and not (np.isfinite(scale) and scale > 0):
-        raise BadInput(f"scale is {scale:g}, but must be a positive number, such as 25.4 for inches")
-    vertices, faces, unit = _triangles(file)
-    factor = _millimetres(file.name, unit) if scale is None else scale
-    _check_size(file.name, vertices[faces].reshape(-1, 3), factor)
-    mesh, notes = repaired(vertices * factor @ axes.T, faces, file.name)
-    if better := lying(mesh, axes):
-        flat = f"it seems to lie on its side: it has a flat base there, and stands on nothing flat; --up {better} sets it upright"
-        notes = (*notes, flat)
+    file, body = Path(path), str(body)
+    held, factor = _scaled(file, scale, unit, size)
+    axes = _axes(file, up)
+    mesh, repairs = repaired(_placed(held.things, factor * axes), file.name, body)
+    if size is not None:
+        mesh = SurfaceMesh(mesh.vertices * (size / float(mesh.extents.max())), mesh.faces)
+    elif scale is None and not unit:
+        _ask(file.name, mesh, factor)
+    notes = [f"{sides(mesh.vertices)}, {_grams(mesh)} g in solid PLA"]
     if factor != 1.0:
-        notes = (f"converted to millimetres (times {factor:g})", *notes)
-    return ReadPart(mesh, notes)
+        notes.append(f"converted to millimetres (times {factor:g})")
+    notes += _left_out(held, factor * axes)
+    notes += [*held.notes, *repairs]
+    if better := lying(mesh, axes):
+        notes.append(f"it seems to lie on its side: it has a flat base there, and stands on nothing flat; --up {better} sets it upright")
+    return ReadPart(mesh, tuple(notes))
 
 
-def _triangles(file: Path) -> tuple[Floats, NDArray[np.int64], str]:
-    """Vertices in file units, faces, and the unit."""
+def bodies(path: str | Path, *, scale: float | None = None, up: str = "", unit: str = "", size: float | None = None) -> tuple[Body, ...]:
+    """List the separate bodies of a file, as `read` would choose among them.
+
+    Args:
+        path: The file.
+        scale: As in `read`.
+        up: As in `read`.
+        unit: As in `read`.
+        size: As in `read`.
+
+    Raises:
+        BadInput: If the file cannot be used.
+    """
+    file = Path(path)
+    held, factor = _scaled(file, scale, unit, size)
+    return tuple(bodies_of(_placed(held.things, factor * _axes(file, up)), file.name, []))
+
+
+def millimetres(unit: str) -> float:
+    """Millimetres of a unit, spelled in any way; BadInput for one that nobody knows."""
+    plain_word = unit.strip().lower().removesuffix("s")
+    plain_word = SPELLED.get(plain_word, plain_word)
+    if plain_word not in UNITS:
+        raise unknown("unit", unit[:40], UNITS)
+    return UNITS[plain_word]
+
+
+def _axes(file: Path, up: str) -> Floats:
+    """The rotation that sets a file upright, shape [3, 3]."""
+    return upright(up or ("y" if file.suffix.lower() == ".glb" else "z"))
+
+
+def _scaled(file: Path, scale: float | None, unit: str, size: float | None) -> tuple[Held, float]:
+    """What a file holds and its millimetres, of a printable size; what was said of its unit is checked first."""
+    given = {"a scale": scale is not None, "a unit": bool(unit), "a size": size is not None}
+    if sum(given.values()) > 1:
+        raise BadInput(f"{' and '.join(what for what, is_given in given.items() if is_given)} are given: one of them says it all")
+    for what, number, example in (("scale", scale, "25.4 for inches"), ("size", size, "120 for 120 mm")):
+        if number is not None and not (np.isfinite(number) and number > 0):
+            raise BadInput(f"{what} is {number:g}, but must be a positive number, such as {example}")
+    told = millimetres(unit) if unit else scale
+    held = _held(file)
+    corners = np.concatenate([piece.corners for thing in held.things for piece in thing.pieces])
+    longest = float(np.ptp(corners, axis=0).max())
+    if size is not None and longest > 0.0:
+        told = size / longest
+    factor = _of_the_file(file.name, held.unit) if told is None else told
+    _check_size(file.name, corners, factor)
+    return held, factor
+
+
+def _placed(things: tuple[Thing, ...], matrix: Floats) -> list[Thing]:
+    """Objects turned and scaled, by a matrix for columns, shape [3, 3]."""
+
+    def moved(pieces: tuple[Piece, ...]) -> tuple[Piece, ...]:
+        return tuple(piece._replace(vertices=piece.vertices @ matrix.T) for piece in pieces)
+
+    return [Thing(thing.name, moved(thing.pieces), moved(thing.cuts)) for thing in things]
+
+
+def _grams(mesh: SurfaceMesh) -> str:
+    mass = mesh.volume * LIBRARY["PLA"].density
+    return f"{mass:.0f}" if mass >= 10.0 else f"{mass:.2g}"
+
+
+def _left_out(held: Held, matrix: Floats) -> list[str]:
+    """A sentence for each piece that is no material."""
+    said = [f"left out {aside.words(matrix)}" for aside in held.asides[:MOST_SAID]]
+    more = len(held.asides) - len(said)
+    return [*said, *([f"left out {more} more that are not printed"] if more else [])]
+
+
+def _held(file: Path) -> Held:
+    """What a file holds, in its units; at least one piece, with faces."""
     suffix = file.suffix.lower().lstrip(".")
     if suffix not in FORMATS:
         raise BadInput(f"{file.name}: cannot read {_kind(suffix)}; convert it to {', '.join(FORMATS)}")
     content = _content(file)
-    check_claims(file.name, content, suffix)
-    vertices, faces, unit = _parsed(file.name, content, suffix)
-    if not len(faces):
+    if suffix != "3mf":
+        check_claims(file.name, content, suffix)
+    held = _parsed(file.name, content, suffix)
+    pieces = [piece for thing in held.things for piece in (*thing.pieces, *thing.cuts)]
+    count = sum(len(piece.faces) for piece in pieces)
+    if not count:
         raise BadInput(f"{file.name} holds no triangles: it is no mesh, or was cut off; export it again")
-    if len(faces) > MOST_FACES:
-        raise BadInput(f"{file.name} has {len(faces)} faces, more than {MOST_FACES}: simplify it in the program it was made with")
-    if vertices.shape[1:] != (3,):
-        raise BadInput(f"{file.name} has vertices of {vertices.shape[-1]} coordinates instead of 3; export it again as a part in space")
-    if not np.isfinite(vertices).all():
-        raise BadInput(f"{file.name} has vertices that are not finite numbers; export it again")
-    if faces.min() < 0 or faces.max() >= len(vertices):
-        raise BadInput(f"{file.name} has faces with vertices that are not there: it is damaged or was cut off; export it again")
-    return vertices, faces, unit
+    if count > MOST_FACES:
+        raise BadInput(f"{file.name} has {count} faces, more than {MOST_FACES}: simplify it in the program it was made with")
+    for _, vertices, faces in pieces:
+        if vertices.shape[1:] != (3,):
+            raise BadInput(f"{file.name} has vertices of {vertices.shape[-1]} coordinates instead of 3; export it again as a part in space")
+        if not np.isfinite(vertices).all():
+            raise BadInput(f"{file.name} has vertices that are not finite numbers; export it again")
+        if len(faces) and (faces.min() < 0 or faces.max() >= len(vertices)):
+            raise BadInput(f"{file.name} has faces with vertices that are not there: it is damaged or was cut off; export it again")
+    return held
 
 
-def _millimetres(name: str, unit: str) -> float:
-    """Millimetres of a unit; BadInput for one that nobody knows."""
-    plain = unit.strip().lower().removesuffix("s")
-    plain = SPELLED.get(plain, plain)
-    if plain not in MILLIMETRES:
-        known = f"it has {', '.join(MILLIMETRES)}"
-        raise BadInput(f"{name} is in {unit[:40]!r}, a unit that 3MF does not have ({known}): export it again, or give --scale")
-    return MILLIMETRES[plain]
+def _of_the_file(name: str, unit: str) -> float:
+    """Millimetres of the unit that a file names; BadInput for one that nobody knows."""
+    try:
+        return millimetres(unit)
+    except BadInput as error:
+        odd = f"{name} is in {unit[:40]!r}, a unit that 3MF does not have"
+        raise BadInput(f"{odd}: export it again, or say its unit with --unit") from error
 
 
 def _kind(suffix: str) -> str:
@@ -140,25 +236,73 @@ def _content(file: Path) -> bytes:
     return content
 
 
-def _parsed(name: str, content: bytes, suffix: str) -> tuple[Floats, NDArray[np.int64], str]:
-    """The file as trimesh reads it; what its parsers raise becomes one sentence."""
+def _parsed(name: str, content: bytes, suffix: str) -> Held:
+    """What a file holds, in its units; what readers raise at damage becomes one sentence."""
+    notes: tuple[str, ...] = ()
+    try:
+        if suffix == "3mf":
+            return read_threemf(content)
+        if suffix == "glb":
+            content, notes = plain(content)
+        if suffix == "stl":
+            content, notes = _without_tail(content)
+    except Beyond as error:
+        raise BadInput(f"{name} {error}") from error
+    except DAMAGED as error:
+        raise _damaged(name, suffix) from error
+    pieces = _by_trimesh(name, content, suffix)
+    coloured = (COLOURS_LEFT,) if _is_coloured(content, suffix) else ()
+    return Held((Thing("", pieces),), "m" if suffix == "glb" else "mm", notes=(*notes, *coloured))
+
+
+def _by_trimesh(name: str, content: bytes, suffix: str) -> tuple[Piece, ...]:
+    """The objects of a file in their places, at least one."""
+    # A texture may be a small file of huge pixels, and is of no use here.
+    bare: dict[str, Any] = {"skip_materials": True} if suffix in NAMING else {}
+    if suffix == "obj" and len(content) * content.count(b"\no ") <= MOST_COPIED:
+        bare["split_objects"] = True
+    pieces = []
     try:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")  # a reader's remarks; what matters is checked afterwards
-            # A texture may be a small file of huge pixels, and is of no use here.
-            bare: dict[str, Any] = {"skip_materials": True} if suffix in ("glb", "obj", "ply") else {}
             scene: Any = trimesh.load_scene(io.BytesIO(content), file_type=suffix, process=False, **bare)
-            mesh = scene.to_mesh()
-            vertices, faces = np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64)
+            nodes = list(scene.graph.nodes_geometry)
+            for node in reversed(nodes) if suffix == "obj" else nodes:  # it reads OBJ from its end
+                place, geometry = scene.graph[node]
+                mesh = scene.geometry[geometry]
+                if hasattr(mesh, "faces"):  # of points and lines nothing is printed
+                    vertices, faces = np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64)
+                    moved = vertices @ place[:3, :3].T + place[:3, 3] if vertices.shape[1:] == (3,) else vertices
+                    pieces.append(Piece(str(node) if suffix in NAMING else "", moved, faces))
     except DAMAGED as error:
         if error.__traceback__ is not None and error.__traceback__.tb_next is None:
             raise  # by this function, not by a parser: it is no fault of the file
-        raise BadInput(
-            f"{name} cannot be read as {suffix.upper()}: it is damaged, was cut off, or is something else; export it again"
-        ) from error
-    if suffix == "glb":
-        return vertices, faces, "meter"
-    return vertices, faces, str(scene.units or "") if suffix == "3mf" else "millimeter"
+        raise _damaged(name, suffix) from error
+    return tuple(pieces)
+
+
+def _damaged(name: str, suffix: str) -> BadInput:
+    return BadInput(f"{name} cannot be read as {suffix.upper()}: it is damaged, was cut off, or is something else; export it again")
+
+
+def _without_tail(content: bytes) -> tuple[bytes, tuple[str, ...]]:
+    """A binary STL without what follows its triangles, and a sentence if there was something; other files as they are."""
+    whole = stl_length(content)
+    if not whole or len(content) <= whole:
+        return content, ()
+    return content[:whole], (f"left out {len(content) - whole} bytes after its last triangle",)
+
+
+def _is_coloured(content: bytes, suffix: str) -> bool:
+    """Whether an STL, OBJ or PLY file holds colours."""
+    if suffix == "ply":
+        return bool(re.search(rb"property\s+\w+\s+(red|diffuse_red)\b", content.partition(b"end_header")[0]))
+    if suffix == "obj":
+        return bool(re.search(rb"(?m)^[ \t]*(usemtl[ \t]|v(?:[ \t]+[-+.\deE]+){6,})", content))
+    if suffix != "stl" or stl_length(content) != len(content):
+        return False
+    words = np.frombuffer(content, np.uint8, offset=84).reshape(-1, 50)[:, 49]
+    return content.startswith(b"COLOR=") or bool((words & 0x80).any())  # Magics has it in the header, VisCAM in a bit of each face
 
 
 def _check_size(name: str, vertices: Floats, factor: float) -> None:
@@ -176,13 +320,39 @@ def _check_size(name: str, vertices: Floats, factor: float) -> None:
         return
     if length == 0.0:
         raise BadInput(f"{name} has no extent: all its vertices coincide")
-    guesses = [f"{unit} (--scale {other:g})" for unit, other in GUESSES.items() if SMALLEST <= length * other <= LARGEST]
-    hint = f"if its coordinates are {' or '.join(guesses)}, say so" if guesses else "give a factor with --scale"
+    fitting = [f"--unit {unit}" for unit, other in UNITS.items() if SMALLEST <= length * other <= LARGEST]
     shown = f"{length * factor:.0f}" if 100.0 <= length * factor < 1e9 else f"{length * factor:.3g}"
-    raise BadInput(f"{name} is {shown} mm long; parts must be {SMALLEST:g} to {LARGEST:g} mm: {hint}")
+    hint = f"say its unit, such as {' or '.join(fitting)}, or" if fitting else "say"
+    known = f"{name} is {shown} mm long; parts must be {SMALLEST:g} to {LARGEST:g} mm"
+    raise BadInput(f"{known}: {hint} how long it is to be, such as --size 120 for 120 mm")
 
 
-def save(mesh: SurfaceMesh, path: str | Path, *, name: str = "", fields: Mapping[str, Field] = NO_FIELDS) -> Path:
+def _ask(name: str, mesh: SurfaceMesh, factor: float) -> None:
+    """Refuse a part that can be printed hardly, if another unit makes a usual one of it; who means it so says its unit.
+
+    Args:
+        name: What to call the file.
+        mesh: The part [mm], as its unit is understood.
+        factor: Millimetres of a file unit.
+    """
+    longest, wall = float(mesh.extents.max()), float(2.0 * mesh.volume / mesh.face_areas.sum())  # exactly so of a sheet
+    if longest >= SMALL and wall >= THIN:
+        return
+    fitting = []
+    for unit, other in UNITS.items():
+        times = other / factor
+        if times > 1.0 and SMALL <= longest * times <= LARGEST and wall * times >= THIN:
+            fitting.append(f"--unit {unit} ({sides(mesh.vertices * times)})")
+    own = next((unit for unit, other in UNITS.items() if other == factor), "")
+    thin = f" with walls of {wall:.2g} mm all over" if wall < THIN else ""
+    so = f"--unit {own} if it is so small" if own else f"--scale {factor:g} if it is so small"
+    raise BadInput(
+        f"{name} would be {sides(mesh.vertices)}{thin}, which hardly anybody prints: say its unit, {', '.join([*fitting, so])}, "
+        "or how long it is to be, such as --size 120"
+    )
+
+
+def save(mesh: SurfaceMesh, path: str | Path, *, name: str = "", fields: Mapping[str, Field] = NO_FIELDS, sheen: Sheen = DULL) -> Path:
     """Write a surface in the format its suffix names; colours survive in OBJ, PLY, GLB and 3MF. The file appears whole or not at all.
 
     Args:
@@ -191,6 +361,7 @@ def save(mesh: SurfaceMesh, path: str | Path, *, name: str = "", fields: Mapping
         name: What the part is called in it, where the format has names; by default as it was loaded.
         fields: Values at its vertices by name, such as stress, shape [vertex_count]: properties in PLY, attributes in GLB, where `stress`
             is called `_STRESS`. Their units stay what they are.
+        sheen: How the surface reflects, where the format says so: GLB.
 
     Raises:
         BadInput: If the suffix is not one of FORMATS, cannot hold fields, or the place cannot be written to.
@@ -203,7 +374,7 @@ def save(mesh: SurfaceMesh, path: str | Path, *, name: str = "", fields: Mapping
         check_holds_fields(file)
     called = name or getattr(mesh, "name", "") or "part"
     try:
-        write_aside(file, _content_of(mesh, suffix, called, fields))
+        write_aside(file, _content_of(mesh, suffix, called, fields, sheen))
     except OSError as error:
         raise _no_room(file, error) from error
     return file
@@ -228,10 +399,10 @@ def check_holds_fields(path: str | Path) -> None:
         raise BadInput(f"{Path(path).name}: {suffix.upper()} holds no fields; use {' or '.join(MEASURED)}, or leave the fields out")
 
 
-def _content_of(mesh: SurfaceMesh, suffix: str, name: str, fields: Mapping[str, Field]) -> bytes:
+def _content_of(mesh: SurfaceMesh, suffix: str, name: str, fields: Mapping[str, Field], sheen: Sheen) -> bytes:
     if suffix == "3mf":
         return threemf_bytes(mesh, name)
-    return glb_bytes(mesh, name, fields) if suffix == "glb" else _exported(mesh, suffix, fields)
+    return glb_bytes(mesh, name, fields, sheen) if suffix == "glb" else _exported(mesh, suffix, fields)
 
 
 def _exported(mesh: SurfaceMesh, suffix: str, fields: Mapping[str, Field]) -> bytes:

@@ -1,4 +1,4 @@
-"""Writing binary glTF 2.0: one mesh in metres with y up, a dull material, colours at its vertices.
+"""Writing binary glTF 2.0: one mesh in metres with y up, of one material, dull by default, colours at its vertices.
 
 Colours at vertices are linear there (section 3.7.2.1 of the specification).
 Other fields are application-specific attributes, whose names begin with an underscore (section 3.7.2.1).
@@ -10,7 +10,7 @@ import json
 import struct
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +20,6 @@ from mechstyle.geometry.upright import upright
 from mechstyle.records.mesh import Field, SurfaceMesh
 
 METRES = 1e-3
-ROUGHNESS = 0.8
-"""Of a printed surface, which is no mirror and no metal."""
 PLAIN = 0.8
 """Linear reflectance of a part without colours."""
 
@@ -29,19 +27,31 @@ _FLOAT, _SHORT, _INT = 5126, 5123, 5125
 _VERTICES, _INDICES = 34962, 34963
 
 
-def glb_bytes(mesh: SurfaceMesh, name: str, fields: Mapping[str, Field] = MappingProxyType({})) -> bytes:
+class Sheen(NamedTuple):
+    """How a surface reflects, as glTF has it, both in [0, 1]; by default as a print does, which is no mirror and no metal."""
+
+    metallic: float = 0.0
+    roughness: float = 0.8
+
+
+DULL = Sheen()
+"""That of a print."""
+
+
+def glb_bytes(mesh: SurfaceMesh, name: str, fields: Mapping[str, Field] = MappingProxyType({}), sheen: Sheen = DULL) -> bytes:
     """A GLB file; the same mesh gives the same bytes.
 
     Args:
         mesh: The part [mm], z up.
         name: What it is called in the scene.
         fields: Finite values at its vertices by name, shape [vertex_count]: `stress` becomes the attribute `_STRESS`.
+        sheen: How it reflects.
     """
     buffer = _Buffer()
     positions = np.asarray(mesh.vertices @ upright("y") * METRES, np.float32)
     limits = {"min": positions.min(axis=0).tolist(), "max": positions.max(axis=0).tolist()}
     attributes = {"POSITION": buffer.accessor(positions, _FLOAT, "VEC3", _VERTICES, **limits)}
-    shaded: dict[str, Any] = {"metallicFactor": 0.0, "roughnessFactor": ROUGHNESS}
+    shaded: dict[str, Any] = {"metallicFactor": sheen.metallic, "roughnessFactor": sheen.roughness}
     document: dict[str, Any] = {"asset": {"version": "2.0", "generator": "MechStyle"}, "scene": 0}
     if mesh.colours is not None:
         attributes["COLOR_0"] = buffer.accessor(_linear(mesh.colours), _SHORT, "VEC4", _VERTICES, normalized=True)

@@ -76,12 +76,23 @@ def is_container(mesh: SurfaceMesh) -> bool:
 
 def openness(mesh: SurfaceMesh, *, device: str = "cpu") -> Floats:
     """Share of the sky each vertex sees past the part itself, as a diffuse light would shine on it, in [0, 1], shape [vertex_count]."""
-    tree, count = TriangleTree(mesh.vertices, mesh.faces, device), len(mesh.vertices)
-    normals: Any = wp.array(mesh.vertex_normals.astype(np.float32), dtype=wp.vec3, device=device)
-    rays: Any = wp.array(_cosine_directions(RAYS), dtype=wp.vec3, device=device)
-    escaped: Any = wp.empty(count, dtype=wp.int32, device=device)
-    inputs = [tree.id, tree.points(mesh.vertices), normals, rays, 1e-4 * mesh.size, 2.0 * mesh.size, escaped]
-    wp.launch(count_escapes, dim=count, inputs=inputs, device=device)
+    return escaping(TriangleTree(mesh.vertices, mesh.faces, device), mesh.vertices, mesh.vertex_normals, mesh.size)
+
+
+def escaping(tree: TriangleTree, points: Floats, normals: Floats, size: float) -> Floats:
+    """Share of a diffuse light at points, shape [n, 3], that gets past a surface, in [0, 1], shape [n].
+
+    Args:
+        tree: The surface.
+        points: Positions on it [mm], shape [n, 3].
+        normals: Unit vectors to the side that is lit, shape [n, 3].
+        size: Of the surface [mm].
+    """
+    towards: Any = wp.array(normals.astype(np.float32), dtype=wp.vec3, device=tree.device)
+    rays: Any = wp.array(_cosine_directions(RAYS), dtype=wp.vec3, device=tree.device)
+    escaped: Any = wp.empty(len(points), dtype=wp.int32, device=tree.device)
+    inputs = [tree.id, tree.points(points), towards, rays, 1e-4 * size, 2.0 * size, escaped]
+    wp.launch(count_escapes, dim=len(points), inputs=inputs, device=tree.device)
     return np.asarray(escaped.numpy() / RAYS, dtype=np.float64)
 
 

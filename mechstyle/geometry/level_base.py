@@ -135,18 +135,14 @@ def flat_faces(surface: SurfaceMesh) -> tuple[FlatFace, ...]:
     count = len(surface.vertices)
     ends = (np.concatenate([corners[:, 0], corners[:, 1]]), np.concatenate([corners[:, 1], corners[:, 2]]))
     body = connected_components(sp.coo_array((np.ones(len(ends[0])), ends), shape=(count, count)).tocsr(), directed=False)[1]
-    return tuple(_flat_face(corners[here], areas[here], rests, share) for here in _groups(body[corners[:, 0]]))
-
-
-def _groups(labels: Indices) -> list[Bools]:
-    return [labels == label for label in np.unique(labels)]
-
-
-def _flat_face(corners: Indices, areas: Floats, rests: Floats, share: Floats) -> FlatFace:
-    vertices, places = np.unique(corners, return_inverse=True)
-    within = np.where(share[vertices] == 1.0, rests[vertices], 0.0)
-    weights = within if within.sum() > 0.5 * areas.sum() else rests[vertices]
-    return FlatFace(places.reshape(-1, 3).astype(np.int32), areas, vertices.astype(np.int32), share[vertices], weights)
+    found = []
+    for label in np.unique(body[corners[:, 0]]):
+        here = body[corners[:, 0]] == label
+        vertices, places = np.unique(corners[here], return_inverse=True)
+        within = np.where(share[vertices] == 1.0, rests[vertices], 0.0)
+        weights = within if within.sum() > 0.5 * areas[here].sum() else rests[vertices]
+        found.append(FlatFace(places.reshape(-1, 3).astype(np.int32), areas[here], vertices.astype(np.int32), share[vertices], weights))
+    return tuple(found)
 
 
 def _quantile(values: Floats, weights: Floats, quantile: float) -> float:

@@ -104,7 +104,11 @@ class Morph:
             if not bad.any():
                 return self._result(moved, request, accepted)
             rounds += 1
-            share[self._to_reduce(bad, rings=rounds // WIDEN_EVERY)] *= FACTOR
+            for _ in range(rounds // WIDEN_EVERY):  # rings around the bad ones
+                touched = np.zeros(len(self.tets.vertices), dtype=bool)
+                touched[self.tets.tets[bad]] = True
+                bad = np.any(touched[self.tets.tets], axis=1, keepdims=True)[:, 0]
+            share[np.unique(self._nearest_outer[self.tets.tets[bad]])] *= FACTOR  # for an inner node the nearest on the boundary
             made_for = self.at.astype(np.float64)
             accepted = (made_for + (request - made_for) * (self._onto_surface @ share)).astype(np.float32)
 
@@ -138,15 +142,6 @@ class Morph:
             if not lifted[spoilt].any():
                 return lifted
             lifted[spoilt] = 0.0
-
-    def _to_reduce(self, bad: NDArray[np.bool_], rings: int) -> NDArray[np.int32]:
-        """Boundary nodes of the bad tetrahedra and of `rings` rings around them; for inner nodes the nearest boundary node."""
-        tets = self.tets.tets
-        for _ in range(rings):
-            touched = np.zeros(len(self.tets.vertices), dtype=bool)
-            touched[tets[bad]] = True
-            bad = np.any(touched[tets], axis=1, keepdims=True)[:, 0]
-        return np.asarray(np.unique(self._nearest_outer[tets[bad]]))
 
     def _result(self, moved: TetMesh, request: NDArray[np.float32], accepted: NDArray[np.float32]) -> Morphed:
         lost = np.abs(request.astype(np.float64) - accepted)

@@ -105,9 +105,9 @@ def changes_of(shown: Bools) -> int:
 
 
 def cheaper(paint: Painted, layer: float = LAYER) -> list[PrintCost]:
-    """What the part would cost with fewer of its filaments, one less each time, leaving out the one that saves most changes."""
+    """What the part would cost with fewer of its filaments, down to one, leaving out the one that saves most changes each time."""
     offers, now = [], paint
-    while (used := np.unique(now.filament)).size > 2:
+    while (used := np.unique(now.filament)).size > 1:
         now = min((_without(now, int(one)) for one in used), key=lambda other: changes_of(colours_by_layer(other, layer)))
         offers.append(print_cost(now, layer))
     return offers

@@ -1,4 +1,4 @@
-"""From triangles as files have them to one closed, outward, manifold body; every repair is said in words."""
+"""From triangles as files have them to closed, outward, manifold solids; every repair is said in words."""
 
 from __future__ import annotations
 
@@ -13,9 +13,11 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from mechstyle.errors import BadInput, SimulationFailed
-from mechstyle.geometry.remesh import manifold_of, surface_of
-from mechstyle.geometry.self_intersections import encloses, overlaps
-from mechstyle.geometry.tetwild import Settings, tetwild
+from mechstyle.geometry.inside_outside import escaping
+from mechstyle.geometry.proximity import TriangleTree
+from mechstyle.geometry.remeshing.crossings import overlaps
+from mechstyle.geometry.remeshing.evening import manifold_of, surface_of
+from mechstyle.geometry.remeshing.tetwild import Settings, tetwild
 from mechstyle.records.mesh import Floats, Indices, SurfaceMesh, TetMesh
 
 HAIRLINE = 1e-4
@@ -24,50 +26,50 @@ LARGEST_HOLE = 0.02
 """An opening larger than this share of the surface is no hole but a missing side, and filling it would invent a body."""
 CROOKED = 1.5
 """A fan with more than this many times the area of its opening is folded: the opening is a crack and not a hole."""
-DEBRIS = 1e-3
-"""Bodies smaller than this share of the largest are dropped."""
 FLATTEST = 0.01
 """Thickness below which something is a sheet and no body [mm]."""
 INSIDE = 0.99
 """A shell that faces inwards is a cavity if this share of it lies within a body; else it is a body inside out."""
+NEARLY, SEEN = 0.96, 0.02
+"""Where a face is looked at, from its middle to its corners, and the share of rays that get out from what is seen from outside."""
 REMESH_TIMEOUT = 120.0
 """Seconds for fTetWild."""
 
 
-def repaired(vertices: Floats, faces: NDArray[np.int64], name: str) -> tuple[SurfaceMesh, tuple[str, ...]]:
-    """Make one closed body of a triangle soup; also returns the repairs, one sentence each.
+def solids_of(vertices: Floats, faces: NDArray[np.int64], name: str, notes: list[str]) -> list[Any]:
+    """Make closed solids of a triangle soup, as Manifolds; what it took is added to the notes, one sentence each.
 
-    A single body whose surface cuts through itself is closed and therefore left as it is, and said.
+    A solid whose surface cuts through itself is closed and therefore left as it is.
 
     Args:
         vertices: Positions [mm], shape [n, 3].
         faces: Vertex indices, shape [m, 3].
         name: What to call the file in a refusal.
+        notes: What was done so far.
 
     Raises:
-        BadInput: If it encloses nothing, cannot be closed, or consists of separate bodies.
+        BadInput: If it encloses nothing or cannot be closed.
     """
-    notes: list[str] = []
     surface = _welded(vertices, faces, notes)
     if not len(surface.faces):
         raise BadInput(f"{name} holds no triangle with an area: export it again from the program it was made with")
     if _is_flat(surface):
         raise BadInput(f"{name} is flat and encloses no volume: give it a thickness, and export it again")
-    whole = surface_of(_one_body(_closed(surface, name, notes), name, notes))
-    return whole, (*notes, *_overlaps(whole))
+    return _solids(_closed(surface, name, notes), name, notes)
 
 
-def _overlaps(surface: SurfaceMesh) -> tuple[str, ...]:
+def overlaps_of(surface: SurfaceMesh) -> tuple[str, ...]:
     """A sentence on where the surface passes through itself, none if it does not."""
     places = overlaps(surface)
     if not len(places):
         return ()
     named = ", ".join(f"({x:.1f}, {y:.1f}, {z:.1f})" for x, y, z in places[:3]) + (", ..." if len(places) > 3 else "")
-    where = f"in {_counted(len(places), 'place', 'places')}, around {named} mm"
+    where = f"in {counted(len(places), 'place', 'places')}, around {named} mm"
     return (f"its surface passes through itself {where}: what is inside twice counts once; unite it in the program it was made with",)
 
 
-def _counted(number: int, thing: str, things: str) -> str:
+def counted(number: int, thing: str, things: str) -> str:
+    """A number of things in words."""
     return f"{number} {thing if number == 1 else things}"
 
 
@@ -89,13 +91,13 @@ def _welded(vertices: Floats, faces: NDArray[np.int64], notes: list[str]) -> Sur
     before = len(mesh.vertices)
     mesh.merge_vertices()
     if len(mesh.vertices) < before:
-        notes.append(f"welded {_counted(before - len(mesh.vertices), 'duplicate vertex', 'duplicate vertices')}")
+        notes.append(f"welded {counted(before - len(mesh.vertices), 'duplicate vertex', 'duplicate vertices')}")
     surface = SurfaceMesh(mesh.vertices, mesh.faces)
     lowest_first = (surface.faces.argmin(axis=1)[:, None] + np.arange(3)) % 3
     kept = _without_repeats(surface, np.take_along_axis(surface.faces, lowest_first, axis=1))
     dropped = len(surface.faces) - len(kept.faces)
     if dropped:
-        notes.append(f"dropped {_counted(dropped, 'degenerate or repeated face', 'degenerate or repeated faces')}")
+        notes.append(f"dropped {counted(dropped, 'degenerate or repeated face', 'degenerate or repeated faces')}")
     return kept
 
 
@@ -122,7 +124,7 @@ def _is_flat(surface: SurfaceMesh) -> bool:
 def _closed(surface: SurfaceMesh, name: str, notes: list[str]) -> Any:
     """The surface as a valid Manifold of positive volume, mended no more than it takes."""
     body = _accepted(surface)
-    for mend in (_joined, _wound, _emptied, _plugged):
+    for mend in (_joined, _wound, _emptied, _wound, _plugged):
         if body is None:
             surface = mend(surface, name, notes)
             body = _accepted(surface)
@@ -130,7 +132,7 @@ def _closed(surface: SurfaceMesh, name: str, notes: list[str]) -> Any:
         body = _from_inside(surface, name, notes)
     if body.volume() < 0:
         notes.append("turned its faces outwards")
-        body = _inside_out(body)
+        body = inside_out(body)
     return body
 
 
@@ -140,7 +142,8 @@ def _accepted(surface: SurfaceMesh) -> Any | None:
     return body if body.status() == manifold3d.Error.NoError and not body.is_empty() else None
 
 
-def _inside_out(body: Any) -> Any:
+def inside_out(body: Any) -> Any:
+    """The same surface, facing the other way."""
     surface = surface_of(body)
     return manifold_of(SurfaceMesh(surface.vertices, surface.faces[:, ::-1]))
 
@@ -175,7 +178,7 @@ def _wound(surface: SurfaceMesh, _name: str, notes: list[str]) -> SurfaceMesh:
     """Copies of faces dropped, whichever way they face, and every shell wound one way: that of most of its area."""
     single = _without_repeats(surface, np.sort(surface.faces, axis=1))
     if len(single.faces) < len(surface.faces):
-        notes.append(f"dropped {_counted(len(surface.faces) - len(single.faces), 'face', 'faces')} with another back to back")
+        notes.append(f"dropped {counted(len(surface.faces) - len(single.faces), 'face', 'faces')} with another back to back")
     mesh = trimesh.Trimesh(single.vertices, single.faces, process=False)
     with np.errstate(divide="ignore", invalid="ignore"):  # of flat parts, whose volume it divides by
         trimesh.repair.fix_winding(mesh)  # type: ignore[no-untyped-call]  # trimesh annotates in part
@@ -189,20 +192,62 @@ def _wound(surface: SurfaceMesh, _name: str, notes: list[str]) -> SurfaceMesh:
 
 
 def _emptied(surface: SurfaceMesh, _name: str, notes: list[str]) -> SurfaceMesh:
-    """Loose sheets dropped that lie within what is closed: they enclose nothing, and their rims are no openings of what is around them."""
-    piece = _linked(surface.edges, len(surface.vertices))
-    sheet = np.isin(piece, piece[_rim(surface)])
-    whole = ~sheet[surface.faces[:, 0]]
-    if not sheet.any() or not whole.any():
+    """Sheets without thickness dropped that lie within what is closed without them: loose ones, and walls that were left inside.
+
+    They end where an edge has not two faces, and from neither side of them a ray gets out. One after the other is tried, the smallest
+    first, so that of the wall across a cavity not the cavity is taken; then all at once, as of walls that cross.
+    """
+    patch, sizes = _patches(surface)
+    hidden = [number for number in np.argsort(sizes) if number in _inner(surface, patch)]
+    dropped: set[int] = set()
+    for tried in ({number} for number in hidden):
+        if _closes(surface, patch, dropped | tried, tried):
+            dropped |= tried
+    if not dropped and hidden and _closes(surface, patch, set(hidden), set(hidden)):
+        dropped = set(hidden)
+    if not dropped:
         return surface
-    around = _of(surface.vertices, surface.faces[whole])
-    outside = piece[sheet][~encloses(around, surface.vertices[sheet])]
-    within = sheet & ~np.isin(piece, outside)
-    if not within.any():
-        return surface
-    number = len(np.unique(piece[within]))
-    notes.append(f"dropped {_counted(number, 'sheet', 'sheets')} without thickness inside it")
-    return _of(surface.vertices, surface.faces[~within[surface.faces[:, 0]]])
+    notes.append(f"dropped {counted(len(dropped), 'sheet', 'sheets')} without thickness inside it")
+    return _of(surface.vertices, surface.faces[~np.isin(patch, list(dropped))])
+
+
+def _patches(surface: SurfaceMesh) -> tuple[NDArray[np.int32], Floats]:
+    """The piece of surface of each face that edges of two faces connect, shape [face_count], and the area of each piece [mm²]."""
+    edge, count = _edges_of(surface)
+    order = np.argsort(edge, kind="stable")
+    pairs = order[np.flatnonzero(count[edge[order]] == 2)].reshape(-1, 2) // 3
+    patch = _linked(pairs, len(surface.faces)).astype(np.int32)
+    return patch, np.bincount(patch, surface.face_areas).astype(np.float64)
+
+
+def _edges_of(surface: SurfaceMesh) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """The number of the edge of each of three sides of each face, shape [3 * face_count], and how many faces each edge has."""
+    sides = np.sort(surface.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    _, edge, count = np.unique(sides, axis=0, return_inverse=True, return_counts=True)
+    return edge.reshape(-1), count
+
+
+def _inner(surface: SurfaceMesh, patch: NDArray[np.int32]) -> set[int]:
+    """The pieces that end at edges of not two faces, and of which nothing is seen from outside."""
+    edge, count = _edges_of(surface)
+    ending = np.unique(patch[np.flatnonzero(count[edge] != 2) // 3])
+    faces = np.flatnonzero(np.isin(patch, ending) & (surface.face_areas > 0.0))
+    corners, middles = surface.corners[faces], surface.corners[faces].mean(axis=1, keepdims=True)
+    points = np.concatenate([middles, middles + NEARLY * (corners - middles)], axis=1).reshape(-1, 3)
+    normals = np.repeat(surface.face_normals[faces], 4, axis=0)
+    tree = TriangleTree(surface.vertices, surface.faces)
+    seen = np.maximum(*(escaping(tree, points, way * normals, surface.size) for way in (1.0, -1.0)))
+    most = np.zeros(int(patch.max()) + 1)
+    np.maximum.at(most, np.repeat(patch[faces], 4), seen)
+    return {int(number) for number in ending if most[number] < SEEN}
+
+
+def _closes(surface: SurfaceMesh, patch: NDArray[np.int32], dropped: set[int], now: set[int]) -> bool:
+    """Whether without some pieces every edge of those that are dropped now has two faces or none."""
+    edge, count = _edges_of(surface)
+    of_dropped = np.bincount(edge[np.repeat(np.isin(patch, list(dropped)), 3)], minlength=len(count))
+    left = (count - of_dropped)[edge[np.repeat(np.isin(patch, list(now)), 3)]]
+    return bool(np.isin(left, (0, 2)).all()) and len(dropped) <= int(patch.max())
 
 
 class _Openings(NamedTuple):
@@ -255,7 +300,7 @@ def _plugged(surface: SurfaceMesh, name: str, notes: list[str]) -> SurfaceMesh:
         return surface
     fans = np.isin(openings.number, round_ones)
     rim, middle = openings.rim[fans], len(surface.vertices) + openings.number[fans]
-    notes.append(f"closed {_counted(len(round_ones), 'hole', 'holes')} of {_area(openings.areas[round_ones].sum())} in all")
+    notes.append(f"closed {counted(len(round_ones), 'hole', 'holes')} of {_area(openings.areas[round_ones].sum())} in all")
     plugs = np.stack([rim[:, 1], rim[:, 0], middle], axis=1)
     return _of(np.vstack([surface.vertices, openings.middles]), np.vstack([surface.faces, plugs]))
 
@@ -281,51 +326,32 @@ def _boundary(vertices: Floats, tets: NDArray[np.int32]) -> SurfaceMesh:
     return _of(vertices, TetMesh(vertices, upright).boundary_faces)
 
 
-# --- one body -----------------------------------------------------------------------------------------------------
+# --- solids -------------------------------------------------------------------------------------------------------
 
 
-def _one_body(body: Any, name: str, notes: list[str]) -> Any:
-    """Specks dropped, shells that are inside out turned, cavities kept, overlapping bodies united; separate ones refused."""
+def _solids(body: Any, name: str, notes: list[str]) -> list[Any]:
+    """The solids of a closed surface: flat shells dropped, those that are inside out turned, cavities taken out of what they lie in."""
     # twice the volume over the surface is the thickness of a sheet
     found = body.decompose()
     shells = [shell for shell in found if 2 * abs(shell.volume()) > FLATTEST * shell.surface_area()]
     if not shells:
         raise BadInput(f"{name} encloses no volume: give it a thickness, and export it again")
-    least = DEBRIS * max(abs(shell.volume()) for shell in shells)
-    solids = [shell for shell in shells if shell.volume() >= least]
-    inward = [_inside_out(shell) for shell in shells if shell.volume() < 0]
-    hosts = [_host(shell, solids) for shell in inward]
-    turned = [shell for shell, host in zip(inward, hosts, strict=True) if host is None and shell.volume() >= least]
-    cavities = [(shell, host) for shell, host in zip(inward, hosts, strict=True) if host is not None]
-    specks = len(found) - len(solids) - len(turned) - len(cavities)
-    if specks:
-        notes.append(f"dropped {_counted(specks, 'speck', 'specks')} smaller than {DEBRIS:.1%} of the part")
+    solids = [shell for shell in shells if shell.volume() > 0]
+    inward = [inside_out(shell) for shell in shells if shell.volume() < 0]
+    hosts = [host_of(shell, solids) for shell in inward]
+    turned = [shell for shell, host in zip(inward, hosts, strict=True) if host is None]
+    if flat := len(found) - len(shells):
+        notes.append(f"left out {counted(flat, 'sheet', 'sheets')} that enclosed nothing")
     if turned:
-        notes.append(f"turned {_counted(len(turned), 'body', 'bodies')} outwards")
-    if len(solids) == 1 and not (turned or specks):
-        return body
-    for shell, host in cavities:
-        solids[host] -= shell
-    return _united(solids + turned, name, notes)
+        notes.append(f"turned {counted(len(turned), 'body', 'bodies')} outwards")
+    if len(solids) == 1 and not (turned or flat):
+        return [body]
+    for shell, host in zip(inward, hosts, strict=True):
+        if host is not None:
+            solids[host] -= shell
+    return solids + turned
 
 
-def _host(shell: Any, solids: list[Any]) -> int | None:
+def host_of(shell: Any, solids: list[Any]) -> int | None:
     """The first of the solids that a shell lies within; a second one around it fills it again. None if there is none."""
     return next((index for index, solid in enumerate(solids) if (solid ^ shell).volume() >= INSIDE * shell.volume()), None)
-
-
-def _united(solids: list[Any], name: str, notes: list[str]) -> Any:
-    """The union of the solids, which must be one body."""
-    union = manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add)
-    parts = sorted((part for part in union.decompose() if part.volume() > 0), key=lambda part: -part.volume())
-    if len(parts) > 1:
-        sizes = ", ".join(_size(part) for part in parts[:4]) + (", ..." if len(parts) > 4 else "")
-        raise BadInput(f"{name} holds {len(parts)} separate bodies ({sizes}): a drop test needs one; join them, or save one alone")
-    if len(solids) > 1:
-        notes.append(f"united {len(solids)} overlapping bodies")
-    return union
-
-
-def _size(body: Any) -> str:
-    low, high = np.reshape(body.bounding_box(), (2, 3))
-    return " x ".join(f"{side:.1f}" for side in high - low) + " mm"

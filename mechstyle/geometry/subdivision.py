@@ -1,8 +1,6 @@
-"""Cutting the faces of a surface smaller without moving it; the vertices of the coarse surface stay the first of the fine one."""
+"""Cutting the faces of a surface smaller without moving it; the vertices of the surface stay the first."""
 
 from __future__ import annotations
-
-from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
@@ -14,31 +12,11 @@ NEARLY = 0.9
 """Share of the wanted vertices from which on the rest comes from halving the longest edges, instead of cutting all of them once more."""
 
 
-class Subdivided(NamedTuple):
-    """A surface in smaller faces.
-
-    Attributes:
-        mesh: The finer surface of the same shape; the vertices of the coarse one come first.
-        interpolation: Takes values at the coarse vertices to the fine ones, linear on every coarse face, shape [fine_count, coarse_count].
-    """
-
-    mesh: SurfaceMesh
-    interpolation: sp.csr_array
-
-    @property
-    def nearest(self) -> Indices:
-        """Coarse vertex that counts most at each fine one, of equals the first, shape [fine_count]."""
-        matrix = self.interpolation.tocoo()
-        order = np.lexsort((-matrix.col, matrix.data, matrix.row))
-        last = np.flatnonzero(np.diff(matrix.row[order], append=-1))
-        return matrix.col[order][last].astype(np.int32)
-
-
-def refined_to(mesh: SurfaceMesh, vertices: int, *, most_parts: int) -> Subdivided:
+def refined_to(mesh: SurfaceMesh, vertices: int, *, most_parts: int) -> SurfaceMesh:
     """A closed surface with at least a number of vertices, evenly cut; fewer where edges may not be cut into so many parts.
 
     Args:
-        mesh: The coarse surface.
+        mesh: The surface.
         vertices: Vertices wanted.
         most_parts: Parts that an edge is cut into at most.
     """
@@ -47,13 +25,10 @@ def refined_to(mesh: SurfaceMesh, vertices: int, *, most_parts: int) -> Subdivid
     # A closed surface has three edges for each vertex, but for six, of which each is cut in k - 1 places: k² (n - 2) + 2 in all.
     missing = int(np.ceil((vertices - 2) / parts**2)) + 2 - count
     topped = halved(mesh, missing if 0 < missing <= count * (1.0 / NEARLY - 1.0) + 2 else 0)
-    finer = subdivided(topped.mesh, parts)
-    interpolation = sp.csr_array(finer.interpolation @ topped.interpolation)
-    interpolation.sort_indices()
-    return Subdivided(finer.mesh, interpolation)
+    return subdivided(topped, parts)
 
 
-def subdivided(mesh: SurfaceMesh, parts: int = 2) -> Subdivided:
+def subdivided(mesh: SurfaceMesh, parts: int = 2) -> SurfaceMesh:
     """Cut every edge into so many equal parts, and every face into their square; colours are interpolated."""
     count, edges = len(mesh.vertices), mesh.edges.astype(np.int64)
     inner = np.arange(1, parts)
@@ -71,7 +46,7 @@ def subdivided(mesh: SurfaceMesh, parts: int = 2) -> Subdivided:
     return _with_faces(mesh, matrix, _cut_faces(mesh.faces, _along_edges(mesh.faces, edges, count, parts), inside, parts))
 
 
-def halved(mesh: SurfaceMesh, count: int) -> Subdivided:
+def halved(mesh: SurfaceMesh, count: int) -> SurfaceMesh:
     """Halve the longest edges, as many as are wanted and do not share a face."""
     chosen = _longest_apart(mesh, count)
     edges, total = mesh.edges, len(mesh.vertices)
@@ -90,9 +65,9 @@ def halved(mesh: SurfaceMesh, count: int) -> Subdivided:
     return _with_faces(mesh, matrix, np.concatenate(faces))
 
 
-def _with_faces(mesh: SurfaceMesh, matrix: sp.csr_array, faces: NDArray[np.integer]) -> Subdivided:
+def _with_faces(mesh: SurfaceMesh, matrix: sp.csr_array, faces: NDArray[np.integer]) -> SurfaceMesh:
     colours = None if mesh.colours is None else matrix @ mesh.colours
-    return Subdivided(SurfaceMesh(matrix @ mesh.vertices, faces.astype(np.int32), colours), matrix)
+    return SurfaceMesh(matrix @ mesh.vertices, faces.astype(np.int32), colours)
 
 
 def _edges_of_faces(faces: Indices, edges: NDArray[np.integer], count: int) -> NDArray[np.int64]:

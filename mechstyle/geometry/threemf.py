@@ -78,12 +78,13 @@ def threemf_bytes(
     shown = paint
     if shown is None and mesh.colours is not None:
         shown = painted(mesh, clustered(mesh.colours, MOST), line=0.0)
-    key = "" if paint is None else "slic3rpe:mmu_segmentation" if _strict(slicer) else "paint_color"
+    painting = paint is not None and len(paint.palette) > 1  # of one filament nothing is painted, and any printer takes the file
+    key = "" if not painting else "slic3rpe:mmu_segmentation" if _strict(slicer) else "paint_color"
     attributes = [""] * len(mesh.faces) if shown is None else _coloured(shown.filament[mesh.faces], key)
     palette = () if shown is None else shown.palette
     thing = _object(1, called, mesh, attributes, 0 if palette else None)
     settings = {} if paint is None or _strict(slicer) else _bambu_settings(called, palette, filament_type, 1, [])
-    return _package(_model(called, palette, thing, 1, painting=paint is not None and _strict(slicer)), settings)
+    return _package(_model(called, palette, thing, 1, painting=painting and _strict(slicer)), settings)
 
 
 def bodies_bytes(

@@ -6,7 +6,7 @@ is simulated, how stress becomes a mask and when to simulate are collaborators d
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Protocol
@@ -81,20 +81,18 @@ class Simulator(Protocol):
         """Verdict on a simulation beside the unstylized part, or `alone` on that part itself."""
 
 
-class Delivery(Protocol):
-    """What becomes of a finished surface before it is printed: the one that the last test is about."""
+Untangle = Callable[[Field], Field]
+"""What is left of a relief [mm], shape [vertex_count], where the surface would pass through itself."""
 
-    def tested(self, state: Checkpoint) -> Simulation:
-        """The test in all landings of what is delivered for a state, on the vertices of the loop; its displacement is the state's.
 
-        Args:
-            state: Of the last iteration; its parent is stored, itself it need not be.
-        """
+def as_it_is(relief: Field) -> Field:
+    """The relief of a surface that is never looked at for passing through itself."""
+    return relief
 
 
 @dataclass(frozen=True)
 class Engine:
-    """One lane of one store, carried on from wherever it stands to the end of its recipe; `delivery` is None if its last surface is."""
+    """One lane of one store, carried on to the end of its recipe; finished reliefs are untangled before they are simulated."""
 
     recipe: Recipe
     surface: SurfaceMesh
@@ -103,7 +101,7 @@ class Engine:
     simulator: Simulator
     store: Store
     lane: str = "main"
-    delivery: Delivery | None = None
+    untangled: Untangle = as_it_is
 
     def run(self) -> Iterator[Event]:
         """Carry the lane on to its end, yielding what happens; stopping between two events loses nothing that was yielded."""
@@ -230,15 +228,10 @@ class Engine:
         return schedule.due(self.recipe, progress)
 
     def _simulated(self, state: Checkpoint, reason: str) -> tuple[Checkpoint, Simulated]:
-        """Simulate; the new demand restrains what comes next.
-
-        What the tets could not follow is taken out of D, unless D was drawn finer for it: that is known of the finer surface only.
-        """
+        """Simulate; the new demand restrains what comes next, and what the tetrahedra could not follow is taken out of D."""
         last, state = state.iteration == self.recipe.iterations, replace(state, reason=reason)
-        if last and self.delivery is not None:
-            simulation = self.delivery.tested(state)
-        else:
-            simulation = self.simulator.simulate(state.displacement, thorough=last)
+        relief = self.untangled(state.displacement) if last else state.displacement
+        simulation = self.simulator.simulate(relief, thorough=last)
         verdict = self.simulator.judge(simulation)
         state = replace(state, displacement=simulation.displacement, simulated_at=state.iteration, verdict=verdict)
         if not simulation.failure:

@@ -130,10 +130,6 @@ def demand(recipe: Recipe) -> Quantity:
     return _against(recipe.threshold, "demand", DEMAND_LABELS[recipe.normalisation])
 
 
-def _yes_or_no(value: float) -> str:
-    return "yes" if value >= 0.5 else "no"
-
-
 def _against(threshold: float, name: str, label: str, unit: str = "") -> Quantity:
     return Quantity(name, label, unit, (0.0, ROOM_ABOVE * threshold), threshold)
 
@@ -171,7 +167,10 @@ RESTRAINT = Quantity(
 DISPLACEMENT = Quantity("displacement", "displacement along the normal", "mm", note="positive is outwards", mirrored=True)
 ADDED = Quantity("added", "added along the normal", "mm", least=(0.0, 0.1), note="what strengthening put on")
 THICKNESS = Quantity("thickness", "wall thickness", "mm")
-CONTACT = Quantity("contact", "touched the floor", least=(0.0, 1.0), note="1 = touched the floor as placed", said=_yes_or_no)
+CONTACT = Quantity(
+    "contact", "touched the floor", least=(0.0, 1.0), note="1 = touched the floor as placed",
+    said=lambda value: "yes" if value >= 0.5 else "no",
+)  # fmt: skip
 
 
 TITLES = {
@@ -250,7 +249,12 @@ def known(
         Known.of(quantity, quantity.of(state), *seen.get(quantity.name, ()), note=aged.get(quantity.name, decides))
         for quantity in (_of_the_test(one, row) for one in quantities(recipe, limit_of(recipe, verdict)))
     ]
-    return (*held, Known.of(THICKNESS, thickness), *(() if simulation is None else _of_simulation(simulation, verdict, when)))
+    held.append(Known.of(THICKNESS, thickness))
+    if simulation is not None:  # which alone knows contact, and the stress of each test that has a row
+        rows = () if verdict is None or simulation.failure else verdict.rows
+        found = [CONTACT, *(TESTS[row.test](row) for row in rows if row.test in TESTS)]
+        held += [Known.of(quantity, quantity.of(simulation), note=_joined(quantity.note, when)) for quantity in found]
+    return tuple(held)
 
 
 def _of_the_test(quantity: Quantity, row: Row | None) -> Quantity:
@@ -258,13 +262,6 @@ def _of_the_test(quantity: Quantity, row: Row | None) -> Quantity:
     if quantity.source != "stress" or row is None or row.test == "published rule":
         return quantity
     return replace(quantity, tested=lambda simulation: simulation.stress_of(landing=row.landing, load=row.load))
-
-
-def _of_simulation(simulation: Simulation, verdict: Verdict | None, when: str) -> list[Known]:
-    """The fields only a simulation holds: contact, and the stress of each test that has a row."""
-    rows = () if verdict is None or simulation.failure else verdict.rows
-    found = [CONTACT, *(TESTS[row.test](row) for row in rows if row.test in TESTS)]
-    return [Known.of(quantity, quantity.of(simulation), note=_joined(quantity.note, when)) for quantity in found]
 
 
 def _joined(*notes: str | None) -> str:

@@ -10,12 +10,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mechstyle._files import write_whole
-from mechstyle.errors import unknown
+from mechstyle.errors import BadInput, unknown
 from mechstyle.pictures import fields
 from mechstyle.pictures.fields import Known, Quantity
-from mechstyle.pictures.png import as_png
 from mechstyle.records import Checkpoint, Recipe, Verdict, sentences
 from mechstyle.records.mesh import SurfaceMesh
+
+
+def as_png(path: str | Path) -> Path:
+    """The path of a picture; BadInput, with a better one, if it is not called PNG."""
+    target = Path(path)
+    if target.suffix.lower() != ".png":
+        raise BadInput(f"pictures are written as PNG: give {target.with_suffix('.png')} instead of {target}")
+    return target
+
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -123,29 +131,23 @@ def picture(panels: Sequence[Panel], *, title: str = "", columns: int | None = N
     return Picture(figure_png(panels, title=title, columns=columns))
 
 
-def comparison(
-    original: SurfaceMesh,
-    start: Checkpoint,
-    finals: Sequence[tuple[str, Checkpoint, Recipe]],
-    delivered: Sequence[SurfaceMesh | None],
-) -> Picture:
+def comparison(original: SurfaceMesh, start: Checkpoint, finals: Sequence[tuple[str, Checkpoint, Recipe]]) -> Picture:
     """The plain part beside several results of one prompt: look above, stress of the test that decides below and from underneath.
 
     Args:
         original: The unstylized surface.
         start: Its checkpoint.
         finals: Name, last checkpoint and recipe of each result.
-        delivered: The surface each result looks like; None for that of its checkpoint.
     """
     from mechstyle.pictures.figure import Panel  # noqa: PLC0415 — as above
 
     rows: list[list[Panel]] = [[], [], []]
     shown = [("plain part", start, finals[0][2]), *finals]
     highest = [float(state.stress.max()) for _, state, _ in shown]
-    for (name, state, recipe), look in zip(shown, [None, *delivered], strict=True):
+    for name, state, recipe in shown:
         styled = original.displaced(state.displacement).coloured(state.colour)
         limit = fields.limit_of(recipe, state.verdict)
-        rows[0].append(Panel(look or styled, name))
+        rows[0].append(Panel(styled, name))
         stress = fields.stress(limit)
         for row, view, title in ((1, "three_quarter", "stress"), (2, "below", "from below")):
             note = verdict_note(state.verdict) if row == 1 and state.verdict is not None else ""

@@ -68,7 +68,12 @@ def render(
     hit = seen.face >= 0
     light = lit(_normals(mesh, seen, hit, camera), camera)[:, None]
     if field is None:
-        paint = _across(mesh, seen, hit, _vertex_colours(mesh, colours))
+        if colours is None:
+            colours = mesh.colours if mesh.colours is not None else np.broadcast_to(PLAIN, mesh.vertices.shape)
+        given = np.asarray(colours, dtype=np.float32)
+        if given.shape != mesh.vertices.shape:
+            raise BadInput(f"colours must have one RGB row for each of the {len(mesh.vertices)} vertices, not shape {given.shape}")
+        paint = _across(mesh, seen, hit, srgb_to_linear(np.clip(given, 0.0, 1.0)))
     else:
         paint = _field_paint(mesh, seen, hit, field, supersampling)
         light = FLATNESS + (1 - FLATNESS) * light
@@ -79,15 +84,6 @@ def render(
     part *= (1.0 - hollows(depth, mesh.size) * (1.0 if field is None else 1 - FLATNESS))[..., None]
     floor = srgb_to_linear(BACKGROUND) * (1.0 - floor_shadow(mesh, camera, width, height))[..., None]
     return np.rint(linear_to_srgb(part + (1.0 - cover) * floor) * 255.0).astype(np.uint8)
-
-
-def _vertex_colours(mesh: SurfaceMesh, colours: ArrayLike | None) -> NDArray[np.float32]:
-    if colours is None:
-        colours = mesh.colours if mesh.colours is not None else np.broadcast_to(PLAIN, mesh.vertices.shape)
-    given = np.asarray(colours, dtype=np.float32)
-    if given.shape != mesh.vertices.shape:
-        raise BadInput(f"colours must have one RGB row for each of the {len(mesh.vertices)} vertices, not shape {given.shape}")
-    return srgb_to_linear(np.clip(given, 0.0, 1.0))
 
 
 def _across(mesh: SurfaceMesh, seen: Visibility, hit: NDArray[np.bool_], values: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -101,13 +101,9 @@ def floor_shadow(mesh: SurfaceMesh, camera: Camera, width: int, height: int) -> 
     dark = _footprint(mesh, middle, half, floor)
     cells = ((spots - middle) / half + 1.0) * (0.5 * len(dark)) - 0.5
     shadow = map_coordinates(dark, [cells[..., 1], cells[..., 0]], order=1, cval=0.0, prefilter=False)
-    return np.asarray(shadow * _vignette(width, height), dtype=np.float32)
-
-
-def _vignette(width: int, height: int) -> Image:
-    """1 inside, falling to 0 over the outer tenth of a picture, so that a shadow never ends at its border."""
+    # Falling to nothing over the outer tenth of the picture, so that it never ends at its border.
     across, down = (np.clip(5.0 - np.abs(np.linspace(-5.0, 5.0, count)), 0.0, 1.0) for count in (width, height))
-    return np.asarray(np.outer(down, across), dtype=np.float32)
+    return np.asarray(shadow * np.outer(down, across).astype(np.float32), dtype=np.float32)
 
 
 def _footprint(mesh: SurfaceMesh, middle: NDArray[np.float64], half: float, floor: float, cells: int = 160) -> Image:

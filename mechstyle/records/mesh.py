@@ -20,7 +20,7 @@ Field = NDArray[np.float32]
 """Values at the vertices of a surface, shape [vertex_count] or [vertex_count, 3]."""
 Scalar = TypeVar("Scalar", bound=np.generic)
 
-STANDARD_VERTICES = 25_000
+STANDARD_VERTICES = 100_000
 """Vertices of a standardised surface unless told."""
 
 

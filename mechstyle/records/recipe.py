@@ -63,7 +63,6 @@ LIMITS: Mapping[str, tuple[float, float]] = {
     "nozzle": (0.0, 5.0),
     "image_size": (0.5, 2000.0),
     "travel": (1e-3, 10.0),
-    "delivered": (0, 1_000_000),
     "threshold": (0.01, 100.0),
     "minimum_wall": (0.0, 100.0),
     "strengthen": (0.0, 20.0),
@@ -112,8 +111,6 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         projection: How the picture lies on the part, one of PROJECTIONS: from six sides, from the one that shows most or that the prompt
             names, or around an upright axis.
         inside: What becomes of the inside of a container, one of INSIDES.
-        delivered: Vertices of the surface that is delivered, at least; unless told 100 000, more on large parts; 0 for those of the run.
-            The finished style is drawn on it anew, and it is what the last iteration simulates.
         control: How stress restrains the style, one of CONTROLS. It turns demand into a mask.
         normalisation: What stress is compared with, one of NORMALISATIONS. Demand is stress over that.
         threshold: Demand at which a vertex may move no further; 1 is the normalisation's own limit, less is stricter.
@@ -167,7 +164,6 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     image_layout: str = "tiled"
     projection: str = "box"
     inside: str = "plain"
-    delivered: int | None = None
     control: str = "exponential"
     normalisation: str = "headroom"
     threshold: float = 1.0

@@ -79,6 +79,13 @@ def _figures(row: Row, verdict: Verdict) -> str:
     return survives if row.original is None else f"plain {_value(row, row.original)}, {verdict.style or 'styled'} {survives}"
 
 
+def duration(seconds: float) -> str:
+    """A time for people: 40 s, 3 min, 2 h."""
+    if seconds < 90:
+        return f"{max(round(seconds), 1)} s"
+    return f"{round(seconds / 60)} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"
+
+
 def _percent(share: float) -> str:
     return f"{share:.0%}" if share >= 0.005 else "less than 1%"
 
@@ -271,6 +278,20 @@ def _judged(row: Row) -> str:
     return row.outcome if row.decides else NOT_JUDGED
 
 
+# --- before a run -------------------------------------------------------------------------------------------------
+
+
+def planned(height: float, falls: int, seconds: float) -> str:
+    """The test of a run that has not begun, and how long it will take [s]."""
+    return f"We let it fall from {fall(height)}, in simulation, about {falls} times: about {duration(_rounded(seconds))}."
+
+
+def _rounded(seconds: float) -> float:
+    """An estimate to one or two figures."""
+    step = 5.0 if seconds < 90 else 60.0
+    return max(step * round(seconds / step), step)
+
+
 # --- beside other things ------------------------------------------------------------------------------------------
 
 
@@ -312,14 +333,3 @@ def figures(row: Row) -> str:
 def named(row: Row) -> str:
     """The landing or load that a picture of a test shows."""
     return {"load": f"load {row.load}", "published rule": "published rule"}.get(row.test, row.landing)
-
-
-def delivered(verdict: Verdict, coarse: Verdict | None) -> str:
-    """What a surface drawn finer does not keep of what the run's own surface promised."""
-    was = "" if coarse is None else f", though the surface of the run {_verb(coarse)}"
-    return f"the fine surface {_verb(verdict)}{was}: export it with --coarse, or branch with a smaller amplitude"
-
-
-def _verb(verdict: Verdict) -> str:
-    """The outcome as what a surface does."""
-    return marked(f"{'is ' * (verdict.outcome == 'NO WORSE')}{short(verdict)}", sure=verdict.sure)

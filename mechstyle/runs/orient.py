@@ -16,7 +16,7 @@ from mechstyle.errors import BadInput
 from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.fea.orientations import FLAT, resting
 from mechstyle.geometry.resting_face import centre_of_mass
-from mechstyle.geometry.standing import standing
+from mechstyle.geometry.upright import standing
 from mechstyle.records import Recipe, Simulation
 from mechstyle.records.regions import Point
 from mechstyle.runs.run import Run
@@ -95,8 +95,7 @@ def ways_up(
     if not 1 <= count <= 26:
         raise BadInput(f"{count} ways up: compare 1 to 26")
     state, recipe = run.checkpoint(iteration), run.store.recipe(run.checkpoint(iteration).recipe)
-    delivered = run.delivered(iteration)
-    mesh = run.surface(iteration) if delivered is None else delivered.styled
+    mesh = run.surface(iteration)
     plain = run.record.droppable(run.part, run.store.root / "part.json").surface  # whose flat sides are flat
     ways = resting(plain.vertices, centre_of_mass(plain), count)
     known = _Layers(run, recipe, run.simulation(iteration), state.displacement, stage, progress)
@@ -130,8 +129,8 @@ class _Layers:
         """Begin with what the run knows; drops are made when they are asked for."""
         self._recipe, self._last, self._displacement, self._stage = recipe, last, displacement, stage
         self._known: dict[Point, float] = {}
-        self._simulator: Callable[[], DropSimulator] = lambda: run.simulator(recipe, progress).carrier(displacement)[0]
-        self._carrier: DropSimulator | None = None
+        self._simulator: Callable[[], DropSimulator] = lambda: run.simulator(recipe, progress)
+        self._known_simulator: DropSimulator | None = None
         self.drops = 0
 
     @property
@@ -156,12 +155,14 @@ class _Layers:
         return self._known[axis]
 
     def _dropped(self, axis: Point) -> float:
-        if self._carrier is None:
-            self._carrier = self._simulator()
+        if self._known_simulator is None:
+            self._known_simulator = self._simulator()
         self._stage(f"drop with layers along ({axis[0]:g}, {axis[1]:g}, {axis[2]:g})")
-        recipe = msgspec.structs.replace(self._carrier.recipe, build_direction=axis)
+        body, _ = self._known_simulator.meshes.carrier(self._displacement)
+        recipe = msgspec.structs.replace(self._known_simulator.recipe, build_direction=axis, tetrahedra=body.tets.digest)
         self.drops += 1
-        return _deciding(replace(self._carrier, recipe=recipe, settled=True).simulate(self._displacement, thorough=False))
+        layered = replace(self._known_simulator, tets=body.tets, at=body.at, recipe=recipe)
+        return _deciding(layered.simulate(self._displacement, thorough=False))
 
 
 def _opposite(up: Point) -> Point:

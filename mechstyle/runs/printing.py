@@ -1,27 +1,28 @@
-"""A delivered surface as a 3MF file for a slicer: in the colours of a few filaments, or as two bodies, and what that costs to print."""
+"""A styled surface as a 3MF file for a slicer: of one filament, painted in a few, or as two bodies, and what that costs to print."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
 
 import msgspec
 import numpy as np
 
 from mechstyle.errors import BadInput
 from mechstyle.geometry.bodies import shell_and_rest
-from mechstyle.geometry.filaments import MOST, USUAL, Painted, Palette, clustered, in_bands, painted, palette_of
+from mechstyle.geometry.filaments import MOST, USUAL, Painted, Palette, clustered, code_of, in_bands, painted, palette_of
 from mechstyle.geometry.files import write_file
 from mechstyle.geometry.print_cost import PrintCost, banded, cheaper, print_cost
-from mechstyle.geometry.subdivision import Subdivided
 from mechstyle.geometry.threemf import Body, bodies_bytes, check_slicer, threemf_bytes, together
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.simulation.part import Workpiece, bounds_for
+from mechstyle.styling.prompt import Wish, reading_of
 
 FILAMENT_TYPES = ("PLA", "PETG", "ABS", "TPU")
 """Materials that slicers have a filament for by that name; of others the file speaks as of the first."""
+MOST_ASKED = 3
+"""Most filaments that a prompt alone brings, however many colours it names: two changes a layer."""
 
 
 class Printing(msgspec.Struct, frozen=True, kw_only=True):
@@ -30,7 +31,8 @@ class Printing(msgspec.Struct, frozen=True, kw_only=True):
     Attributes:
         slicer: Whose file it is, one of `geometry.threemf.SLICERS`: standard and prusa are one strict file, bambu and orca another.
         palette: Colours of the filaments in the printer, the first in slot 1: "#111111, #f4f1e8", or one by one; "" to choose them.
-        colours: How many to choose, where there is no palette: 2 to 16.
+        colours: How many to choose, where there is no palette: 1 to 16. None for those that the prompt asks for, at most MOST_ASKED, or
+            two of a style's own.
         bands: Whether the filaments lie one above the other, instead of where the style has its colours.
         bodies: Whether the part is written as a styled shell and the rest, of one filament each, instead of painted.
     """
@@ -50,32 +52,37 @@ class Printing(msgspec.Struct, frozen=True, kw_only=True):
             raise BadInput("palette and colours contradict each other: name the filaments, or say how many to choose")
         if self.bodies and self.bands:
             raise BadInput("bodies and bands contradict each other: a body is of one filament")
+        if self.bodies and (self.colours == 1 or (self.palette and len(palette_of(self.palette)) == 1)):
+            raise BadInput("bodies and one filament contradict each other: name those of both in the palette")
         if self.palette:
             palette_of(self.palette)
-        elif self.colours is not None and not 2 <= self.colours <= MOST:
-            raise BadInput(f"{self.colours} colours: choose 2 to {MOST}, as many as the printer has filaments")
+        elif self.colours is not None and not 1 <= self.colours <= MOST:
+            raise BadInput(f"{self.colours} colours: choose 1 to {MOST}, as many as the printer has filaments")
 
-    def filaments(self, mesh: SurfaceMesh) -> Palette:
-        """The palette that was given, or one for the surface's colours."""
-        if self.palette:
-            return palette_of(self.palette)
+    def filaments(self, mesh: SurfaceMesh, asked: Palette = ()) -> Palette:
+        """The palette that was given, the colours that were asked for, or some for the surface's colours."""
         assert mesh.colours is not None, "what leaves a run is coloured"
-        found = clustered(mesh.colours, self.colours or (2 if self.bodies else USUAL))
+        found = palette_of(self.palette) if self.palette else clustered(mesh.colours, self.colours or USUAL)
+        unsaid, needed = not self.palette and self.colours is None, 2 if self.bodies or self.bands else 1
+        if unsaid and len(asked) >= needed and len(found) > 1:  # the unstylized part has one colour, and not the prompt's
+            return asked if len(asked) <= MOST_ASKED else clustered(mesh.colours, MOST_ASKED)
         if self.bodies and len(found) < 2:
             raise BadInput("the part has one colour only: name the filaments of its two bodies with a palette")
         return found
 
 
-class Delivered(NamedTuple):
-    """Surface to export, with the subdivision it came from.
+def wishes_of(recipe: Recipe) -> tuple[Wish, ...]:
+    """What the prompt of a recipe asks for; none where another stylizer or CLIP reads it in its own way."""
+    return () if recipe.stylizer or recipe.guidance == "clip" else reading_of(recipe).wishes
 
-    Attributes:
-        cut: The unstylized part in its faces; None for those of the run.
-        styled: The styled, coloured surface.
-    """
 
-    cut: Subdivided | None
-    styled: SurfaceMesh
+def asked_for(recipe: Recipe) -> Palette:
+    """The colours that a prompt asks for, if it does so wherever it asks for anything; else none, and styles bring their own."""
+    wishes = wishes_of(recipe)
+    if any(wish.colour is None and wish.style for wish in wishes):
+        return ()
+    colours = (colour for wish in wishes for colour in (wish.colour, wish.second) if colour is not None)
+    return tuple(dict.fromkeys(code_of(colour) for colour in colours))
 
 
 class PrintPlan(msgspec.Struct, frozen=True, kw_only=True):
@@ -97,29 +104,29 @@ class PrintPlan(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def words(self) -> str:
-        """What a run says of its file, in one sentence."""
-        colours = f"the 3MF is painted in {len(self.palette)} chosen colours"
-        return f"{colours}, estimated at {self.cost.words}; `mechstyle export --palette` takes your filaments"
+        """What a run says of its file, in one sentence, the cost first."""
+        slots = ", ".join(self.palette)
+        painted_in = f"is painted in {len(self.palette)} filaments, {slots}" if len(self.palette) > 1 else f"is of one filament, {slots}"
+        return f"{self.cost.words} (estimate): the 3MF {painted_in}; `mechstyle export` takes others with --palette, more with --colours"
 
 
 def write_for_printing(
-    path: Path, delivered: Delivered, original: SurfaceMesh, part: Workpiece, recipe: Recipe, printing: Printing, *, name: str = ""
+    path: Path, styled: SurfaceMesh, part: Workpiece, recipe: Recipe, printing: Printing, *, name: str = ""
 ) -> PrintPlan:
     """Write a styled part for a slicer.
 
     Args:
         path: The 3MF file.
-        delivered: The styled, coloured surface.
-        original: The unstylized surface in the same faces.
+        styled: The styled, coloured surface.
         part: The part of the run.
         recipe: Its recipe.
         printing: What is wanted.
         name: What slicers call it.
     """
-    mesh, kind = delivered.styled, recipe.material.name if recipe.material.name in FILAMENT_TYPES else FILAMENT_TYPES[0]
-    palette, called = printing.filaments(mesh), name or "part"
+    mesh, kind = styled, recipe.material.name if recipe.material.name in FILAMENT_TYPES else FILAMENT_TYPES[0]
+    palette, called = printing.filaments(mesh, asked_for(recipe)), name or "part"
     if printing.bodies:
-        paint, content = _in_bodies(delivered, original, part, recipe, palette, called, printing.slicer, kind)
+        paint, content = _in_bodies(mesh, part, recipe, palette, called, printing.slicer, kind)
     else:
         paint = in_bands(mesh, palette) if printing.bands else painted(mesh, palette)
         content = threemf_bytes(mesh, called, paint=paint, slicer=printing.slicer, filament_type=kind)
@@ -139,14 +146,10 @@ def write_for_printing(
 
 
 def _in_bodies(
-    delivered: Delivered, original: SurfaceMesh, part: Workpiece, recipe: Recipe, palette: Palette, name: str, slicer: str, kind: str
+    styled: SurfaceMesh, part: Workpiece, recipe: Recipe, palette: Palette, name: str, slicer: str, kind: str
 ) -> tuple[Painted, bytes]:
     """The part as a shell of the first filament and the rest of the second: both as they fill the layers, and the file."""
     bounds = bounds_for(part, recipe)[0]
-    free = ((bounds.freedom > 0.0) & ~np.asarray(bounds.plain)).astype(np.float32)
-    thickness = part.thickness
-    if delivered.cut is not None:
-        free, thickness = (np.asarray(delivered.cut.interpolation @ values, np.float32) for values in (free, thickness))
-    shell, rest = shell_and_rest(original, delivered.styled, free == 1.0, thickness)
+    shell, rest = shell_and_rest(part.surface, styled, (bounds.freedom > 0.0) & ~np.asarray(bounds.plain), part.thickness)
     bodies = (Body("styled shell", shell, 0), Body("rest", rest, 1))
     return together(bodies, palette), bodies_bytes(bodies, palette, name, slicer=slicer, filament_type=kind)

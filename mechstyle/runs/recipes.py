@@ -38,7 +38,6 @@ PAPER: dict[str, Any] = {
     "element": "tet4",
     "minimum_wall": 0.0,
     "nearly_flat": False,
-    "delivered": 0,
     "schedule": "stress",
 }
 """The published method taken literally (Faruqi et al. 2025)."""

@@ -18,7 +18,7 @@ from mechstyle.loop.store import Entry, Lane, Store
 from mechstyle.records import Verdict
 from mechstyle.runs import images
 from mechstyle.runs.run import Run
-from mechstyle.simulation.carrying import KeptMesh
+from mechstyle.simulation.meshes import KeptMesh
 
 CLOSE = 1e-5
 """Relative difference of a stress that another processor may make."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Generator, Sequence
 from contextlib import closing
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
@@ -17,6 +17,8 @@ from mechstyle.errors import BadInput
 from mechstyle.fea.drop import resolve_device
 from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.geometry.going_on import GoOn, regardless
+from mechstyle.geometry.print_quality import untangled
+from mechstyle.loop import minimum_wall
 from mechstyle.loop.engine import Engine
 from mechstyle.loop.events import Event, Finished
 from mechstyle.loop.history import measured_at
@@ -34,7 +36,6 @@ from mechstyle.runs.known_fields import known_fields
 from mechstyle.runs.part_record import PartRecord
 from mechstyle.runs.printing import Printing
 from mechstyle.runs.recipes import changed, draft, expected
-from mechstyle.runs.refine import Refined, Refinement, notes_on
 from mechstyle.runs.session import Session
 from mechstyle.runs.stylizers import finished_relief, stylizer_for
 from mechstyle.runs.summary import Clock, Summary, summarise
@@ -64,7 +65,6 @@ class Run:
     device: str = "cpu"
     clock: Clock = field(default_factory=Clock, repr=False)
     trusting: bool = True
-    _delivered: dict[str, Refined] = field(default_factory=dict, repr=False)
 
     @classmethod
     def open(cls, address: str | Path, device: str = "auto") -> Run:
@@ -135,17 +135,14 @@ class Run:
         return self.store.objects.get_record(self.checkpoint(iteration).simulation, Simulation)
 
     def surface(self, iteration: int | None = None) -> SurfaceMesh:
-        """The styled, coloured surface at an iteration in the faces of the run, None for the last; what is printed is `delivered`."""
+        """The styled, coloured surface at an iteration, None for the last."""
         state = self.checkpoint(iteration)
         return self.part.surface.displaced(state.displacement).coloured(state.colour)
 
     # what can be done with it
 
     def show(self, iteration: int | None = None, *, fields: Sequence[str] = ()) -> Picture:
-        """Styled part, stress and mask, or the `fields` named, side by side: a notebook displays it, `.save(path)` writes the PNG.
-
-        At the end the styled part is the surface that is delivered; fields stay at the vertices of the loop, which they restrain.
-        """
+        """Styled part, stress and mask, or the `fields` named, side by side: a notebook displays it, `.save(path)` writes the PNG."""
         state = self.checkpoint(iteration)
         recipe = self.store.recipe(state.recipe)
         measured = measured_at(self.history, self.store.find(iteration, self.lane).digest)
@@ -154,8 +151,6 @@ class Run:
         shown = [stress, with_protected(restraint, bounds_for(self.part, recipe)[0].freedom == 0.0)]
         if fields:
             shown = chosen_panels(look.mesh, known_fields(self.store, self.lane, self.part, state), fields)
-        if (delivered := self.delivered(iteration)) is not None:
-            look = replace(look, mesh=delivered.styled)
         return picture([look, *shown], title=f"{self.record.name}, iteration {state.iteration}")
 
     def _repr_mimebundle_(self, **_: Any) -> dict[str, str]:
@@ -173,49 +168,24 @@ class Run:
 
         return write_report(self, path, impact=impact)
 
-    def export(
-        self, path: str | Path, iteration: int | None = None, *,
-        fine: bool | None = None, fields: bool = False, printing: Printing = AS_USUAL,
-    ) -> Path:  # fmt: skip
-        """Write the delivered surface at an iteration to a file, and what is known of it to `FILE.json`.
+    def export(self, path: str | Path, iteration: int | None = None, *, fields: bool = False, printing: Printing = AS_USUAL) -> Path:
+        """Write the styled surface at an iteration to a file, and what is known of it to `FILE.json`.
 
         Args:
             path: The file; its suffix decides the format.
             iteration: None for the last.
-            fine: True to draw it again on smaller faces and drop that if the run did not, False for the faces of the run, None as it says.
             fields: Whether it is to hold stress, demand and every other known field at its vertices; in GLB and PLY.
             printing: Slicer and filaments of a 3MF file: `ms.Printing(palette="#111111, #f4f1e8", slicer="bambu")`.
         """
-        for warning in self.exported(path, iteration, fine=fine, fields=fields, printing=printing).warnings:
+        for warning in self.exported(path, iteration, fields=fields, printing=printing).warnings:
             logger.warning("%s: %s", path, warning)
         return Path(path)
 
-    def exported(
-        self, path: str | Path, iteration: int | None = None, *,
-        fine: bool | None = None, fields: bool = False, printing: Printing = AS_USUAL,
-    ) -> Exported:  # fmt: skip
+    def exported(self, path: str | Path, iteration: int | None = None, *, fields: bool = False, printing: Printing = AS_USUAL) -> Exported:
         """As `export`; returns verdict, quality and warnings of the very surface that was written."""
         entry = self.store.find(iteration, self.lane)
-        recipe = self.store.recipe(entry.recipe)
-        finer = fine or (fine is None and recipe.delivered != 0 and entry.iteration > 0)
-        refinement = self._refinement(self.simulator(recipe)) if finer else None
         what = self.store, self.lane, self.part, entry, Path(path)
-        return exported(*what, refinement=refinement, drop=bool(fine), name=self.record.name, fields=fields, printing=printing)
-
-    def delivered(self, iteration: int | None = None, *, draw: bool = True) -> Refined | None:
-        """The surface that was delivered at an iteration, None for the last: drawn finer than the checkpoint, which it is no part of.
-
-        None where nothing was: before the end, and where the recipe delivers the checkpoint's own surface.
-
-        Args:
-            iteration: As for `export`.
-            draw: Whether to draw it, which takes seconds, if it is not kept: a run that has just ended, or was interrupted there, has none.
-        """
-        entry = self.store.find(iteration, self.lane)
-        recipe = self.store.recipe(entry.recipe)
-        if not entry.final or recipe.delivered == 0:
-            return None
-        return self._refinement(self.simulator(recipe)).shown(entry.digest, self._delivered, draw=draw)
+        return exported(*what, name=self.record.name, fields=fields, printing=printing)
 
     def branch(self, iteration: int | None = None, *, lane: str = "", **changes: Any) -> Run:
         """A lane from the checkpoint of an iteration, with other settings; `.go()` carries it on.
@@ -248,8 +218,10 @@ class Run:
         for event in self.clock.timed(engine.run()):
             if isinstance(event, Finished):
                 files = {"run": str(self.store.root)}
-                found = engine.delivery.of(event.digest, drop=True) if isinstance(engine.delivery, Refinement) else None
-                notes = (*self.part.notes, *notes, *notes_on(self.part, self.recipe, self.checkpoint().displacement, found))
+                thin = minimum_wall.warnings(
+                    self.part.surface, self.part.thickness, self.checkpoint().displacement, self.recipe.minimum_wall
+                )
+                notes = (*self.part.notes, *notes, *thin)
                 self._save(summarise(engine, device=self.device, notes=notes, seconds=self.clock.seconds(), files=files))
             yield event
 
@@ -278,19 +250,15 @@ class Run:
         stylizer, notes = stylizer_for(part, recipe, self.device, self.store.objects, lambda: progress(0.0))
         bounds, protected = bounds_for(part, recipe)
         simulator = self.simulator(recipe, progress)
-        delivery = None if recipe.delivered == 0 else self._refinement(simulator)
+        untangle = partial(untangled, part.surface, go_on=lambda: progress(0.0))
         notes = (*expected(recipe), *protected, *notes)
-        return Engine(recipe, part.surface, bounds, stylizer, simulator, self.store, self.lane, delivery), notes
+        return Engine(recipe, part.surface, bounds, stylizer, simulator, self.store, self.lane, untangle), notes
 
     def simulator(self, recipe: Recipe, progress: Progress = no_progress) -> DropSimulator:
         """The drop test of the part under a recipe."""
         part, shared = self.record.droppable(self.part, self.store.root / "part.json"), cached_memo() if self.trusting else None
         what = part.surface, part.tets, recipe, self.store.memo, shared, self.device, progress
         return DropSimulator(*what, at=part.at, thickness=part.thickness)
-
-    def _refinement(self, simulator: DropSimulator) -> Refinement:
-        """What draws the surface of a lane finer, under the recipe of a simulator."""
-        return Refinement(self.store, self.part, simulator, simulator.recipe.delivered or None)
 
     @property
     def _summary_path(self) -> Path:
@@ -320,6 +288,7 @@ def begin(
     record = PartRecord.kept(part, name, origin or Origin(), store.objects)
     write_whole(store.root / "part.json", msgspec.json.encode(record))
     store.move("main", Lane(recipe=store.put_recipe(recipe)))
+    vars(run)["part"] = part  # as stored, and what was worked out of it need not be again
     return run
 
 

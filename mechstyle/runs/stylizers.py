@@ -22,7 +22,7 @@ from mechstyle.loop.bounds import Bounds, advanced
 from mechstyle.loop.engine import Stylizer
 from mechstyle.loop.objects import Objects
 from mechstyle.records import Recipe
-from mechstyle.records.mesh import Field, Floats
+from mechstyle.records.mesh import Field, Floats, SurfaceMesh
 from mechstyle.runs.images import raster_of
 from mechstyle.runs.plugins import made
 from mechstyle.simulation.part import Shape, Workpiece, bounds_for
@@ -142,8 +142,8 @@ class Drawing(NamedTuple):
     shares: Floats
 
 
-_last: WeakKeyDictionary[Workpiece | Shape, tuple[str, Drawing]] = WeakKeyDictionary()
-"""The last drawing on each part, by the digest of its recipe: the loop goes towards it, and what is delivered is drawn after it."""
+_last: WeakKeyDictionary[SurfaceMesh, tuple[Recipe, Drawing]] = WeakKeyDictionary()
+"""The last drawing on each surface and the recipe it is of: tetrahedra are made for it, and the loop goes towards it."""
 
 
 def drawing_of(
@@ -159,17 +159,18 @@ def drawing_of(
         objects: Those of the run, which keep its picture; None for cached ones.
         go_on: Asked in between whether to; what it raises ends it.
     """
-    digest, known = _last.get(part, ("", None))
-    if known is not None and digest == recipe.digest:
+    recipe = msgspec.structs.replace(recipe, surface="", tetrahedra="")  # the same drawing before the part is meshed and after
+    before, known = _last.get(part.surface, (None, None))
+    if known is not None and before == recipe:
         return known
     raster = raster_of(recipe, objects)
     canvases = [canvas_for(recipe, wish, part.surface, part.thickness, raster) for wish in reading.wishes]
-    for before, canvas in pairwise([*(known.canvases[:1] if known else ()), *canvases]):
-        canvas.share(before)
+    for other, canvas in pairwise([*(known.canvases[:1] if known else ()), *canvases]):
+        canvas.share(other)
     where = places(reading, part.surface, part.thickness)
     aim = drawn(recipe, reading, canvases, where.shares, bounds, go_on)
     found = Drawing(aim._replace(notes=(*where.notes, *aim.notes)), canvases, where.shares)
-    _last[part] = recipe.digest, found
+    _last[part.surface] = recipe, found
     return found
 
 

@@ -19,9 +19,10 @@ from mechstyle.geometry.going_on import GoOn, regardless
 from mechstyle.geometry.inside_outside import is_container, is_inside
 from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.region_selection import protection
-from mechstyle.geometry.remesh import standardise
+from mechstyle.geometry.remeshing import even as standardise
+from mechstyle.geometry.remeshing.filling import VERSION as TETRAHEDRA
 from mechstyle.geometry.resting_face import resting_face
-from mechstyle.geometry.tetrahedra import VERSION as TETRAHEDRA
+from mechstyle.geometry.subdivision import refined_to
 from mechstyle.geometry.thickness import local_thickness
 from mechstyle.geometry.visibility import sky_seen
 from mechstyle.loop import minimum_wall as walls
@@ -30,12 +31,17 @@ from mechstyle.loop.objects import Memo, Objects
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh, TetMesh
 from mechstyle.records.regions import Inside, Outside, Region
-from mechstyle.simulation.carrying import at_rest, carrying
+from mechstyle.simulation.meshes import at_rest, carrying
 from mechstyle.styling.dimensions import outwards
 from mechstyle.styling.prompt import reading_of
 
-PREPARATION_VERSION = 8
+PREPARATION_VERSION = 9
 """Counts changes that alter the prepared part, so that cached parts of older code are not reused."""
+
+EVEN = 25_000
+"""Vertices of a surface that is made even, at most; beyond that its faces are cut smaller, which is quick and moves nothing …"""
+MOST_PARTS = 4
+"""… every edge into so many parts at most."""
 
 INWARD_SHARE = 0.25
 """Relief may cut at most this share of the local wall …"""
@@ -64,12 +70,24 @@ class Origin(msgspec.Struct, frozen=True, kw_only=True):
         vertices: Vertices of the standardised surface asked for.
         scale: Factor on the file's coordinates, None for none.
         up: The axis of the file that points up, "" for its format's own.
+        unit: The unit of the file's coordinates, "" for none that was said.
+        size: Its longest side [mm], None for none that was said.
+        body: Which of its bodies, by name or number, "" for the only one.
     """
 
     model: str = ""
     vertices: int = STANDARD_VERTICES
     scale: float | None = None
     up: str = ""
+    unit: str = ""
+    size: float | None = None
+    body: str = ""
+
+    @property
+    def reading(self) -> dict[str, str | float]:
+        """How its file is to be read, but for what is as by default: arguments of `load`, and options of the command line."""
+        settings = {"scale": self.scale, "unit": self.unit, "size": self.size, "up": self.up, "body": self.body}
+        return {name: value for name, value in settings.items() if value not in (None, "")}
 
     @classmethod
     def of(cls, mesh: SurfaceMesh, vertices: int) -> Origin:
@@ -193,7 +211,7 @@ def prepare(
 
     Args:
         mesh: A closed surface [mm].
-        vertices: Vertices of the standardised surface, ± 5 %.
+        vertices: Vertices of the standardised surface, ± 5 %; see `standardised`.
         stage: Told what is being done, in words.
         relief: What it is prepared for: tetrahedra are made for half of it, so that they carry it. None for the part as it is.
         go_on: Asked in between whether to; what it raises ends the work.
@@ -219,10 +237,10 @@ def prepare(
     notes = () if stands else ("it has no flat face to stand on, so none of it is kept plain or level",)
     stage("filling it with tetrahedra")
     whole = None if relief is None else relief(shape, go_on=go_on)
-    if whole is None or not whole.any():
-        return Workpiece(surface, at_rest(surface, go_on), shape.thickness, stands, notes)
-    solid, half = carrying(surface, whole, go_on)
-    return Workpiece(surface, solid, shape.thickness, stands, notes, half)
+    solid, half = (at_rest(surface, go_on), None) if whole is None or not whole.any() else carrying(surface, whole, go_on)
+    part = Workpiece(surface, solid, shape.thickness, stands, notes, half)
+    vars(part)["shape"] = shape  # what was worked out of it need not be again
+    return part
 
 
 Warn = Callable[[Sequence[str]], None]
@@ -250,13 +268,15 @@ def refilled(part: Workpiece, relief: Relief, stage: Stage = say_nothing, go_on:
 
 
 def standardised(mesh: SurfaceMesh, vertices: int, go_on: GoOn = regardless) -> SurfaceMesh:
-    """The standardised surface of a part, from the cache if the same shape was standardised before."""
+    """The standardised surface of a part: its faces made even and then, beyond EVEN vertices, cut smaller; cached by content."""
     memo = cached_memo()
     key = hashlib.sha256(f"standardise {PREPARATION_VERSION} {vertices} {mesh.digest}".encode()).hexdigest()
     stored = memo.recall(key, str)
     if stored is not None:
         return memo.objects.get_mesh(stored, SurfaceMesh)
-    surface = standardise(mesh, vertices, go_on=go_on)
+    surface = standardise(mesh, min(vertices, EVEN), go_on=go_on)
+    if vertices > EVEN:
+        surface = refined_to(surface, vertices, most_parts=MOST_PARTS)
     memo.remember(key, memo.objects.put_mesh(surface))
     return surface
 

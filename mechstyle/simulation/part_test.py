@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,19 +17,21 @@ from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.fea.history import History
 from mechstyle.fea.snapshots import snapshot
 from mechstyle.fea.vtu import vtu_path
+from mechstyle.loop import minimum_wall as walls
 from mechstyle.pictures import fields
 from mechstyle.pictures.panels import Picture, field_panel, picture, verdict_note
-from mechstyle.records import Recipe, Simulation, Verdict, judge
+from mechstyle.records import Recipe, Simulation, Verdict
 from mechstyle.records.landings import with_drops
 from mechstyle.records.lengths import length_of
 from mechstyle.records.load_cases import LoadCase, load_cases
 from mechstyle.records.material import Material, material_named
-from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh, TetMesh
+from mechstyle.records.mesh import STANDARD_VERTICES, Field, SurfaceMesh, TetMesh
 from mechstyle.records.recipe import DEFAULTS, direction_of
-from mechstyle.simulation.beside_original import Fit, fit_of, other_part
+from mechstyle.simulation.beside_original import Fit, fit_of, relief_over
 from mechstyle.simulation.drop_history import Course, history_picture, vtu_bytes
 from mechstyle.simulation.impact import Impact, impact_of
-from mechstyle.simulation.part import Shape, Stage, Workpiece, cached_memo, fitted, prepare, say_nothing
+from mechstyle.simulation.meshes import at_rest
+from mechstyle.simulation.part import Shape, Stage, Workpiece, cached_memo, fitted, prepare, say_nothing, standardised
 from mechstyle.simulation.physics import period_of, prescribed
 from mechstyle.simulation.simulator import Detail, DropSimulator
 
@@ -42,20 +44,22 @@ class PartTest:
     """A part and what its drop test said.
 
     Attributes:
-        part: The prepared part.
+        part: The prepared part; the original where one was given.
         recipe: Material, drop and criterion.
+        relief: Relief over the original [mm], shape [vertex_count]; zero where none was given.
         simulation: What was measured.
         verdict: What it means.
-        warning: That its original seems to be another part, and which walls are thinner than the printer's thinnest; "" for nothing.
+        warning: Which walls are thinner than the printer's thinnest; "" for nothing.
         tets: The tetrahedra that were dropped.
         detail: The test in full.
         impact: The drop as placed, moment by moment; None for one that failed.
         fit: How the tetrahedra follow the part as it was given.
-        original: The same test of the unstyled part, None if that is not known.
+        original: The same test of the original, None if none was given.
     """
 
     part: Workpiece
     recipe: Recipe
+    relief: Field
     simulation: Simulation
     verdict: Verdict
     warning: str
@@ -64,6 +68,11 @@ class PartTest:
     impact: Impact | None
     fit: Fit
     original: Simulation | None = None
+
+    @property
+    def surface(self) -> SurfaceMesh:
+        """Surface that was dropped."""
+        return self.part.surface.displaced(self.relief) if self.relief.any() else self.part.surface
 
     @property
     def history(self) -> History:
@@ -75,11 +84,11 @@ class PartTest:
         """The drop as placed over time, in figures; None for one that failed."""
         if self.impact is None:
             return None
-        return Course.of(self.detail.drop, self.impact, self.part.surface.vertices, self.detail.balance_error)
+        return Course.of(self.detail.drop, self.impact, self.surface.vertices, self.detail.balance_error)
 
     def show(self) -> Picture:
         """Stress of the test that decides from three sides, and of the hardest other landing if there is one."""
-        decides, surface = self.verdict.deciding, self.part.surface
+        decides, surface = self.verdict.deciding, self.surface
         limit = self.recipe.material.yield_strength if decides is None else decides.limit
         stress = fields.stress(limit)
         panels: list[Panel] = []
@@ -124,7 +133,7 @@ class PartTest:
         target = vtu_path(path)
         if self.course is None:
             raise SimulationFailed(self.simulation.failure)
-        period = period_of(lambda: self.part.tets, self.recipe, cached_memo())
+        period = period_of(lambda: at_rest(self.part.surface), self.recipe, cached_memo())
         at = snapshot(self.tets, self.recipe.material, prescribed(self.recipe), self.course.peak_time, period)
         write_whole(target, vtu_bytes(self.tets, self.detail.drop, at, each=each_orientation))
         return target
@@ -155,8 +164,8 @@ def simulate(
 
     Args:
         mesh: A closed surface [mm], z up, as it stands.
-        original: What it was styled from, in the same place: that is dropped, too, and the part is compared with it as in a run. None
-            judges it by itself.
+        original: What it was styled from, in the same place: the part is read as a relief on it and judged as in a run. None judges it
+            by itself.
         material: A library name, a .toml/.json file, or a Material.
         orientations: Landings that are not nearly flat, the flat one included; as many as the poses or the standard need.
         poses: How the others land, one of `Recipe.poses`: every way by default.
@@ -187,34 +196,34 @@ def simulate(
         build_direction=None if build_direction is None else direction_of(build_direction),
         **with_drops({"standard": standard, **given}),
     )  # fmt: skip
-    part = prepare(mesh, vertices=vertices, stage=stage, measured=measured)
-    plain = None if original is None else prepare(original, vertices=vertices, stage=stage)
-    return _tested((mesh, original), part, plain, wanted, where, stage, progress)
+    if original is None:
+        part, relief = prepare(mesh, vertices=vertices, stage=stage, measured=measured), None
+    else:
+        plain = standardised(original, vertices)
+        stage("comparing it with its original")
+        relief = relief_over(plain, mesh)
+        part = prepare(original, vertices=vertices, stage=stage, measured=measured, relief=lambda _, **__: relief)
+    return _tested(mesh, part, relief, wanted, where, stage, progress)
 
 
 def _tested(
-    given: tuple[SurfaceMesh, SurfaceMesh | None], part: Workpiece, plain: Workpiece | None, wanted: Recipe,
-    device: str, stage: Stage, progress: Progress,
-) -> PartTest:  # fmt: skip
-    """The test of a prepared part, beside its prepared original if there is one; `given` are both as they were read."""
-    memo, recipe, original = cached_memo(), fitted(wanted, part), None
-    unstyled = np.zeros(len(part.surface.vertices), np.float32)
-
-    def dropper(one: Workpiece, original: DropSimulator | None = None) -> DropSimulator:
-        return DropSimulator(
-            one.surface, one.tets, fitted(wanted, one), memo, device=device, progress=progress, original=original, thickness=one.thickness
-        )
-
-    before = None if plain is None else dropper(plain)
+    given: SurfaceMesh, part: Workpiece, relief: Field | None, wanted: Recipe, device: str, stage: Stage, progress: Progress
+) -> PartTest:
+    """The test of a prepared part as it is, or of a relief on it [mm], shape [vertex_count]; `given` is the part as it was read."""
+    memo, recipe = cached_memo(), fitted(wanted, part)
+    displacement = np.zeros(len(part.surface.vertices), np.float32) if relief is None else relief
+    simulator = DropSimulator(
+        part.surface, part.tets, recipe, memo, memo, device=device, progress=progress, at=part.at, thickness=part.thickness
+    )
     stage("dropping it")
-    tets, detail = dropper(part, before).detail(unstyled)
-    fit, simulation = fit_of(tets, *given), detail.simulation
-    if before is not None and fit.relief is not None:
+    tets, detail = simulator.detail(displacement)
+    original = None
+    if relief is not None:
         stage("dropping its original")
-        original = before.baseline
-        simulation = replace(simulation, carried=fit.relief.carried, carried_base=fit.relief.carried_base)
+        original = simulator.baseline
+    verdict = simulator.judge(detail.simulation, alone=relief is None)
     stage("looking at the impact")
-    impact = None if detail.drop.failure else impact_of(part, recipe, unstyled, memo, progress)
-    other = "" if given[1] is None else other_part(given[0], given[1])
-    warning = " ".join(filter(None, (other, *(f"{sentence}." for sentence in part.shape.too_thin(wanted.minimum_wall)))))
-    return PartTest(part, recipe, simulation, judge(simulation, original, recipe), warning, tets, detail, impact, fit, original)
+    impact = None if detail.drop.failure else impact_of(part, recipe, displacement, memo, progress)
+    thin = walls.warnings(part.surface, part.thickness, displacement, wanted.minimum_wall)
+    warning = " ".join(f"{sentence}." for sentence in thin)
+    return PartTest(part, recipe, displacement, detail.simulation, verdict, warning, tets, detail, impact, fit_of(tets, given), original)

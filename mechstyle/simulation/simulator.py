@@ -5,28 +5,25 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cached_property
 
 import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from mechstyle.errors import MechStyleError, SimulationFailed
+from mechstyle.errors import SimulationFailed
 from mechstyle.fea.drop import Drop, drop
 from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.fea.orientations import Orientations, landings
 from mechstyle.fea.statics.load_test import StaticTest
-from mechstyle.fea.stressed_volume import DROPPED, LOADED, Exceeded, Walls, at_nodes, exceeded
-from mechstyle.geometry.level_base import LevelBase
-from mechstyle.geometry.morph import Morph, Morphed
-from mechstyle.geometry.subdivision import Subdivided
-from mechstyle.geometry.thickness import local_thickness
-from mechstyle.geometry.transfer import SurfaceMean, Transfer
-from mechstyle.loop.objects import AT_REST, CARRIER, LAST_MESH, MESH, MESH_FOR, Memo
+from mechstyle.fea.stressed_volume import DROPPED, LOADED, Exceeded, at_nodes, exceeded
+from mechstyle.geometry.morph import Morphed
+from mechstyle.loop.objects import Memo
 from mechstyle.records import Landing, LoadResult, Recipe, Simulation, Verdict, judge
 from mechstyle.records.mesh import Floats, SurfaceMesh, TetMesh, digest_of
 from mechstyle.records.simulation import GREATEST_HEIGHT, LEAST_HEIGHT, Way
-from mechstyle.simulation.carrying import MORPHED, Carried, Carrier, KeptMesh, at_rest, carried, carrying
+from mechstyle.simulation.body import Body, Skin
+from mechstyle.simulation.meshes import Meshes
 from mechstyle.simulation.physics import PHYSICS_VERSION, memo_key, period_of, physics, prescribed
 
 STEERING = 2
@@ -74,8 +71,6 @@ class DropSimulator:
         device: `cpu` or `cuda`.
         progress: Called with the fraction done of the drop in hand, and while tetrahedra are made; may raise to cancel either.
         at: Displacement the tetrahedra were made for [mm], shape [vertex_count]; None for none.
-        settled: Whether it keeps to these tetrahedra whatever they carry.
-        original: The test of the surface that this one was subdivided or styled from, which knows the unstylized part; None for neither.
         thickness: Local wall thickness of the surface [mm], shape [vertex_count]; None to work it out.
     """
 
@@ -87,163 +82,94 @@ class DropSimulator:
     device: str = "cpu"
     progress: Progress = field(default=no_progress)
     at: NDArray[np.float32] | None = None
-    settled: bool = False
-    original: DropSimulator | None = None
     thickness: NDArray[np.floating] | None = None
 
-    def on(self, finer: Subdivided) -> DropSimulator:
-        """The same test of the same part on a finer surface, which moves these very tetrahedra and is compared with the same original."""
-        recipe = msgspec.structs.replace(self.recipe, surface=finer.mesh.digest)
-        at = None if self.at is None else (finer.interpolation @ self.at).astype(np.float32)
-        return replace(self, surface=finer.mesh, recipe=recipe, at=at, settled=True, original=self)
+    @cached_property
+    def meshes(self) -> Meshes:
+        """The tetrahedra that serve the part and its reliefs."""
+        first = Body(Skin(self.surface, self.recipe.nozzle, self.thickness), self.tets, self.recipe.transfer, self.at)
+        # A folder that holds another part than its recipe names teaches other runs nothing, and learns nothing from them.
+        claimed = self.surface.digest != self.recipe.surface
+        return Meshes(first, self.memo, None if claimed else self.shared, self.recipe.digest, self.progress)
+
+    @cached_property
+    def landings(self) -> Orientations:
+        """Landings of the unstylized part, so that both are compared in the same: flat, nearly flat, then the others."""
+        recipe = self.recipe
+        return landings(self.surface, recipe.poses, recipe.orientations, nearly_flat=recipe.nearly_flat)
 
     @cached_property
     def baseline(self) -> Simulation:
-        """The unstylized part in all orientations, on tetrahedra of its own, as fine as those of a relief.
-
-        On those of a relief it would take three times the steps, because their triangles are flattened on the way back, and where some
-        would be turned inside out a notch would be left over.
-        """
-        if self.original is not None:
-            return self.original.baseline
+        """The unstylized part in all landings, on tetrahedra of its own."""
         return self.simulate(np.zeros(len(self.surface.vertices), np.float32), thorough=True)
 
+    def simulate(self, displacement: NDArray[np.float32], *, thorough: bool) -> Simulation:
+        """Drop the displaced part, flat and in the hardest nearly flat landings or (`thorough`) in all, and load it; remembered.
+
+        A thorough test rests on tetrahedra that follow the relief: where those of the run do not, the part is meshed again at half of that
+        very relief.
+        """
+        if not thorough and np.any(displacement):
+            return self._on(self.meshes.first, displacement, thorough=False)
+        body, meshing = self.meshes.carrier(displacement)
+        return replace(self._on(body, displacement, thorough=thorough), meshing=meshing)
+
+    def steering(self, displacement: NDArray[np.float32]) -> Simulation:
+        """The landings that steer and the loads, on tetrahedra that follow a relief [mm], shape [vertex_count]; remembered."""
+        return self._on(self.meshes.carrier(displacement)[0], displacement, thorough=False)
+
     def judge(self, simulation: Simulation, *, alone: bool = False) -> Verdict:
-        """Verdict on a simulation beside that of the original, or `alone` on the original itself."""
+        """Verdict on a simulation and that of the original, or `alone` on the original itself.
+
+        Where a part does not pass for sure, its original is read on the part's own tetrahedra, too: what they read of the part, they read
+        of the original as well, and no style is blamed for its mesh.
+        """
         if alone:
             return judge(simulation, None, self.recipe)
         verdict = judge(simulation, self.baseline, self.recipe)
         if verdict.settled or verdict.outcome == "UNKNOWN" or self.recipe.criterion == "paper":  # which an original does not excuse
             return verdict
-        return judge(simulation, self.baseline, self.recipe, self._original_beside(simulation.mesh))
-
-    def _original_beside(self, mesh: str) -> Simulation:
-        """The original where a part does not pass for sure: as hard in each landing as on the part's own tetrahedra, by their digest.
-
-        What tetrahedra read of the part, they read of the original too: no style is blamed for its mesh. The difference is believed up to
-        SAME_PART, as the way back to no relief may leave a notch.
-        """
-        if self.original is not None:
-            return self.original._original_beside(mesh)  # noqa: SLF001 — another of this class
-        there, nothing = self._on(mesh), np.zeros(len(self.surface.vertices), np.float32)
-        if there.tets.digest != mesh or not there._made_for_relief or not there._carried(nothing).enough:  # noqa: SLF001 — as above
-            return self.baseline
-        return harder(self.baseline, there._on_these(nothing))  # noqa: SLF001 — as above
-
-    def _on_these(self, displacement: NDArray[np.float32]) -> Simulation:
-        """The landings that steer and the loads on these very tetrahedra; remembered."""
-        key = self._key(displacement, thorough=False)
-        found = self.memo.recall(key, Simulation)
-        if found is None:
-            found = self._on_morphed_mesh(displacement, thorough=False)
-            self.memo.remember(key, found)
-        return found
-
-    def simulate(self, displacement: NDArray[np.float32], *, thorough: bool) -> Simulation:
-        """Drop the displaced part, flat and in the hardest nearly flat landings or (`thorough`) in all, and load it; remembered.
-
-        A thorough test rests on tetrahedra that carry the relief: where these do not, the part is meshed again at half of that very
-        relief. The unstylized part has tetrahedra of its own: see `baseline`.
-        """
-        if self._made_for_relief and not np.any(displacement):
-            return self._at_rest.simulate(displacement, thorough=thorough)
-        key = self._key(displacement, thorough=thorough)
-        memos = [self.memo] if np.any(displacement) or self._trusted is None else [self._trusted, self.memo]
-        simulation = next((found for memo in memos if (found := memo.recall(key, Simulation)) is not None), None)
-        if simulation is not None:
-            memos = [self.memo]  # others may have written what a run folder holds: only what was computed here is for all
-        else:
-            decides = thorough and not self.settled and bool(np.any(displacement))
-            simulation = self._on_a_mesh_that_carries(displacement) if decides else self._on_morphed_mesh(displacement, thorough=thorough)
-        for memo in memos:
-            memo.remember(key, simulation)
-            memo.remember(self._key(simulation.displacement, thorough=thorough), simulation)  # what the tets did follow has the same answer
-        return simulation
-
-    def _on_a_mesh_that_carries(self, displacement: NDArray[np.float32]) -> Simulation:
-        """The thorough test on tetrahedra that carry a relief."""
-        carrier, meshing = self.carrier(displacement)
-        if carrier is self:
-            return replace(self._on_morphed_mesh(displacement, thorough=True), meshing=meshing)
-        return replace(carrier.simulate(displacement, thorough=True), meshing=meshing)
-
-    def carrier(self, displacement: NDArray[np.float32]) -> tuple[DropSimulator, str]:
-        """The same test on tetrahedra that carry a relief [mm], shape [vertex_count], and how these came about, in words; remembered.
-
-        They are its own, those that were made last for such a relief, or new ones; meshing a third time was never seen to carry more. Asked
-        again they are the same, whatever was meshed since: what is delivered is not to be another test than its verdict.
-        """
-        name = f"{CARRIER}{self._key(displacement, thorough=True)}"
-        known = self.memo.recall(name, Carrier)
-        if known is not None and (there := self._on(known.mesh)).tets.digest == known.mesh:
-            return there, known.meshing
-        carrier, meshing = self._that_carries(displacement)
-        self.memo.remember(name, Carrier(mesh=carrier.tets.digest, meshing=meshing), anew=True)
-        return carrier, meshing
-
-    def _that_carries(self, displacement: NDArray[np.float32]) -> tuple[DropSimulator, str]:
-        here = self._carried(displacement)
-        if here.enough:
-            return self, MORPHED
-        last = self.memo.recall(self._last_mesh, str)
-        if last is not None and (there := (again := self._on(last))._carried(displacement)).serves_instead_of(here):  # noqa: SLF001
-            return again, there.again
-        try:
-            again = self._meshed_again(displacement)
-        except MechStyleError as error:
-            return self, f"{MORPHED}, carrying {here.words}, as the part could not be meshed again: {error}"
-        return again, again._carried(displacement).again  # noqa: SLF001 — as above
-
-    def _meshed_again(self, displacement: NDArray[np.float32]) -> DropSimulator:
-        """The same test on tetrahedra made for half of a relief, which are kept for the next."""
-        name, objects = f"{MESH_FOR}{digest_of(displacement)}", self.memo.objects
-        kept = self.memo.recall(name, KeptMesh)
-        if kept is None:
-            made, half = carrying(self.surface, displacement, partial(self.progress, 0.0))
-            kept = KeptMesh(tets=objects.put_mesh(made), at=objects.put_array(half))
-            self.memo.remember(name, kept)
-        tets = objects.get_mesh(kept.tets, TetMesh)
-        self.memo.remember(f"{MESH}{tets.digest}", kept)
-        self.memo.remember(self._last_mesh, tets.digest, anew=True)
-        return self._on(tets.digest)
-
-    def _on(self, mesh: str) -> DropSimulator:
-        """The same test on tetrahedra that a thorough test was run on, by their digest; this one for its own and those it does not know."""
-        kept = None if mesh in ("", self.tets.digest) else self.memo.recall(f"{MESH}{mesh}", KeptMesh)
-        if kept is None:
-            return self
-        tets, at = self.memo.objects.get_mesh(kept.tets, TetMesh), self.memo.objects.get_array(kept.at)
-        return replace(self, tets=tets, at=at, recipe=msgspec.structs.replace(self.recipe, tetrahedra=tets.digest), settled=True)
-
-    @property
-    def _last_mesh(self) -> str:
-        return f"{LAST_MESH}{self.recipe.digest}"
-
-    def _carried(self, displacement: NDArray[np.float32]) -> Carried:
-        return carried(self.morph, self.morph.morphed(displacement), self._base, self._printed)
+        body, nothing = self.meshes.known(simulation.mesh), np.zeros(len(self.surface.vertices), np.float32)
+        if body is None or not body.made_for_relief or not body.followed(body.morph.morphed(nothing)).enough:
+            return verdict
+        return judge(simulation, self.baseline, self.recipe, harder(self.baseline, self._on(body, nothing, thorough=False)))
 
     def detail(self, displacement: NDArray[np.float32]) -> tuple[TetMesh, Detail]:
-        """The morphed tetrahedra and the whole drop test in all orientations, with its history in time; remembered as well."""
-        if self._made_for_relief and not np.any(displacement):
-            return self._at_rest.detail(displacement)
-        key = self._key(displacement, thorough=True)
-        morphed = self.morph.morphed(displacement)
+        """The moved tetrahedra and the whole drop test in all landings, with its history in time; remembered as well."""
+        body, meshing = self.meshes.carrier(displacement)
+        morphed, key = body.morph.morphed(displacement), self._key(body, displacement, thorough=True)
         detail = self.memo.recall(f"{key}-detail", Detail)
         if detail is None:
-            self._static.check()
+            self._static(body).check()
             result = self._drop(morphed.tets, thorough=True)
             balance = None if result.failure else self._balance_error(morphed.tets, result.phases[0][0].end)
-            detail = Detail(self._brought(morphed, result, thorough=True), result, balance)
+            simulation = self._brought(body, morphed, result, thorough=True)
+            detail = Detail(replace(simulation, meshing=meshing), result, balance)
             self.memo.remember(f"{key}-detail", detail)
-            if not np.any(displacement):  # a relief may ask for other tetrahedra
-                self.memo.remember(key, detail.simulation)
+            self.memo.remember(key, simulation)
         return morphed.tets, detail
 
-    @cached_property
-    def _trusted(self) -> Memo | None:
-        """`shared`, if this is the very part the recipe names: a run folder could hold another one, under the names of a known one."""
-        named = (self.recipe.surface, self.recipe.tetrahedra)
-        return self.shared if self.shared is None or (self.surface.digest, self.tets.digest) == named else None
+    def _on(self, body: Body, displacement: NDArray[np.float32], *, thorough: bool) -> Simulation:
+        """A test on these very tetrahedra; remembered."""
+        key = self._key(body, displacement, thorough=thorough)
+        on_plain = not np.any(displacement) and not body.made_for_relief
+        memos: tuple[Memo, ...] = self.meshes.plain[1] if on_plain else (self.memo,)
+        simulation = next((found for memo in memos if (found := memo.recall(key, Simulation)) is not None), None)
+        if simulation is not None:
+            memos = (self.memo,)  # others may have written what a run folder holds: only what was computed here is for all
+        else:
+            morphed = body.morph.morphed(displacement)
+            self._static(body).check()  # before the long drop
+            simulation = self._brought(body, morphed, self._drop(morphed.tets, thorough=thorough), thorough=thorough)
+        for memo in memos:
+            memo.remember(key, simulation)
+            memo.remember(self._key(body, simulation.displacement, thorough=thorough), simulation)  # what the tets did follow: same answer
+        return simulation
+
+    def _key(self, body: Body, displacement: NDArray[np.float32], *, thorough: bool) -> str:
+        recipe = msgspec.structs.replace(self.recipe, surface=self.surface.digest, tetrahedra=body.tets.digest)
+        drops, at = (thorough, digest_of(self._normals(thorough=thorough))), "" if body.at is None else digest_of(body.at)
+        return memo_key((PHYSICS_VERSION, self.device, *physics(recipe), recipe.loads, drops, at), displacement)
 
     def _balance_error(self, tets: TetMesh, window: float) -> float | None:
         """Of `Detail`, over the first phase, which lasted for `window` [ms].
@@ -253,49 +179,6 @@ class DropSimulator:
         undamped = replace(prescribed(self.recipe), damping=0.0, window=window)
         found = drop(tets, self.recipe.material, self.landings.normals[:1], undamped, device=self.device, progress=self.progress)
         return None if found.failure else float(np.abs(found.history[0].damping_loss).max() / found.history[0].kinetic[0])
-
-    def _key(self, displacement: NDArray[np.float32], *, thorough: bool) -> str:
-        recipe = self.recipe
-        drops = (thorough, digest_of(self._normals(thorough=thorough)))
-        mesh = ("" if self.at is None else digest_of(self.at), self.settled, "" if self.original is None else self.original.surface.digest)
-        return memo_key((PHYSICS_VERSION, self.device, *physics(recipe), recipe.loads, drops, mesh), displacement)
-
-    @cached_property
-    def morph(self) -> Morph:
-        """What moves the tetrahedra with the surface."""
-        return Morph(self.surface, self.tets, self.at)
-
-    @cached_property
-    def _base(self) -> LevelBase:
-        return LevelBase(self.surface)
-
-    @cached_property
-    def _transfer(self) -> Transfer:
-        return Transfer(self.surface.displaced(self.morph.at), self.tets, self.recipe.transfer)
-
-    @cached_property
-    def _smooth(self) -> SurfaceMean:
-        return SurfaceMean(self.surface)
-
-    @cached_property
-    def _printed(self) -> SurfaceMean:
-        """What a nozzle leaves of a relief, a mean over its width."""
-        return SurfaceMean(self.surface, 0.5 * self.recipe.nozzle)
-
-    @cached_property
-    def _walls(self) -> Walls:
-        """Walls of the unstylized part, by which small volumes of thin members count."""
-        if self.original is not None:
-            return self.original._walls  # noqa: SLF001 — another of this class
-        return Walls(self.surface.vertices, local_thickness(self.surface) if self.thickness is None else self.thickness)
-
-    @cached_property
-    def landings(self) -> Orientations:
-        """Landings of the unstylized part, so that both are compared in the same: flat, nearly flat, then the others."""
-        if self.original is not None:
-            return self.original.landings
-        recipe = self.recipe
-        return landings(self.surface, recipe.poses, recipe.orientations, nearly_flat=recipe.nearly_flat)
 
     @cached_property
     def _steering(self) -> tuple[int, ...]:
@@ -310,43 +193,17 @@ class DropSimulator:
     def _normals(self, *, thorough: bool) -> Floats:
         return self.landings.normals[list(self._numbers(thorough=thorough))]
 
-    def _on_morphed_mesh(self, displacement: NDArray[np.float32], *, thorough: bool) -> Simulation:
-        morphed = self.morph.morphed(displacement)
-        self._static.check()  # before the long drop
-        return self._brought(morphed, self._drop(morphed.tets, thorough=thorough), thorough=thorough)
+    def _static(self, body: Body) -> StaticTest:
+        """The load cases, their places picked on the plain part."""
+        plain = body.morph.morphed(np.zeros(len(self.surface.vertices), np.float32)).tets if self.recipe.loads else body.tets
+        return StaticTest(plain, self.recipe.loads, self.recipe.element)
 
-    @cached_property
-    def _at_rest(self) -> DropSimulator:
-        """The same test on tetrahedra of the unstylized part; remembered for all, and by the run folder for other machines."""
-        claimed = self.surface.digest != self.recipe.surface  # by a run folder, which may hold another part under the name of a known one
-        shared = None if claimed else self.shared
-        name = f"{AT_REST}{self.surface.digest}"
-        own, known = self.memo.recall(name, str), None if shared is None else shared.recall(name, str)
-        memo = self.memo if shared is None or own not in (None, known) else shared
-        kept = own or known
-        if kept is None:
-            kept = memo.objects.put_mesh(at_rest(self.surface, partial(self.progress, 0.0)))
-        tets = (self.memo if own else memo).objects.get_mesh(kept, TetMesh)
-        for one in (self.memo, memo):
-            one.remember(name, one.objects.put_mesh(tets))
-        recipe = msgspec.structs.replace(self.recipe, tetrahedra=tets.digest)  # those of another machine are for this run only
-        return replace(self, tets=tets, at=None, recipe=recipe, memo=memo, settled=True)
-
-    def _brought(self, morphed: Morphed, result: Drop, *, thorough: bool) -> Simulation:
-        """Result of the drops and the load cases on morphed tetrahedra."""
-        return self._under_loads(self._measured(morphed, result, thorough=thorough), morphed.tets)
-
-    @cached_property
-    def _static(self) -> StaticTest:
-        original = self.morph.morphed(np.zeros(len(self.surface.vertices), np.float32)).tets
-        return StaticTest(original, self.recipe.loads, self.recipe.element)
-
-    def _under_loads(self, dropped: Simulation, tets: TetMesh) -> Simulation:
-        """A drop's result with those of the recipe's load cases on morphed tetrahedra, on which their places are known."""
+    def _under_loads(self, body: Body, dropped: Simulation, tets: TetMesh) -> Simulation:
+        """A drop's result with those of the recipe's load cases on moved tetrahedra, on which their places are known."""
         if dropped.failure or not self.recipe.loads:
             return dropped
         try:
-            responses = self._static.run(tets, self.recipe.material, self.recipe.across_layers)
+            responses = self._static(body).run(tets, self.recipe.material, self.recipe.across_layers)
         except SimulationFailed as error:
             return replace(dropped, failure=str(error))
         read, cases, fields = self._reading_on(tets), list[LoadResult](), list[NDArray[np.float32]]()
@@ -354,7 +211,7 @@ class DropSimulator:
             nodal = at_nodes(tets, response.corners)
             found, maximum = read(nodal, LOADED), float(response.von_mises.max())
             cases.append(LoadResult(name=name, stress=found.stress, maximum=maximum, where=found.where, deflection=response.deflection))
-            fields.append(self._on_surface(nodal))
+            fields.append(body.stress_at_surface(nodal))
         return replace(dropped, loads=tuple(cases), load_stress=np.stack(fields))
 
     def _drop(self, tets: TetMesh, *, thorough: bool) -> Drop:
@@ -367,34 +224,28 @@ class DropSimulator:
     @cached_property
     def _period(self) -> float | None:
         """Of `period_of`."""
-        if self.original is not None:
-            return self.original._period  # noqa: SLF001 — another of this class
-        return period_of(lambda: self._at_rest.tets if self._made_for_relief else self.tets, self.recipe, self.memo, self._trusted)
+        return period_of(lambda: self.meshes.plain[0].tets, self.recipe, self.memo, self.meshes.shared)
 
-    @property
-    def _made_for_relief(self) -> bool:
-        return self.at is not None and bool(np.any(self.at))
-
-    def _measured(self, morphed: Morphed, result: Drop, *, thorough: bool) -> Simulation:
-        """Figures and surface stress of the drops; none, with the reason, for drops that failed."""
-        tets, fit = morphed.tets, carried(self.morph, morphed, self._base, self._printed)
+    def _brought(self, body: Body, morphed: Morphed, result: Drop, *, thorough: bool) -> Simulation:
+        """Figures and surface stress of the drops and of the load cases; none, with the reason, where one failed."""
+        tets, fit = morphed.tets, body.followed(morphed)
         found = Simulation(
             displacement=morphed.displacement, contact=np.zeros(len(morphed.displacement), bool),
             backed_off=morphed.backed_off, deviation=morphed.deviation,
             carried=fit.whole, carried_base=fit.under, volume_error=fit.volume, volume=float(tets.volumes.sum()),
-            mesh=self.tets.digest, level_share=self._base.share(morphed.displacement),
+            mesh=body.tets.digest, level_share=body.skin.base.share(morphed.displacement),
             time_step=result.time_step, steps=result.steps, added_mass=result.added_mass, failure=result.failure,
         )  # fmt: skip
         if result.failure:
             return found
         try:
-            measured, fields = self._landed(tets, result, thorough=thorough)
+            measured, fields = self._landed(body, tets, result, thorough=thorough)
         except SimulationFailed as error:
             return replace(found, failure=str(error))
-        contact = self._transfer.to_surface(result.contact[0].astype(np.float64)) > 0.5
-        return replace(found, landings=measured, landing_stress=fields, contact=contact)
+        contact = body.contact_at_surface(result.contact[0])
+        return self._under_loads(body, replace(found, landings=measured, landing_stress=fields, contact=contact), tets)
 
-    def _landed(self, tets: TetMesh, result: Drop, *, thorough: bool) -> tuple[tuple[Landing, ...], NDArray[np.float32]]:
+    def _landed(self, body: Body, tets: TetMesh, result: Drop, *, thorough: bool) -> tuple[tuple[Landing, ...], NDArray[np.float32]]:
         """Every landing in figures, and its stress at the surface [MPa], shape [landing_count, vertex_count].
 
         The critical height of a flat landing follows from its drop. In a thorough test that of the hardest of each other kind is found by
@@ -414,11 +265,11 @@ class DropSimulator:
             ))  # fmt: skip
         for way in ("nearly flat", "any landing"):
             found = self._retried(tets, read, found, way) if thorough else self._as_the_original(found, way)
-        return tuple(found), np.stack([self._on_surface(field) for field in nodal])
+        return tuple(found), np.stack([body.stress_at_surface(field) for field in nodal])
 
     def _reading_on(self, tets: TetMesh) -> Read:
         """What reads σ_V on a mesh, of a stress at its nodes and the edge of V0."""
-        weights = self._walls.weights(tets)
+        weights = self.meshes.first.skin.walls.weights(tets)
         return lambda nodal, edge: exceeded(tets, nodal, weights, edge**3)
 
     def _critical_height(self, stress: float, exponent: float) -> float:
@@ -455,10 +306,6 @@ class DropSimulator:
     def _with_exponent(self, landing: Landing, exponent: float, drops: int) -> Landing:
         height = self._critical_height(landing.stress, exponent)
         return msgspec.structs.replace(landing, critical_height=height, exponent=exponent, retried=drops)
-
-    def _on_surface(self, nodal: Floats) -> NDArray[np.float32]:
-        """Stress at the nodes brought to the surface and averaged over 2 mm along it [MPa], shape [vertex_count]."""
-        return self._smooth(self._transfer.to_surface(nodal)).astype(np.float32)
 
 
 def harder(original: Simulation, here: Simulation) -> Simulation:

@@ -73,9 +73,7 @@ class Pair:
     def show(self) -> Picture:
         """Plain part and both results: look above, stress below and from underneath, each with the landing it is of."""
         finals = [(label, run.checkpoint(), run.recipe) for label, run in (("Freestyle", self.free), ("MechStyle", self.fed))]
-        found = (self.free.delivered(), self.fed.delivered())
-        delivered = [None if one is None else one.styled for one in found]
-        return comparison(self.free.part.surface, self.free.checkpoint(0), finals, delivered)
+        return comparison(self.free.part.surface, self.free.checkpoint(0), finals)
 
     def table(self) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
         """The fall or load that each part survives, test by test, as text: headings and rows, the style kept last."""

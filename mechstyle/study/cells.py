@@ -21,7 +21,7 @@ from mechstyle import __version__
 from mechstyle._files import file_stem, write_whole
 from mechstyle.errors import MechStyleError
 from mechstyle.gallery import PREFIX, load
-from mechstyle.geometry.tetrahedra import VERSION as TETRAHEDRA
+from mechstyle.geometry.remeshing.filling import VERSION as TETRAHEDRA
 from mechstyle.loop.lock import exclusive
 from mechstyle.records import Recipe
 from mechstyle.runs.run import Run, started

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -26,13 +26,15 @@ WIDE, DPI = 7.0, 200
 
 def matrix(rows: Sequence[Row], title: str) -> bytes:
     """Every part in every style: critical drop height of the flat landing [m], with a mark and a colour for the outcome, as PNG."""
+    from matplotlib.patches import Rectangle  # noqa: PLC0415 — loaded when a picture is wanted
+
     parts, styles = (list(dict.fromkeys(values)) for values in ([row.part for row in rows], [row.prompt for row in rows]))
     sheet, axes = _sheet(0.9 + 0.24 * len(parts), 1)
     place = {(row.part, row.prompt): row for row in rows}
     for (y, part), (x, style) in ((one, other) for one in enumerate(parts) for other in enumerate(styles)):
         row = place.get((part, style))
         text, colour = ("–", UNKNOWN) if row is None else _cell(row)
-        axes[0].add_patch(_rectangle(x, y, colour))
+        axes[0].add_patch(Rectangle((x - 0.48, y - 0.46), 0.96, 0.92, facecolor=colour, alpha=0.28, linewidth=0))
         axes[0].text(x, y, text, ha="center", va="center", size=7.5, color=INK)
     axes[0].set_xlim(-0.5, len(styles) - 0.5)
     axes[0].set_ylim(len(parts) - 0.5, -0.5)
@@ -123,12 +125,6 @@ def _cell(row: Row) -> tuple[str, str]:
     mark, colour = OUTCOMES.get(row.outcome, ("?", UNKNOWN))
     height = "–" if row.flat_height is None else f"{row.flat_height / 1000.0:.2f}"
     return f"{height} {mark}" if row.sure or mark == "?" else f"{height} ({mark})", colour
-
-
-def _rectangle(x: float, y: float, colour: str) -> Any:
-    from matplotlib.patches import Rectangle  # noqa: PLC0415 — loaded when a picture is wanted
-
-    return Rectangle((x - 0.48, y - 0.46), 0.96, 0.92, facecolor=colour, alpha=0.28, linewidth=0)
 
 
 def _sheet(height: float, columns: int) -> tuple[Figure, list[Axes]]:

@@ -122,7 +122,7 @@ def _pictures(done: Sequence[Row]) -> dict[str, Callable[[], bytes]]:
         if found:
             made["loss"] = lambda: figures.losses(found, {arm: len(_pairs(done, arm)) for arm in found})
     if arms:
-        named = [msgspec.structs.replace(row, arm=_arm_name(row)) for row in arms]
+        named = [msgspec.structs.replace(row, arm=f"{row.arm}, {row.condition}") for row in arms]
         made["arms"] = lambda: figures.passing(named, {})
         made["kept"] = lambda: figures.spread(named, "kept", "share of the style that is kept")
     return made
@@ -349,10 +349,6 @@ def _equivalences(done: Sequence[Row]) -> dict[str, Equivalence]:
         if one is not None:
             found[arm] = one
     return found
-
-
-def _arm_name(row: Row) -> str:
-    return f"{row.arm}, {row.condition}"
 
 
 def _either(values: Sequence[int]) -> str:

@@ -35,7 +35,8 @@ def write_table(rows: Sequence[Row], path: Path) -> Path:
     from pyarrow import parquet  # noqa: PLC0415 — an extra
 
     columns = {name: [getattr(row, name) for row in rows] for name in Row.__struct_fields__}
-    fields = [(field.name, _type(pyarrow, field.type)) for field in msgspec.structs.fields(Row)]
+    plain = {float: pyarrow.float64(), float | None: pyarrow.float64(), int: pyarrow.int64(), bool: pyarrow.bool_()}
+    fields = [(field.name, plain.get(field.type, pyarrow.string())) for field in msgspec.structs.fields(Row)]  # all else as text
     parquet.write_table(pyarrow.table(columns, schema=pyarrow.schema(fields)), sink, compression="zstd")
     write_whole(target, sink.getvalue().to_pybytes())
     return target
@@ -49,7 +50,10 @@ def read_table(source: str | Path) -> list[Row]:
     """
     path = Path(source)
     if path.is_dir():
-        rows = Rows(path).all() or _refused(path)
+        rows = Rows(path).all()
+        for row in [] if rows else sorted((path / "rows").glob("*.json")):  # is there one of another measure?
+            with suppress(OSError, msgspec.MsgspecError):
+                check_measure(path, msgspec.json.decode(row.read_bytes(), type=dict[str, Any]))
     elif not path.is_file():
         raise BadInput(f"{path} does not exist: name the folder of a study, or its table")
     else:
@@ -66,14 +70,6 @@ def check_measure(path: Path, columns: Iterable[str]) -> None:
     if missing and known & set(FIELDS):
         theirs = f", and has {', '.join(strange[:4])} instead" if strange else ""
         raise BadInput(f"{path} is of another measure: it lacks the columns {', '.join(missing)}{theirs}; run the study again")
-
-
-def _refused(folder: Path) -> list[Row]:
-    """No rows; BadInput if the folder has some of another measure."""
-    for path in sorted((folder / "rows").glob("*.json")):
-        with suppress(OSError, msgspec.MsgspecError):
-            check_measure(folder, msgspec.json.decode(path.read_bytes(), type=dict[str, Any]))
-    return []
 
 
 def _read(path: Path) -> list[Row]:
@@ -99,9 +95,3 @@ def _read(path: Path) -> list[Row]:
 def _pyarrow() -> Any:
     """The package, or None where it is not installed."""
     return import_module("pyarrow") if find_spec("pyarrow") else None
-
-
-def _type(pyarrow: Any, kind: Any) -> Any:
-    """The column type of a field: numbers and flags as they are, all else text."""
-    plain = {float: pyarrow.float64(), float | None: pyarrow.float64(), int: pyarrow.int64(), bool: pyarrow.bool_()}
-    return plain.get(kind, pyarrow.string())

@@ -87,7 +87,10 @@ def _side_by_side(cells: Sequence[Cell], rows: Rows, jobs: int) -> Iterator[Row]
                 yield row
         except BrokenProcessPool:
             for key in [key for key in left if deaths[key] >= DEATHS]:
-                yield _given_up(left.pop(key), rows)
+                cell = left.pop(key)
+                row = cell.row(status="failed", refused=f"the run ended its process {DEATHS} times: memory, or a fault in native code")
+                rows.write(cell, row)
+                yield row
 
 
 def _in_a_pool(cells: Sequence[Cell], rows: Rows, jobs: int, deaths: Counter[str]) -> Iterator[tuple[Row, Cell]]:
@@ -126,12 +129,6 @@ def _threads_shared(jobs: int) -> Iterator[None]:
     finally:
         for name in added:
             del os.environ[name]
-
-
-def _given_up(cell: Cell, rows: Rows) -> Row:
-    row = cell.row(status="failed", refused=f"the run ended its process {DEATHS} times: memory, or a fault in native code")
-    rows.write(cell, row)
-    return row
 
 
 def _begin_process(begun: Any, jobs: int, parent: int) -> None:
@@ -175,7 +172,11 @@ def _on_workers(cells: Sequence[Cell], rows: Rows, scheduler: str) -> Iterator[R
         raise BadInput("a scheduler needs Dask: pip install 'mechstyle[study]', or use --jobs, which needs nothing") from error
     coming = iter(cells)
     known = {f"mechstyle-{cell.key}": cell for cell in cells}
-    with _client(Client, scheduler) as client:
+    try:
+        client_of = Client(scheduler_file=scheduler) if scheduler.endswith(".json") else Client(scheduler)
+    except (OSError, ValueError) as error:
+        raise BadInput(f"no Dask scheduler answers at {scheduler} ({error}): start one with `dask scheduler`, give its address") from error
+    with client_of as client:
         running = as_completed()
 
         def submit_next() -> None:
@@ -196,11 +197,3 @@ def _on_workers(cells: Sequence[Cell], rows: Rows, scheduler: str) -> Iterator[R
             future.release()
             submit_next()
             yield row
-
-
-def _client(make: Any, scheduler: str) -> Any:
-    """A client of a scheduler by its address or its file."""
-    try:
-        return make(scheduler_file=scheduler) if scheduler.endswith(".json") else make(scheduler)
-    except (OSError, ValueError) as error:
-        raise BadInput(f"no Dask scheduler answers at {scheduler} ({error}): start one with `dask scheduler`, give its address") from error

@@ -9,7 +9,7 @@ import scipy.sparse as sp
 from numpy.typing import ArrayLike
 from scipy.sparse.csgraph import dijkstra
 
-from mechstyle.geometry.face_width import face_width
+from mechstyle.geometry.thickness import face_width
 from mechstyle.loop import minimum_wall
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import Floats, SurfaceMesh

@@ -1,4 +1,4 @@
-"""The styles by name: every module of `styles` defines one `STYLE`."""
+"""The styles by name: every module of `styles` defines one `STYLE`, or the `STYLES` of a family."""
 
 from __future__ import annotations
 
@@ -12,9 +12,16 @@ from mechstyle.styling.style import Style
 
 
 @cache
+def _modules() -> dict[str, str]:
+    """Name of the module of each style, by its name; imports none of them."""
+    alone = {module.name: module.name for module in pkgutil.iter_modules(styles.__path__) if module.name not in styles.FAMILIES}
+    return alone | {name: family for family, members in styles.FAMILIES.items() for name in members}
+
+
+@cache
 def names() -> tuple[str, ...]:
     """Names of all styles, sorted; imports none of them."""
-    return tuple(sorted(module.name for module in pkgutil.iter_modules(styles.__path__)))
+    return tuple(sorted(_modules()))
 
 
 @cache
@@ -24,7 +31,8 @@ def style_named(name: str) -> Style:
         return picture.STYLE
     if name not in names():
         raise unknown("style", name, names())
-    style: Style = importlib.import_module(f"{styles.__name__}.{name}").STYLE
+    module = importlib.import_module(f"{styles.__name__}.{_modules()[name]}")
+    style: Style = module.STYLES[name] if hasattr(module, "STYLES") else module.STYLE
     return style
 
 

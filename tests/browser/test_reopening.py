@@ -24,6 +24,9 @@ KILL = """() => {
     const kernel = window.jupyterapp.shell.currentWidget.sessionContext.session.kernel;
     kernel.requestExecute({code: 'import os, signal; os.kill(os.getpid(), signal.SIGKILL)', store_history: false});
 }"""
+BROKEN = """() => [...document.querySelectorAll('.mechstyle-studio .jupyter-widgets-disconnected')]
+    .filter(one => getComputedStyle(one, '::before').content !== 'none').length"""
+"""Signs of a broken link that are seen."""
 RESTARTING = """() => {
     const kernel = window.jupyterapp.shell.currentWidget.sessionContext.session.kernel;
     return ['autorestarting', 'restarting', 'starting', 'dead', 'unknown'].includes(kernel.status);
@@ -36,6 +39,8 @@ def test_a_run_whose_kernel_was_killed_is_opened_again_and_goes_on(notebook, fin
     reached = int(notebook.python("print(studio.state.iterations_done)"))
     notebook.page.evaluate(KILL)
     notebook.page.wait_for_function(RESTARTING)
+    notebook.page.get_by_text("This is a picture of what was. Run the cell to go on.").wait_for()
+    assert notebook.page.evaluate(BROKEN) == 0
     notebook.open(AGAIN)
     notebook.drawn()
     at = int(notebook.python("print(studio.state.iterations_done)"))

@@ -13,7 +13,7 @@ import pytest
 
 from support.lanes import lane_on_a_sheet
 
-QUICK = ("--coarse", "--set", "element=tet4", "--set", "window=0.4", "--set", "nearly_flat=False")
+QUICK = ("--set", "element=tet4", "--set", "window=0.4", "--set", "nearly_flat=False")
 SMALL = ("--vertices", "2000", "--iterations", "12", "--orientations", "2", *QUICK)
 
 

@@ -71,11 +71,11 @@ def test_every_command_works_without_a_network(finished, offline):
     """One after the other in one process; the tetrahedra are made, or read, in processes of their own."""
     _, root, _ = finished
     out = offline.folder
-    small = ("vertices=2000", "iterations=2", "orientations=1", "coarse", "set=element=tet4", "set=window=0.05", "set=nearly_flat=False")
+    small = ("vertices=2000", "iterations=2", "orientations=1", "set=element=tet4", "set=window=0.05", "set=nearly_flat=False")
     quick = [f"--{one}" for one in small]
     commands = [
         ["--help"], ["materials"], ["styles"], ["gallery"], ["doctor"], ["weights", "list"], ["application"], ["log", f"{root}"],
-        ["show", f"{root}", "--out", f"{out}/picture.png"], ["export", f"{root}", "--coarse", "--out", f"{out}/part.glb"],
+        ["show", f"{root}", "--out", f"{out}/picture.png"], ["export", f"{root}", "--out", f"{out}/part.glb"],
         ["report", f"{root}", "--out", f"{out}/page.html"],
         ["run", "gallery:pen_holder", "--prompt", "brick", *quick, "--out", f"{out}/run"], ["gc", f"{out}/run"],
         ["freestyle", "gallery:pen_holder", "--prompt", "brick", *quick, "--out", f"{out}/free"],
@@ -95,7 +95,7 @@ def test_nothing_asks_for_the_network_as_it_is_imported_and_the_studio_opens(off
         module.name
         for one in (package, mechstyle_widgets)
         for module in pkgutil.walk_packages(one.__path__, f"{one.__name__}.")
-        if not module.name.endswith(("__main__", "_tetwild_worker"))
+        if not module.name.endswith("__main__")
     ]
     assert len(modules) > 150
     imports = f"import importlib\nfor name in {modules!r}:\n    importlib.import_module(name)\n"

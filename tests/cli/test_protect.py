@@ -8,8 +8,8 @@ import shutil
 import numpy as np
 import pytest
 import trimesh
-
 from mechstyle.runs.refine import MOST_PARTS
+
 from mechstyle.runs.run import Run
 
 

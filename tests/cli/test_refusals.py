@@ -83,16 +83,20 @@ def test_a_mesh_with_nan(mechstyle):
     assert "holes.obj" in refused(mechstyle, "run", "holes.obj", "--prompt", "brick")
 
 
-def test_a_part_in_metres_is_told_its_size_and_the_scale(mechstyle):
+def test_a_part_in_metres_is_told_its_size_and_the_unit(mechstyle):
     box(mechstyle.folder, "tiny.stl", (0.04, 0.03, 0.02))
-    assert "--scale 1000" in refused(mechstyle, "run", "tiny.stl", "--prompt", "brick")
+    assert "--unit m" in refused(mechstyle, "run", "tiny.stl", "--prompt", "brick")
 
 
 def test_two_separate_bodies(mechstyle):
-    a, b = trimesh.creation.box((20, 20, 20)), trimesh.creation.box((20, 20, 20))
+    a, b = trimesh.creation.box((20, 20, 20)), trimesh.creation.box((20, 20, 10))
     b.apply_translation((60, 0, 0))
     trimesh.util.concatenate([a, b]).export(mechstyle.folder / "two.stl")
-    assert "two.stl" in refused(mechstyle, "run", "two.stl", "--prompt", "brick")
+    assert "choose it with --body 1" in refused(mechstyle, "run", "two.stl", "--prompt", "brick")
+    assert "holds no body 'lid'" in refused(mechstyle, "simulate", "two.stl", "--body", "lid")
+    looked = mechstyle("protect", "two.stl", "--body", "2", "--protect", "above 900", code=2)
+    assert "two.stl: 20 × 20 × 10 mm, 5 g in solid PLA" in looked.stderr
+    assert "reaches from 50 -10 -5 to 70 10 5" in looked.stderr
 
 
 def test_a_surface_that_is_wide_open(mechstyle):

@@ -189,7 +189,7 @@ def test_a_branch_needs_an_iteration_that_exists(finished):
 
 def test_a_run_says_what_its_painted_file_costs_and_an_export_in_ones_own_filaments(finished):
     line, root, told = finished
-    assert any(note.startswith("the 3MF is painted in 4 chosen colours, estimated at") for note in told["notes"])
+    assert any(": the 3MF is painted in 2 filaments, #" in note for note in told["notes"])
     mine = clustered(Run.open(root, "cpu").surface().colours, 2)
     shown = line("export", root, "--palette", ",".join(mine), "--out", "mine.3mf").stdout
     assert f"1 {mine[0]}" in shown

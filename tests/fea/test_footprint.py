@@ -8,7 +8,7 @@ import trimesh
 
 from mechstyle import gallery
 from mechstyle.fea.footprint import footprint, own_frame, straight_sides, touchdowns
-from mechstyle.geometry.remesh import standardise
+from mechstyle.geometry.remeshing.evening import even
 from mechstyle.records.mesh import SurfaceMesh
 
 WAYS = [(17.0, False), (51.0, False), (90.0, False), (0.0, True), (33.0, True)]
@@ -183,7 +183,7 @@ def test_files_of_a_gallery_part_land_on_the_same_places(name):
 @pytest.mark.parametrize(("name", "degrees", "mirrored"), [("wall_hook", 17.0, False), ("book_end", 33.0, True)])
 def test_a_gallery_part_meshed_with_few_vertices_lands_on_the_same_places(name, degrees, mirrored):
     part = gallery.load(f"gallery:{name}")
-    again = standardise(moved(part, degrees, mirrored), 2000)
+    again = even(moved(part, degrees, mirrored), 2000)
     assert apart(seen(touchdowns(part)), seen(touchdowns(again), degrees, mirrored)) < 1.0
 
 

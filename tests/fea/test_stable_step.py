@@ -10,9 +10,9 @@ from mechstyle.fea.discretisation import discretise
 from mechstyle.fea.drop import DropTest, drop
 from mechstyle.fea.elasticity import stiffness_matrix
 from mechstyle.fea.elements import ELEMENTS
+from mechstyle.fea.explicit import damped_step, stable_step
 from mechstyle.fea.mass_scaling import bound
 from mechstyle.fea.orientations import directions
-from mechstyle.fea.stable_step import damped_step, stable_step
 from mechstyle.records.mesh import TetMesh
 
 each_element = pytest.mark.parametrize("element", ELEMENTS.values(), ids=ELEMENTS)

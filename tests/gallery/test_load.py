@@ -10,6 +10,8 @@ import mechstyle as ms
 from mechstyle.errors import BadInput
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.simulation.part import Origin
+from support.part_files import put
+from support.slicer_files import BESIDE, PLATE, mesh, model, package, thing
 
 
 def test_a_model_is_loaded_by_its_address(models):
@@ -24,14 +26,14 @@ def test_a_file_is_loaded_by_its_path_with_what_was_done_to_it(tmp_path, cube, k
     mesh = ms.load(kind(path), scale=2.5)
     assert np.allclose(mesh.extents, 2.5 * cube.extents)
     assert (mesh.name, mesh.origin) == ("brick", Origin(model="brick.stl", scale=2.5))
-    assert mesh.notes[0] == "converted to millimetres (times 2.5)"
+    assert mesh.notes[:2] == ("25 × 25 × 25 mm, 19 g in solid PLA", "converted to millimetres (times 2.5)")
 
 
 @pytest.mark.parametrize(
     ("address", "scale", "said"),
     [
         ("gallery:vse", None, "unknown gallery model 'vse': did you mean 'vase'"),
-        ("gallery:vase", 25.4, "gallery:vase: a scale and an axis for up are for files; gallery models are in millimetres"),
+        ("gallery:vase", 25.4, "gallery:vase: scale, unit, size, body and an axis for up are for files; gallery models are in millimetres"),
         ("vase", None, "vase is a model of the gallery: write gallery:vase"),
         ("cup", None, "cup: cannot read files without a suffix"),
     ],
@@ -54,3 +56,12 @@ def test_a_loaded_surface_survives_the_way_to_another_process():
     vase = ms.load("gallery:vase")
     again = pickle.loads(pickle.dumps(vase))
     assert (again.digest, again.origin, again.name) == (vase.digest, vase.origin, vase.name)
+
+
+def test_a_body_of_a_file_is_remembered_with_how_it_was_read(tmp_path):
+    both = thing(1, mesh(PLATE)) + thing(2, mesh(BESIDE))
+    path = put(tmp_path, "plate.3mf", package(model(both, '<item objectid="1"/><item objectid="2"/>')))
+    part = ms.load(path, body=2, unit="mm", up="-z")
+    assert part.extents == pytest.approx((10, 10, 30))
+    assert part.origin == Origin(model="plate.3mf", unit="mm", up="-z", body="2")
+    assert part.origin.reading == {"unit": "mm", "up": "-z", "body": "2"}

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from mechstyle.gallery import _shells
+from mechstyle.gallery import _solids as _shells
 
 TURN = _shells.angles(0)
 LEVEL = np.linspace(0.0, 40.0, 41)

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from mechstyle.geometry.remesh import standardise, surface_of
-from mechstyle.geometry.tetrahedra import tetrahedralise
+from mechstyle.geometry.remeshing.evening import even, surface_of
+from mechstyle.geometry.remeshing.filling import fill
 from mechstyle.records.mesh import SurfaceMesh, TetMesh
 
 
@@ -20,18 +20,18 @@ def cup_body(wall: float = 3.0) -> manifold3d.Manifold:
 
 @pytest.fixture(scope="session")
 def cup() -> SurfaceMesh:
-    return standardise(surface_of(cup_body()), 3000)
+    return even(surface_of(cup_body()), 3000)
 
 
 @pytest.fixture(scope="session")
 def cup_tets(cup) -> TetMesh:
-    return tetrahedralise(cup, 3000)
+    return fill(cup, 3000)
 
 
 @pytest.fixture(scope="session")
 def block() -> SurfaceMesh:
     """A 20 mm cube, filled in a second."""
-    return standardise(surface_of(manifold3d.Manifold.cube((20.0, 20.0, 20.0))), 600)
+    return even(surface_of(manifold3d.Manifold.cube((20.0, 20.0, 20.0))), 600)
 
 
 @pytest.fixture(scope="session")

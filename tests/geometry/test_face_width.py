@@ -3,12 +3,12 @@
 import manifold3d
 import pytest
 
-from mechstyle.geometry.face_width import face_width
-from mechstyle.geometry.remesh import standardise, surface_of
+from mechstyle.geometry.remeshing.evening import even, surface_of
+from mechstyle.geometry.thickness import face_width
 
 
 def block(x, y, z):
-    return standardise(surface_of(manifold3d.Manifold.cube((x, y, z))), 4000)
+    return even(surface_of(manifold3d.Manifold.cube((x, y, z))), 4000)
 
 
 @pytest.mark.parametrize(("size", "least", "most"), [((100, 100, 100), 45, 100), ((100, 4, 4), 2.5, 4.2), ((100, 100, 3), 45, 100)])
@@ -18,7 +18,7 @@ def test_faces_are_as_wide_as_their_narrow_side_and_the_edge_of_a_plate_does_not
 
 def test_a_thin_ring_is_as_narrow_as_it_is_thick():
     ring = manifold3d.CrossSection.circle(2.2, 24).translate((30.0, 0.0)).revolve(96)
-    assert face_width(standardise(surface_of(ring), 4000)) == pytest.approx(4.4, rel=0.25)
+    assert face_width(even(surface_of(ring), 4000)) == pytest.approx(4.4, rel=0.25)
 
 
 def test_a_ball_is_as_wide_as_it_is(sphere):

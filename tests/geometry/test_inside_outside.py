@@ -8,7 +8,7 @@ import pytest
 
 from mechstyle.geometry import inside_outside as module
 from mechstyle.geometry.inside_outside import _walked, is_container, is_inside, openness
-from mechstyle.geometry.remesh import standardise, surface_of
+from mechstyle.geometry.remeshing.evening import even, surface_of
 from mechstyle.records.mesh import SurfaceMesh
 
 
@@ -25,7 +25,7 @@ def test_no_normal_is_left_out(sphere):
 def test_the_bottom_of_a_round_well_sees_the_share_of_the_sky_its_mouth_fills():
     """Seen from the middle of the floor, a mouth of radius r at height h fills r² / (r² + h²) of a diffuse sky."""
     well = manifold3d.Manifold.cylinder(20.0, 15.0, 15.0, 64) - manifold3d.Manifold.cylinder(20.0, 10.0, 10.0, 64).translate((0, 0, 5))
-    mesh = standardise(surface_of(well), 3000)
+    mesh = even(surface_of(well), 3000)
     middle = np.linalg.norm(mesh.vertices - [0.0, 0.0, 5.0], axis=1).argmin()
     assert openness(mesh)[middle] == pytest.approx(10.0**2 / (10.0**2 + 15.0**2), abs=0.03)
 
@@ -42,7 +42,7 @@ def test_the_wall_of_a_cup_has_an_inside_and_an_outside(cup):
 def test_the_floor_of_a_flat_tray_goes_with_its_walls():
     """Its middle sees nine tenths of the sky, more than many a place in a flute of an outside."""
     tray = manifold3d.Manifold.cube((60.0, 60.0, 12.0)) - manifold3d.Manifold.cube((54.0, 54.0, 12.0)).translate((3.0, 3.0, 3.0))
-    mesh = standardise(surface_of(tray), 4000)
+    mesh = even(surface_of(tray), 4000)
     inside = is_inside(mesh)
     floor = (np.abs(mesh.vertices[:, 2] - 3.0) < 0.1) & (np.abs(mesh.vertices[:, :2] - 30.0).max(axis=1) < 20.0)
     assert openness(mesh)[floor].max() > 0.9
@@ -53,7 +53,7 @@ def test_the_floor_of_a_flat_tray_goes_with_its_walls():
 def test_a_waist_is_outside():
     """A shape narrower in the middle than its hull is still all outside."""
     profile = manifold3d.CrossSection([[(0.0, 0.0), (20.0, 0.0), (12.0, 20.0), (20.0, 40.0), (0.0, 40.0)]])
-    mesh = standardise(surface_of(profile.revolve(64)), 2500)
+    mesh = even(surface_of(profile.revolve(64)), 2500)
     assert not is_inside(mesh).any()
 
 
@@ -83,7 +83,7 @@ WELL = manifold3d.Manifold.cylinder(40.0, 20.0, 20.0, 64) - manifold3d.Manifold.
     ids=["cup", "upside down", "lying", "tube", "solid", "block with a dent"],
 )
 def test_a_container_opens_upwards_only_and_is_mostly_hollow(what, holds):
-    assert is_container(standardise(surface_of(what), 2500)) is holds
+    assert is_container(even(surface_of(what), 2500)) is holds
 
 
 def test_a_surface_read_again_is_not_asked_again_and_few_answers_are_kept(cup, monkeypatch):

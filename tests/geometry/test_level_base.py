@@ -11,14 +11,14 @@ from hypothesis import strategies as st
 from manifold3d import Manifold
 
 from mechstyle.geometry.level_base import LEAST_SHARE, QUANTILES, LevelBase, flat_faces
-from mechstyle.geometry.remesh import standardise, surface_of
+from mechstyle.geometry.remeshing.evening import even, surface_of
 
 
 @pytest.fixture(scope="module")
 def table():
     """A plate on two square feet, one of them twice as far across as the other."""
     feet = Manifold.cube((20.0, 20.0, 8.0)) + Manifold.cube((10.0, 10.0, 8.0)).translate((50.0, 5.0, 0.0))
-    return standardise(surface_of(feet + Manifold.cube((60.0, 20.0, 4.0)).translate((0.0, 0.0, 6.0))), 4000)
+    return even(surface_of(feet + Manifold.cube((60.0, 20.0, 4.0)).translate((0.0, 0.0, 6.0))), 4000)
 
 
 def noise(surface, seed=0, height=0.5):

@@ -6,7 +6,7 @@ from manifold3d import Manifold
 
 from mechstyle.geometry.filaments import Painted, in_bands
 from mechstyle.geometry.print_cost import PURGED, banded, changes_of, cheaper, colours_by_layer, print_cost
-from mechstyle.geometry.remesh import surface_of
+from mechstyle.geometry.remeshing.evening import surface_of
 from mechstyle.geometry.threemf import threemf_bytes
 from support.slicer import FOUR_FILAMENTS, prusa_slicer, tools_by_height
 
@@ -80,7 +80,8 @@ def test_each_change_purges_and_one_colour_needs_none(sphere):
 
 def test_fewer_filaments_are_offered_with_fewer_changes_each(sphere):
     offers = cheaper(quarters(sphere))
-    assert [len(offer.palette) for offer in offers] == [3, 2]
+    assert [len(offer.palette) for offer in offers] == [3, 2, 1]
     assert all(set(offer.palette) < set(FOUR) for offer in offers)
     counts = [print_cost(quarters(sphere)).changes, *(offer.changes for offer in offers)]
     assert counts == sorted(counts, reverse=True)
+    assert counts[-1] == 0

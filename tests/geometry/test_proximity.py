@@ -7,7 +7,7 @@ import pytest
 from manifold3d import Manifold
 
 from mechstyle.geometry.proximity import TriangleTree
-from mechstyle.geometry.remesh import surface_of
+from mechstyle.geometry.remeshing.evening import surface_of
 
 
 @pytest.fixture(scope="module")

@@ -142,7 +142,7 @@ def test_what_we_call_wrongly_is_not_said_of_the_file(tmp_path, monkeypatch):
     """An older trimesh without a function, or with other arguments or results, would have every file said to be damaged."""
     with monkeypatch.context() as patched, pytest.raises(TypeError, match="unexpected keyword"):
         read_by(patched, tmp_path, lambda _file: None)
-    with monkeypatch.context() as patched, pytest.raises(AttributeError, match="to_mesh"):
+    with monkeypatch.context() as patched, pytest.raises(AttributeError, match="graph"):
         read_by(patched, tmp_path, lambda *_args, **_options: object())
     path = put(tmp_path, "part.stl", exported("stl"))
     monkeypatch.delattr(trimesh, "load_scene")

@@ -8,7 +8,7 @@ import pytest
 
 from mechstyle.errors import BadInput
 from mechstyle.geometry.region_selection import faded, protection, segments, selected
-from mechstyle.geometry.remesh import standardise, surface_of
+from mechstyle.geometry.remeshing.evening import even, surface_of
 from mechstyle.geometry.thickness import local_thickness
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.records.regions import Box, End, HalfSpace, Inside, Outside, Rim, Segment, Sides, Sphere, Vertices
@@ -285,7 +285,7 @@ def test_inside_outside_and_underside_of_a_cup_are_segments(cup, thickness):
 def test_a_segment_ends_where_the_wall_thickens():
     """A flat top over a thin plate and a thick block, without any edge between them."""
     plate, thick = manifold3d.Manifold.cube((40.0, 20.0, 3.0)).translate((0, 0, 17)), manifold3d.Manifold.cube((20.0, 20.0, 20.0))
-    mesh = standardise(surface_of(plate + thick.translate((-20.0, 0.0, 0.0))), 3000)
+    mesh = even(surface_of(plate + thick.translate((-20.0, 0.0, 0.0))), 3000)
     labels = segments(mesh, local_thickness(mesh))
     top = np.abs(mesh.vertices[:, 2] - 20) < 0.01
     middle = np.abs(mesh.vertices[:, 1] - 10) < 5

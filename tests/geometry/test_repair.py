@@ -9,7 +9,8 @@ import trimesh
 
 from mechstyle.errors import BadInput, SimulationFailed
 from mechstyle.geometry import repair
-from mechstyle.geometry.repair import repaired
+from mechstyle.geometry.one_body import FEW, SHOWN, repaired
+from mechstyle.geometry.pieces import Piece, Thing
 
 BOX = (10.0, 20.0, 30.0)  # volume 6000 mm³
 
@@ -35,7 +36,7 @@ def together(*parts):
 
 
 def fixed(part):
-    surface, notes = repaired(*part, "part.stl")
+    surface, notes = repaired([Thing("", (Piece("", *part),))], "part.stl")
     assert surface.is_closed  # whatever else: what comes out is closed, manifold and faces outwards
     assert surface.volume > 0
     return surface, notes
@@ -43,7 +44,7 @@ def fixed(part):
 
 def refusal(part):
     with pytest.raises(BadInput) as caught:
-        repaired(*part, "part.stl")
+        repaired([Thing("", (Piece("", *part),))], "part.stl")
     message = str(caught.value)
     assert message.startswith("part.stl ")
     assert "\n" not in message
@@ -292,6 +293,55 @@ def test_a_sheet_that_is_not_within_the_body_is_refused(at):
     assert "is open and cannot be closed" in refusal(together(box(), sheet(8.0, at)))
 
 
+def wall(low, high):
+    """An upright square of no thickness, from one corner of the floor to another."""
+    (x, y), (u, v) = low, high
+    return np.array([(x, y, -15.0), (u, v, -15.0), (u, v, 15.0), (x, y, 15.0)]), np.array([(0, 1, 2), (0, 2, 3)])
+
+
+QUARTERED = (
+    wall((0.0, -10.0), (0.0, 0.0)), wall((0.0, 0.0), (0.0, 10.0)), wall((-5.0, 0.0), (0.0, 0.0)), wall((0.0, 0.0), (5.0, 0.0)),
+)  # fmt: skip
+
+
+def cut_box(*, hollow=False):
+    """A box of 10 x 20 x 30 mm of which every side has vertices and edges where y is 0, and so may have a cavity."""
+    halves = [box((10.0, 10.0, 30.0), at=(0.0, y, 0.0)) for y in (-5.0, 5.0)]
+    vertices, faces = together(*halves)
+    whole = vertices, faces[~(np.abs(vertices[faces][:, :, 1]) < 1e-9).all(axis=1)]
+    if not hollow:
+        return whole
+    inner = whole[0] * (0.6, 0.6, 0.6), whole[1][:, ::-1]
+    return together(whole, inner)
+
+
+@pytest.mark.parametrize(
+    ("part", "volume", "count"),
+    [
+        (together(box(), wall((0.0, -10.0), (0.0, 10.0))), 6000, 1),
+        (together(cut_box(), wall((-5.0, 0.0), (5.0, 0.0))), 6000, 1),
+        (together(cut_box(), wall((5.0, 0.0), (-5.0, 0.0))), 6000, 1),
+        (together(cut_box(), wall((-5.0, 0.0), (0.0, 0.0)), wall((0.0, 0.0), (5.0, 0.0))), 6000, 1),
+        (together(box(), *QUARTERED), 6000, 4),
+        (
+            together(cut_box(hollow=True), (wall((-5.0, 0.0), (5.0, 0.0))[0] * 0.6, wall((-5.0, 0.0), (5.0, 0.0))[1])),
+            6000 * (1 - 0.6**3),
+            1,
+        ),
+    ],
+    ids=["not welded", "welded", "the other way round", "in two", "two that cross", "across a cavity"],
+)  # fmt: skip
+def test_walls_without_thickness_inside_are_dropped_and_said(part, volume, count):
+    """As SketchUp leaves them; the part was called open, though its outside is closed."""
+    surface, notes = fixed(part)
+    assert f"dropped {count} sheet{'s' if count > 1 else ''} without thickness inside it" in notes
+    assert surface.volume == pytest.approx(volume)
+
+
+def test_a_fin_without_thickness_outside_is_no_wall_inside():
+    assert "is open and cannot be closed" in refusal(together(cut_box(), wall((5.0, 0.0), (25.0, 0.0))))
+
+
 def test_a_loose_body_in_a_cavity_is_refused():
     rattle = together(box(), box((8.0, 8.0, 8.0), inwards=True), box((5.0, 5.0, 5.0)))
     assert "holds 2 separate bodies" in refusal(rattle)
@@ -309,28 +359,50 @@ def test_touching_cubes_are_one_body(flipped_diagonals):
 
 
 def test_bodies_that_share_an_edge_only_are_separate():
-    message = refusal(together(box(), box(at=(10.0, 20.0, 0.0))))
-    assert "holds 2 separate bodies (10.0 x 20.0 x 30.0 mm, 10.0 x 20.0 x 30.0 mm)" in message
+    message = refusal(together(box(), box((10.0, 20.0, 25.0), at=(10.0, 20.0, 0.0))))
+    assert "holds 2 separate bodies, 1 (10 × 20 × 30 mm), 2 (10 × 20 × 25 mm): a drop test needs one" in message
 
 
-def test_separate_bodies_are_refused_with_their_sizes():
+def test_separate_bodies_are_refused_with_their_sizes_in_the_order_of_the_file():
     message = refusal(together(box((5.0, 6.0, 7.0), at=(40.0, 0.0, 0.0)), box()))
-    assert "holds 2 separate bodies (10.0 x 20.0 x 30.0 mm, 5.0 x 6.0 x 7.0 mm): a drop test needs one" in message
+    assert "holds 2 separate bodies, 1 (5 × 6 × 7 mm), 2 (10 × 20 × 30 mm): a drop test needs one; choose it with --body 1" in message
 
 
-def test_of_many_separate_bodies_the_largest_four_are_named():
-    message = refusal(together(*(box((5.0, 5.0, 5.0 + k), at=(10.0 * k, 0.0, 0.0)) for k in range(6))))
-    assert "holds 6 separate bodies (5.0 x 5.0 x 10.0 mm, " in message
-    assert message.count("5.0 x 5.0 x") == 4
-    assert ", ...)" in message
+def test_of_many_separate_bodies_few_are_named():
+    message = refusal(together(*(box((5.0, 5.0, 5.0 + k), at=(10.0 * k, 0.0, 0.0)) for k in range(9))))
+    assert "holds 9 separate bodies, 1 (5 × 5 × 5 mm), " in message
+    assert message.count("(5 × 5 × ") == SHOWN
+    assert "and 3 more" in message
 
 
 @pytest.mark.parametrize("inwards", [False, True])
-def test_specks_are_dropped(inwards):
+def test_specks_are_left_out_with_their_size_and_place(inwards):
     surface, notes = fixed(together(box(), box((0.5, 0.5, 0.5), at=(40.0, 0.0, 0.0), inwards=inwards)))
-    assert notes == ("dropped 1 speck smaller than 0.1% of the part",)
+    assert notes[-1] == "left out 1 speck apart from the part: 0.5 × 0.5 × 0.5 mm at (40.0, 0.0, 0.0)"
     assert surface.extents == pytest.approx(BOX)
     assert surface.volume == pytest.approx(6000)
+
+
+@pytest.mark.parametrize(
+    ("size", "count"), [((0.5, 0.5, 2.0), 1), ((0.5, 0.5, 0.5), FEW + 1)], ids=["longer than a speck", "more than few"]
+)
+def test_what_may_say_something_is_no_speck(size, count):
+    assert "separate bodies" in refusal(together(box(), *(box(size, at=(20.0 + 5 * k, 0.0, 0.0)) for k in range(count))))
+
+
+@pytest.mark.parametrize("gap", [-0.1, 0.0, 1e-4])
+def test_small_bodies_that_overlap_or_touch_the_part_are_part_of_it(gap):
+    """Dots of 0.5 mm on a plate, as shells of their own: of Braille, of an i, of a stud; once they were specks."""
+    dots = [box((0.5, 0.5, 0.5), at=(x, y, 15.25 + gap)) for x in (-3.0, 0.0, 3.0) for y in (-8.0, -4.0, 0.0, 4.0, 8.0)]
+    surface, notes = fixed(together(box(), *dots))
+    assert "united 16 overlapping bodies" in notes
+    assert surface.volume == pytest.approx(6000 + 15 * 0.25 * (0.5 + min(gap, 0.0)), abs=0.02)
+
+
+def test_a_body_that_touches_another_one_within_a_hairline_on_a_slant_is_united():
+    solid = manifold3d.Manifold.cube((20, 20, 20), True), manifold3d.Manifold.cube((4, 4, 4), True).translate((12.00001, 0, 0))
+    turned = [(mesh.vert_properties, mesh.tri_verts.astype(int)) for mesh in (one.rotate((30, 20, 10)).to_mesh64() for one in solid)]
+    assert fixed(together(*turned))[0].volume == pytest.approx(8064, rel=1e-4)
 
 
 def test_specks_do_not_cost_the_cavity():

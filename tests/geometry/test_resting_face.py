@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from manifold3d import Manifold, OpType
 
-from mechstyle.geometry.remesh import surface_of
+from mechstyle.geometry.remeshing.evening import surface_of
 from mechstyle.geometry.resting_face import centre_of_mass, resting_face, resting_weight
 from mechstyle.records.mesh import SurfaceMesh
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from mechstyle.geometry.standing import standing
+from mechstyle.geometry.upright import standing
 from mechstyle.records.mesh import SurfaceMesh
 
 

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from manifold3d import Manifold
 
-from mechstyle.geometry.remesh import standardise, surface_of
+from mechstyle.geometry.remeshing.evening import even, surface_of
 from mechstyle.geometry.thickness import local_thickness
 
 
 @pytest.mark.parametrize("wall", [1.5, 4.0])
 def test_a_plate_is_as_thick_as_it_is(wall):
-    plate = standardise(surface_of(Manifold.cube((40.0, 30.0, wall), center=True)), 3000)
+    plate = even(surface_of(Manifold.cube((40.0, 30.0, wall), center=True)), 3000)
     thickness = local_thickness(plate)
     inner = (np.abs(plate.vertices[:, 0]) < 20 - wall) & (np.abs(plate.vertices[:, 1]) < 15 - wall)
     assert inner.sum() > 500
@@ -20,7 +20,7 @@ def test_a_plate_is_as_thick_as_it_is(wall):
 
 
 def test_a_ball_is_as_thick_as_its_diameter():
-    ball = standardise(surface_of(Manifold.sphere(10.0, 64)), 1500)
+    ball = even(surface_of(Manifold.sphere(10.0, 64)), 1500)
     assert np.median(local_thickness(ball)) == pytest.approx(20.0, rel=0.02)
 
 
@@ -51,7 +51,7 @@ def narrow_side(plate, height):
 
 def test_the_narrow_side_of_a_plate_is_not_taken_for_thick():
     wall = 3.0
-    plate = standardise(surface_of(Manifold.cube((40.0, 30.0, wall), center=True)), 5000)
+    plate = even(surface_of(Manifold.cube((40.0, 30.0, wall), center=True)), 5000)
     side = narrow_side(plate, wall)
     assert side.sum() > 100
     assert local_thickness(plate, slope=np.inf)[side].min() > 25.0  # the balls look across the whole plate
@@ -70,7 +70,7 @@ def test_a_slope_only_ever_lowers(cup):
 
 
 def test_the_pure_ball_vanishes_at_a_convex_edge_and_the_default_does_not():
-    box = standardise(surface_of(Manifold.cube((20.0, 20.0, 20.0), center=True)), 2000)
+    box = even(surface_of(Manifold.cube((20.0, 20.0, 20.0), center=True)), 2000)
     edge = (np.abs(box.vertices) > 10 - 1e-6).sum(axis=1) == 2
     assert np.median(local_thickness(box, separation=0.0, slope=np.inf)[edge]) < 1.0
     assert local_thickness(box)[edge].min() > 10.0
@@ -78,7 +78,7 @@ def test_the_pure_ball_vanishes_at_a_convex_edge_and_the_default_does_not():
 
 def test_a_wedge_is_thin_at_its_edge_and_thick_at_its_back():
     half = Manifold.cube((40.0, 20.0, 8.0)).trim_by_plane((8.0, 0.0, -40.0), 0.0)  # height 8/40 of the way in x
-    wedge = standardise(surface_of(half), 4000)
+    wedge = even(surface_of(half), 4000)
     thickness, (x, y, _) = local_thickness(wedge), wedge.vertices.T
     middle = (y > 4) & (y < 16) & (x > 10) & (x < 30) & (wedge.vertex_normals[:, 2] < -0.99)
     angle = np.arctan(8.0 / 40.0)

@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 from manifold3d import CrossSection, Manifold
 
-from mechstyle.geometry.print_quality import turned_over
-from mechstyle.geometry.remesh import standardise, surface_of
-from mechstyle.geometry.self_intersections import crossings
-from mechstyle.geometry.untangling import untangled
+from mechstyle.geometry.print_quality import turned_over, untangled
+from mechstyle.geometry.remeshing.crossings import crossings
+from mechstyle.geometry.remeshing.evening import even, surface_of
 from mechstyle.records.mesh import SurfaceMesh
 
 
@@ -17,7 +16,7 @@ from mechstyle.records.mesh import SurfaceMesh
 def angle():
     """A bracket of two plates, 30 mm long, with an inner corner along y at x = z = 4 mm."""
     profile = CrossSection([[(0.0, 0.0), (20.0, 0.0), (20.0, 4.0), (4.0, 4.0), (4.0, 20.0), (0.0, 20.0)]])
-    return standardise(surface_of(Manifold.extrude(profile, 30.0).rotate([90.0, 0.0, 0.0]).refine_to_length(1.0)), 12_000)
+    return even(surface_of(Manifold.extrude(profile, 30.0).rotate([90.0, 0.0, 0.0]).refine_to_length(1.0)), 12_000)
 
 
 def tangles(surface, relief):

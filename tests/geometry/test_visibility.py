@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from manifold3d import Manifold
 
-from mechstyle.geometry.remesh import standardise, surface_of
+from mechstyle.geometry.remeshing.evening import even, surface_of
 from mechstyle.geometry.visibility import _hemisphere, sky_seen
 from mechstyle.records.mesh import SurfaceMesh
 
@@ -75,7 +75,7 @@ def test_a_sphere_sees_what_its_slope_leaves():
 def test_the_bottom_of_a_deep_cup_sees_the_share_of_the_sky_its_mouth_fills():
     """Seen from the middle of the floor, a mouth of radius r at height h fills r² / (r² + h²) of the light."""
     deep = Manifold.cylinder(45.0, 20.0, 20.0, 64) - Manifold.cylinder(45.0, 15.0, 15.0, 64).translate((0.0, 0.0, 5.0))
-    mesh = standardise(surface_of(deep), 3000)
+    mesh = even(surface_of(deep), 3000)
     seen = sky_seen(mesh)
     bottom = (np.linalg.norm(mesh.vertices[:, :2], axis=1) < 12.0) & (np.abs(mesh.vertices[:, 2] - 5.0) < 0.1)
     assert seen[bottom].min() > 0.0

@@ -235,14 +235,6 @@ def test_the_test_with_the_least_reserve_is_named_with_its_landing():
     )
 
 
-def test_a_fine_surface_that_does_not_keep_the_promise_says_which_it_was():
-    remedy = "export it with --coarse, or branch with a smaller amplitude"
-    assert sentences.delivered(verdict(DENTED), None) == f"the fine surface FAILS a fall of 1.5 m: {remedy}"
-    coarse = verdict(FLAT, TILTED, doubts=(MISSED,))
-    said = sentences.delivered(UNKNOWN, coarse)
-    assert said == f"the fine surface UNKNOWN, though the surface of the run is NO WORSE than the plain part {NOT_SURE}: {remedy}"
-
-
 def test_an_outcome_is_marked_where_it_is_not_sure_and_never_where_there_is_none():
     assert [sentences.marked(outcome, sure=sure) for outcome, sure in (("HOLDS", True), ("FAILS", False), ("UNKNOWN", False))] == [
         "HOLDS", "FAILS (not sure)", "UNKNOWN",
@@ -291,7 +283,7 @@ ALL = [one for one, _ in (*HEADS, *DOUBTS)]
 
 @pytest.mark.parametrize("found", ALL)
 def test_no_sentence_says_more_than_a_simulation_knows(found):
-    said = [head(found), doubt(found), short(found), note(found), sentences.least(found), sentences.delivered(found, None)]
+    said = [head(found), doubt(found), short(found), note(found), sentences.least(found)]
     said += [cell for cells in table(found) for cell in cells]
     for words in said:
         assert not BANNED.search(words), words

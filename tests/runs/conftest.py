@@ -33,19 +33,7 @@ def run(tmp_path_factory) -> Run:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("MECHSTYLE_CACHE", str(folder / "cache"))
         mesh = SurfaceMesh(box.vertices, box.faces)
-        yield stylize(mesh, "marble", out=folder / "run", protect="above 9.9 colour", amplitude=0.3, device="cpu", delivered=3500, **QUICK)
-
-
-@pytest.fixture(scope="module")
-def coarse(run) -> Run:
-    """The same from iteration 4 on, delivered as it ran."""
-    return run.branch(4, lane="coarse", delivered=0).go()
-
-
-@pytest.fixture(scope="module")
-def finer(run):
-    """What that run delivered."""
-    return run.delivered()
+        yield stylize(mesh, "marble", out=folder / "run", protect="above 9.9 colour", amplitude=0.3, device="cpu", **QUICK)
 
 
 @pytest.fixture

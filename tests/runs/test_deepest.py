@@ -1,11 +1,9 @@
 """The deepest relief that passes: which depths are tried, and what is said to limit it."""
 
-from types import SimpleNamespace
 
 import pytest
 
 from mechstyle.errors import BadInput
-from mechstyle.runs import deepest as module
 from mechstyle.runs.deepest import DEPTHS, deepest, deepest_of
 from support.records import FALL, VERDICT, row
 from support.records import verdict as judged
@@ -56,17 +54,3 @@ def test_a_relief_that_is_no_worse_passes():
 def test_a_relief_in_millimetres_leaves_nothing_to_find(sphere, tmp_path):
     with pytest.raises(BadInput, match=r"a relief of 0\.6 mm is asked for, and the deepest that passes: leave out one of them"):
         deepest(sphere, "brick", out=tmp_path, relief=0.6)
-
-
-def test_every_depth_is_judged_as_a_run_is_by_the_surface_that_would_be_delivered(sphere, tmp_path, monkeypatch):
-    """Not by that of the run, whose vertices are fewer, unless that is what is to be delivered."""
-    drafted = []
-
-    def begun(wanted, *_, **__):
-        drafted.append(wanted)
-        return SimpleNamespace(recipe=wanted, go=lambda: SimpleNamespace(verdict=VERDICT))
-
-    monkeypatch.setattr(module, "started", begun)
-    for settings in ({}, {"delivered": 3500}, {"delivered": 0}):
-        deepest(sphere, "brick", out=tmp_path, **settings)
-    assert [wanted.delivered for wanted in drafted] == [None, 3500, 0], "0 is the run's own"

@@ -25,7 +25,7 @@ def earlier(tmp_path) -> Path:
     return tmp_path / "earlier"
 
 
-COMMANDS = (["log"], ["show"], ["export", "--coarse"], ["report"], ["rerun"], ["branch", "--iterations", "30"])
+COMMANDS = (["log"], ["show"], ["export"], ["report"], ["rerun"], ["branch", "--iterations", "30"])
 
 
 @pytest.mark.parametrize("command", COMMANDS, ids=" ".join)

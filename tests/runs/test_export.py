@@ -14,18 +14,18 @@ import pytest
 import trimesh
 
 from mechstyle.errors import BadInput
+from mechstyle.geometry.glb import DULL, Sheen
 from mechstyle.records import Doubt
-from mechstyle.runs.export import COARSE, NOT_DROPPED, Exported, _of_the_fine_surface, _of_the_test, sidecar, unsimulated
-from mechstyle.runs.printing import Printing
-from mechstyle.runs.run import Run
+from mechstyle.runs.export import Exported, _of_the_test, sheen_of, sidecar, unsimulated
+from mechstyle.runs.printing import Printing, asked_for
 from support.records import FALL, row, verdict
 
 
-def test_what_is_known_of_the_surface_lies_beside_the_file(coarse, tmp_path):
-    run, path = coarse, coarse.export(tmp_path / "part.stl")
+def test_what_is_known_of_the_surface_lies_beside_the_file(run, tmp_path):
+    path = run.export(tmp_path / "part.stl")
     kept = msgspec.json.decode(sidecar(path).read_bytes(), type=Exported)
     assert sidecar(path).name == "part.stl.json"
-    assert (kept.file, kept.lane, kept.iteration, kept.fine) == ("part.stl", "coarse", 6, False)
+    assert (kept.file, kept.lane, kept.iteration) == ("part.stl", "main", 6)
     assert kept.recipe == run.recipe.digest
     assert kept.verdict == run.verdict
     assert kept.quality.volume == pytest.approx(run.surface().volume)
@@ -33,7 +33,7 @@ def test_what_is_known_of_the_surface_lies_beside_the_file(coarse, tmp_path):
 
 def test_a_surface_that_was_not_simulated_has_no_verdict_and_says_so(run, tmp_path, caplog):
     with caplog.at_level(logging.WARNING):
-        run.export(tmp_path / "part.obj", 4, fine=False)
+        run.export(tmp_path / "part.obj", 4)
     assert "this iteration was not simulated; the last simulation was at 3" in caplog.text
     assert json.loads(sidecar(tmp_path / "part.obj").read_text())["verdict"] is None
 
@@ -46,83 +46,129 @@ def test_a_relief_reduced_after_its_simulation_has_no_verdict(run):
         assert unsimulated(run.store, run.store.entry(run.store.put_checkpoint(after))).partition(" this iteration")[0] == said
 
 
-def test_the_loops_own_surface_has_no_verdict_where_a_finer_one_was_dropped(run, tmp_path):
-    written = run.exported(tmp_path / "part.stl", fine=False)
-    assert written.verdict is None
-    assert COARSE in written.warnings
-    assert len(trimesh.load(tmp_path / "part.stl").faces) == len(run.part.surface.faces)
-
-
-def test_an_iteration_before_the_last_is_drawn_finer_and_not_dropped(run, tmp_path, dropless):
-    written = run.exported(tmp_path / "part.stl", 4)
-    assert written.fine
-    assert written.verdict is None
-    assert NOT_DROPPED in written.warnings
-
-
-def test_the_unstylized_part_cannot_be_drawn_finer(run, tmp_path):
-    with pytest.raises(BadInput, match="no style to draw finer"):
-        run.export(tmp_path / "part.stl", 0, fine=True)
-    assert list(tmp_path.iterdir()) == []
-    assert not run.exported(tmp_path / "part.stl", 0).fine
-
-
-def test_a_file_with_fields_holds_what_the_test_of_that_very_surface_says(run, finer, tmp_path, dropless):
+def test_a_file_with_fields_holds_what_the_test_of_that_very_surface_says(run, tmp_path, dropless):
     written = run.exported(tmp_path / "part.ply", fields=True)
-    found = meshio.read(tmp_path / "part.ply").point_data
-    decides = run.verdict.deciding
-    assert np.array_equal(found["stress"], finer.simulation.stress_of(landing=decides.landing)), "the test that decides"
-    assert np.array_equal(found["flat_stress"], finer.simulation.landing_stress[0])
+    found, last = meshio.read(tmp_path / "part.ply").point_data, run.simulation()
+    assert np.array_equal(found["stress"], last.stress_of(landing=run.verdict.deciding.landing)), "the test that decides"
+    assert np.array_equal(found["flat_stress"], last.landing_stress[0])
     assert found["safety_factor"].min() == pytest.approx(run.recipe.material.yield_strength / found["stress"].max(), rel=1e-5)
-    assert np.array_equal(found["displacement"], finer.displacement)
-    assert np.allclose(found["restraint"], finer.cut.interpolation @ (1.0 - run.checkpoint().mask), atol=1e-6), "it is the loop's"
+    assert np.array_equal(found["displacement"], last.displacement)
+    assert np.allclose(found["restraint"], 1.0 - run.checkpoint().mask, atol=1e-6)
     assert written.fields["stress"] == "von Mises stress at the surface [MPa]; flat"
     assert set(written.fields) == set(found) - {"red", "green", "blue", "alpha"}
 
 
-def test_the_fields_of_the_run_s_own_faces_are_those_of_the_checkpoint_and_say_their_age(run, tmp_path):
-    written = run.exported(tmp_path / "part.ply", 4, fine=False, fields=True)
+def test_the_fields_of_an_iteration_that_was_not_simulated_say_their_age(run, tmp_path):
+    written = run.exported(tmp_path / "part.ply", 4, fields=True)
     found, state = meshio.read(tmp_path / "part.ply").point_data, run.checkpoint(4)
     assert np.array_equal(found["stress"], state.stress)
     assert np.array_equal(found["demand"], state.demand)
     assert written.fields["stress"].endswith("simulated at iteration 3")
 
 
+@pytest.mark.parametrize(
+    ("prompt", "metallic"),
+    [("gold brick", 1.0), ("dark gold brick", 1.0), ("outside: copper brick; rim: copper studs", 1.0), ("gold brick; rim: plain", 1.0),
+     ("rust brick", 0.0), ("blue brick", 0.0), ("brick", 0.0), ("gold brick; rim: studs", 0.0), ("gold brick; rim: silver studs", 0.0)],
+)  # fmt: skip
+def test_a_part_all_in_one_metal_reflects_like_it(run, prompt, metallic):
+    recipe = msgspec.structs.replace(run.recipe, prompt=prompt)
+    assert sheen_of(recipe).metallic == metallic
+    assert (sheen_of(recipe) == DULL) == (metallic == 0.0 and "rust" not in prompt)
+    assert sheen_of(msgspec.structs.replace(recipe, stylizer="mine")) == DULL
+
+
+def test_a_glb_says_how_it_reflects(run, tmp_path, monkeypatch):
+    monkeypatch.setattr("mechstyle.runs.export.sheen_of", lambda _: Sheen(1.0, 0.25))
+    for iteration, metallic in ((6, 1.0), (0, 0.0)):
+        run.export(tmp_path / "part.glb", iteration)
+        assert trimesh.load_mesh(tmp_path / "part.glb", process=False).visual.material.metallicFactor == metallic
+
+
 # --- for a slicer -------------------------------------------------------------------------------------------------
 
 
-def test_a_3mf_is_painted_in_four_filaments_and_says_what_it_costs(coarse, tmp_path):
-    plan = coarse.exported(tmp_path / "part.3mf").printing
-    assert (plan.slicer, len(plan.palette)) == ("standard", 4)
+def test_a_3mf_is_painted_in_two_filaments_and_says_first_what_it_costs(run, tmp_path):
+    plan = run.exported(tmp_path / "part.3mf").printing
+    assert (plan.slicer, len(plan.palette)) == ("standard", 2)
+    assert plan.cost.changes <= plan.cost.layers + 2
+    assert plan.words.startswith(f"{plan.cost.changes} changes of filament in {plan.cost.layers} layers, ")
+    assert [offer.changes for offer in plan.offers if len(offer.palette) == 1] == [0]
     assert plan.cost.layers == pytest.approx(20.0 / 0.2, abs=10)  # a box 20 mm high
     assert plan.cost.changes > plan.offers[-1].changes
     assert b"mmu_segmentation" in zipfile.ZipFile(tmp_path / "part.3mf").read("3D/3dmodel.model")
     assert msgspec.json.decode(sidecar(tmp_path / "part.3mf").read_bytes(), type=Exported).printing == plan
 
 
-def test_the_filaments_of_the_user_are_in_the_file_in_their_order(coarse, tmp_path):
+@pytest.mark.parametrize(
+    ("prompt", "palette"),
+    [
+        ("blue grid", ("#2F5FA8",)),
+        ("outside: blue brick; rim: blue studs", ("#2F5FA8",)),
+        ("gold and black honeycomb", ("#C99A2E", "#262629")),
+        ("outside: blue brick; rim: gold studs", ("#2F5FA8", "#C99A2E")),
+        ("outside: blue brick; rim: studs", ()),
+        ("brick", ()),
+    ],
+)
+def test_a_colour_asked_for_is_a_filament(run, prompt, palette):
+    recipe = msgspec.structs.replace(run.recipe, prompt=prompt)
+    assert asked_for(recipe) == palette
+    assert asked_for(msgspec.structs.replace(recipe, stylizer="mine")) == ()
+    mesh = run.surface()
+    usual = Printing().filaments(mesh)
+    assert Printing(slicer="bambu").filaments(mesh, palette) == (palette or usual)
+    assert len(Printing(colours=5).filaments(mesh, palette)) == 5
+    assert len(Printing(bodies=True).filaments(mesh, palette)) == 2
+    assert len(Printing(bands=True).filaments(mesh, palette)) == 2
+
+
+def test_more_colours_than_two_changes_a_layer_are_reduced_unless_they_are_counted(run):
+    mesh = run.surface()
+    asked = ("#2F5FA8", "#C99A2E", "#262629", "#EBEAE6")
+    assert Printing().filaments(mesh, asked[:3]) == asked[:3]
+    assert len(Printing().filaments(mesh, asked)) == 3
+    assert len(Printing(colours=4).filaments(mesh, asked)) == 4
+
+
+@pytest.mark.parametrize("slicer", ["standard", "bambu"])
+def test_a_part_of_one_filament_is_not_painted_and_costs_no_change(run, tmp_path, slicer):
+    plan = run.exported(tmp_path / "part.3mf", printing=Printing(palette="#2F5FA8", slicer=slicer)).printing
+    assert (plan.cost.changes, plan.offers) == (0, ())
+    assert plan.words.startswith("no change of filament")
+    model = zipfile.ZipFile(tmp_path / "part.3mf").read("3D/3dmodel.model")
+    assert b"#2F5FA8" in model
+    assert not any(word in model for word in (b"mmu_segmentation", b"MmPainting", b"paint_color"))
+
+
+def test_the_unstylized_part_is_in_no_colour_of_the_prompt(run):
+    plain = run.part.surface.coloured(np.full((len(run.part.surface.vertices), 3), 0.75))
+    assert Printing().filaments(plain, ("#2F5FA8",)) == ("#BFBFBF",)
+
+
+def test_the_filaments_of_the_user_are_in_the_file_in_their_order(run, tmp_path):
     wanted = ("#00FF00", "#111111", "#F4F1E8")
-    plan = coarse.exported(tmp_path / "part.3mf", printing=Printing(palette=wanted, slicer="bambu")).printing
+    plan = run.exported(tmp_path / "part.3mf", printing=Printing(palette=wanted, slicer="bambu")).printing
     assert plan.palette == wanted
     assert "#00FF00" not in plan.cost.palette, "no marble is green, so slot 1 stays unused"
     settings = json.loads(zipfile.ZipFile(tmp_path / "part.3mf").read("Metadata/project_settings.config"))
     assert settings["filament_colour"] == [f"{colour}FF" for colour in wanted]
 
 
-def test_bands_take_few_changes_and_offer_none(coarse, tmp_path):
-    plan = coarse.exported(tmp_path / "part.3mf", printing=Printing(colours=3, bands=True)).printing
+def test_bands_take_few_changes_and_offer_none(run, tmp_path):
+    plan = run.exported(tmp_path / "part.3mf", printing=Printing(colours=3, bands=True)).printing
     assert len(plan.cost.palette) == 3
     assert plan.cost.changes < 2 * 15, "edges of 2 mm make a border 10 layers and more"
     assert plan.offers == ()
 
 
-def test_two_bodies_fill_the_part_of_the_file(coarse, tmp_path):
-    plan = coarse.exported(tmp_path / "part.3mf", printing=Printing(bodies=True)).printing
+def test_two_bodies_fill_the_part_of_the_file(run, tmp_path):
+    plan = run.exported(tmp_path / "part.3mf", printing=Printing(bodies=True)).printing
     assert len(plan.palette) == 2
     assert plan.cost.changes > 0.5 * plan.cost.layers, "most layers have shell and rest"
     written = trimesh.load_mesh(tmp_path / "part.3mf")
-    assert written.volume == pytest.approx(coarse.surface().volume, rel=1e-6)
-    assert len(written.faces) > len(coarse.part.surface.faces)
+    assert written.volume == pytest.approx(run.surface().volume, rel=1e-6)
+    assert len(written.faces) > len(run.part.surface.faces)
 
 
 @pytest.mark.parametrize(
@@ -132,24 +178,15 @@ def test_two_bodies_fill_the_part_of_the_file(coarse, tmp_path):
         ("part.stl", Printing(slicer="prusa"), "3MF only"),
         ("part.3mf", Printing(palette="#111111,#222222", colours=3), "contradict"),
         ("part.3mf", Printing(bands=True, bodies=True), "contradict"),
-        ("part.3mf", Printing(colours=1), "2 to 16"),
-        ("part.3mf", Printing(palette="#111111"), "2 to 16"),
+        ("part.3mf", Printing(colours=17), "1 to 16"),
+        ("part.3mf", Printing(palette="#111111", bodies=True), "name those of both"),
+        ("part.3mf", Printing(colours=1, bodies=True), "name those of both"),
     ],
 )
-def test_what_cannot_be_printed_is_refused_before_anything_is_drawn(run, tmp_path, monkeypatch, name, printing, said):
-    monkeypatch.setattr(Run, "_refinement", lambda *_: None)
+def test_what_cannot_be_printed_is_refused_before_anything_is_drawn(run, tmp_path, name, printing, said):
     with pytest.raises(BadInput, match=said):
         run.exported(tmp_path / name, printing=printing)
     assert not (tmp_path / name).exists()
-
-
-def test_a_fine_surface_that_fails_says_so_and_what_the_run_was():
-    doubt = Doubt(about="limit", value=1.01, test="flat", landing="flat")
-    before, after = verdict(row(1.01 * FALL), doubts=(doubt,)), verdict(row(0.5 * FALL))
-    (said,) = _of_the_fine_surface(after, before)
-    assert said.startswith("the fine surface FAILS a fall of 1.5 m, though the surface of the run HOLDS a fall of 1.5 m (not sure): ")
-    assert _of_the_fine_surface(before, after) == ()
-    assert _of_the_fine_surface(None, before) == (NOT_DROPPED,)
 
 
 def test_a_file_warns_of_what_fails_and_of_what_is_in_doubt():

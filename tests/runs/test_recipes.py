@@ -51,7 +51,7 @@ def test_freestyle_is_stylization_without_feedback(part):
 
 def test_the_paper_criterion_brings_the_published_method(part):
     theirs = {"normalisation": "sigma_c", "transfer": "nearest", "element": "tet4", "minimum_wall": 0.0}
-    theirs |= {"nearly_flat": False, "delivered": 0, "schedule": "stress"}
+    theirs |= {"nearly_flat": False, "schedule": "stress"}
     expected = defaults(part, criterion="paper", **theirs, **WITHOUT_OUR_ADDITIONS)
     assert plan(part, "brick", criterion="paper") == expected
 

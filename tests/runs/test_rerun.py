@@ -39,7 +39,7 @@ def no_meshing(*_args, **_options):
 
 @pytest.mark.parametrize("lane", ["main", "soft"])
 def test_a_run_repeats_to_the_same_bytes_where_nothing_is_remembered(block, elsewhere, monkeypatch, tmp_path, lane):
-    monkeypatch.setattr("mechstyle.geometry.tetrahedra.tetwild", no_meshing)
+    monkeypatch.setattr("mechstyle.geometry.remeshing.filling.tetwild", no_meshing)
     found = rerun(Run(block.store, lane), tmp_path / "again")
     assert found.same_bytes
     assert found.equal
@@ -50,10 +50,10 @@ def test_a_run_repeats_to_the_same_bytes_where_nothing_is_remembered(block, else
 
 def test_a_run_that_goes_on_on_another_machine_keeps_the_tetrahedra_it_was_compared_on(block, elsewhere, monkeypatch):
     """The unstylized part has tetrahedra of its own: they were in the cache of one machine only, and peaks moved by some percent."""
-    monkeypatch.setattr("mechstyle.geometry.tetrahedra.tetwild", no_meshing)
+    monkeypatch.setattr("mechstyle.geometry.remeshing.filling.tetwild", no_meshing)
     run = Run(block.store, "main")
     simulator = run.simulator(run.recipe)
-    again = simulator.simulate(simulator._at_rest.surface.vertices[:, 0].astype("f4") * 0, thorough=True)
+    again = simulator.simulate(simulator.surface.vertices[:, 0].astype("f4") * 0, thorough=True)
     assert again.landings == run.simulation(0).landings
 
 

@@ -42,7 +42,7 @@ def forged(request, tmp_path, outside):
     "look",
     [
         lambda root: show_command(root, None, as_json=True),
-        lambda root: export_command(root, None, None, fine=False, device="cpu", as_json=True),
+        lambda root: export_command(root, None, None, as_json=True),
         lambda root: report_command(root, None, as_json=True),
     ],
     ids=["show", "export", "report"],
@@ -131,7 +131,7 @@ def test_a_part_that_encloses_nothing_is_not_dropped_turned_or_measured(tmp_path
         with pytest.raises(DamagedStore, match=r"part\.json.* encloses nothing"):
             asked()
     with pytest.raises(BadInput, match="encloses nothing"):
-        run.export(tmp_path / "sheet.stl", fine=False)
+        run.export(tmp_path / "sheet.stl")
     assert not (tmp_path / "again").exists()
 
 

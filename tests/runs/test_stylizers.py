@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from mechstyle.errors import BadInput, MissingPiece
-from mechstyle.geometry.remesh import standardise, surface_of
+from mechstyle.geometry.remeshing.evening import even, surface_of
 from mechstyle.loop.engine import kept
 from mechstyle.records.mesh import TetMesh
 from mechstyle.records.recipe import SIDES
@@ -211,7 +211,7 @@ def test_a_relief_in_millimetres_is_what_the_stylizer_draws(ball):
 def mug():
     """A cup of 20 mm radius and 30 mm height with a wall of 3 mm."""
     well = manifold3d.Manifold.cylinder(30.0, 20.0, 20.0, 64) - manifold3d.Manifold.cylinder(30.0, 17.0, 17.0, 64).translate((0, 0, 3))
-    surface = standardise(surface_of(well), 2500)
+    surface = even(surface_of(well), 2500)
     return Shape(surface, np.full(len(surface.vertices), 3.0, np.float32))
 
 

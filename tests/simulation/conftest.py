@@ -7,7 +7,7 @@ import pytest
 import trimesh
 
 from mechstyle.fea.orientations import UP
-from mechstyle.geometry.tetrahedra import tetrahedralise
+from mechstyle.geometry.remeshing.filling import fill
 from mechstyle.loop.objects import Memo, Objects
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.simulation import simulator as module
@@ -21,7 +21,7 @@ def block():
     for _ in range(3):
         box = box.subdivide()
     surface = SurfaceMesh(box.vertices, box.faces)
-    return surface, tetrahedralise(surface, 600)
+    return surface, fill(surface, 600)
 
 
 @pytest.fixture

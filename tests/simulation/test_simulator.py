@@ -12,12 +12,14 @@ import trimesh
 from mechstyle.errors import SimulationFailed
 from mechstyle.fea.stressed_volume import at_nodes, exceeded
 from mechstyle.geometry.level_base import LevelBase
-from mechstyle.geometry.tetrahedra import tetrahedralise
+from mechstyle.geometry.remeshing.filling import fill
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import SurfaceMesh
-from mechstyle.records.simulation import GREATEST_HEIGHT, LEAST_HEIGHT, VOLUME_ERROR
+from mechstyle.records.simulation import GREATEST_HEIGHT, LEAST_CARRIED, LEAST_HEIGHT, VOLUME_ERROR
+from mechstyle.simulation import meshes
 from mechstyle.simulation import simulator as module
-from mechstyle.simulation.carrying import AGAIN, LEAST_CARRIED, Carried, carrying
+from mechstyle.simulation.body import Followed
+from mechstyle.simulation.meshes import AGAIN, carrying
 from mechstyle.simulation.simulator import SAME_PART, exponent_of, harder
 from support import records
 from support.dropped_block import bumps, ripples, simulator, slopes
@@ -165,8 +167,8 @@ def test_a_lower_gap_under_a_part_carries_no_more_but_standing_on_more_does(memo
     middle, standing = np.hypot(surface.vertices[:, 0], surface.vertices[:, 1]), LevelBase(surface).standing
     gap = np.where(standing & (middle > 3.0), -0.3, 0.0).astype(np.float32)
     half = np.float32(0.5) * gap
-    tets = tetrahedralise(surface.displaced(half), 1500, keep=surface.displaced(2.0 * gap))
-    sim = replace(simulator((surface, tets), memo), at=half, settled=True)
+    tets = fill(surface.displaced(half), 1500, keep=surface.displaced(2.0 * gap))
+    sim = replace(simulator((surface, tets), memo), at=half)
     gaps = (gap, np.float32(0.5) * gap, np.where(middle < 8.0, np.float32(0.0), gap))
     whole, lower, wider = (sim.simulate(displacement, thorough=False) for displacement in gaps)
     assert lower.flat.stress > 0.85 * whole.flat.stress
@@ -240,8 +242,8 @@ def test_tets_on_which_it_gives_no_number_excuse_nothing(wrong):
 
 
 def test_the_tets_of_a_relief_are_taken_for_the_next_that_they_carry(block, memo, monkeypatch):
-    asked, real = [], module.carrying
-    monkeypatch.setattr(module, "carrying", lambda *given: asked.append(1) or real(*given))
+    asked, real = [], meshes.carrying
+    monkeypatch.setattr(meshes, "carrying", lambda *given: asked.append(1) or real(*given))
     sim = simulator(block, memo, orientations=1)
     first = sim.simulate(ripples(block), thorough=True)
     lower = sim.simulate(0.8 * ripples(block), thorough=True)
@@ -251,12 +253,12 @@ def test_the_tets_of_a_relief_are_taken_for_the_next_that_they_carry(block, memo
 
 def test_asked_again_for_a_relief_the_tets_are_those_it_was_tested_on(block, memo, monkeypatch):
     """What is delivered may be an earlier correction: drawn after another was meshed, it was tested on that one's tetrahedra instead."""
-    first, words = simulator(block, memo).carrier(ripples(block))
+    first, words = simulator(block, memo).meshes.carrier(ripples(block))
     with monkeypatch.context() as patch:
-        patch.setattr(Carried, "serves_instead_of", lambda *_: False)
-        other, _ = simulator(block, memo).carrier(ripples(block, 0.25))
+        patch.setattr(Followed, "is_at_least_as_good_as", lambda *_: False)
+        other, _ = simulator(block, memo).meshes.carrier(ripples(block, 0.25))
     assert other.tets.digest != first.tets.digest
-    again, as_before = simulator(block, memo).carrier(ripples(block))
+    again, as_before = simulator(block, memo).meshes.carrier(ripples(block))
     assert (again.tets.digest, as_before) == (first.tets.digest, words)
 
 
@@ -264,9 +266,9 @@ def test_a_part_that_cannot_be_meshed_again_is_judged_as_it_is_and_says_so(block
     def refuse(*_args, **_options):
         raise SimulationFailed("fTetWild gave up")
 
-    monkeypatch.setattr(module, "carrying", refuse)
+    monkeypatch.setattr(meshes, "carrying", refuse)
     result = simulator(block, memo, orientations=1).simulate(ripples(block), thorough=True)
-    assert result.meshing.startswith("morphed, carrying")
+    assert result.meshing.startswith("morphed, following")
     assert "fTetWild gave up" in result.meshing
 
 

@@ -12,7 +12,7 @@ from mechstyle.records.load_cases import Load, LoadCase, Patch, Support
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.simulation import simulator as module
-from mechstyle.simulation.carrying import AGAIN
+from mechstyle.simulation.meshes import AGAIN
 from mechstyle.simulation.validation.meshes import box
 from support.dropped_block import bumps, ripples, simulator
 

@@ -65,7 +65,7 @@ def test_a_forged_baseline_of_a_run_folder_stays_in_that_folder(block, memo, tmp
     stranger, users = (Memo(tmp_path / name, Objects(tmp_path / f"{name}-objects")) for name in ("stranger", "users"))
     sim = replace(simulator(block, stranger), shared=users)
     lie = forged(simulator(block, memo))
-    stranger.remember(sim._key(np.zeros(len(block[0].vertices), np.float32), thorough=True), lie)
+    stranger.remember(sim._key(sim.meshes.first, np.zeros(len(block[0].vertices), np.float32), thorough=True), lie)
     assert sim.baseline.flat == lie.flat  # the folder is believed about itself
     assert not users.folder.exists()
     assert replace(simulator(block, Memo(tmp_path / "own", memo.objects)), shared=users).baseline.flat != lie.flat
@@ -76,7 +76,7 @@ def test_what_the_user_computed_before_is_believed_rather_than_a_run_folder(bloc
     stranger, users = (Memo(tmp_path / name, Objects(tmp_path / f"{name}-objects")) for name in ("stranger", "users"))
     honest = replace(simulator(block, memo), shared=users).baseline
     sim = replace(simulator(block, stranger), shared=users)
-    stranger.remember(sim._key(honest.displacement, thorough=True), forged(simulator(block, memo)))
+    stranger.remember(sim._key(sim.meshes.first, honest.displacement, thorough=True), forged(simulator(block, memo)))
     assert sim.baseline.flat == honest.flat
 
 

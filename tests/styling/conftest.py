@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.styling.drawing.canvas import Canvas
 from mechstyle.styling.drawing.operators import Operators
 
 EDGE = 4.0  # mm
@@ -35,17 +36,18 @@ def revolved(profile: list[tuple[float, float]], edge: float = EDGE) -> SurfaceM
 
 def boxed(steps: tuple[int, int, int], inside, edge: float = EDGE) -> SurfaceMesh:
     """The surface of the cells of a grid for which `inside(i, j, k)`, two triangles a side."""
-    cells = {cell for cell in np.ndindex(*steps) if inside(*cell)}
+    full = np.zeros(np.add(steps, 2), bool)
+    full[1:-1, 1:-1, 1:-1] = np.broadcast_to(inside(*np.indices(steps)), steps)
     sides = {(0, 0, 1): ((0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)), (0, 0, -1): ((0, 0, 0), (0, 1, 0), (1, 1, 0), (1, 0, 0)),
              (0, 1, 0): ((0, 1, 0), (0, 1, 1), (1, 1, 1), (1, 1, 0)), (0, -1, 0): ((0, 0, 0), (1, 0, 0), (1, 0, 1), (0, 0, 1)),
              (1, 0, 0): ((1, 0, 0), (1, 1, 0), (1, 1, 1), (1, 0, 1)), (-1, 0, 0): ((0, 0, 0), (0, 0, 1), (0, 1, 1), (0, 1, 0))}
     index: dict[tuple[int, ...], int] = {}
     faces = []
-    for cell in sorted(cells):
-        for direction, corners in sides.items():
-            if tuple(np.add(cell, direction)) not in cells:
-                a, b, c, d = (index.setdefault(tuple(map(int, np.add(cell, corner))), len(index)) for corner in corners)
-                faces += [(a, b, c), (a, c, d)]
+    shown = [full & ~np.roll(full, np.negative(direction), (0, 1, 2)) for direction in sides]
+    for *cell, side in np.argwhere(np.stack(shown, axis=3)).tolist():
+        i, j, k = (place - 1 for place in cell)
+        a, b, c, d = (index.setdefault((i + x, j + y, k + z), len(index)) for x, y, z in list(sides.values())[side])
+        faces += [(a, b, c), (a, c, d)]
     return SurfaceMesh(np.array(list(index), dtype=float) * edge, np.array(faces))
 
 
@@ -53,6 +55,37 @@ def boxed(steps: tuple[int, int, int], inside, edge: float = EDGE) -> SurfaceMes
 def holder() -> SurfaceMesh:
     """A pen holder, 80 mm wide, 100 mm high, 3 mm wall: smooth walls inside and out, flat floors, a narrow rim."""
     return revolved([(0, 0), (40, 0), (40, 100), (37, 100), (37, 4), (0, 4)])
+
+
+@pytest.fixture(scope="session")
+def cup() -> SurfaceMesh:
+    """The same with longer edges: for what is done once for every style, where a fifth of the vertices shows the same faults."""
+    return revolved([(0, 0), (40, 0), (40, 100), (37, 100), (37, 4), (0, 4)], edge=8.0)
+
+
+@pytest.fixture(scope="session")
+def coarse_cup() -> SurfaceMesh:
+    """The same in 362 vertices, which seams make more than twice as many."""
+    return revolved([(0, 0), (40, 0), (40, 100), (37, 100), (37, 4), (0, 4)], edge=14.0)
+
+
+@pytest.fixture(scope="session")
+def ball() -> SurfaceMesh:
+    """A smooth ball, 100 mm wide."""
+    return revolved([(50.0 * np.sin(angle), -50.0 * np.cos(angle)) for angle in np.linspace(0.0, np.pi, 30)], edge=6.0)
+
+
+@pytest.fixture(scope="session")
+def blank():
+    """A function of a mesh and what else a canvas takes: canvases of one mesh share what is worked out of that mesh alone."""
+    first: dict[int, Canvas] = {}
+
+    def of(mesh: SurfaceMesh, seed: int = 0, **size: float) -> Canvas:
+        canvas = Canvas(mesh, seed, **size)
+        canvas.share(first.setdefault(id(mesh), canvas))
+        return canvas
+
+    return of
 
 
 @pytest.fixture(scope="session")
@@ -65,7 +98,7 @@ def hourglass() -> SurfaceMesh:
 @pytest.fixture(scope="session")
 def stand() -> SurfaceMesh:
     """An L of 60 x 48 x 80 mm, 8 mm thick: all its faces along the axes."""
-    return boxed((15, 12, 20), lambda _i, j, k: k < 2 or j >= 10)
+    return boxed((15, 12, 20), lambda _i, j, k: (k < 2) | (j >= 10))
 
 
 @pytest.fixture(scope="session")

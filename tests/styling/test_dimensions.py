@@ -4,8 +4,8 @@ import manifold3d
 import numpy as np
 import pytest
 
-from mechstyle.geometry.face_width import face_width
-from mechstyle.geometry.remesh import standardise, surface_of
+from mechstyle.geometry.remeshing.evening import even, surface_of
+from mechstyle.geometry.thickness import face_width
 from mechstyle.records import Recipe
 from mechstyle.records.material import LIBRARY
 from mechstyle.styling.dimensions import LEGIBLE, Dimensions, Layout, gradual_thickness, outwards
@@ -169,7 +169,7 @@ def test_features_by_area_are_kept_where_faces_are_wide(holder):
 
 def test_two_features_lie_across_a_narrow_face():
     """A rod 4.4 mm thick and so long that its area alone asks for bricks of 4 mm."""
-    rod = standardise(surface_of(manifold3d.Manifold.cube((600.0, 4.4, 4.4))), 8000)
+    rod = even(surface_of(manifold3d.Manifold.cube((600.0, 4.4, 4.4))), 8000)
     assert feature(rod, wall=4.4, nozzle=0.0) > 4.0
     assert feature(rod, wall=4.4, nozzle=0.2) == pytest.approx(0.5 * face_width(rod))
     assert 1.5 < 0.5 * face_width(rod) < 2.6

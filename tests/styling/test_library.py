@@ -1,5 +1,6 @@
 """What holds for every style, whatever it draws."""
 
+import importlib
 import subprocess
 import sys
 
@@ -9,6 +10,7 @@ import pytest
 from mechstyle.errors import BadInput
 from mechstyle.styling.drawing.canvas import Canvas
 from mechstyle.styling.library import library, names, style_named
+from mechstyle.styling.styles import FAMILIES
 
 STUDY = {"brick", "stone", "cactus", "realistic", "crochet", "green"}  # of Faruqi et al. (2025)
 
@@ -16,6 +18,19 @@ STUDY = {"brick", "stone", "cactus", "realistic", "crochet", "green"}  # of Faru
 def test_the_styles_of_the_study_are_there_and_each_is_found_by_its_name():
     assert set(names()) >= STUDY
     assert [style.name for style in library().values()] == list(names())
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_a_family_holds_the_styles_it_is_listed_with(family):
+    found = importlib.import_module(f"mechstyle.styling.styles.{family}").STYLES
+    assert sorted(found) == sorted(FAMILIES[family])
+    assert all(style.name == name for name, style in found.items())
+
+
+def test_no_two_styles_answer_to_one_word():
+    words = [word for style in library().values() for word in (style.name, *style.words)]
+    assert len(words) == len(set(words))
+    assert all(word.replace("_", "").isalnum() and word == word.lower() for word in words)
 
 
 def test_an_unknown_style_is_refused_with_the_nearest_first():
@@ -28,12 +43,16 @@ def test_looking_at_the_names_loads_no_style():
     subprocess.run([sys.executable, "-c", code], check=True)
 
 
-@pytest.mark.parametrize("part", ["holder", "stand", "sphere"])
-@pytest.mark.parametrize("name", names())
-def test_a_style_draws_finite_relief_in_range_and_colours(name, part, request):
+@pytest.fixture(scope="module", params=names())
+def style(request):
+    """Every style in turn, for all tests that ask for it before the next: rows and columns of its size are solved once."""
+    return style_named(request.param)
+
+
+@pytest.mark.parametrize("part", ["cup", "stand", "ball"])
+def test_a_style_draws_finite_relief_in_range_and_colours(style, part, blank, request):
     mesh = request.getfixturevalue(part)
-    style = style_named(name)
-    relief = style.program(Canvas(mesh, seed=0))
+    relief = style.program(blank(mesh))
     count = len(mesh.vertices)
     assert relief.height.shape == (count,)
     assert relief.colour.shape == (count, 3)
@@ -48,18 +67,14 @@ def test_a_style_draws_finite_relief_in_range_and_colours(name, part, request):
     assert relief.colour.max() <= 1.0
 
 
-@pytest.mark.parametrize("name", names())
-def test_a_style_is_decided_by_its_seed(name, holder):
-    program = style_named(name).program
-    first, again, other = (program(Canvas(holder, seed)) for seed in (1, 1, 2))
+def test_a_style_is_decided_by_its_seed(style, cup, blank):
+    first, again, other = (style.program(blank(cup, seed)) for seed in (1, 1, 2))
     assert first.height.tobytes() == again.height.tobytes()
     assert first.colour.tobytes() == again.colour.tobytes()
     assert not np.array_equal(first.height, other.height)
 
 
-@pytest.mark.parametrize("name", names())
-def test_a_style_declares_a_feature_a_print_can_show(name):
-    style = style_named(name)
+def test_a_style_declares_a_feature_a_print_can_show(style):
     assert 2.0 <= style.feature_mm <= 60.0
     assert style.description
     assert style.description[0].islower()

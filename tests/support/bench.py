@@ -135,7 +135,7 @@ class Bench:
         return grid(self.side, step=80.0 / self.side)
 
     def recipe(self, **settings: object) -> Recipe:
-        defaults = {"surface": "s", "tetrahedra": "t", "prompt": "bump", "material": LIBRARY["PLA"], "iterations": 60, "delivered": 0}
+        defaults = {"surface": "s", "tetrahedra": "t", "prompt": "bump", "material": LIBRARY["PLA"], "iterations": 60}
         return Recipe(**{**defaults, **settings})
 
     def engine(self, recipe: Recipe, lane: str = "main") -> Engine:

@@ -49,7 +49,7 @@ def on_a_block(root: Path) -> object:
     from mechstyle.runs.run import started  # noqa: PLC0415
     from support.part_files import PART  # noqa: PLC0415
 
-    drops = {"element": "tet4", "window": 0.1, "nearly_flat": False, "orientations": 2, "delivered": 0}
+    drops = {"element": "tet4", "window": 0.1, "nearly_flat": False, "orientations": 2}
     wanted = draft("bumps", iterations=8, schedule="every", every=3, **drops)
     return started(wanted, SurfaceMesh(PART.vertices, PART.faces), vertices=1000, out=root, device="cpu").go()
 

@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import logging
+import math
+import os
+from base64 import b64encode
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -12,15 +16,16 @@ import numpy as np
 import traitlets
 
 from mechstyle.errors import BadInput, MechStyleError
-from mechstyle.records import SETTINGS, Recipe
+from mechstyle.records import SETTINGS, Recipe, sentences
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.images import remember
 from mechstyle.runs.recipes import FREESTYLE, brought, draft
 from mechstyle.runs.run import Run
+from mechstyle.simulation.estimate import estimated
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
 from mechstyle_widgets.jupyter.closing import close_family
 from mechstyle_widgets.jupyter.frame import Frame
-from mechstyle_widgets.jupyter.looks import lean, sharing, stacked
+from mechstyle_widgets.jupyter.looks import lean, sharing, show, stacked
 from mechstyle_widgets.panels.branches import Branches
 from mechstyle_widgets.panels.keys import Keys
 from mechstyle_widgets.panels.mask_inspector import DECIDES, MaskInspector
@@ -39,8 +44,10 @@ from mechstyle_widgets.settings.schedule import ScheduleSelector
 from mechstyle_widgets.state.controller import Controller, Wanted
 from mechstyle_widgets.state.opened import run_in
 from mechstyle_widgets.state.preview import Preview, Previewer
+from mechstyle_widgets.state.schedule_forecast import landings_on_the_way, plan_of
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.timeline.timeline import Timeline
+from mechstyle_widgets.viewer.badge import of_state
 from mechstyle_widgets.viewer.part_viewer import PartViewer
 from mechstyle_widgets.viewer.run_viewer import RunViewer
 from mechstyle_widgets.viewer.viewer import Viewer
@@ -48,7 +55,7 @@ from mechstyle_widgets.viewer.viewer import Viewer
 logger = logging.getLogger(__name__)
 
 SIZE = (640, 430)  # width and height of the view until the page has told how much room there is [pixels]
-TITLES = ("Part", "Style", "Material", "Restraint", "Schedule", "Protected", "Drop test")
+TITLES = ("Part", "Style", "Material", "Holding back", "When to test", "Keep plain", "Drop test")
 OPEN = ("Part", "Style")
 """Groups of settings that are open at first: what decides the look."""
 SECTIONS = (PromptBox, MaterialPicker, ControlSelector, ScheduleSelector, RegionsPicker, DropOptions)
@@ -104,12 +111,12 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._middle, self._asked = stacked([], "mechstyle-view"), stacked([], "mechstyle-asked")
         self.theme = theme
         self._timeline = Timeline(self.state, theme=self.shown_theme, width=SIZE[0])
-        super().__init__([stacked([self.run_controls, self.take_away, self.frame], "mechstyle-bar"), self._body()])
+        super().__init__([stacked([self.run_controls, self.drop_options.sizes, self.take_away, self.frame], "mechstyle-bar"), self._body()])
         self.add_class("mechstyle-studio")
         self.frame.observe(self._fit, "size")
         self.frame.observe(self._relight, "dark")
-        self.frame.on_key("view", lambda key, **held: self._viewer.key(key, **held) if self._viewer is not None else None)
-        self.frame.on_key("studio", Keys(self))
+        self.frame.on_key("view", self._heard(lambda key, **held: self._viewer.key(key, **held) if self._viewer is not None else None))
+        self.frame.on_key("studio", self._heard(Keys(self)))
         self.state.observe(self._other_run, "run")
         self.state.observe(self._another_checkpoint, "checkpoint")
         self.part_picker.observe(self._other_part, "mesh")
@@ -123,14 +130,30 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             self._take(run)
             self.state.open(run)
         self._other_part()
-        self.state.observe(self._preview, "settings")
-        self.state.observe(self._emphasise, ("settings", "status", "run"))
-        self.part_picker.observe(self._emphasise, "mesh")
+        self.state.observe(self._emphasise, ("settings", "status", "run", "part"))
+        self.drop_options.observe(self._emphasise, "vertices")
         self._emphasise()
+        self.state.observe(self._preview, "settings")
+        self.run_controls.on_back(self.back)
 
     def __repr__(self) -> str:
         """The run and the iteration shown."""
         return f"Studio({self.state.run!r})" if self.state.run is not None else f"Studio({self.part_picker.name!r})"
+
+    def _repr_mimebundle_(self, **formats: Any) -> Any:
+        """Shown with a picture of the view under its badge, for pages that have no kernel and for those that do not trust the notebook."""
+        bundle = super()._repr_mimebundle_(**formats)
+        with suppress(MechStyleError):  # a picture is not worth an error
+            if self._viewer is not None:
+                bundle["image/png"] = b64encode(self._viewer.picture(self._caption).png).decode()
+        return bundle
+
+    @property
+    def _caption(self) -> str:
+        """What is on show and its badge, in one line."""
+        _, verdict = of_state(self.state)
+        tested = verdict is not None and isinstance(self._viewer, RunViewer)
+        return f"{self.state.title}: {verdict.short}" if verdict and tested else f"{self.run_controls.title}: {sentences.NOT_TESTED}"
 
     @property
     def run(self) -> Run | None:
@@ -145,6 +168,12 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     def show_mask(self) -> None:
         """Show what is held back, and what another setting would hold back."""
         self._tabs.selected_index = 0
+
+    def back(self) -> None:
+        """Ask for the run on show again: its part and its settings."""
+        if self.run is not None:
+            self._take(self.run)
+            self._other_part()
 
     def wanted(self) -> Wanted:
         """The run the settings ask for; BadInput if they cannot be used."""
@@ -193,7 +222,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._give(given)
         self.run_controls = RunControls(self.controller)
         self.mask_inspector = MaskInspector(self.controller)
-        self.branches = Branches(self.controller)
+        self.branches, self._result = Branches(self.controller), Result(self.state)
 
     def _give(self, settings: dict[str, Any]) -> None:
         """Set what was given by name; as everywhere, a standard, poses and a criterion bring what belongs to them."""
@@ -210,18 +239,33 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     def _body(self) -> ipywidgets.Box:
         """Settings, view with timeline, and what looks into them; the sheet of the frame says which stand beside each other."""
         sections = zip(TITLES, (self.part_picker, *self._sections), strict=True)
-        self._groups = [Group(title, section, unfolded=title in OPEN) for title, section in sections]
+        self._groups = [Group(title, section, unfolded=title in OPEN, page=title not in OPEN) for title, section in sections]
+        for group in self._groups:
+            group.observe(self._turn_page, "unfolded")
         self._tabs = lean(ipywidgets.Tab, [self.mask_inspector, self.branches], titles=("Mask", "Branches"))
         setup, middle = stacked(self._groups, "mechstyle-setup"), stacked([self._middle, self._timeline], "mechstyle-middle")
-        return stacked([setup, middle, stacked([Result(self.state), self._asked, self._tabs], "mechstyle-inspect")], "mechstyle-body")
+        return stacked([setup, middle, stacked([self._result, self._asked, self._tabs], "mechstyle-inspect")], "mechstyle-body")
+
+    def _turn_page(self, _change: object = None) -> None:
+        """A group that is a page takes the place of all others while it is open."""
+        pages = [group for group in self._groups if group.page and group.unfolded]
+        for group in self._groups:
+            show(group, not pages or group in pages)
+
+    def close_page(self) -> bool:
+        """Go back from a page to all groups of settings; whether one was open."""
+        pages = [group for group in self._groups if group.page and group.unfolded]
+        for group in pages:
+            group.unfolded = False
+        return bool(pages)
 
     def _take(self, run: Run) -> None:
         """Show the settings and the part of a run that was made before."""
         remember(run.recipe, run.store)  # its picture may come from another machine
         self._take_recipe(run.recipe)
         self.drop_options.vertices = len(run.part.surface.vertices)
-        self.part_picker.show(run.part.surface, run.record.name)
         self._opened_mesh, self._opened_place = run.part.surface, run.store.place
+        self.part_picker.show(run.part.surface, run.record.name, run.record.origin.model)
 
     def _take_recipe(self, recipe: Recipe) -> None:
         """Show the settings of a recipe."""
@@ -246,6 +290,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     def _other_part(self, _change: object = None) -> None:
         """A part was picked: show its run if there is one at hand, else the part as it is."""
         mesh = self.part_picker.mesh
+        self.state.part = "" if mesh is None else mesh.digest
         if mesh is not None and not self._show_its_run():
             self._show(self._made(PartViewer, paintable(mesh)))
             self._preview()
@@ -256,7 +301,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         if run is None or mesh is None or self.state.checkpoint is None:
             return False
         opened = mesh is self._opened_mesh and run.store.place == self._opened_place
-        if not opened and not self.controller.began_with(mesh):
+        if (not opened and not self.controller.began_with(mesh)) or self._looks_otherwise():
             return False
         if not isinstance(self._viewer, RunViewer):
             self.previewer.cancel()
@@ -277,10 +322,19 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             self._show(self._made(Viewer, new.part.surface))
 
     def _another_checkpoint(self, change: dict[str, Any]) -> None:
-        """A run is on show from its first checkpoint on, and whenever one of it is looked at while its part is chosen."""
+        """A run is on show from its first checkpoint on, and whenever one of it is looked at."""
         there = self.state.checkpoint is None or isinstance(self._viewer, RunViewer) or self._show_its_run()
-        if not there and change["old"] is None:
+        if not there and (change["old"] is None or not self.state.follow):
             self._show_run()
+
+    def _looks_otherwise(self) -> bool:
+        """Whether a style is asked for that the run on show does not have, while nothing is in hand."""
+        if self.run is None or self.controller.busy:
+            return False
+        try:
+            return not self.controller.differs().keys().isdisjoint(PromptBox.FIELDS)
+        except MechStyleError:  # what is wrong is said where it is set
+            return True
 
     def _show_run(self) -> None:
         self._show(self._made(RunViewer, self.state))
@@ -317,14 +371,37 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
 
     def _emphasise(self, _change: object = None) -> None:
         """Say what is made, and fill the one button that leads on: running, or, once the part is done, taking it away."""
+        state = self.state
         try:
-            done = self.state.status == "finished" and not self.controller.asks_for_another()
+            state.another = self.run is not None and self.controller.asks_for_another()
         except MechStyleError:  # what is wrong is said where it is set
-            done = False
+            state.another = self.run is not None
+        self._foretell()
+        done = state.status == "finished" and not state.another
         self.take_away.main.button_style = "primary" if done else ""
         self.run_controls.emphasise(not done)
-        what = (self.run.record.name, self.run.recipe.prompt) if self.run else (self.part_picker.name, self.prompt_box.prompt)
-        self.run_controls.title = ", ".join(filter(None, what)).replace("_", " ")
+        asked = ", ".join(filter(None, (self.part_picker.name, self.prompt_box.prompt))).replace("_", " ")
+        self.run_controls.title = state.title if self.run is not None and (self.controller.busy or not state.another) else asked
+
+    def _foretell(self) -> None:
+        """Say what test the next run has, and how long it will take on this machine."""
+        plan, vertices = plan_of(self.state.settings), self.drop_options.vertices
+        try:
+            recipe = self.wanted().recipe
+        except MechStyleError:  # what is wrong is said where it is set
+            plan = None
+        if plan is None:
+            self.state.outlook = ""
+            return
+        run, taken = self.run, self.state.seconds_of_a_test
+        fall = None
+        if run is not None and taken is not None and len(run.part.surface.vertices) == vertices:
+            fall = taken / math.ceil(landings_on_the_way(self.state.settings) / (os.cpu_count() or 1))
+        found = estimated(
+            vertices, len(plan.places), height=recipe.height, iterations=recipe.iterations, orientations=recipe.orientations,
+            nearly_flat=recipe.nearly_flat, element=recipe.element, window=recipe.window, fall=fall,
+        )  # fmt: skip
+        self.state.outlook = found.words
 
     # what the page tells
 
@@ -347,7 +424,12 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     def _preview(self, _change: object = None) -> None:
         """Ask for the style on the part, if that is what is shown."""
         mesh = self.part_picker.mesh
-        if mesh is None or not isinstance(self._viewer, PartViewer):
+        if mesh is not None and isinstance(self._viewer, RunViewer) and self._looks_otherwise():
+            before = self._viewer
+            before.let_go()
+            self._show(self._made(PartViewer, paintable(mesh)))
+            self._viewer.look_from(before)
+        if mesh is None or not isinstance(self._viewer, PartViewer) or self._show_its_run():
             self.previewer.cancel()
             return
         try:
@@ -356,7 +438,8 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             self.previewer.cancel()
             self._viewer.take_off()
             return
-        self.previewer.ask(mesh, self.drop_options.vertices, recipe)
+        if self.previewer.ask(mesh, self.drop_options.vertices, recipe):
+            self._viewer.wait()
 
     def _arrived(self, preview: Preview) -> None:
         """A style was drawn: show it on the part, from where one looks now."""
@@ -391,6 +474,17 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         except BadInput as error:
             viewer.protected = None
             picker.complain(str(error))
+
+    def _heard(self, act: Callable[..., object]) -> Callable[..., None]:
+        """What a key does, whose every error is said."""
+
+        def acted(*given: Any, **more: Any) -> None:
+            try:
+                act(*given, **more)
+            except Exception as error:  # noqa: BLE001 — whatever it is, it is said
+                self.state.alert(error)
+
+        return acted
 
     @traitlets.observe("theme")
     def _relight(self, _change: object) -> None:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mechstyle._warp import wp
 from mechstyle.fea.backends import simd_by_element
-from mechstyle.fea.backends.simd_state import LaneBody, LaneScheme, LaneState
+from mechstyle.fea.backends.simd_by_element import LaneBody, LaneScheme, LaneState
 from mechstyle.fea.discretisation import Discretisation
 from mechstyle.fea.elasticity import ElasticLaw
 from mechstyle.fea.explicit import QUANTITIES, RECORD_EVERY, Scheme, Starts, law_number
@@ -24,11 +24,12 @@ class CoreBody:
         self.points = body.mesh.element.points
         self.corners = 4 if self.points > 1 else 0
         geometry = np.concatenate([body.gradients.reshape(-1, 9), body.volumes[:, None]], axis=1).astype(np.float32)
-        padding = ((0, -self.tet_count % simd_by_element.LANES), (0, 0))
-        nodes_of, geometry = (_transposed(np.pad(table, padding), simd_by_element.LANES) for table in (body.connectivity, geometry))
+        lanes, nodes = simd_by_element.LANES, body.connectivity.shape[1]
+        padded = (np.pad(table, ((0, -self.tet_count % lanes), (0, 0))) for table in (body.connectivity, geometry))
+        nodes_of, in_blocks = (np.ascontiguousarray(each.reshape(-1, lanes, each.shape[1]).transpose(0, 2, 1)) for each in padded)
         self.lanes = LaneBody()
-        self.lanes.nodes, self.lanes.blocks = body.connectivity.shape[1], len(nodes_of)
-        self.lanes.nodes_of, self.lanes.geometry = _cpu(nodes_of.astype(np.int32).ravel()), _cpu(geometry.ravel())
+        self.lanes.nodes, self.lanes.blocks = nodes, len(nodes_of)
+        self.lanes.nodes_of, self.lanes.geometry = _cpu(nodes_of.astype(np.int32).ravel()), _cpu(in_blocks.ravel())
         self.lanes.masses, self.lanes.arms = _cpu(body.masses.astype(np.float32)), _cpu(_rows(body.arms))
         wp.load_module(simd_by_element, device="cpu")
 
@@ -135,11 +136,6 @@ def _step(scheme: Scheme, normals: Floats, damping: Any) -> Any:
     step.time_step, step.damping, step.gravity, step.friction = scheme.time_step, damping, scheme.gravity, scheme.friction
     step.normals, step.across = _cpu(normals.astype(np.float32).ravel()), wp.vec3f(*scheme.across)
     return step
-
-
-def _transposed(table: NDArray[Any], lanes: int) -> NDArray[Any]:
-    """[tetrahedron][quantity] as [block][quantity][lane]."""
-    return np.ascontiguousarray(table.reshape(-1, lanes, table.shape[1]).transpose(0, 2, 1))
 
 
 def _rows(vectors: Floats) -> NDArray[np.float32]:

@@ -9,15 +9,91 @@ tetrahedra: the same inputs give the same bytes.
 # mypy: disable-error-code="untyped-decorator,valid-type"
 # Warp reads the annotations of its functions itself: they are calls.
 
+
 from __future__ import annotations
 
 from mechstyle._warp import wp
 from mechstyle.fea.backends.simd_code import ALGEBRA, CONTRACT, ELEMENTS, FORCES, STRAIN, STRESS, TYPES
-from mechstyle.fea.backends.simd_state import LaneBody, LaneScheme, LaneState
-from mechstyle.fea.backends.subnormals import flush_subnormals, restore_mode
 from mechstyle.fea.explicit import QUANTITIES
 
 wp.set_module_options({"enable_backward": False})
+
+# Numbers too small for the normal range of floats are taken for zero while a core computes a drop. Ahead of a stress wave displacements
+# fall off to 1e-38 mm and below; they mean nothing, but many processors compute with them a hundred times slower: one core of an Intel
+# Xeon did 6 million TET10 updates a second with them, 18 without. The mode belongs to the thread, so it is put back before a kernel ends:
+# what else runs in the thread, numpy say, computes as before.
+
+
+@wp.func_native("""
+#if defined(__x86_64__)
+    const unsigned int before = __builtin_ia32_stmxcsr();
+    __builtin_ia32_ldmxcsr(before | 0x8040u);  // flush to zero, denormals are zero
+    return before;
+#elif defined(__aarch64__)
+    unsigned long before;
+    __asm__ volatile("mrs %0, fpcr" : "=r"(before));
+    __asm__ volatile("msr fpcr, %0" : : "r"(before | (1ul << 24)));  // flush to zero
+    return (unsigned int)before;
+#else
+    return 0u;
+#endif
+""")
+def flush_subnormals() -> wp.uint32:
+    """Take subnormal numbers for zero in this thread; returns the mode before, for `restore_mode`."""
+
+
+@wp.func_native("""
+#if defined(__x86_64__)
+    __builtin_ia32_ldmxcsr(mode);
+#elif defined(__aarch64__)
+    __asm__ volatile("msr fpcr, %0" : : "r"((unsigned long)mode));
+#endif
+""")
+def restore_mode(mode: wp.uint32) -> None:
+    """Restore the floating-point mode saved by `flush_subnormals`."""
+
+
+@wp.struct
+class LaneBody:
+    """A discretised body in blocks."""
+
+    nodes: wp.int32  # of an element: 4 or 10
+    blocks: wp.int32
+    nodes_of: wp.array(dtype=wp.int32)
+    geometry: wp.array(dtype=wp.float32)  # ∇L_1, ∇L_2, ∇L_3 (1/mm), volume (mm³)
+    masses: wp.array(dtype=wp.float32)  # [node] g
+    arms: wp.array(dtype=wp.float32)  # [node][x y z 0] from the centre of mass (mm)
+
+
+@wp.struct
+class LaneState:
+    """Drops in progress; see `explicit.Batch` for the quantities."""
+
+    heights: wp.array(dtype=wp.float32)
+    u: wp.array(dtype=wp.float32)
+    v: wp.array(dtype=wp.float32)
+    forces: wp.array(dtype=wp.float32)
+    impulse: wp.array(dtype=wp.float32)
+    contact_loss: wp.array(dtype=wp.float32)
+    peak_squared: wp.array(dtype=wp.float32)
+    corners_squared: wp.array(dtype=wp.float32)
+    samples: wp.array(dtype=wp.float32)
+
+
+@wp.struct
+class LaneScheme:
+    """Parameters of one time step; see `explicit.Scheme`."""
+
+    law: wp.int32
+    mu: wp.float32
+    la: wp.float32
+    time_step: wp.float32
+    gravity: wp.float32
+    friction: wp.float32
+    damping: wp.array(dtype=wp.float32)  # β of each tetrahedron, as the blocks lie
+    normals: wp.array(dtype=wp.float32)
+    across: wp.vec3f  # normal of printed layers over their share of the strength, zero for none
+
 
 LANES = 16
 """Tetrahedra in a block: one AVX-512 register of floats. With AVX2 alone 4, 8 and 16 were equally fast."""

@@ -6,13 +6,19 @@ ends at the edges of sides, the integral over them is exact.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
+from mechstyle.errors import BadInput
 from mechstyle.fea.elements import ElementMesh
-from mechstyle.records.mesh import Bools, Floats, Indices
+from mechstyle.records.load_cases import RESTING_FACE, Patch, Place
+from mechstyle.records.mesh import Bools, Floats, Indices, SurfaceMesh
+from mechstyle.records.places import in_ball, on_floor
 
 SIDES: Indices = np.array([[0, 2, 1, 5, 4, 7], [0, 1, 3, 4, 6, 8], [0, 3, 2, 6, 5, 9], [1, 2, 3, 7, 8, 9]], dtype=np.int32)
 """Nodes of each side of a tetrahedron: corners a, b, c, anticlockwise seen from outside, then the middles of ab, ac, bc."""
@@ -91,3 +97,109 @@ def _shape_functions(L: Floats, nodes: int) -> Floats:
         return L
     first, second = np.triu_indices(3, k=1)
     return np.concatenate([L * (2.0 * L - 1.0), 4.0 * L[:, first] * L[:, second]], axis=1)
+
+
+TOUCH = 1e-6
+"""What lies on the border of a shape belongs to it, within this share of the body's size."""
+
+
+@dataclass(frozen=True, eq=False)
+class Picked:
+    """A piece of a boundary.
+
+    Attributes:
+        inside: Which points of which sides belong to it, shape [side_count, point_count].
+        nodes: Which nodes a support there holds, shape [node_count].
+    """
+
+    inside: Bools
+    nodes: Bools
+
+    def area(self, boundary: Boundary) -> float:
+        """Its area on a body, the one it was picked on or a morph of it [mm²]."""
+        return float(self.inside.mean(axis=1) @ boundary.areas)
+
+    def normals(self, boundary: Boundary) -> Floats:
+        """Mean outward unit normals of its sides at its nodes, shape [node_count, 3]; zero elsewhere."""
+        sides = self.inside.any(axis=1) | self.nodes[boundary.sides].all(axis=1)
+        total = np.zeros_like(boundary.mesh.nodes)
+        np.add.at(total, boundary.sides[sides], boundary.area_vectors[sides][:, None, :])
+        lengths = np.linalg.norm(total, axis=1, keepdims=True)
+        return np.divide(total, lengths, out=np.zeros_like(total), where=lengths > 0.0)
+
+    def border(self, boundary: Boundary) -> Bools:
+        """Nodes where the piece ends, shape [node_count]: those at its rim, and on sides that it cuts."""
+        beyond = np.asarray(~self.nodes[boundary.sides].all(axis=1))
+        cut = np.asarray(self.inside.any(axis=1) & ~self.inside.all(axis=1))
+        return (self.nodes & _nodes_of(boundary, beyond)) | _nodes_of(boundary, cut)
+
+
+def pick(boundary: Boundary, place: Place) -> Picked:
+    """The piece of an undeformed boundary at a place; BadInput if there is none."""
+    if not isinstance(place, Patch):
+        picked = _of_sides(boundary, on_floor(SurfaceMesh(boundary.mesh.nodes, boundary.sides[:, :3])))
+    elif place.facet is not None:
+        picked = _of_sides(boundary, _facet(boundary, np.array(place.facet), place.angle))
+    elif place.near is not None:
+        picked = _near(boundary, np.array(place.near[:3]), place.near[3])
+    else:
+        touch = TOUCH * float(np.ptp(boundary.mesh.nodes, axis=0).max())
+        picked = _within(boundary, partial(place.contains, margin=touch))
+    if not picked.inside.any():
+        raise BadInput(_nothing(boundary, place))
+    return picked
+
+
+def _within(boundary: Boundary, shape: Callable[[Floats], Bools]) -> Picked:
+    """Boundary nodes in a shape; if fewer than three, the nodes of the faces it touches."""
+    inside = shape(boundary.points)
+    nodes = _nodes_of(boundary, np.ones(len(boundary.sides), dtype=bool)) & shape(boundary.mesh.nodes)
+    return Picked(inside, nodes if nodes.sum() >= 3 else _nodes_of(boundary, np.asarray(inside.any(axis=1))))
+
+
+def _near(boundary: Boundary, place: Floats, radius: float) -> Picked:
+    """Boundary nodes around the nearest surface point, on faces that face the same way as the one there."""
+    side, centre = _nearest(boundary, place)
+    same = np.asarray(boundary.area_vectors @ boundary.area_vectors[side] > 0.0)
+    whole = _within(boundary, lambda points: in_ball(points, centre, radius))
+    return Picked(whole.inside & same[:, None], whole.nodes & _nodes_of(boundary, same))
+
+
+def _of_sides(boundary: Boundary, sides: Bools) -> Picked:
+    return Picked(np.repeat(sides[:, None], len(POINTS), axis=1), _nodes_of(boundary, sides))
+
+
+def _nodes_of(boundary: Boundary, sides: Bools) -> Bools:
+    nodes = np.zeros(len(boundary.mesh.nodes), dtype=bool)
+    nodes[boundary.sides[sides]] = True
+    return nodes
+
+
+def _nearest(boundary: Boundary, place: Floats) -> tuple[int, Floats]:
+    """The side with the point nearest to a place, and that point."""
+    distance = np.linalg.norm(boundary.points - place, axis=-1)
+    side, point = np.unravel_index(int(distance.argmin()), distance.shape)
+    return int(side), boundary.points[side, point]
+
+
+def _facet(boundary: Boundary, place: Floats, angle: float) -> Bools:
+    """Sides that face as the one nearest to a place does, within an angle [degrees], and are connected with it by such sides."""
+    side, _ = _nearest(boundary, place)
+    normals = boundary.area_vectors / boundary.areas[:, None]
+    alike = np.asarray(normals @ normals[side] >= np.cos(np.radians(angle)) - 1e-9)
+    corners = boundary.sides[:, :3]
+    _, edge = np.unique(np.sort(corners[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0, return_inverse=True)
+    owner = np.repeat(np.arange(len(corners)), 3)
+    kept = alike[owner]
+    meets = coo_array((np.ones(kept.sum()), (owner[kept], edge.ravel()[kept])), shape=(len(corners), int(edge.max()) + 1)).tocsr()
+    _, component = connected_components(meets @ meets.T, directed=False)
+    return np.asarray(component == component[side])
+
+
+def _nothing(boundary: Boundary, place: Place) -> str:
+    """Why a place is refused, with where the part is."""
+    if not isinstance(place, Patch):
+        return f"{RESTING_FACE!r} selects nothing, because the part has no flat face to stand on: pick a place by sphere, box or facet"
+    low, high = boundary.mesh.nodes.min(axis=0), boundary.mesh.nodes.max(axis=0)
+    span = ", ".join(f"{axis} {a:.1f} to {b:.1f}" for axis, a, b in zip("xyz", low, high, strict=True))
+    return f"{place.words} selects no surface: the part spans {span} mm"

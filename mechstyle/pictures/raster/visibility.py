@@ -60,7 +60,8 @@ def visible(points_ndc: ArrayLike, faces: ArrayLike, width: int, height: int, *,
     _check(points, triangles, width, height)
     views = points.shape[:-2]
     shape = (*views, height, width)
-    inverse = _inverse_depth(points)
+    ahead = np.isfinite(points).all(axis=-1) & (points[..., 2] > 0.0)
+    inverse = np.divide(1.0, points[..., 2], out=np.zeros(points.shape[:-1]), where=ahead)
     near = 1.0 / max(float(inverse.max(initial=0.0)), np.finfo(np.float64).tiny)
     snapped, kept = _snapped(points, width, height)
     size = wp.vec3i(points.shape[-2], height, width)
@@ -95,12 +96,6 @@ def _check(points: NDArray[np.float64], faces: NDArray[np.int32], width: int, he
         raise BadInput(f"points must have shape (..., n, 3) and faces (m, 3), not {points.shape} and {faces.shape}")
     if faces.size and not 0 <= faces.min() <= faces.max() < points.shape[-2]:
         raise BadInput(f"faces must index the {points.shape[-2]} points")
-
-
-def _inverse_depth(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """1 / depth, and 0 for points that are behind the viewer or not finite."""
-    usable = np.isfinite(points).all(axis=-1) & (points[..., 2] > 0.0)
-    return np.divide(1.0, points[..., 2], out=np.zeros(points.shape[:-1]), where=usable)
 
 
 def _snapped(points: NDArray[np.float64], width: int, height: int) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:

@@ -4,8 +4,7 @@ A vertex moves along its own normal only, so one displacement per vertex makes a
 iteration to the next (stress, demand, mask between simulations) are kept once. Each plane is stored as the difference to the one
 before, low bytes apart from high bytes, which gzip then packs to a fraction. `static/replay_data.js` unpacks what is packed here.
 
-The vertices are those of the loop, up to the end: nine times as many would make a file of hundreds of megabytes, and only the last frame
-has been drawn finer. That one is in the report's pictures.
+Of a long run on many vertices some iterations are left out, or a file would have hundreds of megabytes: what was simulated is in it.
 """
 
 from __future__ import annotations
@@ -31,6 +30,8 @@ from mechstyle.runs.report.run_protocol import LaneOfRun, begun
 
 LEVELS = 4095
 """Steps of a quantised field: a quarter of a micrometre for a millimetre of relief."""
+MOST = 5_000_000
+"""Vertices of all frames together, about: 200 iterations of 25 000 vertices make some 20 MB."""
 NO_NUMBER = 65535
 """Stands for a value that is not a number."""
 
@@ -118,13 +119,13 @@ class Channel:
 
 
 def replay_data(run: LaneOfRun) -> ReplayData:
-    """The replay of a lane, finished or not; one frame per iteration, the newest where corrections repeated one.
+    """The replay of a lane, finished or not; a frame for an iteration, the newest where corrections repeated one.
 
     Raises:
         BadInput: If the lane has no checkpoint yet.
     """
     history = begun(run)
-    rows = per_iteration(history)
+    rows = _shown(per_iteration(history), run.part.surface)
     digests = [run.store.objects.get_record(row.digest, Digests) for row in rows]
     surface = run.part.surface
     shown = quantities(run.recipe, limit_of(run.recipe, run.store.verdict(history[-1])))
@@ -143,6 +144,12 @@ def replay_data(run: LaneOfRun) -> ReplayData:
     }
     packed = b"".join([_surface_bytes(surface), *(channel.packed() for channel in channels)])
     return ReplayData(header, gzip.compress(packed, 6, mtime=0))
+
+
+def _shown(rows: Sequence[Row], surface: SurfaceMesh) -> list[Row]:
+    """The iterations to show: all, or the simulated ones, the last and as many others, evenly, as MOST allows."""
+    every = max(1, round(len(rows) * len(surface.vertices) / MOST))
+    return [row for number, row in enumerate(rows) if row.verdict is not None or row is rows[-1] or number % every == 0]
 
 
 def _surface_bytes(surface: SurfaceMesh) -> bytes:

@@ -61,9 +61,9 @@ def cell_for(run: LaneOfRun, history: Sequence[Entry]) -> str:
     recipes = _recipes(run, history)
     origin = run.record.origin
     given = settings_for(recipes[0], partial(draft, ANY_PROMPT)) | {"prompt": recipes[0].prompt}
-    scale = f", scale={origin.scale!r}" if origin.scale is not None else ""
+    reading = "".join(f", {name}={value!r}" for name, value in origin.reading.items())
     made = {"vertices": origin.vertices} if origin.vertices != STANDARD_VERTICES else {}
-    model = f"ms.load({origin.model or f'{run.record.stem}.stl'!r}{scale})"
+    model = f"ms.load({origin.model or f'{run.record.stem}.stl'!r}{reading})"
     lines = ["import mechstyle as ms", f"run = ms.stylize({', '.join([model, *_arguments(given | made)])})"]
     for old, new in pairwise(recipes):
         at = max(entry.iteration for entry in history if entry.recipe == old.digest)
@@ -136,8 +136,8 @@ def _run(run: LaneOfRun, recipe: Recipe, folder: str) -> str:
     origin = run.record.origin
     model = origin.model or f"{run.record.stem}.stl"
     made = ["--vertices", str(origin.vertices)] if origin.vertices != STANDARD_VERTICES else []
-    made += ["--scale", str(origin.scale)] if origin.scale is not None else []
-    made += [f"--up={origin.up}"] if origin.up else []
+    for name, value in origin.reading.items():
+        made += [f"--{name}={value}"] if str(value).startswith("-") else [f"--{name}", str(value)]
     model = f"./{model}" if model.startswith("-") else model
     return shlex.join(["mechstyle", verb, model, *options({"prompt": recipe.prompt, **settings}, known), *made, "--out", folder])
 

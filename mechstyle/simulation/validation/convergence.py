@@ -7,10 +7,9 @@ from collections.abc import Iterator, Sequence
 from mechstyle.fea.drop import DropTest
 from mechstyle.fea.orientations import landings
 from mechstyle.records.mesh import TetMesh
-from mechstyle.simulation.validation.bodies import styled_cup
 from mechstyle.simulation.validation.cases import Result, bounded, compared
 from mechstyle.simulation.validation.meshes import ball, box, cup, refined, roller
-from mechstyle.simulation.validation.reading import Body, surface_of
+from mechstyle.simulation.validation.reading import Body, styled_cup, surface_of
 
 POINT, LINE, PLANE = 0.05, 0.12, 0.08
 FLAT, NEARLY = 0.06, 0.12

@@ -16,16 +16,15 @@ import numpy as np
 from mechstyle.fea.drop import DropTest
 from mechstyle.fea.orientations import landings
 from mechstyle.fea.stressed_volume import Walls
-from mechstyle.geometry.remesh import standardise
-from mechstyle.geometry.tetrahedra import tetrahedralise
+from mechstyle.geometry.remeshing import even as standardise
+from mechstyle.geometry.remeshing import fill
 from mechstyle.records import Landing, Recipe, Simulation, Verdict, judge
 from mechstyle.records.mesh import Floats, SurfaceMesh, TetMesh
 from mechstyle.simulation.part import prepare
 from mechstyle.simulation.validation import second_impacts
-from mechstyle.simulation.validation.bodies import Styled, styled_cup
 from mechstyle.simulation.validation.cases import Result, bounded
 from mechstyle.simulation.validation.meshes import bracket
-from mechstyle.simulation.validation.reading import PLA, Body, period_of_body
+from mechstyle.simulation.validation.reading import PLA, Body, Styled, period_of_body, styled_cup
 
 TETS = 6_000
 VERTICES = (2400, 2700, 3000, 3300, 3600)
@@ -168,7 +167,7 @@ def _of_strength(simulation: Simulation, strength: float) -> Simulation:
 
 def _filled(surface: SurfaceMesh, vertices: int) -> TetMesh:
     """New tetrahedra within a new triangulation."""
-    return tetrahedralise(standardise(surface, vertices), TETS)
+    return fill(standardise(surface, vertices), TETS)
 
 
 def _pair(part: Styled, period: float, test: DropTest) -> Pair:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from mechstyle.fea.explicit import cores
-from mechstyle.simulation.validation import bending, contact, convergence, details, heights, impacts, repeatability, second_impacts, statics
+from mechstyle.simulation.validation import convergence, details, heights, impacts, repeatability, second_impacts, statics
 from mechstyle.simulation.validation.cases import Case, Result
 
 EDGE = (
@@ -31,8 +31,8 @@ CASES = {
         Case("rigid", "Rigid motion: a large rotation gives no force", statics.rigid),
         Case("frame", "Frame indifference: forces turn with the body", statics.frame),
         Case("plate", "A 2 mm plate one element thick against beam theory and finer meshes", statics.plate, slow=True),
-        Case("plates", "Load factors of plates 0.8 to 8 mm thick, and σ_V against its closed form", bending.plates),
-        Case("bars", "Load factors of bars 1 to 6 mm thick, which must not reach a plastic hinge", bending.bars),
+        Case("plates", "Load factors of plates 0.8 to 8 mm thick, and σ_V against its closed form", details.plates),
+        Case("bars", "Load factors of bars 1 to 6 mm thick, which must not reach a plastic hinge", details.bars),
         Case("small", "A bridge of 1 × 1 mm and a pin of 1 % of the volume", details.small),
         Case("notches", "A hole and a fillet: what σ_V reads of the handbook's stress", details.notches),
         Case("corner", "A sharp corner on finer meshes", details.corner),
@@ -40,8 +40,8 @@ CASES = {
         Case("cantilever", "A cantilever in CalculiX, C3D4 and C3D10", statics.cantilever),
         Case("bar", "Pressure under a bar that lands on its end: ρ c v", impacts.bar),
         Case("bar_calculix", "The stress wave in a bar in CalculiX's explicit dynamics", impacts.bar_calculix, slow=True),
-        Case("contact", "A bracket on its corner in CalculiX's explicit dynamics, one element thick", contact.bracket_coarse, slow=True),
-        Case("contact_fine", "The same bracket in two layers", contact.bracket_fine, slow=True),
+        Case("contact", "A bracket on its corner in CalculiX's explicit dynamics, one element thick", impacts.bracket_coarse, slow=True),
+        Case("contact_fine", "The same bracket in two layers", impacts.bracket_fine, slow=True),
         Case("sphere", "A ball on the floor: Hertz's contact", impacts.sphere, slow=True),
         Case("second_bar", "A bar that lands again with its other end, six tilts", second_impacts.bar, slow=True),
         Case("second_cup", "A cup that lands again with its rim", second_impacts.large_cup, slow=True),

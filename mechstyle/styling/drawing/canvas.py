@@ -14,11 +14,13 @@ from mechstyle.records.mesh import Floats, Indices, SurfaceMesh
 from mechstyle.styling.drawing import noise, scatter
 from mechstyle.styling.drawing.charts import Chart, chart_of
 from mechstyle.styling.drawing.colours import recoloured, shaded
+from mechstyle.styling.drawing.finishes import cast, finish_of
 from mechstyle.styling.drawing.operators import Operators
 from mechstyle.styling.drawing.placed_picture import PlacedPicture
 
 _REFERENCE_AREA = 60_000.0  # surface of a 100 mm cube or pen holder [mm²], on which features have their nominal size
 _SCALES = (0.1, 4.0)
+_CLOUD = 14.0  # size of the patches of a mottled finish, on a part of 100 mm [mm]
 _SOFTENING = 0.35  # halves a pattern that alternates from vertex to vertex, and leaves one of six edges nearly as it was
 
 
@@ -188,7 +190,13 @@ class Canvas:
 
     def painted(self, colours: Floats) -> Floats:
         """The style's own colours of its body (brick, not mortar), shaded, or the colour asked for with their lights; shape [n, 3]."""
-        return shaded(colours, self.shade) if self.colour is None else recoloured(colours, self.colour)
+        if self.colour is None:
+            return shaded(colours, self.shade)
+        found = finish_of(self.colour)
+        if found is None:
+            return recoloured(colours, self.colour)
+        mottled = found[0].mottled > 0.0
+        return cast(colours, self.colour, found, self.noise(_CLOUD * self.scale, 4, "finish") if mottled else np.zeros(len(colours)))
 
     def softened(self, values: Floats) -> Floats:
         """Values [n] or [n, k] averaged with their neighbours' mean: edges sharper than the mesh can carry no longer look like combs."""

@@ -57,10 +57,15 @@ def in_recesses(colours: Floats, height: Floats, second: ArrayLike) -> Floats:
     return painted
 
 
+def lightness(colours: Floats) -> Floats:
+    """How light colours, shape [n, 3], are over their mean, in [0.35, 1.8], shape [n]."""
+    light = luminance(colours)
+    return np.clip(light / max(float(light.mean()), 1e-6), 0.35, 1.8)
+
+
 def recoloured(colours: Floats, wish: ArrayLike) -> Floats:
     """Another colour, shape [3], with the lights and darks of `colours`, display RGB, shape [n, 3]."""
-    light = luminance(colours)
-    shade = np.clip(light / max(float(light.mean()), 1e-6), 0.35, 1.8)[:, None]
+    shade = lightness(colours)[:, None]
     target = np.asarray(wish, dtype=np.float64)
     # Darker than the mean by scaling, lighter by mixing towards white: a light blue is not a clipped one.
     return np.asarray(np.where(shade <= 1.0, target * shade, target + (1.0 - target) * (shade - 1.0) * 0.6))

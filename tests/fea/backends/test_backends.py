@@ -14,8 +14,7 @@ from mechstyle.fea.backends.gpu import DeviceBody
 from mechstyle.fea.discretisation import discretise
 from mechstyle.fea.elasticity import LAWS, law_named
 from mechstyle.fea.elements import ELEMENTS, LINEAR
-from mechstyle.fea.explicit import QUANTITIES, RECORD_EVERY, Scheme, Starts
-from mechstyle.fea.stable_step import damped_step
+from mechstyle.fea.explicit import QUANTITIES, RECORD_EVERY, Scheme, Starts, damped_step
 
 each_law = pytest.mark.parametrize("name", LAWS)
 NORMALS = np.array([[0.0, 0.0, 1.0], [0.6, 0.0, 0.8], [-0.48, 0.64, 0.6]])

@@ -7,9 +7,8 @@ import pytest
 from mechstyle.errors import BadInput
 from mechstyle.fea.elasticity import corner_gradients, displacement_gradients
 from mechstyle.fea.elements import QUADRATIC, element_named, with_nodes
-from mechstyle.fea.statics import solve
-from mechstyle.fea.statics.load_test import StaticTest, weight
-from mechstyle.fea.statics.solve import stresses
+from mechstyle.fea.statics import load_test as solve
+from mechstyle.fea.statics.load_test import StaticTest, stresses, weight
 from mechstyle.records.load_cases import Load, LoadCase, Patch, Support
 
 LENGTH, WIDTH, HEIGHT = 60.0, 5.0, 4.0

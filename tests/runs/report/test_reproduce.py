@@ -133,10 +133,14 @@ def test_a_style_that_needs_weights_is_named_without_having_them(lane):
     assert "--prompt 'a mossy ruin' --guidance clip --field network --clip b32@0123 --set crops=2" in command
 
 
-def test_size_and_scale_are_given_where_they_differ(sheet, monkeypatch):
-    run = sheet(iterations=2, origin=Origin(model="my cup.stl", vertices=4000, scale=25.4))
+@pytest.mark.parametrize(
+    "reading", [{"scale": 25.4}, {"unit": "cm", "up": "-y", "body": "a lid"}, {"size": 120.0, "body": "2"}], ids=["scale", "unit", "size"]
+)
+def test_how_a_file_was_read_is_given_so_that_it_is_read_the_same(sheet, monkeypatch, reading):
+    run = sheet(iterations=2, origin=Origin(model="my cup.stl", vertices=4000, **reading))
     _, given = typed(command_for(run, run.history), monkeypatch)
-    assert (given[0], given[2], given[3]) == ("my cup.stl", 4000, 25.4)
+    assert (given[0], given[2], given[3]) == ("my cup.stl", 4000, reading)
+    assert typed_in(cell_for(run, run.history)).asked[0] == (("my cup.stl",), reading)
 
 
 def test_every_option_it_writes_exists():

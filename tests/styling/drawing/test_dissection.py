@@ -36,7 +36,7 @@ def test_what_parts_a_piece_comes_after_both_of_its_halves():
 
 def test_factors_grow_little_faster_than_the_surface(sphere):
     """As n log n (George 1973): with four times the vertices less than six times, where n√n would be eight."""
-    few, many = (subdivided(sphere, parts).mesh for parts in (1, 2))
+    few, many = (subdivided(sphere, parts) for parts in (1, 2))
     small, large = (fill(heat(mesh), dissected(mesh.vertices, mesh.edges)) for mesh in (few, many))
     assert 4.0 < large / small < 6.0
 

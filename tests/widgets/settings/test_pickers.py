@@ -450,3 +450,38 @@ def test_loads_of_another_recipe_are_not_those_of_the_file_named_last(load_file)
     options._file.value = load_file
     options.loads = ()
     assert options._file.value == ""
+
+
+# --- an answer where one has asked --------------------------------------------------------------------------------
+
+
+def test_a_refusal_stands_under_the_prompt_with_the_nearest_styles_to_press():
+    """It stood eleven controls further down, with 46 names and an option of the command line."""
+    box = PromptBox("crocodile skin")
+    asked, _, trouble, chips, *_ = box.children
+    assert (asked, chips) == (box._text, box._chips)
+    assert "“crocodile skin” names no style. Near it are these" in trouble.value
+    assert len(trouble.value) < 250
+    assert box._chips.few == box._chips.nearest
+    assert len(set(box._chips.few)) == 3
+    assert set(box._chips.few) <= set(names())
+    box._chips.press(box._chips.few[0])
+    assert (box.prompt, box.trouble) == (box._chips.value.replace("_", " "), "")
+    assert box._chips.nearest == []
+
+
+def test_a_depth_that_is_written_is_what_the_slider_says():
+    box = PromptBox("hexagons, 3 mm deep")
+    assert box._relief.label == "3 mm, as written"
+    box.prompt = "brick"
+    assert box._relief.label == "auto"
+
+
+@pytest.mark.parametrize("make", [PromptBox, PartPicker])
+def test_everything_to_choose_from_is_in_one_group_and_can_be_found(make):
+    box = make()
+    picker = box._chips if make is PromptBox else box._gallery
+    members = [name for group in picker.groups.values() for name in group]
+    assert sorted(members) == sorted(picker.names)
+    assert "others" not in picker.groups
+    assert all(name.replace("_", " ") in picker.found_by[name] for name in picker.names)

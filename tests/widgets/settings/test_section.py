@@ -9,19 +9,18 @@ from mechstyle_widgets.settings.control import ControlSelector
 from mechstyle_widgets.settings.drop import DropOptions
 from mechstyle_widgets.studio import SECTIONS
 
-SETTINGS = [
-    pytest.param(section, name, id=f"{section.__name__}-{name}") for section in SECTIONS for name in section.FIELDS if name in DEFAULTS
-]
 
-
-@pytest.mark.parametrize(("section", "name"), SETTINGS)
-def test_a_setting_begins_as_in_the_recipe_and_has_its_limits(section, name):
-    trait = section.class_traits()[name]
-    assert getattr(section(), name) == (MASKED if name == "schedule" else DEFAULTS[name])  # the Studio shows the mask grow
-    if name in LIMITS:
-        assert (trait.min, trait.max) == LIMITS[name]
-    if name in CHOICES:
-        assert set(trait.values) == set(CHOICES[name]) - ({"none"} if section is ControlSelector else set())
+def test_settings_begin_as_in_the_recipe_and_have_its_limits():
+    settings = [(section, name) for section in SECTIONS for name in section.FIELDS if name in DEFAULTS]
+    assert len(settings) > 20
+    for section, name in settings:
+        trait = section.class_traits()[name]
+        begins = MASKED if name == "schedule" else DEFAULTS[name]  # the Studio shows the mask grow
+        assert getattr(section(), name) == begins, name
+        if name in LIMITS:
+            assert (trait.min, trait.max) == LIMITS[name], name
+        if name in CHOICES:
+            assert set(trait.values) == set(CHOICES[name]) - ({"none"} if section is ControlSelector else set()), name
 
 
 def test_a_wall_the_recipe_allows_is_kept_and_another_refused():

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from mechstyle.errors import BadInput
-from mechstyle.geometry.subdivision import subdivided
 from mechstyle.pictures.colormap import PLAIN
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle_widgets.viewer.layers import Layer, Subject
@@ -345,68 +344,6 @@ def test_a_refused_viewer_leaves_nothing_behind(sphere, wrong):
     before = alive()
     with pytest.raises(BadInput):
         Viewer(sphere, **wrong)
-    assert alive() == before
-
-
-# --- what is delivered --------------------------------------------------------------------------------------------
-
-
-@pytest.fixture
-def delivered(painted):
-    """The sphere in four times as many faces."""
-    return subdivided(painted).mesh
-
-
-def shown(viewer):
-    """Whether the part is drawn, and what is drawn in its place."""
-    scene_ = scene(viewer)
-    return scene_.part.material.visible, [look for look, three in scene_._looks.values() if three.visible]
-
-
-def test_what_is_delivered_stands_for_the_part_where_its_own_look_is_shown(painted, height, delivered):
-    viewer = Viewer(painted, [height])
-    viewer.subject = replace(viewer.subject, look=delivered)
-    assert shown(viewer) == (True, []), "a field is known at the part's own vertices"
-    viewer.layer = "style"
-    assert shown(viewer) == (False, [delivered])
-    _, three = next(iter(scene(viewer)._looks.values()))
-    buffers = three.geometry.attributes
-    assert np.allclose(buffers["position"].array, delivered.vertices, atol=1e-5)
-    assert np.allclose(buffers["normal"].array / 32767.0, delivered.vertex_normals, atol=1e-4)
-    assert np.allclose(buffers["colour"].array / 255.0, delivered.colours, atol=2e-3)
-    assert len(buffers["index"].array) == delivered.faces.size
-    viewer.protected = np.ones(len(painted.vertices), bool)
-    assert shown(viewer) == (True, []), "the hatch lies on the part"
-
-
-def test_what_is_delivered_is_shown_where_nothing_is_protected(painted, delivered):
-    """A choice of regions that covers no vertex hatches nothing."""
-    viewer = Viewer(painted)
-    viewer.subject = replace(viewer.subject, look=delivered)
-    viewer.protected = np.zeros(len(painted.vertices), bool)
-    assert shown(viewer) == (False, [delivered])
-    viewer.protected = np.arange(len(painted.vertices)) == 0
-    assert shown(viewer) == (True, [])
-
-
-def test_what_is_delivered_is_sent_once(painted, height, delivered):
-    viewer = Viewer(painted, [height])
-    viewer.subject, viewer.layer = replace(viewer.subject, look=delivered), "style"
-    before = len(alive())
-    for layer in ("height", "style"):
-        viewer.layer = layer
-    viewer.subject = replace(viewer.subject, look=None)
-    assert shown(viewer) == (True, [])
-    viewer.subject = replace(viewer.subject, look=delivered)
-    assert shown(viewer) == (False, [delivered])
-    assert len(alive()) == before
-
-
-def test_a_viewer_of_what_is_delivered_leaves_nothing_behind(painted, delivered):
-    before = alive()
-    viewer = Viewer(painted)
-    viewer.subject = replace(viewer.subject, look=delivered)
-    viewer.close()
     assert alive() == before
 
 

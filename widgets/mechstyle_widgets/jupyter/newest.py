@@ -20,14 +20,16 @@ class Newest(Generic[Wish, Answer]):
     Where no event loop is running, as in plain Python, it works at once.
     """
 
-    def __init__(self, work: Callable[[Wish], Answer], bring: Callable[[Wish, Answer], None]) -> None:
-        """Work with `work`, which must touch no trait, and hand wish and answer to `bring` on the event loop."""
-        self._work, self._bring = work, bring
+    def __init__(
+        self, work: Callable[[Wish], Answer], bring: Callable[[Wish, Answer], None], failed: Callable[[Exception], None] | None = None
+    ) -> None:
+        """Work with `work`, which must touch no trait, and hand wish and answer to `bring` on the event loop, an error to `failed`."""
+        self._work, self._bring, self._failed = work, bring, failed or _raise
         self._next: Wish | None = None
         self._busy, self._cancelled = False, False
 
     def ask(self, wish: Wish) -> None:
-        """Work on a wish, after the one in hand. An error is raised on the event loop, which tells it."""
+        """Work on a wish, after the one in hand."""
         loop = running_loop()
         if loop is None:
             self._bring(wish, self._work(wish))
@@ -49,7 +51,7 @@ class Newest(Generic[Wish, Answer]):
         try:
             tell = partial(self._bring, wish, self._work(wish))
         except Exception as error:  # noqa: BLE001 — raised again where somebody hears of it
-            tell = partial(_raise, error)
+            tell = partial(self._failed, error)
         if not loop.is_closed():
             loop.call_soon_threadsafe(self._end, loop, tell)
 

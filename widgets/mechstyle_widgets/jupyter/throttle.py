@@ -46,9 +46,9 @@ class Paced:
     was set by then counts, and what came in between is never drawn.
     """
 
-    def __init__(self, act: Callable[[], None]) -> None:
-        """Pace `act`."""
-        self._act = act
+    def __init__(self, act: Callable[[], None], failed: Callable[[Exception], None] | None = None) -> None:
+        """Pace `act`; `failed` hears of its errors, which the event loop would keep to itself."""
+        self._act, self._failed = act, failed
         self._acted = -SHORTEST_WAIT
         self._waiting: asyncio.TimerHandle | None = None
 
@@ -68,5 +68,10 @@ class Paced:
 
     def _now(self) -> None:
         self._waiting = None
-        self._act()
+        try:
+            self._act()
+        except Exception as error:
+            if self._failed is None:
+                raise
+            self._failed(error)
         self._acted = time.monotonic()  # what acts for long leaves the loop time for others all the same

@@ -72,18 +72,21 @@ class Branches(Section):
 
         All of them are asked for: given the changed ones only, a branch adds what usually goes with them.
         """
+        self.complain("")
         try:
             changed, wanted = self.controller.differs(), self.controller.wanted().recipe
         except MechStyleError as error:  # CLIP's weights may be missing, too
-            self.state.message = str(error)
+            self.complain(str(error))
             return
         if not changed:
-            self.complain("change a setting at the left first: this lane would be the same again")
+            self.complain(f"Nothing differs from {self.lane}: change a setting first, or use another threshold under Mask.")
             return
-        self.complain("")
+        if self.state.iteration >= wanted.iterations:
+            self.complain(f"Iteration {self.state.iteration} is the end: go to an earlier one, or ask for more iterations.")
+            return
         if self.pinned is not None and self.third is None and self.pinned[0] != self.lane:
             self.third = (self.lane, self.state.iterations_done)  # what is branched from stays in sight
-        self.controller.branch(self.state.iteration, self._name.value.strip(), **wanted.settings)
+        self.controller.branch(self.state.iteration, self._name.value.strip(), self.complain, **wanted.settings)
         self._name.value = ""
 
     def pin(self) -> None:

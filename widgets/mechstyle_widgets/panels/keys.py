@@ -32,6 +32,8 @@ class Keys:
         viewer = self._studio.viewer
         if key == "Escape" and self._studio.regions_picker.paint:
             self._studio.regions_picker.paint = False
+        elif key == "Escape" and self._studio.close_page():
+            pass
         elif key in self._acts:
             self._acts[key]()
         elif viewer is not None and key not in LAYERS:

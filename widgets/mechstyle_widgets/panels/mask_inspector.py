@@ -61,12 +61,19 @@ class MaskInspector(Section):
             description="use this", icon="code-fork", tooltip="Branch from this iteration with these settings", layout={"width": "50%"}
         )
         buttons = lean(ipywidgets.HBox, [self._show_layer, self._use], layout=WIDE)
+        self._again = lean(ipywidgets.Button, icon="code-fork", layout=WIDE, tooltip="Branch there with these settings")
         self._asked = lean(ipywidgets.VBox, [lean(ipywidgets.HTML, "<b>what if …</b>"), self.selector, buttons])
         super().__init__([self._plots, self._asked])
+        self.children = (*self.children, self._again)  # below what is said of it
         self._use.on_click(lambda _: self.use())
+        self._again.on_click(lambda _: self._begin_again())
+        self._from: int | None = None
+        self.state.observe(lambda _: self._offer(None), ("iteration", "lane", "run", "status"))
+        self.selector.observe(lambda _: self._offer(None), ("freestyle", *DECIDES))
+        self._offer(None)
         self._show_layer.observe(self._switch, "value")
         self.state.observe(self._restore, "run")
-        self._soon = Paced(self._redraw)
+        self._soon = Paced(self._redraw, self.state.alert)
         self.state.observe(lambda _: self._soon(), "checkpoint")
         self.state.observe(self._follow_layer, "layer")
         self.selector.observe(self._redraw, ("freestyle", *DECIDES))
@@ -100,8 +107,37 @@ class MaskInspector(Section):
         return mask_of(tested, self._original(run), recipe) * self._freedom(run, run.recipe)
 
     def use(self) -> None:
-        """Branch from the iteration on show with the settings that are tried."""
-        self.controller.branch(self.state.iteration, **self.settings)
+        """Branch from the iteration on show with the settings that are tried; from an earlier test if nothing is left to change there."""
+        run, state = self.state.run, self.state
+        if run is None:
+            return
+        if all(getattr(run.recipe, name) == value for name, value in self.settings.items()):
+            self._offer(None, f"Nothing differs from {state.lane}: move the threshold first, or try another strategy.")
+        elif state.iteration < state.length:
+            self.controller.branch(state.iteration, "", self.complain, **self.settings)
+        elif (first := self._first_difference(run)) is None:
+            self._offer(None, "At none of the tests of this run would these settings have made a difference.")
+        else:
+            self._offer(first, f"Iteration {state.iteration} is the end, nothing comes after it.")
+
+    def _begin_again(self) -> None:
+        if self._from is not None:
+            self.controller.branch(self._from, "", self.complain, **self.settings)
+
+    def _offer(self, iteration: int | None, why: str = "") -> None:
+        """Offer to branch from an iteration, None for none, and say why."""
+        self._from = iteration
+        self.complain(why)
+        self._again.description = "" if iteration is None else f"begin again from iteration {iteration}"
+        show(self._again, iteration is not None)
+
+    def _first_difference(self, run: Run) -> int | None:
+        """First tested iteration after which the settings that are tried would hold something back otherwise, None if there is none."""
+        for row in self.state.history:
+            there = self.state.checkpoint_at(row.iteration) if row.verdict is not None and row.iteration < self.state.length else None
+            if there is not None and not np.allclose(self.mask(run, there, **self.settings), there.mask, atol=0.01):
+                return row.iteration
+        return None
 
     def _restore(self, _change: object = None) -> None:
         """Try the settings in force, whenever another run or lane comes into view."""

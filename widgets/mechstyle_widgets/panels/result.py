@@ -25,14 +25,15 @@ class Result(Words):
         self._state = state
         super().__init__(layout=WIDE)
         self.add_class("mechstyle-result")
-        state.observe(self._tell, ("histories", "lane", "settings", "run", "status"))
+        state.observe(self._tell, ("histories", "lane", "settings", "run", "status", "title", "another"))
         self._tell()
 
     def _tell(self, _change: object = None) -> None:
         history = self._state.histories.get(self._state.lane, [])
         if self._state.run is not None and any(row.verdict is not None for row in history):
             _, verdict = standing(history)
-            self.say(f"<b>Result</b>{of_verdict(verdict)}{self._lanes()}")
+            head = f"Last run: {self._state.title}" if self._state.another else "Result"
+            self.say(f"<b>{escape(head)}</b>{of_verdict(verdict)}{self._lanes()}")
         else:
             self.say(f"<b>What will happen</b><ol>{''.join(f'<li>{escape(step)}</li>' for step in steps(self._state.settings))}</ol>")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from html import escape
 from typing import Any
 
@@ -9,7 +10,8 @@ import ipywidgets
 import traitlets
 
 from mechstyle.errors import MechStyleError
-from mechstyle_widgets.jupyter.looks import lean
+from mechstyle.records.sentences import duration
+from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.settings.section import WIDE, Section
 from mechstyle_widgets.state.controller import Controller
 
@@ -24,9 +26,14 @@ MAY = {
 """In which states each button does something."""
 GOES_ON = ("paused", "stopped", "failed")
 """In which states running is going on, unless the settings ask for another run."""
+AT_REST = ("idle", "stopped", "finished", "failed")
+"""In which states nothing is in hand."""
 
 
-FOLLOWED = ("status", "pausing", "stage", "step", "fraction", "seconds_left", "message", "iterations_done", "run", "settings")
+FOLLOWED = (
+    "status", "pausing", "stage", "step", "fraction", "seconds_left", "message", "alarming", "iterations_done", "run", "settings",
+    "another", "outlook",
+)  # fmt: skip
 """Traits of the state they tell of."""
 
 
@@ -56,13 +63,19 @@ class RunControls(Section):
             button.on_click(lambda _, name=name: getattr(self.controller, name)())
         self._bar = lean(ipywidgets.FloatProgress, min=0.0, max=1.0, layout=WIDE)
         self._line = lean(ipywidgets.HTML)
-        super().__init__([lean(ipywidgets.HBox, list(self._buttons.values())), self._line, self._bar])
+        what = "Part and settings of the last run again"
+        self._back = lean(ipywidgets.Button, description="Back to the last run", icon="undo", tooltip=what, layout={"width": "auto"})
+        super().__init__([lean(ipywidgets.HBox, [*self._buttons.values(), self._back]), self._line, self._bar])
         self.add_class("mechstyle-run")
         for wide in (self._note, self._trouble):
             wide.add_class("mechstyle-wide")
         self.state.observe(self._show, FOLLOWED)
         self.observe(self._show, "title")
         self._show()
+
+    def on_back(self, act: Callable[[], object]) -> None:
+        """What asks for the last run again."""
+        self._back.on_click(lambda _: act())
 
     def emphasise(self, filled: bool) -> None:
         """Fill the run button, or leave that to another; what it reads follows a part that was chosen, too."""
@@ -89,21 +102,25 @@ class RunControls(Section):
         for name, button in self._buttons.items():
             button.disabled = state.status not in MAY[name] or (name == "pause" and state.pausing)
         self._name()
+        show(self._back, state.another and state.status in AT_REST)
         self._bar.value, self._bar.bar_style = state.fraction, "info"  # green, amber and red belong to verdicts
         self.words = line_of(state)
         title = f'<span class="mechstyle-title"><b>{escape(self.title)}</b> · </span>' if self.title else ""
         told = f'<span role="status" aria-live="polite">{escape(self.words)}</span>'  # what is made is not read out every time
         self._line.value = f'<div class="mechstyle-note">{title}{told}</div>'
-        failed = state.status == "failed" or (state.status not in ("finished", "running", "preparing") and bool(state.message))
-        self.complain(state.message if failed else "")
-        self.note(state.message if not failed else "")
+        self.complain(state.message if state.alarming else "")
+        self.note(state.message if not state.alarming else "")
 
 
 def line_of(state: Any) -> str:
     """Status of a run, in one line."""
     parts = ["ready" if state.status == "idle" else state.status]
     if state.run is not None and state.status != "preparing":
-        parts = [f"{state.status}, iteration {state.iterations_done} of {state.run.recipe.iterations}"]
+        parts = [f"{state.status}, iteration {state.iterations_done} of {state.length}"]
+        if state.another and state.status in AT_REST:
+            parts = [f"ready · last run: {state.title}, {parts[0]}"]
+    if state.status == "idle" or (state.another and state.status in AT_REST):
+        parts += [state.outlook] if state.outlook else []
     if state.pausing:
         parts.append(f"pausing … when this {'drop test' if state.stage.startswith('drop test') else 'iteration'} has ended")
     if state.stage:
@@ -111,10 +128,3 @@ def line_of(state: Any) -> str:
     if state.seconds_left is not None:
         parts.append(f"about {duration(state.seconds_left)} left")
     return " · ".join(parts)
-
-
-def duration(seconds: float) -> str:
-    """A time for people: 40 s, 3 min, 2 h."""
-    if seconds < 90:
-        return f"{max(round(seconds), 1)} s"
-    return f"{round(seconds / 60)} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"

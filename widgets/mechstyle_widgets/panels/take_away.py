@@ -11,7 +11,6 @@ from pathlib import Path
 
 import ipywidgets
 
-from mechstyle.errors import MechStyleError
 from mechstyle.geometry.threemf import SLICERS
 from mechstyle.runs.printing import Printing
 from mechstyle.runs.report.reproduce import cell_for
@@ -21,6 +20,7 @@ from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.jupyter.throttle import running_loop
 from mechstyle_widgets.settings.section import Section
 from mechstyle_widgets.state.studio_state import StudioState
+from mechstyle_widgets.state.troubles import sentence
 
 MEDIA = {".3mf": "model/3mf", ".glb": "model/gltf-binary", ".html": "text/html", ".png": "image/png"}
 
@@ -38,6 +38,7 @@ class TakeAway(Section):
             "Picture": (".png", "picture-o", "Style, stress and mask as a picture", self._pictured),
         }
         self._buttons = {name: self._button(name, icon, tooltip) for name, (_, icon, tooltip, _) in kinds.items()}
+        self._tooltips = {name: tooltip for name, (_, _, tooltip, _) in kinds.items()}
         for name, (suffix, _, _, make) in kinds.items():
             self._buttons[name].on_click(partial(self._begin, suffix, make))
         self._code = self._button("Copy as code", "code", "The lines of Python that make this run again")
@@ -50,7 +51,7 @@ class TakeAway(Section):
         row = lean(ipywidgets.HBox, [first, self._slicer, *others, self._code], layout={"flex_flow": "row wrap"})
         super().__init__([row])
         self.add_class("mechstyle-take")
-        state.observe(self._offer, ("run", "checkpoint", "status"))
+        state.observe(self._offer, ("run", "checkpoint", "status", "title", "another"))
         self._offer()
 
     @property
@@ -62,8 +63,12 @@ class TakeAway(Section):
         return lean(ipywidgets.Button, description=name, icon=icon, tooltip=tooltip, layout={"width": "auto"})
 
     def _offer(self, _change: object = None) -> None:
-        """There is nothing to take before there is an iteration."""
-        show(self, self.state.checkpoint is not None)
+        """There is nothing to take before there is an iteration; where what is asked for is another, the button names whose file it is."""
+        state = self.state
+        show(self, state.checkpoint is not None)
+        self.main.description = f"3MF of {state.title}" if state.another else "3MF"
+        for name, button in self._buttons.items():
+            button.tooltip = f"{self._tooltips[name]}: {state.title}, iteration {state.iteration}"
         self.note("")
         self.complain("")
 
@@ -72,8 +77,12 @@ class TakeAway(Section):
         run, iteration = self.state.run, self.state.iteration
         if run is None or self.state.checkpoint is None:
             return
-        name = f"{run.record.stem}-{iteration}{suffix}"
         self.complain("")
+        try:
+            name = f"{run.record.stem}-{iteration}{suffix}"
+        except Exception as error:  # noqa: BLE001 — whatever it is, it is said
+            self._refuse(sentence(error, run.store.place))
+            return
         self.note(f"making {name} …")
         if self._loop is None:
             self._work(run, iteration, name, make, lambda act, *given: act(*given))
@@ -88,8 +97,8 @@ class TakeAway(Section):
                 path = Path(folder) / name
                 make(run, iteration, path)
                 bring(self._hand_over, name, path.read_bytes())
-        except MechStyleError as error:
-            bring(self._refuse, str(error))
+        except Exception as error:  # noqa: BLE001 — whatever it is, it is said
+            bring(self._refuse, sentence(error, run.store.place))
 
     def _hand_over(self, name: str, data: bytes) -> None:
         self._frame.hand_over(name, data, MEDIA[Path(name).suffix])
@@ -115,9 +124,14 @@ class TakeAway(Section):
         run.show(iteration).save(path)
 
     def _copy(self) -> None:
-        """Show the lines, and put them where the page keeps what was copied."""
+        """Put the lines where the page keeps what was copied, and say whose they are; they unfold where a browser does not let it."""
         run = self.state.run
         assert run is not None, "the buttons are hidden before there is an iteration"
-        code = cell_for(run, run.history)
+        try:
+            code = cell_for(run, run.history)
+        except Exception as error:  # noqa: BLE001 — whatever it is, it is said
+            self._refuse(sentence(error, run.store.place))
+            return
         self._frame.copy(code)
-        self._note.say(f'<div class="mechstyle-note">copied:<pre style="white-space:pre-wrap;margin:4px 0">{escape(code)}</pre></div>')
+        head = f"<summary>copied: the lines that make {escape(self.state.title)} again</summary>"
+        self._note.say(f'<details class="mechstyle-note mechstyle-code">{head}<pre>{escape(code)}</pre></details>')

@@ -5,7 +5,6 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 from functools import partial
-from typing import Any
 
 import ipywidgets
 import traitlets
@@ -31,8 +30,8 @@ class Cache(ipywidgets.Widget):  # type: ignore[misc]  # ipywidgets has no types
     _header = traitlets.Dict().tag(sync=True)
     _payload = traitlets.Bytes().tag(sync=True)
 
-    def __init__(self, data: ReplayData, digests: tuple[str, ...]) -> None:
-        """Hold a lane whose checkpoints have these digests, one for each frame."""
+    def __init__(self, data: ReplayData, digests: dict[int, str]) -> None:
+        """Hold a lane whose checkpoints have these digests, by iteration."""
         self.digests = digests
         super().__init__(_header=data.header, _payload=data.payload)
 
@@ -79,7 +78,7 @@ class Packer:
     def _end(self, data: ReplayData | None, wanted: tuple[str, ...]) -> None:
         self._busy, self._digests = False, wanted
         if data is not None and not self._closed:
-            self._packed(Cache(data, wanted))
+            self._packed(Cache(data, {at: digest for at, digest in enumerate(wanted) if at in data.iterations}))
             self._look()
 
 
@@ -92,5 +91,4 @@ def served(cache: Cache | None, state: StudioState) -> list[int]:
     """Iterations of the lane on show that a cache holds as they are now; a correction makes one anew."""
     if cache is None:
         return []
-    rows: list[Any] = [row for row, digest in zip(state.history, cache.digests, strict=False) if row.digest == digest]
-    return [row.iteration for row in rows]
+    return [row.iteration for row in state.history if cache.digests.get(row.iteration) == row.digest]

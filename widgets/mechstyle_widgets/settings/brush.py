@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mechstyle.geometry.region_selection import selected
-from mechstyle.geometry.remesh import manifold_of, surface_of
+from mechstyle.geometry.remeshing.evening import manifold_of, surface_of
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.records.regions import Box, HalfSpace, Point, Region, Sphere
 

@@ -19,6 +19,8 @@ from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, range_of, setting
 
 DEVICES = ("auto", "cpu", "cuda")
+SIZES = {"Try it": 4000, "Print it": STANDARD_VERTICES}
+"""How fine a run is, in words, and in vertices."""
 ONCE = "once"
 """The way to land that is a single drop."""
 WAYS = {
@@ -77,7 +79,7 @@ class DropOptions(Section):
     guarantee = setting("guarantee")
     minimum_wall = setting("minimum_wall")
     strengthen = setting("strengthen")
-    vertices = traitlets.Int(STANDARD_VERTICES, min=1)
+    vertices = traitlets.Int(SIZES["Try it"], min=1)
     device = traitlets.Enum(DEVICES, "auto")
     folder = traitlets.Unicode("")
 
@@ -128,6 +130,13 @@ class DropOptions(Section):
             setattr(self, name, value)
         for name, widget in controls.items():
             traitlets.link((self, name), (widget, "value"))
+        words = ["Coarse, to see what comes of it", "Fine, as it is printed"]
+        looks = {"button_width": "auto"}
+        self.sizes = lean(ipywidgets.ToggleButtons, options=list(SIZES.items()), value=None, tooltips=words, style=looks)
+        self.sizes.add_class("mechstyle-sizes")
+        self.sizes.observe(self._choose_size, "value")
+        self.observe(self._show_size, "vertices")
+        self._show_size()
         self._way.observe(self._choose_way, "value")
         self._standard.observe(self._choose_standard, "value")
         self._height.observe(self._fall, "value")
@@ -208,6 +217,14 @@ class DropOptions(Section):
         elif way != self.way:
             with self.hold_trait_notifications():
                 self.poses, self.orientations = way, POSES[way]
+
+    def _choose_size(self, change: dict[str, Any]) -> None:
+        if change["new"] is not None:
+            self.vertices = change["new"]
+
+    def _show_size(self, _change: object = None) -> None:
+        """Neither where a number was asked for that is of neither."""
+        self.sizes.value = self.vertices if self.vertices in SIZES.values() else None
 
     def _choose_standard(self, change: dict[str, Any]) -> None:
         """A standard brings its landings and height; none leaves them as they are."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import ipywidgets
@@ -9,6 +10,32 @@ import traitlets
 
 from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.settings.section import Section
+
+
+class Fold(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
+    """Controls that are seldom needed, folded away under a line until it is pressed.
+
+    Attributes:
+        unfolded: Whether they are shown.
+    """
+
+    unfolded = traitlets.Bool(False)
+
+    def __init__(self, title: str, controls: Sequence[Any]) -> None:
+        """Put controls under a line."""
+        self._head = lean(ipywidgets.Button, description=title, icon="angle-right")
+        self._head.add_class("mechstyle-group-head")
+        self._head.add_class("mechstyle-fold")
+        self._controls = lean(ipywidgets.VBox, list(controls))
+        super().__init__([self._head, self._controls])
+        self._head.on_click(lambda _: setattr(self, "unfolded", not self.unfolded))
+        self._turn()
+
+    @traitlets.observe("unfolded")
+    def _turn(self, _change: Any = None) -> None:
+        self._head.icon = "angle-down" if self.unfolded else "angle-right"
+        (self._head.add_class if self.unfolded else self._head.remove_class)("mechstyle-open")
+        show(self._controls, self.unfolded)
 
 
 class Group(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
@@ -20,9 +47,9 @@ class Group(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
 
     unfolded = traitlets.Bool(False)
 
-    def __init__(self, title: str, section: Section, *, unfolded: bool = False) -> None:
-        """Put a section under a heading."""
-        self._title, self._section = title, section
+    def __init__(self, title: str, section: Section, *, unfolded: bool = False, page: bool = False) -> None:
+        """Put a section under a heading; one that is a page is gone back from."""
+        self._title, self._section, self.page = title, section, page
         self._head = lean(ipywidgets.Button, icon="angle-right")
         self._head.add_class("mechstyle-group-head")
         super().__init__([self._head, section])
@@ -40,6 +67,7 @@ class Group(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         """Show what is chosen where the section itself does not."""
         brief = "" if self.unfolded else self._section.brief
         self._head.description = f"{self._title}: {brief}" if brief else self._title
-        self._head.icon = "angle-down" if self.unfolded else "angle-right"
+        self._head.icon = ("angle-left" if self.page else "angle-down") if self.unfolded else "angle-right"
+        self._head.tooltip = "Back to all settings (Escape)" if self.page and self.unfolded else ""
         (self._head.add_class if self.unfolded else self._head.remove_class)("mechstyle-open")
         show(self._section, self.unfolded)

@@ -15,8 +15,9 @@ from mechstyle.geometry.files import FORMATS
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle_widgets.jupyter.frame import unseen
 from mechstyle_widgets.jupyter.looks import lean, show
-from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section
+from mechstyle_widgets.settings.section import WIDE, Section
 from mechstyle_widgets.settings.thumbnail_buttons import PictureChoice
+from mechstyle_widgets.state.troubles import sentence
 
 UNITS = {"as the file says": 0.0, "millimetres": 1.0, "centimetres": 10.0, "inches": 25.4, "metres": 1000.0}
 """Units a file may be in, and the factor that brings it to millimetres; 0 for its own, as None chooses nothing in a menu of ipywidgets."""
@@ -50,19 +51,26 @@ class PartPicker(Section):
         Raises:
             BadInput: If the part cannot be used.
         """
-        self._gallery = PictureChoice("model", {one: gallery.describe(one) for one in gallery.names()})
-        look = {"style": NARROW_LABEL, "layout": WIDE}
-        self._path = lean(ipywidgets.Text, description="or a file", placeholder="part.stl", continuous_update=False, **look)
+        groups: dict[str, list[str]] = {}
+        for one in gallery.names():
+            groups.setdefault(gallery.entry(one).module, []).append(one)
+        self._gallery = PictureChoice("model", {one: gallery.describe(one) for one in gallery.names()}, groups)
+        what = "A file where the notebook runs"
+        self._path = unseen(lean(
+            ipywidgets.Text,
+            description="file", placeholder="or a path: part.stl", tooltip=what, continuous_update=False,
+            layout={"flex": "1 1 auto", "width": "0"},
+        ))  # fmt: skip
         self._upload = lean(
             ipywidgets.FileUpload,
             accept=",".join(f".{suffix}" for suffix in FORMATS),
-            description="upload",
+            description="your file",
             tooltip="A file of this computer",
-            layout={"width": "116px"},
+            layout={"width": "104px"},
         )
         narrow = {"width": "138px"}
         self._unit = unseen(lean(ipywidgets.Dropdown, options=UNITS, description="unit", tooltip="Unit of the file", layout=narrow))
-        super().__init__([self._gallery, self._path, lean(ipywidgets.HBox, [self._upload, self._unit])])
+        super().__init__([self._gallery, lean(ipywidgets.HBox, [self._upload, self._path], layout=WIDE), self._unit])
         self._gallery.observe(lambda _: self._wish(gallery.PREFIX + self._gallery.value, None), "pressed")
         self._path.observe(self._typed, "value")
         self._upload.observe(self._uploaded, "value")
@@ -92,11 +100,13 @@ class PartPicker(Section):
             self.model, self.scale, self.name, self.mesh = model, scale, mesh.name, mesh
         self._say(mesh.notes)
 
-    def show(self, mesh: SurfaceMesh, name: str) -> None:
-        """Show a part that has no address."""
+    def show(self, mesh: SurfaceMesh, name: str, origin: str = "") -> None:
+        """Show a part that has no address; `origin` is where it once came from, which is marked if it is of the gallery."""
         with self.hold_trait_notifications():
             self.model, self.scale, self.name, self.mesh = "", None, name, mesh
         self._say(())
+        if origin.startswith(gallery.PREFIX):
+            self._gallery.value = origin.removeprefix(gallery.PREFIX)
 
     def remark(self, found: tuple[str, ...]) -> None:
         """Warn of what was found when the part was measured, under what was said when it was read."""
@@ -136,5 +146,11 @@ class PartPicker(Section):
     def _uploaded(self, change: dict[str, Any]) -> None:
         for file in change["new"]:
             place = UPLOADS / Path(file["name"]).name
-            write_whole(place, bytes(file["content"]))
-            self._wish(str(place), self._unit.value or None)
+            try:
+                write_whole(place, bytes(file["content"]))
+            except OSError as error:
+                self.complain(sentence(error))
+            else:
+                self._wish(str(place), self._unit.value or None)
+        if change["new"]:
+            self._upload.value = ()  # or the button counts what it has read

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import difflib
+import re
 from typing import Any
 
 import ipywidgets
@@ -14,11 +16,27 @@ from mechstyle.styling.picture import NAME as PICTURE
 from mechstyle.styling.prompt import Reading, read
 from mechstyle_widgets.jupyter.frame import unseen
 from mechstyle_widgets.jupyter.looks import lean
+from mechstyle_widgets.settings.group import Fold
 from mechstyle_widgets.settings.image import ImageChoice
 from mechstyle_widgets.settings.millimetres import AUTO, Millimetres
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, range_of, setting
-from mechstyle_widgets.settings.thumbnail_buttons import PictureChoice
+from mechstyle_widgets.settings.thumbnail_buttons import FEW, PictureChoice
 
+GROUPS = {
+    "stone, clay and metal": (
+        "brick", "stone", "concrete", "marble", "terracotta", "cracked_earth", "crystal", "realistic", "weathered", "hammered",
+        "brushed_metal", "damascus",
+    ),
+    "cloth and leather": ("knit", "cable_knit", "crochet", "basket_weave", "twill", "quilting", "leather", "studs", "stripes"),
+    "plants and animals": (
+        "wood", "bark", "bamboo", "cactus", "floral", "green", "moss", "feathers", "dragon_scales", "fish_scales", "honeycomb",
+    ),
+    "technical": ("carbon_fibre", "circuit", "grid", "isogrid", "knurling", "low_poly", "topographic", "voronoi"),
+    "ornaments": ("art_deco", "celtic_knot", "mandala", "waves", "dots", "bubbles"),
+}  # fmt: skip
+"""Styles by what they remind of."""
+LEAST = 3
+"""Letters of a word that a style may be near to."""
 DEPTHS = tuple(round(0.1 * step, 1) for step in range(31))
 SIZES = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 15.0, 20.0, 25.0, 30.0, 40.0)
 """Depths and sizes of features that the sliders offer [mm]."""
@@ -66,7 +84,9 @@ class PromptBox(Section):
         """Offer the styles; `prompt` is asked for at first, `traits` are any other attributes."""
         tooltip = "The style, in words; one for each place: `outside: brick; rim: gold studs`"
         self._text = unseen(lean(ipywidgets.Text, description="style", placeholder="small blue stones", tooltip=tooltip, layout=WIDE))
-        self._chips = PictureChoice("style", {name: style.description for name, style in library().items()})
+        styles = library()
+        asked_by = {name: " ".join(style.words) for name, style in styles.items()}
+        self._chips = PictureChoice("style", {name: style.description for name, style in styles.items()}, GROUPS, asked_by)
         look = {"style": NARROW_LABEL, "layout": WIDE}
         deep = "Depth of the relief, from its lowest to its highest"
         self._relief = lean(Millimetres, DEPTHS, description="relief", tooltip=deep, **look)
@@ -86,9 +106,11 @@ class PromptBox(Section):
         self._guidance = lean(ipywidgets.Dropdown, options=guides, description="style from", tooltip=needs, **look)
         carriers = [("a value at each point", "vertex"), ("a network (X-Mesh)", "network")]
         self._field = lean(ipywidgets.Dropdown, options=carriers, description="described by", tooltip="What is optimised", **look)
-        sizes = [self._relief, self._side, self._feature, self._nozzle, self._inside]
         self._image = ImageChoice()
-        super().__init__([self._text, self._chips, self._image, *sizes, self._seed, self._guidance, self._field])
+        rest = [self._image, self._side, self._nozzle, self._inside, self._seed, self._guidance, self._field]
+        self._more = Fold("more of the style", rest)
+        super().__init__([self._text, self._chips, self._relief, self._feature, self._more])
+        self.children = (self._text, self._note, self._trouble, *self.children[1:-2])  # an answer stands where one has asked
         self._chips.observe(self._choose, "pressed")
         for name in ImageChoice.FIELDS:
             traitlets.link((self._image, name), (self, name))
@@ -99,7 +121,8 @@ class PromptBox(Section):
             setattr(self, name, value)
         traitlets.link((self, "relief"), (self._relief, "length"))
         traitlets.link((self, "feature"), (self._feature, "length"))
-        traitlets.dlink((self, "amplitude"), (self._relief, "auto"), lambda share: AUTO if share is None else f"{share:g} of wall")
+        self.observe(self._tell_lengths, ("reading", "amplitude"))
+        self._tell_lengths()
         pairs = {"side": self._side, "nozzle": self._nozzle}
         pairs |= {"inside": self._inside, "seed": self._seed, "guidance": self._guidance, "field": self._field}
         for name, widget in pairs.items():
@@ -131,18 +154,46 @@ class PromptBox(Section):
 
     @traitlets.observe("prompt", "guidance", "image")
     def _read(self, _change: object) -> None:
+        drawn, words = self.guidance == "offline", self.prompt.strip()
         try:
-            self.reading = read(self.prompt, picture=bool(self.image)) if self.prompt.strip() or self.image else None
+            self.reading = read(self.prompt, picture=bool(self.image)) if words or self.image else None
         except BadInput as error:
             self.reading = None
-            drawn = self.guidance == "offline"
-            self.complain(str(error).split("; any other prompt")[0] if drawn else "")
+            self.complain(_refusal(words, str(error)) if drawn else "")
             self.note("" if drawn else "CLIP reads the whole prompt")
-            self._chips.value = ""
-            return
-        self.complain("" if self.reading else "write what it should look like, or choose a style")
-        self.note("" if self.reading is None else "; ".join([f"read as {self.reading.words}", *self.reading.notes]))
+            self._chips.nearest = nearest(words) if drawn else []
+        else:
+            self.complain("" if self.reading else "Write what it should look like, or choose a style.")
+            self.note("" if self.reading is None else "; ".join([f"read as {self.reading.words}", *self.reading.notes]))
+            self._chips.nearest = []
         self._chips.value = _first_style(self.reading)
+
+    def _tell_lengths(self, _change: object = None) -> None:
+        """The sliders say what the prompt or a share of the wall decides while nothing is chosen."""
+        wishes = () if self.reading is None else self.reading.wishes
+        deep, large = (next((length for wish in wishes if (length := getattr(wish, name))), None) for name in ("relief", "feature"))
+        share = AUTO if self.amplitude is None else f"{self.amplitude:g} of wall"
+        self._relief.auto = share if deep is None else f"{deep:g} mm, as written"
+        self._feature.auto = AUTO if large is None else f"{large:g} mm, as written"
+
+
+def nearest(prompt: str) -> list[str]:
+    """The styles nearest to a prompt that names none, three of them, by their names and by what they look like."""
+    asked = [one for one in re.findall(r"[^\W\d_]+", prompt.lower()) if len(one) >= LEAST]
+    names = {name: (*name.split("_"), *style.words, *style.description.lower().split()) for name, style in library().items()}
+    alike = {name: max((_alike(one, text) for one in asked for text in texts), default=0.0) for name, texts in names.items()}
+    return sorted(names, key=lambda name: -alike[name])[:FEW]
+
+
+def _alike(one: str, other: str) -> float:
+    return difflib.SequenceMatcher(None, one, other).ratio()
+
+
+def _refusal(prompt: str, error: str) -> str:
+    """Why a prompt cannot be used, in a sentence that leads on to the pictures of the nearest styles."""
+    if "names no style that can be drawn" in error:
+        return f"“{prompt}” names no style. Near it are these, or take a picture of your own:"
+    return error.split("; known are", maxsplit=1)[0].split(": known are", maxsplit=1)[0]
 
 
 def _first_style(reading: Reading | None) -> str:

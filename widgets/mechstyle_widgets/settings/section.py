@@ -13,6 +13,7 @@ from mechstyle.records import Recipe
 from mechstyle.records.recipe import CHOICES, DEFAULTS, LIMITS
 from mechstyle_widgets.jupyter.frame import Framed
 from mechstyle_widgets.jupyter.looks import lean, show
+from mechstyle_widgets.state.troubles import sentence
 
 WIDE = {"width": "auto"}
 """Layout of a control as wide as its column."""
@@ -61,6 +62,15 @@ class Section(Framed, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has 
         self.complain("")
         super().__init__([*children, self._note, self._trouble])
         self.add_class("mechstyle-section")
+
+    def notify_change(self, change: Any) -> None:
+        """Let nobody's error in hearing of a change end in a log only."""
+        try:
+            super().notify_change(change)
+        except Exception as error:
+            if "_trouble" not in vars(self):
+                raise
+            self.complain(sentence(error))
 
     @property
     def settings(self) -> dict[str, Any]:

@@ -6,18 +6,26 @@ each button.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from importlib.resources import files
+from types import MappingProxyType
 from typing import Any
 
 import traitlets
 
+from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.page_widget import PageWidget
 from mechstyle_widgets.jupyter.throttle import running_loop
 from mechstyle_widgets.settings import thumbnails
 
+NONE: Mapping[str, Any] = MappingProxyType({})
 FEW = 3
 """Pictures that are shown before all are asked for."""
+WORDS = {
+    "model": {"all": "all {} parts", "few": "parts", "search": "search parts", "none": "No part is called so: choose a file."},
+    "style": {"all": "all {} styles", "few": "styles", "search": "search styles", "none": "No style is called so: write it above."},
+}
+"""What a page says of what the pictures are of."""
 TOGETHER = 6
 """Pictures that are told the page at once while they are drawn."""
 
@@ -26,15 +34,27 @@ def _static(name: str) -> str:
     return files("mechstyle_widgets.settings").joinpath("static", name).read_text(encoding="utf-8")
 
 
+def in_groups(groups: Mapping[str, Sequence[str]], names: Iterable[str]) -> dict[str, list[str]]:
+    """The names under the headings of their groups; those of no group come last, under `others`."""
+    grouped = {head: [name for name in members if name in set(names)] for head, members in groups.items()}
+    known = {name for members in grouped.values() for name in members}
+    others = [name for name in names if name not in known]
+    return {head: members for head, members in {**grouped, "others": others}.items() if members}
+
+
 class PictureChoice(PageWidget):
-    """Names with small pictures, in rows; the pictures come in as they are drawn.
+    """A few names with small pictures, and a sheet with all of them in groups, which can be searched; pictures come in as they are drawn.
 
     Attributes:
         value: The name chosen, "" for none.
         pressed: Counts the presses of a button, so that choosing the same again can be told.
-        all: Whether all are shown, or a few with the chosen one among them.
-        few: The names of those few.
-        names: What can be chosen, with a sentence about each.
+        all: Whether the sheet with all of them is open.
+        few: The names of the few that are always shown.
+        nearest: Names that are shown instead, none for the usual few.
+        names: What can be chosen: the title of each, and a sentence about it.
+        groups: The names by the headings they stand under.
+        found_by: What each is found by in a search, in small letters.
+        words: What the page says itself.
         pictures: PNG of those that have been shown, by name.
         kind: What the pictures are of.
     """
@@ -44,19 +64,32 @@ class PictureChoice(PageWidget):
     pressed = traitlets.Int(0)
     all = traitlets.Bool(False).tag(sync=True)
     few = traitlets.List(traitlets.Unicode()).tag(sync=True)
+    nearest = traitlets.List(traitlets.Unicode())
     names = traitlets.Dict().tag(sync=True)
+    groups = traitlets.Dict().tag(sync=True)
+    found_by = traitlets.Dict().tag(sync=True)
+    words = traitlets.Dict().tag(sync=True)
     pictures = traitlets.Dict().tag(sync=True)
     kind = traitlets.Unicode().tag(sync=True)
 
-    def __init__(self, kind: str, names: Mapping[str, str]) -> None:
+    def __init__(
+        self, kind: str, names: Mapping[str, str], groups: Mapping[str, Sequence[str]] = NONE, found_by: Mapping[str, str] = NONE
+    ) -> None:
         """Offer names.
 
         Args:
             kind: What the pictures are of, a key of `thumbnails.DRAWN`.
             names: What can be chosen, with a sentence about each.
+            groups: The names by the headings they stand under.
+            found_by: Further words by which a search finds each.
         """
         self._drawn = {name: picture for name in names if (picture := thumbnails.cached(kind, name)) is not None}
-        super().__init__(kind=kind, names=dict(names), few=list(names)[:FEW])
+        titles = {name: word(name.replace("_", " ")) for name in names}
+        shown = {name: {"title": titles[name], "tip": f"{titles[name]}: {about}"} for name, about in names.items()}
+        found = {name: " ".join((name, *shown[name].values(), found_by.get(name, ""))).replace("_", " ").lower() for name in names}
+        heads = {word(head): members for head, members in in_groups(groups, names).items()}
+        words = {name: word(text).format(len(names)) for name, text in WORDS[kind].items()}
+        super().__init__(kind=kind, names=shown, few=list(names)[:FEW], groups=heads, found_by=found, words=words)
         self.on_msg(self._hear)
         self._hang()
         self._loop = running_loop()
@@ -77,10 +110,10 @@ class PictureChoice(PageWidget):
         if isinstance(message, dict) and message.get("kind") == "press" and message.get("name") in self.names:
             self.press(message["name"])
 
-    @traitlets.observe("value")
+    @traitlets.observe("value", "nearest")
     def _fold(self, _change: object) -> None:
         """The chosen one is among the few."""
-        few = list(self.names)[:FEW]
+        few = (self.nearest or list(self.names))[:FEW]
         self.few = few if self.value not in self.names or self.value in few else [self.value, *few[: FEW - 1]]
 
     def _arrived(self, name: str, picture: bytes) -> None:

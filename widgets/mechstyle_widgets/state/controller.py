@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from mechstyle.errors import BadInput, MechStyleError
+from mechstyle.errors import BadInput
 from mechstyle.fea.drop import resolve_device
 from mechstyle.fea.explicit import Progress
 from mechstyle.loop.events import Checkpointed, Event
@@ -19,6 +19,7 @@ from mechstyle.runs.session import Session
 from mechstyle.simulation.part import Workpiece
 from mechstyle_widgets.jupyter.prepare import prepare_aside
 from mechstyle_widgets.state.studio_state import StudioState
+from mechstyle_widgets.state.troubles import gone, sentence
 
 FREE = "freestyle"
 """Lane of the whole style, which nothing holds back, beside the lane on show."""
@@ -94,20 +95,27 @@ class Controller:
         if self.busy and self.state.session is not None:
             self.state.session.stop()
 
-    def branch(self, iteration: int, lane: str = "", **changes: Any) -> None:
-        """Begin a new lane at an iteration of the lane on show, with other settings, and carry it on."""
-        run = self.state.run
+    def branch(self, iteration: int, lane: str = "", say: Callable[[str], None] | None = None, **changes: Any) -> None:
+        """Begin a new lane at an iteration of the lane on show, with other settings, and carry it on.
+
+        Args:
+            iteration: Where it begins.
+            lane: Its name, "" for the next number.
+            say: Told what cannot be done, where the button is; the state by default.
+            changes: The other settings, as fields of a recipe.
+        """
+        run, say = self.state.run, say or self.state.refuse
         if run is None:
-            self.state.message = "there is no run to branch from yet: run something first"
+            say("there is no run to branch from yet: run something first")
         elif self.busy:
-            self.state.message = "a run is going on: stop it before you branch"
+            say("a run is going on: stop it before you branch")
         else:
-            self._tried(lambda: self._carry_on(run.branch(iteration, lane=lane, **changes)).run())
+            self._tried(lambda: self._carry_on(run.branch(iteration, lane=lane, **changes)).run(), say)
 
     @property
     def busy(self) -> bool:
         """Whether a session is under way, be it paused."""
-        return self.state.session is not None and self.state.session.state in ("running", "paused")
+        return self.state.busy
 
     def differs(self) -> dict[str, Any]:
         """Settings that are not those of the lane on show, by name; BadInput if the settings cannot be used."""
@@ -117,7 +125,12 @@ class Controller:
     def asks_for_another(self) -> bool:
         """Whether the settings ask for another run than the one on show; BadInput if they cannot be used."""
         wanted, run = self.wanted(), self.state.run
-        return run is None or not self._of_the_same_part(wanted) or bool(run.recipe.differences(wanted.recipe))
+        return run is None or self.gone or not self._of_the_same_part(wanted) or bool(run.recipe.differences(wanted.recipe))
+
+    @property
+    def gone(self) -> bool:
+        """Whether the folder of the run on show is no longer there."""
+        return self.state.run is not None and not self.state.run.store.place.is_dir()
 
     def began_with(self, mesh: SurfaceMesh) -> bool:
         """Whether the run on show was begun here with a part, whatever the settings are now."""
@@ -136,11 +149,12 @@ class Controller:
 
         self._tried(acted)
 
-    def _tried(self, act: Callable[[], None]) -> None:
+    def _tried(self, act: Callable[[], None], say: Callable[[str], None] | None = None) -> None:
         try:
             act()
-        except MechStyleError as error:
-            self.state.message = str(error)
+        except Exception as error:  # noqa: BLE001 — whatever it is, it is said
+            folder = None if self.state.run is None else self.state.run.store.place
+            (say or self.state.refuse)(sentence(error, folder))
 
     def _session(self, *, then_freely: bool = False) -> Session:
         """The session under way, or a new one for what is wanted, which may stylize the part freely afterwards."""
@@ -162,7 +176,7 @@ class Controller:
         if then_freely and wanted.recipe.control == "none":
             raise BadInput("this is Freestyle already: choose MechStyle under Restraint to see one beside the other")
         same_part = self._of_the_same_part(wanted)
-        if state.run is None or not same_part or state.run.recipe.differences(wanted.recipe):
+        if state.run is None or self.gone or not same_part or state.run.recipe.differences(wanted.recipe):
             return self._begin(wanted, state.run if same_part else None, then_freely=then_freely)
         if state.run.finished and not then_freely:
             raise BadInput("this lane is finished: change a setting to begin another run, or branch from an earlier iteration")
@@ -177,10 +191,10 @@ class Controller:
     def _begin(self, wanted: Wanted, earlier: Run | None, *, then_freely: bool = False) -> Session:
         """A session that prepares the part, unless an earlier run has it, begins the run and carries it on."""
         device = resolve_device(wanted.device)  # refused at once, not in the session
-        part, origin = (wanted.mesh, None) if earlier is None else (earlier.part, earlier.record.origin)
+        part, origin = (wanted.mesh, None) if earlier is None else (earlier.part, None if self.gone else earlier.record.origin)
         assert part is not None, "a part that is not prepared comes with its mesh"
         came = part.surface if isinstance(part, Workpiece) and wanted.mesh is None else wanted.mesh  # with which it is wanted from now on
-        if earlier is not None and earlier.part.mass_gained and wanted.recipe.strengthen != earlier.recipe.strengthen:
+        if earlier is not None and earlier.part.mass_gained and not self.gone and wanted.recipe.strengthen != earlier.recipe.strengthen:
             raise BadInput("the part of this run was thickened already: to thicken it otherwise choose the plain part again")
 
         def events(progress: Progress) -> Generator[Event, None, None]:
@@ -226,7 +240,12 @@ class Controller:
             self.state.tell(step=fraction)
             progress(fraction)
 
-        yield from run.events(told)
+        try:
+            yield from run.events(told)
+        except Exception as error:
+            if run.store.place.is_dir():
+                raise
+            raise BadInput(gone(run.store.place)) from error
 
 
 def _simulated(event: Event) -> bool:

@@ -10,7 +10,7 @@ from functools import partial
 
 import numpy as np
 
-from mechstyle.errors import MechStyleError, SimulationFailed
+from mechstyle.errors import SimulationFailed
 from mechstyle.geometry.thickness import local_thickness
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import SurfaceMesh
@@ -18,6 +18,7 @@ from mechstyle.runs.stylizers import FinishedStyle, finished_style
 from mechstyle.simulation.part import Shape, standardised
 from mechstyle_widgets.jupyter.throttle import Timer, running_loop
 from mechstyle_widgets.jupyter.worker_process import Aside
+from mechstyle_widgets.state.troubles import sentence
 
 WAIT = 0.15
 """After the last change of a setting [s]."""
@@ -70,8 +71,8 @@ class Previewer:
         self._busy = False
         self._shape: tuple[tuple[str, int], Shape] | None = None
 
-    def ask(self, mesh: SurfaceMesh, vertices: int, recipe: Recipe) -> None:
-        """Draw a style on a part, a moment after the last wish.
+    def ask(self, mesh: SurfaceMesh, vertices: int, recipe: Recipe) -> bool:
+        """Draw a style on a part, a moment after the last wish; whether it will be.
 
         Args:
             mesh: The part [mm].
@@ -82,6 +83,7 @@ class Previewer:
         if self._loop is not None:
             self._wish = _Wish(mesh, min(vertices, VERTICES), recipe)
             self._timer = Timer(self._loop, WAIT, self._begin)
+        return self._loop is not None
 
     def cancel(self) -> None:
         """Want nothing any more: what is being drawn is not shown, and what prepares a part for it ends."""
@@ -103,8 +105,8 @@ class Previewer:
             answer = partial(self._arrived, self._drawn(wish))
         except _Overtaken:
             pass
-        except MechStyleError as error:
-            answer = partial(self._failed, str(error))
+        except Exception as error:  # noqa: BLE001 — whatever it is, it is said, and the next wish is drawn
+            answer = partial(self._failed, sentence(error))
         assert self._loop is not None, "only a loop begins the work"
         if not self._loop.is_closed():
             self._loop.call_soon_threadsafe(self._end, wish, answer)

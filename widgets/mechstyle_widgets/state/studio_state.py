@@ -13,7 +13,6 @@ from typing import Any
 
 import traitlets
 
-from mechstyle.errors import MechStyleError
 from mechstyle.loop.events import Checkpointed, Corrected, Event, Finished, SimulationStarted, Stylized
 from mechstyle.loop.history import Branch, Row, lanes, per_iteration, rows
 from mechstyle.loop.store import Store
@@ -22,12 +21,17 @@ from mechstyle.runs.run import Run
 from mechstyle.runs.session import Session
 from mechstyle_widgets.jupyter.throttle import running_loop
 from mechstyle_widgets.state.time_left import Outlook, Stopwatch
+from mechstyle_widgets.state.troubles import sentence
 
 STATUSES = ("idle", "preparing", "running", "paused", "stopped", "finished", "failed")
 SHORTEST_WAIT = 0.1  # between two updates of what is shown [s]
 KEPT = 12  # checkpoints in memory; one of 25k vertices is about 1 MB
 OF_A_RUN = {"pinned", "layer"}
 """Traits that mean something in the run that is told of with them."""
+ASKED = ("settings", "part")
+"""What the user asks for: a message about it ends when it changes."""
+PLACE = ("lane", "iteration", "run", "status")
+"""What a message about something that cannot be done here and now ends with, too."""
 
 
 class StudioState(traitlets.HasTraits):
@@ -50,11 +54,16 @@ class StudioState(traitlets.HasTraits):
         fraction: How much of the run is done, 0 to 1.
         step: How much of the drop test in hand is done, 0 to 1.
         seconds_left: Estimate of what is left of it [s], None while there is none.
-        message: One sentence for the user: what went wrong, or what to do next.
+        message: One sentence for the user: what went wrong, or what to do next. It is gone as soon as what it is about has changed.
+        alarming: Whether it says that something did not work.
         layer: Name of the viewer's layer on show.
         pinned: Lane and iteration that what is on show is compared with, None for none.
         third: Lane and iteration that stand beside those two, None for none.
         settings: Fields of the recipe that the next run is to have.
+        part: Name of the part that the next run is of.
+        title: What the run on show is called: its part and its style; "" before there is one.
+        outlook: What test the next run has and how long it will take, in one sentence; "" while that is not known.
+        another: Whether what is asked for is another run than the one on show, which is then the last one.
     """
 
     run = traitlets.Instance(Run, None, allow_none=True)
@@ -74,10 +83,16 @@ class StudioState(traitlets.HasTraits):
     step = traitlets.Float(0.0)
     seconds_left = traitlets.Float(None, allow_none=True)
     message = traitlets.Unicode("")
+    alarming = traitlets.Bool(False)
     layer = traitlets.Unicode("style")
     pinned: Any = traitlets.Tuple(None, allow_none=True)
     third: Any = traitlets.Tuple(None, allow_none=True)
     settings = traitlets.Dict()
+    part = traitlets.Unicode("")
+    title = traitlets.Unicode("")
+    outlook = traitlets.Unicode("")
+    another = traitlets.Bool(False)
+    _ends_with: tuple[str, ...] = ASKED
 
     def __init__(self, run: Run | None = None, **traits: Any) -> None:
         """Look at a run, if there is one; made in a cell, it learns the kernel's event loop by itself."""
@@ -96,7 +111,51 @@ class StudioState(traitlets.HasTraits):
         if run is not None:
             self.open(run)
 
+    # what went wrong
+
+    def refuse(self, words: str) -> None:
+        """Say what cannot be done here and now, in one sentence."""
+        self.message, self.alarming, self._ends_with = words, True, (*ASKED, *PLACE)
+
+    def alert(self, error: BaseException) -> None:
+        """Say what an error of a handler means."""
+        self.refuse(sentence(error, None if self.run is None else self.run.store.place))
+
+    def notify_change(self, change: Any) -> None:
+        """Let nobody's error in hearing of a change end in a log only."""
+        try:
+            super().notify_change(change)
+        except Exception as error:  # noqa: BLE001 — whatever it is, it is said
+            self.alert(error)
+
+    @traitlets.observe("message")
+    def _said(self, _change: object) -> None:
+        self.alarming, self._ends_with = False, ASKED
+
+    @traitlets.observe(*ASKED, *PLACE)
+    def _outlived(self, change: dict[str, Any]) -> None:
+        """A message ends with its cause."""
+        if change["name"] in self._ends_with:
+            self.message = ""
+
+    @property
+    def seconds_of_a_test(self) -> float | None:
+        """Mean time of the tests on the way of the lane on show, as far as they were made here [s]; None if none was."""
+        tested = [row for row in self.history if row.verdict is not None and 0 < row.iteration < self.length]
+        taken = [row.seconds for row in tested if row.seconds is not None]
+        return sum(taken) / len(taken) if taken else None
+
     # what is on show
+
+    @property
+    def busy(self) -> bool:
+        """Whether a session is under way, be it paused."""
+        return self.session is not None and self.session.state in ("running", "paused")
+
+    @property
+    def length(self) -> int:
+        """Iterations that the lane on show is to have."""
+        return next((branch.iterations for branch in self.branches if branch.lane == self.lane), 1)
 
     def open(self, run: Run) -> None:
         """Show a lane of a run at its newest iteration.
@@ -164,6 +223,7 @@ class StudioState(traitlets.HasTraits):
         shown = next((self._read(store, row.digest) for row in history if row.iteration == iteration), None)
         with self.hold_trait_notifications():
             self.follow, self.run, self.lane = follow, run, run.lane
+            self.title = ", ".join(filter(None, (run.record.name, run.recipe.prompt))).replace("_", " ")
             self.history, self.histories, self.branches = history, histories, branches
             self.iterations_done, self.iteration, self.checkpoint = done, iteration, shown
 
@@ -174,7 +234,7 @@ class StudioState(traitlets.HasTraits):
             return
         self.status = "idle" if not self.history else "finished" if run.finished else "stopped"  # it may have ended since it was read
         self.fraction = self.iterations_done / run.recipe.iterations
-        self.message = self.history[-1].words if self.status == "finished" else ""
+        self.message = ""
 
     def _show(self) -> None:
         self.checkpoint = self.checkpoint_at(self.iteration)
@@ -226,8 +286,9 @@ class StudioState(traitlets.HasTraits):
                 self._read_store()
             for name, value in of_it.items():
                 setattr(self, name, value)
-        except MechStyleError as error:  # the event loop would keep it to itself
-            self.message = str(error)
+        except Exception as error:  # noqa: BLE001 — the event loop would keep it to itself
+            shown = opened or self.run
+            self.refuse(sentence(error, None if shown is None else shown.store.place))
         self._pumped = time.monotonic()  # what takes long leaves the loop as much time for others
 
     def _soon(self) -> None:
@@ -246,7 +307,7 @@ class StudioState(traitlets.HasTraits):
             self._count(event)
             self.tell(stale=True, fraction=event.checkpoint.iteration / self._iterations)
         elif isinstance(event, Finished):
-            self.tell(fraction=1.0, seconds_left=None, message=event.verdict.words)
+            self.tell(fraction=1.0, seconds_left=None)
 
     def _count(self, event: Checkpointed) -> None:
         """Record the time a checkpoint took; those that share an iteration, as corrections do, add up."""
@@ -268,7 +329,7 @@ class StudioState(traitlets.HasTraits):
             return
         self._watch.run() if state == "running" else self._watch.pause()
         if state == "failed":
-            self.tell(message=_sentence(session.error))
+            self.tell(message=sentence(session.error, None if self.run is None else self.run.store.place), alarming=True)
         if state != "running":
             self.tell(stage="", seconds_left=None)
         self.tell(status="idle" if state == "ready" else state, pausing=False)
@@ -281,9 +342,3 @@ def _checkpoint(store: Store, digest: str) -> Checkpoint:
 def _simulation(store: Store, digest: str) -> Simulation:
     return store.objects.get_record(digest, Simulation)
 
-
-def _sentence(error: BaseException | None) -> str:
-    """An error in one sentence."""
-    if isinstance(error, MechStyleError):
-        return str(error)
-    return f"the run ended by an unexpected {type(error).__name__}: {error}; what was checkpointed is kept"

@@ -57,7 +57,7 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
         bar = lean(ipywidgets.HBox, [self.scrubber, choice], layout={"justify_content": "space-between", "flex_flow": "row wrap"})
         super().__init__([bar, self._curves])
         self.add_class("mechstyle-timeline")
-        self._redraw, self._point = Paced(self._draw), Paced(self._move_line)
+        self._redraw, self._point = Paced(self._draw, state.alert), Paced(self._move_line, state.alert)
         self.link(state)
         traitlets.link((self, "curve"), (choice, "value"))
         state.observe(self._grown, ("histories", "branches", "lane"))

@@ -98,7 +98,8 @@ def of_state(state: StudioState) -> tuple[str, Verdict | None]:
         return "", None
     verdict = rows[-1].verdict
     assert verdict is not None
-    return judged(verdict, _when(state, rows[-1]), _kept(state), aged=rows[-1].iteration < state.iteration), verdict
+    whose = f"<small><b>{'This' if state.busy else 'Last'} run: {escape(state.title)}</b></small>" if state.another else ""
+    return whose + judged(verdict, _when(state, rows[-1]), _kept(state), aged=rows[-1].iteration < state.iteration), verdict
 
 
 def judged(verdict: Verdict, when: str = "", kept: str = "", *, aged: bool = False) -> str:
@@ -148,7 +149,7 @@ def _sign(look: Look, word: str, more: str = "") -> str:
 
 def _when(state: StudioState, row: Row) -> str:
     """When it was tested, where that was not at the end."""
-    return sentences.tested_at(row.iteration) if state.run is not None and row.iteration < state.run.recipe.iterations else ""
+    return sentences.tested_at(row.iteration) if state.run is not None and row.iteration < state.length else ""
 
 
 def _kept(state: StudioState) -> str:

@@ -9,7 +9,6 @@ from typing import Any
 import ipywidgets
 import traitlets
 
-from mechstyle.errors import MechStyleError
 from mechstyle.fea.explicit import Progress
 from mechstyle.fea.orientations import FLAT, UP
 from mechstyle.pictures.fields import moment
@@ -22,6 +21,7 @@ from mechstyle_widgets.jupyter.frame import unseen
 from mechstyle_widgets.jupyter.looks import lean
 from mechstyle_widgets.jupyter.throttle import running_loop
 from mechstyle_widgets.state.studio_state import StudioState
+from mechstyle_widgets.state.troubles import sentence
 from mechstyle_widgets.viewer.layers import Subject, layer_of
 
 FACTORS = (1, 2, 5, 10, 20, 50, 100, 200)
@@ -152,11 +152,9 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
             impact = drop(progress)
         except _Cancelled:
             return
-        except MechStyleError as error:
-            bring(heard, self._fail, str(error))
-        except BaseException:
-            over.set()  # or it could not be tried again
-            raise
+        except Exception as error:  # noqa: BLE001 — whatever it is, it is said, and it can be tried again
+            run = self._state.run
+            bring(heard, self._fail, sentence(error, None if run is None else run.store.place))
         else:
             bring(heard, self._show, impact)
 

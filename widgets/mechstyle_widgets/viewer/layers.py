@@ -99,12 +99,10 @@ class Subject:
     Attributes:
         mesh: The part [mm].
         layers: Fields over its surface.
-        look: What is shown in its place where no field is: the surface that is delivered, in faces of its own. None for the part itself.
     """
 
     mesh: SurfaceMesh
     layers: tuple[Layer, ...] = ()
-    look: SurfaceMesh | None = None
 
     def __post_init__(self) -> None:
         """Refuse a layer of another part, and two of one name."""
@@ -144,5 +142,4 @@ def subject_of(run: Run, state: Checkpoint) -> Subject:
     mesh = run.part.surface.displaced(state.displacement).coloured(state.colour)
     found = known_fields(run.store, run.lane, run.part, state)
     layers = tuple(layer_of(field.quantity, field.values, field.seen, field.note) for field in found)
-    delivered = run.delivered(state.iteration, draw=False) if state.final else None
-    return Subject(mesh, layers, None if delivered is None else delivered.styled)
+    return Subject(mesh, layers)

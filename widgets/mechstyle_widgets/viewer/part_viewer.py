@@ -28,6 +28,11 @@ class PartViewer(Viewer):
         self.subject, self.original = Subject(styled), Subject(self._rest)
         self.badge.say(untested("Preview", more))
 
+    def wait(self) -> None:
+        """Say that a style is being drawn, unless another is on show until then."""
+        if self.original is None:
+            self.badge.say(untested("Preview", "The style is being drawn on the part …"))
+
     def take_off(self, why: str = "") -> None:
         """Show the plain part, and say why if there is a reason."""
         self.subject, self.original = Subject(self._rest), None

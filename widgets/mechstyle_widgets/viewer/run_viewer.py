@@ -26,7 +26,7 @@ from mechstyle_widgets.viewer.viewer import Viewer
 
 FOLLOWED = ("checkpoint", "status")
 """Traits of the state that change what is to be seen: what a run delivers is drawn after its last checkpoint."""
-JUDGED = ("history", "checkpoint", "status")
+JUDGED = ("history", "checkpoint", "status", "another")
 """Traits of a state that its badge tells of."""
 PASSED = (STYLE, "stress", "demand", "restraint", "displacement")
 """Layers a page can draw by itself: those of `quantities`, which a replay holds."""
@@ -75,8 +75,8 @@ class RunViewer(Linked, Viewer):
         """
         if state.run is None or state.checkpoint is None:
             raise BadInput("there is no iteration to show yet: start a run, or open one with Run.open")
-        self._catch_up, self._moment = Paced(self._show_checkpoint), Paced(self._show_moment)
-        self._newest, self._place = Newest(_seen, self._bring), state.run.store.place
+        self._catch_up, self._moment = Paced(self._show_checkpoint, state.alert), Paced(self._show_moment, state.alert)
+        self._newest, self._place = Newest(_seen, self._bring, state.alert), state.run.store.place
         self._drawn, self._drawn_lane = state.checkpoint.iteration, state.run.lane
         subject, self._verdict = _seen(_Wish(state.run, state.checkpoint, ()))
         self._still = subject
@@ -157,8 +157,12 @@ class RunViewer(Linked, Viewer):
         """Look at the place that decides."""
         run, shown = self._state.run, self._state.checkpoint
         _, verdict = badge.of_state(self._state)
-        if run is not None and shown is not None and verdict is not None:
+        if run is None or shown is None or verdict is None:
+            return
+        try:
             self.fly(badge.worst_place(verdict, self._state.simulation(run.store, shown)))
+        except Exception as error:  # noqa: BLE001 — whatever it is, it is said
+            self._state.alert(error)
 
     def _follow(self, _change: Any) -> None:
         self._catch_up()

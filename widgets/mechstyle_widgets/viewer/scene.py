@@ -22,7 +22,6 @@ from mechstyle_widgets.viewer.shaders import (
     FLOOR_FRAGMENT,
     FLOOR_VERTEX,
     HIDDEN,
-    LOOK_VERTEX,
     MARKER_FRAGMENT,
     MARKER_VERTEX,
     MAXIMUM,
@@ -87,7 +86,6 @@ class Scene:
         self.part = pythreejs.Mesh(self._geometry, _part_material(PART_VERTEX))
         children = [self.part, *_floor(mesh), self._ruler, self._markers()]
         self._stage = pythreejs.Group(children=children, position=(-np.asarray(centre)).tolist())
-        self._looks: dict[int, tuple[SurfaceMesh, Any]] = {}
         self.three = pythreejs.Scene(children=[self._stage], background=BACKGROUNDS[theme])
 
     def move(self, mesh: SurfaceMesh) -> None:
@@ -106,26 +104,11 @@ class Scene:
         """Hatch what is protected, shape [vertex_count]; None for nothing."""
         self._protected.array = np.zeros(len(self._protected.array), np.float32) if protected is None else _single(protected)
 
-    def stand_in(self, look: SurfaceMesh | None) -> None:
-        """Show a surface in the place of the part, which is still what is picked; None for the part.
-
-        Each surface is added to the scene once and then only shown or not: a lane has one, at its end. It comes with its message of
-        creation, because servers drop changes of more than some megabytes.
-        """
-        if look is not None and id(look) not in self._looks:
-            self._looks[id(look)] = look, _look(look)
-            _cut_open(self._looks[id(look)][1], self._cut[0], filled=self._cut[1])
-            self._stage.add(self._looks[id(look)][1])
-        for known, three in self._looks.values():
-            three.visible = known is look
-        self.part.material.visible = look is None
-
     def cut(self, plane: Plane = WHOLE, *, filled: bool = False) -> None:
         """Cut off what lies beyond a plane; `filled` shows the cut as if the part were solid there, else one looks inside."""
         if (plane, filled) != self._cut:
             self._cut = plane, filled
-            for three in (self.part, *(three for _, three in self._looks.values())):
-                _cut_open(three, plane, filled=filled)
+            _cut_open(self.part, plane, filled=filled)
             self.mark(*self._marked)
 
     def mark(
@@ -166,7 +149,6 @@ class Scene:
         return {
             "buffers": {name: buffer.model_id for name, buffer in buffers.items()},
             "material": self.part.material.model_id,
-            "looks": [three.model_id for _, three in self._looks.values()],
             "codes": {"nothing": NOTHING, "open": OPEN, "hidden": HIDDEN, "noNumber": NO_NUMBER},
         }
 
@@ -227,20 +209,6 @@ def _axis(corner: NDArray[np.float64], axis: int, letter: str, length: float) ->
     name = pythreejs.Sprite(pythreejs.SpriteMaterial(map=texture, transparent=True), position=(corner + 1.3 * step).tolist())
     name.scale = [0.6 * length] * 3
     return [pythreejs.LineSegments(line, pythreejs.LineBasicMaterial(color=AXES[letter], linewidth=2)), name]
-
-
-def _look(mesh: SurfaceMesh) -> Any:
-    """A surface in its own colours, in half the bytes of the part: normals and colours in whole numbers."""
-    normals, colours = np.rint(32767 * mesh.vertex_normals).astype(np.int16), np.rint(255 * _own_colours(mesh)).astype(np.uint8)
-    geometry = pythreejs.BufferGeometry(
-        attributes={
-            "position": _attribute(mesh.vertices),
-            "normal": pythreejs.BufferAttribute(normals, normalized=True),
-            "colour": pythreejs.BufferAttribute(colours, normalized=True),
-            "index": pythreejs.BufferAttribute(mesh.faces.ravel().astype(np.uint32), normalized=False),
-        }
-    )
-    return pythreejs.Mesh(geometry, _part_material(LOOK_VERTEX))
 
 
 def _texture(pixels: NDArray[np.uint8]) -> Any:

@@ -78,23 +78,6 @@ void main() {
 }
 """
 
-LOOK_VERTEX = f"""
-attribute vec3 colour;
-varying vec3 v_colour;
-varying vec3 v_normal;
-varying float v_place;
-varying float v_protected;
-varying vec3 v_at;
-void main() {{
-    v_at = position;
-    v_colour = colour;
-    v_place = {OWN:.1f};
-    v_protected = 0.0;
-    v_normal = normalMatrix * normal;
-    gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
-}}
-"""
-
 PART_FRAGMENT = f"""
 uniform sampler2D ramp;
 uniform vec4 cut;  // what lies beyond this plane is cut off

@@ -177,11 +177,11 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
         self._beside_legend.children = (self._scale,)
         return self._table
 
-    def picture(self) -> Picture:
+    def picture(self, title: str = "") -> Picture:
         """The view, cut open as it is, without the hatching of protected regions, rendered in the kernel: `.save(path)` writes the PNG."""
         shown = self._shown
         names = self.names if len(shown) > 1 else ("",)
-        return picture([self._panel(subject, title) for subject, title in zip(shown, names, strict=False)])
+        return picture([self._panel(subject, name) for subject, name in zip(shown, names, strict=False)], title=title)
 
     def close(self) -> None:
         """Close the view and every widget it is made of; nothing stays behind in the kernel."""
@@ -247,8 +247,6 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
                 scene.cut(self.section.plane, filled=self.section.filled)
                 scene.mark(_extremes(subject, self.layer) if self.markers else None, self.probed, self.places, self.measured)
             self._scenes[0].hatch(self.protected)
-            if self.protected is not None and self.protected.any():
-                self._scenes[0].stand_in(None)  # the hatch is on the part
         mesh = self.subject.mesh
         key = "" if self.protected is None else legend.protected(self.protected, mesh)
         self._legend.value = (legend.colour_bar(layer, mesh) if layer else "") + key
@@ -306,7 +304,7 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
     def _panel(self, subject: Subject, title: str) -> Panel:
         layer, seen = subject.layer(self.layer), self._orbit.seen
         if layer is None:
-            return Panel(self.section.applied(subject.look or subject.mesh)[0], title, view=seen)
+            return Panel(self.section.applied(subject.mesh)[0], title, view=seen)
         mesh, values = self.section.applied(subject.mesh, layer.values)
         return Panel(mesh, title, values, layer.unit, layer.label, layer.limits, layer.threshold, seen, layer.note)
 
@@ -324,7 +322,6 @@ def _fill(scene: Scene, subject: Subject, name: str) -> None:
     layer = subject.layer(name)
     scene.move(subject.mesh)
     scene.paint(layer)
-    scene.stand_in(subject.look if layer is None else None)
 
 
 def _extremes(subject: Subject, name: str) -> tuple[int, int] | None:

@@ -28,7 +28,7 @@ function link(player) {
     const step = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
     if (!step) return;
     event.preventDefault();
-    player.goTo(player.iteration + step);
+    player.to(player.frame + step);
   });
   player.watchers.push(() => {
     cursor.setAttribute("transform", `translate(${across(player.iteration)} 0)`);

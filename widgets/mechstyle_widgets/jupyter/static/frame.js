@@ -11,7 +11,7 @@ const KEYS = { // the list that `?` opens
     ["1 to 6, L", "style, stress, safety factor, restraint, demand, displacement; the next layer"],
     ["C, N", "compare with the iteration on show, branch from it"], ["I", "the impact, and back"], ["W", "what another setting would hold back"],
     ["X, O, M, A, P", "cut open, look in parallel, measure, keep places, paint"], ["F", "full screen, and back"],
-    ["?", "this list"], ["Escape", "closes this list; leaves the tool, then the measure, then the cut"],
+    ["?", "this list"], ["Escape", "closes this list; goes back from a page of settings; leaves the tool, then the measure, then the cut"],
   ],
   "in the view": [
     ["arrows", "turn the part by 15°, with Ctrl by 1°; with Shift move it"], ["+, −, Home", "nearer, farther, all of it"],
@@ -21,6 +21,7 @@ const KEYS = { // the list that `?` opens
   "on the slider under it": [["left, right, Page Up, Page Down", "step from iteration to iteration"], ["up, down", "the lane above, below"], ["Home, End", "the first, the last"]],
   "everywhere": [["Tab", "from control to control; a grid of pictures is one stop, in which the arrows move"]],
 };
+const WAS = "This is a picture of what was. Run the cell to go on.";
 const FIELDS = "input:not([type=range], [type=checkbox]), textarea, select, [contenteditable]";
 
 const LOST = "Error displaying widget: model not found", VIEW = "application/vnd.jupyter.widget-view+json";
@@ -89,6 +90,7 @@ function render({ model, el }) {
     undo.push(explain(root)); // before the keys: Escape closes what is explained first
     listen(root, "keydown", (event) => pressed(model, root, event));
     holdFocus(root, listen, watch);
+    undo.push(tellOfTheEnd(model, root));
     if (!studio) return;
     el.append(button(HELP, () => help(root)), button(FULL, () => full(root)));
     const stage = root.querySelector(".mechstyle-view");
@@ -108,6 +110,29 @@ function render({ model, el }) {
     light();
   }
   return () => undo.forEach((end) => end());
+}
+
+// Once the kernel is gone nothing here is heard: that is said once, instead of a broken link at every control.
+function tellOfTheEnd(model, root) {
+  const words = Object.assign(document.createElement("div"), { className: "mechstyle-was", textContent: WAS });
+  words.setAttribute("role", "status");
+  let found = null;
+  const look = () => {
+    const gone = !found.comm_live;
+    root.classList.toggle("mechstyle-gone", gone);
+    for (const part of root.children) part.inert = gone;
+    gone ? root.prepend(words) : words.remove();
+    words.inert = false;
+  };
+  model.widget_manager.get_model(model.get("own")).then((one) => {
+    found = one;
+    found.on("comm_live_update", look);
+    if (!found.comm_live) look();
+  }).catch(() => {}); // a host with models of its own sort
+  return () => {
+    found?.off("comm_live_update", look);
+    words.remove();
+  };
 }
 
 // What is pressed may go out of reach, as Run does while it runs: the focus would go to the page, where no key is heard. It stays here.
@@ -181,6 +206,9 @@ function label(root) {
   for (const one of root.querySelectorAll("button.widget-toggle-button")) set(one, "aria-pressed", one.classList.contains("mod-active"));
   for (const one of root.querySelectorAll("button.mechstyle-pin")) set(one, "aria-label", one.title);
   for (const one of root.querySelectorAll("button[title]:not([aria-label])")) if (!one.textContent.trim()) one.setAttribute("aria-label", one.title);
+  for (const upload of root.querySelectorAll(".widget-upload")) { // ipywidgets counts what was read
+    for (const text of upload.childNodes) if (text.nodeType === Node.TEXT_NODE && / \(\d+\)$/.test(text.data)) text.data = text.data.replace(/ \(\d+\)$/, "");
+  }
   for (const handle of root.querySelectorAll(".noUi-handle:not([aria-label])")) {
     const words = handle.closest(".widget-slider, .jupyter-widgets")?.querySelector("label, .widget-label")?.textContent;
     handle.setAttribute("aria-label", words || handle.closest("[title]")?.title || "slider");

@@ -18,7 +18,7 @@ const reference = (text) => text.replace("IPY_MODEL_", "");
 class Loan {
   constructor(manager, page) {
     Object.assign(this, { page, taken: false });
-    const ids = { view: page.view, material: page.material, ...page.buffers, ...Object.fromEntries(page.looks.map((id, k) => [`look${k}`, id])) };
+    const ids = { view: page.view, material: page.material, ...page.buffers };
     const names = Object.keys(ids);
     this.ready = Promise.all(names.map((name) => manager.get_model(ids[name]))).then((found) => {
       this.models = Object.fromEntries(names.map((name, k) => [name, found[k]]));
@@ -49,7 +49,6 @@ class Loan {
     if (this.page.layer !== "style") this.fill("place", placed(replay, this.page.layer, frame, codes, this.own("place", () => new Float32Array(replay.vertices))));
     this.fill("kind", this.own("kind", () => new Float32Array(this.models.kind.obj.array.length).fill(codes.hidden))); // marks belong to what the kernel drew
     this.models.material.obj.visible = true;
-    for (const name of Object.keys(this.models)) if (name.startsWith("look")) this.models[name].obj.visible = false;
     this.taken = true;
     this.draw();
   }

@@ -1,0 +1,95 @@
+"""What a file holds before it is one body: triangles by name, what is cut out of them, and what is no material at all."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mechstyle.records.mesh import Floats
+
+COLOURS_LEFT = "its colours are left out: a style brings its own"
+"""Said of a file that comes coloured."""
+
+
+class Piece(NamedTuple):
+    """Triangles of one name.
+
+    Attributes:
+        name: What its file calls it, "" if it does not.
+        vertices: Positions [file units], shape [n, 3].
+        faces: Vertex indices, shape [m, 3].
+    """
+
+    name: str
+    vertices: Floats
+    faces: NDArray[np.int64]
+
+    @property
+    def corners(self) -> Floats:
+        """Positions that its faces use, shape [k, 3]."""
+        return self.vertices[self.faces].reshape(-1, 3)
+
+    def of(self, faces: NDArray[np.int64], name: str = "") -> Piece:
+        """Some of its faces, and the vertices that they use."""
+        used, index = np.unique(faces, return_inverse=True)
+        return Piece(name or self.name, self.vertices[used], index.reshape(-1, 3))
+
+
+class Thing(NamedTuple):
+    """An object of a file.
+
+    Attributes:
+        name: What its file calls it, "" if it does not.
+        pieces: What it is made of; each may be open, as long as all together are closed.
+        cuts: Closed shapes whose inside is taken away from it.
+    """
+
+    name: str
+    pieces: tuple[Piece, ...]
+    cuts: tuple[Piece, ...] = ()
+
+
+class Aside(NamedTuple):
+    """A piece of a file that is not printed.
+
+    Attributes:
+        role: What it is instead, in words.
+        piece: Its shape.
+    """
+
+    role: str
+    piece: Piece
+
+    def words(self, matrix: Floats) -> str:
+        """Its name, role and size, turned and scaled to mm by a matrix for columns, shape [3, 3]."""
+        article = "an" if self.role[0] in "aeiou" else "a"
+        return f"{called(self.piece.name) + ', ' if self.piece.name else ''}{article} {self.role} of {sides(self.piece.corners @ matrix.T)}"
+
+
+class Held(NamedTuple):
+    """All that a file holds.
+
+    Attributes:
+        things: What is printed.
+        unit: The unit of its coordinates.
+        asides: What is not printed.
+        notes: What else is to be known of it, one sentence each.
+    """
+
+    things: tuple[Thing, ...]
+    unit: str
+    asides: tuple[Aside, ...] = ()
+    notes: tuple[str, ...] = ()
+
+
+def called(name: str) -> str:
+    """A name of a file as a sentence quotes it: short, and without signs that are none."""
+    plain = "".join(sign for sign in name if sign.isprintable()).strip()
+    return f"'{plain[:40]}…'" if len(plain) > 41 else f"'{plain}'"
+
+
+def sides(points: Floats) -> str:
+    """The box around points [mm] in words, shape [n, 3]."""
+    return " × ".join(f"{side:.2g}" if side < 1.0 else f"{round(side, 1):g}" for side in np.ptp(points, axis=0).tolist()) + " mm"

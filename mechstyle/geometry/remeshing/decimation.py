@@ -1,0 +1,92 @@
+"""A closed surface in fewer triangles, chosen by quadrics (Garland and Heckbert 1997).
+
+M. Garland, P. Heckbert, "Surface simplification using quadric error metrics", SIGGRAPH 1997. The quadric of a vertex is the sum of squared
+distances to the planes of the triangles it has stood for. In every round the cheapest edges that do not touch each other collapse.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from mechstyle.geometry.going_on import GoOn, regardless
+from mechstyle.geometry.remeshing.tolerances import TOL
+from mechstyle.geometry.remeshing.topology import edges_of, far_apart, merged, sound_ones
+from mechstyle.records.mesh import Floats, Indices, SurfaceMesh
+
+
+class _Quadrics(NamedTuple):
+    """Functions xᵀ A x + 2 bᵀ x + c of a place x, shape [k, 3, 3], [k, 3], [k]."""
+
+    a: Floats
+    b: Floats
+    c: Floats
+
+    def of(self, edges: Indices) -> _Quadrics:
+        """Those of both ends of edges together."""
+        return _Quadrics(*(part[edges[:, 0]] + part[edges[:, 1]] for part in self))
+
+    def at(self, places: Floats) -> Floats:
+        return np.einsum("ki,kij,kj->k", places, self.a, places) + 2.0 * np.einsum("ki,ki->k", self.b, places) + self.c
+
+    def lowest(self, near: Floats) -> Floats:
+        """Where they are least, near the places given in directions that change little."""
+        weight = TOL.tied * np.trace(self.a, axis1=1, axis2=2) + 1e-30
+        downhill = -(np.einsum("kij,kj->ki", self.a, near) + self.b)
+        return near + np.linalg.solve(self.a + weight[:, None, None] * np.eye(3), downhill[:, :, None])[:, :, 0]
+
+
+def decimated(mesh: SurfaceMesh, faces: int, go_on: GoOn = regardless, *, longest: float = np.inf) -> SurfaceMesh:
+    """The surface in so many triangles, or in as few as keep its shells and handles and turn none over.
+
+    Args:
+        mesh: A closed surface.
+        faces: Triangles wished for, an even number; one with fewer stays as it is.
+        go_on: Asked before every round.
+        longest: Edge that no collapse may make [mm]: without it nothing is left of a flat face but its corners.
+    """
+    centre = mesh.vertices.mean(axis=0)
+    vertices, corners = mesh.vertices - centre, mesh.faces
+    quadrics = _quadrics(vertices, corners)
+    for _ in range(TOL.decimation_rounds):
+        go_on()
+        excess = (len(corners) - faces + 1) // 2  # a collapse takes two triangles
+        edges, places = _cheapest(vertices, corners, quadrics, excess, longest)
+        if not len(edges):
+            break
+        (stays, goes), vertices = edges.T, vertices.copy()
+        vertices[stays] = places
+        for part, both in zip(quadrics, quadrics.of(edges), strict=True):
+            part[stays] = both
+        quadrics = _Quadrics(*(np.delete(part, goes, axis=0) for part in quadrics))
+        vertices, corners = merged(vertices, corners, stays, goes)
+    return SurfaceMesh(vertices + centre, corners)
+
+
+def _quadrics(vertices: Floats, faces: Indices) -> _Quadrics:
+    """The quadrics of vertices: squared distance to the plane of each of their faces, weighted by its area."""
+    a, b, c = vertices[faces].transpose(1, 0, 2)
+    normals = np.cross(b - a, c - a)
+    weights = np.maximum(np.linalg.norm(normals, axis=1), 1e-30)
+    normals /= weights[:, None]
+    offsets = -np.einsum("ij,ij->i", normals, a)
+    planes = np.column_stack([normals, offsets])
+    squares = np.einsum("k,ki,kj->kij", weights, planes, planes).reshape(-1, 16)
+    total = np.zeros((len(vertices), 16))
+    for corner in faces.T:
+        np.add.at(total, corner, squares)
+    whole = total.reshape(-1, 4, 4)
+    return _Quadrics(whole[:, :3, :3].copy(), whole[:, :3, 3].copy(), whole[:, 3, 3].copy())
+
+
+def _cheapest(vertices: Floats, faces: Indices, quadrics: _Quadrics, most: int, longest: float) -> tuple[Indices, Floats]:
+    """The cheapest edges that can collapse together, at most so many, and where their ends meet."""
+    edges = edges_of(faces)
+    shared = quadrics.of(edges)
+    places = shared.lowest(0.5 * (vertices[edges[:, 0]] + vertices[edges[:, 1]]))
+    costs = shared.at(places)
+    sound = np.flatnonzero(sound_ones(vertices, faces, edges, places, longest=longest, cosine=TOL.turn_in_decimation))
+    cheap = sound[np.argsort(costs[sound], kind="stable")][: max(int(TOL.cheap * len(edges)), 1)]
+    chosen = cheap[far_apart(edges[cheap], np.floor(np.log2(np.maximum(costs[cheap], 1e-12))), faces, len(vertices))][: max(most, 0)]
+    return edges[chosen], places[chosen]

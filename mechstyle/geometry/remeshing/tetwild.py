@@ -1,0 +1,181 @@
+"""fTetWild (Hu et al. 2020) as a function that can be interrupted.
+
+It holds the interpreter lock for its whole run, crashes on some input and leaves files where it stands. In a process that can be killed, in
+a folder that is thrown away, none of that matters: `tetwild` starts this very module there, and `main` is what it does.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import faulthandler
+import math
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import types
+import zipfile
+from pathlib import Path
+from time import monotonic, time
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mechstyle.errors import SimulationFailed
+from mechstyle.geometry.going_on import GoOn, regardless
+from mechstyle.records.mesh import Floats
+
+GRACE = 10.0  # seconds after the limit at which an orphaned worker ends itself
+LOOK = 0.2  # seconds between two looks whether to go on
+PATIENCE = 4.0
+"""The clock may run on for so many times what the processor may: on a busy machine a part was refused that takes a tenth of its time."""
+
+FOLDER = "mechstyle-mesh-"
+"""How the temporary folders of workers are called."""
+ABANDONED = 86400.0
+"""Age [s] of such a folder at which nobody works in it any more: what was killed cannot remove its own."""
+PR_SET_PDEATHSIG = 1
+"""Of `prctl` in Linux; with threads it means the end of the one that started this process, which waits for it."""
+
+
+class Settings(NamedTuple):
+    """Settings of an fTetWild run.
+
+    Attributes:
+        edge_length: Edge length it aims at [mm].
+        epsilon: Half width of the envelope its boundary stays in, over the diagonal of the bounding box.
+        stop_energy: AMIPS energy of the worst tetrahedron at which it is content; 3 is that of a regular one. Content with 30 only, it
+            takes two to three times as long as with 100, for meshes whose drops take a tenth fewer steps and come to the same stresses.
+        iterations: Most rounds of optimisation.
+    """
+
+    edge_length: float
+    epsilon: float
+    stop_energy: float = 100.0
+    iterations: int = 20
+
+
+def tetwild(
+    vertices: Floats, faces: NDArray[np.int32], settings: Settings, *, timeout: float, go_on: GoOn = regardless
+) -> tuple[Floats, NDArray[np.int32]]:
+    """Vertices [mm] and tetrahedra of the inside of a surface, in whatever order and orientation fTetWild leaves them.
+
+    The worker ends after `timeout` seconds of processor time, or PATIENCE times as long by the clock, and is killed when anything is raised
+    here, by `go_on` or Ctrl-C.
+
+    Raises:
+        SimulationFailed: If it runs out of time, dies, or finds nothing inside.
+    """
+    _remove_abandoned()
+    with tempfile.TemporaryDirectory(prefix=FOLDER) as name:
+        folder = Path(name)
+        request, answer = folder / "request.npz", folder / "answer.npz"
+        longest = PATIENCE * timeout
+        np.savez(request, vertices=vertices, faces=faces, processor=timeout, limit=longest + GRACE, **settings._asdict())
+        command = [sys.executable, "-m", "mechstyle.geometry.remeshing.tetwild", str(request), str(answer)]
+        try:
+            done = _ended(command, folder, longest, go_on)
+        except subprocess.TimeoutExpired as error:
+            raise _out_of_time(f"{longest:.0f} s") from error
+        if hasattr(signal, "SIGXCPU") and done.returncode == -signal.SIGXCPU:
+            raise _out_of_time(f"{timeout:.0f} s of processor time")
+        return _answer(answer, done)
+
+
+def _remove_abandoned() -> None:
+    """Remove the folders of processes that were killed; links, and what belongs to somebody else, stay."""
+    for folder in Path(tempfile.gettempdir()).glob(f"{FOLDER}*"):
+        with contextlib.suppress(OSError):  # another process may be removing it
+            if time() - folder.lstat().st_mtime > ABANDONED:
+                shutil.rmtree(folder, ignore_errors=True)
+
+
+def _out_of_time(spent: str) -> SimulationFailed:
+    return SimulationFailed(f"fTetWild was stopped after {spent} without a mesh; the part may have walls or details too fine for it")
+
+
+def _ended(command: list[str], folder: Path, timeout: float, go_on: GoOn) -> subprocess.CompletedProcess[bytes]:
+    """As `subprocess.run` with a limit in seconds, asking now and then whether to go on."""
+    until = monotonic() + timeout
+    with subprocess.Popen(  # noqa: S603 (this very interpreter, fixed arguments)
+        command, cwd=folder, env=_environment(), stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
+    ) as process:
+        try:
+            while True:
+                go_on()
+                try:
+                    _, said = process.communicate(timeout=max(0.0, min(LOOK, until - monotonic())))
+                    return subprocess.CompletedProcess(command, process.returncode, stderr=said)
+                except subprocess.TimeoutExpired:
+                    if monotonic() >= until:
+                        raise
+        except BaseException:
+            process.kill()
+            raise
+
+
+def _answer(path: Path, done: subprocess.CompletedProcess[bytes]) -> tuple[Floats, NDArray[np.int32]]:
+    if done.returncode != 0:
+        said = done.stderr.decode(errors="replace").strip().splitlines()
+        raise SimulationFailed(f"fTetWild failed (exit code {done.returncode}): {said[-1] if said else 'without a word'}")
+    try:
+        with np.load(path, allow_pickle=False) as found:
+            vertices, tets = found["vertices"].astype(np.float64), found["tets"].astype(np.int32)
+    except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
+        raise SimulationFailed("fTetWild ended without leaving a mesh") from error
+    if not len(tets):
+        raise SimulationFailed("fTetWild found nothing inside the surface")
+    return vertices, tets
+
+
+def _environment() -> dict[str, str]:
+    """The environment with this package importable from another folder."""
+    paths = [str(Path(__file__).resolve().parents[3]), *filter(None, [os.environ.get("PYTHONPATH")])]
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}
+
+
+def main(request: str, answer: str) -> None:
+    """The other process: fill the surface in the file `request` with the settings in it; write vertices and tets to the file `answer`.
+
+    The system ends it as soon as its parent ends, in whatever way; on other systems than Linux there is the limit.
+    """
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+    with np.load(request, allow_pickle=False) as asked:
+        # A C thread ends this process even if the parent died and can no longer kill it.
+        faulthandler.dump_traceback_later(float(asked["limit"]), exit=True)
+        _limit_processor_time(math.ceil(asked["processor"]))
+        # The package imports pyvista, and with it VTK, for functions that are not used here: an empty module will do.
+        sys.modules.setdefault("pyvista", types.ModuleType("pyvista"))
+        from pytetwild.pytetwild import tetrahedralize  # noqa: PLC0415 (the stand-in must be there first)
+
+        vertices, tets = tetrahedralize(
+            asked["vertices"],
+            asked["faces"],
+            edge_length_abs=float(asked["edge_length"]),
+            epsilon=float(asked["epsilon"]),
+            stop_energy=float(asked["stop_energy"]),
+            num_opt_iter=int(asked["iterations"]),
+            simplify=False,
+            num_threads=1,
+            quiet=True,
+        )
+    np.savez(answer, vertices=vertices, tets=tets)
+
+
+def _limit_processor_time(seconds: int) -> None:
+    """Have the system end this process by SIGXCPU when it has computed for so long [s]; on Windows there is only the limit by the clock."""
+    if sys.platform != "win32":
+        import resource  # noqa: PLC0415 (not there on Windows)
+
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        _, most = resource.getrlimit(resource.RLIMIT_CPU)
+        resource.setrlimit(resource.RLIMIT_CPU, (seconds if most == resource.RLIM_INFINITY else min(seconds, most), most))
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

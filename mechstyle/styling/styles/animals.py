@@ -1,0 +1,114 @@
+"""Coats of animals: fur, the spots of leopard and giraffe, the stripes of a zebra, and the patches that hide a soldier."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mechstyle.records.mesh import Floats
+from mechstyle.styling.drawing.canvas import Canvas
+from mechstyle.styling.drawing.colours import mix, ramp, rgb, smoothstep
+from mechstyle.styling.drawing.tilings import beneath, hanging
+from mechstyle.styling.style import Relief, Style
+
+TUFT, ROSETTE, PATCH, STRIPE, BLOTCH = 15.0, 17.0, 27.0, 15.0, 26.0
+DROOP = np.array([1.0, 1.0, 0.22])  # hair hangs down
+DRAB = ("2f3324", "8b7f56", "5c6b3a", "3f4d2c")
+
+
+def fur(canvas: Canvas) -> Relief:
+    """Rows of tufts that hang over each other, uneven, each drawn out into strands that meet at its tip."""
+    unit = canvas.unit("strands", 3.4, edges=1.8)
+    bond = canvas.bond(TUFT * unit, 0.95 * TUFT * unit, grip=0.3)
+    stray, ragged = canvas.noise(11.0 * unit, 2, "stray"), canvas.noise(5.0 * unit, 2, "ragged")
+    heights, tones = [], []
+    upper = hanging(bond)
+    upper = upper._replace(aside=np.clip(upper.aside + 0.25 * stray, 0.0, None), down=upper.down + 0.30 * ragged + 0.20 * stray)
+    for tuft in (beneath(upper), upper):
+        lean = bond.x * TUFT * (1.0 + 0.6 * np.clip(tuft.down, -0.5, 0.8))  # strands come together downwards
+        strand = np.cos(2.0 * np.pi * (lean / 4.4 + 0.55 * stray))
+        heights.append(-0.30 + 0.80 * tuft.down + (0.32 + 0.22 * ragged) * strand - 0.20 * tuft.aside**2)
+        tones.append(0.30 + 0.45 * tuft.down + 0.16 * strand + 0.10 * ragged)
+    inside = 1.0 - upper.aside**1.3 - upper.down
+    over, shade = smoothstep(-0.06, 0.06, inside), smoothstep(-0.45, 0.0, inside)
+    below = heights[0] - 0.45 * shade
+    tone = np.clip(tones[0] * (1.0 - 0.6 * shade) * (1.0 - over) + tones[1] * over, 0.0, 1.0)
+    coat = canvas.painted(ramp(["3b2615", "7a532f", "b98d58", "e8cfa2"], tone))
+    return Relief(canvas.softened(np.clip(below + (heights[1] - below) * over, -1.1, 1.3)), canvas.softened(coat))
+
+
+def leopard(canvas: Canvas) -> Relief:
+    """Broken rings of raised spots around darker hollows."""
+    unit = canvas.unit("spots", 4.2, edges=2.0)
+    spots = canvas.stamps(canvas.scattered(ROSETTE * unit, "spots"), ROSETTE * unit)
+    own = canvas.random(spots.identity[:, 0], "own")
+    uneven, hair = canvas.noise(8.0 * unit, 2, "uneven"), _hair(canvas, unit)
+    angle = np.arctan2(spots.y[:, 0], spots.x[:, 0]) + 2.0 * np.pi * own
+    reach = np.hypot(spots.x[:, 0], spots.y[:, 0]) / (0.5 * ROSETTE * unit) + 0.28 * uneven
+    # Three or four blots a ring, of which those between have grown together here and there.
+    blots = 0.5 + 0.5 * np.cos(np.where(own < 0.5, 3.0, 4.0) * angle)
+    ring = smoothstep(0.36, 0.20, np.abs(reach - 0.62) + 0.20 * (1.0 - blots)) * smoothstep(0.2, 0.5, spots.facing[:, 0])
+    heart = smoothstep(0.62, 0.40, reach) * (1.0 - ring)
+    coat = ramp(["b9772c", "d8a252", "ecc98a"], np.clip(0.5 + 0.4 * hair + 0.3 * uneven, 0.0, 1.0))
+    colour = mix(mix(canvas.painted(coat), canvas.painted(coat) * 0.62, heart), rgb("1c120b"), ring)
+    return Relief(canvas.softened(-0.60 + 1.55 * ring - 0.35 * heart + 0.14 * hair), canvas.softened(colour))
+
+
+def giraffe(canvas: Canvas) -> Relief:
+    """Large angular patches with soft ragged borders, close together."""
+    unit = canvas.unit("lines between patches", 4.4, edges=2.0)
+    warped = canvas.warped(9.0 * unit, 1.8 * unit, "ragged")
+    patches = canvas.cells(PATCH * unit, "patches", at=warped)
+    hair, own = _hair(canvas, unit), canvas.random(patches.identity, "own") - 0.5
+    edge = patches.edge / unit
+    patch, middle = smoothstep(1.3, 3.1, edge), smoothstep(3.0, 0.45 * PATCH, edge)
+    brown = ramp(["4a2510", "7c421c", "a9652c", "c88a48"], np.clip(0.60 - 0.45 * middle + 0.30 * own + 0.20 * hair, 0.0, 1.0))
+    cream = ramp(["d9bd8c", "f0dcb4"], np.clip(0.5 + 0.4 * hair, 0.0, 1.0))
+    return Relief(
+        canvas.softened(-0.90 + patch * (1.45 + 0.35 * middle + 0.20 * own) + 0.14 * hair),
+        canvas.softened(mix(cream, canvas.painted(brown), patch)),
+    )
+
+
+def zebra(canvas: Canvas) -> Relief:
+    """Stripes that sway, fork and taper."""
+    unit = canvas.unit("stripes", 0.5 * STRIPE, edges=2.2)
+    phase = canvas.points @ np.array([0.30, 0.36, 0.88]) / (STRIPE * unit)
+    sway, one, other = (canvas.noise(length * unit, 2, salt) for length, salt in ((70.0, "sway"), (40.0, "one"), (40.0, "other")))
+    # Where both noises vanish the angle turns once around: there one stripe more begins.
+    wave = np.cos(2.0 * np.pi * (phase + 1.6 * sway) + np.arctan2(other, one))
+    full, hair = smoothstep(0.0, 0.10, np.hypot(one, other)), _hair(canvas, unit)
+    stripe = smoothstep(-0.22, 0.34, wave * full + 0.25 * canvas.noise(18.0 * unit, 2, "width"))
+    white = canvas.painted(ramp(["d8d2c4", "f6f3ea"], np.clip(0.5 + 0.5 * hair, 0.0, 1.0)))
+    black = ramp(["0d0c0c", "2a2624"], np.clip(0.5 + 0.5 * hair, 0.0, 1.0))
+    return Relief(canvas.softened(-0.80 + 1.60 * stripe + 0.14 * hair), canvas.softened(mix(white, black, stripe)))
+
+
+def camouflage(canvas: Canvas) -> Relief:
+    """Four tones in blotches laid over each other, each a step higher."""
+    unit = canvas.unit("blotches", 0.25 * BLOTCH, edges=2.0)
+    weave = canvas.noise(5.0 * unit, 1, "weave")
+    height = np.full(len(canvas.points), -0.85)
+    colour = np.tile(rgb(DRAB[1]), (len(height), 1))
+    for layer, code in enumerate((DRAB[2], DRAB[3], DRAB[0])):
+        field = canvas.noise(BLOTCH * unit, 3, code, at=canvas.points * [1.0, 1.0, 1.35])
+        blotch = smoothstep(-0.03, 0.03, field - (0.02, 0.10, 0.22)[layer])
+        height += blotch * ((-0.30, 0.25, 0.90)[layer] - height)
+        colour = mix(colour, rgb(code), blotch)
+    return Relief(canvas.softened(height + 0.12 * weave), canvas.softened(canvas.painted(colour * (1.0 + 0.10 * weave)[:, None])))
+
+
+def _hair(canvas: Canvas, unit: float) -> Floats:
+    """Noise of short hair, in about [-1, 1], shape [n]."""
+    return canvas.noise(5.0 * unit, 2, "hair", at=canvas.points * DROOP)
+
+
+STYLES = {
+    style.name: style
+    for style in (
+        Style(name="fur", description="rows of hanging tufts of hair", feature_mm=TUFT, program=fur),
+        Style(name="leopard", description="broken rings of dark raised spots on a golden coat", feature_mm=ROSETTE, program=leopard),
+        Style(name="giraffe", description="large angular brown patches between pale lines", feature_mm=PATCH, program=giraffe),
+        Style(name="zebra", description="black stripes on white that sway, fork and taper", feature_mm=STRIPE, program=zebra),
+        Style(name="camouflage", description="blotches of four drab tones, each a step higher", feature_mm=BLOTCH, program=camouflage),
+    )
+}

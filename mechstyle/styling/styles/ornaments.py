@@ -1,0 +1,119 @@
+"""What columns, curtains and friezes are made of: flutes, pleats, twists, meanders and girih."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mechstyle.records.mesh import Floats
+from mechstyle.styling.drawing.canvas import Bond, Canvas
+from mechstyle.styling.drawing.colours import mix, ramp, rgb, smoothstep
+from mechstyle.styling.drawing.tilings import dome, folded
+from mechstyle.styling.style import Relief, Style
+
+FLUTE, PLEAT, TWIST, KEY, STAR = 11.0, 12.0, 19.0, 3.6, 44.0
+BAND = 0.12  # width of a strap over the side of a cell
+MEANDER = np.array([list(row) for row in (
+    "######", "......", "#####.", "#...#.", "#.#.#.", "#.###.", "#.....", "######", "......",
+)]) == "#"  # fmt: skip
+"""A period of the frieze from its upper border down, in squares of KEY: the line of the meander winds in and ends."""
+
+
+def fluted(canvas: Canvas) -> Relief:
+    """Hollow flutes side by side, upright, that meet in narrow fillets: an Ionic column."""
+    unit = canvas.unit("flutes", 0.65 * FLUTE, edges=3.5)
+    bond = canvas.bond(FLUTE * unit, 4.0 * FLUTE * unit, shift=0.0)
+    hollow = dome(np.clip(2.7 * np.abs(bond.x), 0.0, 1.0))  # flat fillets are left between
+    chisel = canvas.noise(9.0 * unit, 3, "chisel")
+    tone = np.clip(0.90 - 0.45 * hollow + 0.18 * chisel + 0.15 * canvas.noise(50.0 * unit, 2, "sun"), 0.0, 1.0)
+    marble = canvas.painted(ramp(["a59a86", "cfc6b4", "ece6d8", "fbf8f0"], tone))
+    return Relief(canvas.softened(0.90 - 1.85 * hollow + 0.06 * chisel), canvas.softened(marble))
+
+
+def pleats(canvas: Canvas) -> Relief:
+    """Knife pleats: cloth folded upright, each fold lying on the next, with a sharp crease."""
+    unit = canvas.unit("pleats", PLEAT, edges=4.5)
+    bond = canvas.bond(PLEAT * unit, 6.0 * PLEAT * unit, shift=0.0)
+    sway = canvas.noise(45.0 * unit, 2, "sway", at=canvas.points * [1.0, 1.0, 0.5])
+    place = np.mod(bond.x + 0.22 * sway + 0.5, 1.0)
+    fold = np.where(place < 0.84, place / 0.84, (1.0 - place) / 0.16)  # rises gently, and falls at once behind the crease
+    soft = canvas.noise(14.0 * unit, 2, "soft")
+    tone = np.clip(0.12 + 0.75 * fold**1.3 + 0.12 * soft, 0.0, 1.0)
+    cloth = canvas.painted(ramp(["5c2340", "93405f", "c97a92", "efc3cd"], tone))
+    return Relief(canvas.softened(-0.95 + 1.95 * fold**1.5 + 0.06 * soft), canvas.softened(cloth))
+
+
+def spiral(canvas: Canvas) -> Relief:
+    """Round strands that wind upwards, close together, with a groove between: a twisted column."""
+    unit = canvas.unit("grooves of the twist", 0.28 * TWIST, edges=2.0)
+    bond = canvas.bond(1.6 * TWIST * unit, 1.15 * TWIST * unit, shift=0.0)
+    strand = np.abs(np.cos(np.pi * (bond.x + bond.y)))
+    fine = canvas.noise(30.0 * unit, 3, "fine")
+    gilt = ramp(["4a3414", "8e6a28", "cfa64c", "f5e2a4"], np.clip(0.08 + 0.75 * strand + 0.16 * fine, 0.0, 1.0))
+    return Relief(canvas.softened(-1.05 + 2.05 * strand**0.7 + 0.06 * fine), canvas.softened(canvas.painted(gilt)))
+
+
+def greek_key(canvas: Canvas) -> Relief:
+    """Friezes of a meander between borders, one above the other."""
+    unit = canvas.unit("lines of the meander", KEY, edges=1.9)
+    rows, columns = MEANDER.shape
+    bond = canvas.bond(columns * KEY * unit, (rows + 1) * KEY * unit, shift=0.0, grip=0.6)
+    x, y = (bond.x + 0.5) * columns - 0.5, (0.5 - bond.y) * (rows + 1) - 1.0
+    left, above = np.floor(x).astype(int), np.floor(y).astype(int)
+    line = np.zeros(len(x))
+    for right in (0, 1):
+        for down in (0, 1):
+            row = above + down
+            there = MEANDER[np.clip(row, 0, rows - 1), (left + right) % columns] & (row >= 0) & (row < rows)
+            line += there * (1.0 - np.abs(x - left - right)) * (1.0 - np.abs(y - row))
+    line = smoothstep(0.30, 0.70, line)
+    glaze = canvas.noise(30.0 * unit, 3, "glaze")
+    ground = canvas.painted(ramp(["a8542c", "c9753f", "dc9560"], np.clip(0.5 + 0.5 * glaze, 0.0, 1.0)))
+    return Relief(canvas.softened(-0.75 + 1.60 * line + 0.07 * glaze), canvas.softened(mix(ground, rgb("1d1614"), line)))
+
+
+def girih(canvas: Canvas) -> Relief:
+    """Straps that cross over and under each other and leave eight-pointed stars and crosses."""
+    unit = canvas.unit("straps", BAND * STAR, edges=3.2)
+    bond = canvas.bond(STAR * unit, STAR * unit, shift=0.0)
+    over, under = strapped(bond)
+    x, y = np.abs(bond.x), np.abs(bond.y)
+    star = smoothstep(0.150, 0.125, np.minimum(np.maximum(x, y), (x + y) / 2.0**0.5))
+    top, low = (smoothstep(0.5 * BAND + 0.012, 0.5 * BAND - 0.022, away) for away in (over, under))
+    dive = smoothstep(0.5 * BAND + 0.07, 0.5 * BAND + 0.02, over)
+    strap = np.maximum(top, low)
+    lift = np.maximum(1.80 * top, low * (1.65 - 1.20 * dive)) + 0.80 * star
+    glaze = canvas.noise(18.0 * unit, 3, "glaze")
+    blue = ramp(["0f3f55", "14667c", "2d93a0"], np.clip(0.5 + 0.6 * glaze, 0.0, 1.0))
+    white = canvas.painted(ramp(["b7a888", "e8dcc2", "fbf5e6"], np.clip(0.25 + 0.35 * lift + 0.15 * glaze, 0.0, 1.0)))
+    return Relief(canvas.softened(-0.90 + lift + 0.06 * glaze), canvas.softened(mix(mix(blue, rgb("d9a441"), star), white, strap)))
+
+
+def strapped(bond: Bond) -> tuple[Floats, Floats]:
+    """Lines of the star and cross pattern: a square in each cell, and diagonals through the middles of its sides.
+
+    Returns:
+        Distance from the middle of the strap on top and from that of the other [cells], shape [n] each.
+    """
+    x, y = np.abs(bond.x), np.abs(bond.y)
+    half = 8.0**-0.5  # of the square's side: with the diagonals it makes a star of eight equal points
+    diagonals = [folded(bond.x + way * bond.y + 0.5) / 2.0**0.5 for way in (-1.0, 1.0)]
+    lines = np.stack([np.abs(np.maximum(x, y) - half), *diagonals])
+    first, second = np.argsort(lines, axis=0)[:2]
+    # So that over and under alternate along every strap: on level sides the square is over the rising diagonal and under the falling one,
+    # on upright sides the other way round; where diagonals cross, the falling one is over at the flanks of a cell.
+    rises = np.where((first != 0) & (second != 0), x <= y, np.abs(y - half) >= np.abs(x - half))
+    rank, here = np.stack([np.ones(len(x)), 2.0 * rises, 2.0 * ~rises]), np.arange(len(x))
+    swap = rank[first, here] < rank[second, here]
+    return lines[np.where(swap, second, first), here], lines[np.where(swap, first, second), here]
+
+
+STYLES = {
+    style.name: style
+    for style in (
+        Style(name="fluted", description="upright hollow flutes with narrow fillets between", feature_mm=2.1 * FLUTE, program=fluted),
+        Style(name="pleats", description="cloth folded into upright knife pleats", feature_mm=1.8 * PLEAT, program=pleats),
+        Style(name="spiral", description="round strands winding upwards around the part", feature_mm=TWIST, program=spiral),
+        Style(name="greek_key", description="friezes of a black meander on fired clay", feature_mm=2.0 * KEY, program=greek_key),
+        Style(name="girih", description="interlaced straps around eight-pointed stars", feature_mm=0.3 * STAR, program=girih),
+    )
+}

@@ -1,0 +1,221 @@
+"""What is said lives as long as what it is about, beside what it is about; no error of a handler ends in a log only."""
+
+from __future__ import annotations
+
+import errno
+import io
+import shutil
+from base64 import b64decode
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from mechstyle.runs.run import Run
+from mechstyle_widgets.state import controller as controller_module
+from mechstyle_widgets.studio import Studio
+from mechstyle_widgets.viewer.part_viewer import PartViewer
+from mechstyle_widgets.viewer.run_viewer import RunViewer
+from support.sheet_studio import without_physics
+
+PATIENCE = 30.0
+
+
+@pytest.fixture
+def studio(tmp_path, monkeypatch, cube):
+    """A Studio whose runs take no time, with a finished run."""
+    monkeypatch.chdir(tmp_path)
+    without_physics(monkeypatch)
+    made = Studio(cube, prompt="brick", schedule="every", every=4, iterations=12, vertices=64, folder="small")
+    go(made)
+    yield made
+    made.close()
+
+
+def go(studio):
+    studio.run_controls._buttons["run"].click()
+    studio.state.session.wait(PATIENCE)
+    studio.state.pump()
+    assert studio.state.status == "finished", studio.state.message
+
+
+def test_a_refusal_ends_with_what_was_refused(studio, cube):
+    """A box about van gogh stayed over brick, another part and a picture until the next run."""
+    for change in (
+        lambda: setattr(studio.prompt_box, "prompt", "brick"),
+        lambda: studio.part_picker.show(cube.moved(0.5 * cube.vertices), "half"),
+        lambda: setattr(studio.prompt_box, "image", np.full((8, 8, 3), 200, np.uint8)),
+    ):
+        studio.prompt_box.prompt = "van gogh starry night"
+        studio.run_controls._buttons["run"].click()
+        assert "names no style" in studio.run_controls.trouble
+        change()
+        assert (studio.state.message, studio.run_controls.trouble) == ("", "")
+
+
+@pytest.mark.parametrize(("name", "value"), [("iteration", 4), ("lane", "soft")])
+def test_what_cannot_be_done_here_is_no_longer_said_elsewhere(studio, name, value):
+    studio.run.branch(4, lane="soft", threshold=0.4)
+    studio.state._read_store()
+    studio.state.refuse("here this cannot be done")
+    assert studio.state.alarming
+    setattr(studio.state, name, value)
+    assert (studio.state.message, studio.state.alarming) == ("", False)
+
+
+def test_a_note_on_a_folder_stays_while_one_looks_through_the_run(studio):
+    studio.state.tell(message="small holds a run with other settings: this one is in small-2")
+    studio.state.pump()
+    studio.state.iteration = 4
+    assert "small-2" in studio.run_controls._note.value
+    studio.control_selector.threshold = 0.4
+    assert studio.state.message == ""
+
+
+# --- what is taken away is what stands there, or is named ---------------------------------------------------------
+
+
+def test_once_another_run_is_asked_for_everything_of_the_last_one_is_called_that(studio, cube):
+    """After another part was chosen, verdict, report and 3MF of the one before stood there as if they were of it."""
+    assert studio.take_away.main.description == "3MF"
+    assert "<b>Result</b>" in told(studio)
+    studio.part_picker.show(cube.moved(0.5 * cube.vertices), "half")
+    assert studio.take_away.main.description == "3MF of part, brick"
+    assert "<b>Last run: part, brick</b>" in told(studio)
+    assert studio.run_controls.words.startswith("ready · last run: part, brick, finished")
+    assert studio.run_controls.title == "half, brick"
+    assert isinstance(studio.viewer, PartViewer)
+    assert studio.run_controls._back.layout.display is None
+    studio.run_controls._back.click()
+    assert (studio.state.another, studio.take_away.main.description) == (False, "3MF")
+    assert isinstance(studio.viewer, RunViewer)
+    assert studio.run_controls._back.layout.display == "none"
+
+
+def test_another_style_stands_on_the_part_until_the_last_run_is_looked_at(studio):
+    """The view stayed with the run before, and nothing named it."""
+    studio.prompt_box.prompt = "stone"
+    assert isinstance(studio.viewer, PartViewer)
+    studio.state.iteration = 8
+    assert isinstance(studio.viewer, RunViewer)
+    assert "Last run: part, brick" in studio.viewer.badge._words.value
+    studio.prompt_box.prompt = "wood"
+    assert isinstance(studio.viewer, PartViewer)
+    studio.prompt_box.prompt = "brick"
+    assert isinstance(studio.viewer, RunViewer)
+    assert "Last run" not in studio.viewer.badge._words.value
+
+
+def test_other_settings_than_the_style_leave_the_run_in_view_under_its_name(studio):
+    studio.control_selector.threshold = 0.4
+    assert isinstance(studio.viewer, RunViewer)
+    assert "Last run: part, brick" in studio.viewer.badge._words.value
+
+
+def told(studio):
+    return studio._result.value
+
+
+# --- the folder, the disk -----------------------------------------------------------------------------------------
+
+
+def test_a_run_whose_folder_is_gone_is_said_wherever_one_looks_and_is_made_again(studio, caplog):
+    """The badge turned pale, files were not made, and the reasons went to a log."""
+    shutil.rmtree(studio.run.store.root)
+    studio.state.iteration = 4
+    said = "The folder small is gone: put it back, or press Run to make it again."
+    assert said in studio.run_controls.trouble
+    studio.state.message = ""
+    for button in (studio.take_away.main, studio.take_away._code):
+        button.click()
+        assert said in studio.take_away.trouble
+        studio.take_away.complain("")
+    studio.run_controls._buttons["run"].click()
+    studio.state.session.wait(PATIENCE)
+    studio.state.pump()
+    assert (studio.state.status, studio.state.message) == ("finished", "")
+    assert studio.run.store.root.is_dir()
+    assert not caplog.records
+
+
+def test_a_folder_that_goes_in_the_middle_of_a_run_is_what_is_said(studio, monkeypatch):
+    def events(run, _progress):
+        shutil.rmtree(run.store.root)
+        yield run.store.lane()
+
+    monkeypatch.setattr(Run, "events", events)
+    studio.control_selector.threshold = 0.4
+    studio.run_controls._buttons["run"].click()
+    studio.state.session.wait(PATIENCE)
+    studio.state.pump()
+    assert studio.state.status == "failed"
+    assert "The folder small-2 is gone" in studio.run_controls.trouble
+
+
+def test_a_full_disk_is_said(studio, monkeypatch):
+    def full(*_args, **_more):
+        raise OSError(errno.ENOSPC, "No space left on device", "x")
+
+    monkeypatch.setattr(controller_module, "started", full)
+    studio.control_selector.threshold = 0.4
+    studio.run_controls._buttons["run"].click()
+    studio.state.session.wait(PATIENCE)
+    studio.state.pump()
+    assert "The disk is full: make room and try again" in studio.run_controls.trouble
+    monkeypatch.setattr(Run, "report", full)
+    studio.take_away._buttons["Report"].click()
+    assert "The disk is full" in studio.take_away.trouble
+    monkeypatch.setattr("mechstyle_widgets.settings.part.write_whole", full)
+    studio.part_picker._uploaded({"new": ({"name": "a.stl", "content": b""},)})
+    assert "The disk is full" in studio.part_picker.trouble
+
+
+def test_an_error_nobody_thought_of_is_said_where_the_setting_is(studio, monkeypatch):
+    monkeypatch.setattr("mechstyle_widgets.settings.schedule.drawing", lambda *_: 1 / 0)
+    studio.schedule_selector.every = 5
+    assert "unexpected ZeroDivisionError" in studio.schedule_selector.trouble
+
+
+# --- what if, at the end ------------------------------------------------------------------------------------------
+
+
+def test_use_this_at_the_end_offers_the_first_test_at_which_it_makes_a_difference(studio):
+    inspector = studio.mask_inspector
+    inspector._use.click()
+    assert "Nothing differs from main" in inspector.trouble
+    inspector.selector.control, inspector.selector.threshold = "linear", 0.1
+    assert inspector.trouble == ""
+    inspector._use.click()
+    assert "Iteration 12 is the end" in inspector.trouble
+    assert inspector._again.description == "begin again from iteration 4"
+    assert studio.state.message == "", "it is said where the button is"
+    inspector._again.click()
+    studio.state.session.wait(PATIENCE)
+    studio.state.pump()
+    assert (studio.state.status, studio.state.branches[1].forked_at) == ("finished", 4)
+    assert inspector._again.layout.display == "none"
+
+
+def test_a_branch_that_would_be_the_same_or_comes_too_late_is_said_beside_its_button(studio):
+    studio.branches._branch.click()
+    assert "Nothing differs from main" in studio.branches.trouble
+    studio.control_selector.threshold = 0.4
+    assert studio.branches.trouble == ""
+    studio.branches._branch.click()
+    assert "Iteration 12 is the end: go to an earlier one" in studio.branches.trouble
+    studio.state.iteration = 8
+    assert (studio.branches.trouble, studio.state.message) == ("", "")
+
+
+# --- no kernel ----------------------------------------------------------------------------------------------------
+
+
+def test_a_notebook_without_a_kernel_shows_a_picture_under_its_badge(studio):
+    """It showed the children of a box as text."""
+    shown = studio._repr_mimebundle_()
+    picture = Image.open(io.BytesIO(b64decode(shown["image/png"])))
+    assert picture.format == "PNG"
+    assert (np.asarray(picture.convert("L")) < 128).mean() > 0.01, "there is something to see"
+    assert studio._caption == f"part, brick: {studio.run.verdict.short}"
+    studio.prompt_box.prompt = "stone"
+    assert studio._caption == "part, stone: NOT TESTED"
