@@ -117,12 +117,15 @@ def spelt(folder: Path, sizes: tuple[int, ...]) -> set[str]:
     return {word for word in words if word.isascii() and word.isalpha() and word.islower() and len(word) > 2}
 
 
+ENDINGS = (("s", ""), ("es", ""), ("ed", ""), ("ed", "e"), ("ing", ""), ("ing", "e"), ("ies", "y"))
+"""Endings that `styling/words` takes off by itself, and what it puts in their place."""
+
+
 def base(word: str, words: set[str]) -> bool:
     """Whether a word is no plural or other inflection of another one of some."""
-    stems = [word.removesuffix(ending) for ending in ("s", "es", "ed", "d", "ing", "ly") if word.endswith(ending)]
-    stems += [f"{word.removesuffix('ies')}y", f"{word.removesuffix('ing')}e", f"{word.removesuffix('ied')}y"]
+    stems = [word[: -len(ending)] + end for ending, end in ENDINGS if word.endswith(ending) and len(word) - len(ending) > 2]
     stems += [stem[:-1] for stem in stems if len(stem) > 3 and stem[-1] == stem[-2]]
-    return not any(stem in words and stem != word for stem in stems)
+    return not any(stem in words and stem != word and base(stem, words) for stem in stems)
 
 
 def main() -> None:

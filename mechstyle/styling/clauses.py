@@ -74,7 +74,7 @@ def clauses_of(items: Sequence[Item], *, whole: bool = False) -> list[Clause]:
         if last is None or piece.titled or (last.whole and (piece.whole if last.placed else piece.whole and piece.placed)):
             groups.append(piece)
         elif _of_a_part(piece) and not whole and any(map(_speaks, last.items)):
-            last.parts += piece.items
+            last.parts += filter(_speaks, piece.items)
         else:
             last.items += [Word(",", ","), *piece.items]
     return groups

@@ -58,7 +58,6 @@ def _coloured(canvas: Canvas, colours: Floats, cover: Floats) -> Floats:
 
 STYLE = Style(
     name=NAME,
-    words=(),
     description="a picture of yours, as relief, as colours or as both",
     feature_mm=1.0,
     program=picture,

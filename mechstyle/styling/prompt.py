@@ -42,7 +42,6 @@ from mechstyle.styling.phrases import (
     Item,
     Length,
     Place,
-    is_content,
     is_style,
     is_thing,
     items_of,
@@ -180,7 +179,10 @@ def _clauses(kept: Sequence[Item], notes: list[str]) -> list[Clause]:
             return clauses_of([*kept[: at + 1], Word("", "metal"), *kept[at + 1 :]], whole=whole)
         if ranks:
             return clauses
-        weak = [(item, english.weak()[meaning(item)].rank) for item in said if meaning(item) in english.weak()]
+        like = [item for clause in clauses for item in itertools.dropwhile(lambda item: meaning(item) != "like", clause.items)]
+        known = english.weak()
+        ranked = ([(item, known[meaning(item)].rank) for item in items if meaning(item) in known] for items in (like, said))
+        weak = next(filter(None, ranked), [])
         if weak:
             chosen = {id(item) for item, rank in weak if rank == min(rank for _, rank in weak)}
             named = [item._replace(means=f"~{item.means}") if isinstance(item, Word) and id(item) in chosen else item for item in kept]
@@ -380,7 +382,7 @@ def _left_out(clauses: Sequence[Clause], unwanted: Sequence[Item], wishes: Seque
             ways.setdefault(english.BEYOND[item.means], []).append(item.text)
         elif item.number is not None:
             ways.setdefault("a number says nothing without its unit: write `5 mm`", []).append(item.text)
-        elif unseen or item.means in english.NEEDS_NUMBERS or (of_part and is_content(item)):
+        elif unseen or item.means in english.NEEDS_NUMBERS or of_part:
             strange.append(item.text)
     notes += [f"left out {quoted(texts)}: {way}" for way, texts in ways.items()]
     return notes + [f"left out: {quoted(strange)}"] * bool(strange)
@@ -409,13 +411,14 @@ def _unknown_prompt(prompt: str, found: Sequence[Word], unwanted: Sequence[Item]
         return BadInput("the prompt is empty: say in words what the part is to look like, or give a picture with `--image` or image=")
     if any(word.means in english.PICTURES - english.FILLERS for word in found):
         return BadInput(f"the prompt {prompt!r} asks for a picture: give its file, with `--image` or image=")
-    names = [_spoken(style) for style in suggestions(prompt)]
-    colour = next((word for word in found if word.means in english.COLOURS), None)
-    said = f"only a colour and no style: write `{colour.text} {names[0]}` or" if colour else "no style that can be drawn offline: try"
+    near = [_spoken(style) for style in suggestions(prompt)]
+    colour = next((word.text for word in found if word.means in english.COLOURS), "")
+    said = "no style that can be drawn offline" if not colour else "only a colour and no style"
     if unwanted:
-        said = f"no style that is wanted, only what is not ({quoted(meaning(item).replace('_', ' ') for item in unwanted)}): try"
+        said = f"no style that is wanted, only what is not ({quoted(_spoken(meaning(item)) for item in unwanted)})"
+    ways = ", ".join(f"`{colour} {name}`" if colour else repr(name) for name in near)
     return BadInput(
-        f"the prompt {prompt!r} names {said} {quoted(names[bool(colour) :])}; `mechstyle styles` lists them all; "
+        f"the prompt {prompt!r} names {said}: try {ways}; `mechstyle styles` lists them all; "
         "any other prompt needs guidance 'clip' (`--guidance clip`) and the weights that `mechstyle weights fetch ViT-B-32` brings once"
     )
 

@@ -1,4 +1,4 @@
-"""A style: its name, the words that ask for it, and the program that draws it."""
+"""A style: its name, what it looks like, and the program that draws it."""
 
 from __future__ import annotations
 
@@ -52,13 +52,9 @@ class Style:
         description: What it looks like, in one sentence.
         feature_mm: Size of the feature the eye reads (a course, a stone, a rib) on a part of 100 mm [mm].
         program: Draws it on a canvas.
-        words: Words that ask for it besides those of `vocabulary`, in the singular and lower case; "_" joins the words of a phrase.
-        yields: Whether they only describe, so that any other style beside them is the one meant ("old brick").
     """
 
     name: str
     description: str
     feature_mm: float
     program: Callable[[Canvas], Relief]
-    words: tuple[str, ...] = ()
-    yields: bool = False

@@ -27,21 +27,12 @@ from typing import NamedTuple
 
 from mechstyle.records.regions import ENDS
 from mechstyle.styling import picture
-from mechstyle.styling.library import names, style_named
 
 LANGUAGES = ("German", "French", "Spanish", "Portuguese", "Italian", "Chinese", "Japanese")
 """The columns of `words.tsv` after the English words."""
 PICTURE = "own picture"
 """What stands for a picture of the user's where there is one; no word of a prompt has a space."""
 _STYLES = ("style", "describes", "like", "thing", "last")  # kinds of rows, strongest first
-_TO_COME: Mapping[str, str] = {
-    "ice": "crystal", "glass": "crystal", "lava": "cracked_earth", "cork": "concrete", "paper": "low_poly", "fur": "moss",
-    "fluted": "stripes", "pleats": "stripes", "spikes": "cactus", "spiral": "stripes", "diamond_plate": "knurling",
-    "chainmail": "fish_scales", "fuzzy": "concrete", "grip": "knurling", "herringbone": "twill", "tiles": "grid", "tartan": "grid",
-    "terrazzo": "stone", "shingles": "fish_scales", "camouflage": "moss", "leopard": "dots", "zebra": "stripes",
-    "giraffe": "cracked_earth", "girih": "celtic_knot", "panels": "circuit", "greek_key": "celtic_knot",
-}  # fmt: skip
-"""The nearest style of the library to one that it does not have yet."""
 
 
 class Row(NamedTuple):
@@ -115,28 +106,21 @@ TAKES_A_NUMBER = frozenset([*ENDS, "rim"])
 """First words of the notation of places that may be followed by a length."""
 
 
-def _nearest(style: str) -> str:
-    return style if style in names() else _TO_COME[style]
-
-
 def _meant(table: str) -> Iterator[tuple[str, str, Meaning]]:
     """The words of a table that say anything about the style, with the kinds of their rows."""
     for row in rows(table):
         if row.kind in _STYLES:
             style, _, colours = row.value.partition(" ")
-            near = row.kind in {"like", "thing"} or style not in names()
-            meaning = Meaning(
-                _nearest(style), _STYLES.index(row.kind), near, tuple(colours.split("/")) if table == "words" and colours else ()
-            )
+            own = tuple(filter(None, colours.split("/"))) if table == "words" else ()
+            meaning = Meaning(style, _STYLES.index(row.kind), row.kind in {"like", "thing"}, own)
             yield from ((word, row.kind, meaning) for word in row.words[0])
 
 
 @cache
 def styles() -> Mapping[str, Meaning]:
     """What each English word says that names a style wherever it stands."""
-    own = [(word, Meaning(name, int(style_named(name).yields))) for name in names() for word in style_named(name).words]
     found = {word.replace("+", "_"): meaning for word, kind, meaning in _meant("words") if kind in _STYLES[:3]}
-    return {PICTURE: Meaning(picture.NAME, 0), **dict(own), **found}
+    return {PICTURE: Meaning(picture.NAME, 0), **found}
 
 
 @cache
@@ -162,7 +146,7 @@ def apart() -> tuple[tuple[str, ...], ...]:
 @cache
 def english() -> Mapping[str, tuple[str, ...]]:
     """Common English words, each with the styles that come near it, nearest first; none if nothing does."""
-    return {word: tuple(map(_nearest, row.value.split())) for row in rows("english") for word in row.words[0]}
+    return {word: tuple(row.value.split()) for row in rows("english") for word in row.words[0]}
 
 
 def hints(word: str) -> tuple[str, ...]:

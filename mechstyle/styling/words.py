@@ -21,10 +21,10 @@ _ENDINGS = (
     ("ies", "y"), ("ves", "f"), ("s", ""), ("es", ""), ("ed", ""), ("ed", "e"), ("ing", ""), ("ing", "e"), ("ish", ""), ("ish", "e"),
     ("er", ""), ("er", "e"), ("est", ""), ("est", "e"), ("y", ""), ("en", ""),
 )  # fmt: skip
+_INFLECTED = 8  # so many of them only say number and time
 _COMPARED = ("er", "est")  # rougher is rough, but a bagger is no bag
 _PLURALS = ("ies", "es", "s", "ed")
 _INFLECTION = {"German": re.compile("(?:en|er|es|em|e|n|s)$")} | dict.fromkeys(LANGUAGES[1:5], re.compile("(?:[aeio]?s?|x)$"))
-_COMPOUNDING = ("", "German")
 _LEAST_STEM = 3
 _LEAST_STYLE = 4
 _LONGEST_PHRASE = 4  # words
@@ -56,14 +56,13 @@ def words(prompt: str) -> tuple[list[Word], list[str]]:
     eastern = ("Japanese", "Chinese") if _KANA.search(folded) else ("Chinese", "Japanese")
     tokens = [part for token in _TOKEN.findall(folded) for part in (_segmented(token, eastern) if _is_eastern(token) else [token])]
     western = _language(tokens)
-    named = any(_known(token, western) in styles() for token in tokens)
     read, notes = [], []
     while tokens:
         token = tokens[0]
         if _is_eastern(token):
             count, means, guess = 1, [_listed(token, eastern)], ""
         else:
-            count, means, guess = _next(tokens, western, named=named)
+            count, means, guess = _next(tokens, western)
         read += [Word(" ".join(tokens[:count]) if not at else "", meaning) for at, meaning in enumerate(means)]
         notes += [guess] if guess else []
         del tokens[:count]
@@ -110,8 +109,8 @@ def _segmented(signs: str, languages: Sequence[str]) -> list[str]:
     return [*parts, unknown] if unknown else parts
 
 
-def _next(tokens: list[str], language: str, *, named: bool) -> tuple[int, list[str], str]:
-    """How many tokens belong together, what they mean, and a note if that was guessed; `named` is whether any token is a style."""
+def _next(tokens: list[str], language: str) -> tuple[int, list[str], str]:
+    """How many tokens belong together, what they mean, and a note if that was guessed."""
     first = tokens[0]
     if first in MARKS:
         return 1, [MARKS[first]], ""
@@ -120,7 +119,7 @@ def _next(tokens: list[str], language: str, *, named: bool) -> tuple[int, list[s
     count, found = max((_phrase(tokens, one) for one in dict.fromkeys([language, ""])), key=lambda phrase: phrase[0])
     if count:
         return count, [found], ""
-    means, guess = _unlisted(first, language, named=named)
+    means, guess = _unlisted(first, language)
     return 1, means, guess
 
 
@@ -148,14 +147,19 @@ def _stem(word: str, language: str) -> str:
     return stem if len(stem) >= _LEAST_STEM else word
 
 
-def _forms(word: str) -> Iterator[str]:
+def _forms(word: str, endings: Sequence[tuple[str, str]] = _ENDINGS) -> Iterator[str]:
     """The English word and what it may be a plural or participle of, likeliest first."""
     yield word
-    for ending, stem in _ENDINGS:
+    for ending, stem in endings:
         if word.endswith(ending) and len(word) - len(ending) >= _LEAST_STEM:
             base = word[: len(word) - len(ending)]
             forms = [base + stem, *([base[:-1]] if not stem and base[-1] == base[-2] else [])]  # reddish
             yield from (form for form in forms if ending in _PLURALS or form not in english.FILLERS)
+
+
+def _english(word: str) -> str:
+    """What English has the word as, without the ending of a plural or participle; "" if it is no common English word."""
+    return next((form for form in _forms(word, _ENDINGS[:_INFLECTED]) if form in english.english()), "")
 
 
 def _known(word: str, language: str) -> str:
@@ -173,12 +177,16 @@ def _language(tokens: list[str]) -> str:
     return max(("", *LANGUAGES[:5]), key=lambda language: _covered(western, language))
 
 
-def _covered(tokens: Sequence[str], language: str) -> tuple[int, int]:
-    """How many of some words a language knows, alone or in its phrases, and how many of them as they are written."""
-    at = covered = written = 0
+def _covered(tokens: Sequence[str], language: str) -> tuple[float, int]:
+    """How many of some words a language knows, alone or in its phrases, and how many of them as they are written.
+
+    A word that English has but that says nothing here counts half: a Stein is also a stein.
+    """
+    at, covered, written = 0, 0.0, 0
     while at < len(tokens):
         count = _phrase(tokens[at:], language)[0]
-        covered += count or bool(_known(tokens[at], language) or _compound(tokens[at], language))
+        known = count or bool(_known(tokens[at], language) or _compound(tokens[at], language))
+        covered += known or 0.5 * (not language and bool(_english(tokens[at])))
         written += count
         at += count or 1
     return covered, written
@@ -195,13 +203,12 @@ def _phrase(tokens: Sequence[str], language: str) -> tuple[int, str]:
     return 0, ""
 
 
-def _unlisted(word: str, language: str, *, named: bool) -> tuple[list[str], str]:
+def _unlisted(word: str, language: str) -> tuple[list[str], str]:
     """What a word means that no dictionary lists as it is, and a note if that was guessed: inflected, foreign, compound, misspelt."""
     found = _known(word, language) or _known(word, "")
     if found:
         return [found], ""
-    compared = word.endswith(_COMPARED)
-    common = next((form for form in _forms(word) if form in english.english() and (form == word or not compared)), "")
+    common = _english(word)
     if common and (not language or common in weak()):  # a word of its own is no slip of another
         return [common if common in weak() else ""], ""
     seen = {*styles(), *weak(), *english.COLOURS}  # filling words of another language are often words of this one
@@ -210,19 +217,19 @@ def _unlisted(word: str, language: str, *, named: bool) -> tuple[list[str], str]
         return [foreign], f"read {word!r} as {foreign!r}"
     parts = _compound(word, language)
     if parts:
-        return parts, "" if language else f"read {word!r} as {' '.join(parts)!r}"
-    close = _misspelt(word, language, named=named) or _begun(word)
+        return parts, ""
+    close = _misspelt(word, language) or _begun(word)
     return [close], f"read {word!r} as {close!r}" if close else ""
 
 
 def _compound(word: str, language: str) -> list[str]:
-    """The meanings of the two words that are written as one ("dunkelblau", "redwood"); none if it is not of two."""
-    if language not in _COMPOUNDING:
+    """The meanings of the two words that are written as one in German ("dunkelblau"); none if it is not of two."""
+    if language != "German":
         return []
     for cut in range(len(word) - _LEAST_STEM, _LEAST_STEM - 1, -1):
         parts = [_known(word[:cut], language), _known(word[cut:], language)]
         plain = [part for part in parts if part not in english.FILLERS]
-        if all(parts) and (len(plain) == 2 or (plain and language)):
+        if all(parts) and plain:
             return parts
     return []
 
@@ -230,25 +237,19 @@ def _compound(word: str, language: str) -> list[str]:
 def _begun(word: str) -> str:
     """The style or thing with which a longer word begins, in German or English: Schuppenpanzer, Holzkiste; "" if it is none."""
     starts = [word[:cut] for cut in range(len(word) - _LEAST_STEM, _LEAST_STYLE - 1, -1)]
-    known = (means for start in starts for language in _COMPOUNDING if (means := _known(start, language)))
+    known = (means for start in starts for language in ("", "German") if (means := _dictionary(language).get(start, "")))
     return next((means for means in known if means in styles() or means in weak()), "")
 
 
-def _misspelt(word: str, language: str, *, named: bool) -> str:
-    """The word of a language that this one is a misspelling of; "" if it is none's, or too short to tell.
-
-    A style must be named by more letters, and by still more beside one that is spelt out.
-    """
-    named_by = {**weak(), **styles()}
-    least = _LEAST_STYLE + named + bool(language)  # no list says which words of other languages are words of their own
-    among = [
-        (other, means) for other, means in _dictionary(language).items() if means not in named_by or min(len(word), len(other)) >= least
-    ]
+def _misspelt(word: str, language: str) -> str:
+    """The word of a language that this one is a misspelling of; "" if it is none's, or too short to tell."""
+    looks = {*weak(), *styles()}
+    least = _LEAST_STYLE + bool(language)  # no list says which words of other languages are words of their own
     forms = [word] if language else list(_forms(word))
     close = [
-        (means not in named_by, len(other) == len(form), other, means)
-        for form, (other, means) in itertools.product(forms, among)
-        if _slips(form, other) and means not in english.FILLERS
+        (means not in looks, len(other) == len(form), other, means)
+        for form, (other, means) in itertools.product(forms, _dictionary(language).items())
+        if means not in english.FILLERS and (means not in looks or min(len(word), len(other)) >= least) and _slips(form, other)
     ]
     return min(close)[3] if close else ""
 

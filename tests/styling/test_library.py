@@ -27,12 +27,6 @@ def test_a_family_holds_the_styles_it_is_listed_with(family):
     assert all(style.name == name for name, style in found.items())
 
 
-def test_no_two_styles_answer_to_one_word():
-    words = [word for style in library().values() for word in (style.name, *style.words)]
-    assert len(words) == len(set(words))
-    assert all(word.replace("_", "").isalnum() and word == word.lower() for word in words)
-
-
 def test_an_unknown_style_is_refused_with_the_nearest_first():
     with pytest.raises(BadInput, match="did you mean 'brick'"):
         style_named("bricks")

@@ -327,7 +327,7 @@ def test_a_refusal_names_three_styles_that_come_near_what_was_meant(prompt, amon
     ("colour", "said"), [("blue", "`blue brick`"), ("dark red", "`red brick`"), ("purple and white", "`purple brick`")]
 )
 def test_a_colour_alone_is_called_one_and_gets_a_style_to_go_with_it(colour, said):
-    with pytest.raises(BadInput, match=f"only a colour and no style: write {said}"):
+    with pytest.raises(BadInput, match=f"only a colour and no style: try {said}"):
         read(colour)
 
 

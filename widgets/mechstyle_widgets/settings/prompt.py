@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
-import re
 from typing import Any
 
 import ipywidgets
@@ -13,7 +11,8 @@ from mechstyle.errors import BadInput
 from mechstyle.runs.images import digest_of
 from mechstyle.styling.library import library
 from mechstyle.styling.picture import NAME as PICTURE
-from mechstyle.styling.prompt import Reading, read
+from mechstyle.styling.prompt import Reading, read, suggestions
+from mechstyle.styling.vocabulary import called
 from mechstyle_widgets.jupyter.frame import unseen
 from mechstyle_widgets.jupyter.looks import lean
 from mechstyle_widgets.settings.group import Fold
@@ -35,8 +34,6 @@ GROUPS = {
     "ornaments": ("art_deco", "celtic_knot", "mandala", "waves", "dots", "bubbles"),
 }  # fmt: skip
 """Styles by what they remind of."""
-LEAST = 3
-"""Letters of a word that a style may be near to."""
 DEPTHS = tuple(round(0.1 * step, 1) for step in range(31))
 SIZES = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 15.0, 20.0, 25.0, 30.0, 40.0)
 """Depths and sizes of features that the sliders offer [mm]."""
@@ -85,7 +82,7 @@ class PromptBox(Section):
         tooltip = "The style, in words; one for each place: `outside: brick; rim: gold studs`"
         self._text = unseen(lean(ipywidgets.Text, description="style", placeholder="small blue stones", tooltip=tooltip, layout=WIDE))
         styles = library()
-        asked_by = {name: " ".join(style.words) for name, style in styles.items()}
+        asked_by = {name: " ".join(called(name)) for name in styles}
         self._chips = PictureChoice("style", {name: style.description for name, style in styles.items()}, GROUPS, asked_by)
         look = {"style": NARROW_LABEL, "layout": WIDE}
         deep = "Depth of the relief, from its lowest to its highest"
@@ -161,7 +158,7 @@ class PromptBox(Section):
             self.reading = None
             self.complain(_refusal(words, str(error)) if drawn else "")
             self.note("" if drawn else "CLIP reads the whole prompt")
-            self._chips.nearest = nearest(words) if drawn else []
+            self._chips.nearest = list(suggestions(words, FEW)) if drawn else []
         else:
             self.complain("" if self.reading else "Write what it should look like, or choose a style.")
             self.note("" if self.reading is None else "; ".join([f"read as {self.reading.words}", *self.reading.notes]))
@@ -177,23 +174,11 @@ class PromptBox(Section):
         self._feature.auto = AUTO if large is None else f"{large:g} mm, as written"
 
 
-def nearest(prompt: str) -> list[str]:
-    """The styles nearest to a prompt that names none, three of them, by their names and by what they look like."""
-    asked = [one for one in re.findall(r"[^\W\d_]+", prompt.lower()) if len(one) >= LEAST]
-    names = {name: (*name.split("_"), *style.words, *style.description.lower().split()) for name, style in library().items()}
-    alike = {name: max((_alike(one, text) for one in asked for text in texts), default=0.0) for name, texts in names.items()}
-    return sorted(names, key=lambda name: -alike[name])[:FEW]
-
-
-def _alike(one: str, other: str) -> float:
-    return difflib.SequenceMatcher(None, one, other).ratio()
-
-
 def _refusal(prompt: str, error: str) -> str:
     """Why a prompt cannot be used, in a sentence that leads on to the pictures of the nearest styles."""
     if "names no style that can be drawn" in error:
         return f"“{prompt}” names no style. Near it are these, or take a picture of your own:"
-    return error.split("; known are", maxsplit=1)[0].split(": known are", maxsplit=1)[0]
+    return error.split("; `mechstyle styles`", maxsplit=1)[0]
 
 
 def _first_style(reading: Reading | None) -> str:
