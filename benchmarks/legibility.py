@@ -20,7 +20,7 @@ from mechstyle.gallery.style_sheet import Specimen, lettered, png
 from mechstyle.geometry.remeshing.evening import surface_of
 from mechstyle.pictures.colormap import PLAIN
 from mechstyle.pictures.scene import BACKGROUND, Camera, render
-from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh
 from mechstyle.styling.library import names
 from mechstyle.styling.prompt import Wish
 
@@ -33,7 +33,7 @@ CUPS = {
     "250 mm, 3 mm wall": (250.0, 3.0),
 }
 """Height and wall of each cup [mm]."""
-ASKED, LEGIBLE = 25_000, 8.0
+LEGIBLE = 8.0
 PIXELS, LINE = 220, 26
 BARE = 4
 """Levels between a pixel of the part and the background from which it counts as one."""
@@ -41,7 +41,7 @@ HEAD = """\
 # Styles in plain grey
 
 Who prints in one colour sees the relief alone. The mean difference between the grey pictures of a cup with a style and without, over the
-pixels of the cup, in levels of 255, on 25 000 vertices, seen from the usual corner with its
+pixels of the cup, in levels of 255, on the {vertices} vertices of a run, seen from the usual corner with its
 light, the style finished and restrained by nothing. Made by
 `python benchmarks/legibility.py`. From about 8 on a style is told at a glance. {below}
 
@@ -106,7 +106,7 @@ def page(known: dict[str, dict[str, float]]) -> str:
     lines = ["| style | " + " | ".join(CUPS) + " |", "|---" * (len(CUPS) + 1) + "|"]
     for style, row in sorted(known.items()):
         lines.append(f"| {style.replace('_', ' ')} | " + " | ".join(_figure(row.get(told)) for told in CUPS) + " |")
-    return HEAD.format(below=below) + "\n".join(lines) + "\n"
+    return HEAD.format(below=below, vertices=f"{STANDARD_VERTICES:,}".replace(",", " ")) + "\n".join(lines) + "\n"
 
 
 def _figure(figure: float | None) -> str:

@@ -38,6 +38,8 @@ PARTS: Mapping[str, Mapping[str, float]] = MappingProxyType(
 """Models with the measures [mm] that are not their own: a curved, a prismatic, a thin, an organic and a small part."""
 CELL, LINE, MARGIN, GAP = 100, 26, 18, 28
 """Side of a picture, height of the line above a row, border of the page, way between its columns [pixels]."""
+PICTURED = 25_000
+"""Vertices of the parts on the page, whose edges are then about a pixel long: more would take four times as long, to look alike."""
 SHADES, COLOURS = 36, 256
 """Levels of a channel, and colours in all: fewer than a screen has take two thirds off the file, and nobody sees it on a textured part."""
 
@@ -88,7 +90,7 @@ def contact_sheet(
     *,
     styles: Sequence[str] = (),
     parts: Mapping[str, Mapping[str, float]] = PARTS,
-    vertices: int = STANDARD_VERTICES,
+    vertices: int = PICTURED,
     columns: int = 2,
     stage: Stage = say_nothing,
 ) -> Picture:
