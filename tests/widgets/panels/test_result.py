@@ -49,7 +49,7 @@ def test_a_plan_gives_way_to_the_table_of_falls_and_the_outcome_of_each_lane(don
     state.open(done)
     assert "Drop the plain part" not in result.value
     last = done.history[-1].verdict
-    for words in ("main", "soft", last.outcome, *sentences.COLUMNS, *sentences.table(last)[0]):
+    for words in ("MechStyle", "soft", last.outcome, *sentences.COLUMNS, *sentences.table(last)[0]):
         assert words in result.value
     assert last.head.split("(")[0] in result.value
 

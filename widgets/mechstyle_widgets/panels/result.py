@@ -49,7 +49,7 @@ class Result(Words):
             tested: Sequence[Row] = [row for row in rows if row.verdict is not None and row.iteration > 0]
             if tested and run is not None:
                 row, verdict = standing(tested)
-                yield lane, (said_of(verdict), kept(Run(run.store, lane, run.device), row))
+                yield self._state.called(lane), (said_of(verdict), kept(Run(run.store, lane, run.device), row))
 
 
 def of_verdict(verdict: Verdict) -> str:

@@ -11,6 +11,7 @@ import traitlets
 
 from mechstyle.errors import MechStyleError
 from mechstyle.records.sentences import duration
+from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.settings.section import WIDE, Section
 from mechstyle_widgets.state.controller import Controller
@@ -84,7 +85,7 @@ class RunControls(Section):
 
     def _name(self) -> None:
         """Let the run button read what pressing it does."""
-        self._buttons["run"].description = "Go on" if self._goes_on() else "Run"
+        self._buttons["run"].description = word("Go on" if self._goes_on() else "Run")
 
     def _goes_on(self) -> bool:
         if self.state.status not in GOES_ON or self.state.run is None:
