@@ -82,7 +82,8 @@ def test_once_another_run_is_asked_for_everything_of_the_last_one_is_called_that
     studio.part_picker.show(cube.moved(0.5 * cube.vertices), "half")
     assert studio.take_away.main.description == "3MF of part, brick"
     assert "<b>Last run: part, brick</b>" in told(studio)
-    assert studio.run_controls.words.startswith("ready · last run: part, brick, finished")
+    assert studio.run_controls.words.startswith("ready · We let it fall from 1.5 m, in simulation, about ")
+    assert studio.run_controls._bar.value == 0.0
     assert studio.run_controls.title == "half, brick"
     assert isinstance(studio.viewer, PartViewer)
     assert studio.run_controls._back.layout.display is None

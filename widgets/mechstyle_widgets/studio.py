@@ -34,7 +34,7 @@ from mechstyle_widgets.panels.run_controls import RunControls
 from mechstyle_widgets.panels.take_away import TakeAway
 from mechstyle_widgets.settings.brush import covered, paintable
 from mechstyle_widgets.settings.control import ControlSelector
-from mechstyle_widgets.settings.drop import DropOptions
+from mechstyle_widgets.settings.drop import SIZES, DropOptions
 from mechstyle_widgets.settings.group import Group
 from mechstyle_widgets.settings.material import MaterialPicker
 from mechstyle_widgets.settings.part import PartPicker
@@ -106,6 +106,8 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             logger.warning("the Studio is as wide as its cell now: leave out width")
         speak(language)
         run = run_in(part, settings.get("device", "auto"))
+        if run is None:
+            settings = {"vertices": SIZES["Try it"], **settings}
         self.state = StudioState()
         self.controller = Controller(self.state, self.wanted)
         self._make_sections("" if run is not None else part, settings)

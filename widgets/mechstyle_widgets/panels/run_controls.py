@@ -104,7 +104,9 @@ class RunControls(Section):
             button.disabled = state.status not in MAY[name] or (name == "pause" and state.pausing)
         self._name()
         show(self._back, state.another and state.status in AT_REST)
-        self._bar.value, self._bar.bar_style = state.fraction, "info"  # green, amber and red belong to verdicts
+        over = state.another and state.status in AT_REST
+        self._bar.value, self._bar.bar_style = 0.0 if over else state.fraction, "info"  # green, amber and red belong to verdicts
+        (self._bar.add_class if state.status == "preparing" else self._bar.remove_class)("mechstyle-preparing")
         self.words = line_of(state)
         title = f'<span class="mechstyle-title"><b>{escape(self.title)}</b> · </span>' if self.title else ""
         told = f'<span role="status" aria-live="polite">{escape(self.words)}</span>'  # what is made is not read out every time
@@ -118,10 +120,8 @@ def line_of(state: Any) -> str:
     parts = ["ready" if state.status == "idle" else state.status]
     if state.run is not None and state.status != "preparing":
         parts = [f"{state.status}, iteration {state.iterations_done} of {state.length}"]
-        if state.another and state.status in AT_REST:
-            parts = [f"ready · last run: {state.title}, {parts[0]}"]
     if state.status == "idle" or (state.another and state.status in AT_REST):
-        parts += [state.outlook] if state.outlook else []
+        parts = ["ready", *([state.outlook] if state.outlook else [])]
     if state.pausing:
         parts.append(f"pausing … when this {'drop test' if state.stage.startswith('drop test') else 'iteration'} has ended")
     if state.stage:

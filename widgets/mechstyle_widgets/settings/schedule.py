@@ -72,8 +72,8 @@ class ScheduleSelector(Section):
     @property
     def brief(self) -> str:
         """How many iterations, and when they are simulated."""
-        often = word(WHAT[self.schedule])
-        return f"{self.iterations} {word('iterations')}, {f'{often} ({self.every})' if self.schedule == 'every' else often}"
+        often = word("every {}").format(self.every) if self.schedule == "every" else word(WHAT[self.schedule])
+        return f"{self.iterations} {word('iterations')}, {often}"
 
     @property
     def plan(self) -> Plan:

@@ -75,6 +75,7 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         self._moments = lean(ipywidgets.HBox, moments, layout={"flex_flow": "row wrap", "align_items": "center"})
         self._start = lean(ipywidgets.HBox, [self._button])
         super().__init__([self._start])
+        self.add_class("mechstyle-player-start")
         self._link = ipywidgets.jsdlink((self._play, "value"), (self._slider, "value"))  # beyond the peak there is no playing
         traitlets.link((self._slider, "value"), (self, "frame"))
         traitlets.link((self, "landing"), (self._which, "value"))

@@ -23,20 +23,21 @@ MOST_TICKS, CROWDED = 6, 0.12
 """Steps between ticks at most, and how near to the limit none stands, as a share of the bar."""
 
 
-def colour_bar(layer: Layer, mesh: SurfaceMesh, bands: int = 0) -> str:
+def colour_bar(layer: Layer, mesh: SurfaceMesh, bands: int = 0, *, brief: bool = False) -> str:
     """HTML of a layer's caption, colours, ticks, limit and extremes, and of how much of the surface lies above the limit.
 
     Args:
         layer: The field.
         mesh: Its surface.
         bands: How many colours it is shown in, 0 for all.
+        brief: Whether to leave out what is said of the surface, as where several share the bar.
     """
     scale = layer.scale
     ticks = [_tick(place, min(max(place, 0.0), 1.0), words) for place, words in _ticks(scale)]
     lines = [f"<div><b>{escape(layer.caption)}</b></div>"]
     lines.append(f'<div style="width:{BAR_WIDTH}px;height:12px;border-radius:2px;background:{_gradient(scale, bands)}"></div>')
     lines.append(f'<div style="position:relative;width:{BAR_WIDTH}px;height:1.5em">{"".join(ticks)}</div>')
-    said = (_extremes(layer), _share_beyond(layer, mesh), escape(layer.note))
+    said = () if brief else (_extremes(layer), _share_beyond(layer, mesh), escape(layer.note))
     lines += [f'<div style="color:{FAINT}">{line}</div>' for line in said if line]
     return _block("".join(lines))
 

@@ -46,13 +46,13 @@ class Toolbar(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
         self.choice = unseen(lean(
             ipywidgets.Dropdown,
             options=[("style", STYLE)], description="layer", tooltip="What is shown on the part (1 to 6, L for the next)",
-            layout={"width": "132px"},
+            layout={"width": "120px"},
         ))  # fmt: skip
         views = [(view.replace("_", " "), view) for view in VIEWS]
         self._view = unseen(lean(
             ipywidgets.Dropdown,
             options=views, value="three_quarter", description="seen from", tooltip="Where from (Shift with 1 to 5)",
-            layout={"width": "108px"},
+            layout={"width": "124px"},
         ))  # fmt: skip
         self._fit = _button("arrows-alt", "Bring the whole part into view (Home)")
         self.both = _toggle("columns", "Show the plain part beside it", "plain")

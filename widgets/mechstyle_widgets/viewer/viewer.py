@@ -259,7 +259,7 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
                 self._scenes[0].stand_in(None)  # the hatch is on the part
         mesh = self.subject.mesh
         key = "" if self.protected is None else legend.protected(self.protected, mesh)
-        self._legend.value = (legend.colour_bar(layer, mesh, bands) if layer else "") + key
+        self._legend.value = (legend.colour_bar(layer, mesh, bands, brief=len(self._shown) > 1) if layer else "") + key
         self._table.value = "" if self.probed is None else probe.table(self.subject, self.probed)
         at = "" if self.probed is None else probe.brief(self.subject, self.probed, self.layer)
         self._said.value = legend.said(self.tool, self.measured) or at
