@@ -305,6 +305,12 @@ def tested_at(iteration: int) -> str:
     return f"tested at iteration {iteration}"
 
 
+def weighed(styled: float, plain: float) -> str:
+    """What a part printed solid weighs beside the plain part [g]."""
+    figures = 0 if plain >= 20.0 else 1
+    return f"Printed solid it weighs {styled:.{figures}f} g, the plain part {plain:.{figures}f} g."
+
+
 def least(verdict: Verdict) -> str:
     """What plain and styled part survive in the test with the least reserve, "" where there is none."""
     row = verdict.deciding
