@@ -1,10 +1,12 @@
 """Draws the pictures of the Studio and of a report in docs/ again, from the real ones in headless Chromium.
 
 python benchmarks/screenshots.py                       # a quick run of the wall hook, and a branch of it
+python benchmarks/screenshots.py --states FOLDER       # every state of the Studio at three widths in both themes, to look at
 """
 
 from __future__ import annotations
 
+import argparse
 import re
 from pathlib import Path
 from typing import Any
@@ -32,8 +34,29 @@ BRANCH = "studio.branches.pin(); studio.controller.branch(4, lane='cautious', th
 COMPARED = "studio._tabs.selected_index = 1; studio.state.layer = 'restraint'"
 
 
+STATES = {
+    "before": "pass",
+    "unknown-prompt": "studio.prompt_box.prompt = 'crocodile skin'",
+    "sheet": "studio.prompt_box.prompt = 'brick'; studio.prompt_box._chips.all = True",
+    "page": "studio.prompt_box._chips.all = False; studio._groups[6].unfolded = True",
+    "finished": "studio.close_page(); studio.controller.run()",
+    "stress": "studio.state.layer = 'stress'; studio.viewer.stepped = True",
+    "both": "studio.viewer.stepped = False; studio.controller.both()",
+    "another-part": "studio.state.pinned = None; studio.part_picker.choose('gallery:phone_stand')",
+}
+"""States of a Studio by name, each with what brings it on from the one before."""
+WIDTHS, THEMES, BESIDE = (1440, 1008, 700), ("Light", "Dark"), 50
+"""Widths of the Studio, themes of JupyterLab, and what its page shows beside a Studio [pixels]."""
+
+
 def main() -> None:
     """Run, look and save."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--states", type=Path, metavar="FOLDER", help="put pictures of every state here instead")
+    folder = parser.parse_args().states
+    if folder is not None:
+        all_states(folder)
+        return
     with laboratory() as (chromium, lab, notebooks):
         of_a_run(Page(chromium, lab, "studio", STUDIO), chromium, notebooks)
         painted = Page(chromium, lab, "painted", PAINTED)
@@ -62,6 +85,25 @@ def of_a_run(shown: Page, chromium: Any, notebooks: Path) -> None:
     page.get_by_role("button", name="Beside the original").click()
     page.evaluate(browser.SETTLED)
     page.screenshot(path=DOCS / "report.png")
+
+
+def all_states(folder: Path) -> None:
+    """Bring a Studio from state to state, and save each at every width in every theme."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with laboratory() as (chromium, lab, _):
+        shown = Page(chromium, lab, "states", STUDIO)
+        for state, code in STATES.items():
+            shown.notebook.python(code)
+            shown.notebook.until("studio.state.status in ('preparing', 'running')", False, PATIENCE)
+            for theme in THEMES:
+                shown.page.evaluate("theme => window.jupyterapp.commands.execute('apputils:change-theme', {theme})", f"JupyterLab {theme}")
+                for width in WIDTHS:
+                    shown.page.set_viewport_size({"width": width + BESIDE, "height": HEIGHT})
+                    shown.notebook.drawn()
+                    shown.page.mouse.move(0, 0)
+                    shown.page.evaluate(browser.SETTLED)
+                    picture = folder / f"{state}-{width}-{theme.lower()}.png"
+                    shown.page.locator(".mechstyle-studio").screenshot(path=picture, animations="disabled")
 
 
 def keep(shown: Page, name: str) -> None:

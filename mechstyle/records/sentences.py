@@ -305,10 +305,61 @@ def tested_at(iteration: int) -> str:
     return f"tested at iteration {iteration}"
 
 
+def weighed(styled: float, plain: float) -> str:
+    """What a part printed solid weighs beside the plain part [g]."""
+    figures = 0 if plain >= 20.0 else 1
+    return f"Printed solid it weighs {styled:.{figures}f} g, the plain part {plain:.{figures}f} g."
+
+
 def least(verdict: Verdict) -> str:
     """What plain and styled part survive in the test with the least reserve, "" where there is none."""
     row = verdict.deciding
     return "" if row is None else f"{_label(row)}: {_figures(row, verdict)}"
+
+
+def side_by_side(names: tuple[str, str], verdicts: tuple[Verdict, Verdict], kept: tuple[float | None, float | None]) -> str:
+    """How two runs of one part and style compare, in two short sentences: how they look, and what each survives where they differ most.
+
+    Args:
+        names: What the runs are called.
+        verdicts: Of each.
+        kept: Share of the relief that is left of each, None where that is not known.
+    """
+    pairs = [(one, other) for one in verdicts[0].rows if one.decides and (other := verdicts[1].row(one.test, one.load)) is not None]
+    if not pairs or any(verdict.outcome == "UNKNOWN" for verdict in verdicts):
+        return "One of the two gave no answer, so there is nothing to compare."
+    first, second = min(pairs, key=lambda pair: min(row.reserve for row in pair))
+    return " ".join(filter(None, (_alike(names[1], kept), f"{_survive(names, first, second)}; {_asked_for(first, verdicts[0])}.")))
+
+
+ALIKE = 0.9
+"""Share of the other's relief from which on a part looks like it."""
+SAME = 0.05
+"""Relative difference up to which two figures are about the same."""
+
+
+def _alike(name: str, kept: tuple[float | None, float | None]) -> str:
+    """How two runs look."""
+    free, fed = kept
+    if free is None or fed is None or free <= 0.0:
+        return ""
+    return "Both look alike." if fed >= ALIKE * free else f"{name} keeps {fed / free:.0%} of the relief."
+
+
+def _survive(names: tuple[str, str], first: Row, second: Row) -> str:
+    """What each survives in a test."""
+    what = f"carry the load {first.load!r}" if first.load else "pass the published rule" if first.height is None else "fall from"
+    where = {"nearly flat": ", landing nearly flat", "any landing": ", landing any way up"}.get(first.test, "")
+    one, other = (length(row.survived) if row.height is not None else f"{row.survived:.2f} times" for row in (first, second))
+    if abs(second.survived - first.survived) <= SAME * max(first.survived, second.survived):
+        return f"{names[0]} and {names[1]} may both {what} {one}{where}"
+    again = "from " if first.height is not None else ""
+    return f"{names[0]} may {what} {one}, {names[1]} {again}{other}{where}"
+
+
+def _asked_for(row: Row, verdict: Verdict) -> str:
+    """What was asked of a part in a test."""
+    return f"{fall(verdict.fall) if row.height is not None else 'once'} was asked for"
 
 
 def least_left(lane: str, verdict: Verdict, stresses: Mapping[str, float]) -> str:

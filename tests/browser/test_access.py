@@ -141,16 +141,16 @@ def test_the_list_of_keys_opens_and_closes_by_key(shown):
 
 def test_a_word_explains_itself_to_mouse_and_keyboard(shown):
     setup, tip = shown.page.locator(".mechstyle-setup"), shown.page.locator(".mechstyle-studio > .mechstyle-tip")
-    setup.get_by_text("threshold", exact=True).first.hover()
+    setup.get_by_text("stops at", exact=True).first.hover()
     tip.locator("svg").wait_for()
     assert "Demand at which a place may move no further" in tip.inner_text()
     shown.keep("access-tip", shown.page.locator(".mechstyle-studio"))
     assert grave(shown.page, ".mechstyle-tip") == []
     shown.page.keyboard.press("Escape")
     tip.wait_for(state="hidden")
-    setup.get_by_label("strategy").focus()
+    setup.get_by_label("holds back").focus()
     tip.get_by_text("How demand becomes restraint").wait_for()
-    assert setup.get_by_label("strategy").get_attribute("aria-describedby") == tip.get_attribute("id")
+    assert setup.get_by_label("holds back").get_attribute("aria-describedby") == tip.get_attribute("id")
     shown.canvas().focus()
     tip.wait_for(state="hidden")
 
@@ -210,10 +210,10 @@ def test_a_focus_that_left_the_studio_is_not_brought_back(shown):
 
 def test_a_grid_of_pictures_is_one_stop(shown):
     shown.python("studio.prompt_box._chips.all = True")
-    grid = shown.page.locator(".mechstyle-studio .mechstyle-pictures").nth(1)
-    grid.locator("button:visible").nth(10).wait_for()
-    stops = "grid => [...grid.querySelectorAll('button')].filter(one => one.tabIndex >= 0).length === 1"
-    shown.page.wait_for_function(stops, arg=grid.element_handle())
+    shown.page.locator(".mechstyle-sheet button:visible").nth(40).wait_for()
+    grids = shown.page.locator(".mechstyle-studio .mechstyle-pictures:visible")
+    stops = "grid => [...grid.querySelectorAll('button')].filter(one => !one.hidden && one.tabIndex >= 0).length"
+    assert [grid.evaluate(stops) for grid in grids.all()] == [1] * grids.count()
     shown.python("studio.prompt_box._chips.all = False")
 
 

@@ -165,7 +165,7 @@ def test_another_part_in_the_same_studio(hour, cube, part):
         studio(hour).get_by_placeholder("part.stl").fill("block.stl")
         studio(hour).get_by_placeholder("part.stl").press("Enter")
     else:
-        choose(hour, f"all {len(names())} models")
+        choose(hour, f"all {len(names())} parts")
         choose(hour, "wall hook")
     badge(hour).get_by_text("NOT TESTED").wait_for()
     hour.changed(hour.canvas(), before, 0.05)

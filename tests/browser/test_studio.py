@@ -71,6 +71,39 @@ def test_a_picture_is_chosen_from_a_file_and_left_again(studio, tmp_path):
     studio.until("(studio.prompt_box.prompt, studio.prompt_box.image)", ("brick", ""))
 
 
+def test_a_prompt_that_names_no_style_is_answered_under_its_field_with_styles_to_press(studio):
+    field = whole(studio).get_by_label("style", exact=True).first
+    field.fill("crocodile skin")
+    answer = whole(studio).get_by_role("alert").filter(has_text="names no style")
+    answer.wait_for()
+    assert 0 < answer.bounding_box()["y"] - field.bounding_box()["y"] < 60, "right under it"
+    studio.until("studio.run_controls._buttons['run'].button_style", "")
+    nearest = studio.python("print(studio.prompt_box._chips.few[0].replace('_', ' '))")
+    whole(studio).get_by_role("button", name=nearest, exact=True).first.click()
+    studio.until("studio.prompt_box.prompt", nearest)
+    answer.wait_for(state="detached")
+
+
+@pytest.mark.parametrize("close", ["Escape", "a click elsewhere", "a choice"])
+def test_the_sheet_of_all_styles_is_searched_and_closes(studio, close):
+    more, sheet = whole(studio).get_by_role("button", name="all 46 styles"), whole(studio).get_by_role("dialog", name="all 46 styles")
+    more.click()
+    sheet.wait_for()
+    sheet.get_by_label("search styles").fill("scale")
+    sheet.get_by_role("button", name="brick", exact=True).wait_for(state="hidden")
+    sheet.get_by_role("button", name="fish scales").wait_for()
+    studio.keep("studio-sheet", whole(studio))
+    if close == "Escape":
+        studio.page.keyboard.press("Escape")
+    elif close == "a choice":
+        sheet.get_by_role("button", name="fish scales").click()
+        studio.until("studio.prompt_box.prompt", "fish scales")
+    else:
+        whole(studio).locator(".mechstyle-result").click()
+    sheet.wait_for(state="hidden")
+    studio.python("studio.prompt_box.prompt = 'brick'")
+
+
 def test_a_small_run_completes_while_the_kernel_answers(studio):
     whole(studio).locator("button[title^='Run to the end']").click()
     studio.until("studio.state.status in ('preparing', 'running')", True)
@@ -92,14 +125,14 @@ def test_a_click_on_the_timeline_moves_everything(studio):
 
 def test_the_threshold_changes_the_picture_of_the_mask(studio):
     """Stress over yield is some tenths all over this part, so that a threshold of a tenth freezes it."""
-    studio.page.get_by_role("tab", name="Mask").click()
+    studio.page.get_by_role("tab", name="What if").click()
     studio.python("studio.mask_inspector.selector.normalisation = 'sigma_c'")
     studio.python("studio.mask_inspector.selector._lambda.value = 1.0")
     before = studio.drawn()
     studio.page.get_by_role("button", name="show it").click()
     studio.until("studio.state.layer", "what_if")
     pale = studio.changed(studio.canvas(), before, 0.05)
-    slider = whole(studio).locator(".widget-slider:visible").filter(has_text="threshold").locator(".noUi-handle")
+    slider = whole(studio).locator(".widget-slider:visible").filter(has_text="stops at").locator(".noUi-handle")
     slider.focus()
     was = float(studio.python("print(studio.mask_inspector.selector.threshold)"))
     slider.press("Home")

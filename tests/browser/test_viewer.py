@@ -91,7 +91,7 @@ def test_the_picture_can_be_saved(shown):
 
 
 def test_the_impact_can_be_watched_and_exaggerated(shown):
-    shown.page.get_by_role("button", name="see the impact").click()
+    shown.page.get_by_role("button", name="impact").click()
     shown.until("(viewer.player.impact is not None, viewer.layer)", "(True, 'moment')")
     before = shown.drawn()
     assert shown.python("print(viewer.player.frame == viewer.player.impact.peak)") == "True"

@@ -301,3 +301,30 @@ def test_how_it_is_judged_is_five_short_sentences_and_every_outcome_has_a_meanin
 
 def test_what_a_part_survives_is_found_by_the_test_alone():
     assert sentences.survived(verdict(FLAT, TILTED, COAT)) == {"flat": "1.9 m", "nearly flat": "50 cm", "load coat": "1.40 ×"}
+
+
+# --- two runs beside each other -----------------------------------------------------------------------------------
+
+TWO = ("Freestyle", "MechStyle")
+
+
+@pytest.mark.parametrize(
+    ("free", "fed", "kept", "words"),
+    [
+        ((row(200.0),), (row(1900.0),), (1.0, 0.97), "Both look alike. Freestyle may fall from 20 cm, MechStyle from 1.9 m; 1.5 m"),
+        ((row(1900.0),), (row(1950.0),), (1.0, 0.6),
+         "MechStyle keeps 60% of the relief. Freestyle and MechStyle may both fall from 1.9 m; 1.5 m"),
+        ((FLAT, TILTED), (FLAT, row(1800.0, test="nearly flat", landing=CORNER)), (None, None),
+         "Freestyle may fall from 50 cm, MechStyle from 1.8 m, landing nearly flat; 1.5 m"),
+        ((FLAT, load_row(0.5)), (FLAT, COAT), (1.0, 1.0),
+         "Both look alike. Freestyle may carry the load 'coat' 0.50 times, MechStyle 1.40 times; once"),
+    ],
+)  # fmt: skip
+def test_two_runs_are_compared_in_the_test_that_decides(free, fed, kept, words):
+    said = sentences.side_by_side(TWO, (verdict(*free), verdict(*fed)), kept)
+    assert said == f"{words} was asked for."
+    assert not BANNED.search(said)
+
+
+def test_without_an_answer_nothing_is_compared():
+    assert "nothing to compare" in sentences.side_by_side(TWO, (UNKNOWN, verdict(FLAT)), (1.0, 1.0))

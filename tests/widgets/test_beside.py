@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from mechstyle.records import sentences
 from mechstyle.runs.recipes import FREESTYLE
 from mechstyle_widgets.panels.branches import Branches, said_of
 from mechstyle_widgets.state.controller import Wanted
@@ -52,11 +53,11 @@ def test_the_place_that_decides_is_that_of_the_one_with_least_left(controller, s
     branches, state = Branches(controller), controller.state
     controller.both()
     settle(controller)
-    place, words = branches.decisive()
+    vertex, words = branches.decisive()
     reserves = {lane: state.row(12, lane).verdict.deciding.reserve for lane in ("main", "freestyle")}
     worst = min(reserves, key=reserves.get)
-    assert f"where {worst} has least left" in words
-    assert np.isfinite(place).all()
+    assert f"where {state.called(worst)} has least left" in words
+    assert vertex == state.checkpoint_at(12, worst).stress.argmax()
     assert words in branches._comparison.value
 
 
@@ -80,7 +81,7 @@ def test_three_views_share_the_camera_and_the_width(done):
     viewer.also, viewer.compared = ("soft", 8), ("main", 4)
     assert [view.width for view in viewer._stage.children] == [300, 300, 300]
     assert len({view.camera for view in viewer._stage.children}) == 1
-    assert viewer.names == ("main, iteration 12", "main, iteration 4", "soft, iteration 8")
+    assert viewer.names == ("MechStyle", "MechStyle, iteration 4", "soft, iteration 8")
     assert np.allclose(viewer.third.mesh.vertices, done.surface().vertices) is False
     assert len(viewer.picture().png) > 0
     viewer.also = None
@@ -101,3 +102,34 @@ def test_forgetting_what_is_compared_takes_the_cross_away(done, monkeypatch):
     studio.state.pinned = None
     assert (studio._viewer.probed, studio._viewer.beside) == (None, False)
     studio.close()
+
+
+@pytest.mark.usefixtures("controller")
+def test_after_both_one_sentence_stands_over_the_panes_each_with_its_name_and_badge(done, monkeypatch):
+    """The one sentence that was wanted stood behind a tab, 1300 pixels down."""
+    from mechstyle_widgets.studio import Studio  # noqa: PLC0415 — after the controller's patches
+
+    monkeypatch.setattr("mechstyle_widgets.panels.mask_inspector._freedom", lambda run, _recipe: np.ones_like(run.part.thickness))
+    monkeypatch.setattr(Branches, "insight", lambda _: "Both look alike. Freestyle may fall from 20 cm, MechStyle from 1.9 m.")
+    studio = Studio(done)
+    studio.state.pinned = ("soft", 12)
+    viewer = studio.viewer
+    assert 'class="mechstyle-insight" role="status">Both look alike.' in viewer.badge._words.value
+    assert viewer.names == ("MechStyle", "soft")
+    assert all(studio.state.row(12, lane).outcome in html for lane, html in zip(("main", "soft"), viewer.outcomes, strict=True))
+    studio.state.pinned = None
+    assert "mechstyle-insight" not in viewer.badge._words.value.partition("</style>")[2]
+    studio.close()
+
+
+def test_the_sentence_is_made_of_the_verdicts_at_the_ends_of_freestyle_and_what_is_shown(controller, settle):
+    branches, state = Branches(controller), controller.state
+    assert branches.insight() == ""
+    controller.both()
+    settle(controller)
+    free, fed = (state.row(12, lane).verdict for lane in ("freestyle", "main"))
+    words = branches.insight()
+    assert words.startswith(("Freestyle may", "Freestyle and MechStyle may both"))
+    assert all(sentences.length(found.deciding.survived) in words for found in (free, fed))
+    state.lane = "freestyle"
+    assert branches.insight() == ""

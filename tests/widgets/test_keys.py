@@ -31,7 +31,7 @@ def test_p_paints_and_escape_leaves_the_brush_before_anything_else(studio):
 def test_w_asks_what_if(studio):
     studio._tabs.selected_index = 1
     press(studio, "w")
-    assert studio._tabs.titles[studio._tabs.selected_index] == "Mask"
+    assert studio._tabs.titles[studio._tabs.selected_index] == "What if"
 
 
 def test_i_shows_the_impact_and_then_the_part_at_rest(studio, monkeypatch):

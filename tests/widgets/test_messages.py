@@ -82,7 +82,8 @@ def test_once_another_run_is_asked_for_everything_of_the_last_one_is_called_that
     studio.part_picker.show(cube.moved(0.5 * cube.vertices), "half")
     assert studio.take_away.main.description == "3MF of part, brick"
     assert "<b>Last run: part, brick</b>" in told(studio)
-    assert studio.run_controls.words.startswith("ready · last run: part, brick, finished")
+    assert studio.run_controls.words.startswith("ready · We let it fall from 1.5 m, in simulation, about ")
+    assert studio.run_controls._bar.value == 0.0
     assert studio.run_controls.title == "half, brick"
     assert isinstance(studio.viewer, PartViewer)
     assert studio.run_controls._back.layout.display is None
@@ -182,7 +183,7 @@ def test_an_error_nobody_thought_of_is_said_where_the_setting_is(studio, monkeyp
 def test_use_this_at_the_end_offers_the_first_test_at_which_it_makes_a_difference(studio):
     inspector = studio.mask_inspector
     inspector._use.click()
-    assert "Nothing differs from main" in inspector.trouble
+    assert "Nothing differs from MechStyle" in inspector.trouble
     inspector.selector.control, inspector.selector.threshold = "linear", 0.1
     assert inspector.trouble == ""
     inspector._use.click()
@@ -198,7 +199,7 @@ def test_use_this_at_the_end_offers_the_first_test_at_which_it_makes_a_differenc
 
 def test_a_branch_that_would_be_the_same_or_comes_too_late_is_said_beside_its_button(studio):
     studio.branches._branch.click()
-    assert "Nothing differs from main" in studio.branches.trouble
+    assert "Nothing differs from MechStyle" in studio.branches.trouble
     studio.control_selector.threshold = 0.4
     assert studio.branches.trouble == ""
     studio.branches._branch.click()

@@ -266,7 +266,7 @@ def test_what_is_told_of_a_place_does_not_push_the_timeline_down(done):
     (told,) = studio._asked.children
     assert "vertex 3" in told.value
     assert "mm" in studio.viewer._said.value
-    assert told not in studio.viewer._beside_legend.children
+    assert told not in studio.viewer._foot.children
 
 
 @pytest.mark.usefixtures("unprotected")
@@ -324,9 +324,9 @@ def test_a_pinned_iteration_stands_beside_the_one_on_show(done):
     studio.state.lane, studio.state.iteration = "soft", 9
     viewer = studio._viewer
     assert viewer.beside
-    assert viewer.names == ("soft, iteration 9", "main, iteration 4")
+    assert viewer.names == ("soft, iteration 9", "MechStyle, iteration 4")
     studio.state.iteration = 8
-    assert viewer.names == ("soft, iteration 8", "main, iteration 4")
+    assert viewer.names == ("soft, iteration 8", "MechStyle, iteration 4")
     assert np.allclose(viewer.original.mesh.vertices, done.surface(4).vertices)
     assert not np.allclose(viewer.subject.mesh.vertices, viewer.original.mesh.vertices)
     studio.state.lane, studio.state.iteration = "main", 4

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import ipywidgets
-import numpy as np
 import traitlets
 
 from mechstyle.errors import BadInput, MechStyleError
@@ -25,6 +24,7 @@ from mechstyle.simulation.estimate import estimated
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
 from mechstyle_widgets.jupyter.closing import close_family
 from mechstyle_widgets.jupyter.frame import Frame
+from mechstyle_widgets.jupyter.language import speak
 from mechstyle_widgets.jupyter.looks import lean, sharing, show, stacked
 from mechstyle_widgets.panels.branches import Branches
 from mechstyle_widgets.panels.keys import Keys
@@ -34,7 +34,7 @@ from mechstyle_widgets.panels.run_controls import RunControls
 from mechstyle_widgets.panels.take_away import TakeAway
 from mechstyle_widgets.settings.brush import covered, paintable
 from mechstyle_widgets.settings.control import ControlSelector
-from mechstyle_widgets.settings.drop import DropOptions
+from mechstyle_widgets.settings.drop import SIZES, DropOptions
 from mechstyle_widgets.settings.group import Group
 from mechstyle_widgets.settings.material import MaterialPicker
 from mechstyle_widgets.settings.part import PartPicker
@@ -58,6 +58,8 @@ SIZE = (640, 430)  # width and height of the view until the page has told how mu
 TITLES = ("Part", "Style", "Material", "Holding back", "When to test", "Keep plain", "Drop test")
 OPEN = ("Part", "Style")
 """Groups of settings that are open at first: what decides the look."""
+ASKED = 2
+"""The tab that tells what is known of the place that was clicked."""
 SECTIONS = (PromptBox, MaterialPicker, ControlSelector, ScheduleSelector, RegionsPicker, DropOptions)
 SHOWN = {field for section in SECTIONS for field in section.FIELDS}
 UNSEEN = tuple(name for name in SETTINGS if name not in SHOWN)
@@ -86,6 +88,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         part: str | Path | SurfaceMesh | Run = "gallery:pen_holder",
         *,
         theme: str = "auto",
+        language: str = "en",
         **settings: Any,
     ) -> None:
         """Open a part, or a run that was made before. The Studio is as wide as its cell.
@@ -93,6 +96,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         Args:
             part: `gallery:NAME`, a file, a surface, a run, or a run directory, which may be written DIR@LANE.
             theme: `light` or `dark`, or `auto`, which follows the notebook's.
+            language: What its controls are called in: `en` or `de`; of all Studios of this kernel that are made from now on.
             settings: Any of `prompt`, `material`, `freestyle`, `vertices`, `device`, `folder`, `scale`, and fields of `Recipe`.
 
         Raises:
@@ -100,7 +104,10 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         """
         if settings.pop("width", None) is not None:
             logger.warning("the Studio is as wide as its cell now: leave out width")
+        speak(language)
         run = run_in(part, settings.get("device", "auto"))
+        if run is None:
+            settings = {"vertices": SIZES["Try it"], **settings}
         self.state = StudioState()
         self.controller = Controller(self.state, self.wanted)
         self._make_sections("" if run is not None else part, settings)
@@ -242,9 +249,9 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._groups = [Group(title, section, unfolded=title in OPEN, page=title not in OPEN) for title, section in sections]
         for group in self._groups:
             group.observe(self._turn_page, "unfolded")
-        self._tabs = lean(ipywidgets.Tab, [self.mask_inspector, self.branches], titles=("Mask", "Branches"))
+        self._tabs = lean(ipywidgets.Tab, [self.mask_inspector, self.branches, self._asked], titles=("What if", "Branches", "Place"))
         setup, middle = stacked(self._groups, "mechstyle-setup"), stacked([self._middle, self._timeline], "mechstyle-middle")
-        return stacked([setup, middle, stacked([self._result, self._asked, self._tabs], "mechstyle-inspect")], "mechstyle-body")
+        return stacked([setup, middle, stacked([self._result, self._tabs], "mechstyle-inspect")], "mechstyle-body")
 
     def _turn_page(self, _change: object = None) -> None:
         """A group that is a page takes the place of all others while it is open."""
@@ -345,10 +352,13 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         """What is compared stands beside what is shown from now on, and the place that decides is marked."""
         viewer = self._viewer
         if isinstance(viewer, RunViewer):
+            viewer.insight = self.branches.insight()
             viewer.also, viewer.compared = self.state.third, self.state.pinned
-            place, _ = self.branches.decisive() or (None, "")
-            away = None if place is None else np.linalg.norm(viewer.at_rest.vertices - np.asarray(place), axis=1)
-            viewer.probed = None if away is None else int(away.argmin())
+            vertex, _ = self.branches.decisive() or (None, "")
+            if vertex is None:
+                viewer.probed = None
+            else:
+                viewer.look_round(vertex)
 
     def _derive(self, _change: object = None) -> None:
         """Let the viewer work out the mask that would be with other settings."""
@@ -359,6 +369,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         old, self._viewer = self._viewer, viewer
         self._middle.children, self._asked.children = [viewer], [viewer.lend_table()]
         viewer.on_click(self.regions_picker.click)
+        viewer.on_click(lambda _: setattr(self._tabs, "selected_index", ASKED))
         self._hatch()
         if self._timeline is not None:
             self._timeline.scrubber.serve(viewer if isinstance(viewer, RunViewer) else None)
@@ -370,16 +381,16 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         return make(what, theme=self.shown_theme, width=self._size[0], height=self._size[1])
 
     def _emphasise(self, _change: object = None) -> None:
-        """Say what is made, and fill the one button that leads on: running, or, once the part is done, taking it away."""
-        state = self.state
+        """Say what is made, and fill the one button that leads on: running what can be run, or, once the part is done, taking it away."""
+        state, clear = self.state, True
         try:
-            state.another = self.run is not None and self.controller.asks_for_another()
+            state.another = self.controller.asks_for_another() and self.run is not None
         except MechStyleError:  # what is wrong is said where it is set
-            state.another = self.run is not None
+            state.another, clear = self.run is not None, False
         self._foretell()
         done = state.status == "finished" and not state.another
         self.take_away.main.button_style = "primary" if done else ""
-        self.run_controls.emphasise(not done)
+        self.run_controls.emphasise(clear and not done)
         asked = ", ".join(filter(None, (self.part_picker.name, self.prompt_box.prompt))).replace("_", " ")
         self.run_controls.title = state.title if self.run is not None and (self.controller.busy or not state.another) else asked
 

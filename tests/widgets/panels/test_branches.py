@@ -20,8 +20,8 @@ def branches(done):
 
 def test_lanes_are_listed_with_where_they_come_from(branches):
     words = [words for words, _ in branches._choice.options]
-    assert words[0].endswith("main: 12 iterations")
-    assert words[1].endswith("soft: 12 iterations, from main at 6")
+    assert words[0].endswith("MechStyle: 12 iterations")
+    assert words[1].endswith("soft: 12 iterations, from MechStyle at 6")
 
 
 def test_choosing_a_lane_shows_it_and_what_it_changed(branches):
@@ -44,7 +44,7 @@ def test_two_iterations_are_compared_in_settings_and_results(branches):
     tested = (branches.state.row(4, "main").verdict, branches.state.row(9, "soft").verdict)
     assert table["outcome"] == tuple(said_of(verdict) for verdict in tested)
     assert table["flat"] == tuple(survived(verdict)["flat"] for verdict in tested)
-    assert "main · 4" in branches._comparison.value
+    assert "MechStyle · 4" in branches._comparison.value
 
 
 def test_what_was_not_tested_has_a_dash_for_what_it_survives(branches):
@@ -67,7 +67,7 @@ def test_a_branch_from_the_iteration_on_show_takes_what_was_changed_at_the_left(
     branches = Branches(controller)
     controller.state.iteration = 5
     branches.branch()
-    assert "Nothing differs from main" in branches.trouble
+    assert "Nothing differs from MechStyle" in branches.trouble
     controller.state.iteration = 6
     assert branches.trouble == "", "it is about what was asked for, and stays no longer than that"
     controller.state.iteration = 5

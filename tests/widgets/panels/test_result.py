@@ -49,7 +49,7 @@ def test_a_plan_gives_way_to_the_table_of_falls_and_the_outcome_of_each_lane(don
     state.open(done)
     assert "Drop the plain part" not in result.value
     last = done.history[-1].verdict
-    for words in ("main", "soft", last.outcome, *sentences.COLUMNS, *sentences.table(last)[0]):
+    for words in ("MechStyle", "soft", last.outcome, *sentences.COLUMNS, *sentences.table(last)[0]):
         assert words in result.value
     assert last.head.split("(")[0] in result.value
 
@@ -80,3 +80,12 @@ def test_a_doubt_stands_under_the_table(done):
 def test_what_gave_no_answer_has_no_table(done):
     unknown = msgspec.structs.replace(done.history[-1].verdict, outcome="UNKNOWN", rows=(), doubts=(), failure="the mesh is gone")
     assert of_verdict(unknown) == "<div>UNKNOWN: the mesh is gone.</div>"
+
+
+def test_what_a_part_weighs_stands_under_its_verdict_beside_the_plain_one(done, monkeypatch):
+    assert "weighs" not in Result(StudioState(done)).value, "a sheet encloses nothing"
+    monkeypatch.setattr(type(done.part.surface), "volume", property(lambda mesh: 1000.0 if mesh is done.part.surface else 1100.0))
+    density = done.recipe.material.density
+    assert sentences.weighed(1100.0 * density, 1000.0 * density) in Result(StudioState(done)).value
+    assert sentences.weighed(41.6, 38.2) == "Printed solid it weighs 42 g, the plain part 38 g."
+    assert sentences.weighed(1.36, 1.24) == "Printed solid it weighs 1.4 g, the plain part 1.2 g."

@@ -321,7 +321,7 @@ def test_the_folded_regions_say_what_becomes_of_the_underside_or_how_many_there_
     briefs = {base: RegionsPicker(base=base).brief for base in BASES}
     assert briefs == {"plain": "underside smooth", "level": "underside level", "free": "underside styled"}
     assert RegionsPicker().brief == "underside smooth"
-    assert RegionsPicker(["inside", "below 5"]).brief == "2 regions"
+    assert RegionsPicker(["inside", "below 5"]).brief == "2 places"
 
 
 # --- drop test ----------------------------------------------------------------------------------------------------

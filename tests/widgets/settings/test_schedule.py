@@ -48,7 +48,7 @@ def test_the_preview_moves_with_every_parameter():
 
 def test_the_folded_schedule_says_every_how_many():
     assert ScheduleSelector(schedule="every", every=5, iterations=20).brief == "20 iterations, every 5"
-    assert ScheduleSelector(schedule="never", iterations=20).brief == "20 iterations, never"
+    assert ScheduleSelector(schedule="never", iterations=20).brief == "20 iterations, only at the end"
 
 
 def test_only_parameters_that_count_are_offered():

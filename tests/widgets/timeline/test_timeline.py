@@ -59,7 +59,7 @@ def test_a_branch_starts_where_it_forks_on_its_parents_line(timeline):
 
 def test_the_axis_of_lanes_is_one_of_names_before_a_run_as_well():
     timeline = Timeline(StudioState(settings=ASKED))
-    assert set(trace(timeline, LANES)["y"]) == {"main"}, "plotly would take it for an axis of numbers, on which no mark is seen"
+    assert set(trace(timeline, LANES)["y"]) == {"MechStyle"}, "plotly would take it for an axis of numbers, on which no mark is seen"
 
 
 def test_the_stress_stands_beside_its_limit(timeline, state):
@@ -78,7 +78,12 @@ def test_what_is_not_sure_has_a_line_around_its_mark(state):
 
 
 def test_the_curve_can_be_chosen(timeline, state):
+    assert trace(timeline, CURVE)["y"] == [], "the stress is enough until more is asked for"
+    assert not frame(timeline)["yaxis3"]["visible"]
+    low = frame(timeline)["height"]
+    timeline.curve = "style_loss"
     assert trace(timeline, CURVE)["y"] == [row.style_loss for row in state.history]
+    assert frame(timeline)["height"] > low
     timeline.curve = "travel"
     assert trace(timeline, CURVE)["y"] == [row.travel for row in state.history]
     timeline.curve = "seconds"

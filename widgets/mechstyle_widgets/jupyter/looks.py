@@ -18,6 +18,8 @@ from weakref import WeakValueDictionary
 import ipywidgets
 import traitlets
 
+from mechstyle_widgets.jupyter.language import worded
+
 W = TypeVar("W")
 Looks = dict[tuple[Any, ...], Any]
 
@@ -58,6 +60,7 @@ def close_unused(looks: Iterable[ipywidgets.Widget]) -> None:
 
 def lean(kind: Callable[..., W], *given: Any, **traits: Any) -> W:
     """A control of a kind of ipywidgets, whose layout and style are given as dictionaries if at all, and shared while `sharing`."""
+    traits = worded(traits)
     known, looks = kind.class_traits(), _here.get()  # type: ignore[attr-defined]  # ipywidgets has no types
     if looks is not None:
         for name in {"layout", "style"} & known.keys():

@@ -18,6 +18,21 @@ ALSO = {
     "branches": "lane",
     "lanes": "lane",
     "new lane": "lane",
+    "depth": "relief",
+    "size": "feature",
+    "variation": "seed",
+    "shape from": "field",
+    "detail": "vertices",
+    "holds back": "control",
+    "holding back": "control",
+    "measured against": "normalisation",
+    "stops at": "threshold",
+    "tested": "schedule",
+    "when to test": "schedule",
+    "keep plain": "protect",
+    "spare strength": "headroom",
+    "style still missing": "style_loss",
+    "change since the last test": "travel",
 }
 """Labels of controls that mean a term of another word."""
 INK, FAINT, ACCENT, OVER = (
@@ -32,7 +47,8 @@ def terms() -> str:
     """What the page needs, as JSON: by what stands on screen in small letters, the word, its sentence and its picture as SVG."""
     told = {key: [word, sentence, PICTURES.get(key, "")] for key, (word, sentence) in WORDS.items()}
     spoken = {one.lower(): told[key] for key, (word, _) in WORDS.items() for one in word.replace(" · ", ", ").split(", ")}
-    return json.dumps({**spoken, **{label: told[key] for label, key in ALSO.items()}}, ensure_ascii=False)
+    named = {label: [label, *told[key][1:]] for label, key in ALSO.items()}
+    return json.dumps({**spoken, **named}, ensure_ascii=False)
 
 
 def _picture(*parts: str) -> str:

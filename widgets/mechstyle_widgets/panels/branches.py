@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from html import escape
 from typing import Any
@@ -16,14 +16,15 @@ from mechstyle.loop.history import Branch, Row
 from mechstyle.records import Checkpoint, Verdict, sentences
 from mechstyle.records.load_cases import LoadCase
 from mechstyle.records.material import Material
-from mechstyle.records.regions import Point
 from mechstyle.runs.run import Run
 from mechstyle_widgets.jupyter.frame import unseen
+from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, Words, table
 from mechstyle_widgets.state.controller import Controller
 from mechstyle_widgets.state.outcomes import LOOKS
-from mechstyle_widgets.viewer.badge import worst_place
+from mechstyle_widgets.state.studio_state import FREE
+from mechstyle_widgets.viewer.badge import worst_vertex
 
 
 class Branches(Section):
@@ -79,7 +80,8 @@ class Branches(Section):
             self.complain(str(error))
             return
         if not changed:
-            self.complain(f"Nothing differs from {self.lane}: change a setting first, or use another threshold under Mask.")
+            lane = self.state.called(self.lane)
+            self.complain(f"Nothing differs from {lane}: change a setting first, or use another threshold under Mask.")
             return
         if self.state.iteration >= wanted.iterations:
             self.complain(f"Iteration {self.state.iteration} is the end: go to an earlier one, or ask for more iterations.")
@@ -130,20 +132,33 @@ class Branches(Section):
             found.append((Run(state.run.store, lane, state.run.device), row, checkpoint))
         return found
 
-    def decisive(self) -> tuple[Point, str] | None:
-        """The place that decides in the one of the compared that has least left [mm, of the part at rest], and a sentence on it."""
+    def decisive(self) -> tuple[int, str] | None:
+        """The vertex that decides in the one of the compared that has least left, and a sentence on it."""
         sides = [(side, side[1].verdict) for side in self.sides()]
         judged = [(side, verdict) for side, verdict in sides if verdict is not None and verdict.outcome != "UNKNOWN"]
         if len(judged) < 2:
             return None
         (run, _, checkpoint), verdict = min(judged, key=lambda one: _reserve(one[1]))
-        place = worst_place(verdict, self.state.simulation(run.store, checkpoint))
-        vertex = int(np.linalg.norm(run.part.surface.vertices - np.asarray(place), axis=1).argmin())
-        return place, sentences.least_left(run.lane, verdict, {one.lane: float(state.stress[vertex]) for (one, _, state), _ in judged})
+        vertex = worst_vertex(checkpoint)
+        called = self.state.called
+        stresses = {called(one.lane): float(state.stress[vertex]) for (one, _, state), _ in judged}
+        return vertex, sentences.least_left(called(run.lane), verdict, stresses)
+
+    def insight(self) -> str:
+        """How Freestyle and what is shown beside it compare at their ends, in a sentence or two; "" where they are not compared."""
+        sides = {run.lane: (run, row) for run, row, _ in self.sides()}
+        if len(sides) < 2 or FREE not in sides or self.lane == FREE:
+            return ""
+        (free, one), (fed, other) = sides[FREE], sides[self.lane]
+        if one.verdict is None or other.verdict is None:
+            return ""
+        names = self.state.called(FREE), self.state.called(self.lane)
+        return sentences.side_by_side(names, (one.verdict, other.verdict), (share_kept(free, one), share_kept(fed, other)))
 
     def _list(self, _change: object = None) -> None:
         self._choice.unobserve(self._choose, "value")
-        self._choice.options = [(_line(branch, self.state.histories[branch.lane]), branch.lane) for branch in self.state.branches]
+        lines = [(_line(branch, self.state.histories[branch.lane], self.state.called), branch.lane) for branch in self.state.branches]
+        self._choice.options = lines
         names = [branch.lane for branch in self.state.branches]
         self._choice.value = self.lane if self.lane in names else None
         self._choice.rows = min(max(len(names), 2), 6)
@@ -165,15 +180,17 @@ class Branches(Section):
     def _redraw(self, _change: object = None) -> None:
         state = self.state
         nothing = state.checkpoint is None
-        self._branch.description = f"branch from iteration {state.iteration}"
+        self._branch.description = word("branch from iteration {}").format(state.iteration)
         self._branch.disabled = nothing or state.status in ("preparing", "running", "paused")
         again = self.pinned == (state.lane, state.iteration)
-        self._pin.description = "compare no longer" if again else f"compare others with iteration {state.iteration}"
+        pin = word("compare no longer") if again else word("compare others with iteration {}").format(state.iteration)
+        self._pin.description = pin
         self._pin.disabled = nothing
-        self._also.description = "two panes again" if self.third else f"keep {state.lane} · {state.iteration} in a third pane"
+        keep = word("keep {} · {} in a third pane").format(state.called(state.lane), state.iteration)
+        self._also.description = word("two panes again") if self.third else keep
         show(self._also, self.pinned is not None)
         rows, decisive = self.comparison(), self.decisive()
-        head = _on_show_first(("", *(f"{lane} · {iteration}" for lane, iteration in self.places)))
+        head = _on_show_first(("", *(f"{state.called(lane)} · {iteration}" for lane, iteration in self.places)))
         why = f'<div class="mechstyle-note">{escape(decisive[1])}</div>' if decisive else ""
         self._comparison.say(why + table(head, [_on_show_first(row) for row in rows]) if rows else "")
         self.note("nothing to branch from yet: run something first" if nothing else "")
@@ -184,12 +201,12 @@ def _on_show_first(cells: Sequence[str]) -> tuple[str, ...]:
     return (cells[0], *cells[-1:], *cells[1:-1])
 
 
-def _line(branch: Branch, rows: Sequence[Row]) -> str:
+def _line(branch: Branch, rows: Sequence[Row], called: Callable[[str], str]) -> str:
     """A lane in one line, with the mark of its newest outcome."""
     outcome = next((row.outcome for row in reversed(rows) if row.outcome), "")
     where = f"{branch.iteration} of {branch.iterations}" if branch.iteration < branch.iterations else f"{branch.iterations} iterations"
-    origin = f", from {branch.parent} at {branch.forked_at}" if branch.forked_at is not None else ""
-    return f"{LOOKS[outcome].mark if outcome else '·'} {branch.lane}: {where}{origin}"
+    origin = f", from {called(branch.parent)} at {branch.forked_at}" if branch.forked_at is not None and branch.parent else ""
+    return f"{LOOKS[outcome].mark if outcome else '·'} {called(branch.lane)}: {where}{origin}"
 
 
 def results(run: Run, row: Row, checkpoint: Checkpoint) -> dict[str, str]:
@@ -224,11 +241,17 @@ def _reserve(verdict: Verdict) -> float:
 
 
 def kept(run: Run, row: Row) -> str:
-    """Share of the relief that is left at the end of a lane, which its summary knows."""
-    with suppress(MechStyleError):  # there is none before the end
+    """Share of the relief that is left at the end of a lane, as a table cell."""
+    share = share_kept(run, row)
+    return "–" if share is None else f"{share:.0%}"
+
+
+def share_kept(run: Run, row: Row) -> float | None:
+    """Share of the relief that is left at the end of a lane, which its summary knows; None before the end."""
+    with suppress(MechStyleError):  # there is no summary before
         if row.iteration == run.recipe.iterations:
-            return f"{run.summary.kept:.0%}"
-    return "–"
+            return run.summary.kept
+    return None
 
 
 def said(value: Any) -> str:

@@ -19,10 +19,12 @@ from mechstyle.records.checkpoint import restrained
 from mechstyle.records.mesh import Field
 from mechstyle.runs.run import Run
 from mechstyle.simulation.part import bounds_for
+from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.jupyter.svg import Frame, drawing, shares
 from mechstyle_widgets.jupyter.throttle import Paced
 from mechstyle_widgets.settings.control import ControlSelector
+from mechstyle_widgets.settings.group import Fold
 from mechstyle_widgets.settings.section import WIDE, Section, Words
 from mechstyle_widgets.state.controller import Controller
 from mechstyle_widgets.viewer.layers import Layer, layer_of
@@ -52,6 +54,7 @@ class MaskInspector(Section):
         self._freedom, self._original = lru_cache(maxsize=4)(_freedom), lru_cache(maxsize=4)(_original)
         self.selector = ControlSelector()
         self._plots = Words(layout=WIDE)
+        self._histograms = Fold("how the places are spread", [self._plots])
         self._show_layer = lean(
             ipywidgets.ToggleButton,
             description="show it", icon="eye", tooltip="Colour the part by the mask that would be", layout={"width": "50%"}
@@ -63,8 +66,8 @@ class MaskInspector(Section):
         buttons = lean(ipywidgets.HBox, [self._show_layer, self._use], layout=WIDE)
         self._again = lean(ipywidgets.Button, icon="code-fork", layout=WIDE, tooltip="Branch there with these settings")
         self._asked = lean(ipywidgets.VBox, [lean(ipywidgets.HTML, "<b>what if …</b>"), self.selector, buttons])
-        super().__init__([self._plots, self._asked])
-        self.children = (*self.children, self._again)  # below what is said of it
+        super().__init__([self._asked])
+        self.children = (*self.children, self._again, self._histograms)  # below what is said of it
         self._use.on_click(lambda _: self.use())
         self._again.on_click(lambda _: self._begin_again())
         self._from: int | None = None
@@ -112,7 +115,7 @@ class MaskInspector(Section):
         if run is None:
             return
         if all(getattr(run.recipe, name) == value for name, value in self.settings.items()):
-            self._offer(None, f"Nothing differs from {state.lane}: move the threshold first, or try another strategy.")
+            self._offer(None, f"Nothing differs from {state.called(state.lane)}: move the threshold first, or try another strategy.")
         elif state.iteration < state.length:
             self.controller.branch(state.iteration, "", self.complain, **self.settings)
         elif (first := self._first_difference(run)) is None:
@@ -128,7 +131,7 @@ class MaskInspector(Section):
         """Offer to branch from an iteration, None for none, and say why."""
         self._from = iteration
         self.complain(why)
-        self._again.description = "" if iteration is None else f"begin again from iteration {iteration}"
+        self._again.description = "" if iteration is None else word("begin again from iteration {}").format(iteration)
         show(self._again, iteration is not None)
 
     def _first_difference(self, run: Run) -> int | None:
@@ -153,6 +156,7 @@ class MaskInspector(Section):
         run, checkpoint = self.state.run, self.state.checkpoint
         self._use.disabled = self._show_layer.disabled = run is None or checkpoint is None
         show(self._asked, not self._use.disabled)
+        show(self._histograms, not self._use.disabled)
         if run is None or checkpoint is None:
             self.would_be = None
             self._plots.say("")

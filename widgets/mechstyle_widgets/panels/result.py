@@ -25,7 +25,7 @@ class Result(Words):
         self._state = state
         super().__init__(layout=WIDE)
         self.add_class("mechstyle-result")
-        state.observe(self._tell, ("histories", "lane", "settings", "run", "status", "title", "another"))
+        state.observe(self._tell, ("histories", "checkpoint", "lane", "settings", "run", "status", "title", "another"))
         self._tell()
 
     def _tell(self, _change: object = None) -> None:
@@ -33,9 +33,17 @@ class Result(Words):
         if self._state.run is not None and any(row.verdict is not None for row in history):
             _, verdict = standing(history)
             head = f"Last run: {self._state.title}" if self._state.another else "Result"
-            self.say(f"<b>{escape(head)}</b>{of_verdict(verdict)}{self._lanes()}")
+            self.say(f"<b>{escape(head)}</b>{of_verdict(verdict)}{self._lanes()}{self._weight()}")
         else:
             self.say(f"<b>What will happen</b><ol>{''.join(f'<li>{escape(step)}</li>' for step in steps(self._state.settings))}</ol>")
+
+    def _weight(self) -> str:
+        """HTML of what the part on show weighs beside the plain one, "" for what encloses nothing."""
+        run, shown = self._state.run, self._state.checkpoint
+        if run is None or shown is None or (plain := run.part.surface.volume) <= 0.0:
+            return ""
+        density, styled = run.recipe.material.density, run.part.surface.displaced(shown.displacement).volume
+        return f'<div class="mechstyle-note">{sentences.weighed(density * styled, density * plain)}</div>'
 
     def _lanes(self) -> str:
         """HTML of outcome and relief kept of each lane that was tested since it began, "" where none was."""
@@ -49,7 +57,7 @@ class Result(Words):
             tested: Sequence[Row] = [row for row in rows if row.verdict is not None and row.iteration > 0]
             if tested and run is not None:
                 row, verdict = standing(tested)
-                yield lane, (said_of(verdict), kept(Run(run.store, lane, run.device), row))
+                yield self._state.called(lane), (said_of(verdict), kept(Run(run.store, lane, run.device), row))
 
 
 def of_verdict(verdict: Verdict) -> str:

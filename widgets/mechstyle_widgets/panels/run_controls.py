@@ -11,6 +11,7 @@ import traitlets
 
 from mechstyle.errors import MechStyleError
 from mechstyle.records.sentences import duration
+from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.settings.section import WIDE, Section
 from mechstyle_widgets.state.controller import Controller
@@ -84,7 +85,7 @@ class RunControls(Section):
 
     def _name(self) -> None:
         """Let the run button read what pressing it does."""
-        self._buttons["run"].description = "Go on" if self._goes_on() else "Run"
+        self._buttons["run"].description = word("Go on" if self._goes_on() else "Run")
 
     def _goes_on(self) -> bool:
         if self.state.status not in GOES_ON or self.state.run is None:
@@ -103,7 +104,9 @@ class RunControls(Section):
             button.disabled = state.status not in MAY[name] or (name == "pause" and state.pausing)
         self._name()
         show(self._back, state.another and state.status in AT_REST)
-        self._bar.value, self._bar.bar_style = state.fraction, "info"  # green, amber and red belong to verdicts
+        over = state.another and state.status in AT_REST
+        self._bar.value, self._bar.bar_style = 0.0 if over else state.fraction, "info"  # green, amber and red belong to verdicts
+        (self._bar.add_class if state.status == "preparing" else self._bar.remove_class)("mechstyle-preparing")
         self.words = line_of(state)
         title = f'<span class="mechstyle-title"><b>{escape(self.title)}</b> · </span>' if self.title else ""
         told = f'<span role="status" aria-live="polite">{escape(self.words)}</span>'  # what is made is not read out every time
@@ -117,10 +120,8 @@ def line_of(state: Any) -> str:
     parts = ["ready" if state.status == "idle" else state.status]
     if state.run is not None and state.status != "preparing":
         parts = [f"{state.status}, iteration {state.iterations_done} of {state.length}"]
-        if state.another and state.status in AT_REST:
-            parts = [f"ready · last run: {state.title}, {parts[0]}"]
     if state.status == "idle" or (state.another and state.status in AT_REST):
-        parts += [state.outlook] if state.outlook else []
+        parts = ["ready", *([state.outlook] if state.outlook else [])]
     if state.pausing:
         parts.append(f"pausing … when this {'drop test' if state.stage.startswith('drop test') else 'iteration'} has ended")
     if state.stage:

@@ -16,6 +16,7 @@ from mechstyle.runs.printing import Printing
 from mechstyle.runs.report.reproduce import cell_for
 from mechstyle.runs.run import Run
 from mechstyle_widgets.jupyter.frame import Frame
+from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.jupyter.throttle import running_loop
 from mechstyle_widgets.settings.section import Section
@@ -38,7 +39,7 @@ class TakeAway(Section):
             "Picture": (".png", "picture-o", "Style, stress and mask as a picture", self._pictured),
         }
         self._buttons = {name: self._button(name, icon, tooltip) for name, (_, icon, tooltip, _) in kinds.items()}
-        self._tooltips = {name: tooltip for name, (_, _, tooltip, _) in kinds.items()}
+        self._tooltips = {name: word(tooltip) for name, (_, _, tooltip, _) in kinds.items()}
         for name, (suffix, _, _, make) in kinds.items():
             self._buttons[name].on_click(partial(self._begin, suffix, make))
         self._code = self._button("Copy as code", "code", "The lines of Python that make this run again")
@@ -47,9 +48,14 @@ class TakeAway(Section):
             ipywidgets.Dropdown, options=SLICERS, description="for", style={"description_width": "initial"}, layout={"width": "auto"},
             tooltip="Whose 3MF it is: standard or prusa (one strict file), bambu or orca (another)",
         )  # fmt: skip
-        first, *others = self._buttons.values()
-        row = lean(ipywidgets.HBox, [first, self._slicer, *others, self._code], layout={"flex_flow": "row wrap"})
-        super().__init__([row])
+        first, *others = (self._buttons[name] for name in ("3MF", "Report", "GLB", "Picture"))
+        look = {"width": "40px"}
+        self._more = lean(ipywidgets.ToggleButton, icon="ellipsis-h", tooltip="GLB, picture, and whose 3MF it is", layout=look)
+        rest = lean(ipywidgets.HBox, [self._slicer, *others[1:]], layout={"flex_flow": "row wrap"})
+        self._more.observe(lambda change: show(rest, change["new"]), "value")
+        show(rest, False)
+        row = lean(ipywidgets.HBox, [first, others[0], self._code, self._more], layout={"flex_flow": "row wrap"})
+        super().__init__([row, rest])
         self.add_class("mechstyle-take")
         state.observe(self._offer, ("run", "checkpoint", "status", "title", "another"))
         self._offer()
@@ -66,7 +72,7 @@ class TakeAway(Section):
         """There is nothing to take before there is an iteration; where what is asked for is another, the button names whose file it is."""
         state = self.state
         show(self, state.checkpoint is not None)
-        self.main.description = f"3MF of {state.title}" if state.another else "3MF"
+        self.main.description = word("3MF of {}").format(state.title) if state.another else "3MF"
         for name, button in self._buttons.items():
             button.tooltip = f"{self._tooltips[name]}: {state.title}, iteration {state.iteration}"
         self.note("")

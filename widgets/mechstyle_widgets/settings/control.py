@@ -15,10 +15,15 @@ from mechstyle.loop import control
 from mechstyle.records import CONTROLS, NORMALISATIONS, Recipe
 from mechstyle.records.material import LIBRARY, Material
 from mechstyle.records.recipe import DEFAULTS
+from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.jupyter.svg import Frame, drawing
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, setting
 
+STRATEGIES = {"linear": "evenly", "exponential": "firm near the limit", "frozen": "only at the limit"}
+"""How demand becomes a mask, in words."""
+MEASURES = {"headroom": "spare strength", "own_max": "the part's own peak", "sigma_c": "a share of its strength", "yield": "the strength"}
+"""What stress is compared with, in words."""
 MEANS = {
     "headroom": "the share of each vertex's own headroom that the style has used up",
     "own_max": "stress over the largest stress of the unstylized part",
@@ -79,7 +84,7 @@ class ControlSelector(Section):
     @property
     def brief(self) -> str:
         """The strategy and its threshold."""
-        return "Freestyle" if self.freestyle else f"{self.control}, threshold {self.threshold:.2g}"
+        return "Freestyle" if self.freestyle else f"{word(STRATEGIES[self.control])}, {self.threshold:.2g}"
 
     def _make_controls(self) -> None:
         self._mode = lean(
@@ -89,12 +94,14 @@ class ControlSelector(Section):
             style={"button_width": "112px"},
         )
         choice = {"style": NARROW_LABEL, "layout": WIDE}
-        self._strategy = lean(ipywidgets.Dropdown, options=self.traits()["control"].values, description="strategy", **choice)
-        self._compared_with = lean(ipywidgets.Dropdown, options=NORMALISATIONS, description="compares", **choice)
+        strategies = [(STRATEGIES[name], name) for name in self.traits()["control"].values]
+        self._strategy = lean(ipywidgets.Dropdown, options=strategies, description="holds back", **choice)
+        measures = [(MEASURES[name], name) for name in NORMALISATIONS]
+        self._compared_with = lean(ipywidgets.Dropdown, options=measures, description="measured against", **choice)
         slider = {"base": 10, "min": -1.0, "max": 1.0, "step": 0.02, "readout_format": ".2f", "continuous_update": True}
         self._threshold = lean(
             ipywidgets.FloatLogSlider,
-            description="threshold", tooltip="Demand at which a vertex may move no further", **slider, **choice
+            description="stops at", tooltip="Strength used at which a place may move no further; less is more careful", **slider, **choice
         )
         self._lambda = lean(
             ipywidgets.FloatSlider,

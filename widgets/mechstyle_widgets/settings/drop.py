@@ -15,6 +15,7 @@ from mechstyle.records.load_cases import LoadCase, load_cases
 from mechstyle.records.mesh import STANDARD_VERTICES
 from mechstyle.records.recipe import DEFAULTS, LIMITS
 from mechstyle.runs.recipes import EXPECTED
+from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, range_of, setting
 
@@ -108,7 +109,7 @@ class DropOptions(Section):
                 tooltip="The most that is added before the style where the part does not hold as it is; 0 leaves it as it is",
                 **range_of("strengthen"), **look,
             ),
-            "vertices": lean(ipywidgets.BoundedIntText, description="vertices", min=1, max=400_000, step=1000, **look),
+            "vertices": lean(ipywidgets.BoundedIntText, description="detail", min=1, max=400_000, step=1000, **look),
             "device": lean(ipywidgets.Dropdown, options=DEVICES, description="device", **look),
             "folder": lean(
                 ipywidgets.Text,
@@ -157,7 +158,7 @@ class DropOptions(Section):
     @property
     def brief(self) -> str:
         """Height and landings."""
-        return f"{written(self.height)}, {WAYS[self.way][0]}"
+        return f"{written(self.height)}, {word(WAYS[self.way][0])}"
 
     @property
     def way(self) -> str:

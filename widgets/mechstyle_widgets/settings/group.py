@@ -8,6 +8,7 @@ from typing import Any
 import ipywidgets
 import traitlets
 
+from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.settings.section import Section
 
@@ -49,7 +50,7 @@ class Group(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
 
     def __init__(self, title: str, section: Section, *, unfolded: bool = False, page: bool = False) -> None:
         """Put a section under a heading; one that is a page is gone back from."""
-        self._title, self._section, self.page = title, section, page
+        self._title, self._section, self.page = word(title), section, page
         self._head = lean(ipywidgets.Button, icon="angle-right")
         self._head.add_class("mechstyle-group-head")
         super().__init__([self._head, section])
@@ -68,6 +69,6 @@ class Group(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         brief = "" if self.unfolded else self._section.brief
         self._head.description = f"{self._title}: {brief}" if brief else self._title
         self._head.icon = ("angle-left" if self.page else "angle-down") if self.unfolded else "angle-right"
-        self._head.tooltip = "Back to all settings (Escape)" if self.page and self.unfolded else ""
+        self._head.tooltip = word("Back to all settings (Escape)") if self.page and self.unfolded else ""
         (self._head.add_class if self.unfolded else self._head.remove_class)("mechstyle-open")
         show(self._section, self.unfolded)

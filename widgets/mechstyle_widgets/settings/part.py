@@ -66,7 +66,7 @@ class PartPicker(Section):
             accept=",".join(f".{suffix}" for suffix in FORMATS),
             description="your file",
             tooltip="A file of this computer",
-            layout={"width": "104px"},
+            layout={"width": "auto"},
         )
         narrow = {"width": "138px"}
         self._unit = unseen(lean(ipywidgets.Dropdown, options=UNITS, description="unit", tooltip="Unit of the file", layout=narrow))

@@ -86,9 +86,9 @@ class PromptBox(Section):
         self._chips = PictureChoice("style", {name: style.description for name, style in styles.items()}, GROUPS, asked_by)
         look = {"style": NARROW_LABEL, "layout": WIDE}
         deep = "Depth of the relief, from its lowest to its highest"
-        self._relief = lean(Millimetres, DEPTHS, description="relief", tooltip=deep, **look)
+        self._relief = lean(Millimetres, DEPTHS, description="depth", tooltip=deep, **look)
         large = "Size of the style's feature, such as a course of bricks"
-        self._feature = lean(Millimetres, SIZES, description="feature", tooltip=large, **look)
+        self._feature = lean(Millimetres, SIZES, description="size", tooltip=large, **look)
         sides = [("as the walls allow", "auto"), ("outwards", "outwards"), ("inwards", "inwards"), ("both ways", "both")]
         where = "Where the relief goes from the surface; by itself outwards on thin walls, else both ways"
         self._side = lean(ipywidgets.Dropdown, options=sides, description="goes", tooltip=where, **look)
@@ -97,12 +97,13 @@ class PromptBox(Section):
         insides = [("plain", "plain"), ("styled as well", "styled")]
         hollow = "The inside of a cup, a tray, a case"
         self._inside = lean(ipywidgets.Dropdown, options=insides, description="inside", tooltip=hollow, **look)
-        self._seed = lean(ipywidgets.BoundedIntText, description="seed", **range_of("seed"), **look)
+        differently = "Another number draws the same style a little differently"
+        self._seed = lean(ipywidgets.BoundedIntText, description="variation", tooltip=differently, **range_of("seed"), **look)
         guides = [("a drawn target, offline", "offline"), ("CLIP, any prompt", "clip")]
         needs = "CLIP needs its weights on disk"
         self._guidance = lean(ipywidgets.Dropdown, options=guides, description="style from", tooltip=needs, **look)
         carriers = [("a value at each point", "vertex"), ("a network (X-Mesh)", "network")]
-        self._field = lean(ipywidgets.Dropdown, options=carriers, description="described by", tooltip="What is optimised", **look)
+        self._field = lean(ipywidgets.Dropdown, options=carriers, description="shape from", tooltip="What is optimised", **look)
         self._image = ImageChoice()
         rest = [self._image, self._side, self._nozzle, self._inside, self._seed, self._guidance, self._field]
         self._more = Fold("more of the style", rest)

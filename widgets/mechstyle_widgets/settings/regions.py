@@ -12,6 +12,7 @@ from mechstyle.errors import BadInput
 from mechstyle.records.recipe import DEFAULTS
 from mechstyle.records.regions import KINDS, Point, Region, regions
 from mechstyle_widgets.jupyter.frame import unseen
+from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.looks import lean
 from mechstyle_widgets.settings.brush import dabbed
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, setting
@@ -71,7 +72,7 @@ class RegionsPicker(Section):
     def brief(self) -> str:
         """How many regions, or what becomes of the underside."""
         count = len(self.protect)
-        return BRIEFS[self.base] if not count else f"{count} region{'s' * (count > 1)}"
+        return word(BRIEFS[self.base]) if not count else word("{} places").format(count)
 
     def click(self, place: Point) -> None:
         """Handle a click on the part at a position [mm]."""

@@ -9,6 +9,7 @@ import traitlets
 
 from mechstyle.records import SCHEDULES, Recipe
 from mechstyle.runs.recipes import MASKED
+from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.jupyter.svg import Frame, drawing, line
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, range_of, setting
@@ -18,8 +19,8 @@ WHAT = {
     "every": "every k iterations",
     "quadratic": "at 1, 4, 9, 16 …",
     "exponential": "at 2, 4, 8, 16 …",
-    "geometry": "when a vertex has moved a share of its wall",
-    "stress": "as geometry, sooner where stress is high",
+    "geometry": "as the shape changes",
+    "stress": "as the shape changes, sooner where stress is high",
     "never": "only at the end",
 }
 
@@ -48,8 +49,8 @@ class ScheduleSelector(Section):
     def __init__(self, **traits: Any) -> None:
         """Offer the schedules; `traits` are any of the attributes."""
         look = {"style": NARROW_LABEL, "layout": WIDE}
-        options = [(f"{name} – {WHAT[name]}", name) for name in SCHEDULES]
-        self._choice = lean(ipywidgets.Dropdown, options=options, description="schedule", **look)
+        options = [(WHAT[name], name) for name in SCHEDULES]
+        self._choice = lean(ipywidgets.Dropdown, options=options, description="tested", **look)
         self._every = lean(ipywidgets.BoundedIntText, description="k", **range_of("every"), **look)
         self._travel = lean(ipywidgets.BoundedFloatText, description="share of wall", step=0.01, **range_of("travel"), **look)
         self._iterations = lean(ipywidgets.BoundedIntText, description="iterations", **range_of("iterations"), **look)
@@ -71,8 +72,8 @@ class ScheduleSelector(Section):
     @property
     def brief(self) -> str:
         """How many iterations, and when they are simulated."""
-        often = f" {self.every}" if self.schedule == "every" else ""
-        return f"{self.iterations} iterations, {self.schedule}{often}"
+        often = word("every {}").format(self.every) if self.schedule == "every" else word(WHAT[self.schedule])
+        return f"{self.iterations} {word('iterations')}, {often}"
 
     @property
     def plan(self) -> Plan:

@@ -17,7 +17,7 @@ from mechstyle_widgets.state.troubles import sentence
 
 WIDE = {"width": "auto"}
 """Layout of a control as wide as its column."""
-NARROW_LABEL = {"description_width": "96px"}
+NARROW_LABEL = {"description_width": "116px"}
 """Style of a control whose description stands at its left, all in one line."""
 
 

@@ -18,11 +18,8 @@ from mechstyle.runs.run import Run, started
 from mechstyle.runs.session import Session
 from mechstyle.simulation.part import Workpiece
 from mechstyle_widgets.jupyter.prepare import prepare_aside
-from mechstyle_widgets.state.studio_state import StudioState
+from mechstyle_widgets.state.studio_state import FREE, StudioState
 from mechstyle_widgets.state.troubles import gone, sentence
-
-FREE = "freestyle"
-"""Lane of the whole style, which nothing holds back, beside the lane on show."""
 
 STOPPING = "the run is being stopped: go on with it when what is in hand has ended"
 ENDED = "the run has just ended: see what came of it before you go on"

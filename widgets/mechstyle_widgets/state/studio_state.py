@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import threading
 import time
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -146,6 +147,10 @@ class StudioState(traitlets.HasTraits):
         return sum(taken) / len(taken) if taken else None
 
     # what is on show
+
+    def called(self, lane: str) -> str:
+        """What people call a lane: Freestyle, MechStyle, or its own name."""
+        return called(self.branches).get(lane, lane)
 
     @property
     def busy(self) -> bool:
@@ -333,6 +338,16 @@ class StudioState(traitlets.HasTraits):
         if state != "running":
             self.tell(stage="", seconds_left=None)
         self.tell(status="idle" if state == "ready" else state, pausing=False)
+
+
+FREE = "freestyle"
+"""Lane of the whole style, which nothing holds back, beside the lane on show."""
+
+
+def called(branches: Sequence[Branch]) -> dict[str, str]:
+    """What people call the lanes of a run: what was begun by itself Freestyle or MechStyle, others by their names."""
+    own = {branch.lane: "Freestyle" if branch.recipe.control == "none" else "MechStyle" for branch in branches}
+    return {lane: name if lane in ("main", FREE) else lane for lane, name in own.items()}
 
 
 def _checkpoint(store: Store, digest: str) -> Checkpoint:

@@ -19,16 +19,17 @@ from plotly.subplots import make_subplots
 from mechstyle.loop.history import Branch, Row
 from mechstyle_widgets.state.outcomes import DOUBT, LOOKS
 from mechstyle_widgets.state.schedule_forecast import Plan
+from mechstyle_widgets.state.studio_state import called
 
-CURVES = {"style_loss": "style loss", "travel": "travel", "seconds": "seconds"}
-UNITS = {"style_loss": "style loss", "travel": "travel / threshold", "seconds": "seconds"}
+CURVES = {"": "stress only", "style_loss": "style still missing", "travel": "change since the last test", "seconds": "seconds"}
+UNITS = {"": "", "style_loss": "missing", "travel": "change", "seconds": "seconds"}
 TEMPLATES = {"light": "plotly_white", "dark": "plotly_dark"}
 PAPER = {"light": "#ffffff", "dark": "#26272b"}
 GROUND = {"light": "#ffffff", "dark": "#111111"}
 """Those of JupyterLab's themes, so that a figure held in one of them can be read in a notebook of the other."""
 BEYOND = {"light": "#b3261e", "dark": "#ff8a80"}  # of small words, 4.5:1 at least
 INK, FAINT = "#1f7a8c", "rgba(140,140,140,0.45)"
-LANE, STRESS, CURVE, MARGINS = 24, 120, 90, 64  # heights [pixels]
+LANE, STRESS, CURVE, MARGINS = 24, 76, 64, 56  # heights [pixels]
 LEFT, RIGHT = 96, 12  # beside the axes [pixels]
 LINE, LETTER = 52, 6.6
 """Letters of the longest line of words, and how wide one is at most on average [pixels]."""
@@ -79,7 +80,7 @@ def _empty() -> dict[str, Any]:
     rule = {"type": "line", "xref": "x", "yref": "paper", "x0": 0, "x1": 0, "y0": 0, "y1": 1, "line": {"color": "#e08e0b", "width": 2}}
     figure.update_layout(
         shapes=[rule], dragmode=False, hovermode="closest", paper_bgcolor="rgba(0,0,0,0)", plot_bgcolor="rgba(0,0,0,0)",
-        margin={"l": LEFT, "r": RIGHT, "t": 24, "b": 36}, font={"size": 11},
+        margin={"l": LEFT, "r": RIGHT, "t": 20, "b": 36}, font={"size": 11},
         legend={"orientation": "h", "x": 1.0, "xanchor": "right", "y": 1.02, "yanchor": "bottom", "itemclick": False},
     )
     figure.update_xaxes(fixedrange=True, zeroline=False)
@@ -98,7 +99,7 @@ def contents(
         histories: The rows of every lane, by its name, oldest first.
         branches: One for each lane.
         lane: The lane on show.
-        curve: What the lowest row shows, one of CURVES.
+        curve: What the lowest row shows, one of CURVES; there is none for "".
         theme: `light` or `dark`.
     """
     forks = {branch.lane: (branch.forked_at, branch.parent or branch.lane) for branch in branches if branch.forked_at is not None}
@@ -110,12 +111,12 @@ def contents(
         _lines(others, lambda row: row.stress),
         _lines(shown, lambda row: row.limit),
         _stresses(lane, shown[lane]),
-        _lines(others, lambda row: getattr(row, curve)),
+        _lines(others if curve else {}, lambda row: getattr(row, curve)),
         _curve(lane, shown[lane], curve),
         _planned(lane, ()),
     ]
     limit = next((row.limit for row in reversed(shown[lane]) if row.limit is not None), None)
-    layout = _layout(list(histories), lane, curve, theme, max((branch.iterations for branch in branches), default=1))
+    layout = _layout(list(histories), called(branches), lane, curve, theme, max((branch.iterations for branch in branches), default=1))
     return traces, {**layout, "annotations": [] if limit is None else [_limit_note(limit, theme)]}
 
 
@@ -204,7 +205,7 @@ def _around(marks: Sequence[tuple[str, Row]]) -> dict[str, Any]:
 
 
 def _curve(lane: str, rows: Rows, curve: str) -> dict[str, Any]:
-    known = [row for row in rows if getattr(row, curve) is not None]
+    known = [row for row in rows if curve and getattr(row, curve) is not None]
     return {**_marks([(lane, row) for row in known]), "y": [getattr(row, curve) for row in known]}
 
 
@@ -232,14 +233,15 @@ def _limit_note(limit: float, theme: str) -> dict[str, Any]:
     return {"text": f"limit {limit:.3g} MPa", "showarrow": False, "xshift": 6, "font": {"size": 10, "color": BEYOND[theme]}, **place}
 
 
-def _layout(lanes: Sequence[str], lane: str, curve: str, theme: str, iterations: int) -> dict[str, Any]:
-    heights = (LANE * max(len(lanes), 1) + 10, STRESS, CURVE)
+def _layout(lanes: Sequence[str], known: Mapping[str, str], lane: str, curve: str, theme: str, iterations: int) -> dict[str, Any]:
+    heights = (LANE * max(len(lanes), 1) + 10, STRESS, CURVE if curve else 1)
     inside, gap = sum(heights) + 28, 14 / (sum(heights) + 28)
     bottom, domains = 1.0, []
     for height in heights:
         domains.append([max(bottom - height / inside, 0.0), bottom])
         bottom -= height / inside + gap
-    names = [f"<b>{escape(name)}</b>" if name == lane else escape(name) for name in lanes]
+    said = {name: escape(known.get(name, name)) for name in lanes}
+    names = [f"<b>{said[name]}</b>" if name == lane else said[name] for name in lanes]
     rows = {"categoryorder": "array", "categoryarray": lanes[::-1], "tickmode": "array", "tickvals": lanes, "ticktext": names}
     return {
         "template": template(theme),
@@ -249,7 +251,10 @@ def _layout(lanes: Sequence[str], lane: str, curve: str, theme: str, iterations:
         "plot_bgcolor": "rgba(0,0,0,0)",
         "yaxis": {"domain": domains[0], "type": "category", "range": [-0.6, len(lanes) - 0.4], "showgrid": False, **rows},
         "yaxis2": {"domain": domains[1], "title": {"text": "σ_V [MPa]"}, "rangemode": "tozero", "nticks": 5, "showticklabels": True},
-        "yaxis3": {"domain": domains[2], "title": {"text": UNITS[curve]}, "rangemode": "tozero", "nticks": 4, "showticklabels": True},
+        "yaxis3": {
+            "domain": domains[2], "visible": bool(curve), "title": {"text": UNITS[curve]}, "rangemode": "tozero", "nticks": 4,
+            "showticklabels": True,
+        },
         "xaxis3": {"title": {"text": "iteration", "standoff": 4}},
         **{axis: _range(iterations) for axis in ("xaxis", "xaxis2")},
     }

@@ -9,7 +9,7 @@ import traitlets
 
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
 from mechstyle_widgets.jupyter.closing import close_family
-from mechstyle_widgets.jupyter.frame import Framed
+from mechstyle_widgets.jupyter.frame import Framed, unseen
 from mechstyle_widgets.jupyter.looks import lean, sharing
 from mechstyle_widgets.jupyter.throttle import Paced
 from mechstyle_widgets.replay.scrubber import Scrubber
@@ -34,7 +34,7 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
         theme: `light` or `dark`.
     """
 
-    curve = traitlets.Enum(tuple(CURVES), "style_loss")
+    curve = traitlets.Enum(tuple(CURVES), "")
     theme = traitlets.Enum(tuple(TEMPLATES), "light")
 
     @sharing()
@@ -52,7 +52,10 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
         self._draw_curves()
         self.scrubber = Scrubber(state)
         options = [(label, name) for name, label in CURVES.items()]
-        choice = lean(ipywidgets.ToggleButtons, options=options, tooltips=list(CURVES.values()), style={"button_width": "auto"})
+        choice = unseen(lean(
+            ipywidgets.Dropdown,
+            options=options, value="", description="curve", tooltip="What is drawn besides the stress", layout={"width": "160px"},
+        ))  # fmt: skip
         self.scrubber.layout.flex = "1 1 300px"
         bar = lean(ipywidgets.HBox, [self.scrubber, choice], layout={"justify_content": "space-between", "flex_flow": "row wrap"})
         super().__init__([bar, self._curves])
@@ -110,7 +113,8 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
         if self._begun:
             traces, layout = timeline_figure.contents(state.histories, state.branches, lane, self.curve, self.theme)
         else:
-            traces, layout = timeline_figure.before(plan_of(state.settings), lane, self.curve, self.theme, self._width)
+            name = "Freestyle" if state.settings.get("control") == "none" else "MechStyle"
+            traces, layout = timeline_figure.before(plan_of(state.settings), name, self.curve, self.theme, self._width)
         self._curves.show(*timeline_figure.filled(traces, {**layout, "width": self._width}))
 
     def _move_line(self) -> None:

@@ -8,11 +8,11 @@ from dataclasses import replace
 from html import escape
 
 import ipywidgets
+import numpy as np
 
 from mechstyle.errors import MechStyleError
 from mechstyle.loop.history import Row
-from mechstyle.records import Simulation, Verdict, sentences
-from mechstyle.records.regions import Point
+from mechstyle.records import Checkpoint, Verdict, sentences
 from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.state.outcomes import DOUBT, LOOKS, UNTESTED, Look
 from mechstyle_widgets.state.studio_state import StudioState
@@ -33,9 +33,17 @@ SHEET = """<style>
 .mechstyle-badge .mechstyle-outcome { display: inline-block; padding: 1px 8px; border-radius: 3px; font-weight: 600; }
 .mechstyle-unsure { font-weight: 600; margin-left: 6px; }
 .mechstyle-badge small { font-size: 12px; }
+.mechstyle-badge > .widget-html:has(.mechstyle-insight) { flex: 1 1 0; min-width: 0; }
+.mechstyle-titles { font-weight: 600; }
+.mechstyle-titles small { font-weight: normal; }
+.mechstyle-badge .mechstyle-insight { font-size: 18px; line-height: 24px; font-weight: 600; padding: 4px 0; }
 .mechstyle-badge .widget-button { width: auto; height: 24px; line-height: 22px; margin: 0; padding: 0 8px;
   font-size: 12px; }
-.mechstyle-viewer .mechstyle-toolbar .widget-toggle-button, .mechstyle-viewer .mechstyle-toolbar .widget-button { padding: 0 8px; }
+.mechstyle-viewer.widget-vbox { flex-flow: row wrap; align-content: flex-start; }
+.mechstyle-viewer > * { flex: 1 1 100%; min-width: 0; }
+.mechstyle-viewer > .mechstyle-toolbar { flex: 0 1 auto; order: -2; }
+.mechstyle-viewer > .mechstyle-player-start { flex: 0 0 auto; order: -1; width: auto; }
+.mechstyle-viewer .mechstyle-toolbar :is(.widget-toggle-button, .widget-button) { padding: 0 8px; }
 .mechstyle-toolbar :is(.widget-toggle-button, .widget-button) .fa { margin-right: 0; }
 .mechstyle-toolbar .mechstyle-worded .fa { margin-right: 4px; }
 .mechstyle-section-plane { display: flex; flex-flow: row wrap; align-items: center; gap: 0 8px; }
@@ -53,7 +61,14 @@ SHEET = """<style>
 .mechstyle-places a { font-size: 13px; margin-left: 12px; text-decoration: underline; }
 .mechstyle-places .mechstyle-pin { width: 26px; margin: 1px 0; padding: 0; border-radius: 13px; background: #171717; color: #fff;
   font-weight: 700; border: 1px solid #fff; }
-.mechstyle-said { position: absolute; left: 8px; bottom: 8px; width: auto; max-width: calc(100% - 16px); padding: 4px 8px;
+.mechstyle-seen { position: relative; overflow: hidden; }
+.mechstyle-over { position: absolute; left: 8px; bottom: 8px; width: auto; max-width: calc(100% - 120px); gap: 4px; align-items: flex-start;
+  pointer-events: none; overflow: visible; }
+.mechstyle-scale { position: absolute; right: 8px; bottom: 8px; width: auto; pointer-events: none; }
+:is(.mechstyle-over, .mechstyle-scale) :is(.widget-html, .widget-html-content), .mechstyle-scale.widget-html { height: auto; margin: 0; }
+:is(.mechstyle-over .widget-html, .mechstyle-scale) .widget-html-content > div { margin: 0 !important; padding: 2px 6px; border-radius: 4px;
+  background: color-mix(in srgb, var(--jp-layout-color0, #fff) 82%, transparent); }
+.mechstyle-said { width: auto; max-width: 100%; padding: 4px 8px;
   border-radius: 4px; pointer-events: none; background: var(--jp-layout-color0, #fff); border: 1px solid var(--jp-border-color2, #ddd); }
 .mechstyle-said.widget-html, .mechstyle-said .widget-html-content { height: auto; margin: 0; line-height: 1.45; font-size: 13px;
   color: var(--jp-ui-font-color1, #222); }
@@ -116,20 +131,22 @@ def judged(verdict: Verdict, when: str = "", kept: str = "", *, aged: bool = Fal
     return f'<div title="{escape(sentences.in_full(verdict))}">{sign}</div><small>{escape(more)}</small>'
 
 
+def insight(words: str) -> str:
+    """HTML for the sentence that stands over several panes."""
+    return f'<div class="mechstyle-insight" role="status">{escape(words)}</div>'
+
+
 def outcome(row: Row | None) -> str:
     """HTML for the outcome of an iteration; that it was not tested if it was not."""
     if row is None or row.verdict is None:
         return f"<small>{_sign(UNTESTED, sentences.NOT_TESTED)}</small>"
-    return f'<small title="{escape(sentences.in_full(row.verdict))}">{_outcome(row.verdict, row.verdict.outcome)}</small>'
+    figures = escape(sentences.least(row.verdict))
+    return f'<small title="{escape(sentences.in_full(row.verdict))}">{_outcome(row.verdict, row.verdict.outcome)}<br>{figures}</small>'
 
 
-def worst_place(verdict: Verdict, simulation: Simulation) -> Point:
-    """Place of the largest stress in the test with the least reserve [mm, of the part at rest]."""
-    row = verdict.deciding
-    assert row is not None, "where there is no answer there is no place"
-    found = simulation.load(row.load) if row.load else simulation.landing(row.landing)
-    assert found is not None, "a verdict is about what was simulated"
-    return found.where
+def worst_vertex(checkpoint: Checkpoint) -> int:
+    """Vertex of the largest stress in the test with the least reserve: that which is ringed where stress is on show."""
+    return int(np.nanargmax(checkpoint.stress))
 
 
 def _outcome(verdict: Verdict, words: str, *, aged: bool = False) -> str:

@@ -19,7 +19,7 @@ STEEPEST = 85.0
 """Elevation up to which keys and flights go [degrees]: straight from above there is no upright."""
 STEP = 0.2
 """How far a key moves what is looked at, as a share of half the height of the view."""
-CLOSE = 0.55
+CLOSE = 0.7
 """Distance a flight ends at, as a share of that from which the whole part is seen."""
 PARALLEL = 1.0
 """Opening angle of a parallel view [degrees]: from so far away that across a part nothing is drawn smaller by more than 2 %."""
@@ -114,6 +114,12 @@ class Orbit:
         level = math.hypot(away[0], away[1]) > FLAT * abs(away[2])
         azimuth = math.degrees(math.atan2(away[0], -away[1])) if level else self.seen.azimuth
         self._take(replace(self.seen, azimuth=azimuth, elevation=elevation, target=(x, y, z), distance=CLOSE * self.home.distance))
+
+    def look_from(self, direction: ArrayLike) -> None:
+        """Bring the whole part into view from a direction."""
+        x, y, z = np.asarray(direction, np.float64).tolist()
+        azimuth, elevation = math.degrees(math.atan2(x, -y)), _upright(math.degrees(math.atan2(z, math.hypot(x, y))))
+        self._take(Camera.fitted(self._points, azimuth, elevation, aspect=self.three.aspect, field_of_view=self.seen.field_of_view))
 
     def look_like(self, other: Orbit) -> None:
         """Stand where another camera stands."""

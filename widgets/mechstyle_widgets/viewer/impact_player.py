@@ -54,7 +54,8 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         self._state, self._landings = state, dict[Point, Landing]()
         self._over = threading.Event()  # of the newest drop, set when its answer is there or nobody waits for it; each has its own
         self._over.set()
-        self._button = lean(ipywidgets.Button, description="see the impact", icon="play-circle", tooltip="Drop this part and watch")
+        what, look = "Drop this part and watch", {"width": "auto"}
+        self._button = lean(ipywidgets.Button, description="impact", icon="play-circle", tooltip=what, layout=look)
         self._which = unseen(lean(
             ipywidgets.Dropdown,
             options=[(FLAT, UP)], description="landing", tooltip="Which landing, and its critical drop height",
@@ -72,8 +73,9 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         factor = lean(ipywidgets.SelectionSlider, options=factors, value=self.exaggeration, description="deformed", layout=wide)
         moments = [self._play, self._slider, self._time, self._peak, factor, self._which, self._away]
         self._moments = lean(ipywidgets.HBox, moments, layout={"flex_flow": "row wrap", "align_items": "center"})
-        self._start = lean(ipywidgets.HBox, [self._button, self._which], layout={"flex_flow": "row wrap"})
+        self._start = lean(ipywidgets.HBox, [self._button])
         super().__init__([self._start])
+        self.add_class("mechstyle-player-start")
         self._link = ipywidgets.jsdlink((self._play, "value"), (self._slider, "value"))  # beyond the peak there is no playing
         traitlets.link((self._slider, "value"), (self, "frame"))
         traitlets.link((self, "landing"), (self._which, "value"))
@@ -160,6 +162,7 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
 
     def _say(self, *widgets: ipywidgets.Widget) -> None:
         self.children = widgets
+        (self.add_class if widgets == (self._start,) else self.remove_class)("mechstyle-player-start")
 
     def _report(self, fraction: float) -> None:
         self._progress.value = fraction

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from html import escape
 from itertools import zip_longest
@@ -17,20 +18,26 @@ from mechstyle_widgets.viewer.layers import Layer
 from mechstyle_widgets.viewer.scene import round_length
 
 INK, FAINT = "var(--jp-ui-font-color1, #1c1c1e)", "var(--jp-ui-font-color2, #5f5f66)"
-BAR_WIDTH = 300  # [pixels]
+BAR_WIDTH = 260  # [pixels]
+MOST_TICKS, CROWDED = 6, 0.12
+"""Steps between ticks at most, and how near to the limit none stands, as a share of the bar."""
 
 
-def colour_bar(layer: Layer, mesh: SurfaceMesh) -> str:
-    """HTML of a layer's caption, colours, limit and extremes, and of how much of the surface lies above the limit."""
+def colour_bar(layer: Layer, mesh: SurfaceMesh, bands: int = 0, *, brief: bool = False) -> str:
+    """HTML of a layer's caption, colours, ticks, limit and extremes, and of how much of the surface lies above the limit.
+
+    Args:
+        layer: The field.
+        mesh: Its surface.
+        bands: How many colours it is shown in, 0 for all.
+        brief: Whether to leave out what is said of the surface, as where several share the bar.
+    """
     scale = layer.scale
-    ticks = [_tick(0.0, 0.0, f"{scale.low:.3g}"), _tick(1.0, 1.0, f"{scale.high:.3g}")]
-    edge = (scale.top - scale.low) / (scale.high - scale.low)
-    if 0.15 < edge < 0.8:  # nearer to an end the numbers would overlap, and the caption has it too
-        ticks.append(_tick(edge, 0.5, f"<b>{scale.top:.3g}</b>"))
+    ticks = [_tick(place, min(max(place, 0.0), 1.0), words) for place, words in _ticks(scale)]
     lines = [f"<div><b>{escape(layer.caption)}</b></div>"]
-    lines.append(f'<div style="width:{BAR_WIDTH}px;height:12px;border-radius:2px;background:{_gradient(scale)}"></div>')
+    lines.append(f'<div style="width:{BAR_WIDTH}px;height:12px;border-radius:2px;background:{_gradient(scale, bands)}"></div>')
     lines.append(f'<div style="position:relative;width:{BAR_WIDTH}px;height:1.5em">{"".join(ticks)}</div>')
-    said = (_extremes(layer), _share_beyond(layer, mesh), escape(layer.note))
+    said = () if brief else (_extremes(layer), _share_beyond(layer, mesh), escape(layer.note))
     lines += [f'<div style="color:{FAINT}">{line}</div>' for line in said if line]
     return _block("".join(lines))
 
@@ -40,7 +47,7 @@ def scale_bar(pixels_per_mm: float, cell: float) -> str:
     length = round_length(110.0 / pixels_per_mm)
     style = f"width:{length * pixels_per_mm:.0f}px;height:5px;border:solid {INK};border-width:0 1.5px 1.5px"
     bar = f'<div role="img" aria-label="scale bar of {length:g} mm" style="{style}"></div>'
-    return _block(f'{bar}<div>{length:g} mm</div><div style="color:{FAINT}">floor grid {cell:g} mm</div>')
+    return _block(f'{bar}<div>{length:g} mm <span style="color:{FAINT}">· grid {cell:g} mm</span></div>')
 
 
 def protected(vertices: NDArray[np.bool_], mesh: SurfaceMesh) -> str:
@@ -91,7 +98,8 @@ def _block(inside: str) -> str:
 def _extremes(layer: Layer) -> str:
     """Markers of the extremes: a ring at the greatest value, a triangle at the least."""
     found = layer.extremes()
-    return "" if found is None else escape(f"○ max {layer.at(found[0])}   ▽ min {layer.at(found[1])}").replace("   ", " &emsp; ")
+    words = "" if found is None else escape(f"○ max {layer.at(found[0])}   ▽ min {layer.at(found[1])}").replace("   ", " &emsp; ")
+    return words and f'<span title="dashed where it is on the far side">{words}</span>'
 
 
 def _share_beyond(layer: Layer, mesh: SurfaceMesh) -> str:
@@ -102,12 +110,33 @@ def _share_beyond(layer: Layer, mesh: SurfaceMesh) -> str:
     return escape(f"{share} {'below' if layer.scale.falls else 'above'} the limit of {layer.threshold:.3g} {layer.unit}".rstrip())
 
 
-def _gradient(scale: Scale) -> str:
+def _ticks(scale: Scale) -> list[tuple[float, str]]:
+    """Places along the bar, and what stands there: round values, and in bold the limit, which is always marked."""
+    width, bold = scale.high - scale.low, scale.threshold if scale.split else None
+    step = 2.5 * round_length(abs(width) / 9.0)
+    step = next(one for one in (step / 2.5, step / 1.25, step, 2 * step) if abs(width) / one <= MOST_TICKS)
+    first = math.ceil(min(scale.low, scale.high) / step - 1e-9)
+    values = [step * number for number in range(first, math.floor(max(scale.low, scale.high) / step + 1e-9) + 1)]
+    found = [((value - scale.low) / width, value) for value in values]
+    if bold is None:
+        return [(place, f"{value:.3g}") for place, value in found]
+    edge = (bold - scale.low) / width
+    apart = [(place, f"{value:.3g}") for place, value in found if abs(place - edge) > CROWDED]
+    return [*apart, (edge, f"<b>{bold:.3g}</b>")]
+
+
+def _gradient(scale: Scale, bands: int) -> str:
     """The scale as CSS, with a hard edge where the hatch begins."""
     end = 100.0 * (scale.top - scale.low) / (scale.high - scale.low)
-    places = np.linspace(0.0, 1.0, 17)
-    colours = linear_to_srgb(scale.colours(scale.low + places * (scale.top - scale.low)))
-    stops = [f"{_css(colour)} {share * end:.1f}%" for share, colour in zip(places, colours, strict=True)]
+    if bands:
+        middles = (np.arange(bands) + 0.5) / bands
+        colours = linear_to_srgb(scale.colours(scale.low + middles * (scale.top - scale.low)))
+        edges = np.linspace(0.0, end, bands + 1)
+        stops = [f"{_css(one)} {a:.1f}% {b:.1f}%" for one, a, b in zip(colours, edges[:-1], edges[1:], strict=True)]
+    else:
+        places = np.linspace(0.0, 1.0, 17)
+        colours = linear_to_srgb(scale.colours(scale.low + places * (scale.top - scale.low)))
+        stops = [f"{_css(colour)} {share * end:.1f}%" for share, colour in zip(places, colours, strict=True)]
     ramp = f"linear-gradient(to right,{','.join(stops)},transparent {end:.1f}%)"
     return f"{ramp},repeating-linear-gradient(135deg,{_css(STRIPE)} 0 2px,{_css(ABOVE)} 2px 6px)"
 

@@ -50,6 +50,32 @@ class Picker:
         self.three.point = NOWHERE
 
 
+def seen_from(mesh: SurfaceMesh, vertex: int) -> Floats:
+    """Direction from which a place is seen, nothing of the part before it: of a few all around the one that is nearest to level with it.
+
+    It is the outward normal where the place is hidden from all of them.
+    """
+    place, normal = mesh.vertices[vertex], np.asarray(mesh.vertex_normals[vertex], np.float64)
+    outside = place + 1e-3 * mesh.size * normal
+    for direction in _SIDES[np.argsort(-np.round(_SIDES @ normal, 1), kind="stable")]:
+        if direction @ normal > GRAZING and struck(mesh, outside, direction, lambda points: np.ones(len(points), bool)) is None:
+            return direction
+    return normal
+
+
+def _sides() -> Floats:
+    """Unit vectors to look from, those that show most of a part first, shape [n, 3]."""
+    azimuths, elevations = np.radians(np.arange(35.0, 395.0, 30.0)), np.radians([28.0, 5.0, 60.0, -25.0, -50.0])
+    return np.array([
+        (np.sin(a) * np.cos(e), -np.cos(a) * np.cos(e), np.sin(e)) for e in elevations for a in azimuths
+    ])  # fmt: skip
+
+
+_SIDES = _sides()
+GRAZING = 0.25
+"""Cosine of the flattest angle under which a place can be read."""
+
+
 def struck(mesh: SurfaceMesh, eye: Any, towards: Any, keeps: Callable[[Any], NDArray[np.bool_]]) -> tuple[Floats, int] | None:
     """The first place on a surface that a line of sight meets where it is left by a cut, and the face; None if it misses it.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -53,11 +53,13 @@ class RunViewer(Linked, Viewer):
         player: Shows the impact moment by moment.
         compared: Lane and iteration that may stand beside it, None for the unstylized part.
         also: Lane and iteration that stand beside those two, None for none.
+        insight: How what is compared differs, in a sentence that stands over all panes, "" for none.
         derived: Functions of run and checkpoint, each of which gives one more layer, such as a mask that would be.
     """
 
     compared = traitlets.Tuple(None, allow_none=True)
     also = traitlets.Tuple(None, allow_none=True)
+    insight = traitlets.Unicode("")
     derived = traitlets.Tuple()
 
     @sharing()
@@ -93,6 +95,7 @@ class RunViewer(Linked, Viewer):
         state.observe(self._judge, JUDGED)
         self.observe(self._follow, "derived")
         self.observe(self._stand_beside, ("compared", "also"))
+        self.observe(self._judge, ("compared", "insight"))
         self._judge()
 
     def let_go(self) -> None:
@@ -129,10 +132,22 @@ class RunViewer(Linked, Viewer):
             also = self.also if self.compared else None
             places = [self.compared or (self._state.lane, 0), *([also] if also else [])]
             with self.hold_trait_notifications():
-                self.names = tuple(map(_named, (self._drawn_place, *places))) if self.compared else ("styled", "plain")
-                self.outcomes = ("", *(badge.outcome(self._state.row(iteration, lane)) for lane, iteration in places))
+                shown = (self._drawn_place, *places)
+                self.names = tuple(map(self._named, shown)) if self.compared else ("styled", "plain")
+                self._tell_outcomes(shown)
                 self.original, self.third = self._subject_at(*places[0]), self._subject_at(*also) if also else None
                 self.beside = self.compared is not None
+
+    def _tell_outcomes(self, places: Sequence[tuple[str, int]]) -> None:
+        """Each pane has a badge of its own; beside the plain part the badge over the view is that of what is styled."""
+        outcomes = [badge.outcome(self._state.row(iteration, lane)) for lane, iteration in places]
+        self.outcomes = tuple(outcomes) if self.compared else ("", *outcomes[1:])
+
+    def _named(self, place: tuple[str, int]) -> str:
+        """What a pane is called: its lane, and its iteration where that is not the end."""
+        lane, iteration = place
+        end = next((branch.iterations for branch in self._state.branches if branch.lane == lane), iteration)
+        return self._state.called(lane) if iteration == end else f"{self._state.called(lane)}, iteration {iteration}"
 
     @property
     def _drawn_place(self) -> tuple[str, int]:
@@ -151,6 +166,9 @@ class RunViewer(Linked, Viewer):
         if self._state.run is None or self._state.run.store.place != self._place:
             return
         words, verdict = badge.of_state(self._state)
+        if self.insight and self.compared:
+            self.badge.say(badge.insight(self.insight), self.fly_to_worst)
+            return
         self.badge.say(words, None if verdict is None or verdict.outcome == "UNKNOWN" else self.fly_to_worst)
 
     def fly_to_worst(self) -> None:
@@ -160,7 +178,7 @@ class RunViewer(Linked, Viewer):
         if run is None or shown is None or verdict is None:
             return
         try:
-            self.fly(badge.worst_place(verdict, self._state.simulation(run.store, shown)))
+            self._fly_to(badge.worst_vertex(shown))
         except Exception as error:  # noqa: BLE001 — whatever it is, it is said
             self._state.alert(error)
 
@@ -177,7 +195,8 @@ class RunViewer(Linked, Viewer):
         self._still, self._verdict = seen
         with self.hold_trait_notifications():
             if self.compared:
-                self.names = (_named(self._drawn_place), *self.names[1:])
+                self.names = (self._named(self._drawn_place), *self.names[1:])
+                self.outcomes = (badge.outcome(self._state.row(self._drawn, self._drawn_lane)), *self.outcomes[1:])
             self._show_moment()
 
     def _show_moment(self) -> None:
@@ -191,11 +210,6 @@ class RunViewer(Linked, Viewer):
             if change["new"].normal != UP:  # it does not stand where it stood
                 self._orbit.follow(self.subject.mesh)
                 self.fit()
-
-
-def _named(place: tuple[str, int]) -> str:
-    lane, iteration = place
-    return f"{lane}, iteration {iteration}"
 
 
 def _seen(wish: _Wish) -> tuple[Subject, Verdict]:

@@ -66,6 +66,7 @@ class Scene:
         count = 5 + MOST_PINS
         self._spots, self._kinds = _attribute(np.zeros((count, 3))), _attribute(np.full(count, HIDDEN))
         self._cut: tuple[Plane, bool] = (WHOLE, False)
+        self._bands = 0
         self._marked: tuple[Any, ...] = (None, None)
         self._ruler_ends = _attribute(np.zeros((2, 3)))
         self._ruler = pythreejs.LineSegments(
@@ -84,7 +85,7 @@ class Scene:
             }
         )
         self.part = pythreejs.Mesh(self._geometry, _part_material(PART_VERTEX))
-        children = [self.part, *_floor(mesh), self._ruler, self._markers()]
+        children = [self.part, *_floor(mesh), self._ruler, self._markers(near_side=False), self._markers(near_side=True)]
         self._stage = pythreejs.Group(children=children, position=(-np.asarray(centre)).tolist())
         self.three = pythreejs.Scene(children=[self._stage], background=BACKGROUNDS[theme])
 
@@ -108,8 +109,14 @@ class Scene:
         """Cut off what lies beyond a plane; `filled` shows the cut as if the part were solid there, else one looks inside."""
         if (plane, filled) != self._cut:
             self._cut = plane, filled
-            _cut_open(self.part, plane, filled=filled)
+            _cut_open(self.part, plane, filled=filled, bands=self._bands)
             self.mark(*self._marked)
+
+    def band(self, count: int) -> None:
+        """Show fields in so many colours, 0 for all."""
+        if count != self._bands:
+            self._bands = count
+            _cut_open(self.part, self._cut[0], filled=self._cut[1], bands=count)
 
     def mark(
         self,
@@ -156,13 +163,14 @@ class Scene:
         """Change the background."""
         self.three.background = BACKGROUNDS[theme]
 
-    def _markers(self) -> Any:
+    def _markers(self, *, near_side: bool) -> Any:
+        """All markers over everything, or once more the extremes, where nothing of the part is before them."""
         geometry = pythreejs.BufferGeometry(attributes={"position": self._spots, "kind": self._kinds})
         material = pythreejs.ShaderMaterial(
-            vertexShader=MARKER_VERTEX, fragmentShader=MARKER_FRAGMENT, depthTest=False, depthWrite=False, transparent=True,
-            uniforms={"numbers": {"value": _texture(numbers())}},
+            vertexShader=MARKER_VERTEX, fragmentShader=MARKER_FRAGMENT, depthTest=near_side, depthWrite=False, transparent=True,
+            uniforms={"near_side": {"value": float(near_side)}, "numbers": {"value": _texture(numbers())}},
         )  # fmt: skip
-        return pythreejs.Points(geometry, material, frustumCulled=False, renderOrder=2)
+        return pythreejs.Points(geometry, material, frustumCulled=False, renderOrder=2 + near_side)
 
 
 def round_length(wanted: float) -> float:
@@ -216,14 +224,15 @@ def _texture(pixels: NDArray[np.uint8]) -> Any:
     return pythreejs.DataTexture(pixels, format="RGBAFormat", type="UnsignedByteType", **smooth)
 
 
-def _cut_open(three: Any, plane: Plane, *, filled: bool) -> None:
-    """Tell the material of a part what to leave out."""
-    three.material.uniforms = _uniforms(three.material.uniforms["ramp"]["value"], plane, filled=filled)
+def _cut_open(three: Any, plane: Plane, *, filled: bool, bands: int) -> None:
+    """Tell the material of a part what to leave out, and how many colours a field has."""
+    three.material.uniforms = _uniforms(three.material.uniforms["ramp"]["value"], plane, filled=filled, bands=bands)
 
 
-def _uniforms(texture: Any, plane: Plane, *, filled: bool) -> dict[str, dict[str, Any]]:
+def _uniforms(texture: Any, plane: Plane, *, filled: bool, bands: int = 0) -> dict[str, dict[str, Any]]:
     """What the shader of a part is told; the texture comes last, because pythreejs gives it the name of whichever does."""
-    return {"cut": {"value": [float(value) for value in plane]}, "filled": {"value": float(filled)}, "ramp": {"value": texture}}
+    numbers: dict[str, Any] = {"cut": [float(value) for value in plane], "filled": float(filled), "bands": float(bands)}
+    return {**{name: {"value": value} for name, value in numbers.items()}, "ramp": {"value": texture}}
 
 
 def _part_material(vertex_shader: str) -> Any:

@@ -82,6 +82,7 @@ PART_FRAGMENT = f"""
 uniform sampler2D ramp;
 uniform vec4 cut;  // what lies beyond this plane is cut off
 uniform float filled;
+uniform float bands;  // how many colours a field has, 0 for all
 varying vec3 v_at;
 varying vec3 v_colour;
 varying vec3 v_normal;
@@ -102,6 +103,7 @@ float light() {{
 }}
 
 vec3 mapped(float place) {{
+    if (bands > 0.5) place = (min(floor(clamp(place, 0.0, 1.0) * bands), bands - 1.0) + 0.5) / bands;
     return texture2D(ramp, vec2((clamp(place, 0.0, 1.0) * {STEPS - 1}.0 + 0.5) / {STEPS}.0, 0.5)).rgb;
 }}
 
@@ -148,16 +150,20 @@ void main() {
 
 MARKER_VERTEX = """
 attribute float kind;
+uniform float near_side;
 varying float v_kind;
 void main() {
     v_kind = kind;
-    gl_Position = kind < 0.0 ? vec4(2.0, 2.0, 2.0, 1.0) : projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+    vec4 seen = modelViewMatrix * vec4(position, 1.0);
+    seen.xyz *= near_side > 0.5 ? 0.985 : 1.0;  // before the surface it lies on
+    gl_Position = kind < 0.0 || (near_side > 0.5 && kind > 1.5) ? vec4(2.0, 2.0, 2.0, 1.0) : projectionMatrix * seen;
     gl_PointSize = kind > 9.0 ? 26.0 : 22.0;
 }
 """
 
 MARKER_FRAGMENT = f"""
 uniform sampler2D numbers;
+uniform float near_side;
 varying float v_kind;
 float ring(vec2 p) {{ return abs(length(p) - 0.62); }}
 float triangle(vec2 p) {{ return abs(max(p.y, abs(p.x) * 0.866 - p.y * 0.5) - 0.36); }}
@@ -177,6 +183,11 @@ void main() {{
     if (v_kind > {PIN + 0.5:.1f}) {{ gl_FragColor = pin(floor(v_kind - {PIN + 0.5:.1f}), p); return; }}
     float away = v_kind < 0.5 ? ring(p) : v_kind < 1.5 ? triangle(p) : v_kind < 2.5 ? star(p) : dot_(p);
     if (away > 0.2) discard;
+    if (v_kind < 1.5 && near_side < 0.5) {{  // hidden by the part unless it is drawn once more over it: hollow and dashed
+        if (mod(atan(p.y, p.x) + 3.2, 0.7854) < 0.36 || away > 0.09) discard;
+        gl_FragColor = vec4(vec3(0.07), 0.8);
+        return;
+    }}
     gl_FragColor = vec4(vec3(away > 0.09 ? 1.0 : 0.07), 1.0);
 }}
 """

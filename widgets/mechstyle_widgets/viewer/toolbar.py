@@ -12,6 +12,7 @@ import traitlets
 from mechstyle.pictures.camera import VIEWS
 from mechstyle.pictures.panels import Picture
 from mechstyle_widgets.jupyter.frame import unseen
+from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.viewer.layers import STYLE, Layer
 
@@ -25,6 +26,7 @@ class Toolbar(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
     Attributes:
         layer: Name of what is shown.
         beside: Whether the original is shown beside it.
+        stepped: Whether a field is shown in steps.
         markers: Whether the greatest and the least value are marked.
         parallel: Whether one looks in parallel.
         cut: Whether the part is cut open.
@@ -33,6 +35,7 @@ class Toolbar(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
 
     layer = traitlets.Unicode(STYLE)
     beside = traitlets.Bool(False)
+    stepped = traitlets.Bool(False)
     markers = traitlets.Bool(True)
     parallel = traitlets.Bool(False)
     cut = traitlets.Bool(False)
@@ -43,18 +46,19 @@ class Toolbar(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
         self.choice = unseen(lean(
             ipywidgets.Dropdown,
             options=[("style", STYLE)], description="layer", tooltip="What is shown on the part (1 to 6, L for the next)",
-            layout={"width": "176px"},
+            layout={"width": "120px"},
         ))  # fmt: skip
         views = [(view.replace("_", " "), view) for view in VIEWS]
         self._view = unseen(lean(
             ipywidgets.Dropdown,
             options=views, value="three_quarter", description="seen from", tooltip="Where from (Shift with 1 to 5)",
-            layout={"width": "120px"},
+            layout={"width": "124px"},
         ))  # fmt: skip
         self._fit = _button("arrows-alt", "Bring the whole part into view (Home)")
         self.both = _toggle("columns", "Show the plain part beside it", "plain")
         show(self.both, False)
-        self._marks = _toggle("dot-circle-o", "Mark the greatest and the least value", "extremes")
+        self._marks = _toggle("dot-circle-o", "Mark the greatest and the least value: dashed where it is on the far side")
+        self._stepped = _toggle("bars", "Show values in steps, or smoothly")
         self._parallel = _toggle("cube", "Look in parallel, without perspective (O)")
         self._cut = _toggle("scissors", "Cut the part open along a plane (X)")
         self._measure = _toggle("arrows-h", "Measure between two clicks, or Enter at the cross (M)")
@@ -62,14 +66,15 @@ class Toolbar(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
         self._shot = _button("camera", "Make a picture of this to save")
         self._download = lean(ipywidgets.HTML)
         groups = [
-            [self.choice, self._view, self._fit, self.both, self._marks],
+            [self.choice, self._view, self._fit, self.both, self._marks, self._stepped],
             [self._parallel, self._cut, self._measure, self._places, self._shot, self._download],
         ]
         super().__init__([lean(ipywidgets.HBox, group, layout={"flex_flow": "row wrap"}) for group in groups])
         self.layout.flex_flow = "row wrap"
         self.add_class("mechstyle-toolbar")
         self._picture = picture
-        linked = {"layer": self.choice, "beside": self.both, "markers": self._marks, "parallel": self._parallel, "cut": self._cut}
+        linked = {"layer": self.choice, "beside": self.both, "markers": self._marks, "stepped": self._stepped}
+        linked |= {"parallel": self._parallel, "cut": self._cut}
         for name, widget in linked.items():
             traitlets.link((self, name), (widget, "value"))
         self._view.observe(lambda change: fit(change["new"]), "value")
@@ -80,7 +85,7 @@ class Toolbar(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
 
     def offer(self, layers: Sequence[Layer], shown: str) -> None:
         """Offer the style and these layers, with one of them shown."""
-        options = [("style", STYLE), *((layer.title, layer.name) for layer in layers)]
+        options = [(word("style"), STYLE), *((word(layer.title), layer.name) for layer in layers)]
         if tuple(self.choice.options) != tuple(options):
             self.choice.options = options
             self.choice.value = shown
@@ -88,7 +93,7 @@ class Toolbar(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
     def offer_beside(self, name: str, *, there: bool) -> None:
         """Offer what may stand beside, by its name, if it is there."""
         show(self.both, there)
-        self.both.description = name
+        self.both.description = word(name)
 
     def rest(self) -> None:
         """Take the focus."""

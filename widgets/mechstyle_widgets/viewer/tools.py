@@ -100,6 +100,13 @@ class Tools(traitlets.HasTraits):
         """Look at a place of the part at rest [mm] from close by, and tell what is known of it."""
         self._fly_to(int(np.linalg.norm(self.at_rest.vertices - np.asarray(place), axis=1).argmin()))
 
+    def look_round(self, vertex: int) -> None:
+        """Look at the whole part from a side from which a vertex is seen, and tell what is known of it."""
+        mesh = self.subject.mesh
+        self._orbit.look_from(probe.seen_from(mesh, vertex))
+        self.probed = vertex
+        self._measure()
+
     def cut_open(self, *, on: bool = True) -> None:
         """Cut the part open towards the eye, or close it."""
         if on and not self.section.on:
@@ -110,7 +117,7 @@ class Tools(traitlets.HasTraits):
 
     def _fly_to(self, vertex: int) -> None:
         mesh = self.subject.mesh
-        self._orbit.look_at(mesh.vertices[vertex], mesh.vertex_normals[vertex])
+        self._orbit.look_at(mesh.vertices[vertex], probe.seen_from(mesh, vertex))
         self.probed = vertex
         self._measure()
 

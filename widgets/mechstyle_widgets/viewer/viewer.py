@@ -38,8 +38,10 @@ from mechstyle_widgets.viewer.tools import Tools
 
 answer_while_drawing()
 
+BANDS = 9
+"""Colours of a field that is shown in steps: each spans five MPa of a strength of 45."""
 DRAWN = ("subject", "original", "third", "layer", "markers", "probed", "places", "measured", "tool", "beside", "names", "outcomes",
-         "protected")  # fmt: skip
+         "protected", "stepped")  # fmt: skip
 """Traits that change what is drawn."""
 
 
@@ -55,6 +57,7 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
         beside: Whether the original is shown beside it, moving along with the mouse.
         names: What they are called where they stand side by side.
         outcomes: HTML of the verdict on each of them, which may be "".
+        stepped: Whether a field is shown in BANDS colours instead of many.
         markers: Whether the greatest (ring) and the least value (triangle) are marked.
         protected: Whether the style must leave each vertex as it is, which is hatched, shape [vertex_count]; None for nothing.
         theme: `light` or `dark`.
@@ -68,6 +71,7 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
     beside = traitlets.Bool(False)
     names = traitlets.Tuple(default_value=("styled", "plain"))
     outcomes = traitlets.Tuple()
+    stepped = traitlets.Bool(False)
     markers = traitlets.Bool(True)
     protected = traitlets.Instance(np.ndarray, None, allow_none=True)
     theme = traitlets.Enum(tuple(BACKGROUNDS), "light")
@@ -114,16 +118,19 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
         self.badge, self._titles = Badge(), lean(ipywidgets.HTML, layout={"display": "none"})
         self._said = lean(ipywidgets.HTML)
         self._said.add_class("mechstyle-said")
-        window = lean(ipywidgets.VBox, [self.badge, self._titles, self._stage, self._said])
+        self._legend, self._scale, self._table = lean(ipywidgets.HTML), lean(ipywidgets.HTML), lean(ipywidgets.HTML)
+        over = lean(ipywidgets.VBox, [self._said, self._legend])
+        over.add_class("mechstyle-over")
+        self._scale.add_class("mechstyle-scale")
+        seen = lean(ipywidgets.VBox, [self._stage, over, self._scale])
+        seen.add_class("mechstyle-seen")
+        window = lean(ipywidgets.VBox, [self.badge, self._titles, seen])
         window.add_class("mechstyle-stage")
         self.section = Section(mesh.vertices.min(axis=0), mesh.vertices.max(axis=0))
         self._toolbar = Toolbar(self.fit, self.picture)
         self._list = Places(lambda number: self._fly_to(self.places[number]), self._remove)
-        self._legend, self._scale, self._table = lean(ipywidgets.HTML), lean(ipywidgets.HTML), lean(ipywidgets.HTML)
-        self._beside_legend = lean(ipywidgets.VBox, [self._scale, self._table])
-        wrap = {"flex_flow": "row wrap", "justify_content": "space-between", "overflow": "hidden"}
-        foot = lean(ipywidgets.HBox, [self._legend, self._beside_legend], layout=wrap)
-        super().__init__([self._toolbar, self.section, window, foot, self._list])
+        self._foot = lean(ipywidgets.VBox, [self._table])
+        super().__init__([self._toolbar, self.section, window, self._foot, self._list])
         self.add_class("mechstyle-viewer")
         self.subject, self.original, self.theme = subject, original, theme
         self._refresh = Paced(self._draw)
@@ -134,7 +141,7 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
 
     def _wire(self) -> None:
         """Let the toolbar, the cut and the camera be heard."""
-        for name in ("layer", "beside", "markers", "parallel", "tool"):
+        for name in ("layer", "beside", "markers", "stepped", "parallel", "tool"):
             traitlets.link((self, name), (self._toolbar, name))
         self.section.observe(lambda change: setattr(self._toolbar, "cut", change["new"]), "on")
         self._toolbar.observe(lambda change: self.cut_open(on=change["new"]), "cut")
@@ -174,7 +181,7 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
 
     def lend_table(self) -> ipywidgets.HTML:
         """The table of the place asked about, to be shown elsewhere than under the view, where it would push down what follows."""
-        self._beside_legend.children = (self._scale,)
+        self._foot.children = ()
         return self._table
 
     def picture(self, title: str = "") -> Picture:
@@ -238,18 +245,19 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
 
     def _draw(self) -> None:
         """Bring the scenes, the legend and the table up to date with the traits."""
-        layer = self.subject.layer(self.layer)
+        layer, bands = self.subject.layer(self.layer), BANDS if self.stepped else 0
         self._orbit.follow(self.subject.mesh)
         self._arrange()
         with self._at_once():
             for scene, subject in zip(self._scenes, self._shown, strict=False):
                 _fill(scene, subject, self.layer)
+                scene.band(bands)
                 scene.cut(self.section.plane, filled=self.section.filled)
                 scene.mark(_extremes(subject, self.layer) if self.markers else None, self.probed, self.places, self.measured)
             self._scenes[0].hatch(self.protected)
         mesh = self.subject.mesh
         key = "" if self.protected is None else legend.protected(self.protected, mesh)
-        self._legend.value = (legend.colour_bar(layer, mesh) if layer else "") + key
+        self._legend.value = (legend.colour_bar(layer, mesh, bands, brief=len(self._shown) > 1) if layer else "") + key
         self._table.value = "" if self.probed is None else probe.table(self.subject, self.probed)
         at = "" if self.probed is None else probe.brief(self.subject, self.probed, self.layer)
         self._said.value = legend.said(self.tool, self.measured) or at

@@ -17,7 +17,7 @@ function explain(root) {
   const tip = Object.assign(document.createElement("div"), { className: "mechstyle-tip", id: `mechstyle-tip-${crypto.randomUUID?.() ?? Math.random()}`, hidden: true });
   tip.setAttribute("role", "tooltip");
   root.append(tip);
-  let timer = 0, from = null, quiet = [];
+  let timer = 0, from = null, quiet = [], pressed = null; // of what was pressed nothing is said until the mouse has left it
 
   const close = () => {
     clearTimeout(timer);
@@ -43,11 +43,17 @@ function explain(root) {
   const ask = (event) => {
     if (tip.contains(event.target)) return;
     close();
+    if (pressed?.contains(event.target)) return;
+    pressed = null;
     timer = setTimeout(open, HESITATION, event.target);
+  };
+  const press = ({ target }) => {
+    close();
+    pressed = target.closest("button, label, .jupyter-widgets") ?? target;
   };
   const leave = (event) => { if (!tip.contains(event.relatedTarget)) close(); };
   const acts = {
-    pointerover: ask, pointerout: leave, pointerdown: close, focusout: close,
+    pointerover: ask, pointerout: leave, pointerdown: press, focusout: close,
     focusin: (event) => { if (event.target.matches(":focus-visible")) ask(event); },
     keydown: (event) => { if (event.key === "Escape" && !tip.hidden) { close(); event.stopImmediatePropagation(); } },
   };
