@@ -13,6 +13,8 @@ ROUNDS = 20
 """Times a vertex is moved along its normal towards the styled surface; on a slope of 45° each halves what is missing."""
 ALIKE = 0.05
 """Distance of the styled surface from what the relief gives at which they are the same [mm]: less than a printer shows …"""
+SEEN = 0.01
+"""Relief below which a place has none [mm]: no printer shows it, and the decimals of a file make nearly as much."""
 STRAYS = 0.02
 """… but for this share of the area, as a relief folds over itself here and there."""
 
@@ -69,4 +71,4 @@ def relief_over(original: SurfaceMesh, styled: SurfaceMesh) -> Field:
             f"the part ({sizes[0]} mm) is not its original ({sizes[1]} mm) with a relief: {astray:.0%} of its surface is elsewhere;"
             " give the file it was styled from, in the same place and with as many --vertices, or leave the original out"
         )
-    return np.where(np.abs(relief) < 1e-4, 0.0, relief).astype(np.float32)
+    return np.where(np.abs(relief) < SEEN, 0.0, relief).astype(np.float32)
