@@ -5,6 +5,8 @@ from __future__ import annotations
 import functools
 import json
 import sys
+import threading
+import time
 import unicodedata
 import warnings
 from collections.abc import Callable, Iterable, Iterator
@@ -157,6 +159,10 @@ def table(*columns: str, title: str = "", width: int | None = None) -> Table:
     return made
 
 
+LINE_EVERY = 10.0
+"""Time between two lines where no bar can be shown [s]."""
+
+
 class Teller:
     """Shows what a run is doing: a bar over the iterations, the stage in hand, time left, a line per simulation."""
 
@@ -165,6 +171,7 @@ class Teller:
         self._progress = progress
         self._task = progress.add_task("preparing", total=iterations)
         self._what = "preparing"
+        self._begun = time.monotonic()
         self._warned: set[str] = set()
 
     def stage(self, what: str) -> None:
@@ -180,6 +187,12 @@ class Teller:
     def fraction(self, done: float) -> None:
         """Say how far the drop in hand is."""
         self._progress.update(self._task, description=f"{self._what} {done:4.0%}")
+
+    def line(self) -> None:
+        """Print what is being done, for who sees no bar."""
+        task = self._progress.tasks[self._task]
+        done = f", {task.completed:.0f} of {task.total:.0f}" if task.total and task.total > 1 else ""
+        self._progress.console.print(f"[dim]{time.monotonic() - self._begun:4.0f} s: {escape(task.description)}{done}[/]")
 
     def warn(self, sentences: Iterable[str]) -> None:
         """Say what is to be known before the end, each sentence once, however often a part is prepared."""
@@ -206,6 +219,12 @@ class Teller:
             self.stage("done")
 
 
+def lines(say: Callable[[], None], over: Callable[[float], bool]) -> None:
+    """Say something every LINE_EVERY seconds until it is over, which is asked with the seconds to wait for that."""
+    while not over(LINE_EVERY):
+        say()
+
+
 @contextmanager
 def telling(iterations: int, *, quiet: bool) -> Iterator[Teller]:
     """Progress on stderr while the block runs; none if `quiet`."""
@@ -221,7 +240,11 @@ def telling(iterations: int, *, quiet: bool) -> Iterator[Teller]:
     with Progress(*columns, console=err, disable=quiet, transient=True) as progress:
         if quiet:
             progress.console.quiet = True
+        teller, over = Teller(progress, iterations), threading.Event()
+        if not (quiet or progress.console.is_terminal):  # a log file, a notebook's cell or a job shows no bar, and a mesh takes minutes
+            threading.Thread(target=lines, args=(teller.line, over.wait), name="mechstyle-lines", daemon=True).start()
         try:
-            yield Teller(progress, iterations)
+            yield teller
         finally:
+            over.set()
             progress.console.quiet = False

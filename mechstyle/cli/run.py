@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import msgspec
 import typer
@@ -26,6 +26,9 @@ from mechstyle.records.landings import STANDARDS
 from mechstyle.records.mesh import STANDARD_VERTICES
 from mechstyle.records.recipe import Recipe
 
+if TYPE_CHECKING:
+    from mechstyle.simulation.estimate import Estimate
+
 RESTRAINED = ("control", "normalisation", "threshold", "schedule", "every", "base")
 """Settings that restrain a style, or say when to simulate to that end: Freestyle has no use for them."""
 AUTO = "auto"
@@ -44,6 +47,10 @@ def read_model(model: str, reading: Settings, *, quiet: bool) -> tuple[Any, str]
         for note in mesh.notes:
             err.print(f"[dim]{escape(mesh.origin.model)}: {escape(note)}[/]")
     return mesh, mesh.name
+
+
+USUAL_TESTS = 5
+"""Tests that a schedule has besides the last, in the middle of the runs of docs/why-these-defaults.md."""
 
 
 def carry_out(
@@ -74,6 +81,8 @@ def carry_out(
         for warning in (*expected(wanted), *idle(settings, wanted)):
             err.print(f"[yellow]warning:[/] {escape(warning)}")
     mesh, name = read_model(model, reading, quiet=as_json)
+    if not as_json and not deep and device == "cpu":
+        err.print(f"[dim]{escape(foretold(wanted, vertices).words)}[/]")
     limited: Sequence[str] = ()
     with telling(wanted.iterations, quiet=as_json) as teller:
         if deep:
@@ -85,6 +94,17 @@ def carry_out(
         if wanted.strengthen and not as_json:
             err.print(f"[dim]part: {escape(run.part.notes[-1])}[/]")
         return finish(run, teller, limited)
+
+
+def foretold(wanted: Recipe, vertices: int) -> Estimate:
+    """The falls and the time of a run that has not begun, on this machine's processor."""
+    from mechstyle.simulation.estimate import estimated  # noqa: PLC0415 — physics is loaded when something is run
+
+    tests = 1 + (wanted.guarantee and wanted.schedule == "never") + (wanted.schedule != "never") * USUAL_TESTS
+    return estimated(
+        vertices, tests, height=wanted.height, iterations=wanted.iterations, orientations=wanted.orientations,
+        nearly_flat=wanted.nearly_flat, element=wanted.element, window=wanted.window,
+    )  # fmt: skip
 
 
 def at_its_deepest(

@@ -13,8 +13,8 @@ SECONDS_PER_STEP = {"tet10": 50e-9, "tet4": 12e-9}
 """Time of one core for one tetrahedron and one step [s]; of five parts of 2000 to 12 000 vertices 48 to 57 ns were measured for tet10."""
 STEP, STEPS = 8e-5, 17_000
 """Time step [ms], and steps until an impact has ended, of which 15 120 to 19 800 were counted: finer meshes are dropped with more mass."""
-TETRAHEDRA = 2.6
-"""Tetrahedra for each vertex of the surface: 2.0 to 3.3 of the same parts."""
+TETRAHEDRA, FINEST = 2.6, 13_000
+"""Tetrahedra for each vertex of the surface: 2.0 to 3.3 of the same parts; a surface of more vertices than FINEST gets no more."""
 NEARLY_FLAT = 8
 """Landings on the corners and sides of what a part stands on: eight of a box, six of a round base."""
 MESHING = 2.2e-3
@@ -72,9 +72,9 @@ def estimated(
     """
     cores = cores or os.cpu_count() or 1
     thorough, steering = orientations + NEARLY_FLAT * nearly_flat, 1 + STEERING * nearly_flat
-    each = seconds_of_a_fall(TETRAHEDRA * vertices, element=element, window=window) if fall is None else fall
+    each = seconds_of_a_fall(TETRAHEDRA * min(vertices, FINEST), element=element, window=window) if fall is None else fall
     rounds = 2 * math.ceil(thorough / cores) + (tests - 1) * math.ceil(steering / cores)
-    seconds = rounds * each + 2 * MESHING * vertices + iterations * STYLING * vertices
+    seconds = rounds * each + 2 * MESHING * min(vertices, 2 * FINEST) + iterations * STYLING * vertices
     return Estimate(height, 2 * thorough + (tests - 1) * steering, seconds)
 
 

@@ -5,6 +5,7 @@ import io
 import pytest
 from rich.console import Console
 
+from mechstyle.cli import console
 from mechstyle.cli.console import COLOURS, report_verdict, table, verdict_text
 from mechstyle.cli.console import out as stdout
 from mechstyle.records import Doubt, sentences
@@ -68,3 +69,25 @@ def test_every_outcome_has_a_colour_of_its_own_and_a_doubt_that_of_unknown():
     assert len(set(COLOURS.values())) == len(COLOURS)
     assert verdict_text("HOLDS", sure=False) == "[bold green]HOLDS[/][yellow] (not sure)[/]"
     assert verdict_text("UNKNOWN", sure=False) == "[bold yellow]UNKNOWN[/]"
+
+
+def test_where_no_bar_is_shown_a_line_says_every_ten_seconds_what_is_done(capsys):
+    answers = iter([False, False, True])
+    waited = []
+
+    def over(seconds):
+        waited.append(seconds)
+        return next(answers)
+
+    with console.telling(30, quiet=False) as teller:
+        teller.stage("filling it with tetrahedra")
+        console.lines(teller.line, over)
+    assert waited == [10.0, 10.0, 10.0]
+    assert capsys.readouterr().err.count("s: filling it with tetrahedra, 0 of 30") == 2
+
+
+def test_nothing_is_said_where_figures_are_asked_for(capsys):
+    with console.telling(30, quiet=True) as teller:
+        teller.stage("filling it with tetrahedra")
+        teller.line()
+    assert capsys.readouterr().err == ""
