@@ -145,7 +145,7 @@ def drop(
         test: Height, window and numerical settings.
         device: "cpu", "cuda", "cuda:1", … or "auto": CUDA if there is a device.
         progress: Called now and then in the calling thread with the fraction done; may raise to cancel.
-        period: Lowest elastic period of the body [ms], by which the end of its impact is told; None to work it out if it is needed.
+        period: Lowest elastic period of the body [ms], which decides when its impact has ended; None to work it out if it is needed.
 
     Raises:
         BadInput: Unusable tetrahedra, directions or device name.

@@ -195,12 +195,12 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def carry(jobs: Sequence[Job], told: Callable[[], None]) -> None:
+def carry(jobs: Sequence[Job], progress: Callable[[], None]) -> None:
     """Carry all jobs to their ends, as many at once as there are cores.
 
     Args:
         jobs: What there is to do.
-        told: Called in this thread now and then; what it raises cancels the rest.
+        progress: Called in this thread now and then; what it raises cancels the rest.
     """
     running: dict[Future[None], Job] = {}
     workers = min(cores(), len(jobs))
@@ -212,7 +212,7 @@ def carry(jobs: Sequence[Job], told: Callable[[], None]) -> None:
                     job = running.pop(future)
                     future.result()
                     running.update({pool.submit(after.advance): after for after in job.look()})
-                told()
+                progress()
         finally:
             pool.shutdown(cancel_futures=True)
 

@@ -88,8 +88,8 @@ def history_of(track: Track, scheme: Scheme) -> History:
 def phases_of(track: Track, scheme: Scheme) -> tuple[Phase, ...]:
     """The phases of a drop."""
     ends = [begun + scheme.stride * scheme.time_step * (len(rows) - 1) for begun, rows in zip(track.begun, track.samples, strict=True)]
-    told = zip(track.begun, ends, track.speeds, track.normals, strict=True)
-    return tuple(Phase(begun, end, speed, (float(x), float(y), float(z))) for begun, end, speed, (x, y, z) in told)
+    phases = zip(track.begun, ends, track.speeds, track.normals, strict=True)
+    return tuple(Phase(begun, end, speed, (float(x), float(y), float(z))) for begun, end, speed, (x, y, z) in phases)
 
 
 def _finite(samples: Floats) -> Floats:

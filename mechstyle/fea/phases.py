@@ -221,19 +221,19 @@ class Track:
         return ""
 
 
-def follow(body: Body, scheme: Scheme, tracks: Sequence[Track], told: Callable[[float], None], camera: Camera | None = None) -> None:
+def follow(body: Body, scheme: Scheme, tracks: Sequence[Track], progress: Callable[[float], None], camera: Camera | None = None) -> None:
     """Carry drops through all their phases: all first ones, then all second ones, and so on; a camera looks at the first drop.
 
     Args:
         body: Where they are computed.
         scheme: The step.
         tracks: The drops at first touch; they say afterwards what happened.
-        told: Called in this thread with the fraction done; what it raises cancels the rest.
+        progress: Called in this thread with the fraction done; what it raises cancels the rest.
         camera: Looks on, if there is one drop.
     """
 
     def tell() -> None:
-        told(sum(track.fraction for track in tracks) / len(tracks))
+        progress(sum(track.fraction for track in tracks) / len(tracks))
 
     going = list(tracks)
     while going:

@@ -68,7 +68,7 @@ def snapshots(
     progress: Progress = no_progress,
     period: float | None = None,
 ) -> Snapshots:
-    """Drop a body, as it stands unless told, on the CPU, and keep at most so many moments.
+    """Drop a body, by default as it stands, on the CPU, and keep at most so many moments.
 
     Args:
         tets: The body [mm].

@@ -1,4 +1,4 @@
-"""The Warp kernels of this room, and Warp told to keep quiet."""
+"""The Warp kernels of this room."""
 
 # mypy: disable-error-code="attr-defined,no-untyped-def,valid-type"
 # Warp reads these annotations itself: they are calls, and its query results are typed by the compiler.

@@ -25,7 +25,7 @@ thickness, is so many times as thick. Where two equal walls meet it is not."""
 LEAST_SEGMENT = 0.005
 """Smaller pieces, of the area, are no segments of their own."""
 RIM = 0.08
-"""Width of a rim over the size of the part, unless told."""
+"""Width of a rim over the size of the part, by default."""
 UPRIGHT = float(np.cos(np.radians(45.0)))
 """A surface stands upright if its normal does not rise or fall more steeply than this."""
 

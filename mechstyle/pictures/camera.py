@@ -19,7 +19,7 @@ VIEWS: Mapping[str, tuple[float, float]] = MappingProxyType(
     {"front": (0.0, 0.0), "three_quarter": (35.0, 28.0), "side": (90.0, 0.0), "top": (0.0, 90.0), "below": (35.0, -38.0)}
 )
 OPENING = 24.0
-"""Opening angle over the height of a picture, unless told [degrees]."""
+"""Default opening angle over the height of a picture [degrees]."""
 
 
 @dataclass(frozen=True)

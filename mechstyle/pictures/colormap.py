@@ -12,7 +12,7 @@ from mechstyle._colour import Colours, oklab, srgb_to_linear
 from mechstyle.errors import BadInput
 
 ABOVE = (0.98, 0.36, 0.20)  # sRGB over-colour of values above the threshold: far from the dark end of the ramp in lightness and in hue
-STRIPE = (0.48, 0.0, 0.05)  # sRGB hatch over it, so that it is not told by colour alone
+STRIPE = (0.48, 0.0, 0.05)  # sRGB hatch over it, so that colour alone need not show it
 LINE = (0.05, 0.05, 0.06)  # sRGB isoline at the threshold
 UNKNOWN = (0.66, 0.66, 0.66)  # sRGB of a value that is not a number
 ABSENT = (0.42, 0.42, 0.42)  # sRGB hatch over it

@@ -49,7 +49,7 @@ class Quantity:
         bounded: Whether the colours reach from and to `least` and no farther, whatever the values.
         stored: Name of the stored array it is made from; "" for that of its own name.
         formed: Makes it from that array, None if it is that array.
-        said: How a value at one place is told; as a figure with its unit if None.
+        said: How a value at one place is put in words; as a figure with its unit if None.
         tested: Reads the array from a simulation, where that holds it for several tests; None if it is an array of the simulation.
     """
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import subprocess
@@ -10,7 +11,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
+from mechstyle.cli.app import app
 from support.lanes import lane_on_a_sheet
 
 QUICK = ("--set", "element=tet4", "--set", "window=0.4", "--set", "nearly_flat=False")
@@ -47,6 +50,13 @@ class CommandLine:
         if code is not None:
             assert done.returncode == code, done.stdout + done.stderr
         return Outcome(done.returncode, done.stdout, done.stderr)
+
+    def here(self, *arguments: object, code: int = 0) -> Outcome:
+        """The same without the start-up of a process, for what only looks, or is refused."""
+        with contextlib.chdir(self.folder):
+            done = CliRunner().invoke(app, [*map(str, arguments)], env={"COLUMNS": "160", "NO_COLOR": "1"})
+        assert done.exit_code == code, done.output
+        return Outcome(done.exit_code, done.stdout, done.stderr)
 
 
 @pytest.fixture

@@ -18,7 +18,7 @@ def box(tmp_path, name="box.stl", extents=(40.0, 30.0, 20.0)):
 def refused(mechstyle, *arguments, code=2):
     """The sentence a command was refused with; nothing may be left in the folder."""
     before = sorted(path.name for path in mechstyle.folder.iterdir())
-    outcome = mechstyle(*arguments, code=code)
+    outcome = mechstyle.here(*arguments, code=code)
     assert outcome.stdout == ""
     assert "Traceback" not in outcome.stderr
     assert sorted(path.name for path in mechstyle.folder.iterdir()) == before
@@ -155,20 +155,20 @@ def test_with_json_a_wrong_command_line_is_json_too(mechstyle, arguments, said):
 
 def test_a_picture_is_a_png_and_called_so(finished, tmp_path):
     line, root, _ = finished
-    said = line("show", root, "--out", tmp_path / "part.jpg", code=2).stderr
+    said = line.here("show", root, "--out", tmp_path / "part.jpg", code=2).stderr
     assert f"give {tmp_path / 'part.png'} instead of {tmp_path / 'part.jpg'}" in said
     assert not (tmp_path / "part.jpg").exists()
 
 
 def test_a_log_is_of_whole_lanes(finished):
     line, root, _ = finished
-    assert "lists whole lanes" in line("log", f"{root}@main:3", code=2).stderr
-    assert "unknown lane" in line("log", f"{root}@mian", code=2).stderr
+    assert "lists whole lanes" in line.here("log", f"{root}@main:3", code=2).stderr
+    assert "unknown lane" in line.here("log", f"{root}@mian", code=2).stderr
 
 
 def test_an_unknown_export_format(finished):
     line, root, _ = finished
-    assert "did you mean" in line("export", f"{root}", "--format", "3fm", code=2).stderr
+    assert "did you mean" in line.here("export", f"{root}", "--format", "3fm", code=2).stderr
 
 
 def test_a_damaged_object_is_named(finished, tmp_path):
@@ -180,7 +180,7 @@ def test_a_damaged_object_is_named(finished, tmp_path):
     for path in (copy / "objects").rglob("*"):
         if path.is_file():
             path.write_bytes(b"rust")
-    assert "restore it" in line("log", copy, code=2).stderr
+    assert "restore it" in line.here("log", copy, code=2).stderr
 
 
 @pytest.mark.parametrize("command", ["materials", "styles", "gallery", "doctor"])

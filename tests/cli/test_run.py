@@ -196,14 +196,14 @@ def test_a_run_says_what_its_painted_file_costs_and_an_export_in_ones_own_filame
     assert f"2 {mine[1]}" in shown
     assert "layers" in shown
     assert "fewer changes: " in shown
-    refused = line("export", root, "--palette", "red", "--out", "mine.3mf", code=2).stderr
+    refused = line.here("export", root, "--palette", "red", "--out", "mine.3mf", code=2).stderr
     assert "'red' is no colour of a palette" in refused
 
 
 @pytest.mark.parametrize("form", ["3mf", "glb", "obj", "ply", "stl"])
 def test_export_writes_every_format(finished, tmp_path, form):
     line, root, _ = finished
-    line("export", f"{root}@5", "--format", form, "--out", tmp_path / f"part.{form}")
+    line.here("export", f"{root}@5", "--format", form, "--out", tmp_path / f"part.{form}")
     mesh = trimesh.load(tmp_path / f"part.{form}", force="mesh")
     assert mesh.is_watertight
     scale = 1000.0 if form == "glb" else 1.0  # glTF is in metres
@@ -212,9 +212,9 @@ def test_export_writes_every_format(finished, tmp_path, form):
 
 def test_export_takes_the_format_from_the_file_and_refuses_a_contradiction(finished, tmp_path):
     line, root, _ = finished
-    line("export", root, "--out", tmp_path / "part.stl")
+    line.here("export", root, "--out", tmp_path / "part.stl")
     assert (tmp_path / "part.stl").read_bytes()[:2] != b"PK", "it is no 3MF"
-    refused = line("export", root, "--format", "stl", "--out", tmp_path / "x.3mf", code=2).stderr
+    refused = line.here("export", root, "--format", "stl", "--out", tmp_path / "x.3mf", code=2).stderr
     assert f"--format stl contradicts --out {tmp_path}/x.3mf" in refused
     assert "call the file x.stl" in refused
     assert not (tmp_path / "x.3mf").exists()
@@ -222,7 +222,7 @@ def test_export_takes_the_format_from_the_file_and_refuses_a_contradiction(finis
 
 def test_an_unsimulated_iteration_says_so_when_exported(finished, tmp_path):
     line, root, _ = finished
-    assert "was not simulated" in line("export", f"{root}@5", "--out", tmp_path / "x.stl").stdout
+    assert "was not simulated" in line.here("export", f"{root}@5", "--out", tmp_path / "x.stl").stdout
 
 
 def test_show_writes_a_picture(finished, tmp_path):
@@ -320,10 +320,13 @@ def test_simulate_judges_by_the_published_rule_where_it_is_asked_to(mechstyle):
     assert "by the published rule: the largest element stress is " in outcome["words"]
 
 
-@pytest.mark.parametrize("control", ["linear", "exponential", "frozen"])
-@pytest.mark.parametrize("schedule", ["every", "quadratic", "exponential", "geometry", "stress", "never"])
-def test_every_control_with_every_schedule_passes(finished, tmp_path, control, schedule):
-    """In one process, on the part of the finished run: what the command line would do, without its start-up."""
+@pytest.mark.parametrize(
+    ("control", "schedule"),
+    [("linear", "every"), ("exponential", "quadratic"), ("frozen", "exponential"), ("linear", "geometry"), ("exponential", "stress"),
+     ("frozen", "never")],
+)  # fmt: skip
+def test_every_control_and_every_schedule_passes(finished, tmp_path, control, schedule):
+    """In one process, on the part of the finished run; neither knows of the other, so that they need not meet in every pair."""
     _, root, _ = finished
     copy = tmp_path / "part"
     shutil.copytree(root, copy)
@@ -335,7 +338,7 @@ def test_every_control_with_every_schedule_passes(finished, tmp_path, control, s
 
 def test_a_branch_that_goes_nowhere_is_refused_and_leaves_no_lane(finished):
     line, root, _ = finished
-    assert "must go beyond it" in line("branch", root, "--material", "ABS", code=2).stderr
+    assert "must go beyond it" in line.here("branch", root, "--material", "ABS", code=2).stderr
     assert Store(root).lanes() == ("main",)
 
 

@@ -146,7 +146,7 @@ def main(request: str, answer: str) -> None:
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
     with np.load(request, allow_pickle=False) as asked:
-        # A C thread ends this process even if the parent died and can no longer kill it.
+        # A C thread ends this process even if the parent died and cannot kill it any more.
         faulthandler.dump_traceback_later(float(asked["limit"]), exit=True)
         _limit_processor_time(math.ceil(asked["processor"]))
         # The package imports pyvista, and with it VTK, for functions that are not used here: an empty module will do.

@@ -40,7 +40,7 @@ class Tolerances:
     facing: float = 0.3  # between a vertex and the place on the part it is put down on: another side of a thin wall looks elsewhere
     bent: float = 0.985  # about 10°: an edge between fixed vertices where the surface turns by more has to stay
     flipped_quality: float = 0.3  # quality 4 √3 A / Σ l² that an edge flip must leave
-    length_classes: int = 4  # with all lengths told apart few edges are the shortest far around, with none the long ones go too
+    length_classes: int = 4  # where all lengths differ few edges are the shortest far around, with none the long ones go too
     put_back: int = 4  # times that vertices go back because triangles would turn over
 
     # Decimation
@@ -69,7 +69,7 @@ class Tolerances:
     deep: float = 0.1  # [mm]; parts of a body that reach less far into each other are no overlap: printers do not resolve it
     grazing: float = 0.05  # |n + m|² / 2 of faces that look at each other within 18°; bodies deep in each other cross more steeply
     one_place: float = 0.05  # of the part's size: overlaps closer than that are one place
-    crossings_asked: int = 2000  # evenly chosen, so that a file full of crossings takes no longer
+    crossings_asked: int = 2000  # evenly chosen, so that a file full of crossings takes no more time
 
     # Filling. Lengths in walls, a wall being 2 V / A: what a part is thick on average.
     runs: int = 3  # of fTetWild, at most

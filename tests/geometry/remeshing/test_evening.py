@@ -84,25 +84,28 @@ def rounded():
     return surface_of(Manifold.revolve(CrossSection([profile]), 96))
 
 
-def test_every_vertex_lies_on_the_part(rounded):
-    evened = even(rounded, 2500)
-    assert TriangleTree(rounded.vertices, rounded.faces).nearest(evened.vertices).distance.max() < 2e-4
+@pytest.fixture(scope="module")
+def evened_round(rounded):
+    return even(rounded, 2500)
 
 
-def test_the_volume_stays_where_rounds_are_narrower_than_triangles(rounded):
-    assert even(rounded, 2500).volume == pytest.approx(rounded.volume, rel=0.01)
+def test_every_vertex_lies_on_the_part(rounded, evened_round):
+    assert TriangleTree(rounded.vertices, rounded.faces).nearest(evened_round.vertices).distance.max() < 2e-4
 
 
-def test_no_flap_is_left_at_a_narrow_round(rounded):
-    _, turns, _ = _bends(even(rounded, 2500))
+def test_the_volume_stays_where_rounds_are_narrower_than_triangles(rounded, evened_round):
+    assert evened_round.volume == pytest.approx(rounded.volume, rel=0.01)
+
+
+def test_no_flap_is_left_at_a_narrow_round(evened_round):
+    _, turns, _ = _bends(evened_round)
     assert turns.max() < np.radians(110.0)
 
 
-def test_a_narrow_round_is_as_round_as_the_part(rounded):
+def test_a_narrow_round_is_as_round_as_the_part(rounded, evened_round):
     """Without vertices of its own the rim comes out ragged, cut by triangles that miss it by half a wall."""
-    evened = even(rounded, 2500)
     rim = rounded.vertices[rounded.vertices[:, 2] > 30.0]
-    assert TriangleTree(evened.vertices, evened.faces).nearest(rim).distance.max() < 0.45
+    assert TriangleTree(evened_round.vertices, evened_round.faces).nearest(rim).distance.max() < 0.45
 
 
 def test_the_radius_of_a_round_is_found(rounded):
