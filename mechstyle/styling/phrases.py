@@ -34,7 +34,7 @@ ADJECTIVES = english.SIZES.keys() | english.AMOUNTS.keys() | english.SHADES.keys
 _LARGE = {"wide", "large", "big"}
 _LINKS, _NOUNS = {"of", "in", "the"}, {"depth", "relief"}
 """Words between a length and the second ones that say it is one of depth: "1 mm of depth", but "5 mm in deep blue"."""
-_LIKENESS = {"like", "made", "built"}
+_LIKENESS, _COSTUMES = {"like", "made", "built"}, {"suit", "costume", "outfit"}
 _NO_CONTENT = {"", "or", ":", ";"} | english.FILLERS | english.SEPARATORS | english.BESIDE | english.DEGREES.keys()
 
 
@@ -65,8 +65,9 @@ def is_thing(item: Item) -> bool:
 
 
 def likened(items: Sequence[Item]) -> list[Item]:
-    """What something is to be like or is made of: the items after such a word, none if there is none."""
-    return list(itertools.dropwhile(lambda item: meaning(item) not in _LIKENESS, items))
+    """What something is to be like, is made of or dressed as: "like an owl", "a cat in an astronaut suit"; none if nothing is said."""
+    dressed = [item for item, following in itertools.pairwise(items) if meaning(following) in _COSTUMES]
+    return dressed or list(itertools.dropwhile(lambda item: meaning(item) not in _LIKENESS, items))
 
 
 def items_of(found: Sequence[Word], notes: list[str]) -> list[Item]:

@@ -104,6 +104,12 @@ def test_what_something_is_to_be_like_goes_before_what_it_is(use, thing):
     assert only(f"{thing} made of cardboard")[0].style == only("robot made of cardboard")[0].style == only("cardboard")[0].style
 
 
+@pytest.mark.parametrize("wearer", ["a soldier", "an image of a wombat", "my castle"])
+@pytest.mark.parametrize("costume", ["astronaut suit", "robot costume", "zebra outfit"])
+def test_what_something_is_dressed_as_goes_before_what_it_is(wearer, costume):
+    assert only(f"{wearer} in a {costume}")[0].style == only(costume.split()[0])[0].style
+
+
 @pytest.mark.parametrize("metal", sorted(METALS))
 def test_a_metal_alone_is_hammered_and_beside_a_style_a_colour(metal):
     spoken = metal.replace("_", " ")
