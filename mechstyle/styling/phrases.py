@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -33,6 +34,7 @@ ADJECTIVES = english.SIZES.keys() | english.AMOUNTS.keys() | english.SHADES.keys
 _LARGE = {"wide", "large", "big"}
 _LINKS, _NOUNS = {"of", "in", "the"}, {"depth", "relief"}
 """Words between a length and the second ones that say it is one of depth: "1 mm of depth", but "5 mm in deep blue"."""
+_LIKENESS, _COSTUMES = {"like", "made", "built"}, {"suit", "costume", "outfit"}
 _NO_CONTENT = {"", "or", ":", ";"} | english.FILLERS | english.SEPARATORS | english.BESIDE | english.DEGREES.keys()
 
 
@@ -60,6 +62,12 @@ def is_thing(item: Item) -> bool:
     """Whether an item names a thing, which may have a colour and a style of its own: an eye, a door, a castle."""
     means, style = meaning(item), style_of(item)
     return not means or means in UNKNOWN_PLACES or (means in weak() and means not in COLOURS) or (style is not None and style.rank == LIKE)
+
+
+def likened(items: Sequence[Item]) -> list[Item]:
+    """What something is to be like, is made of or dressed as: "like an owl", "a cat in an astronaut suit"; none if nothing is said."""
+    dressed = [item for item, following in itertools.pairwise(items) if meaning(following) in _COSTUMES]
+    return dressed or list(itertools.dropwhile(lambda item: meaning(item) not in _LIKENESS, items))
 
 
 def items_of(found: Sequence[Word], notes: list[str]) -> list[Item]:

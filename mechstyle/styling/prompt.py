@@ -45,6 +45,7 @@ from mechstyle.styling.phrases import (
     is_style,
     is_thing,
     items_of,
+    likened,
     meaning,
     style_of,
     without_negated,
@@ -179,7 +180,7 @@ def _clauses(kept: Sequence[Item], notes: list[str]) -> list[Clause]:
             return clauses_of([*kept[: at + 1], Word("", "metal"), *kept[at + 1 :]], whole=whole)
         if ranks:
             return clauses
-        like = [item for clause in clauses for item in itertools.dropwhile(lambda item: meaning(item) != "like", clause.items)]
+        like = [item for clause in clauses for item in likened(clause.items)]
         known = english.weak()
         ranked = ([(item, known[meaning(item)].rank) for item in items if meaning(item) in known] for items in (like, said))
         weak = next(filter(None, ranked), [])
@@ -251,6 +252,8 @@ def _style(items: Sequence[Item], notes: list[str]) -> tuple[str, set[str], tupl
     if not found:
         return "", set(), ()
     strongest = [one for one in found if one[1].rank == min(style.rank for _, style in found)]
+    if strongest[0][1].rank >= LIKE:
+        strongest = [one for one in strongest if any(one[0] is item for item in likened(items))] or strongest
     describing = [  # the style that follows at once: cracked leather is leather, but cable knit stays
         item for (item, style), (_, following) in itertools.pairwise(read)
         if style and following and following.rank <= style.rank < LIKE and "_" not in meaning(item)

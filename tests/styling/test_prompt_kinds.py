@@ -101,6 +101,13 @@ def test_a_thing_yields_to_whatever_is_named_beside_it(stuff, thing):
 @pytest.mark.parametrize("use", ["bottle holder", "window box", "a cabinet that looks", "phone stand shaped"])
 def test_what_something_is_to_be_like_goes_before_what_it_is(use, thing):
     assert only(f"{use} like {thing}")[0].style == only(thing)[0].style
+    assert only(f"{thing} made of cardboard")[0].style == only("robot made of cardboard")[0].style == only("cardboard")[0].style
+
+
+@pytest.mark.parametrize("wearer", ["a soldier", "an image of a wombat", "my castle"])
+@pytest.mark.parametrize("costume", ["astronaut suit", "robot costume", "zebra outfit"])
+def test_what_something_is_dressed_as_goes_before_what_it_is(wearer, costume):
+    assert only(f"{wearer} in a {costume}")[0].style == only(costume.split()[0])[0].style
 
 
 @pytest.mark.parametrize("metal", sorted(METALS))

@@ -457,10 +457,10 @@ def test_loads_of_another_recipe_are_not_those_of_the_file_named_last(load_file)
 
 def test_a_refusal_stands_under_the_prompt_with_the_nearest_styles_to_press():
     """It stood eleven controls further down, with 46 names and an option of the command line."""
-    box = PromptBox("crocodile skin")
+    box = PromptBox("my saxophone")
     asked, _, trouble, chips, *_ = box.children
     assert (asked, chips) == (box._text, box._chips)
-    assert "“crocodile skin” names no style. Near it are these" in trouble.value
+    assert "“my saxophone” names no style. Near it are these" in trouble.value
     assert len(trouble.value) < 250
     assert box._chips.few == box._chips.nearest
     assert len(set(box._chips.few)) == 3
