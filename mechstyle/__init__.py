@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from mechstyle.records.load_cases import Load, LoadCase, Patch, Support
     from mechstyle.records.material import LIBRARY, Material, material_named
     from mechstyle.records.mesh import SurfaceMesh, TetMesh
-    from mechstyle.records.regions import Box, End, HalfSpace, Inside, Outside, Rim, Segment, Sides, Sphere, Vertices
+    from mechstyle.records.regions import Box, End, HalfSpace, Holes, Inside, Outside, Rim, Segment, Sides, Sphere, Vertices
     from mechstyle.runs.deepest import Depth, deepest
     from mechstyle.runs.plugins import register_stylizer
     from mechstyle.runs.printing import Printing
@@ -52,6 +52,7 @@ _WHERE = {
     "End": "records.regions",
     "Engine": "loop.engine",
     "HalfSpace": "records.regions",
+    "Holes": "records.regions",
     "Inside": "records.regions",
     "LIBRARY": "records.material",
     "Landing": "records",
@@ -118,6 +119,7 @@ __all__ = [
     "End",
     "Engine",
     "HalfSpace",
+    "Holes",
     "Inside",
     "Landing",
     "Load",

@@ -1,33 +1,50 @@
-"""Inside and outside of a hollow part: how much of the sky each place sees, and where one ends and the other begins."""
+"""Inside and outside of a hollow part: where a ball is shut in, and where one side ends and the other begins."""
 
 from __future__ import annotations
 
+import itertools
+import math
 from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
+from scipy.ndimage import label
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
+from scipy.spatial import cKDTree
 
 from mechstyle._warp import wp
-from mechstyle.geometry.kernels import count_escapes
+from mechstyle.geometry.kernels import count_escapes, count_narrow
 from mechstyle.geometry.proximity import TriangleTree
-from mechstyle.records.mesh import Floats, SurfaceMesh
+from mechstyle.records.mesh import Bools, Floats, SurfaceMesh
 
 RAYS = 128
 HIDDEN, OPEN = 0.51, 0.97
-"""Sky seen by what is surely inside and surely outside: the wall of a cup sees half of it even at the rim, and less below."""
+"""Sky seen below which a place that no ball reaches is inside, and above which it is outside: the floor of a flat tray sees nine tenths."""
+BALL = 0.04
+"""Radius of the ball over the size of the part: what it does not fit through is closed."""
+IN_A_PLANE = [(a, b) for a, b in itertools.product(range(-2, 3), repeat=2) if math.gcd(a, b) == 1]
+"""Ways on a grid in a plane along two axes, sixteen."""
+NEAR = 1.8
+"""How far off the middle of a ball on the grid may lie from where it would touch, over the grid's step."""
+LONG = 0.25
+"""Length of a tube over the size of the part: what is shorter, as the frame of two posts, a floor and a roof, shuts in nothing."""
+LIFT, ALL_IN_HOLE = 0.02, 0.98
+"""How far off the surface a hole is measured, over its width, and the share of the directions in a plane in which it is narrow."""
 CONVEXITY = 8.0
 """How much more loosely two vertices hang together for each radian by which the surface bends away between them."""
 LEAST_SHARE = 0.005
 """Smaller pieces, of the area, belong to what surrounds them."""
 CONTAINED = 0.3
 """Least share of the area that is inside in a container: half of it where walls are thin."""
-UPRIGHT, OPENING = 0.9, 0.1
-"""Least cosine of the angle between the way out of a container and straight up, and least opening over the box around it."""
+STRAIGHT, OPENING, ONE_SIDE = 0.9, 0.1, 0.8
+"""Least cosine of the angle between the way out of a container and an axis, least opening over the side of the box around it, and least sum
+of the openings over the sum of their sizes: those of a tube or a lampshade cancel out, a slot in a wall is small."""
 
 
+SKIN = 1e-4
+"""How far off the surface rays begin, over its size."""
 KEPT = 4
 """Surfaces whose answer is kept: a run asks for each picture, and first while it prepares the part, which it then reads from disk."""
 _known: dict[str, NDArray[np.bool_]] = {}
@@ -36,9 +53,11 @@ _known: dict[str, NDArray[np.bool_]] = {}
 def is_inside(mesh: SurfaceMesh, *, device: str = "cpu") -> NDArray[np.bool_]:
     """Whether each vertex lies in a hollow that opens to the outside, shape [vertex_count].
 
-    What sees less than half of the sky is inside, what sees nearly all of it outside. In between, by the random walker (Grady 2006),
-    each vertex goes where a walk along the surface ends more probably; walks rarely cross convex edges, so that the border runs along
-    the rim, and the open floor of a flat tray goes with the walls around it.
+    Inside is where a ball of a twelfth of the part's size is shut in: along none of the ways in a plane along two axes it rolls straight
+    out; and what it does not reach from outside and sees less than half of the sky. So a hull is inside and the house that stands out of
+    it is not, and neither is what lies under a roof. Outside is where it rolls out, and what sees nearly all of the sky. In between, by
+    the random walker (Grady 2006), each vertex goes where a walk along the surface ends more probably; walks rarely cross convex edges,
+    so that the border runs along the rim.
 
     Args:
         mesh: A closed surface; one of the same vertices and faces as a few before is not asked again.
@@ -46,16 +65,19 @@ def is_inside(mesh: SurfaceMesh, *, device: str = "cpu") -> NDArray[np.bool_]:
     """
     inside = _known.get(mesh.digest)
     if inside is None:
-        inside = _told_apart(mesh, openness(mesh, device=device))
+        inside = _told_apart(mesh, device)
         while len(_known) >= KEPT:
             _known.pop(next(iter(_known)), None)
         _known[mesh.digest] = inside
     return inside
 
 
-def _told_apart(mesh: SurfaceMesh, sky: Floats) -> NDArray[np.bool_]:
-    """Whether each vertex is inside, given the share of the sky that it sees, shape [vertex_count]; write-protected."""
-    inside, outside = sky < HIDDEN, sky > OPEN
+def _told_apart(mesh: SurfaceMesh, device: str) -> NDArray[np.bool_]:
+    """Whether each vertex is inside, shape [vertex_count]; write-protected."""
+    sky = openness(mesh, device=device)
+    reached, shut, free = _by_ball(mesh, device)
+    inside = (shut & (sky <= OPEN)) | (~reached & (sky < HIDDEN))
+    outside = free | (sky > OPEN)
     if inside.any() and outside.any():
         inside = _without_specks(mesh, _walked(mesh, inside, outside) > 0.5)
     inside.setflags(write=False)
@@ -63,35 +85,124 @@ def _told_apart(mesh: SurfaceMesh, sky: Floats) -> NDArray[np.bool_]:
 
 
 def is_container(mesh: SurfaceMesh) -> bool:
-    """Whether a part, as it stands, holds things: its inside is large and opens upwards only, as that of a cup, a tray or a case.
-
-    By the divergence theorem the normals of an inside add up to its openings. Those of a tube open at both ends cancel out.
-    """
+    """Whether a part holds things: its inside is large and opens to one side only, as that of a cup, a tray or a case, however it lies."""
     inside = is_inside(mesh)
     areas = mesh.vertex_areas
-    opening = areas[inside] @ mesh.vertex_normals[inside]
-    hollow = areas[inside].sum() >= CONTAINED * areas.sum()
-    return bool(hollow and opening[2] > UPRIGHT * np.linalg.norm(opening) and opening[2] > OPENING * mesh.extents[:2].prod())
+    if areas[inside].sum() < CONTAINED * areas.sum():
+        return False
+    openings = _openings(mesh, inside)
+    whole = np.abs(openings.sum(axis=0))
+    way, size = int(whole.argmax()), float(np.linalg.norm(whole))
+    one_side = size > ONE_SIDE * np.linalg.norm(openings, axis=1).sum()
+    wide = whole[way] > OPENING * np.delete(mesh.extents, way).prod()
+    return bool(one_side and wide and whole[way] > STRAIGHT * size)
+
+
+def _openings(mesh: SurfaceMesh, inside: NDArray[np.bool_]) -> Floats:
+    """The vector area of each opening [mm²], shape [count, 3]: of the loop in which the border of the inside crosses the faces."""
+    mixed = mesh.faces[inside[mesh.faces].any(axis=1) & ~inside[mesh.faces].all(axis=1)]
+    odd = np.where(inside[mixed].sum(axis=1) == 1, inside[mixed].argmax(axis=1), (~inside[mixed]).argmax(axis=1))
+    one, left, right = (np.take_along_axis(mixed, ((odd + k) % 3)[:, None], axis=1)[:, 0] for k in range(3))
+    start, end = (0.5 * (mesh.vertices[one] + mesh.vertices[other]) for other in (left, right))
+    turned = ~inside[one]
+    start[turned], end[turned] = end[turned], start[turned]
+    keys = np.sort(np.concatenate([np.stack([one, left], axis=1), np.stack([one, right], axis=1)]), axis=1)
+    edge = np.unique(keys, axis=0, return_inverse=True)[1].reshape(2, -1)
+    count = int(edge.max()) + 1 if edge.size else 0
+    loop = connected_components(sp.coo_array((np.ones(edge.shape[1]), edge), shape=(count, count)), directed=False)[1][edge[0]]
+    swept = 0.5 * np.cross(start - mesh.vertices.mean(axis=0), end - mesh.vertices.mean(axis=0))
+    return np.stack([np.bincount(loop, column) for column in swept.T], axis=1)
 
 
 def openness(mesh: SurfaceMesh, *, device: str = "cpu") -> Floats:
     """Share of the sky each vertex sees past the part itself, as a diffuse light would shine on it, in [0, 1], shape [vertex_count]."""
-    return escaping(TriangleTree(mesh.vertices, mesh.faces, device), mesh.vertices, mesh.vertex_normals, mesh.size)
+    tree = TriangleTree(mesh.vertices, mesh.faces, device)
+    return escaping(tree, mesh.vertices, mesh.vertex_normals, SKIN * mesh.size, 2.0 * mesh.size)
 
 
-def escaping(tree: TriangleTree, points: Floats, normals: Floats, size: float) -> Floats:
+def in_hole(mesh: SurfaceMesh, widest: float, *, device: str = "cpu") -> NDArray[np.bool_]:
+    """Whether each vertex lies in a bore or slot that is nowhere wider than told, shape [vertex_count].
+
+    In a plane along two axes it is surrounded there, and what surrounds it is that near.
+
+    Args:
+        mesh: A closed surface.
+        widest: What a hole spans at most [mm].
+        device: Warp device.
+    """
+    tree = TriangleTree(mesh.vertices, mesh.faces, device)
+    angle = np.pi * (np.arange(RAYS // 2) + 0.5) / (RAYS // 2)
+    half = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(RAYS // 2)])
+    points = tree.points(mesh.vertices + LIFT * widest * mesh.vertex_normals)
+    shares = []
+    for turn in range(3):
+        ways: Any = wp.array(np.roll(half, turn, axis=1).astype(np.float32), dtype=wp.vec3, device=device)
+        narrow: Any = wp.empty(len(mesh.vertices), dtype=wp.int32, device=device)
+        wp.launch(count_narrow, dim=len(mesh.vertices), inputs=[tree.id, points, ways, widest, narrow], device=device)
+        shares.append(narrow.numpy() / len(half))
+    return np.asarray(np.max(shares, axis=0) >= ALL_IN_HOLE)
+
+
+def _by_ball(mesh: SurfaceMesh, device: str) -> tuple[Bools, Bools, Bools]:
+    """Whether a ball from outside touches each vertex, whether it is surely shut in there, and surely not, shape [vertex_count]."""
+    radius = BALL * mesh.size
+    step = 0.5 * radius
+    low, high = mesh.vertices.min(axis=0) - 2.0 * radius, mesh.vertices.max(axis=0) + 2.0 * radius
+    middles = np.stack(np.meshgrid(*(np.arange(a, b + step, step) for a, b in zip(low, high, strict=True)), indexing="ij"), axis=-1)
+    room = TriangleTree(mesh.vertices, mesh.faces, device).nearest(middles).distance.reshape(middles.shape[:3]) >= radius
+    piece = label(room)[0]
+    from_outside = piece == piece[0, 0, 0]
+    shut = np.zeros_like(room)
+    for axis in range(3):
+        ways = [tuple(np.insert(way, axis, 0).tolist()) for way in IN_A_PLANE]
+        shut |= _without_frames(~np.logical_or.reduce([_rolls_out(room, way) for way in ways]), room, axis, LONG * mesh.size / step)
+    apart, near = cKDTree(middles[from_outside]).query(mesh.vertices + radius * mesh.vertex_normals, k=4)
+    here, touching = shut[from_outside][near], apart <= NEAR * step
+    reached = touching[:, 0]
+    return reached, reached & (here | ~touching).all(axis=1), reached & ~(here & touching).any(axis=1)
+
+
+def _without_frames(shut: Bools, room: Bools, axis: int, least: float) -> Bools:
+    """The places where a ball is shut in but for runs along an axis that are open at both ends and shorter than told, in steps."""
+    line = np.zeros((3, 3, 3), bool)
+    line[tuple(slice(None) if other == axis else 1 for other in range(3))] = True
+    run, count = label(shut & room, structure=line)
+    beyond = room & ~shut
+    ends = [np.bincount(run[np.roll(beyond, way, axis=axis) & (run > 0)], minlength=count + 1) > 0 for way in (-1, 1)]
+    frame = ends[0] & ends[1] & (np.bincount(run.ravel(), minlength=count + 1) < least)
+    return shut & room & ~frame[run]
+
+
+def _rolls_out(room: Bools, way: tuple[int, ...]) -> Bools:
+    """Whether there is room from each place of a grid on, step by step, until its end; twice as far each time."""
+    free, steps = room, 1
+    while steps < max(room.shape):
+        ahead = np.ones_like(free)
+        here, there = zip(*(_overlap(size, steps * along) for size, along in zip(room.shape, way, strict=True)), strict=True)
+        ahead[here] = free[there]
+        free, steps = free & ahead, 2 * steps
+    return free
+
+
+def _overlap(size: int, ahead: int) -> tuple[slice, slice]:
+    """The places along an axis that have one so far ahead, and these."""
+    return slice(max(0, -ahead), max(0, size - max(0, ahead))), slice(max(0, ahead), max(0, size + min(0, ahead)))
+
+
+def escaping(tree: TriangleTree, points: Floats, normals: Floats, skin: float, reach: float) -> Floats:
     """Share of a diffuse light at points, shape [n, 3], that gets past a surface, in [0, 1], shape [n].
 
     Args:
         tree: The surface.
         points: Positions on it [mm], shape [n, 3].
         normals: Unit vectors to the side that is lit, shape [n, 3].
-        size: Of the surface [mm].
+        skin: How far off the points along these its rays begin [mm].
+        reach: How long they are [mm].
     """
     towards: Any = wp.array(normals.astype(np.float32), dtype=wp.vec3, device=tree.device)
     rays: Any = wp.array(_cosine_directions(RAYS), dtype=wp.vec3, device=tree.device)
     escaped: Any = wp.empty(len(points), dtype=wp.int32, device=tree.device)
-    inputs = [tree.id, tree.points(points), towards, rays, 1e-4 * size, 2.0 * size, escaped]
+    inputs = [tree.id, tree.points(points), towards, rays, skin, reach, escaped]
     wp.launch(count_escapes, dim=len(points), inputs=inputs, device=tree.device)
     return np.asarray(escaped.numpy() / RAYS, dtype=np.float64)
 

@@ -93,6 +93,26 @@ def count_escapes(
 
 
 @wp.kernel
+def count_narrow(
+    mesh: wp.uint64,
+    points: wp.array(dtype=wp.vec3),
+    directions: wp.array(dtype=wp.vec3),
+    widest: float,
+    narrow: wp.array(dtype=wp.int32),
+) -> None:
+    """Number of `directions`, the same for all points, along which what is met both ways is no farther apart than `widest`."""
+    i = wp.tid()
+    count = wp.int32(0)
+    for k in range(directions.shape[0]):
+        ahead = wp.mesh_query_ray(mesh, points[i], directions[k], widest)
+        if ahead.result:
+            behind = wp.mesh_query_ray(mesh, points[i], -directions[k], widest)
+            if behind.result and ahead.t + behind.t <= widest:
+                count += 1
+    narrow[i] = count
+
+
+@wp.kernel
 def gather_light(
     mesh: wp.uint64,
     points: wp.array(dtype=wp.vec3),

@@ -12,10 +12,10 @@ from scipy.sparse.csgraph import connected_components, dijkstra
 from scipy.spatial import cKDTree
 
 from mechstyle.errors import BadInput
-from mechstyle.geometry.inside_outside import is_inside
+from mechstyle.geometry.inside_outside import in_hole, is_inside
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.records.mesh import Floats, Indices, SurfaceMesh
-from mechstyle.records.regions import End, Inside, Outside, Region, Rim, Segment, Shape, Sides
+from mechstyle.records.regions import End, Holes, Inside, Outside, Region, Rim, Segment, Shape, Sides
 
 TURN = float(np.cos(np.radians(25.0)))
 """Segments end where the surface turns by more than this between two neighbouring vertices …"""
@@ -26,6 +26,8 @@ LEAST_SEGMENT = 0.005
 """Smaller pieces, of the area, are no segments of their own."""
 RIM = 0.08
 """Width of a rim over the size of the part, by default."""
+HOLE, AROUND = 0.25, 0.03
+"""Widest hole over the size of the part, by default, and the width of the rim that is kept around it: as wide as the head of a screw."""
 UPRIGHT = float(np.cos(np.radians(45.0)))
 """A surface stands upright if its normal does not rise or fall more steeply than this."""
 
@@ -94,9 +96,8 @@ def _selected(region: Region, surface: SurfaceMesh, thickness: ArrayLike) -> NDA
         return is_inside(surface) ^ isinstance(region, Outside)
     if isinstance(region, Sides):
         return np.asarray(np.abs(surface.vertex_normals[:, 2]) < UPRIGHT)
-    if isinstance(region, Rim):
-        border = np.diff(is_inside(surface)[surface.edges], axis=1)[:, 0]
-        return _way(surface, np.unique(surface.edges[border]), region.width or RIM * surface.size) < np.inf
+    if isinstance(region, Rim | Holes):
+        return _at_openings(region, surface)
     if isinstance(region, Segment):
         labels = segments(surface, thickness)
         near = TriangleTree(points, surface.faces).nearest([region.point])
@@ -106,6 +107,14 @@ def _selected(region: Region, surface: SurfaceMesh, thickness: ArrayLike) -> NDA
     chosen = np.zeros(len(points), bool)
     chosen[list(region.indices)] = True
     return chosen
+
+
+def _at_openings(region: Rim | Holes, surface: SurfaceMesh) -> NDArray[np.bool_]:
+    if isinstance(region, Holes):
+        hole = in_hole(surface, region.width or HOLE * surface.size)
+        return _way(surface, np.flatnonzero(hole), AROUND * surface.size) < np.inf
+    border = np.diff(is_inside(surface)[surface.edges], axis=1)[:, 0]
+    return _way(surface, np.unique(surface.edges[border]), region.width or RIM * surface.size) < np.inf
 
 
 def faded(surface: SurfaceMesh, chosen: NDArray[np.bool_], ramp: float) -> Floats:

@@ -13,7 +13,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from mechstyle.errors import BadInput, SimulationFailed
-from mechstyle.geometry.inside_outside import escaping
+from mechstyle.geometry.inside_outside import SKIN, escaping
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.geometry.remeshing.crossings import overlaps
 from mechstyle.geometry.remeshing.evening import manifold_of, surface_of
@@ -32,8 +32,8 @@ INSIDE = 0.99
 """A shell that faces inwards is a cavity if this share of it lies within a body; else it is a body inside out."""
 NEARLY, SEEN = 0.96, 0.02
 """Where a face is looked at, from its middle to its corners, and the share of rays that get out from what is seen from outside."""
-REMESH_TIMEOUT = 120.0
-"""Seconds for fTetWild."""
+LEAST_TIME, FACES_A_SECOND, MOST_TIME = 15.0, 500, 120.0
+"""Seconds for fTetWild, by the number of faces: a few of them that keep it longer are beyond repair."""
 
 
 def solids_of(vertices: Floats, faces: NDArray[np.int64], name: str, notes: list[str]) -> list[Any]:
@@ -137,7 +137,14 @@ def _closed(surface: SurfaceMesh, name: str, notes: list[str]) -> Any:
 
 
 def _accepted(surface: SurfaceMesh) -> Any | None:
-    """A Manifold of the surface, or None if it is not one."""
+    """A Manifold of the surface, or None if it is not one.
+
+    Manifold is not asked about a surface that is open: with an odd number of sides it reads memory that is not its own, and may crash.
+    """
+    start, end = surface.faces[:, [0, 1, 2]].ravel().astype(np.int64), surface.faces[:, [1, 2, 0]].ravel().astype(np.int64)
+    count = len(surface.vertices)
+    if not np.array_equal(np.sort(start * count + end), np.sort(end * count + start)):
+        return None
     body = manifold_of(surface)
     return body if body.status() == manifold3d.Error.NoError and not body.is_empty() else None
 
@@ -236,7 +243,8 @@ def _inner(surface: SurfaceMesh, patch: NDArray[np.int32]) -> set[int]:
     points = np.concatenate([middles, middles + NEARLY * (corners - middles)], axis=1).reshape(-1, 3)
     normals = np.repeat(surface.face_normals[faces], 4, axis=0)
     tree = TriangleTree(surface.vertices, surface.faces)
-    seen = np.maximum(*(escaping(tree, points, way * normals, surface.size) for way in (1.0, -1.0)))
+    skin, far = SKIN * surface.size, 2.0 * surface.size
+    seen = np.maximum(*(escaping(tree, points, way * normals, skin, far) for way in (1.0, -1.0)))
     most = np.zeros(int(patch.max()) + 1)
     np.maximum.at(most, np.repeat(patch[faces], 4), seen)
     return {int(number) for number in ending if most[number] < SEEN}
@@ -308,8 +316,9 @@ def _plugged(surface: SurfaceMesh, name: str, notes: list[str]) -> SurfaceMesh:
 def _from_inside(surface: SurfaceMesh, name: str, notes: list[str]) -> Any:
     """The boundary of what fTetWild takes for the inside: the last resort for surfaces that do not quite meet, or meet three at an edge."""
     advice = "repair it in the program it was made with"
+    time = min(LEAST_TIME + len(surface.faces) / FACES_A_SECOND, MOST_TIME)
     try:
-        vertices, tets = tetwild(surface.vertices, surface.faces, Settings(0.03 * surface.size, 5e-4), timeout=REMESH_TIMEOUT)
+        vertices, tets = tetwild(surface.vertices, surface.faces, Settings(0.03 * surface.size, 5e-4), timeout=time)
     except SimulationFailed as error:
         raise BadInput(f"{name} is not a closed surface and could not be repaired ({error}); {advice}") from error
     body = _accepted(_boundary(vertices, tets))

@@ -30,6 +30,7 @@ KINDS = {
     "outside": "outside",
     "sides": "sides (the surfaces that stand upright)",
     "rim": "rim [width] (the band around openings)",
+    "holes": "holes [width] (bores and slots with their rims, up to so many mm wide)",
     **{end: f"{end} [depth] (the half of the part at that end, or so many mm of it)" for end in ENDS},
     "segment": "segment x y z (the smooth piece of surface nearest to a point)",
     "vertices": "vertices i j k …",
@@ -179,6 +180,21 @@ class Rim(ProtectedRegion, frozen=True, tag="rim"):
         _check_length("width of a rim", self.width)
 
 
+class Holes(ProtectedRegion, frozen=True, tag="holes"):
+    """Bores, slots and sockets with the rims around them, so that screws, plugs and threads keep their fit.
+
+    Attributes:
+        width: The widest that is one [mm]; 0 for a quarter of the size of the part.
+    """
+
+    width: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Refuse a width that is no length."""
+        super().__post_init__()
+        _check_length("width of holes", self.width)
+
+
 class End(ProtectedRegion, frozen=True, tag="end"):
     """All at one end of a part, as it stands.
 
@@ -222,7 +238,7 @@ class Segment(ProtectedRegion, frozen=True, tag="segment"):
 
 Shape = Box | Sphere | HalfSpace
 """Regions that hold points of space, whatever the part."""
-Region = Vertices | Box | Sphere | HalfSpace | Inside | Outside | Sides | Rim | End | Segment
+Region = Vertices | Box | Sphere | HalfSpace | Inside | Outside | Sides | Rim | Holes | End | Segment
 
 
 def region(text: str) -> Region:
@@ -253,6 +269,7 @@ _MAKERS: dict[str, Callable[..., Region]] = {
     "outside": lambda: Outside(),  # noqa: PLW0108
     "sides": lambda: Sides(),  # noqa: PLW0108
     "rim": lambda width=0.0: Rim(width),
+    "holes": lambda width=0.0: Holes(width),
     **{end: partial(End, end) for end in ENDS},
     "segment": lambda x, y, z: Segment((x, y, z)),
     "vertices": lambda *numbers: Vertices(tuple(int(str(number).removesuffix(".0")) for number in numbers)),

@@ -50,7 +50,7 @@ BASE_SHARE = 0.5
 
 INSIDE_RAMP = 2.0
 """Way from a container's plain inside over which the relief grows to its full depth [mm]."""
-LEFT_PLAIN = "its inside is left plain, because it holds things as it stands: with inside=styled that is styled as well"
+LEFT_PLAIN = "its inside is left plain, because it is hollow and opens to one side: --inside styled has it styled as well"
 """Said of a container."""
 
 Stage = Callable[[str], None]
@@ -129,7 +129,7 @@ class Shape:
 
     @cached_property
     def is_container(self) -> bool:
-        """Whether it holds things, as it stands."""
+        """Whether it holds things, however it lies."""
         return is_container(self.surface)
 
     @cached_property

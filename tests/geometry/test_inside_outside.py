@@ -50,6 +50,54 @@ def test_the_floor_of_a_flat_tray_goes_with_its_walls():
     assert not inside[mesh.vertices[:, 2] < 0.1].any()
 
 
+def hull(clear):
+    """An open hull of 100 x 50 x 22 mm with a hollow house of 30 x 30 mm in it, so many mm higher than its rim, and a door in that."""
+    cube = manifold3d.Manifold.cube
+    shell = cube((100, 50, 22)) - cube((94, 44, 22)).translate((3, 3, 3))
+    house = cube((30, 30, 22 + clear)).translate((35, 10, 0)) - cube((24, 24, 16 + clear)).translate((38, 13, 3))
+    return even(surface_of(shell + house - cube((9, 12, 12)).translate((60, 19, 5))), 4000)
+
+
+def test_the_outside_of_a_house_in_a_hull_is_outside_as_far_as_it_stands_out_of_it():
+    """It sees no more than half of the sky, so that house and deck were one inside."""
+    mesh = hull(30.0)
+    inside, (x, y, z) = is_inside(mesh), mesh.vertices.T
+    on_the_house = (np.abs(x - 50) > 14.9) & (np.abs(x - 50) < 15.1) & (np.abs(y - 25) < 15.1)
+    on_the_house |= (np.abs(y - 25) > 14.9) & (np.abs(y - 25) < 15.1) & (np.abs(x - 50) < 15.1)
+    assert (on_the_house & (z > 32)).sum() > 100
+    assert not inside[on_the_house & (z > 32)].any()
+    deck = (np.abs(z - 3) < 0.1) & (np.abs(x - 50) < 46) & (np.abs(y - 25) < 21) & ((np.abs(x - 50) > 17) | (np.abs(y - 25) > 17))
+    assert inside[deck].all()
+    assert not inside[z < 0.1].any()
+
+
+@pytest.mark.parametrize("height", [15.0, 50.0])
+def test_what_lies_under_a_roof_on_posts_is_outside(height):
+    """A ball that comes from the side reaches it, and rolls out again."""
+    cube = manifold3d.Manifold.cube
+    posts = [cube((4, 4, height)).translate((x, y, 2)) for x in (2, 54) for y in (2, 34)]
+    table = cube((60, 40, 3)) + cube((60, 40, 3)).translate((0, 0, height + 2))
+    for post in posts:
+        table += post
+    mesh = even(surface_of(table), 3000)
+    assert is_inside(mesh).mean() < 0.05, "some corners at the posts"
+
+
+def test_a_part_with_a_grille_for_a_wall_has_an_inside():
+    """A ball does not get through its holes, and most of what is seen from within is wall."""
+    cube = manifold3d.Manifold.cube
+    box = cube((40, 40, 40)) - cube((36, 36, 40)).translate((2, 2, 2))
+    bars = [cube((5, 60, 5)).translate((x, -10, z)) for x in (5, 13, 21, 29) for z in (7, 15, 23, 31)]
+    for bar in bars:
+        box -= bar
+    mesh = even(surface_of(box), 6000)
+    inside, (x, y, z) = is_inside(mesh), mesh.vertices.T
+    within = (np.abs(np.stack([x, y]) - 20).max(axis=0) < 18.1) & (z > 2.5) & (z < 38)
+    without = (np.abs(np.stack([x, y]) - 20).max(axis=0) > 19.9) & (z < 38)
+    assert inside[within].mean() > 0.97
+    assert inside[without].mean() < 0.05
+
+
 def test_a_waist_is_outside():
     """A shape narrower in the middle than its hull is still all outside."""
     profile = manifold3d.CrossSection([[(0.0, 0.0), (20.0, 0.0), (12.0, 20.0), (20.0, 40.0), (0.0, 40.0)]])
@@ -74,15 +122,16 @@ WELL = manifold3d.Manifold.cylinder(40.0, 20.0, 20.0, 64) - manifold3d.Manifold.
     ("what", "holds"),
     [
         (WELL, True),
-        (WELL.rotate((180.0, 0.0, 0.0)), False),
-        (WELL.rotate((90.0, 0.0, 0.0)), False),
+        (WELL.rotate((180.0, 0.0, 0.0)), True),
+        (WELL.rotate((90.0, 0.0, 0.0)), True),
         (manifold3d.Manifold.cylinder(40.0, 20.0, 20.0, 64) - manifold3d.Manifold.cylinder(40.0, 17.0, 17.0, 64), False),
+        (manifold3d.Manifold.cylinder(40.0, 20.0, 10.0, 64) - manifold3d.Manifold.cylinder(40.0, 17.0, 7.0, 64), False),
         (manifold3d.Manifold.cylinder(40.0, 20.0, 20.0, 64), False),
         (manifold3d.Manifold.cube((60.0, 60.0, 20.0)) - manifold3d.Manifold.cube((20.0, 20.0, 10.0)).translate((20, 20, 10)), False),
     ],
-    ids=["cup", "upside down", "lying", "tube", "solid", "block with a dent"],
+    ids=["cup", "upside down", "lying", "tube", "lampshade", "solid", "block with a dent"],
 )
-def test_a_container_opens_upwards_only_and_is_mostly_hollow(what, holds):
+def test_a_container_opens_to_one_side_only_and_is_mostly_hollow_however_it_lies(what, holds):
     assert is_container(even(surface_of(what), 2500)) is holds
 
 

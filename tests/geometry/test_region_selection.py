@@ -11,7 +11,7 @@ from mechstyle.geometry.region_selection import faded, protection, segments, sel
 from mechstyle.geometry.remeshing.evening import even, surface_of
 from mechstyle.geometry.thickness import local_thickness
 from mechstyle.records.mesh import SurfaceMesh
-from mechstyle.records.regions import Box, End, HalfSpace, Inside, Outside, Rim, Segment, Sides, Sphere, Vertices
+from mechstyle.records.regions import Box, End, HalfSpace, Holes, Inside, Outside, Rim, Segment, Sides, Sphere, Vertices
 from support.bench import grid
 
 
@@ -75,6 +75,35 @@ def test_a_rim_is_the_band_around_the_opening_of_a_cup_on_both_sides_of_its_wall
 def test_a_part_without_an_opening_has_no_rim(cube):
     with pytest.raises(BadInput, match="the region 'rim' holds nothing of this part"):
         selected(Rim(), cube, np.full(len(cube.vertices), 10.0))
+
+
+def drilled():
+    """A block of 40 x 30 x 20 mm with a bore of 6 mm right through, one of 4 mm that ends, and a pocket of 20 mm."""
+    rod = manifold3d.Manifold.cylinder
+    body = manifold3d.Manifold.cube((40, 30, 20)) - rod(40, 3, 3, 32).translate((8, 8, -10)) - rod(20, 2, 2, 32).translate((8, 22, 10))
+    return even(surface_of(body - manifold3d.Manifold.cube((14, 20, 20)).translate((20, 5, 8))), 4000)
+
+
+def test_holes_are_bores_with_their_floors_and_rims_and_neither_pockets_nor_faces():
+    mesh = drilled()
+    x, y, z = mesh.vertices.T
+    through, blind = np.hypot(x - 8, y - 8), np.hypot(x - 8, y - 22)
+    walls = ((through < 3.05) & (z > 0.1) & (z < 19.9)) | ((blind < 2.05) & (z > 9.9) & (z < 19.9))
+    held = selected(Holes(), mesh, np.ones(len(z)))
+    assert walls.sum() > 60
+    assert held[walls].all()
+    assert held[(blind < 1.5) & (z < 10.1) & (z > 9.9)].all(), "its floor"
+    assert held[(through < 3.4) & (z > 19.9)].all(), "its rim"
+    assert not held[(through > 5) & (blind > 5)].any(), "neither the pocket nor a face"
+    narrow = selected(Holes(5.0), mesh, np.ones(len(z)))
+    assert narrow[walls & (blind < 2.05)].all()
+    assert not narrow[walls & (through < 3.05)].any()
+    assert selected(Holes(25.0), mesh, np.ones(len(z)))[(x > 21) & (x < 33) & (y > 6) & (y < 24) & (z < 8.1) & (z > 7.9)].all()
+
+
+def test_a_part_without_holes_has_none(cube):
+    with pytest.raises(BadInput, match="the region 'holes' holds nothing of this part"):
+        selected(Holes(), cube, np.full(len(cube.vertices), 10.0))
 
 
 def test_a_shape_holds_its_border(cube):

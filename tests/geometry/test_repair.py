@@ -11,6 +11,7 @@ from mechstyle.errors import BadInput, SimulationFailed
 from mechstyle.geometry import repair
 from mechstyle.geometry.one_body import FEW, SHOWN, repaired
 from mechstyle.geometry.pieces import Piece, Thing
+from mechstyle.records.mesh import SurfaceMesh
 
 BOX = (10.0, 20.0, 30.0)  # volume 6000 mm³
 
@@ -188,6 +189,14 @@ def test_a_tube_without_ends_is_refused_however_fine_its_triangles(sections):
     assert "give it a thickness or cap the opening" in message
 
 
+def test_what_is_open_is_no_manifold_and_manifold_is_not_asked(monkeypatch):
+    """Its constructor crashed the process at two closed boxes and a loose triangle, three times of four."""
+    vertices, faces = together(box(), box(at=(20.0, 0.0, 0.0)))
+    loose = np.vstack([faces, [[0, 9, 3]]])
+    monkeypatch.setattr(repair, "manifold_of", lambda _: pytest.fail("it was asked"))
+    assert repair._accepted(SurfaceMesh(vertices, loose)) is None
+
+
 def test_a_missing_side_is_refused():
     vertices, faces = box()
     top = (vertices[faces][:, :, 2] == 15).all(axis=1)
@@ -299,11 +308,6 @@ def wall(low, high):
     return np.array([(x, y, -15.0), (u, v, -15.0), (u, v, 15.0), (x, y, 15.0)]), np.array([(0, 1, 2), (0, 2, 3)])
 
 
-QUARTERED = (
-    wall((0.0, -10.0), (0.0, 0.0)), wall((0.0, 0.0), (0.0, 10.0)), wall((-5.0, 0.0), (0.0, 0.0)), wall((0.0, 0.0), (5.0, 0.0)),
-)  # fmt: skip
-
-
 def cut_box(*, hollow=False):
     """A box of 10 x 20 x 30 mm of which every side has vertices and edges where y is 0, and so may have a cavity."""
     halves = [box((10.0, 10.0, 30.0), at=(0.0, y, 0.0)) for y in (-5.0, 5.0)]
@@ -315,22 +319,23 @@ def cut_box(*, hollow=False):
     return together(whole, inner)
 
 
+HALVES = wall((-5.0, 0.0), (0.0, 0.0)), wall((0.0, 0.0), (5.0, 0.0))
+CROSSING = wall((0.0, -10.0), (0.0, 0.0)), wall((0.0, 0.0), (0.0, 10.0))
+ACROSS = wall((-3.0, 0.0), (3.0, 0.0))
+
+
 @pytest.mark.parametrize(
     ("part", "volume", "count"),
     [
         (together(box(), wall((0.0, -10.0), (0.0, 10.0))), 6000, 1),
         (together(cut_box(), wall((-5.0, 0.0), (5.0, 0.0))), 6000, 1),
         (together(cut_box(), wall((5.0, 0.0), (-5.0, 0.0))), 6000, 1),
-        (together(cut_box(), wall((-5.0, 0.0), (0.0, 0.0)), wall((0.0, 0.0), (5.0, 0.0))), 6000, 1),
-        (together(box(), *QUARTERED), 6000, 4),
-        (
-            together(cut_box(hollow=True), (wall((-5.0, 0.0), (5.0, 0.0))[0] * 0.6, wall((-5.0, 0.0), (5.0, 0.0))[1])),
-            6000 * (1 - 0.6**3),
-            1,
-        ),
+        (together(cut_box(), *HALVES), 6000, 1),
+        (together(box(), *HALVES, *CROSSING), 6000, 4),
+        (together(cut_box(hollow=True), (ACROSS[0] * (1.0, 1.0, 0.6), ACROSS[1])), 6000 * (1 - 0.6**3), 1),
     ],
     ids=["not welded", "welded", "the other way round", "in two", "two that cross", "across a cavity"],
-)  # fmt: skip
+)
 def test_walls_without_thickness_inside_are_dropped_and_said(part, volume, count):
     """As SketchUp leaves them; the part was called open, though its outside is closed."""
     surface, notes = fixed(part)

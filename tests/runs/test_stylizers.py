@@ -223,7 +223,7 @@ def test_the_inside_of_a_container_is_left_plain_and_that_is_said(mug, part):
     assert np.all(bounds.freedom[outside] == 1.0)
     assert bounds.uncoloured[inside].all()
     assert not bounds.uncoloured[outside].any()
-    assert notes == ("its inside is left plain, because it holds things as it stands: with inside=styled that is styled as well",)
+    assert notes == ("its inside is left plain, because it is hollow and opens to one side: --inside styled has it styled as well",)
 
 
 @pytest.mark.parametrize(

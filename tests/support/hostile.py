@@ -27,19 +27,20 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import numpy as np
 
 from mechstyle.errors import MechStyleError
-from mechstyle.geometry.files import read
+from mechstyle.geometry.files import bodies, read
 from mechstyle.geometry.glb import glb_bytes
 from mechstyle.geometry.threemf import threemf_bytes
 from mechstyle.loop.objects import to_json
 from mechstyle.records.load_cases import read_loads
 from mechstyle.records.material import LIBRARY, read_material
 from mechstyle.runs.run import Run
-from support import part_files
+from support import gltf_files, part_files, slicer_files
 from support.lanes import lane_on_a_sheet
 
 SECONDS = 20
@@ -123,6 +124,65 @@ def sound(kind: str) -> bytes:
     return makers[kind]()
 
 
+def several(*boxes: tuple[str, tuple[float, ...], tuple[float, ...]]) -> bytes:
+    """An OBJ file of boxes by name, each of a size and a lowest corner."""
+    lines = []
+    for number, (name, size, place) in enumerate(boxes):
+        corners = np.array(slicer_files.CORNERS) * size + place
+        lines += [f"o {name}", *("v {} {} {}".format(*corner) for corner in corners.tolist())]
+        lines += ["f {} {} {}".format(*(8 * number + 1 + corner for corner in side)) for side in slicer_files.SIDES]
+    return "\n".join(lines).encode()
+
+
+PLATE = "plate", (40, 30, 3), (0, 0, 0)
+OF_SLICERS: dict[str, Callable[[], bytes]] = {
+    "orca.3mf": lambda: slicer_files.orca("negative_part"),
+    "apart.3mf": lambda: slicer_files.orca_apart("modifier_part"),
+    "prusa.3mf": lambda: slicer_files.prusa("NegativeVolume"),
+}
+"""What slicers write; kinds of parts, of volumes and of plates are mutated with the models."""
+OTHERS: dict[str, Callable[[], bytes]] = {
+    "specks.obj": lambda: several(PLATE, *(("dot", (0.8, 0.8, 0.5), (x, 5, 3)) for x in range(4, 36, 4))),
+    "sheet.obj": lambda: several(("box", (40, 30, 20), (0, 0, 0)), ("wall", (0, 30, 20), (20, 0, 0))),
+    "plate.obj": lambda: several(("box", (20, 20, 9), (0, 0, 0)), ("box", (20, 20, 9), (30, 0, 0)), ("lid", (20, 20, 2), (60, 0, 0))),
+    "thin.obj": lambda: several(("floor", (24, 24, 0.2), (0, 0, 0)), ("wall", (24, 0.2, 30), (0, 0, 0))),
+    "quantised.glb": gltf_files.quantised,
+    "sparse.glb": gltf_files.sparse,
+    "alone.glb": lambda: gltf_files.sparse(based=False),
+    "fans.glb": gltf_files.fans,
+    "besides.glb": gltf_files.besides,
+    "draco.glb": lambda: gltf_files.packed("KHR_draco_mesh_compression"),
+    "meshopt.glb": lambda: gltf_files.packed("EXT_meshopt_compression", view=True),
+    "tail.stl": lambda: part_files.exported("stl") + bytes(200),
+}
+"""Parts that need more than a parser: bodies apart, walls inside, sizes that are asked about, numbers that are packed."""
+READINGS: tuple[dict[str, Any], ...] = (
+    {"body": 1}, {"body": "plate"}, {"body": "lid"}, {"body": "9" * 40}, {"body": "\x1b[2J"}, {"unit": "cm"}, {"unit": "ell"},
+    {"unit": "mm"}, {"size": 120.0}, {"size": float("nan")}, {"size": -1.0}, {"size": 1e300}, {"scale": 2.0, "size": 9.0},
+)  # fmt: skip
+"""How they are asked to be read."""
+
+
+def _part(kind: str) -> Case:
+    def case(draw: random.Random, folder: Path) -> None:
+        content = {**OF_SLICERS, **OTHERS}[kind]()
+        if kind.endswith(".3mf"):
+            content = _repacked(draw, content, settings=True)
+        elif kind.endswith(".glb") and draw.random() < 0.6:
+            content = _document_changed(draw, content)
+        elif draw.random() < 0.8:
+            content = mutated(draw, content)
+        file = folder / kind
+        file.write_bytes(content)
+        how = draw.choice(READINGS) if draw.random() < 0.4 else {}
+        if draw.random() < 0.2:
+            bodies(file, **{name: value for name, value in how.items() if name != "body"})
+        else:
+            read(file, **how)
+
+    return case
+
+
 MESHES = ("binary.stl", "words.stl", "part.obj", "binary.ply", "words.ply", "part.glb", "node.glb", "part.3mf")
 
 
@@ -142,16 +202,18 @@ def _mesh(kind: str) -> Case:
     return case
 
 
-def _repacked(draw: random.Random, content: bytes) -> bytes:
-    """A package whose files are changed, not their packing; or one that unpacks to half a gigabyte."""
+def _repacked(draw: random.Random, content: bytes, *, settings: bool = False) -> bytes:
+    """A package whose models, and settings of slicers if told, are changed, not their packing; or one that unpacks to half a gigabyte."""
     if draw.random() < 0.02:
         return _bomb(content)
     made = io.BytesIO()
     with zipfile.ZipFile(io.BytesIO(content)) as old, zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as new:
         for entry in old.namelist():
             data = old.read(entry)
-            if entry.endswith(".model"):
+            if entry.endswith(".model") and (not settings or draw.random() < 0.4):
                 data = _nested(draw, data) if draw.random() < 0.2 else mutated(draw, data)
+            elif settings and entry.endswith((".config", ".rels")) and draw.random() < 0.6:
+                data = mutated(draw, data)
             new.writestr(draw.choice((entry, entry, entry, entry, "../" + entry, entry.upper())), data)
     return made.getvalue()
 
@@ -313,7 +375,8 @@ VERBS = ("run", "freestyle", "branch", "simulate", "log", "show", "export", "rep
          "doctor", "weights", "ablation", "application",
          "rerun", "gc")  # fmt: skip
 ARGUMENTS = (
-    "--prompt", "--material", "--iterations", "--vertices", "--scale", "--up", "--out", "--set", "--load", "--protect",
+    "--prompt", "--material", "--iterations", "--vertices", "--scale", "--unit", "--size", "--body", "--up", "--out", "--set",
+    "--load", "--protect",
     "--amplitude", "--relief", "--seed", "--json", "--format", "--fine",
     "--lane", "--control", "--schedule", "--criterion", "--image", "--device", "-p", "-h", "--version", "--nonsense", "--",
     "-", "gallery:pen_holder", "gallery:nothing", "gallery:../x",
@@ -373,6 +436,7 @@ def _command_line(draw: random.Random, folder: Path) -> None:
 
 KINDS: dict[str, Case] = {
     **{kind: _mesh(kind) for kind in MESHES},
+    **{kind: _part(kind) for kind in (*OF_SLICERS, *OTHERS)},
     "material.toml": _table("material.toml", read_material),
     "material.json": _table("material.json", read_material),
     "loads.toml": _table("loads.toml", read_loads),
