@@ -9,6 +9,7 @@ from typing import Any
 import ipywidgets
 import traitlets
 
+from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.page_widget import PageWidget
 from mechstyle_widgets.jupyter.terms import terms
 
@@ -23,11 +24,17 @@ class Frame(PageWidget):
     Attributes:
         size: Width of the element of the class `mechstyle-view` and the height for a view in it [pixels]; empty until they are known.
         dark: Whether the notebook's theme is dark.
+        was: What is said once the kernel is gone.
     """
 
     _esm, _css = f"const TERMS = {terms()};\n" + _static("terms.js") + _static("frame.js"), _static("frame.css")
     size = traitlets.List(traitlets.Int(), []).tag(sync=True)
     dark = traitlets.Bool(False).tag(sync=True)
+    was = traitlets.Unicode().tag(sync=True)
+
+    def __init__(self) -> None:
+        """Say so in the language spoken."""
+        super().__init__(was=word("This is a picture of what was. Run the cell to go on."))
 
     def on_key(self, place: str, call: Callable[..., None]) -> None:
         """Call back with the name of every key pressed in a place, `view` or `studio`; for a view, with `shift` and `ctrl`, too."""

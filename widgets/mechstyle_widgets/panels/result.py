@@ -9,6 +9,7 @@ from typing import Any
 from mechstyle.loop.history import Row, standing
 from mechstyle.records import Verdict, sentences
 from mechstyle.runs.run import Run
+from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.panels.branches import kept, said_of
 from mechstyle_widgets.settings.section import WIDE, Words, table
 from mechstyle_widgets.state.schedule_forecast import landings_on_the_way, plan_of
@@ -32,10 +33,11 @@ class Result(Words):
         history = self._state.histories.get(self._state.lane, [])
         if self._state.run is not None and any(row.verdict is not None for row in history):
             _, verdict = standing(history)
-            head = f"Last run: {self._state.title}" if self._state.another else "Result"
+            head = word("Last run: {}").format(self._state.title) if self._state.another else word("Result")
             self.say(f"<b>{escape(head)}</b>{of_verdict(verdict)}{self._lanes()}{self._weight()}")
         else:
-            self.say(f"<b>What will happen</b><ol>{''.join(f'<li>{escape(step)}</li>' for step in steps(self._state.settings))}</ol>")
+            items = "".join(f"<li>{escape(step)}</li>" for step in steps(self._state.settings))
+            self.say(f"<b>{escape(word('What will happen'))}</b><ol>{items}</ol>")
 
     def _weight(self) -> str:
         """HTML of what the part on show weighs beside the plain one, "" for what encloses nothing."""

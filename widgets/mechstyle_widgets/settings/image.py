@@ -42,7 +42,8 @@ class ImageChoice(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no t
         """Offer to choose a file."""
         look = {"style": NARROW_LABEL, "layout": WIDE}
         what = "A PNG or JPEG file: light stands out, dark is cut in, what is transparent stays plain"
-        self._upload = lean(ipywidgets.FileUpload, accept=".png,.jpg,.jpeg", description="your picture", tooltip=what, layout=WIDE)
+        kinds, own = ".png,.jpg,.jpeg", {"width": "auto"}
+        self._upload = lean(ipywidgets.FileUpload, accept=kinds, description="your picture", tooltip=what, layout=own)
         self._remove = lean(ipywidgets.Button, description="without it", tooltip="Go on without the picture", layout=WIDE)
         self._shown = lean(ipywidgets.Image, width=56, layout={"border": "1px solid var(--jp-border-color2, #ccc)"})
         self._size = lean(Millimetres, WIDTHS, description="wide", tooltip="Width of the picture, or of one of its tiles", **look)

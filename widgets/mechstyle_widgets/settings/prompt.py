@@ -105,9 +105,9 @@ class PromptBox(Section):
         carriers = [("a value at each point", "vertex"), ("a network (X-Mesh)", "network")]
         self._field = lean(ipywidgets.Dropdown, options=carriers, description="shape from", tooltip="What is optimised", **look)
         self._image = ImageChoice()
-        rest = [self._image, self._side, self._nozzle, self._inside, self._seed, self._guidance, self._field]
+        rest = [self._side, self._nozzle, self._inside, self._seed, self._guidance, self._field]
         self._more = Fold("more of the style", rest)
-        super().__init__([self._text, self._chips, self._relief, self._feature, self._more])
+        super().__init__([self._text, self._chips, self._image, self._relief, self._feature, self._more])
         self.children = (self._text, self._note, self._trouble, *self.children[1:-2])  # an answer stands where one has asked
         self._chips.observe(self._choose, "pressed")
         for name in ImageChoice.FIELDS:

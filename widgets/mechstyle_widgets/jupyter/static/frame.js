@@ -21,7 +21,6 @@ const KEYS = { // the list that `?` opens
   "on the slider under it": [["left, right, Page Up, Page Down", "step from iteration to iteration"], ["up, down", "the lane above, below"], ["Home, End", "the first, the last"]],
   "everywhere": [["Tab", "from control to control; a grid of pictures is one stop, in which the arrows move"]],
 };
-const WAS = "This is a picture of what was. Run the cell to go on.";
 const FIELDS = "input:not([type=range], [type=checkbox]), textarea, select, [contenteditable]";
 
 const LOST = "Error displaying widget: model not found", VIEW = "application/vnd.jupyter.widget-view+json";
@@ -114,7 +113,7 @@ function render({ model, el }) {
 
 // Once the kernel is gone nothing here is heard: that is said once, instead of a broken link at every control.
 function tellOfTheEnd(model, root) {
-  const words = Object.assign(document.createElement("div"), { className: "mechstyle-was", textContent: WAS });
+  const words = Object.assign(document.createElement("div"), { className: "mechstyle-was", textContent: model.get("was") });
   words.setAttribute("role", "status");
   let found = null;
   const look = () => {
