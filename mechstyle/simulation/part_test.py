@@ -196,14 +196,19 @@ def simulate(
         build_direction=None if build_direction is None else direction_of(build_direction),
         **with_drops({"standard": standard, **given}),
     )  # fmt: skip
-    if original is None:
-        part, relief = prepare(mesh, vertices=vertices, stage=stage, measured=measured), None
-    else:
-        plain = standardised(original, vertices)
-        stage("comparing it with its original")
-        relief = relief_over(plain, mesh)
-        part = prepare(original, vertices=vertices, stage=stage, measured=measured, relief=lambda _, **__: relief)
+    part, relief = _prepared(mesh, original, vertices, stage, measured)
     return _tested(mesh, part, relief, wanted, where, stage, progress)
+
+
+def _prepared(
+    mesh: SurfaceMesh, original: SurfaceMesh | None, vertices: int, stage: Stage, measured: Callable[[Shape], None]
+) -> tuple[Workpiece, Field | None]:
+    """A part made ready as it is, or its original and the relief that makes the part of it [mm], shape [vertex_count]."""
+    if original is None:
+        return prepare(mesh, vertices=vertices, stage=stage, measured=measured), None
+    stage("comparing it with its original")
+    relief = relief_over(standardised(original, vertices), mesh)
+    return prepare(original, vertices=vertices, stage=stage, measured=measured, relief=lambda _, **__: relief), relief
 
 
 def _tested(
