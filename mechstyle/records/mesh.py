@@ -21,7 +21,7 @@ Field = NDArray[np.float32]
 Scalar = TypeVar("Scalar", bound=np.generic)
 
 STANDARD_VERTICES = 100_000
-"""Vertices of a standardised surface unless told."""
+"""Vertices of a standardised surface by default, at most: see `simulation.part.standardised`."""
 
 
 def frozen_array(values: ArrayLike, dtype: Any, shape: tuple[int | None, ...], name: str) -> NDArray[Any]:

@@ -35,13 +35,15 @@ from mechstyle.simulation.meshes import at_rest, carrying
 from mechstyle.styling.dimensions import outwards
 from mechstyle.styling.prompt import reading_of
 
-PREPARATION_VERSION = 9
+PREPARATION_VERSION = 10
 """Counts changes that alter the prepared part, so that cached parts of older code are not reused."""
 
 EVEN = 25_000
 """Vertices of a surface that is made even, at most; beyond that its faces are cut smaller, which is quick and moves nothing …"""
 MOST_PARTS = 4
-"""… every edge into so many parts at most."""
+"""… every edge into so many parts at most …"""
+EDGE = 0.6
+"""… and none below about this length [mm], half again the width of a usual line of plastic."""
 
 INWARD_SHARE = 0.25
 """Relief may cut at most this share of the local wall …"""
@@ -268,7 +270,13 @@ def refilled(part: Workpiece, relief: Relief, stage: Stage = say_nothing, go_on:
 
 
 def standardised(mesh: SurfaceMesh, vertices: int, go_on: GoOn = regardless) -> SurfaceMesh:
-    """The standardised surface of a part: its faces made even and then, beyond EVEN vertices, cut smaller; cached by content."""
+    """The standardised surface of a part: its faces made even and then, beyond EVEN vertices, cut smaller; cached by content.
+
+    Args:
+        mesh: A closed surface [mm].
+        vertices: Vertices wanted; of more than EVEN only as many as edges of EDGE need, as a small part has no use for others.
+        go_on: Called in between; what it raises ends the work.
+    """
     memo = cached_memo()
     key = hashlib.sha256(f"standardise {PREPARATION_VERSION} {vertices} {mesh.digest}".encode()).hexdigest()
     stored = memo.recall(key, str)
@@ -276,7 +284,8 @@ def standardised(mesh: SurfaceMesh, vertices: int, go_on: GoOn = regardless) -> 
         return memo.objects.get_mesh(stored, SurfaceMesh)
     surface = standardise(mesh, min(vertices, EVEN), go_on=go_on)
     if vertices > EVEN:
-        surface = refined_to(surface, vertices, most_parts=MOST_PARTS)
+        useful = round(float(surface.face_areas.sum()) / (0.5 * np.sqrt(3.0) * EDGE**2))
+        surface = refined_to(surface, min(vertices, max(useful, EVEN)), most_parts=MOST_PARTS)
     memo.remember(key, memo.objects.put_mesh(surface))
     return surface
 

@@ -123,3 +123,20 @@ def test_an_open_surface_is_refused():
     closed = block()
     with pytest.raises(BadInput, match="not closed"):
         prepare(SurfaceMesh(closed.vertices, closed.faces[:-1]))
+
+
+@pytest.mark.parametrize(
+    ("size", "wanted", "least", "most"),
+    [(20.0, 4000, 950, 1050), (60.0, 4000, 3800, 4200), (60.0, 100_000, 12_000, 16_000)],
+    ids=["no finer than a printer shows", "as fine as asked", "as fine as a printer shows"],
+)
+def test_beyond_even_faces_a_surface_is_cut_smaller_as_far_as_a_printer_shows(tmp_path, monkeypatch, size, wanted, least, most):
+    """A drawer knob of 100 000 vertices had edges of 0.2 mm and took three times the steps."""
+    monkeypatch.setenv("MECHSTYLE_CACHE", str(tmp_path))
+    monkeypatch.setattr(module, "EVEN", 1000)
+    monkeypatch.setattr(module, "EDGE", {20.0: 1.65, 60.0: 1.4}[size])
+    box = trimesh.creation.box((size, size, size))
+    surface = module.standardised(SurfaceMesh(box.vertices, box.faces), wanted)
+    assert least <= len(surface.vertices) <= most
+    assert surface.is_closed
+    assert surface.volume == pytest.approx(size**3, rel=1e-3)
