@@ -270,7 +270,7 @@ def _by_trimesh(name: str, content: bytes, suffix: str) -> tuple[Piece, ...]:
             for node in reversed(nodes) if suffix == "obj" else nodes:  # it reads OBJ from its end
                 place, geometry = scene.graph[node]
                 mesh = scene.geometry[geometry]
-                if hasattr(mesh, "faces"):  # of points and lines nothing is printed
+                if hasattr(mesh, "faces") and len(mesh.faces):  # of points and lines nothing is printed
                     vertices, faces = np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64)
                     moved = vertices @ place[:3, :3].T + place[:3, 3] if vertices.shape[1:] == (3,) else vertices
                     pieces.append(Piece(str(node) if suffix in NAMING else "", moved, faces))
