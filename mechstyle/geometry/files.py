@@ -44,6 +44,8 @@ SMALL, THIN = 10.0, 0.3
 """A part that is shorter, or whose walls are thinner all over [mm], is more probably one of another unit."""
 FARTHEST = 1e7
 """From the origin [mm]: farther away the numbers of a file no longer tell a part's details apart."""
+ENDLESS = 1e150
+"""Coordinates that are no numbers to reckon with: their squares are infinite."""
 UNITS = {"mm": 1.0, "in": 25.4, "cm": 10.0, "m": 1000.0, "ft": 304.8, "um": 1e-3}
 """Units and their millimetres, those that a file may be in without saying so first."""
 SPELLED = {
@@ -195,10 +197,10 @@ def _held(file: Path) -> Held:
         raise BadInput(f"{file.name} holds no triangles: it is no mesh, or was cut off; export it again")
     if count > MOST_FACES:
         raise BadInput(f"{file.name} has {count} faces, more than {MOST_FACES}: simplify it in the program it was made with")
-    for _, vertices, faces in pieces:
+    for _, vertices, faces in (*pieces, *(aside.piece for aside in held.asides)):
         if vertices.shape[1:] != (3,):
             raise BadInput(f"{file.name} has vertices of {vertices.shape[-1]} coordinates instead of 3; export it again as a part in space")
-        if not np.isfinite(vertices).all():
+        if not (np.abs(vertices) < ENDLESS).all():
             raise BadInput(f"{file.name} has vertices that are not finite numbers; export it again")
         if len(faces) and (faces.min() < 0 or faces.max() >= len(vertices)):
             raise BadInput(f"{file.name} has faces with vertices that are not there: it is damaged or was cut off; export it again")
@@ -270,7 +272,7 @@ def _by_trimesh(name: str, content: bytes, suffix: str) -> tuple[Piece, ...]:
             for node in reversed(nodes) if suffix == "obj" else nodes:  # it reads OBJ from its end
                 place, geometry = scene.graph[node]
                 mesh = scene.geometry[geometry]
-                if hasattr(mesh, "faces"):  # of points and lines nothing is printed
+                if hasattr(mesh, "faces") and len(mesh.faces):  # of points and lines nothing is printed
                     vertices, faces = np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64)
                     moved = vertices @ place[:3, :3].T + place[:3, 3] if vertices.shape[1:] == (3,) else vertices
                     pieces.append(Piece(str(node) if suffix in NAMING else "", moved, faces))

@@ -31,7 +31,7 @@ SHAPES = ("sphere", "box", "plane", "near", "facet")
 EFFECTS = ("force", "pressure", "gravity")
 
 
-class Patch(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, omit_defaults=True):
+class Patch(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A piece of the surface: exactly one of sphere, box, plane, near and facet [mm].
 
     Attributes:
@@ -100,7 +100,7 @@ class Patch(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
 Place = Patch | Literal["resting face"]
 
 
-class Support(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, omit_defaults=True):
+class Support(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A support: a place of the part that is held.
 
     Attributes:
@@ -116,7 +116,7 @@ class Support(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
         _take_region(self)
 
 
-class Load(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, omit_defaults=True):
+class Load(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A load on a part: exactly one of force, pressure and gravity.
 
     Attributes:

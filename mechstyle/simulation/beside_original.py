@@ -8,13 +8,12 @@ import numpy as np
 from mechstyle.errors import BadInput
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.records.mesh import Field, SurfaceMesh, TetMesh
+from mechstyle.simulation.body import SEEN
 
 ROUNDS = 20
 """Times a vertex is moved along its normal towards the styled surface; on a slope of 45° each halves what is missing."""
 ALIKE = 0.05
 """Distance of the styled surface from what the relief gives at which they are the same [mm]: less than a printer shows …"""
-SEEN = 0.01
-"""Relief below which a place has none [mm]: no printer shows it, and the decimals of a file make nearly as much."""
 STRAYS = 0.02
 """… but for this share of the area, as a relief folds over itself here and there."""
 

@@ -19,6 +19,10 @@ from mechstyle.records.recipe import Transfer as TransferName
 from mechstyle.records.simulation import LEAST_CARRIED, VOLUME_ERROR
 
 
+SEEN = 0.01
+"""Relief below which a place has none [mm]: no printer shows it."""
+
+
 @dataclass(frozen=True, eq=False)
 class Skin:
     """The unstylized surface, as every set of tetrahedra of it needs it.
@@ -139,8 +143,10 @@ class Body:
         errors = (float(morphed.tets.volumes.sum()) / styled.volume - 1.0, self.morph.volume_without_relief / skin.surface.volume - 1.0)
         whole = slope(wanted, found, areas)
         lifted = (base.share(morphed.displacement) or 0.0) - (base.share(morphed.followed) or 0.0)
-        under = slope(wanted, found, base.resting * areas)
-        return Followed(1.0 if whole is None else whole, under, max(errors, key=abs), 1.0 - max(lifted, 0.0))
+        # What a nozzle leaves of a relief beside the base reaches over its edge, where there is none to be followed.
+        under = slope(wanted, found, base.resting * areas * (np.abs(morphed.displacement) > SEEN))
+        shares = (1.0 if whole is None else max(whole, 0.0), None if under is None else max(under, 0.0))
+        return Followed(*shares, max(errors, key=abs), 1.0 - max(lifted, 0.0))
 
     @cached_property
     def _transfer(self) -> Transfer:

@@ -7,7 +7,8 @@ import pytest
 
 from mechstyle.errors import BadInput
 from mechstyle.records.mesh import SurfaceMesh
-from mechstyle.simulation.beside_original import SEEN, fit_of, relief_over
+from mechstyle.simulation.beside_original import fit_of, relief_over
+from mechstyle.simulation.body import SEEN
 from mechstyle.simulation.validation.meshes import box
 
 

@@ -62,6 +62,19 @@ def test_a_base_that_is_laid_flat_but_left_hanging_is_not_carried(slab, relief, 
     assert not fit.is_at_least_as_good_as(fit)
 
 
+def test_a_plain_base_has_no_relief_that_could_be_missed_whatever_lies_beside_it(slab, relief, filled):
+    """-153 % of what lies beside its edge were once followed, which is no share of anything."""
+    made = body(slab, *filled, nozzle=4.0)
+    above = np.where(made.skin.base.standing, np.float32(0.0), relief)
+    assert made.followed(made.morph.morphed(above)).base is None
+
+
+def test_what_goes_the_other_way_follows_nothing(slab, relief, filled):
+    made = body(slab, *filled)
+    morphed = made.morph.morphed(relief)
+    assert made.followed(replace(morphed, followed=-morphed.followed))[:2] == (0.0, 0.0)
+
+
 def test_without_relief_nothing_is_to_be_carried(slab, relief, filled):
     made = body(slab, *filled)
     assert made.followed(made.morph.morphed(np.zeros_like(relief)))[:2] == (1.0, None)

@@ -240,7 +240,7 @@ def test_a_scale_given_by_name_is_kept(tmp_path, cube, scale, unit):
 
 
 def test_a_scale_is_for_files():
-    with pytest.raises(BadInput, match="gallery:wall_hook: a scale and an axis for up are for files"):
+    with pytest.raises(BadInput, match="gallery:wall_hook: scale, unit, size, body and an axis for up are for files"):
         PartPicker("gallery:wall_hook", scale=25.4)
 
 
