@@ -20,7 +20,7 @@ run = lane_on_a_sheet(Path("access"), iterations=12)
 STUDIO = f"""{RUN}
 studio = Studio(run)
 for group in studio._groups:
-    group.unfolded = True
+    group.page, group.unfolded = False, True  # all in sight at once
 studio
 """
 ALONE = f"""{RUN}
