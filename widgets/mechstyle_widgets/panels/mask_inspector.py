@@ -65,7 +65,7 @@ class MaskInspector(Section):
         )
         buttons = lean(ipywidgets.HBox, [self._show_layer, self._use], layout=WIDE)
         self._again = lean(ipywidgets.Button, icon="code-fork", layout=WIDE, tooltip="Branch there with these settings")
-        self._asked = lean(ipywidgets.VBox, [lean(ipywidgets.HTML, "<b>what if …</b>"), self.selector, buttons])
+        self._asked = lean(ipywidgets.VBox, [self.selector, buttons])
         super().__init__([self._asked])
         self.children = (*self.children, self._again, self._histograms)  # below what is said of it
         self._use.on_click(lambda _: self.use())
