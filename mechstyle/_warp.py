@@ -57,7 +57,7 @@ def initialise() -> None:
     place = own / wp.config.version  # where Warp looks in a folder that the environment names, as in processes that this one starts
     os.environ["WARP_CACHE_PATH"], wp.config.kernel_cache_dir = str(own), None
     start()  # nothing, where Warp found the folder and started …
-    wp.config.kernel_cache_dir = str(place)  # … and is told of the other one afterwards
+    wp.config.kernel_cache_dir = str(place)  # … and gets the other one afterwards
     if not copied(kept, place):
         logger.warning(
             "%s cannot be written to, so kernels are compiled for this process alone: make it writable, or name another folder in "

@@ -267,3 +267,13 @@ def test_installed_is_what_was_written():
     """An old install in development mode would leave new packages out."""
     assert importlib.metadata.version("mechstyle") == mechstyle.__version__
     assert set(importlib.import_module("mechstyle_widgets").__all__) >= {"Replay", "RunViewer", "Timeline", "Viewer"}
+
+
+BANNED = r"\b([Tt]old|borne|as it came|as it comes|no longer|physics \d+)\b"
+"""Words that say less than the noun of the field: given, called, found, shown; stress over limit; original."""
+
+
+def test_no_source_says_a_banned_word():
+    for path in SOURCES:
+        for number, line in enumerate(path.read_text().splitlines(), 1):
+            assert not re.search(BANNED, line), f"{named(path)}:{number}: {line.strip()}"

@@ -90,14 +90,14 @@ def show_command(
     which = "".join(f"-{name}" for name in fields or ())
     path = run.show(iteration, fields=fields or ()).save(picture or root / f"{run.record.stem}-{lane}-{state.iteration}{which}.png")
     if as_json:
-        told = {
+        document = {
             "iteration": state.iteration,
             "reason": state.reason,
             "verdict": state.verdict,
             "style_loss": state.style_loss,
             "simulated_at": state.simulated_at,
         }
-        print_json({**told, "lane": lane, "files": {"picture": str(path)}})
+        print_json({**document, "lane": lane, "files": {"picture": str(path)}})
         return
     row = None if state.verdict is None else state.verdict.deciding
     if state.verdict is not None:

@@ -58,10 +58,10 @@ class RecipeOption:
 
     Attributes:
         panel: Heading it stands under in the help.
-        flags: What is typed; the field's name unless told.
-        kind: Type of what is typed; the field's own unless told.
+        flags: What is typed; the field's name by default.
+        kind: Type of what is typed; the field's own by default.
         hint: What is to be known on the command line besides the field's description.
-        default: What it is unless told, for a field without a default.
+        default: What it is by default, for a field without a default.
     """
 
     panel: str

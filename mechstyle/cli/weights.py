@@ -34,7 +34,7 @@ def fetch_command(
 @command
 def add_command(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="A folder as transformers saves a CLIPModel and its CLIPTokenizer.")],
-    name: Annotated[str, typer.Option(help="What to call them; unless told, as the folder is called.")] = "",
+    name: Annotated[str, typer.Option(help="What to call them; by default as the folder is called.")] = "",
     as_json: Json = False,
 ) -> None:
     """Check weights of your own and copy them to where the fetched ones are, so that --clip NAME finds them."""

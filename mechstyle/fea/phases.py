@@ -152,7 +152,7 @@ class Track:
         bad = np.flatnonzero(failing(here[1:, :, None], self._scheme, energy))
         if len(bad):
             self.samples[-1], broken = here[: bad[0] + 2], here[bad[0] + 1]
-            self.ended, self.failed = "its state is no longer finite", True
+            self.ended, self.failed = "its state is not finite", True
             if np.isfinite(broken).all():
                 rise = float(total_energy(broken[None], self._scheme)[0]) / energy
                 self.ended = f"its energy rose to {rise:.3g} of what it was at the touch"

@@ -101,7 +101,7 @@ def contact_sheet(
         parts: Gallery models and their measures [mm] where they differ from the models' own.
         vertices: Vertices of the standardised surfaces.
         columns: Columns of rows, so that the page is not a ribbon.
-        stage: Told what is being drawn.
+        stage: Called with what is being drawn.
 
     Raises:
         BadInput: An unknown style or model.

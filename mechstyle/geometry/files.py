@@ -43,7 +43,7 @@ SMALLEST, LARGEST = 5.0, 1000.0
 SMALL, THIN = 10.0, 0.3
 """A part that is shorter, or whose walls are thinner all over [mm], is more probably one of another unit."""
 FARTHEST = 1e7
-"""From the origin [mm]: farther away the numbers of a file no longer tell a part's details apart."""
+"""From the origin [mm]: farther away the numbers of a file cannot hold a part's details."""
 ENDLESS = 1e150
 """Coordinates that are no numbers to reckon with: their squares are infinite."""
 UNITS = {"mm": 1.0, "in": 25.4, "cm": 10.0, "m": 1000.0, "ft": 304.8, "um": 1e-3}
@@ -63,7 +63,7 @@ MEASURED = ("glb", "ply")
 NAMING = ("obj", "glb")
 """Formats read by trimesh that name their objects."""
 MOST_COPIED = MOST_BYTES // 8
-"""Bytes of an OBJ file times its objects up to which these are told apart: the parser copies all vertices for each."""
+"""Bytes of an OBJ file times its objects up to which these are read one by one: the parser copies all vertices for each."""
 MOST_SAID = 8
 """Sentences on what was left out."""
 NO_FIELDS: Mapping[str, Field] = MappingProxyType({})
@@ -150,13 +150,13 @@ def _scaled(file: Path, scale: float | None, unit: str, size: float | None) -> t
     for what, number, example in (("scale", scale, "25.4 for inches"), ("size", size, "120 for 120 mm")):
         if number is not None and not (np.isfinite(number) and number > 0):
             raise BadInput(f"{what} is {number:g}, but must be a positive number, such as {example}")
-    told = millimetres(unit) if unit else scale
+    factor_given = millimetres(unit) if unit else scale
     held = _held(file)
     corners = np.concatenate([piece.corners for thing in held.things for piece in thing.pieces])
     longest = float(np.ptp(corners, axis=0).max())
     if size is not None and longest > 0.0:
-        told = size / longest
-    factor = _of_the_file(file.name, held.unit) if told is None else told
+        factor_given = size / longest
+    factor = _of_the_file(file.name, held.unit) if factor_given is None else factor_given
     _check_size(file.name, corners, factor)
     return held, factor
 

@@ -121,7 +121,7 @@ def openness(mesh: SurfaceMesh, *, device: str = "cpu") -> Floats:
 
 
 def in_hole(mesh: SurfaceMesh, widest: float, *, device: str = "cpu") -> NDArray[np.bool_]:
-    """Whether each vertex lies in a bore or slot that is nowhere wider than told, shape [vertex_count].
+    """Whether each vertex lies in a bore or slot that is nowhere wider than asked, shape [vertex_count].
 
     In a plane along two axes it is surrounded there, and what surrounds it is that near.
 
@@ -163,7 +163,7 @@ def _by_ball(mesh: SurfaceMesh, device: str) -> tuple[Bools, Bools, Bools]:
 
 
 def _without_frames(shut: Bools, room: Bools, axis: int, least: float) -> Bools:
-    """The places where a ball is shut in but for runs along an axis that are open at both ends and shorter than told, in steps."""
+    """The places where a ball is shut in but for runs along an axis that are open at both ends and shorter than asked, in steps."""
     line = np.zeros((3, 3, 3), bool)
     line[tuple(slice(None) if other == axis else 1 for other in range(3))] = True
     run, count = label(shut & room, structure=line)

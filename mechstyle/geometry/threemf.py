@@ -69,7 +69,7 @@ def threemf_bytes(
     Args:
         mesh: The part.
         name: What slicers call it.
-        paint: Its filaments, which slicers are told; without it the vertex colours are reduced to MOST, for viewers only.
+        paint: Its filaments, which slicers read; without it the vertex colours are reduced to MOST, for viewers only.
         slicer: One of SLICERS.
         filament_type: What the filaments are, as Bambu Studio and OrcaSlicer call it.
     """

@@ -164,18 +164,18 @@ def steps(store: Store, history: Iterable[Row]) -> list[Step]:
         store: The run directory.
         history: The rows of the lane.
     """
-    before, told = None, []
+    before, found = None, []
     for row, _ in simulated(history):
         held = restrained(store.objects.get_array(row.mask))
         added = held if before is None else held & ~before
-        told.append(Step(**msgspec.structs.asdict(row), added=int(added.sum())))
+        found.append(Step(**msgspec.structs.asdict(row), added=int(added.sum())))
         before = held
-    return told
+    return found
 
 
-def largest_mask_change(told: Sequence[Step]) -> Step | None:
+def largest_mask_change(found: Sequence[Step]) -> Step | None:
     """The simulation of a styled surface that restrained most vertices anew, None if none did."""
-    later = [step for step in told[1:] if step.added]
+    later = [step for step in found[1:] if step.added]
     return max(later, key=lambda step: step.added) if later else None
 
 

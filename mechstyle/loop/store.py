@@ -83,7 +83,7 @@ class Store:
 
     @property
     def place(self) -> Path:
-        """The folder, absolute: by this one run is told from another, wherever the process works meanwhile."""
+        """The folder, absolute: by this a run is known, wherever the process works meanwhile."""
         return self._folder
 
     @classmethod

@@ -19,7 +19,7 @@ from mechstyle.pictures.figure import DPI, FAINT, INK
 from mechstyle.pictures.scene import BACKGROUND
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#7a7a80")
-"""Told apart by colour-blind people (Okabe and Ito 2008)."""
+"""Different to colour-blind people, too (Okabe and Ito 2008)."""
 
 DASHES = ("-", "--", "-.", ":", "-")
 WIDTH, HEIGHT = 9.0, 2.35

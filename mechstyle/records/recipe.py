@@ -98,14 +98,14 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         material: The material of the part. Kept in full, so that a library that changes leaves the recipe as it was.
         iterations: Stylization iterations.
         seed: Seed of everything random in the style.
-        relief: Depth of the relief from its lowest to its highest [mm]; unless told, the prompt's, or what can be seen and walls bear. It
+        relief: Depth of the relief from its lowest to its highest [mm]; by default the prompt's, or what can be seen and walls bear. It
             goes before an amplitude, and either before the prompt.
         amplitude: Half the depth of the relief over local wall thickness, instead of a depth in mm.
         side: Where the relief goes from the surface, one of SIDES: auto goes to both, but only outwards where walls are too thin to cut.
-        feature: Size of the style's feature, such as the height of a brick [mm]; unless told, the prompt's, or what fits the part.
-        nozzle: Diameter of the printer's nozzle [mm]: features that are not told are sized for it, and finer ones noted; 0 for no rule.
+        feature: Size of the style's feature, such as the height of a brick [mm]; by default the prompt's, or what fits the part.
+        nozzle: Diameter of the printer's nozzle [mm]: features that are not given are sized for it, and finer ones noted; 0 for no rule.
         image: A picture of yours as the style, a PNG or JPEG file. Here the digest of its pixels, which the run keeps; "" for none.
-        image_size: Width of the picture, or of one of its tiles [mm]; unless told, the prompt's, or what fits the part.
+        image_size: Width of the picture, or of one of its tiles [mm]; by default the prompt's, or what fits the part.
         image_as: What is taken of the picture, one of MOTIFS: light stands out and dark is cut in, its colours, or both.
         image_layout: How often the picture is laid out, one of LAYOUTS: without end, or once on each side it is seen from.
         projection: How the picture lies on the part, one of PROJECTIONS: from six sides, from the one that shows most or that the prompt
@@ -136,7 +136,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         nearly_flat: Whether landings tilted by 3° onto the corners and sides of what the part stands on are judged, too.
         height: Height of the fall the part is to survive [mm].
         friction: Coulomb coefficient of the floor.
-        window: Simulated time after first touch [ms]; unless told, until the impact has ended.
+        window: Simulated time after first touch [ms]; by default until the impact has ended.
         element: `tet10`, or `tet4` as in the published study, which is several times too stiff in thin walls.
         damping: Share of critical damping of each tetrahedron.
         transfer: How stress gets from tets to surface, `barycentric` or `nearest` (the paper's unit-box nearest neighbour).
@@ -275,7 +275,7 @@ SETTINGS = tuple(name for name in Recipe.__struct_fields__ if name not in DECIDE
 DEFAULTS: Mapping[str, Any] = {
     field.name: field.default for field in msgspec.structs.fields(Recipe) if field.default is not msgspec.NODEFAULT
 }
-"""What a setting is unless told, by setting; those that every recipe must be given are not in it."""
+"""What a setting is by default, by setting; those that every recipe must be given are not in it."""
 
 
 def check_prompt(prompt: str) -> None:

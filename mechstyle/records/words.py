@@ -7,7 +7,7 @@ WORDS: dict[str, tuple[str, str]] = {
     "feature": ("feature", "How long one brick, scale or stitch is, in millimetres."),
     "side": ("goes", "Where the relief goes from the surface: outwards, inwards, or both ways; by itself outwards on thin walls."),
     "inside": ("inside", "What becomes of the inside of a cup, a tray or a case: it stays plain, or is styled as well."),
-    "nozzle": ("nozzle", "Width of the printer's nozzle: bricks and stitches that are not told are made large enough for it."),
+    "nozzle": ("nozzle", "Width of the printer's nozzle: bricks and stitches that are not given are made large enough for it."),
     "seed": ("seed", "Another number draws the same style a little differently."),
     "guidance": ("style from", "What the part takes its style from: a pattern drawn for it, or what the network CLIP makes of your words."),
     "field": (

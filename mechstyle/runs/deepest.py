@@ -61,9 +61,9 @@ def deepest(
         out: Run directory of the trials; what was tried there before is read.
         device: `auto`, `cpu` or `cuda`.
         depths: Amplitudes, ascending.
-        stage: Told what is being done, in words.
+        stage: Called with what is being done, in words.
         prepare: What prepares the surface, `simulation.part.prepare` or a function like it.
-        warn: Told early of walls that are too thin.
+        warn: Called early with sentences on walls that are too thin.
         settings: Other fields of `Recipe`.
 
     Raises:

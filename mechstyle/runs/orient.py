@@ -85,8 +85,8 @@ def ways_up(
         run: A run with at least one simulation.
         iteration: None for the last.
         count: Ways up at most.
-        stage: Told which is being dropped.
-        progress: Told the fraction of that drop.
+        stage: Called with which is being dropped.
+        progress: Called with the fraction of that drop.
 
     Raises:
         BadInput: If there are no ways to compare.

@@ -58,13 +58,13 @@ def protect(
 ) -> ProtectedPart:
     """See what regions hold before a run is begun: `ms.protect(part, ["inside", ms.Box((0, 0, 0), (9, 9, 9), ramp=2)]).show()`.
 
-    The resting face is protected besides, unless a run is told otherwise; it is not shown here.
+    The resting face is protected besides, unless a run asks otherwise; it is not shown here.
 
     Args:
         mesh: A closed surface [mm], z up, as it stands.
         protect: Regions, as records or in words.
         vertices: Vertices of the standardised surface.
-        stage: Told what is being done, in words.
+        stage: Called with what is being done, in words.
 
     Raises:
         BadInput: If a region cannot be read or holds nothing of the part.

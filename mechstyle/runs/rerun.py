@@ -89,7 +89,7 @@ def rerun(run: Run, out: Path, on_event: Callable[[Event], None] = lambda _: Non
     Args:
         run: The lane, finished or not; it is repeated up to where it stands, through the recipes of all lanes it was branched from.
         out: A folder that is free.
-        on_event: Told every event.
+        on_event: Called with every event.
 
     Raises:
         BadInput: If the folder is taken, or the lane has no checkpoint yet.

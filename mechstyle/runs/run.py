@@ -318,8 +318,8 @@ def stylize(
             another one goes into a folder beside it: see the run's `store.root`.
         name: What the part is called in pictures and files.
         device: `auto`, `cpu` or `cuda`.
-        stage: Told what is being prepared, in words.
-        on_event: Told every event.
+        stage: Called with what is being prepared, in words.
+        on_event: Called with every event.
         settings: Fields of `Recipe`, such as control, schedule, iterations, criterion, protect=["inside", ms.Box(low, high, ramp=2)],
             image (a PNG or JPEG file, or an array), stylizer (a registered name, or a function as docs/plug-in.md shows).
 
@@ -354,7 +354,7 @@ def started(
         wanted: As `recipes.draft` makes it, for any part.
         part: A closed surface [mm], or a part that is prepared already.
         origin: Where a prepared part came from; a surface knows it itself.
-        prepare, warn: What prepares a surface, `simulation.part.prepare` or one like it; what is told early of walls too thin, if anything.
+        prepare, warn: What prepares a surface, `simulation.part.prepare` or one like it; what takes sentences on thin walls.
         go_on: Asked in between whether to; what it raises ends the work.
         beside: As for `begin`.
     """

@@ -19,13 +19,13 @@ logger = logging.getLogger(__name__)
 
 
 class Stopped(Exception):
-    """Raised inside a simulation that was told to stop; what was checkpointed before is kept."""
+    """Raised inside a simulation that was asked to stop; what was checkpointed before is kept."""
 
 
 class Session:
     """Pumps a generator of events in a worker thread.
 
-    Pausing and stopping act between two events, stopping also inside a drop test, between two chunks of time steps. What was told to
+    Pausing and stopping act between two events, stopping also inside a drop test, between two chunks of time steps. What was asked to
     stop stops, whatever is asked of it afterwards. A listener that
     raises is logged and dropped for that event; it never stops the run. Whatever happens, the run on disk stands at its
     last checkpoint, from which a new session goes on.
@@ -98,7 +98,7 @@ class Session:
     def _go(self, until: Callable[[Event], bool] | None) -> None:
         with self._changed:
             if self._wanted == "stop" or self._state not in ("ready", "paused", "running"):
-                how = "was told to stop" if self._wanted == "stop" else f"has {self._state}"
+                how = "was asked to stop" if self._wanted == "stop" else f"has {self._state}"
                 raise RuntimeError(f"this session {how}; start a new one to go on from its last checkpoint")
             self._wanted, self._until = "run", until
             self._become("running")

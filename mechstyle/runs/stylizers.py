@@ -194,7 +194,7 @@ def drawn(
         try:
             targets.append(target(mesh, wish, Dimensions.of(recipe, wish), seed=recipe.seed, canvas=canvas, **limits))
         finally:
-            canvas.go_on = regardless  # it is drawn on again, when whoever asked may have been told to stop
+            canvas.go_on = regardless  # it is drawn on again, when whoever asked may have stopped
     return combined(mesh, targets, shares).without(bounds.plain)
 
 

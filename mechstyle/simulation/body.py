@@ -18,7 +18,6 @@ from mechstyle.records.mesh import Floats, SurfaceMesh, TetMesh
 from mechstyle.records.recipe import Transfer as TransferName
 from mechstyle.records.simulation import LEAST_CARRIED, VOLUME_ERROR
 
-
 SEEN = 0.01
 """Relief below which a place has none [mm]: no printer shows it."""
 

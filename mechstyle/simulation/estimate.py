@@ -10,11 +10,11 @@ from mechstyle.records import sentences
 from mechstyle.simulation.simulator import STEERING
 
 SECONDS_PER_STEP = {"tet10": 50e-9, "tet4": 12e-9}
-"""Time of one core for one tetrahedron and one step [s]; of five parts of 2000 to 12 000 vertices 48 to 57 ns were measured for tet10."""
+"""Time of one core for one tetrahedron and one step [s]; of four drops of three parts of 2000 to 4000 vertices 48 to 57 ns were measured for tet10; tet4 is a guess."""
 STEP, STEPS = 8e-5, 17_000
 """Time step [ms], and steps until an impact has ended, of which 15 120 to 19 800 were counted: finer meshes are dropped with more mass."""
 TETRAHEDRA, FINEST = 2.6, 13_000
-"""Tetrahedra for each vertex of the surface: 2.0 to 3.3 of the same parts; a surface of more vertices than FINEST gets no more."""
+"""Tetrahedra for each vertex of the surface: 2.0 to 3.3 of these and one of 12 000; a surface of more vertices than FINEST gets no more."""
 NEARLY_FLAT = 8
 """Landings on the corners and sides of what a part stands on: eight of a box, six of a round base."""
 MESHING = 2.2e-3

@@ -115,7 +115,7 @@ def impact_of(
     progress: Progress = no_progress,
     normal: Point = UP,
 ) -> Impact:
-    """Drop a displaced part, as it stands unless told, and keep what happens on its surface; remembered by its inputs.
+    """Drop a displaced part, as it stands by default, and keep what happens on its surface; remembered by its inputs.
 
     Args:
         part: The prepared part.

@@ -214,10 +214,10 @@ def prepare(
     Args:
         mesh: A closed surface [mm].
         vertices: Vertices of the standardised surface, ± 5 %; see `standardised`.
-        stage: Told what is being done, in words.
+        stage: Called with what is being done, in words.
         relief: What it is prepared for: tetrahedra are made for half of it, so that they carry it. None for the part as it is.
         go_on: Asked in between whether to; what it raises ends the work.
-        measured: Told surface and walls, before the minutes that tetrahedra may take.
+        measured: Called with surface and walls, before the minutes that tetrahedra may take.
 
     Raises:
         BadInput: If it is no surface, or one that cannot be standardised or meshed.
@@ -316,5 +316,5 @@ def _places(recipe: Recipe) -> tuple[Region, ...]:
 
 def _contained(shape: Shape, recipe: Recipe) -> tuple[Region, ...]:
     """The inside of a container, unless it is to be styled, or the recipe or its prompt name one side or the other themselves."""
-    told = recipe.inside == "styled" or any(isinstance(region, Inside | Outside) for region in (*recipe.protect, *_places(recipe)))
-    return () if told or not shape.is_container else (Inside(ramp=INSIDE_RAMP, colour=True),)
+    chosen = recipe.inside == "styled" or any(isinstance(region, Inside | Outside) for region in (*recipe.protect, *_places(recipe)))
+    return () if chosen or not shape.is_container else (Inside(ramp=INSIDE_RAMP, colour=True),)

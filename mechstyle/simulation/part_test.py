@@ -177,12 +177,12 @@ def simulate(
         minimum_wall: The thinnest wall that is not warned about [mm]; 0 for no warning.
         build_direction: Direction it is printed in, x, y, z or a vector, so that layers are judged by their own strength; None to leave
             layers out.
-        window: Simulated time after first touch [ms]; unless told, until the impact has ended.
+        window: Simulated time after first touch [ms]; by default until the impact has ended.
         vertices: Vertices of the standardised surface.
         device: `auto`, `cpu` or `cuda`.
-        stage: Told what is being prepared, in words.
+        stage: Called with what is being prepared, in words.
         progress: Called with the fraction of the drop done; may raise to cancel.
-        measured: Told the part's surface and walls, before the minutes that meshing and drop may take.
+        measured: Called with the part's surface and walls, before the minutes that meshing and drop may take.
 
     Raises:
         BadInput: If the part or a setting cannot be used, in one sentence.

@@ -43,7 +43,7 @@ def memo_key(inputs: tuple[Any, ...], displacement: NDArray[np.float32]) -> str:
 
 
 def period_of(tets: Callable[[], TetMesh], recipe: Recipe, memo: Memo, trusted: Memo | None = None) -> float | None:
-    """Lowest elastic period of the unstylized part [ms], by which the end of an impact is told, also of a styled one.
+    """Lowest elastic period of the unstylized part [ms], by which the end of an impact is found, also of a styled one.
 
     None if the recipe has a window, which needs none.
 

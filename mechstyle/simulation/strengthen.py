@@ -143,7 +143,7 @@ def strengthen(
         height: Height of the fall it is to survive, such as "1.5 m", or a number of mm.
         vertices: Vertices of the standardised surface.
         device: `auto`, `cpu` or `cuda`.
-        stage: Told what is being done, in words.
+        stage: Called with what is being done, in words.
 
     Returns:
         The part before and after, with verdicts and the mass it gained.
@@ -177,7 +177,7 @@ def strengthened(
         recipe: Material, drop, loads, protected regions, and `strengthen`, the most that is added [mm].
         vertices: Vertices of the standardised surface.
         device: `auto`, `cpu` or `cuda`.
-        stage: Told what is being done, in words.
+        stage: Called with what is being done, in words.
         prepare: What prepares a surface, `simulation.part.prepare` or a function like it.
         go_on: Asked several times a second whether to, in a drop, too; what it raises ends the work.
 
@@ -223,7 +223,7 @@ def made_ready(
         prepare: What prepares a surface, `simulation.part.prepare` or a function like it.
         vertices: Vertices of the standardised surface.
         device: Where it is tested.
-        stage: Told what is being done, in words.
+        stage: Called with what is being done, in words.
         go_on: Asked in between whether to; what it raises ends the work.
     """
     thicker, before = None, isinstance(mesh, Workpiece) and mesh.mass_gained > 0.0

@@ -39,7 +39,7 @@ def walk(cells: Sequence[Cell], folder: str | Path, *, jobs: int = 1, scheduler:
         folder: The study's folder.
         jobs: Processes side by side on this machine.
         scheduler: Address of a Dask scheduler, such as `tcp://10.0.0.1:8786`, or a scheduler file; then jobs do not count.
-        tell: Called with every row as it comes, those that were there before first.
+        tell: Called with every row when it is done, those that were there before first.
 
     Raises:
         BadInput: If there is no such scheduler.

@@ -23,7 +23,7 @@ LEGIBLE, ENOUGH = 0.6, 3.0
 SHALLOWEST, STEEPEST = 0.1, 0.4
 """… if it is at least this share of the size of a feature, and carried by it if it is at most this …"""
 SHARE = 0.15
-"""… and half of it is at least this share of the wall, unless told."""
+"""… and half of it is at least this share of the wall, by default."""
 THIN, TWICE = 1.2, 2.0
 """Out of a wall thinner than the first [mm] a relief may stand as high as that, up to twice what the wall is thick."""
 NOMINAL = 2.0
@@ -134,7 +134,7 @@ class Dimensions:
             operators: Those of the part.
             thickness: Local wall thickness [mm], shape [n].
             feature: Size of the style's feature [mm]: no wall counts as thicker, or a solid ball would grow spikes. None if it has none.
-            amount: Factor of the prompt on a depth that is not told in mm.
+            amount: Factor of the prompt on a depth that is not given in mm.
         """
         wall = np.asarray(thickness, dtype=np.float64)
         counted = wall if feature is None else np.minimum(wall, feature)

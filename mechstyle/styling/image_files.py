@@ -106,8 +106,8 @@ def _reduced(image: Image.Image) -> Pixels:
     clear = "transparency" in image.info or image.mode in {"LA", "PA", "RGBA", "La", "RGBa"}
     grey = image.mode in {"1", "L", "LA", "La"}
     mode = {(True, True): "LA", (True, False): "L", (False, True): "RGBA", (False, False): "RGB"}[grey, clear]
-    told = image if image.mode == mode else image.convert(mode)
-    kept = told if size == told.size else told.resize(size, Image.Resampling.BOX)
+    converted = image if image.mode == mode else image.convert(mode)
+    kept = converted if size == converted.size else converted.resize(size, Image.Resampling.BOX)
     return np.atleast_3d(np.asarray(kept, np.uint8))
 
 

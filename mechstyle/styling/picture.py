@@ -17,7 +17,7 @@ from mechstyle.styling.style import Relief, Style
 
 NAME = "picture"
 USUAL = 30.0
-"""Width of a repeated picture on a part of 100 mm, unless told [mm]."""
+"""Width of a repeated picture on a part of 100 mm, by default [mm]."""
 LARGEST_SHARE = 0.5
 """Of the part's longest side that a picture may be made wide unasked, so that its details can be printed."""
 STEP = 0.3
@@ -74,8 +74,8 @@ def placed_on(
         mesh: The part.
         raster: The picture.
         recipe: Says how.
-        width: Width of the picture as the prompt or the recipe tell it [mm], None unless told.
-        size: Factor of the prompt on a width that is not told.
+        width: Width of the picture as prompt or recipe give it [mm], None if neither does.
+        size: Factor of the prompt on a width that is not given.
         where: The places it is for: a picture that is thrown from one side comes from the end that is among them.
     """
     repeated = recipe.image_layout == "tiled"

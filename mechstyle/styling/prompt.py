@@ -193,8 +193,8 @@ def _clauses(kept: Sequence[Item], notes: list[str]) -> list[Clause]:
 
 def _with_picture(found: Sequence[Word]) -> list[Word]:
     """The words with those that mean a picture read as its style; it stands before them all if they name no style."""
-    told = [word._replace(means=PICTURE) if word.means in english.PICTURES else word for word in found]
-    return told if any(is_style(word) for word in told) else [Word("picture", PICTURE), Word(";", ";"), *told]
+    meant = [word._replace(means=PICTURE) if word.means in english.PICTURES else word for word in found]
+    return meant if any(is_style(word) for word in meant) else [Word("picture", PICTURE), Word(";", ";"), *meant]
 
 
 # --- one wish -----------------------------------------------------------------------------------------------------
@@ -298,7 +298,7 @@ def _colours(items: Sequence[Item], alike: set[str], notes: list[str]) -> tuple[
     Args:
         items: The items of a wish.
         alike: Words that ask for its style, which are no colours unless they are shaded.
-        notes: Told of what is left out.
+        notes: Takes a sentence on what is left out.
     """
     body: Word | None = None
     recesses: Word | None = None

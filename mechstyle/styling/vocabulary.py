@@ -4,7 +4,7 @@ A row of `words.tsv` has a kind, a value and the words for it; the first English
 next to each other, "+" those that do so in any order. The kinds of rows and their values:
 
     style, describes  a style: any other beside one that describes is the one meant ("old brick")
-    like              a stuff or thing that looks like a style, which the reader is told; yields as well
+    like              a stuff or thing that looks like a style, which the reader is shown; yields as well
     thing             a thing that looks like one, if nothing else in the prompt does
     last              a style, if there is no thing either: "green", "realistic"
     colour, metal     six hexadecimal digits; a metal alone is hammered metal

@@ -130,7 +130,7 @@ def test_it_is_branched_and_compared(hour):
     hour.until("(studio.state.lane, studio.state.status, studio.state.iteration)", "('branch-1', 'finished', 8)")
     hour.page.locator(".mechstyle-viewer canvas").nth(1).wait_for()
     assert hour.drawn(0).shape == hour.drawn(1).shape
-    hour.page.get_by_role("button", name="compare no longer").count()
+    hour.page.get_by_role("button", name="stop comparing").count()
     hour.python("studio.branches.pinned = None")
 
 

@@ -54,7 +54,7 @@ from mechstyle_widgets.viewer.viewer import Viewer
 
 logger = logging.getLogger(__name__)
 
-SIZE = (640, 430)  # width and height of the view until the page has told how much room there is [pixels]
+SIZE = (640, 430)  # width and height of the view until the page says how much room there is [pixels]
 TITLES = ("Part", "Style", "Material", "Holding back", "When to test", "Keep plain", "Drop test")
 OPEN = ("Part", "Style")
 """Groups of settings that are open at first: what decides the look."""
@@ -111,7 +111,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self.state = StudioState()
         self.controller = Controller(self.state, self.wanted)
         self._make_sections("" if run is not None else part, settings)
-        self._changed()  # the timeline begins with the plan: what a figure is told before a page shows it may get lost
+        self._changed()  # the timeline begins with the plan: what a figure gets before a page shows it may get lost
         self.frame, self._size = Frame(), SIZE
         self.take_away = TakeAway(self.state, self.frame)
         self.previewer = Previewer(self._arrived, self._not_drawn)

@@ -56,20 +56,20 @@ def report_page(run: LaneOfRun) -> str:
         BadInput: If the lane has no checkpoint yet.
     """
     history = begun(run)
-    told, played, struck = steps(run.store, history), replay_data(run), impacts(run)
+    passed_steps, played, struck = steps(run.store, history), replay_data(run), impacts(run)
     script = Markup(f"\n{bundle(static('report.js'), IN_A_REPORT)}\n")
     return fill(
         static("page.html"),
         script_digest=_source(script),
         title=f"{run.record.name}, “{run.recipe.prompt}”",
         style=Markup(static("report.css") + static("player.css")),
-        head=_head(run, history, len(told) - 1),
+        head=_head(run, history, len(passed_steps) - 1),
         verdict=_verdict(standing(history)[1]),
         figures=_figures(run, history),
         still=still(run),
         legend=legend(),
-        chart=timeline(told, history[-1].iteration),
-        story=_story(told, standing(history)[0]),
+        chart=timeline(passed_steps, history[-1].iteration),
+        story=_story(passed_steps, standing(history)[0]),
         notes=_notes(run),
         settings=_settings(run.recipe),
         material=_material(run.recipe.material),
@@ -169,18 +169,18 @@ def _figures(run: LaneOfRun, history: Sequence[Row]) -> Markup:
     )
 
 
-def _story(told: Sequence[Step], last: Row) -> Markup:
+def _story(passed_steps: Sequence[Step], last: Row) -> Markup:
     """The history of the mask up to what is delivered: a sentence, then every simulation."""
-    jump = largest_mask_change(told)
+    jump = largest_mask_change(passed_steps)
     sentence = f"{last.restrained} of {last.vertices} vertices ({last.share:.0%}) ended up held back by more than half. "
-    sentence += f"{told[0].restrained} were so from the start: by the stress of the plain part, or because they are protected. "
+    sentence += f"{passed_steps[0].restrained} were so from the start: by the stress of the plain part, or because they are protected. "
     sentence += (
         f"The largest step was at iteration {jump.iteration}, which restrained {jump.added} more."
         if jump
         else "No simulation restrained any more of them."
     )
     rows = joined(
-        fill('<tr data-iteration="{at}" tabindex="0">{cells}</tr>', at=step.iteration, cells=cells(_row(step))) for step in told
+        fill('<tr data-iteration="{at}" tabindex="0">{cells}</tr>', at=step.iteration, cells=cells(_row(step))) for step in passed_steps
     )
     return fill(
         '<p>{sentence}</p><div class="scroll"><table class="steps">'

@@ -17,20 +17,20 @@ def mimebundle(run: LaneOfRun) -> dict[str, str]:
     history = rows(run.store, run.lane)
     if not history:
         return {"text/plain": repr(run)}
-    told = steps(run.store, history)
+    tests = steps(run.store, history)
     words = standing(history)[1].words
-    return {"text/plain": as_text(run, told, words), "text/html": as_html(run, told, words)}
+    return {"text/plain": as_text(run, tests, words), "text/html": as_html(run, tests, words)}
 
 
-def as_text(run: LaneOfRun, told: Sequence[Step], words: str) -> str:
+def as_text(run: LaneOfRun, tests: Sequence[Step], words: str) -> str:
     """The run, its verdict in words and its simulations, a line each."""
-    lines = [f"{step.iteration:>5}  {_outcome(step):<19}  {_stress(step)}  {step.reason}" for step in told]
+    lines = [f"{step.iteration:>5}  {_outcome(step):<19}  {_stress(step)}  {step.reason}" for step in tests]
     return "\n".join([repr(run), words, *lines])
 
 
-def as_html(run: LaneOfRun, told: Sequence[Step], words: str) -> str:
+def as_html(run: LaneOfRun, tests: Sequence[Step], words: str) -> str:
     """The same as a table under a picture; no style sheet and no script, which such places strip."""
-    lines = [(step.iteration, step.reason, _outcome(step), _stress(step), f"{step.share:.0%}") for step in told]
+    lines = [(step.iteration, step.reason, _outcome(step), _stress(step), f"{step.share:.0%}") for step in tests]
     return fill(
         "<p><strong>{name}</strong> as “{prompt}”</p>{picture}<p>{words}</p>{rows}",
         name=run.record.name, prompt=run.recipe.prompt, picture=still(run), words=words,

@@ -23,27 +23,27 @@ REACH, ROOM = 11.0, 3.0
 """How far a mark reaches with its ring, and what is to be free between the name and whatever is drawn."""
 
 
-def timeline(told: Sequence[Step], last: int) -> Markup:
+def timeline(tests: Sequence[Step], last: int) -> Markup:
     """The chart of a lane that stands at iteration `last`; marks carry `data-iteration` for the script.
 
     Args:
-        told: At least one simulation.
-        last: Newest iteration, at least the last of `told`.
+        tests: At least one simulation.
+        last: Newest iteration, at least the last of `tests`.
     """
     span = max(last, 1)
-    top = 1.12 * max(max(_stress(step), _limit(step)) for step in told)
-    x = {step.iteration: LEFT + (RIGHT - LEFT) * step.iteration / span for step in told}
+    top = 1.12 * max(max(_stress(step), _limit(step)) for step in tests)
+    x = {step.iteration: LEFT + (RIGHT - LEFT) * step.iteration / span for step in tests}
 
     def height(stress: float) -> float:
         return STRESS_BOTTOM - (STRESS_BOTTOM - STRESS_TOP) * stress / top
 
-    known = [step for step in told if step.verdict.outcome != "UNKNOWN"]
+    known = [step for step in tests if step.verdict.outcome != "UNKNOWN"]
     line = [(x[step.iteration], height(_stress(step))) for step in known]
     peaks = " ".join(f"{right:.1f},{down:.1f}" for right, down in line)
-    limit = _limit(told[-1])
-    allowed = f"M{LEFT} {height(_limit(told[0])):.1f}"
-    allowed += "".join(f"H{x[step.iteration]:.1f}V{height(_limit(step)):.1f}" for step in told)
-    beside, name = _free_place(height(limit), line, [(x[step.iteration], height(_stress(step))) for step in told])
+    limit = _limit(tests[-1])
+    allowed = f"M{LEFT} {height(_limit(tests[0])):.1f}"
+    allowed += "".join(f"H{x[step.iteration]:.1f}V{height(_limit(step)):.1f}" for step in tests)
+    beside, name = _free_place(height(limit), line, [(x[step.iteration], height(_stress(step))) for step in tests])
     return fill(
         '<svg class="timeline" viewBox="0 0 {width} {height}" role="group" tabindex="0"'
         ' data-left="{left}" data-right="{right}" data-last="{last}"'
@@ -54,8 +54,8 @@ def timeline(told: Sequence[Step], last: int) -> Markup:
         '<g class="cursor"><line y1="{top}" y2="{bottom}"/></g></svg>',
         width=WIDTH, height=HEIGHT, left=LEFT, right=RIGHT, last=span,
         beside=beside, allowed=allowed, name=f"{name:.1f}",
-        limit=f"{limit:.1f}", peaks=peaks, axes=_axes(span, top), held=_held(told, x, RIGHT if last else LEFT),
-        marks=joined(_mark(step, x[step.iteration], height(_stress(step))) for step in told),
+        limit=f"{limit:.1f}", peaks=peaks, axes=_axes(span, top), held=_held(tests, x, RIGHT if last else LEFT),
+        marks=joined(_mark(step, x[step.iteration], height(_stress(step))) for step in tests),
         top=STRESS_TOP - 8, bottom=HELD_BOTTOM,
     )  # fmt: skip
 
@@ -143,9 +143,9 @@ def _rung(y: float, name: str) -> Markup:
     )  # fmt: skip
 
 
-def _held(told: Sequence[Step], x: dict[int, float], end: float) -> Markup:
+def _held(tests: Sequence[Step], x: dict[int, float], end: float) -> Markup:
     """The share held back as a staircase: it changes at simulations only."""
     path = f"M{LEFT} {HELD_BOTTOM}"
-    for step in told:
+    for step in tests:
         path += f"H{x[step.iteration]:.1f}V{HELD_BOTTOM - (HELD_BOTTOM - HELD_TOP) * step.share:.1f}"
     return fill('<path class="held" d="{path}"/>', path=f"{path}H{end}V{HELD_BOTTOM}Z")

@@ -119,8 +119,8 @@ class Canvas:
             )
         unit = max(self.scale, needed)
         if finest * unit < self.nozzle:
-            told = f"{what} of {finest * unit:.2g} mm are finer than a nozzle of {self.nozzle:g} mm prints"
-            self.notes.append(f"{told}: ask for larger features")
+            too_fine = f"{what} of {finest * unit:.2g} mm are finer than a nozzle of {self.nozzle:g} mm prints"
+            self.notes.append(f"{too_fine}: ask for larger features")
         return unit
 
     def bond(self, length: float, height: float, *, shift: float = 0.5, margin: float = 0.0, grip: float = 1.0) -> Bond:
@@ -199,7 +199,7 @@ class Canvas:
         return cast(colours, self.colour, found, self.noise(_CLOUD * self.scale, 4, "finish") if mottled else np.zeros(len(colours)))
 
     def softened(self, values: Floats) -> Floats:
-        """Values [n] or [n, k] averaged with their neighbours' mean: edges sharper than the mesh can carry no longer look like combs."""
+        """Values [n] or [n, k] averaged with their neighbours' mean: edges sharper than the mesh can carry would look like combs."""
         return (1.0 - _SOFTENING) * values + _SOFTENING * (self.operators.ring_mean @ values)
 
     def smoothed(self, values: Floats, length: float) -> Floats:

@@ -108,7 +108,7 @@ class AroundProjection:
 
     Attributes:
         axis: x and y of the axis [mm].
-        radius: At which the picture is as wide as told [mm].
+        radius: At which the picture is as wide as asked for [mm].
         middle: Height of its middle [mm].
         lids: What is seen from above; None for nothing.
     """
@@ -156,7 +156,7 @@ def box_projection(mesh: SurfaceMesh, width: float | None, usual: float, aspect:
 def planar_projection(
     mesh: SurfaceMesh, width: float | None, usual: float, aspect: float, *, repeated: bool, end: str = ""
 ) -> PlanarProjection:
-    """Lay a picture on one side of a part, one of ENDS or, unless told, the one that shows most; other arguments as above."""
+    """Lay a picture on one side of a part, one of ENDS or, by default, the one that shows most; other arguments as above."""
     named = end or max(IN_DOUBT, key=lambda one: round(_shown(mesh, _frame(mesh, one)), 3))
     axes = _frame(mesh, named)
     side = Side(axes, _middle(mesh, axes, facing=True))
@@ -179,9 +179,9 @@ def around_projection(mesh: SurfaceMesh, width: float | None, usual: float, aspe
     asked = usual if width is None else width
     times = max(round(2.0 * np.pi * radius / asked), 1)
     fitted = float(2.0 * np.pi * radius / times)
-    told = (f"{times} pictures go around the part, {fitted:.3g} mm wide each instead of {asked:.3g} mm",)
+    fitted_note = (f"{times} pictures go around the part, {fitted:.3g} mm wide each instead of {asked:.3g} mm",)
     lids = Side(np.eye(3), np.array([*axis, 0.0]))
-    return AroundProjection(axis, radius, middle, fitted, aspect, lids, told if abs(fitted / asked - 1.0) > 0.02 else ())
+    return AroundProjection(axis, radius, middle, fitted, aspect, lids, fitted_note if abs(fitted / asked - 1.0) > 0.02 else ())
 
 
 def _axes(mesh: SurfaceMesh) -> Floats:

@@ -13,7 +13,7 @@ WARM_UP = 3
 
 
 class Tensors(Protocol):
-    """An argument whose tensors can be told, always in the same order and of the same shapes."""
+    """An argument whose tensors can be listed, always in the same order and of the same shapes."""
 
     @property
     def tensors(self) -> tuple[torch.Tensor, ...]:

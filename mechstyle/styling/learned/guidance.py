@@ -30,7 +30,7 @@ class NoDraws(NamedTuple):
 
 
 class Guidance(Protocol):
-    """A loss to descend, and what the style field is told of the prompt."""
+    """A loss to descend, and what the style field knows of the prompt."""
 
     @property
     def text(self) -> torch.Tensor:
@@ -49,7 +49,7 @@ class Guidance(Protocol):
 class TargetGuidance:
     """The drawn target of an offline style: Σ A_i [((s_i − s*_i)/s_ref)² + 4 ‖c_i − c*_i‖²] / Σ A_i, as in `drawn`.
 
-    The field is told the prompt by a random embedding that only the prompt decides.
+    The field knows the prompt by a random embedding that only the prompt decides.
     """
 
     def __init__(self, target: Target, areas: Floats, prompt: str, *, text_size: int = 512, device: str = "cpu") -> None:

@@ -163,7 +163,7 @@ def add(folder: Path, store: Path, name: str = "") -> Weights:
     Args:
         folder: As transformers saves them.
         store: Folder of fetched and added weights.
-        name: What to call them; unless told, as the folder is called.
+        name: What to call them; by default as the folder is called.
 
     Raises:
         BadInput: If the folder holds no whole CLIP, or others have that name.

@@ -73,9 +73,9 @@ def test_the_least_safety_factor_is_that_of_the_verdict_and_what_is_below_one_is
 def test_contact_is_given_in_words(done):
     subject = subject_of(done, done.checkpoint(12))
     contact = subject.layer("contact")
-    assert [replace(contact, values=[value]).told(0) for value in (0.0, 1.0)] == ["no", "yes"]
-    assert replace(subject.layer("stress"), values=[12.345]).told(0) == "12.35 MPa"
-    said = contact.told(5)
+    assert [replace(contact, values=[value]).text_at(0) for value in (0.0, 1.0)] == ["no", "yes"]
+    assert replace(subject.layer("stress"), values=[12.345]).text_at(0) == "12.35 MPa"
+    said = contact.text_at(5)
     assert f">{said}</td>" in table(subject, 5)
     assert f"<b>{said}</b>" in brief(subject, 5, "contact")
 

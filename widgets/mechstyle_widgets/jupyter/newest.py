@@ -1,4 +1,4 @@
-"""Work beside the event loop: it goes on answering while a thread reads and reckons, and is only told what came of it."""
+"""Work beside the event loop: it goes on answering while a thread reads and reckons, and only hears what came of it."""
 
 from __future__ import annotations
 

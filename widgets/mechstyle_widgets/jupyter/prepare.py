@@ -19,7 +19,7 @@ def prepare_aside(
     Args:
         mesh: A closed surface [mm].
         vertices: Vertices of the standardised surface.
-        stage: Told what is being done, in words.
+        stage: Called with what is being done, in words.
         go_on: Called ten times a second; what it raises ends the work.
         relief: The finished relief it is to carry, by a function that can be pickled; None for none.
 

@@ -14,7 +14,7 @@ FAINT = "var(--jp-ui-font-color2, #666)"
 RULE = "var(--jp-border-color1, #bbb)"
 ACCENT = "var(--jp-brand-color1, #1565c0)"
 LETTER = 5.2  # width of a letter of the small print, on average [pixels]
-OTHER = "#d55e00"  # vermilion of Okabe and Ito, told from the accent by the colour-blind; it is dashed or hollow besides
+OTHER = "#d55e00"  # vermilion of Okabe and Ito, not the accent to the colour-blind; it is dashed or hollow besides
 
 
 @dataclass(frozen=True)

@@ -45,9 +45,9 @@ INK, FAINT, ACCENT, OVER = (
 
 def terms() -> str:
     """What the page needs, as JSON: by what stands on screen in small letters, the word, its sentence and its picture as SVG."""
-    told = {key: [word, sentence, PICTURES.get(key, "")] for key, (word, sentence) in WORDS.items()}
-    spoken = {one.lower(): told[key] for key, (word, _) in WORDS.items() for one in word.replace(" · ", ", ").split(", ")}
-    named = {label: [label, *told[key][1:]] for label, key in ALSO.items()}
+    entries = {key: [word, sentence, PICTURES.get(key, "")] for key, (word, sentence) in WORDS.items()}
+    spoken = {one.lower(): entries[key] for key, (word, _) in WORDS.items() for one in word.replace(" · ", ", ").split(", ")}
+    named = {label: [label, *entries[key][1:]] for label, key in ALSO.items()}
     return json.dumps({**spoken, **named}, ensure_ascii=False)
 
 

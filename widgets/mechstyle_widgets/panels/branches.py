@@ -97,7 +97,7 @@ class Branches(Section):
         self.pinned, self.third = (None if self.pinned == here else here), None
 
     def keep_beside(self) -> None:
-        """Let the iteration on show stand in a third pane from now on; once more, no longer."""
+        """Let the iteration on show stand in a third pane from now on; once more, not any more."""
         self.third = (self.state.lane, self.state.iteration) if self.third is None else None
 
     def comparison(self) -> list[tuple[str, ...]]:
@@ -183,7 +183,7 @@ class Branches(Section):
         self._branch.description = word("branch from iteration {}").format(state.iteration)
         self._branch.disabled = nothing or state.status in ("preparing", "running", "paused")
         again = self.pinned == (state.lane, state.iteration)
-        pin = word("compare no longer") if again else word("compare others with iteration {}").format(state.iteration)
+        pin = word("stop comparing") if again else word("compare others with iteration {}").format(state.iteration)
         self._pin.description = pin
         self._pin.disabled = nothing
         keep = word("keep {} · {} in a third pane").format(state.called(state.lane), state.iteration)

@@ -109,8 +109,8 @@ class RunControls(Section):
         (self._bar.add_class if state.status == "preparing" else self._bar.remove_class)("mechstyle-preparing")
         self.words = line_of(state)
         title = f'<span class="mechstyle-title"><b>{escape(self.title)}</b> · </span>' if self.title else ""
-        told = f'<span role="status" aria-live="polite">{escape(self.words)}</span>'  # what is made is not read out every time
-        self._line.value = f'<div class="mechstyle-note">{title}{told}</div>'
+        spoken = f'<span role="status" aria-live="polite">{escape(self.words)}</span>'  # what is made is not read out every time
+        self._line.value = f'<div class="mechstyle-note">{title}{spoken}</div>'
         self.complain(state.message if state.alarming else "")
         self.note(state.message if not state.alarming else "")
 

@@ -49,7 +49,7 @@ class Packer:
         self._look()
 
     def close(self) -> None:
-        """Follow the state no longer."""
+        """Stop following the state."""
         self._closed = True
         self._state.unobserve(self._look, FOLLOWED)
 
@@ -68,7 +68,7 @@ class Packer:
         data = None
         try:
             data = replay_data(run)
-        except MechStyleError:  # a damaged store is told of where it is read to be shown
+        except MechStyleError:  # a damaged store is reported where it is read to be shown
             pass
         finally:
             assert self._loop is not None, "only a loop begins the work"

@@ -70,7 +70,7 @@ class Scrubber(PageWidget):
         self._look()
 
     def close(self) -> None:
-        """Close it and what the page holds; the state is followed no longer."""
+        """Close it and what the page holds; the state is not followed any more."""
         if self._packer is not None:
             self._packer.close()
             self.serve(None)

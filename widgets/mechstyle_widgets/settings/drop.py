@@ -27,7 +27,7 @@ ONCE = "once"
 WAYS = {
     ONCE: ("as it stands", "one drop, as the part stands"),
     "fibonacci": ("any way up", "{} drops: as the part stands, then turned every way, evenly spread"),
-    "resting": ("as it comes to rest", "up to {} drops: as the part stands, then on what it would come to rest on, the likeliest first"),
+    "resting": ("at rest", "up to {} drops: as the part stands, then on what it would come to rest on, the likeliest first"),
     "box26": ("on faces, edges, corners", "up to {} drops: as the part stands, then on each face, edge and corner of the box around it"),
     "box10": (
         "on a corner, its edges, faces",

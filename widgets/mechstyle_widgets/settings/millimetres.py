@@ -9,7 +9,7 @@ import ipywidgets
 import traitlets
 
 AUTO = "auto"
-"""The first place, and what it is called unless told."""
+"""The first place, and what it is called by default."""
 
 
 class Millimetres(ipywidgets.SelectionSlider):  # type: ignore[misc]  # ipywidgets has no types

@@ -92,7 +92,7 @@ class PromptBox(Section):
         sides = [("as the walls allow", "auto"), ("outwards", "outwards"), ("inwards", "inwards"), ("both ways", "both")]
         where = "Where the relief goes from the surface; by itself outwards on thin walls, else both ways"
         self._side = lean(ipywidgets.Dropdown, options=sides, description="goes", tooltip=where, **look)
-        fine = "Diameter of the printer's nozzle: features that are not told are made for it; 0 for no rule"
+        fine = "Diameter of the printer's nozzle: features that are not given are made for it; 0 for no rule"
         self._nozzle = lean(ipywidgets.BoundedFloatText, description="nozzle [mm]", step=0.1, tooltip=fine, **range_of("nozzle"), **look)
         insides = [("plain", "plain"), ("styled as well", "styled")]
         hollow = "The inside of a cup, a tray, a case"

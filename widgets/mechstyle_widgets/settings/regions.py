@@ -29,7 +29,7 @@ class RegionsPicker(Section):
     Attributes:
         base: Relief under the part, one of `BASES`.
         protect: The regions, as records.
-        paint: Whether a click on the part protects a ball around it, or no longer does where there is one.
+        paint: Whether a click on the part protects a ball around it, or ends that where there is one.
         radius: Radius of that ball [mm].
         place: A point on the part that was clicked [mm], None for none; it can be protected with the smooth piece around it.
     """

@@ -27,7 +27,7 @@ WORDS = {
 }
 """What a page says of what the pictures are of."""
 TOGETHER = 6
-"""Pictures that are told the page at once while they are drawn."""
+"""Pictures that are sent to the page at once while they are drawn."""
 
 
 def _static(name: str) -> str:
@@ -47,7 +47,7 @@ class PictureChoice(PageWidget):
 
     Attributes:
         value: The name chosen, "" for none.
-        pressed: Counts the presses of a button, so that choosing the same again can be told.
+        pressed: Counts the presses of a button, so that choosing the same again counts.
         all: Whether the sheet with all of them is open.
         few: The names of the few that are always shown.
         nearest: Names that are shown instead, none for the usual few.
@@ -129,6 +129,6 @@ class PictureChoice(PageWidget):
 
     @traitlets.observe("all", "few")
     def _hang(self, _change: object = None) -> None:
-        """Tell the page the pictures it shows; those it was told stay."""
+        """Tell the page the pictures it shows; those it has stay."""
         shown = self.names if self.all else self.few
         self.pictures = {**self.pictures, **{name: self._drawn[name] for name in shown if name in self._drawn}}

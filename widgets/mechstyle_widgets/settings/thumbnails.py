@@ -60,7 +60,7 @@ def draw_aside(kind: str, names: Iterable[str], arrived: Callable[[str, bytes], 
     """Draw what is missing in another process; `arrived` is called with name and picture, in a thread.
 
     Returns:
-        The work, to be stopped by whoever no longer waits; None if nothing is missing.
+        The work, to be stopped by whoever stops waiting; None if nothing is missing.
     """
     missing = [name for name in names if cached(kind, name) is None]
     if not missing:

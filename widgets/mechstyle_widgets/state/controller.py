@@ -98,7 +98,7 @@ class Controller:
         Args:
             iteration: Where it begins.
             lane: Its name, "" for the next number.
-            say: Told what cannot be done, where the button is; the state by default.
+            say: Called with what cannot be done, where the button is; the state by default.
             changes: The other settings, as fields of a recipe.
         """
         run, say = self.state.run, say or self.state.refuse
@@ -126,7 +126,7 @@ class Controller:
 
     @property
     def gone(self) -> bool:
-        """Whether the folder of the run on show is no longer there."""
+        """Whether the folder of the run on show is gone."""
         return self.state.run is not None and not self.state.run.store.place.is_dir()
 
     def began_with(self, mesh: SurfaceMesh) -> bool:
@@ -141,7 +141,7 @@ class Controller:
             session = self._session(then_freely=then_freely)
             try:
                 act(session)
-            except RuntimeError as error:  # it ended, or was told to, and has not heard of it yet
+            except RuntimeError as error:  # it ended, or was asked to, and has not heard of it yet
                 raise BadInput(STOPPING if session.state in ("running", "paused") else ENDED) from error
 
         self._tried(acted)
@@ -220,7 +220,7 @@ class Controller:
         return session
 
     def _told(self, run: Run, progress: Progress, *, then_freely: bool) -> Generator[Event, None, None]:
-        """The events of a run, and of its free twin if that is to follow; how far a drop test has come is told, too."""
+        """The events of a run, and of its free twin if that is to follow; and how far a drop test has come."""
         if not run.finished:
             yield from self._events(run, progress)
         if then_freely:
@@ -233,12 +233,12 @@ class Controller:
     def _events(self, run: Run, progress: Progress) -> Generator[Event, None, None]:
         self.state.tell(stage="drawing the style, simulating the unstylized part", step=0.0)
 
-        def told(fraction: float) -> None:
+        def on_fraction(fraction: float) -> None:
             self.state.tell(step=fraction)
             progress(fraction)
 
         try:
-            yield from run.events(told)
+            yield from run.events(on_fraction)
         except Exception as error:
             if run.store.place.is_dir():
                 raise

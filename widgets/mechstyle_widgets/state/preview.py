@@ -42,7 +42,7 @@ class Preview:
 
     @property
     def surface(self) -> SurfaceMesh:
-        """The styled, coloured surface; the part as it came where only running tells."""
+        """The styled, coloured surface; the original part where only a run knows."""
         if self.style is None:
             return self.shape.surface
         return self.shape.surface.displaced(self.style.relief).coloured(self.style.colour)

@@ -28,7 +28,7 @@ STATUSES = ("idle", "preparing", "running", "paused", "stopped", "finished", "fa
 SHORTEST_WAIT = 0.1  # between two updates of what is shown [s]
 KEPT = 12  # checkpoints in memory; one of 25k vertices is about 1 MB
 OF_A_RUN = {"pinned", "layer"}
-"""Traits that mean something in the run that is told of with them."""
+"""Traits that mean something in the run they belong to."""
 ASKED = ("settings", "part")
 """What the user asks for: a message about it ends when it changes."""
 PLACE = ("lane", "iteration", "run", "status")
@@ -215,7 +215,7 @@ class StudioState(traitlets.HasTraits):
         self._rest()
 
     def _take(self, run: Run, *, follow: bool) -> None:
-        """Set the run and all that follows from it at once, so that who is told of any of it finds it whole; nothing if it is damaged."""
+        """Set the run and all that follows from it at once, so that who hears of any of it finds it whole; nothing if it is damaged."""
         store, thickness = run.store, run.part.thickness
         past: dict[str, list[Row]] = {}
         for name in store.lanes():

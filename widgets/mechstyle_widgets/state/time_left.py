@@ -49,7 +49,7 @@ class Stopwatch:
             self._since = time.monotonic()
 
     def pause(self) -> None:
-        """Count no longer."""
+        """Stop counting."""
         self._counted, self._since = self.total, None
 
     def lap(self) -> float:

@@ -31,7 +31,7 @@ class Curves(PageWidget):
     head = traitlets.Float(0.0).tag(sync=True)
 
     def __init__(self, clicked: Callable[[int, int], None]) -> None:
-        """Draw nothing yet; `clicked` is told the numbers of the trace and of the point in it."""
+        """Draw nothing yet; `clicked` is called with the numbers of the trace and of the point in it."""
         super().__init__()
         self._told = clicked
         self.on_msg(self._hear)

@@ -152,8 +152,8 @@ def _prospect(plan: Plan | None, width: int) -> list[str]:
 
 def _planned(lane: str, places: Sequence[int]) -> dict[str, Any]:
     marker = {"symbol": "circle-open", "color": LOOKS["UNKNOWN"].line, "size": 9}
-    told = {"hovertemplate": "simulation planned at iteration %{x}<extra></extra>"}
-    return {"x": list(places), "y": [lane] * len(places), "marker": marker, **told}
+    hover = {"hovertemplate": "simulation planned at iteration %{x}<extra></extra>"}
+    return {"x": list(places), "y": [lane] * len(places), "marker": marker, **hover}
 
 
 def _lanes(own: Mapping[str, Rows], forks: Mapping[str, tuple[int, str]]) -> list[dict[str, Any]]:

@@ -80,7 +80,7 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
             self._redraw()
 
     def close(self) -> None:
-        """Close it and every widget it is made of; the state is followed no longer."""
+        """Close it and every widget it is made of; the state is not followed any more."""
         self._redraw.cancel()
         self._point.cancel()
         if self._links:

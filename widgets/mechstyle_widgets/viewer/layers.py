@@ -34,7 +34,7 @@ class Layer:
         threshold: Values beyond it are set apart by colour, hatch and outline; None for none.
         note: What a reader should know about it, "" for nothing.
         title: What the menu calls it; the name by default.
-        said: How a value at one place is told; as a figure with its unit if None.
+        said: How a value at one place is written; as a figure with its unit if None.
     """
 
     name: str
@@ -79,8 +79,8 @@ class Layer:
         value = float(self.values[vertex])
         return f"{value:.4g} {self.unit}".rstrip() if np.isfinite(value) else "not known"
 
-    def told(self, vertex: int) -> str:
-        """The value at a vertex as a person is told it."""
+    def text_at(self, vertex: int) -> str:
+        """The value at a vertex as a person reads it."""
         value = float(self.values[vertex])
         return self.at(vertex) if self.said is None or not np.isfinite(value) else self.said(value)
 
@@ -133,8 +133,8 @@ def layer_of(quantity: Quantity, values: NDArray[Any], seen: NDArray[Any] | None
         seen: What the colours have to show, of any shape; the values by default.
         note: What a reader should know of these values, the quantity's own note by default.
     """
-    limits, told = quantity.limits(values if seen is None else seen), note or quantity.note
-    return Layer(quantity.name, values, quantity.label, quantity.unit, limits, quantity.threshold, told, quantity.title, quantity.said)
+    limits, text_at = quantity.limits(values if seen is None else seen), note or quantity.note
+    return Layer(quantity.name, values, quantity.label, quantity.unit, limits, quantity.threshold, text_at, quantity.title, quantity.said)
 
 
 def subject_of(run: Run, state: Checkpoint) -> Subject:

@@ -31,7 +31,7 @@ class Places(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     """
 
     def __init__(self, fly: Callable[[int], None], remove: Callable[[int | None], None]) -> None:
-        """An empty list; `fly` is told which place, counted from 0, to look at, `remove` which to take away, None for all."""
+        """An empty list; `fly` is called with the place, counted from 0, to look at, `remove` with the one to take away, None for all."""
         self.rows: list[list[str]] = []
         self.table = ""
         self._fly, self._remove = fly, remove

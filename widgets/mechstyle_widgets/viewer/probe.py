@@ -20,11 +20,11 @@ from mechstyle_widgets.viewer.legend import FAINT, INK
 DRAG = 0.3
 """A click this soon after the camera has moved is the end of a drag [s]."""
 NOWHERE = (0.0, 0.0, 0.0)
-"""Of the scene, about which one orbits: what the browser is told after a click, so that one more at the same place is news."""
+"""Of the scene, about which one orbits: what the browser gets after a click, so that one more at the same place is news."""
 
 
 class Picker:
-    """Clicks on a part, told as the nearest vertex.
+    """Clicks on a part, given as the nearest vertex.
 
     Attributes:
         three: The control of pythreejs that listens to the mouse.
@@ -79,7 +79,7 @@ GRAZING = 0.25
 def struck(mesh: SurfaceMesh, eye: Any, towards: Any, keeps: Callable[[Any], NDArray[np.bool_]]) -> tuple[Floats, int] | None:
     """The first place on a surface that a line of sight meets where it is left by a cut, and the face; None if it misses it.
 
-    Where the line meets the face from within, as through a cut, it is told of the face all the same.
+    Where the line meets the face from within, as through a cut, it counts for the face all the same.
 
     Args:
         mesh: The surface [mm].
@@ -121,14 +121,14 @@ def carried_over(face: int, point: Any, shown: SurfaceMesh, rest: SurfaceMesh) -
 def brief(subject: Subject, vertex: int, name: str) -> str:
     """HTML of where a vertex is, and of its value in the layer of a name."""
     layer, place = subject.layer(name), ", ".join(f"{value:.1f}" for value in subject.mesh.vertices[vertex])
-    value = "" if layer is None else f"<b>{escape(layer.told(vertex))}</b> &ensp;"
+    value = "" if layer is None else f"<b>{escape(layer.text_at(vertex))}</b> &ensp;"
     return f"<span>✕ {value}at ({place}) mm</span>"
 
 
 def table(subject: Subject, vertex: int) -> str:
     """HTML of a vertex's place and of its value in every layer."""
     place = ", ".join(f"{value:.2f}" for value in subject.mesh.vertices[vertex])
-    rows = [("place", f"({place}) mm"), *((layer.label, layer.told(vertex)) for layer in subject.layers)]
+    rows = [("place", f"({place}) mm"), *((layer.label, layer.text_at(vertex)) for layer in subject.layers)]
     cells = "".join(
         f'<tr><td style="color:{FAINT};padding-right:12px">{escape(name)}</td>'
         f'<td style="font-variant-numeric:tabular-nums">{escape(value)}{_swatch(subject, vertex) if name == "place" else ""}</td></tr>'

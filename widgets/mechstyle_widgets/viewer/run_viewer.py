@@ -99,7 +99,7 @@ class RunViewer(Linked, Viewer):
         self._judge()
 
     def let_go(self) -> None:
-        """Follow the state no longer, which may come to show a part with other faces."""
+        """Stop following the state, which may come to show a part with other faces."""
         if self._links:
             for work in (self._catch_up, self._moment, self._newest):
                 work.cancel()
@@ -109,7 +109,7 @@ class RunViewer(Linked, Viewer):
             self.player.close()
 
     def close(self) -> None:
-        """Close the view; the state is followed no longer."""
+        """Close the view; the state is not followed any more."""
         self.let_go()
         super().close()
 

@@ -42,7 +42,7 @@ from mechstyle_widgets.viewer.shaders import (
 
 BACKGROUNDS = {"light": "#f6f6f4", "dark": "#1e1f22"}
 RULER = "#d9480f"
-"""Colour of the line that is measured along: told from both backgrounds and from every ramp."""
+"""Colour of the line that is measured along: seen on both backgrounds and from every ramp."""
 AXES = {"x": "#b4483c", "y": "#3d7d3a", "z": "#3b5fa8"}
 
 Floats32 = NDArray[np.float32]
@@ -230,7 +230,7 @@ def _cut_open(three: Any, plane: Plane, *, filled: bool, bands: int) -> None:
 
 
 def _uniforms(texture: Any, plane: Plane, *, filled: bool, bands: int = 0) -> dict[str, dict[str, Any]]:
-    """What the shader of a part is told; the texture comes last, because pythreejs gives it the name of whichever does."""
+    """What the shader of a part gets; the texture comes last, because pythreejs gives it the name of whichever does."""
     numbers: dict[str, Any] = {"cut": [float(value) for value in plane], "filled": float(filled), "bands": float(bands)}
     return {**{name: {"value": value} for name, value in numbers.items()}, "ramp": {"value": texture}}
 

@@ -42,7 +42,7 @@ class Toolbar(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
     tool = traitlets.Enum(TOOLS, "")
 
     def __init__(self, fit: Callable[[str], None], picture: Callable[[], Picture]) -> None:
-        """`fit` is told a view, or "" for all of the part from where one looks; `picture` makes one to save."""
+        """`fit` is called with a view, or "" for all of the part from where one looks; `picture` makes one to save."""
         self.choice = unseen(lean(
             ipywidgets.Dropdown,
             options=[("style", STYLE)], description="layer", tooltip="What is shown on the part (1 to 6, L for the next)",
