@@ -10,7 +10,8 @@ from mechstyle.records import sentences
 from mechstyle.simulation.simulator import STEERING
 
 SECONDS_PER_STEP = {"tet10": 50e-9, "tet4": 12e-9}
-"""Time of one core for one tetrahedron and one step [s]; of four drops of three parts of 2000 to 4000 vertices 48 to 57 ns were measured for tet10; tet4 is a guess."""
+"""Time of one core for one tetrahedron and one step [s]: of four drops of three parts of 2000 to 4000 vertices 48 to 57 ns were measured
+for tet10; tet4 is a guess."""
 STEP, STEPS = 8e-5, 17_000
 """Time step [ms], and steps until an impact has ended, of which 15 120 to 19 800 were counted: finer meshes are dropped with more mass."""
 TETRAHEDRA, FINEST = 2.6, 13_000
