@@ -43,7 +43,7 @@ def fit_of(tets: TetMesh, part: SurfaceMesh) -> Fit:
     return Fit(mean=float(distance.mean()), most=float(distance.max()), volume=float(tets.volumes.sum()) / part.volume - 1.0)
 
 
-def relief_over(original: SurfaceMesh, styled: SurfaceMesh) -> Field:
+def relief_over(original: SurfaceMesh, styled: SurfaceMesh, given: SurfaceMesh | None = None) -> Field:
     """The relief that makes a styled part of its original [mm], shape [vertex_count].
 
     Each vertex of the original is moved along its normal to where it meets the styled surface.
@@ -51,10 +51,13 @@ def relief_over(original: SurfaceMesh, styled: SurfaceMesh) -> Field:
     Args:
         original: The standardised original.
         styled: The part as it was given, in the same place.
+        given: The original as it was given, from which standardising it may have gone; None for no further than ALIKE.
 
     Raises:
         BadInput: If the part is not its original with a relief.
     """
+    if given is not None and styled.digest == given.digest:
+        return np.zeros(len(original.vertices), np.float32)
     tree, normals = TriangleTree(styled.vertices, styled.faces), original.vertex_normals
     relief, limit = np.zeros(len(original.vertices)), 0.25 * original.size
     for _ in range(ROUNDS):
@@ -63,7 +66,8 @@ def relief_over(original: SurfaceMesh, styled: SurfaceMesh) -> Field:
     made = original.displaced(relief.astype(np.float32))
     back = TriangleTree(made.vertices, made.faces).nearest(styled.vertices).distance
     areas = styled.vertex_areas
-    astray = float(areas[back > ALIKE].sum() / areas.sum())
+    own = ALIKE if given is None else 1.5 * float(TriangleTree(original.vertices, original.faces).nearest(given.vertices).distance.max())
+    astray = float(areas[back > max(own, ALIKE)].sum() / areas.sum())
     if astray > STRAYS:
         sizes = [" × ".join(f"{side:.3g}" for side in mesh.extents) for mesh in (styled, original)]
         raise BadInput(

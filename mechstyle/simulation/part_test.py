@@ -207,7 +207,7 @@ def _prepared(
     if original is None:
         return prepare(mesh, vertices=vertices, stage=stage, measured=measured), None
     stage("comparing it with its original")
-    relief = relief_over(standardised(original, vertices), mesh)
+    relief = relief_over(standardised(original, vertices), mesh, original)
     return prepare(original, vertices=vertices, stage=stage, measured=measured, relief=lambda _, **__: relief), relief
 
 

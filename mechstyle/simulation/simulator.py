@@ -156,7 +156,7 @@ class DropSimulator:
         memos: tuple[Memo, ...] = self.meshes.plain[1] if on_plain else (self.memo,)
         simulation = next((found for memo in memos if (found := memo.recall(key, Simulation)) is not None), None)
         if simulation is not None:
-            memos = (self.memo,)  # others may have written what a run folder holds: only what was computed here is for all
+            memos = memos[-1:]  # others may have written what a run folder holds: only what was computed here is for all
         else:
             morphed = body.morph.morphed(displacement)
             self._static(body).check()  # before the long drop

@@ -71,7 +71,7 @@ def test_two_views_of_one_studio_are_there_again_after_a_reload(notebook, busy):
         notebook.drawn(number)
     notebook.python("studio.prompt_box.prompt = 'wood'")
     for number in range(2):
-        notebook.page.locator(".mechstyle-studio").nth(number).locator("[aria-pressed=true]", has_text="wood").wait_for()
+        notebook.page.locator(".mechstyle-studio").nth(number).locator("[aria-pressed=true]", has_text="wood").first.wait_for()
     assert notebook.page.get_by_text("Error displaying widget").count() == 0
 
 
@@ -83,7 +83,7 @@ def test_a_page_that_is_loaded_anew_while_a_style_is_drawn_shows_that_style(note
     notebook.python("studio.prompt_box.prompt = 'knit'")  # which takes longer to draw than the page to go
     notebook.page.reload(wait_until="domcontentloaded")
     studio = notebook.page.locator(".mechstyle-studio").first
-    studio.locator("[aria-pressed=true]", has_text="knit").wait_for()
+    studio.locator("[aria-pressed=true]", has_text="knit").first.wait_for()
     studio.get_by_text(PREVIEWED).first.wait_for()
     notebook.drawn(0)
     assert notebook.page.get_by_text("Error displaying widget").count() == 0

@@ -8,7 +8,6 @@ import shutil
 import numpy as np
 import pytest
 import trimesh
-from mechstyle.runs.refine import MOST_PARTS
 
 from mechstyle.runs.run import Run
 
@@ -37,13 +36,13 @@ def test_a_region_that_cannot_be_is_refused(finished, arguments, said):
 
 @pytest.fixture(scope="module")
 def protected(finished, tmp_path_factory):
-    """A branch that protects the inside, with a quick drop, and its fine file."""
+    """A branch that protects the inside, with a quick drop, and its file."""
     line, root, _ = finished
     copy = tmp_path_factory.mktemp("protected") / "part"
     shutil.copytree(root, copy)
     quick = ("--orientations", "1", "--set", "element=tet4", "--set", "window=0.2", "--set", "nearly_flat=False", "--schedule", "never")
     line("branch", f"{copy}@0", "--lane", "outside", "--protect", "inside colour", *quick, "--json")
-    fine = line("export", f"{copy}@outside", "--fine", "--out", copy / "fine.ply", "--json").json
+    fine = line("export", f"{copy}@outside", "--out", copy / "part.ply", "--json").json
     return copy, fine
 
 
@@ -59,14 +58,13 @@ def test_what_is_protected_does_not_move_and_keeps_its_colour(protected):
     assert any(note.startswith("protected: inside colour") for note in run.summary.notes)
 
 
-def test_a_fine_file_comes_with_its_own_verdict(protected):
+def test_a_file_comes_with_its_own_verdict(protected):
     root, told = protected
-    assert told["export"]["fine"]
     assert told["export"]["verdict"]["outcome"] in {"HOLDS", "NO WORSE"}
     assert told["export"]["verdict"]["rows"][0]["test"] == "flat"
-    assert json.loads((root / "fine.ply.json").read_text()) == told["export"]
+    assert json.loads((root / "part.ply.json").read_text()) == told["export"]
     faces = len(Run.open(root, "cpu").part.surface.faces)
-    assert len(trimesh.load(root / "fine.ply", process=False).faces) == MOST_PARTS**2 * faces
+    assert len(trimesh.load(root / "part.ply", process=False).faces) == faces
 
 
 def test_an_unknown_stylizer_is_refused(finished):

@@ -273,7 +273,7 @@ def test_simulate_judges_beside_an_original_that_is_named(mechstyle):
     assert outcome["original"]["landings"][0]["critical_height"] == flat["original"]
     assert outcome["fit"]["most"] > outcome["fit"]["mean"] > 0.0
     assert "test plain styled asked reserve outcome" in said
-    assert "over the plain part, the mesh follows" in said
+    assert "over the original, the mesh follows" in said
     assert "tested by itself" not in said
 
 

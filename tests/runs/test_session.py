@@ -119,7 +119,7 @@ def test_a_session_told_to_stop_cannot_be_told_to_go_on(ask):
     session.run()
     assert inside.wait(PATIENCE)
     session.stop()
-    with pytest.raises(RuntimeError, match="told to stop"):
+    with pytest.raises(RuntimeError, match="asked to stop"):
         ask(session)
     session.pause()
     leave.set()

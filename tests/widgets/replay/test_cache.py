@@ -26,7 +26,7 @@ def state(run):
 
 
 def packed(state):
-    return Cache(replay_data(state.run), digests_of(state))
+    return Cache(replay_data(state.run), dict(enumerate(digests_of(state))))
 
 
 async def next_of(found):

@@ -24,14 +24,21 @@ from mechstyle_widgets.settings.thumbnail_buttons import FEW, PictureChoice
 GROUPS = {
     "stone, clay and metal": (
         "brick", "stone", "concrete", "marble", "terracotta", "cracked_earth", "crystal", "realistic", "weathered", "hammered",
-        "brushed_metal", "damascus",
+        "brushed_metal", "damascus", "tiles", "terrazzo", "herringbone", "shingles", "chainmail", "diamond_plate",
     ),
-    "cloth and leather": ("knit", "cable_knit", "crochet", "basket_weave", "twill", "quilting", "leather", "studs", "stripes"),
+    "cloth and leather": (
+        "knit", "cable_knit", "crochet", "basket_weave", "twill", "quilting", "leather", "studs", "stripes", "tartan", "pleats", "fuzzy",
+        "paper",
+    ),
     "plants and animals": (
-        "wood", "bark", "bamboo", "cactus", "floral", "green", "moss", "feathers", "dragon_scales", "fish_scales", "honeycomb",
+        "wood", "bark", "bamboo", "cactus", "floral", "green", "moss", "cork", "feathers", "fur", "dragon_scales", "fish_scales", "honeycomb",
+        "leopard", "zebra", "giraffe", "camouflage",
     ),
-    "technical": ("carbon_fibre", "circuit", "grid", "isogrid", "knurling", "low_poly", "topographic", "voronoi"),
-    "ornaments": ("art_deco", "celtic_knot", "mandala", "waves", "dots", "bubbles"),
+    "technical": (
+        "carbon_fibre", "circuit", "grid", "grip", "isogrid", "knurling", "low_poly", "topographic", "voronoi", "panels", "spikes", "spiral",
+        "fluted",
+    ),
+    "ornaments": ("art_deco", "celtic_knot", "girih", "greek_key", "mandala", "waves", "dots", "bubbles", "ice", "glass", "lava"),
 }  # fmt: skip
 """Styles by what they remind of."""
 DEPTHS = tuple(round(0.1 * step, 1) for step in range(31))
