@@ -37,7 +37,7 @@ studio
     opened.drawn()
     opened.page.wait_for_function(PACKED)
     opened.page.evaluate(LISTEN)
-    opened.page.add_style_tag(content=".mechstyle-badge { visibility: hidden; }")  # it tells of the iteration the kernel shows
+    opened.page.add_style_tag(content=":is(.mechstyle-badge, .mechstyle-legend) { visibility: hidden; }")  # of what the kernel shows
     return opened
 
 

@@ -73,7 +73,7 @@ def test_a_picture_is_chosen_from_a_file_and_left_again(studio, tmp_path):
 
 def test_a_prompt_that_names_no_style_is_answered_under_its_field_with_styles_to_press(studio):
     field = whole(studio).get_by_label("style", exact=True).first
-    field.fill("crocodile skin")
+    field.fill("my own idea")
     answer = whole(studio).get_by_role("alert").filter(has_text="names no style")
     answer.wait_for()
     assert 0 < answer.bounding_box()["y"] - field.bounding_box()["y"] < 60, "right under it"

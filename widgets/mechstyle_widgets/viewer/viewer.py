@@ -120,6 +120,7 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
         self._said.add_class("mechstyle-said")
         self._legend, self._scale, self._table = lean(ipywidgets.HTML), lean(ipywidgets.HTML), lean(ipywidgets.HTML)
         over = lean(ipywidgets.VBox, [self._said, self._legend])
+        self._legend.add_class("mechstyle-legend")
         over.add_class("mechstyle-over")
         self._scale.add_class("mechstyle-scale")
         seen = lean(ipywidgets.VBox, [self._stage, over, self._scale])
