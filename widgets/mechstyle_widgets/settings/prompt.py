@@ -31,12 +31,13 @@ GROUPS = {
         "paper",
     ),
     "plants and animals": (
-        "wood", "bark", "bamboo", "cactus", "floral", "green", "moss", "cork", "feathers", "fur", "dragon_scales", "fish_scales", "honeycomb",
+        "wood", "bark", "bamboo", "cactus", "floral", "green", "moss", "cork", "feathers", "fur", "dragon_scales", "fish_scales",
+        "honeycomb",
         "leopard", "zebra", "giraffe", "camouflage",
     ),
     "technical": (
-        "carbon_fibre", "circuit", "grid", "grip", "isogrid", "knurling", "low_poly", "topographic", "voronoi", "panels", "spikes", "spiral",
-        "fluted",
+        "carbon_fibre", "circuit", "grid", "grip", "isogrid", "knurling", "low_poly", "topographic", "voronoi", "panels", "spikes",
+        "spiral", "fluted",
     ),
     "ornaments": ("art_deco", "celtic_knot", "girih", "greek_key", "mandala", "waves", "dots", "bubbles", "ice", "glass", "lava"),
 }  # fmt: skip
