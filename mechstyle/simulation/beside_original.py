@@ -15,7 +15,9 @@ ROUNDS = 20
 ALIKE = 0.05
 """Distance of the styled surface from what the relief gives at which they are the same [mm]: less than a printer shows …"""
 STRAYS = 0.02
-"""… but for this share of the area, as a relief folds over itself here and there."""
+"""… but for this share of the area, as a relief folds over itself here and there …"""
+FAR = 1.0
+"""… by this at most [mm]: 0.35 mm of a part in free bricks. A narrow slot lies further, and would be judged as none."""
 
 
 class Fit(msgspec.Struct, frozen=True, kw_only=True):
@@ -68,10 +70,11 @@ def relief_over(original: SurfaceMesh, styled: SurfaceMesh, given: SurfaceMesh |
     areas = styled.vertex_areas
     own = ALIKE if given is None else 1.5 * float(TriangleTree(original.vertices, original.faces).nearest(given.vertices).distance.max())
     astray = float(areas[back > max(own, ALIKE)].sum() / areas.sum())
-    if astray > STRAYS:
+    if astray > STRAYS or back.max() > max(own, FAR):
         sizes = [" × ".join(f"{side:.3g}" for side in mesh.extents) for mesh in (styled, original)]
         raise BadInput(
-            f"the part ({sizes[0]} mm) is not its original ({sizes[1]} mm) with a relief: {astray:.0%} of its surface is elsewhere;"
+            f"the part ({sizes[0]} mm) is not its original ({sizes[1]} mm) with a relief: {astray:.0%} of its surface is elsewhere"
+            f" and one place lies {back.max():.1f} mm away;"
             " give the file it was styled from, in the same place and with as many --vertices, or leave the original out"
         )
     return np.where(np.abs(relief) < SEEN, 0.0, relief).astype(np.float32)

@@ -114,10 +114,6 @@ class DropSimulator:
         body, meshing = self.meshes.carrier(displacement)
         return replace(self._on(body, displacement, thorough=thorough), meshing=meshing)
 
-    def steering(self, displacement: NDArray[np.float32]) -> Simulation:
-        """The landings that steer and the loads, on tetrahedra that follow a relief [mm], shape [vertex_count]; remembered."""
-        return self._on(self.meshes.carrier(displacement)[0], displacement, thorough=False)
-
     def judge(self, simulation: Simulation, *, alone: bool = False) -> Verdict:
         """Verdict on a simulation and that of the original, or `alone` on the original itself.
 

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from manifold3d import Manifold
 
 from mechstyle.errors import BadInput
+from mechstyle.geometry.remeshing.evening import even, surface_of
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.simulation.beside_original import fit_of, relief_over
 from mechstyle.simulation.body import SEEN
@@ -75,6 +77,15 @@ def test_a_part_with_something_stuck_to_it_is_refused(block):
     boss = np.where(np.linalg.norm(plain.vertices - [6.0, 5.0, 16.0], axis=1)[:, None] < 3.0, [0.0, 0.0, 30.0], 0.0)
     with pytest.raises(BadInput, match="of its surface is elsewhere"):
         relief_over(plain, plain.moved(plain.vertices + boss))
+
+
+def test_a_slot_between_the_vertices_of_the_original_is_refused():
+    """The unsafe side: a notch of less than a fiftieth of the area, met by no normal of the original, would be judged as none."""
+    bar = Manifold.cube((80.0, 20.0, 16.0))
+    plain = even(surface_of(bar), 600)
+    slot = Manifold.cube((0.2, 3.0, 22.0)).translate((41.13, 17.5, -3.0))
+    with pytest.raises(BadInput, match=r"one place lies 2\.[0-9] mm away"):
+        relief_over(plain, surface_of((bar - slot).refine_to_length(1.0)))
 
 
 def test_tetrahedra_beside_a_part_are_seen(block):
