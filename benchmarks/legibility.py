@@ -43,7 +43,7 @@ HEAD = """\
 Who prints in one colour sees the relief alone. The mean difference between the grey pictures of a cup with a style and without, over the
 pixels of the cup, in levels of 255, on the {vertices} vertices of a run, seen from the usual corner with its
 light, the style finished and restrained by nothing. Made by
-`python benchmarks/legibility.py`. From about 8 on a style is told at a glance. {below}
+`python benchmarks/legibility.py`. From about 8 on a style is seen at a glance. {below}
 
 ![Each style on the five cups, in grey](legibility.png)
 
