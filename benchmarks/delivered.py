@@ -5,6 +5,7 @@ table: outcome and reserve of each test, in the run and in the file. A cell that
 
 python benchmarks/delivered.py --jobs 16 --json delivered.json                   # eight parts, 2000 to 25 000 vertices
 python benchmarks/delivered.py --cells utensil_grip:2000 s_hook:3000 --style cactus
+python benchmarks/delivered.py --read delivered-*.json                           # the table alone, of what was measured before
 """
 
 from __future__ import annotations
@@ -107,7 +108,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--device", default="auto")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--json", type=Path)
+    parser.add_argument("--read", type=Path, nargs="+", help="figures that were measured before; nothing is measured")
     options = parser.parse_args(arguments)
+    if options.read:
+        measured = [one for path in options.read for one in msgspec.json.decode(path.read_bytes(), type=list[Found])]
+        print("\n".join(table(sorted(measured, key=lambda one: (one.style, one.cell)))))
+        return 0
     os.environ |= {"MECHSTYLE_THREADS": "1", "OMP_NUM_THREADS": "1"}
     kept = options.json.read_bytes() if options.json is not None and options.json.is_file() else b"[]"
     known = {(one.cell, one.style): one for one in msgspec.json.decode(kept, type=list[Found]) if not one.failure}
