@@ -12,7 +12,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from mechstyle.errors import unknown
-from mechstyle.loop.correction import AIM
 from mechstyle.records import CONTROLS, NORMALISATIONS, Recipe, Row, Simulation
 from mechstyle.records.material import Material
 from mechstyle.records.mesh import Field
@@ -50,7 +49,7 @@ def demand(simulation: Simulation, original: Simulation, recipe: Recipe) -> Fiel
     return np.maximum.reduce(fields)
 
 
-def utilisation(simulation: Simulation, rows: Sequence[Row], original: Simulation | None = None) -> Field:
+def utilisation(simulation: Simulation, rows: Sequence[Row]) -> Field:
     """Stress over what passes with certainty, in the tests that are to be met, shape [vertex_count].
 
     It is the largest over those tests, and over every landing of a kind that exceeds the limit of its row. Where it is above 1 lies the
@@ -59,19 +58,17 @@ def utilisation(simulation: Simulation, rows: Sequence[Row], original: Simulatio
     Args:
         simulation: The test of the part.
         rows: What is to be met.
-        original: The unstylized part: of stress above AIM that it has there as well, only what the style adds counts, so that no relief is
-            lowered where an edge lands as hard without it. None for all of it.
     """
     fields = [np.zeros(len(simulation.displacement), np.float32)]
     for row in rows:
         allowed = np.float32(row.limit / (1.0 + REPEATABILITY[row.test]))
-        if row.test == "published rule":
+        if row.load:
+            fields.append(simulation.stress_of(load=row.load) / allowed)
+        elif row.test == "published rule":
             fields.append(simulation.stress / np.float32(row.limit))
-            continue
-        landings = [one.name for one in simulation.of(row.test) if one.stress > allowed or one.name == row.landing]
-        for where in [{"load": row.load}] if row.load else [{"landing": name} for name in landings]:
-            own, theirs = (0.0 if part is None else part.stress_of(**where) / allowed for part in (simulation, original))
-            fields.append(own - np.maximum(theirs - np.float32(AIM), 0.0))
+        else:
+            landings = [one for one in simulation.of(row.test) if one.stress > allowed or one.name == row.landing]
+            fields += [simulation.stress_of(landing=one.name) / allowed for one in landings]
     return np.maximum.reduce(fields)
 
 

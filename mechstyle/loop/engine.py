@@ -295,7 +295,7 @@ class Engine:
             return search.tested(relief, correction.Finding(passes=False))
         to_meet = [row for row in verdict.rows if row.decides and (row.outcome == "FAILS" or not row.sure)]
         simulation = self.store.objects.get_record(state.simulation, Simulation)
-        used = control.utilisation(simulation, to_meet, self.simulator.baseline) if to_meet else None
+        used = control.utilisation(simulation, to_meet) if to_meet else None
         return search.tested(relief, correction.Finding(verdict.passes, used, landed=any(not row.load for row in to_meet)))
 
     def _worth(self, state: Checkpoint, wanted: Field) -> tuple[bool, bool, float]:

@@ -134,9 +134,12 @@ class Body:
 
     @cached_property
     def is_the_plain_part(self) -> bool:
-        """Whether without relief they have the shape of the plain part: its volume, and so little left that no wall is another."""
+        """Whether without relief they have the shape of the plain part: its volume, and so little left that no wall is another.
+
+        What is left is averaged over 2 mm, as over less there is no volume that counts.
+        """
         back = self.morph.morphed(np.zeros(len(self.skin.surface.vertices), np.float32))
-        left = np.abs(back.followed) / self.skin.walls.thickness
+        left = self.skin.smooth(np.abs(back.followed).astype(np.float64)) / self.skin.walls.thickness
         return bool(left.max() <= SAME_PART) and self.followed(back).enough
 
     def followed(self, morphed: Morphed) -> Followed:

@@ -239,9 +239,7 @@ def test_tets_that_keep_a_notch_of_the_relief_are_not_asked_about_the_plain_part
 
     def stuck(self, displacement):
         found = real(self, displacement)
-        notch = found.followed.copy()
-        notch[7] = left * body.skin.walls.thickness[7]
-        return replace(found, followed=notch)
+        return replace(found, followed=np.full_like(found.followed, -left * body.skin.walls.thickness.min()))
 
     monkeypatch.setattr(Morph, "morphed", stuck)
     assert body.is_the_plain_part == asked
