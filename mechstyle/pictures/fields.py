@@ -135,7 +135,7 @@ def safety_factor(strength: float, row: Row | None = None) -> Quantity:
 
 def demand(recipe: Recipe) -> Quantity:
     """Demand as a recipe has it normalised, against its threshold."""
-    return _against(recipe.threshold, "demand", DEMAND_LABELS[recipe.normalisation])
+    return _against(recipe.restraint.threshold, "demand", DEMAND_LABELS[recipe.restraint.normalisation])
 
 
 def _against(threshold: float, name: str, label: str, unit: str = "", row: Row | None = None) -> Quantity:
@@ -214,7 +214,7 @@ def quantities(recipe: Recipe, verdict: Verdict | None) -> tuple[Quantity, ...]:
         recipe: The recipe in force there.
         verdict: The newest verdict there, None before the first.
     """
-    strength, row = recipe.material.yield_strength, None if verdict is None else verdict.deciding
+    strength, row = recipe.test.material.yield_strength, None if verdict is None else verdict.deciding
     against = stress(strength if row is None else row.limit, row)
     return against, safety_factor(strength, row), RESTRAINT, demand(recipe), DISPLACEMENT
 

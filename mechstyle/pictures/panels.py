@@ -92,7 +92,7 @@ def checkpoint_panels(
         note = f"UNKNOWN: the later test at iteration {state.simulated_at} gave no answer"
     stress = fields.quantities(recipe, measured)[0]
     return [
-        Panel(styled, f"“{recipe.prompt}”"),
+        Panel(styled, f"“{recipe.style.prompt}”"),
         field_panel(styled, stress, stress.of(state), title=f"stress{when}", note=note),
         field_panel(
             styled,

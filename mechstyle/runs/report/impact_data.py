@@ -89,7 +89,7 @@ def impact_data(run: LaneOfRun, state: Checkpoint, name: str, impact: Impact) ->
 
 def _judged(run: LaneOfRun, state: Checkpoint, name: str) -> Quantity:
     """The stress of a moment as the landing of a name is judged, which need not be the hardest of its kind."""
-    verdict, strength = run.store.verdict(state), run.store.recipe(state.recipe).material.yield_strength
+    verdict, strength = run.store.verdict(state), run.store.recipe(state.recipe).test.material.yield_strength
     tested = run.store.objects.get_record(state.simulation, Simulation).landing(name) if state.simulation else None
     row = None if verdict is None or tested is None else verdict.row(tested.way)
     if row is None or tested is None:
