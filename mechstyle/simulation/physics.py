@@ -18,7 +18,7 @@ from mechstyle.loop.objects import Memo
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import TetMesh
 
-PHYSICS_VERSION = 19
+PHYSICS_VERSION = 20
 """Counts changes that alter results, so that remembered simulations of older code are not reused."""
 
 
