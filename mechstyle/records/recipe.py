@@ -134,6 +134,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         standard: Drop standard whose orientations and height are simulated, one of STANDARDS. It brings poses, orientations and
             height unless they are given; "" for none. A verdict is no test to a standard.
         nearly_flat: Whether landings tilted by 3° onto the corners and sides of what the part stands on are judged, too.
+        hardest_only: Whether the styled part lands only in the two nearly flat ways that are hardest for the plain part.
         height: Height of the fall the part is to survive [mm].
         friction: Coulomb coefficient of the floor.
         window: Simulated time after first touch [ms]; by default until the impact has ended.
@@ -182,6 +183,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     build_direction: tuple[float, float, float] | None = None
     standard: str = ""
     nearly_flat: bool = True
+    hardest_only: bool = False
     height: float = 1500.0
     friction: float = 0.0
     window: float | None = None

@@ -116,8 +116,8 @@ class DropSimulator:
         if not thorough and np.any(displacement):
             return self._on(self.meshes.first, displacement, thorough=False)
         body, meshing = self.meshes.carrier(displacement)
-        known = None
-        if thorough and self.recipe.guarantee and np.any(displacement) and len(self._steering) < len(self.landings.normals):
+        known, corrected = None, self.recipe.guarantee and np.any(displacement) and not self.baseline.failure
+        if thorough and corrected and self._steering != self._numbers(displacement, thorough=True):
             known = self._on(body, displacement, thorough=False)
             if self._settles(known):
                 return replace(known, meshing=meshing)
@@ -151,7 +151,7 @@ class DropSimulator:
         detail = self.memo.recall(f"{key}-detail", Detail)
         if detail is None:
             self._static(body).check()
-            numbers = self._numbers(thorough=True)
+            numbers = self._numbers(displacement, thorough=True)
             result = self._dropped(morphed.tets, self.landings.normals[list(numbers)], self.recipe.height)
             balance = None if result.failure else self._balance_error(morphed.tets, result.phases[0][0].end)
             simulation = self._brought(body, morphed, result, numbers, thorough=True)
@@ -171,7 +171,7 @@ class DropSimulator:
         else:
             morphed = body.morph.morphed(displacement)
             self._static(body).check()  # before the long drop
-            numbers = self._numbers(thorough=thorough)
+            numbers = self._numbers(displacement, thorough=thorough)
             if known is not None:
                 numbers = tuple(number for number in numbers if known.landing(self.landings.names[number]) is None)
             result = self._dropped(morphed.tets, self.landings.normals[list(numbers)], self.recipe.height)
@@ -183,7 +183,8 @@ class DropSimulator:
 
     def _key(self, body: Body, displacement: NDArray[np.float32], *, thorough: bool) -> str:
         recipe = msgspec.structs.replace(self.recipe, surface=self.surface.digest, tetrahedra=body.tets.digest)
-        drops, at = (thorough, digest_of(self._normals(thorough=thorough))), "" if body.at is None else digest_of(body.at)
+        normals = self.landings.normals[list(self._numbers(displacement, thorough=thorough))]
+        drops, at = (thorough, digest_of(normals)), "" if body.at is None else digest_of(body.at)
         return memo_key((PHYSICS_VERSION, self.device, *physics(recipe), recipe.loads, drops, at), displacement)
 
     def _balance_error(self, tets: TetMesh, window: float) -> float | None:
@@ -202,11 +203,13 @@ class DropSimulator:
         hardest = sorted(known, key=lambda number: -self.baseline.landings[number].stress)[:STEERING]
         return (0, *sorted(hardest))
 
-    def _numbers(self, *, thorough: bool) -> tuple[int, ...]:
-        return tuple(range(len(self.landings.normals))) if thorough or self.baseline.failure else self._steering
-
-    def _normals(self, *, thorough: bool) -> Floats:
-        return self.landings.normals[list(self._numbers(thorough=thorough))]
+    def _numbers(self, displacement: NDArray[np.float32], *, thorough: bool) -> tuple[int, ...]:
+        """Numbers of the landings in which a displaced part is dropped."""
+        every = tuple(range(len(self.landings.normals)))
+        if (thorough and not (self.recipe.hardest_only and np.any(displacement))) or self.baseline.failure:
+            return every
+        others = tuple(number for number in every if self.landings.ways[number] == "any landing") if thorough else ()
+        return (*self._steering, *others)
 
     def _static(self, body: Body) -> StaticTest:
         """The load cases, their places picked on the plain part."""
@@ -301,7 +304,7 @@ class DropSimulator:
             theirs = [one.exponent for one in self.baseline.of(way)] if np.any(morphed.displacement) else []
             begun = theirs[0] if theirs else LIKELY_EXPONENT
             found = [self._with_exponent(one, begun, 0) if one.way == way else one for one in found]
-            if thorough:
+            if thorough and not (theirs and self.recipe.hardest_only):
                 found = self._retried(tets, read, found, way)
         return tuple(found), stresses
 
