@@ -90,16 +90,16 @@ class DropSimulator:
     @cached_property
     def meshes(self) -> Meshes:
         """The tetrahedra that serve the part and its reliefs."""
-        first = Body(Skin(self.surface, self.recipe.nozzle, self.thickness), self.tets, self.recipe.transfer, self.at)
+        first = Body(Skin(self.surface, self.recipe.delivery.nozzle, self.thickness), self.tets, self.recipe.test.transfer, self.at)
         # A folder that holds another part than its recipe names teaches other runs nothing, and learns nothing from them.
-        claimed = self.surface.digest != self.recipe.surface
+        claimed = self.surface.digest != self.recipe.test.specimen.surface
         return Meshes(first, self.memo, None if claimed else self.shared, self.recipe.digest, self.progress)
 
     @cached_property
     def landings(self) -> Orientations:
         """Landings of the unstylized part, so that both are compared in the same: flat, nearly flat, then the others."""
         recipe = self.recipe
-        return landings(self.surface, recipe.poses, recipe.orientations, nearly_flat=recipe.nearly_flat)
+        return landings(self.surface, recipe.test.poses, recipe.test.orientations, nearly_flat=recipe.test.nearly_flat)
 
     @cached_property
     def baseline(self) -> Simulation:
@@ -116,7 +116,7 @@ class DropSimulator:
         if not thorough and np.any(displacement):
             return self._on(self.meshes.first, displacement, thorough=False)
         body, meshing = self.meshes.carrier(displacement)
-        known, corrected = None, self.recipe.guarantee and np.any(displacement) and not self.baseline.failure
+        known, corrected = None, self.recipe.restraint.guarantee and np.any(displacement) and not self.baseline.failure
         if thorough and corrected and self._steering != self._numbers(displacement, thorough=True):
             known = self._on(body, displacement, thorough=False)
             if self._settles(known):
@@ -137,7 +137,7 @@ class DropSimulator:
         if alone:
             return judge(simulation, None, self.recipe)
         verdict = judge(simulation, self.baseline, self.recipe)
-        if verdict.settled or verdict.outcome == "UNKNOWN" or self.recipe.criterion == "paper":  # which an original does not excuse
+        if verdict.settled or verdict.outcome == "UNKNOWN" or self.recipe.test.criterion == "paper":  # which an original does not excuse
             return verdict
         body, nothing = self.meshes.known(simulation.mesh), np.zeros(len(self.surface.vertices), np.float32)
         if body is None or not body.made_for_relief or not body.followed(body.morph.morphed(nothing)).enough:
@@ -152,7 +152,7 @@ class DropSimulator:
         if detail is None:
             self._static(body).check()
             numbers = self._numbers(displacement, thorough=True)
-            result = self._dropped(morphed.tets, self.landings.normals[list(numbers)], self.recipe.height)
+            result = self._dropped(morphed.tets, self.landings.normals[list(numbers)], self.recipe.test.height)
             balance = None if result.failure else self._balance_error(morphed.tets, result.phases[0][0].end)
             simulation = self._brought(body, morphed, result, numbers, thorough=True)
             detail = Detail(replace(simulation, meshing=meshing), result, balance)
@@ -174,7 +174,7 @@ class DropSimulator:
             numbers = self._numbers(displacement, thorough=thorough)
             if known is not None:
                 numbers = tuple(number for number in numbers if known.landing(self.landings.names[number]) is None)
-            result = self._dropped(morphed.tets, self.landings.normals[list(numbers)], self.recipe.height)
+            result = self._dropped(morphed.tets, self.landings.normals[list(numbers)], self.recipe.test.height)
             simulation = self._brought(body, morphed, result, numbers, thorough=thorough, known=known)
         for memo in memos:
             memo.remember(key, simulation)
@@ -182,10 +182,10 @@ class DropSimulator:
         return simulation
 
     def _key(self, body: Body, displacement: NDArray[np.float32], *, thorough: bool) -> str:
-        recipe = msgspec.structs.replace(self.recipe, surface=self.surface.digest, tetrahedra=body.tets.digest)
+        recipe = self.recipe.on(surface=self.surface.digest, tetrahedra=body.tets.digest)
         normals = self.landings.normals[list(self._numbers(displacement, thorough=thorough))]
         drops, at = (thorough, digest_of(normals)), "" if body.at is None else digest_of(body.at)
-        return memo_key((PHYSICS_VERSION, self.device, *physics(recipe), recipe.loads, drops, at), displacement)
+        return memo_key((PHYSICS_VERSION, self.device, *physics(recipe), recipe.test.loads, drops, at), displacement)
 
     def _balance_error(self, tets: TetMesh, window: float) -> float | None:
         """Of `Detail`, over the first phase, which lasted for `window` [ms].
@@ -193,7 +193,7 @@ class DropSimulator:
         What damping took is what is missing in the balance, so the balance can be checked only without it.
         """
         undamped = replace(prescribed(self.recipe), damping=0.0, window=window)
-        found = drop(tets, self.recipe.material, self.landings.normals[:1], undamped, device=self.device, progress=self.progress)
+        found = drop(tets, self.recipe.test.material, self.landings.normals[:1], undamped, device=self.device, progress=self.progress)
         return None if found.failure else float(np.abs(found.history[0].damping_loss).max() / found.history[0].kinetic[0])
 
     @cached_property
@@ -206,22 +206,22 @@ class DropSimulator:
     def _numbers(self, displacement: NDArray[np.float32], *, thorough: bool) -> tuple[int, ...]:
         """Numbers of the landings in which a displaced part is dropped."""
         every = tuple(range(len(self.landings.normals)))
-        if (thorough and not (self.recipe.hardest_only and np.any(displacement))) or self.baseline.failure:
+        if (thorough and not (self.recipe.test.hardest_only and np.any(displacement))) or self.baseline.failure:
             return every
         others = tuple(number for number in every if self.landings.ways[number] == "any landing") if thorough else ()
         return (*self._steering, *others)
 
     def _static(self, body: Body) -> StaticTest:
         """The load cases, their places picked on the plain part."""
-        plain = body.morph.morphed(np.zeros(len(self.surface.vertices), np.float32)).tets if self.recipe.loads else body.tets
-        return StaticTest(plain, self.recipe.loads, self.recipe.element)
+        plain = body.morph.morphed(np.zeros(len(self.surface.vertices), np.float32)).tets if self.recipe.test.loads else body.tets
+        return StaticTest(plain, self.recipe.test.loads, self.recipe.test.element)
 
     def _under_loads(self, body: Body, dropped: Simulation, tets: TetMesh) -> Simulation:
         """A drop's result with those of the recipe's load cases on moved tetrahedra, on which their places are known."""
-        if dropped.failure or not self.recipe.loads:
+        if dropped.failure or not self.recipe.test.loads:
             return dropped
         try:
-            responses = self._static(body).run(tets, self.recipe.material, self.recipe.across_layers)
+            responses = self._static(body).run(tets, self.recipe.test.material, self.recipe.test.across_layers)
         except SimulationFailed as error:
             return replace(dropped, failure=str(error))
         read, cases, fields = self._reading_on(tets), list[LoadResult](), list[NDArray[np.float32]]()
@@ -234,7 +234,7 @@ class DropSimulator:
 
     def _dropped(self, tets: TetMesh, normals: Floats, height: float) -> Drop:
         test = replace(prescribed(self.recipe), height=height)
-        return drop(tets, self.recipe.material, normals, test, device=self.device, progress=self.progress, period=self._period)
+        return drop(tets, self.recipe.test.material, normals, test, device=self.device, progress=self.progress, period=self._period)
 
     @cached_property
     def _period(self) -> float | None:
@@ -294,7 +294,7 @@ class DropSimulator:
             fields[name] = body.stress_at_surface(nodal)
             landed[name] = Landing(
                 name=name, way=ways.ways[number], normal=(x, y, z), stress=stress, where=where,
-                maximum=float(result.von_mises[index].max()), fall=self.recipe.height,
+                maximum=float(result.von_mises[index].max()), fall=self.recipe.test.height,
                 critical_height=self._critical_height(stress, 0.5),
                 touches=tuple(phase.speed for phase in result.phases[index]), ended=result.endings[index],
             )  # fmt: skip
@@ -304,7 +304,7 @@ class DropSimulator:
             theirs = [one.exponent for one in self.baseline.of(way)] if np.any(morphed.displacement) else []
             begun = theirs[0] if theirs else LIKELY_EXPONENT
             found = [self._with_exponent(one, begun, 0) if one.way == way else one for one in found]
-            if thorough and not (theirs and self.recipe.hardest_only):
+            if thorough and not (theirs and self.recipe.test.hardest_only):
                 found = self._retried(tets, read, found, way)
         return tuple(found), stresses
 
@@ -317,7 +317,7 @@ class DropSimulator:
         """Height from which σ_V is the yield strength [mm], by σ_V ∝ height^exponent; NaN and infinity stay what they are."""
         if not (math.isfinite(stress) and stress > 0.0):
             return math.nan
-        height = math.log(self.recipe.height) + math.log(self.recipe.material.yield_strength / stress) / exponent
+        height = math.log(self.recipe.test.height) + math.log(self.recipe.test.material.yield_strength / stress) / exponent
         return float(np.clip(math.exp(min(height, 50.0)), LEAST_HEIGHT, GREATEST_HEIGHT))
 
     def _retried(self, tets: TetMesh, read: Read, found: list[Landing], way: Way) -> list[Landing]:
@@ -336,7 +336,7 @@ class DropSimulator:
                 raise SimulationFailed(f"the stress of a fall of {height:.0f} mm is not a finite number above 0")
             return stress
 
-        exponent, drops = exponent_of(hardest, self.recipe.material.yield_strength, stress_from)
+        exponent, drops = exponent_of(hardest, self.recipe.test.material.yield_strength, stress_from)
         return [self._with_exponent(one, exponent, drops if one is hardest else 0) if one in same else one for one in found]
 
     def _with_exponent(self, landing: Landing, exponent: float, drops: int) -> Landing:
