@@ -6,13 +6,11 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import msgspec
 import typer
 
 from mechstyle.cli.console import command, err, escape, out, print_json, report_verdict, telling
 from mechstyle.cli.options import (
     DEFAULTS_MAY_CHANGE,
-    OPTIONS,
     Device,
     Folder,
     Json,
@@ -24,16 +22,14 @@ from mechstyle.cli.options import (
 )
 from mechstyle.records.landings import STANDARDS
 from mechstyle.records.mesh import STANDARD_VERTICES
-from mechstyle.records.recipe import Recipe
+from mechstyle.records.recipe import OF_FEEDBACK, OPTIONS, Recipe
 
 if TYPE_CHECKING:
     from mechstyle.simulation.estimate import Estimate
 
-RESTRAINED = ("control", "normalisation", "threshold", "schedule", "every", "base")
-"""Settings that restrain a style, or say when to simulate to that end: Freestyle has no use for them."""
 AUTO = "auto"
 """In place of an amplitude: the deepest that passes."""
-FREE = tuple(name for name in OPTIONS if name not in RESTRAINED)
+FREE = tuple(name for name in OPTIONS if name not in OF_FEEDBACK)
 
 app = typer.Typer()
 

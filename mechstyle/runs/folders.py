@@ -8,8 +8,6 @@ import re
 import shlex
 from pathlib import Path
 
-import msgspec
-
 from mechstyle.errors import BadInput
 from mechstyle.loop.store import Store
 from mechstyle.records import Recipe

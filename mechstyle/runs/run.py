@@ -320,7 +320,7 @@ def stylize(
         device: `auto`, `cpu` or `cuda`.
         stage: Called with what is being prepared, in words.
         on_event: Called with every event.
-        settings: Fields of `Recipe`, such as control, schedule, iterations, criterion, protect=["inside", ms.Box(low, high, ramp=2)],
+        settings: Settings of a recipe, such as control, schedule, iterations, criterion, protect=["inside", ms.Box(low, high, ramp=2)],
             image (a PNG or JPEG file, or an array), stylizer (a registered name, or a function as docs/plug-in.md shows).
 
     Returns:

@@ -320,5 +320,6 @@ def _places(recipe: Recipe) -> tuple[Region, ...]:
 
 def _contained(shape: Shape, recipe: Recipe) -> tuple[Region, ...]:
     """The inside of a container, unless it is to be styled, or the recipe or its prompt name one side or the other themselves."""
-    chosen = recipe.restraint.inside == "styled" or any(isinstance(region, Inside | Outside) for region in (*recipe.restraint.protect, *_places(recipe)))
+    named = any(isinstance(region, Inside | Outside) for region in (*recipe.restraint.protect, *_places(recipe)))
+    chosen = named or recipe.restraint.inside == "styled"
     return () if chosen or not shape.is_container else (Inside(ramp=INSIDE_RAMP, colour=True),)

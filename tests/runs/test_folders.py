@@ -4,7 +4,6 @@ import logging
 import re
 import shlex
 
-import msgspec
 import pytest
 
 from mechstyle.errors import BadInput

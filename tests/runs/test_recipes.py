@@ -1,6 +1,5 @@
 """From a request to a recipe: presets, what overrides them, and what is refused before anything is computed."""
 
-import msgspec
 import numpy as np
 import pytest
 

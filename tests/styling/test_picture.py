@@ -1,6 +1,5 @@
 """A picture drawn on parts: what is light stands out, what is transparent stays, and what cannot be printed is said."""
 
-import msgspec
 import numpy as np
 import pytest
 

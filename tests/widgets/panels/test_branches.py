@@ -1,6 +1,5 @@
 """Lanes: which there are, a new one, and two iterations compared."""
 
-import msgspec
 import pytest
 
 from mechstyle.errors import MissingPiece

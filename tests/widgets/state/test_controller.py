@@ -6,7 +6,6 @@ from dataclasses import replace
 from itertools import pairwise
 from types import SimpleNamespace
 
-import msgspec
 import pytest
 
 from mechstyle.errors import BadInput

@@ -8,7 +8,6 @@ from functools import lru_cache
 from typing import Any
 
 import ipywidgets
-import msgspec
 import numpy as np
 import traitlets
 
