@@ -42,7 +42,7 @@ def demo_command(
 ) -> None:
     """Style the gallery's utensil grip as brick, freely and with feedback, and compare the verdicts."""
     asked = {"prompt": prompt, **settings}
-    tell(both_ways(model, asked, vertices, device, folder, as_json=as_json), folder, as_json=as_json)
+    tell(both_ways(model, asked, vertices, device, folder, quick=True, as_json=as_json), folder, as_json=as_json)
 
 
 @app.command("application")
@@ -72,7 +72,9 @@ def application_command(
     tell(pair, where, as_json=as_json)
 
 
-def both_ways(model: str, settings: Settings, vertices: int, device: str, folder: Path, *, as_json: bool) -> Pair:
+def both_ways(
+    model: str, settings: Settings, vertices: int, device: str, folder: Path, *, as_json: bool, quick: bool = False
+) -> Pair:
     """Run a part freely and with feedback, with progress."""
     from mechstyle.study.applications import Pair  # noqa: PLC0415 — as above
 
@@ -81,7 +83,7 @@ def both_ways(model: str, settings: Settings, vertices: int, device: str, folder
         if not as_json:
             err.print(f"[bold]{label}[/]: {escape(model)} as “{escape(settings['prompt'])}”")
         where = folder / label.lower()
-        runs.append(carry_out(model, settings, vertices, {}, device, where, freestyle=freestyle, as_json=as_json))
+        runs.append(carry_out(model, settings, vertices, {}, device, where, freestyle=freestyle, quick=quick, as_json=as_json))
     return Pair(*runs)
 
 

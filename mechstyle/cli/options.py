@@ -15,6 +15,7 @@ import typer
 
 from mechstyle.gallery import PREFIX, use_of
 from mechstyle.records.lengths import length_of, written
+from mechstyle.records.mesh import QUICK_VERTICES, STANDARD_VERTICES
 from mechstyle.records.recipe import CHAPTER_OF, DEFAULTS, OPTIONS, TYPES, described
 from mechstyle.records.regions import KINDS
 
@@ -25,6 +26,21 @@ DEFAULTS_MAY_CHANGE = "Defaults in parentheses are the recipe's; --control, --cr
 Model = Annotated[str, typer.Argument(metavar="MODEL", help="A file (STL, OBJ, PLY, GLB, 3MF) or gallery:NAME.")]
 Vertices = Annotated[
     int, typer.Option(help="Vertices of the surface; beyond 25 000 only as many as edges of 0.6 mm need.", rich_help_panel=MACHINE)
+]
+RunVertices = Annotated[
+    int | None,
+    typer.Option(
+        "--vertices",
+        help="Vertices of the surface; beyond 25 000 only as many as edges of 0.6 mm need.",
+        rich_help_panel=MACHINE,
+        show_default=f"{STANDARD_VERTICES}; {QUICK_VERTICES} with --quick",
+    ),
+]
+Quick = Annotated[
+    bool,
+    typer.Option(
+        "--quick", help="A first answer in about a minute: fewer vertices, fewer nearly flat landings.", rich_help_panel=MACHINE
+    ),
 ]
 Device = Annotated[str, typer.Option(help="auto, cpu or cuda.", rich_help_panel=MACHINE)]
 Folder = Annotated[

@@ -224,8 +224,8 @@ class StrengthTest(Chapter, frozen=True, kw_only=True):
         standard: Drop standard whose orientations and height are simulated, one of STANDARDS. It brings poses, orientations and
             height unless they are given; "" for none. A verdict is no test to a standard.
         nearly_flat: Whether landings tilted by 3° onto the corners and sides of what the part stands on are judged, too.
-        hardest_only: Whether the styled part lands only in the two nearly flat ways that are hardest for the plain part. Its critical height
-            there then follows from the plain part's.
+        hardest_only: Whether the styled part lands only in the two nearly flat ways that are hardest for the plain part. Its critical
+            height there then follows from the plain part's.
         build_direction: Direction it is printed in, x, y, z or a vector such as 0,0,1: what pulls or shears layers apart is judged by their
             own strength. None for no layers; the material must know its `layer_ratio`.
         friction: Coulomb coefficient of the floor.

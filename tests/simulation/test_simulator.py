@@ -125,6 +125,18 @@ def test_what_fails_for_certain_where_it_steers_is_dropped_no_further_if_it_is_c
     assert len(found.landings) == dropped == drops[1]
 
 
+def test_in_the_hardest_only_a_styled_part_is_dropped_as_while_it_grows_and_in_what_else_was_asked_for(block, memo, drops):
+    sim = simulator(block, memo, nearly_flat=True, orientations=2, hardest_only=True)
+    found = sim.simulate(slopes(block), thorough=True)
+    assert (drops[0], len(sim.baseline.landings)) == (10, 10)
+    hardest = sorted(sim.baseline.of("nearly flat"), key=lambda landing: -landing.stress)[:2]
+    assert {one.name for one in found.of("nearly flat")} == {one.name for one in hardest}
+    assert not any(one.retried for one in found.landings)
+    assert {one.exponent for one in found.of("nearly flat")} == {one.exponent for one in hardest}
+    if len(found.landings) > 3:  # unless it fails for certain
+        assert [one.way for one in found.landings] == ["flat", "nearly flat", "nearly flat", "any landing"]
+
+
 def test_the_hardest_of_each_other_kind_is_dropped_again_and_tells_the_exponent_of_its_kind(block, memo):
     sim = simulator(block, memo, nearly_flat=True, orientations=3)
     base, within = sim.baseline, sim.simulate(slopes(block), thorough=False)
