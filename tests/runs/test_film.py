@@ -1,5 +1,7 @@
 """The film of a fall: every moment in one scale, stress only rises, legible without colour, and what cannot be compared is refused."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from PIL import Image, ImageSequence
@@ -15,7 +17,8 @@ def landing(rest, greatest):
     """Twenty moments in which a sheet sinks and bulges; stress rises at one end up to the middle of them and falls again."""
     moved = [np.outer(np.sin(0.1 * rest[:, 0]), [0.0, 0.0, -0.5 * share]) for share in np.linspace(0.0, 1.0, 20)]
     course = np.r_[np.linspace(0.0, greatest, 10), np.linspace(greatest, 0.0, 10)]
-    return Impact(np.linspace(0.0, 0.4, 20), np.array(moved, np.float32), np.outer(course, rest[:, 0] / rest[:, 0].max()).astype(np.float32))
+    stress = np.outer(course, rest[:, 0] / rest[:, 0].max())
+    return Impact(np.linspace(0.0, 0.4, 20), np.array(moved, np.float32), stress.astype(np.float32))
 
 
 @pytest.fixture
@@ -31,20 +34,17 @@ def pictures(path):
         return [np.asarray(one.convert("RGB")).astype(float) for one in ImageSequence.Iterator(opened)]
 
 
-def test_it_falls_lands_and_ends_on_a_frame_that_stays(lane, tmp_path):
+def test_it_falls_lands_and_ends_on_a_frame_that_stays_and_that_needs_no_colour(lane, tmp_path):
     path = film([lane], tmp_path / "fall.gif", frames=8, size=160)
     with Image.open(path) as opened:
         durations = [one.info["duration"] for one in ImageSequence.Iterator(opened)]
         assert opened.info["loop"] == 0
     assert len(durations) == FALLING + 8
     assert durations[-1] > 10 * durations[0]
-    first, touch, *_, last = (pictures(path)[at] for at in (0, FALLING, -2, -1))
+    every = pictures(path)
+    first, touch, last = every[0], every[FALLING], every[-1]
     assert np.abs(first - touch).mean() > 1.0
     assert np.abs(touch - last).mean() > 1.0
-
-
-def test_what_yields_stands_out_without_colour_and_only_where_it_does(lane, tmp_path):
-    *_, last = pictures(film([lane], tmp_path / "fall.gif", frames=8, size=160))
     grey = last @ [0.299, 0.587, 0.114]
     middle = grey[module.BAND : -module.BAR]
     plain, styled = np.array_split(middle, 2, axis=1)
@@ -64,7 +64,7 @@ def test_stress_is_the_largest_so_far(lane):
         patch.setattr(module, "render", noted)
         module._frames([scene], 45.6, 12, 160, lambda _: None)
     assert seen[:FALLING] == [0.0] * FALLING
-    assert all(now <= later for now, later in zip(seen, seen[1:], strict=False))
+    assert all(now <= later for now, later in pairwise(seen))
     assert seen[-1] == pytest.approx(90.0)
 
 
