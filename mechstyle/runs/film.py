@@ -114,8 +114,8 @@ def _check(runs: Sequence[Run]) -> None:
 def _scenes(run: Run, *, plain: bool, progress: Callable[[float], None]) -> list[Scene]:
     """A run, after its part without a style if that is wanted."""
     part, recipe, end = run.part, run.recipe, run.checkpoint()
-    told = end.verdict
-    row = None if told is None else told.row("flat")
+    verdict = end.verdict
+    row = None if verdict is None else verdict.row("flat")
     how = "MechStyle" if recipe.steered else "Freestyle"
     ending = "" if row is None or row.height is None else f"{row.outcome}: survives {sentences.length(row.height)}"
     styled = part.surface.displaced(end.displacement)
