@@ -161,21 +161,23 @@ def doubted(doubt: ms.Doubt) -> list[Any]:
     return [doubt.about, doubt.test, round(doubt.value, 3)]
 
 
-def cell(part: str, style: str, *, vertices: int, iterations: int, height: float, settings: dict[str, Any]) -> dict[str, Any]:
+def cell(
+    part: str, style: str, *, vertices: int, iterations: int, height: float, device: str, settings: dict[str, Any]
+) -> dict[str, Any]:  # fmt: skip
     """One part in one style, three ways."""
     begun = time.perf_counter()
     mesh = built(part)
     row: dict[str, Any] = {"part": part, "style": style, "vertices": vertices, "iterations": iterations, "fall": height, **settings}
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     row["size"] = [round(float(x), 1) for x in high - low]
-    common = {"vertices": vertices, "iterations": iterations, "height": height, "device": "cpu", **settings}
+    common = {"vertices": vertices, "iterations": iterations, "height": height, "device": device, **settings}
     flat = {**common, "nearly_flat": False}
 
     def done(**more: Any) -> dict[str, Any]:
         return row | more | {"seconds": round(time.perf_counter() - begun, 1)}
 
     with tempfile.TemporaryDirectory() as folder:
-        plain = ms.simulate(mesh, vertices=vertices, height=height, device="cpu", nearly_flat=False)
+        plain = ms.simulate(mesh, vertices=vertices, height=height, device=device, nearly_flat=False)
         row["plain"] = rows_of(plain.verdict)
         if not plain.verdict.rows or plain.verdict.rows[0].reserve < RESERVE:
             return done(skipped="the plain part has no room")
@@ -228,6 +230,7 @@ def main() -> None:
     parser.add_argument("--vertices", type=int, default=3000)
     parser.add_argument("--iterations", type=int, default=40)
     parser.add_argument("--height", type=float, default=1500.0)
+    parser.add_argument("--device", default="auto")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="a setting of the recipe, a number or a word")
     parser.add_argument("--table", type=Path, default=None)
     given = parser.parse_args()
@@ -239,7 +242,8 @@ def main() -> None:
         name, _, value = one.partition("=")
         settings[name] = float(value) if value.replace(".", "", 1).isdigit() else value
     try:
-        row = cell(given.part, given.style, vertices=given.vertices, iterations=given.iterations, height=given.height, settings=settings)
+        asked = {"vertices": given.vertices, "iterations": given.iterations, "height": given.height, "device": given.device}
+        row = cell(given.part, given.style, **asked, settings=settings)
     except MechStyleError as error:
         row = {"part": given.part, "style": given.style, "refused": str(error)}
     text = json.dumps(row, indent=1)
