@@ -1,4 +1,4 @@
-"""The pages of the site that are made of the code: every command, every setting, every public name, and a report."""
+"""The pages of the site that are made of the code: every command, setting, public name and word, and a report."""
 
 import inspect
 import re
@@ -11,6 +11,7 @@ import typer
 import mechstyle
 from mechstyle.cli.app import app
 from mechstyle.records.recipe import CHOICES, DEFAULTS, LIMITS, SETTINGS, described
+from mechstyle.records.words import WORDS
 from mechstyle.runs.run import Run
 
 REPORT = "example-report.html"
@@ -36,7 +37,7 @@ def _of_command(name: str, command: Any) -> str:
     arguments = [one for one in command.params if one.param_type_name == "argument"]
     typed = " ".join([name, *map(_metavar, arguments), "[OPTIONS]"])
     rows = [f"| {_called(one)} | {_plain(one.help or '')} | {_default(one)} |" for one in command.params if one.name != "help"]
-    table = ["| given | what it is | unless told |", "|---|---|---|", *rows] if rows else []
+    table = ["| option | description | default |", "|---|---|---|", *rows] if rows else []
     return "\n".join([f"## `{name}`", "", _plain(command.help or ""), "", f"```text\n{typed}\n```", "", *table])
 
 
@@ -71,7 +72,17 @@ def settings(*_: object) -> str:
         low, high = LIMITS.get(name, (None, None))
         within = ", ".join(f"`{one}`" for one in CHOICES.get(name, ()) if one) or ("" if low is None else f"{low:g} to {high:g}")
         rows.append(f"| `{name}` | {_plain(described(name))} | {within} | {default} |")
-    return "\n".join(["| setting | what it is | may be | unless told |", "|---|---|---|---|", *rows])
+    return "\n".join(["| setting | description | may be | default |", "|---|---|---|---|", *rows])
+
+
+def glossary(*_: object) -> str:
+    """A definition for each word, in the order of the alphabet."""
+    entries = sorted(WORDS.items(), key=lambda entry: entry[1][0].lower())
+    return "\n\n".join(f"{word}\n: {_plain(sentence)} In code: {_in_code(name)}." for name, (word, sentence) in entries)
+
+
+def _in_code(names: str) -> str:
+    return ", ".join(f"`{name}`" for name in names.split(", "))
 
 
 def names(*_: object) -> str:
@@ -115,6 +126,7 @@ def report_frame(cache: Path, _execute: str) -> str:
 
 
 PAGES: dict[str, Callable[[Path, str], str]] = {
-    "every command": command_line, "every setting": settings, "every name": names, "a report": report_frame,
+    "every command": command_line, "every setting": settings, "every name": names, "every word": glossary,
+    "a report": report_frame,
 }  # fmt: skip
 """What is made for each place that a page marks, in a comment."""
