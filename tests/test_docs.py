@@ -66,7 +66,8 @@ def test_what_is_generated_names_every_command_setting_and_public_name():
     assert all(f"| `{name}` |" in pages["every setting"] for name in SETTINGS)
     assert not re.search(r"(?<![\w`-])--[a-z]", pages["every command"] + pages["every setting"]), "an option in a sentence stays whole"
     assert all(f"{word}\n: " in pages["every word"] for word, _ in WORDS.values())
-    assert all(f"mechstyle.{name}" in pages["every name"] for name in mechstyle.__all__ if name != "LIBRARY")
+    assert all(f":: mechstyle.{name}\n" in pages["every name"] for name in mechstyle.__all__ if name not in {"LIBRARY", "lab"})
+    assert all(f":: mechstyle.lab.{name}\n" in pages["every name"] for name in mechstyle.lab.__all__)
     asked = {marker for page in PAGES for marker in re.findall(r"<!-- (.+?) -->", PROSE.markdown(page))}
     assert set(pages) <= asked
 

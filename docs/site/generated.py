@@ -86,14 +86,19 @@ def _in_code(names: str) -> str:
 
 
 def names(*_: object) -> str:
-    """Every public name with its docstring."""
-    kinds: dict[str, list[str]] = {kind: [] for kind in DIRECTIVES}
-    for name in mechstyle.__all__:
-        if name != "LIBRARY":
-            kinds[_kind(getattr(mechstyle, name))].append(name)
+    """Every public name with its docstring, the front row first."""
     materials = ", ".join(f"`{name}`" for name in mechstyle.LIBRARY)
-    documented = [f"## {kind}\n\n```{{eval-rst}}\n{_directives(kind, found)}\n```" for kind, found in kinds.items()]
-    return "\n\n".join([*documented, f"## Materials\n\n`ms.LIBRARY` holds materials by name: {materials}."])
+    front = [*_documented("mechstyle", mechstyle.__all__), f"## Materials\n\n`ms.LIBRARY` holds materials by name: {materials}."]
+    second = "## The second row\n\n`ms.lab` has names for studies, plug-ins and teaching."
+    return "\n\n".join([*front, second, *_documented("mechstyle.lab", mechstyle.lab.__all__, "### ")])
+
+
+def _documented(module: str, found: list[str], level: str = "## ") -> list[str]:
+    kinds: dict[str, list[str]] = {kind: [] for kind in DIRECTIVES}
+    for name in found:
+        if name not in {"LIBRARY", "lab"}:
+            kinds[_kind(getattr(mechstyle, name))].append(f"{module}.{name}")
+    return [f"{level}{kind}\n\n```{{eval-rst}}\n{_directives(kind, its)}\n```" for kind, its in kinds.items() if its]
 
 
 def _kind(value: object) -> str:
@@ -104,7 +109,7 @@ def _kind(value: object) -> str:
 
 def _directives(kind: str, found: list[str]) -> str:
     more = "\n   :members:" if kind == "Classes" else ""
-    return "\n\n".join(f".. {DIRECTIVES[kind]}:: mechstyle.{name}{more}" for name in found)
+    return "\n\n".join(f".. {DIRECTIVES[kind]}:: {name}{more}" for name in found)
 
 
 def report(cache: Path) -> None:
