@@ -10,7 +10,7 @@ import typer
 
 import mechstyle
 from mechstyle.cli.app import app
-from mechstyle.records.recipe import CHOICES, DEFAULTS, LIMITS, SETTINGS, described
+from mechstyle.records.recipe import CHAPTERS, CHOICES, DEFAULTS, LIMITS, described, settings_of
 from mechstyle.records.words import WORDS
 from mechstyle.runs.run import Run
 
@@ -65,14 +65,19 @@ def _plain(text: str) -> str:
 
 
 def settings(*_: object) -> str:
-    """A row for each setting of a recipe."""
+    """A table of its settings for each chapter of a recipe."""
+    return "\n\n".join(_chapter(chapter, kind.__doc__) for chapter, kind in CHAPTERS.items())
+
+
+def _chapter(chapter: str, documentation: str) -> str:
     rows = []
-    for name in SETTINGS:
+    for name in settings_of(chapter):
         default = "needed" if name not in DEFAULTS else "" if DEFAULTS[name] in (None, "", ()) else f"`{DEFAULTS[name]}`"
         low, high = LIMITS.get(name, (None, None))
         within = ", ".join(f"`{one}`" for one in CHOICES.get(name, ()) if one) or ("" if low is None else f"{low:g} to {high:g}")
         rows.append(f"| `{name}` | {_plain(described(name))} | {within} | {default} |")
-    return "\n".join(["| setting | description | may be | default |", "|---|---|---|---|", *rows])
+    head = ["| setting | description | may be | default |", "|---|---|---|---|"]
+    return "\n".join([f"## {chapter.capitalize()}", "", documentation.partition("\n")[0], "", *head, *rows])
 
 
 def glossary(*_: object) -> str:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from mechstyle.cli.console import command, err, escape, headline, in_colour, out, print_json, table
-from mechstyle.cli.options import OPTIONS, Device, Json, Settings, Vertices, recipe_options
+from mechstyle.cli.options import Device, Json, Settings, Vertices, recipe_options, typed_as
 from mechstyle.cli.run import carry_out
 from mechstyle.records import sentences
 from mechstyle.records.mesh import STANDARD_VERTICES
@@ -35,7 +35,7 @@ def demo_command(
     settings: Settings,
     folder: Annotated[Path, typer.Option("--out", help="Where the runs, pictures and 3MF files go.")] = Path("demo-out"),
     model: Annotated[str, typer.Option(help="What to style.")] = DEMO_MODEL,
-    prompt: Annotated[str, typer.Option(*OPTIONS["prompt"].flags, help=described("prompt"))] = "brick",
+    prompt: Annotated[str, typer.Option(*typed_as("prompt").flags, help=described("prompt"))] = "brick",
     device: Device = "auto",
     vertices: Vertices = DEMO_VERTICES,
     as_json: Json = False,
