@@ -27,7 +27,7 @@ SPAN = re.compile(r"`[^`\n]*`")
 LINK = re.compile(r"\]\(([^()\s]+)\)")
 COMMAND = re.compile(r"^(?:\. \S+ && |cd \S+ && )?((?:mechstyle|make|python|pip)\b.*?)(?: +#.*)?$")
 FOREIGN = frozenset(
-    ("--nworkers", "--nthreads", "--host", "--no-dashboard", "--resources", "--lifetime", "--lifetime-stagger", "--template", "-c")
+    ("--nworkers", "--nthreads", "--host", "--no-dashboard", "--resources", "--lifetime", "--lifetime-stagger", "--template")
 )
 """Options of other programs."""
 
@@ -148,7 +148,7 @@ def missing(text: str, command: Any, public: set[str]) -> Iterator[str]:
             yield from (f"make has no target {word!r}" for word in named if word not in targets)
         elif script := re.match(r"(?:docs|benchmarks|notebooks)/\S+\.py", rest):
             yield from () if (ROOT / script[0]).is_file() else (f"there is no {script[0]}",)
-    for option in {found for span in spans for found in re.findall(r"^--?[a-z][\w-]*", span)} - options(command) - FOREIGN:
+    for option in {found for span in spans for found in re.findall(r"^--[a-z][\w-]*", span)} - options(command) - FOREIGN:
         yield f"no command has the option {option}"
     for name in {found for piece in (*lines, *spans) for found in re.findall(r"\bms\.(\w+)", piece)} - public:
         yield f"there is no ms.{name}"
