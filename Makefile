@@ -32,6 +32,7 @@ lab: .venv/dev.stamp ## open the notebooks in JupyterLab
 	$(BIN)/jupyter lab --notebook-dir=notebooks
 
 docs: .venv/docs.stamp ## build/site/index.html, with all notebooks executed; NOTEBOOKS=off shows them as they are stored
+	$(BIN)/python docs/site/prose.py
 	rm -rf build/site  # Sphinx keeps pages whose own text is as it was; notebooks have a cache
 	MECHSTYLE_DOCS_EXECUTE=$(NOTEBOOKS) $(BIN)/sphinx-build --quiet --fail-on-warning --keep-going -b html -c docs . build/site
 	$(BIN)/python docs/site/check.py build/site
