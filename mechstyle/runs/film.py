@@ -80,7 +80,7 @@ def film(
         raise BadInput(f"a film has 8 to 120 frames of 160 to 800 pixels, not {frames} of {size}")
     _check(runs)
     scenes = [scene for index, run in enumerate(runs) for scene in _scenes(run, plain=plain and not index, progress=progress)]
-    strength = runs[0].recipe.material.yield_strength
+    strength = runs[0].recipe.test.material.yield_strength
     drawn = [one.convert("RGB") for one in _frames(scenes, strength, frames, size, progress)]
     write_whole(target, animated(drawn))
     return target
@@ -107,7 +107,7 @@ def _check(runs: Sequence[Run]) -> None:
             raise BadInput(f"{where} is not finished: run the command that began it again, then film it")
         if run.record.surface != first.record.surface:
             raise BadInput(f"{where} is of another part than {first.store.root}: a film compares runs of one part")
-        if (run.recipe.height, run.recipe.material) != (first.recipe.height, first.recipe.material):
+        if (run.recipe.test.height, run.recipe.test.material) != (first.recipe.test.height, first.recipe.test.material):
             raise BadInput(f"{where} has another fall or material than {first.store.root}: a film compares runs of one fall")
 
 
@@ -123,7 +123,7 @@ def _scenes(run: Run, *, plain: bool, progress: Callable[[float], None]) -> list
     def landed(displacement: NDArray[np.float32]) -> Impact:
         return impact_of(part, recipe, displacement, run.store.memo, lambda _: progress(0.0))
 
-    scenes = [Scene(f"{how}: {recipe.prompt[:28]}", ending, styled, landed(end.displacement))]
+    scenes = [Scene(f"{how}: {recipe.style.prompt[:28]}", ending, styled, landed(end.displacement))]
     if plain:
         before = None if row is None else row.original
         ending = "" if before is None else f"survives {sentences.length(before)}"

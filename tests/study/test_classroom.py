@@ -143,7 +143,7 @@ def prepared(monkeypatch, tmp_path):
 def test_pupils_type_what_was_prepared(prepared):
     tasks, noted, folder = prepared
     begun = [one for one in noted if isinstance(one, tuple)]
-    assert [(name, recipe.prompt) for name, recipe, _ in begun] == [
+    assert [(name, recipe.style.prompt) for name, recipe, _ in begun] == [
         ("s_hook", "brick"), ("s_hook", "fish scales"), ("vase", "brick"), ("vase", "fish scales")
     ]  # fmt: skip
     assert noted.count("recipe") == 4  # every plain part was dropped
@@ -153,8 +153,9 @@ def test_pupils_type_what_was_prepared(prepared):
         assert task.command in page
         assert words[:3] == ["mechstyle", "run", task.model]
         asked = dict(zip(words[3::2], words[4::2], strict=True))
-        assert asked["--prompt"] == recipe.prompt == task.prompt
-        assert (asked["--height"], asked["--iterations"], asked["--vertices"]) == ("1 m", str(recipe.iterations), str(given["vertices"]))
+        assert asked["--prompt"] == recipe.style.prompt == task.prompt
+        assert (asked["--height"], asked["--iterations"]) == ("1 m", str(recipe.schedule.iterations))
+        assert asked["--vertices"] == str(given["vertices"])
 
 
 def test_a_style_that_does_not_exist_is_refused_before_anything_is_meshed(monkeypatch, tmp_path):
