@@ -58,7 +58,8 @@ def result_of(run: LaneOfRun, verdict: Verdict) -> Result | None:
     summary, decides = run.summary, verdict.deciding
     return Result(
         part=run.record.name, prompt=run.recipe.style.prompt, material=run.recipe.test.material.label,
-        outcome=verdict.outcome, sure=verdict.sure, fall=run.recipe.test.height, survives=None if decides is None else decides.height, kept=summary.kept,
+        outcome=verdict.outcome, sure=verdict.sure, fall=run.recipe.test.height,
+        survives=None if decides is None else decides.height, kept=summary.kept,
         simulations=len(summary.simulations), vertices=len(run.part.surface.vertices),
         tests=tuple(row.test for row in verdict.rows if row.decides), recipe=run.recipe.digest,
     )  # fmt: skip
