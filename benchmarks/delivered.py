@@ -104,7 +104,8 @@ def table(all_found: Sequence[Found]) -> Iterator[str]:
 def differences(all_found: Sequence[Found]) -> Iterator[str]:
     """How far reserves of files are from those of their runs, and how many doubts only one of the two leaves."""
     pairs = [(one.run, one.file) for one in all_found if not one.failure]
-    apart = sorted(abs(file.reserves[test] / run.reserves[test] - 1.0) for run, file in pairs for test in run.reserves if test in file.reserves)
+    both = [(run.reserves[test], file.reserves[test]) for run, file in pairs for test in run.reserves if test in file.reserves]
+    apart = sorted(abs(file / run - 1.0) for run, file in both)
     if apart:
         yield f"Reserves differ by {median(apart):.1%} in the median and by {apart[-1]:.1%} at most."
     yield f"{sum(run.sure and not file.sure for run, file in pairs)} are sure in the run and not in the file."
