@@ -168,7 +168,8 @@ def profiled(given: argparse.Namespace, folder: str) -> dict[str, Any]:
         "clock": loading + time.perf_counter() - begun, "cpu": on_processor(), "memory_GB": most_memory(),
         "outcome": run.verdict.outcome,
         "sure": run.verdict.sure, "verdict": run.verdict.words, "tests": len(run.summary.simulations),
-        "foreseen": foreseen, "first_tests": teller.first, "quick": given.quick, "vertices_made": len(run.part.surface.vertices), "kept": run.summary.kept, "stages": profile.stages,
+        "foreseen": foreseen, "first_tests": teller.first, "quick": given.quick, "vertices_made": len(run.part.surface.vertices),
+        "kept": run.summary.kept, "stages": profile.stages,
     }  # fmt: skip
 
 
