@@ -1,5 +1,8 @@
-"""Estimate of the falls and the time of a run: before it begins, from the size of its mesh or from what falls took on this machine, and
-before its first fall from the very tetrahedra."""
+"""Estimate of the falls and the time of a run.
+
+Before it begins it is made from the size of its mesh, or from what falls took on this machine; before its first fall from its very
+tetrahedra.
+"""
 
 from __future__ import annotations
 

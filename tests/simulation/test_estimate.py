@@ -57,7 +57,7 @@ def test_before_the_first_fall_the_very_tetrahedra_are_asked(block, memo, settin
     sim = simulator(block, memo, **settings)
     found = before_the_first_fall(sim, cores=1)
     assert found.falls == falls
-    assert 0.0 < before_the_first_fall(sim, cores=4).seconds
+    assert before_the_first_fall(sim, cores=4).seconds > 0.0
     assert found.seconds > 0.0
 
 
