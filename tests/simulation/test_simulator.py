@@ -179,6 +179,13 @@ def test_the_right_exponent_to_begin_with_spares_the_second_drop():
     assert (found, drops) == (pytest.approx(0.36), 1)
 
 
+def test_no_further_drop_is_from_higher_than_is_simulated():
+    asked = []
+    guess = records.landing(stress=5.0, critical_height=GREATEST_HEIGHT, exponent=0.5)
+    exponent_of(guess, 45.6, lambda height: asked.append(height) or 5.0 * (height / 1500.0) ** 0.3)
+    assert max(asked) == GREATEST_HEIGHT
+
+
 def test_a_landing_that_yields_just_at_its_fall_is_not_dropped_again():
     found, drops = exponent_of(records.landing(stress=45.6, critical_height=1500.0), 45.6, lambda _: pytest.fail("it was dropped"))
     assert (found, drops) == (0.5, 0)
