@@ -414,14 +414,16 @@ def _unknown_prompt(prompt: str, found: Sequence[Word], unwanted: Sequence[Item]
         return BadInput("the prompt is empty: say in words what the part is to look like, or give a picture with `--image` or image=")
     if any(word.means in english.PICTURES - english.FILLERS for word in found):
         return BadInput(f"the prompt {prompt!r} asks for a picture: give its file, with `--image` or image=")
+    beyond = next((word for word in found if word.means in english.BEYOND), None)
     near = [_spoken(style) for style in suggestions(prompt)]
     colour = next((word.text for word in found if word.means in english.COLOURS), "")
     said = "no style that can be drawn offline" if not colour else "only a colour and no style"
     if unwanted:
         said = f"no style that is wanted, only what is not ({quoted(_spoken(meaning(item)) for item in unwanted)})"
     ways = ", ".join(f"`{colour} {name}`" if colour else repr(name) for name in near)
+    way = f" (left out {beyond.text!r}: {english.BEYOND[beyond.means]})" if beyond else ""
     return BadInput(
-        f"the prompt {prompt!r} names {said}: try {ways}; `mechstyle styles` lists them all; "
+        f"the prompt {prompt!r} names {said}{way}: try {ways}; `mechstyle styles` lists them all; "
         "any other prompt needs guidance 'clip' (`--guidance clip`) and the weights that `mechstyle weights fetch ViT-B-32` brings once"
     )
 
