@@ -158,7 +158,7 @@ def read(prompt: str, *, picture: bool = False) -> Reading:
     clauses = _clauses(kept, notes)
     if not clauses:
         raise _unknown_prompt(prompt, found, [item for item in unwanted if is_style(item)])
-    wishes = _inherited([_wish(clause, notes) for clause in clauses if clause.named or clause.described])
+    wishes = _apart(_inherited([_wish(clause, notes) for clause in clauses if clause.named or clause.described]), notes)
     if picture and all(wish.style != OWN for wish in wishes):
         names = quoted(_spoken(wish.style) for wish in wishes if wish.style)
         way = "give each its place, such as `outside: picture; rim: brick`"
@@ -359,6 +359,15 @@ def _inherited(wishes: Sequence[tuple[Wish, bool]]) -> tuple[Wish, ...]:
         colours = {"colour": None, "second": None, "shade": 1.0} if said.keys() & {"colour", "second", "shade"} else {}
         complete.append(wish if whole else msgspec.structs.replace(model, **colours | said | places))
     return tuple(complete)
+
+
+def _apart(wishes: tuple[Wish, ...], notes: list[str]) -> tuple[Wish, ...]:
+    """The wishes with one at most for all of the part, the last: "leather handle and wooden body"; a note is added on the others."""
+    everywhere = [wish for wish in wishes if not wish.where and not wish.spared]
+    if len({wish.style for wish in everywhere}) > 1:
+        took, *others = (_spoken(wish.style) for wish in reversed(everywhere))
+        notes.append(f"one style at one place: took {took!r}, left out {quoted(others)}; give each a place")
+    return tuple(wish for wish in wishes if wish not in everywhere[:-1])
 
 
 # --- what was left out --------------------------------------------------------------------------------------------

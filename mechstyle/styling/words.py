@@ -167,8 +167,9 @@ def _english(word: str) -> str:
 def _known(word: str, language: str) -> str:
     """English word that one word of a language stands for, whatever its ending; "" if it is none."""
     if not language:
-        compared = word.endswith(_COMPARED)
-        return next((form for form in _forms(word) if form in meanings() and not (compared and form != word and form in weak())), "")
+        if word.endswith(_COMPARED) and word not in meanings():  # a bagger is no bag, and a bumper, which is a thing, no bump
+            return "" if english.hints(word) else next((form for form in _forms(word) if form in meanings() and form not in weak()), "")
+        return next((form for form in _forms(word) if form in meanings()), "")
     stem = _stem(word, language)
     return _dictionary(language).get(word) or _dictionary(language).get(stem) or _stems(language).get(stem, "")
 
