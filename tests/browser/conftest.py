@@ -27,7 +27,7 @@ import nbformat
 import numpy as np
 import pytest
 from PIL import Image
-from playwright.sync_api import Browser, Locator, Page, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, Locator, Page, sync_playwright
 
 from mechstyle.gallery import make
 from mechstyle.runs.run import Run, stylize
@@ -35,7 +35,8 @@ from support import ROOT
 
 SCREENSHOTS = ROOT / "build" / "browser"
 START = 120  # JupyterLab on two busy cores [s]
-PATIENCE = 60_000  # for anything a page is waited for [ms]
+PATIENCE = 180_000  # for anything a page is waited for [ms]; only what fails, or a machine that does much else, waits so long
+VIEWPORT = {"width": 1280, "height": 1200}
 ARGUMENTS = [  # WebGL without a graphics card, and a browser that keeps to itself
     "--no-sandbox",
     "--use-gl=angle",
@@ -143,6 +144,16 @@ class Notebook:
                 return now
         pytest.fail(f"the picture stays as it was: {difference(now, before):.2%} of its pixels differ")
 
+    def at_rest(self, viewer: str) -> None:
+        """Wait until neither page nor kernel move a viewer's camera: a click right after that would be the end of a drag."""
+        before = self.pixels(self.canvas())
+        for _ in range(300):
+            now = self.pixels(self.canvas())
+            if np.array_equal(now, before):
+                break
+            before = now
+        self.until(f"__import__('time').monotonic() - {viewer}._picker._moved > 0.3", True)
+
     def drawn(self, number: int = 0) -> np.ndarray:
         """Wait until a view shows more than a background; its pixels."""
         self.canvas(number).wait_for()
@@ -182,12 +193,12 @@ def chromium_path() -> str:
     return path
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="package")
 def chromium(chromium_path: str) -> Iterator[Browser]:
-    """A browser for the tests of one module.
+    """One browser for all tests of this folder.
 
-    Playwright keeps an event loop running in the thread of the tests for as long as it is open. Another module of the same worker may
-    need a thread without one, so it never outlives its own.
+    Playwright keeps an event loop running in the thread of the tests for as long as it is open. Tests of other folders may need a thread
+    without one, so it never outlives these.
     """
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium_path, args=ARGUMENTS)
@@ -195,6 +206,14 @@ def chromium(chromium_path: str) -> Iterator[Browser]:
         browser.close()
     with pytest.raises(RuntimeError, match="no running event loop"):
         asyncio.get_running_loop()
+
+
+@pytest.fixture(scope="package")
+def visitor(chromium: Browser) -> Iterator[BrowserContext]:
+    """One visitor of the lab, whose browser keeps JupyterLab's scripts from one notebook to the next."""
+    context = chromium.new_context(viewport=VIEWPORT)
+    yield context
+    context.close()
 
 
 @pytest.fixture(scope="session")
@@ -254,10 +273,9 @@ def wait_for(lab: Lab, process: subprocess.Popen[bytes], log: Path) -> None:
 
 
 @pytest.fixture(scope="module")
-def notebook(chromium: Browser, lab: Lab, request: pytest.FixtureRequest) -> Iterator[Notebook]:
+def notebook(visitor: BrowserContext, lab: Lab, request: pytest.FixtureRequest) -> Iterator[Notebook]:
     """A page for the notebook of a module; what it asked of the world and what went wrong in it fails the last test."""
-    context = chromium.new_context(viewport={"width": 1280, "height": 1200})
-    page = context.new_page()
+    page = visitor.new_page()
     page.set_default_timeout(PATIENCE)
     opened = Notebook(page, lab, Path(request.node.name).stem)
     local = (lab.address, lab.address.replace("http", "ws"), "data:", "blob:")
@@ -266,7 +284,7 @@ def notebook(chromium: Browser, lab: Lab, request: pytest.FixtureRequest) -> Ite
     page.on("console", lambda said: opened.errors.append(said.text) if said.type == "error" and OURS.search(said.text) else None)
     yield opened
     page.evaluate("() => window.jupyterapp?.shell?.currentWidget?.sessionContext?.shutdown()")
-    context.close()
+    page.close()
     assert opened.asked_outside == []
     assert opened.errors == []
 
