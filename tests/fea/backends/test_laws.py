@@ -1,4 +1,4 @@
-"""The elastic laws of the kernels, one tetrahedron at a time, against those that are written to be read."""
+"""`mechstyle.fea.backends.laws`, one tetrahedron at a time, against the laws that are written to be read."""
 
 import numpy as np
 import pytest
