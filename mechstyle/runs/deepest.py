@@ -64,7 +64,7 @@ def deepest(
         stage: Called with what is being done, in words.
         prepare: What prepares the surface, `simulation.part.prepare` or a function like it.
         warn: Called early with sentences on walls that are too thin.
-        settings: Other fields of `Recipe`.
+        settings: Other settings of a recipe.
 
     Raises:
         BadInput: If the part, the prompt or a setting cannot be used.
@@ -83,7 +83,7 @@ def deepest(
 
 def _trial(run: Run, depth: float) -> Run:
     """The lane of a depth: the whole depth is the run itself, which the others branch off from before its first iteration."""
-    return run if depth == run.recipe.amplitude else run.branch(0, lane=f"depth-{depth:g}", amplitude=depth)
+    return run if depth == run.recipe.style.amplitude else run.branch(0, lane=f"depth-{depth:g}", amplitude=depth)
 
 
 def deepest_of(depths: Sequence[float], verdict: Callable[[float], Verdict]) -> Depth:

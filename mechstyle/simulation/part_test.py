@@ -89,7 +89,7 @@ class PartTest:
     def show(self) -> Picture:
         """Stress of the test that decides from three sides, and of the hardest other landing if there is one."""
         decides, surface = self.verdict.deciding, self.surface
-        limit = self.recipe.material.yield_strength if decides is None else decides.limit
+        limit = self.recipe.test.material.yield_strength if decides is None else decides.limit
         stress = fields.stress(limit)
         panels: list[Panel] = []
         if decides is None:
@@ -134,7 +134,7 @@ class PartTest:
         if self.course is None:
             raise SimulationFailed(self.simulation.failure)
         period = period_of(lambda: at_rest(self.part.surface), self.recipe, cached_memo())
-        at = snapshot(self.tets, self.recipe.material, prescribed(self.recipe), self.course.peak_time, period)
+        at = snapshot(self.tets, self.recipe.test.material, prescribed(self.recipe), self.course.peak_time, period)
         write_whole(target, vtu_bytes(self.tets, self.detail.drop, at, each=each_orientation))
         return target
 
@@ -168,7 +168,7 @@ def simulate(
             by itself.
         material: A library name, a .toml/.json file, or a Material.
         orientations: Landings that are not nearly flat, the flat one included; as many as the poses or the standard need.
-        poses: How the others land, one of `Recipe.poses`: every way by default.
+        poses: How the others land, one of `records.POSES`: every way by default.
         nearly_flat: Whether it lands tilted by 3° onto the corners and sides of what it stands on, too.
         height: Height of the fall the part is to survive, [mm] or text such as "1.5 m"; 1.5 m, or what the standard asks for.
         standard: Drop standard whose orientations and height are simulated, such as `mil-810h`; the verdict is no test to it.
@@ -190,8 +190,8 @@ def simulate(
     chosen, where = material_named(material), resolve_device(device)
     asked = {"orientations": orientations, "poses": poses, "height": None if height is None else length_of(height)}
     given = {name: value for name, value in asked.items() if value is not None}
-    wanted = Recipe(
-        surface="", tetrahedra="", prompt="", material=chosen, criterion=criterion, loads=load_cases(loads), minimum_wall=minimum_wall,
+    wanted = Recipe.of(
+        prompt="", material=chosen, criterion=criterion, loads=load_cases(loads), minimum_wall=minimum_wall,
         window=window, nearly_flat=nearly_flat,
         build_direction=None if build_direction is None else direction_of(build_direction),
         **with_drops({"standard": standard, **given}),
@@ -229,6 +229,6 @@ def _tested(
     verdict = simulator.judge(detail.simulation, alone=relief is None)
     stage("looking at the impact")
     impact = None if detail.drop.failure else impact_of(part, recipe, displacement, memo, progress)
-    thin = walls.warnings(part.surface, part.thickness, displacement, wanted.minimum_wall)
+    thin = walls.warnings(part.surface, part.thickness, displacement, wanted.delivery.minimum_wall)
     warning = " ".join(f"{sentence}." for sentence in thin)
     return PartTest(part, recipe, displacement, detail.simulation, verdict, warning, tets, detail, impact, fit_of(tets, given), original)

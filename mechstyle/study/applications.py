@@ -84,7 +84,7 @@ class Pair:
         """Write `comparison.png` and `comparison.md` with the table and both verdicts; what each file is, and its path."""
         columns, rows = self.table()
         words = [f"{label}: {run.verdict.words}" for label, run in (("Freestyle", self.free), ("MechStyle", self.fed))]
-        page = f"# {self.fed.record.name}: “{self.fed.recipe.prompt}”\n\n{markdown([columns, *rows])}\n{words[0]}\n\n{words[1]}\n"
+        page = f"# {self.fed.record.name}: “{self.fed.recipe.style.prompt}”\n\n{markdown([columns, *rows])}\n{words[0]}\n\n{words[1]}\n"
         write_whole(folder / "comparison.md", page.encode())
         return {"comparison": str(self.show().save(folder / "comparison.png")), "table": str(folder / "comparison.md")}
 
@@ -97,7 +97,7 @@ def apply(name: str, out: str | Path, *, vertices: int = STANDARD_VERTICES, devi
         out: Folder for the two run directories; what was begun there goes on.
         vertices: Vertices of the standardised surface.
         device: `auto`, `cpu` or `cuda`.
-        settings: Fields of `Recipe` for both runs, such as iterations; `protect` in place of the application's own regions.
+        settings: Settings of a recipe for both runs, such as iterations; `protect` in place of the application's own regions.
 
     Raises:
         BadInput: If there is no such application or setting.

@@ -39,9 +39,9 @@ def test_a_3mf_is_painted_in_two_filaments_and_says_first_what_it_costs(run, tmp
     ],
 )
 def test_a_colour_asked_for_is_a_filament(run, prompt, palette):
-    recipe = msgspec.structs.replace(run.recipe, prompt=prompt)
+    recipe = run.recipe.with_settings(prompt=prompt)
     assert asked_for(recipe) == palette
-    assert asked_for(msgspec.structs.replace(recipe, stylizer="mine")) == ()
+    assert asked_for(recipe.with_settings(stylizer="mine")) == ()
     mesh = run.surface()
     usual = Printing().filaments(mesh)
     assert Printing(slicer="bambu").filaments(mesh, palette) == (palette or usual)

@@ -9,9 +9,9 @@ import trimesh
 from mechstyle.errors import BadInput, SimulationFailed
 from mechstyle.loop.bounds import unrestrained
 from mechstyle.records import Recipe
+from mechstyle.records.chapters import BASES
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import SurfaceMesh
-from mechstyle.records.recipe import BASES
 from mechstyle.simulation import part as module
 from mechstyle.simulation.part import prepare
 
@@ -73,7 +73,7 @@ def test_a_plain_base_is_not_free_and_all_above_it_is(ready):
 
 
 def test_a_style_on_a_plain_base_leaves_what_it_stands_on_as_it_is(ready):
-    part, recipe = ready[0], Recipe(surface="", tetrahedra="", prompt="brick", material=LIBRARY["PLA"])
+    part, recipe = ready[0], Recipe.of(prompt="brick", material=LIBRARY["PLA"])
     wild = np.random.default_rng(0).normal(0.0, 3.0, len(part.thickness)).astype(np.float32)
     relief = unrestrained(wild, part.shape.bounds("plain", 0.8), recipe)
     assert np.all(relief[part.shape.level_base.standing] == 0.0)
@@ -117,6 +117,24 @@ def test_walls_are_told_before_the_part_is_filled_which_takes_minutes_if_they_ar
     monkeypatch.setattr(module, "at_rest", filled)
     with pytest.raises(SimulationFailed, match=r"filled after \['the part itself has a wall of .*, thinner than the 15 mm minimum"):
         prepare(block(), vertices=1200, measured=lambda shape: told.extend(shape.too_thin(15.0)))
+
+
+def test_the_plain_part_is_filled_meanwhile(tmp_path, monkeypatch):
+    """It is dropped as well, and its tetrahedra are known when it is."""
+    filled = []
+
+    def carried(surface, relief, _go_on):
+        filled.append(("styled", surface.digest))
+        return None, relief
+
+    def raised(shape, **_go_on):
+        return np.ones(len(shape.surface.vertices), np.float32)
+
+    monkeypatch.setenv("MECHSTYLE_CACHE", str(tmp_path))
+    monkeypatch.setattr(module, "at_rest", lambda surface, _go_on: filled.append(("plain", surface.digest)))
+    monkeypatch.setattr(module, "carrying", carried)
+    part = prepare(block(), vertices=1200, relief=raised)
+    assert sorted(filled) == [("plain", part.surface.digest), ("styled", part.surface.digest)]
 
 
 def test_an_open_surface_is_refused():

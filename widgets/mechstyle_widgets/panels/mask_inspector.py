@@ -8,7 +8,6 @@ from functools import lru_cache
 from typing import Any
 
 import ipywidgets
-import msgspec
 import numpy as np
 import traitlets
 
@@ -105,7 +104,7 @@ class MaskInspector(Section):
 
     def mask(self, run: Run, checkpoint: Checkpoint, **settings: Any) -> Field:
         """The mask that settings make of a checkpoint's stress, as a branch from there would begin with, shape [vertex_count]."""
-        recipe = msgspec.structs.replace(run.recipe, **settings)
+        recipe = run.recipe.with_settings(**settings)
         tested = self.state.simulation(run.store, checkpoint)
         return mask_of(tested, self._original(run), recipe) * self._freedom(run, run.recipe)
 
@@ -114,7 +113,7 @@ class MaskInspector(Section):
         run, state = self.state.run, self.state
         if run is None:
             return
-        if all(getattr(run.recipe, name) == value for name, value in self.settings.items()):
+        if all(run.recipe.settings[name] == value for name, value in self.settings.items()):
             self._offer(None, f"Nothing differs from {state.called(state.lane)}: move the threshold first, or try another strategy.")
         elif state.iteration < state.length:
             self.controller.branch(state.iteration, "", self.complain, **self.settings)
@@ -186,7 +185,7 @@ def mask_of(simulation: Simulation, original: Simulation, recipe: Recipe) -> Fie
     if simulation.failure or original.failure:
         return np.ones(len(simulation.displacement), np.float32)
     demand = control.demand(simulation, original, recipe)
-    return control.mask(demand, recipe.control, recipe.threshold)
+    return control.mask(demand, recipe.restraint.control, recipe.restraint.threshold)
 
 
 def _original(run: Run) -> Simulation:

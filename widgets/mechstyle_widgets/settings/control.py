@@ -45,7 +45,7 @@ class ControlSelector(Section):
         peak_stress: Largest stress of the unstylized part [MPa].
     """
 
-    FIELDS = ("control", "normalisation", "threshold")
+    SEEN = ("material",)
     OWN = ("freestyle",)
 
     freestyle = traitlets.Bool(False)
@@ -76,9 +76,9 @@ class ControlSelector(Section):
 
     def take(self, recipe: Recipe) -> None:
         """Choose what a recipe has."""
-        self.freestyle = not recipe.feedback
-        self.material = recipe.material
-        if recipe.feedback:
+        self.freestyle = not recipe.restraint.feedback
+        self.material = recipe.test.material
+        if recipe.restraint.feedback:
             super().take(recipe)
 
     @property

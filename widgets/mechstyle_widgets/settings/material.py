@@ -32,8 +32,6 @@ class MaterialPicker(Section):
         material: The material chosen; setting one that is not in the library shows it as edited.
     """
 
-    FIELDS = ("material",)
-
     material = traitlets.Instance(Material)
 
     def __init__(self, material: str | Material = "PLA") -> None:

@@ -60,11 +60,11 @@ def landings_on_the_way(settings: Mapping[str, Any]) -> int:
 
 @lru_cache(maxsize=8)
 def plan(schedule: str, every: int, travel: float, iterations: int, relief: float | None, amplitude: float | None) -> Plan:
-    """Iterations a schedule simulates if nothing is restrained; arguments as in `Recipe`.
+    """Iterations a schedule simulates if nothing is restrained; arguments as in a recipe.
 
     The rules are the engine's own, asked about one vertex whose relief approaches its full height exponentially.
     """
-    recipe = Recipe(surface="", tetrahedra="", prompt="", material=LIBRARY["PLA"], schedule=schedule, every=every, travel=travel,
+    recipe = Recipe.of(prompt="", material=LIBRARY["PLA"], schedule=schedule, every=every, travel=travel,
                     iterations=iterations)  # fmt: skip
     demand = np.full(1, SUPPOSED_DEMAND if schedule == "stress" else 0.0, np.float32)
     share = relief / (NOMINAL * SUPPOSED_WALL) if relief is not None else SHARE if amplitude is None else amplitude
