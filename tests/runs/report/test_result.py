@@ -35,7 +35,8 @@ def test_a_page_with_no_result_or_with_two_is_no_report(lane, tmp_path, count):
 
 
 @pytest.mark.parametrize(
-    "forged", [{"outcome": "PASSED"}, {"kept": 2.0}, {"kept": -1.0}, {"fall": 0.0}, {"simulations": 0}, {"vertices": 3}, {"part": "x" * 501}]
+    "forged",
+    [{"outcome": "PASSED"}, {"kept": 2.0}, {"kept": -1.0}, {"fall": 0.0}, {"simulations": 0}, {"vertices": 3}, {"part": "x" * 501}],
 )
 def test_a_result_that_no_run_comes_to_is_refused(lane, tmp_path, forged):
     result = msgspec.structs.replace(result_of(lane, lane.verdict), **forged)
