@@ -5,9 +5,7 @@ from __future__ import annotations
 import logging
 import math
 import os
-from base64 import b64encode
 from collections.abc import Callable
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +28,7 @@ from mechstyle_widgets.panels.branches import Branches
 from mechstyle_widgets.panels.keys import Keys
 from mechstyle_widgets.panels.mask_inspector import DECIDES, MaskInspector
 from mechstyle_widgets.panels.result import Result
-from mechstyle_widgets.panels.run_controls import RunControls
+from mechstyle_widgets.panels.run_controls import AT_REST, RunControls
 from mechstyle_widgets.panels.take_away import TakeAway
 from mechstyle_widgets.settings.brush import covered, paintable
 from mechstyle_widgets.settings.control import ControlSelector
@@ -113,6 +111,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._make_sections("" if run is not None else part, settings)
         self._changed()  # the timeline begins with the plan: what a figure gets before a page shows it may get lost
         self.frame, self._size = Frame(), SIZE
+        traitlets.link((self.frame, "calm"), (self.state, "calm"))
         self.take_away = TakeAway(self.state, self.frame)
         self.previewer = Previewer(self._arrived, self._not_drawn)
         self._middle, self._asked = stacked([], "mechstyle-view"), stacked([], "mechstyle-asked")
@@ -142,18 +141,15 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._emphasise()
         self.state.observe(self._preview, "settings")
         self.run_controls.on_back(self.back)
+        self.state.observe(self._rested, "status")
 
     def __repr__(self) -> str:
         """The run and the iteration shown."""
         return f"Studio({self.state.run!r})" if self.state.run is not None else f"Studio({self.part_picker.name!r})"
 
-    def _repr_mimebundle_(self, **formats: Any) -> Any:
-        """Shown with a picture of the view under its badge, for pages that have no kernel and for those that do not trust the notebook."""
-        bundle = super()._repr_mimebundle_(**formats)
-        with suppress(MechStyleError):  # a picture is not worth an error
-            if self._viewer is not None:
-                bundle["image/png"] = b64encode(self._viewer.picture(self._caption).png).decode()
-        return bundle
+    def still(self) -> bytes:
+        """The view under its badge."""
+        return b"" if self._viewer is None else self._viewer.picture(self._caption).png
 
     @property
     def _caption(self) -> str:
@@ -474,6 +470,11 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         """A style cannot be drawn on this part."""
         if isinstance(self._viewer, PartViewer):
             self._viewer.take_off(why)
+
+    def _rested(self, change: dict[str, Any]) -> None:
+        """What has come of a run is what its notebook is to show."""
+        if change["new"] in AT_REST:
+            self.renew_still()
 
     def _hatch(self, _change: object = None) -> None:
         """Show on the part what is painted or written as a protected region."""

@@ -24,12 +24,14 @@ class Frame(PageWidget):
     Attributes:
         size: Width of the element of the class `mechstyle-view` and the height for a view in it [pixels]; empty until they are known.
         dark: Whether the notebook's theme is dark.
+        calm: Whether the system asks that nothing moves by itself.
         was: What is said once the kernel is gone.
     """
 
     _esm, _css = f"const TERMS = {terms()};\n" + _static("terms.js") + _static("frame.js"), _static("frame.css")
     size = traitlets.List(traitlets.Int(), []).tag(sync=True)
     dark = traitlets.Bool(False).tag(sync=True)
+    calm = traitlets.Bool(False).tag(sync=True)
     was = traitlets.Unicode().tag(sync=True)
 
     def __init__(self) -> None:

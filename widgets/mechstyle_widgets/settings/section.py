@@ -63,6 +63,10 @@ class Section(Framed, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has 
         super().__init__([*children, self._note, self._trouble])
         self.add_class("mechstyle-section")
 
+    def __repr__(self) -> str:
+        """What it is and what is chosen, which is all that a notebook without a kernel shows of it."""
+        return f"{type(self).__name__}({self.brief})"
+
     def notify_change(self, change: Any) -> None:
         """Let nobody's error in hearing of a change end in a log only."""
         try:

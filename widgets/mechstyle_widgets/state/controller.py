@@ -228,7 +228,7 @@ class Controller:
             if not free.finished:
                 self.state.tell(opened=free, fraction=0.0)
                 yield from self._events(free, progress)
-            self.state.tell(opened=run, pinned=(free.lane, free.recipe.iterations), layer="stress")
+            self.state.tell(opened=run, pinned=(free.lane, free.recipe.iterations), layer="stress", falls=self.state.falls + 1)
 
     def _events(self, run: Run, progress: Progress) -> Generator[Event, None, None]:
         self.state.tell(stage="drawing the style, simulating the unstylized part", step=0.0)

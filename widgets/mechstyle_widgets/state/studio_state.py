@@ -27,8 +27,8 @@ from mechstyle_widgets.state.troubles import sentence
 STATUSES = ("idle", "preparing", "running", "paused", "stopped", "finished", "failed")
 SHORTEST_WAIT = 0.1  # between two updates of what is shown [s]
 KEPT = 12  # checkpoints in memory; one of 25k vertices is about 1 MB
-OF_A_RUN = {"pinned", "layer"}
-"""Traits that mean something in the run they belong to."""
+OF_A_RUN = ("layer", "pinned", "falls")
+"""Traits that mean something in the run they belong to, in the order in which they are set."""
 ASKED = ("settings", "part")
 """What the user asks for: a message about it ends when it changes."""
 PLACE = ("lane", "iteration", "run", "status")
@@ -65,6 +65,8 @@ class StudioState(traitlets.HasTraits):
         title: What the run on show is called: its part and its style; "" before there is one.
         outlook: What test the next run has and how long it will take, in one sentence; "" while that is not known.
         another: Whether what is asked for is another run than the one on show, which is then the last one.
+        falls: Counts the comparisons whose fall is to be played once.
+        calm: Whether the system asks that nothing moves by itself.
     """
 
     run = traitlets.Instance(Run, None, allow_none=True)
@@ -93,6 +95,8 @@ class StudioState(traitlets.HasTraits):
     title = traitlets.Unicode("")
     outlook = traitlets.Unicode("")
     another = traitlets.Bool(False)
+    falls = traitlets.Int(0)
+    calm = traitlets.Bool(False)
     _ends_with: tuple[str, ...] = ASKED
 
     def __init__(self, run: Run | None = None, **traits: Any) -> None:
@@ -281,7 +285,7 @@ class StudioState(traitlets.HasTraits):
             noted, self._noted = self._noted, {}
             stale, self._stale, self._due = self._stale, False, False
             opened, self._opened = self._opened, None
-        of_it = {name: noted.pop(name) for name in OF_A_RUN & noted.keys()}
+        of_it = {name: noted.pop(name) for name in OF_A_RUN if name in noted}
         for name, value in noted.items():
             setattr(self, name, value)
         try:

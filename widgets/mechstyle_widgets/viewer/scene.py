@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pythreejs
+import trimesh
 from numpy.typing import ArrayLike, NDArray
 
 from mechstyle.pictures.colormap import PLAIN
@@ -62,7 +63,8 @@ class Scene:
         """Build it whole around a part, with `centre` [mm] at the origin, about which the controls orbit."""
         self._vertices, self._normals = _attribute(mesh.vertices), _attribute(mesh.vertex_normals)
         self._colours, self._places = _attribute(_own_colours(mesh)), _attribute(np.full(len(mesh.vertices), OWN))
-        self._protected = _attribute(np.zeros(len(mesh.vertices)))
+        self._protected, self._creases = _attribute(np.zeros(len(mesh.vertices))), _attribute(np.zeros(len(mesh.vertices)))
+        self._beside = trimesh.graph.face_adjacency(mesh.faces, return_edges=True)
         count = 5 + MOST_PINS
         self._spots, self._kinds = _attribute(np.zeros((count, 3))), _attribute(np.full(count, HIDDEN))
         self._cut: tuple[Plane, bool] = (WHOLE, False)
@@ -81,6 +83,7 @@ class Scene:
                 "colour": self._colours,
                 "place": self._places,
                 "is_protected": self._protected,
+                "crease": self._creases,
                 "index": pythreejs.BufferAttribute(mesh.faces.ravel().astype(np.uint32), normalized=False),
             }
         )
@@ -96,9 +99,11 @@ class Scene:
         self._colours.array = _single(_own_colours(mesh))
         self._geometry.exec_three_obj_method("computeBoundingSphere")
 
-    def paint(self, layer: Layer | None) -> None:
-        """Show a field, or the part's own colours."""
+    def paint(self, layer: Layer | None, mesh: SurfaceMesh) -> None:
+        """Show a field, the creases of the surface drawn over it, or the part's own colours."""
         count = len(self._places.array)
+        if layer is not None:
+            self._creases.array = _creases(mesh, self._beside)
         self._places.array = np.full(count, OWN, np.float32) if layer is None else paint(layer.values, layer.scale)
 
     def hatch(self, protected: NDArray[np.bool_] | None) -> None:
@@ -243,6 +248,21 @@ def _part_material(vertex_shader: str) -> Any:
         extensions={"derivatives": True},
         side="DoubleSide",
     )
+
+
+def _creases(mesh: SurfaceMesh, beside: tuple[NDArray[np.int64], NDArray[np.int64]]) -> Floats32:
+    """The largest angle between two triangles at each vertex [rad], shape [vertex_count].
+
+    Args:
+        mesh: The surface.
+        beside: Pairs of triangles that share an edge, shape [n, 2], and the ends of each edge, shape [n, 2].
+    """
+    (one, other), (start, end) = beside[0].T, beside[1].T
+    angles = np.arccos(np.clip(np.einsum("ij,ij->i", mesh.face_normals[one], mesh.face_normals[other]), -1.0, 1.0)).astype(np.float32)
+    found = np.zeros(len(mesh.vertices), np.float32)
+    for ends in (start, end):
+        np.maximum.at(found, ends, angles)
+    return found
 
 
 def _own_colours(mesh: SurfaceMesh) -> NDArray[np.floating]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 from typing import Any
 
 import ipywidgets
@@ -189,7 +190,12 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
         """The view, cut open as it is, without the hatching of protected regions, rendered in the kernel: `.save(path)` writes the PNG."""
         shown = self._shown
         names = self.names if len(shown) > 1 else ("",)
-        return picture([self._panel(subject, name) for subject, name in zip(shown, names, strict=False)], title=title)
+        panels = [self._panel(*one) for one in zip(shown, self._layers, names, strict=False)]
+        return picture(panels, title=title)
+
+    def still(self) -> bytes:
+        """The view, as PNG."""
+        return self.picture().png
 
     def close(self) -> None:
         """Close the view and every widget it is made of; nothing stays behind in the kernel."""
@@ -246,12 +252,14 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
 
     def _draw(self) -> None:
         """Bring the scenes, the legend and the table up to date with the traits."""
-        layer, bands = self.subject.layer(self.layer), BANDS if self.stepped else 0
+        layers, bands = self._layers, BANDS if self.stepped else 0
+        layer = layers[0]
         self._orbit.follow(self.subject.mesh)
         self._arrange()
         with self._at_once():
-            for scene, subject in zip(self._scenes, self._shown, strict=False):
-                _fill(scene, subject, self.layer)
+            for scene, subject, painted in zip(self._scenes, self._shown, layers, strict=False):
+                scene.move(subject.mesh)
+                scene.paint(painted, subject.mesh)
                 scene.band(bands)
                 scene.cut(self.section.plane, filled=self.section.filled)
                 scene.mark(_extremes(subject, self.layer) if self.markers else None, self.probed, self.places, self.measured)
@@ -270,6 +278,17 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
     def _shown(self) -> list[Subject]:
         """What stands side by side."""
         return [self.subject, *(one for one in (self.original, self.third) if self.beside and one is not None)]
+
+    @property
+    def _layers(self) -> list[Layer | None]:
+        """The layer on show of each that stands there, in colours that mean the same everywhere: the widest range, the limit of the first."""
+        layers = [subject.layer(self.layer) for subject in self._shown]
+        scales = [layer.scale for layer in layers if layer is not None]
+        if len(scales) < 2:
+            return layers
+        ends, widest = [(scale.low, scale.high) for scale in scales], (max, min) if scales[0].falls else (min, max)
+        limits, limit = (widest[0](low for low, _ in ends), widest[1](high for _, high in ends)), scales[0].threshold
+        return [None if layer is None else replace(layer, limits=limits, threshold=limit) for layer in layers]
 
     def _arrange(self) -> None:
         """Lay out one view, or two or three that share the width and the camera."""
@@ -310,8 +329,8 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
             camera=self._orbit.three, scene=scene.three, controls=controls, width=width, height=height, antialias=True
         )
 
-    def _panel(self, subject: Subject, title: str) -> Panel:
-        layer, seen = subject.layer(self.layer), self._orbit.seen
+    def _panel(self, subject: Subject, layer: Layer | None, title: str) -> Panel:
+        seen = self._orbit.seen
         if layer is None:
             return Panel(self.section.applied(subject.mesh)[0], title, view=seen)
         mesh, values = self.section.applied(subject.mesh, layer.values)
@@ -324,13 +343,6 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
     def _cut(self, _change: object) -> None:
         for scene in self._scenes:
             scene.cut(self.section.plane, filled=self.section.filled)
-
-
-def _fill(scene: Scene, subject: Subject, name: str) -> None:
-    """Put a subject into a scene, painted with the layer of a name."""
-    layer = subject.layer(name)
-    scene.move(subject.mesh)
-    scene.paint(layer)
 
 
 def _extremes(subject: Subject, name: str) -> tuple[int, int] | None:

@@ -103,6 +103,7 @@ function render({ model, el }) {
     listen(document, "fullscreenchange", measure);
     const light = () => {
       model.set("dark", document.body.dataset.jpThemeLight ? document.body.dataset.jpThemeLight === "false" : matchMedia("(prefers-color-scheme: dark)").matches);
+      model.set("calm", matchMedia("(prefers-reduced-motion: reduce)").matches);
       model.save_changes();
     };
     watch(new MutationObserver(light), document.body, { attributes: true, attributeFilter: ["data-jp-theme-light"] });
