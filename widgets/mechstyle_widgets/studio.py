@@ -6,6 +6,7 @@ import logging
 import math
 import os
 from collections.abc import Callable
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -27,9 +28,12 @@ from mechstyle_widgets.jupyter.looks import lean, sharing, show, stacked
 from mechstyle_widgets.panels.branches import Branches
 from mechstyle_widgets.panels.keys import Keys
 from mechstyle_widgets.panels.mask_inspector import DECIDES, MaskInspector
+from mechstyle_widgets.panels.my_runs import MyRuns
+from mechstyle_widgets.panels.pull import PullHere
 from mechstyle_widgets.panels.result import Result
 from mechstyle_widgets.panels.run_controls import AT_REST, RunControls
 from mechstyle_widgets.panels.take_away import TakeAway
+from mechstyle_widgets.panels.undo import Undo
 from mechstyle_widgets.settings.brush import covered, paintable
 from mechstyle_widgets.settings.control import ControlSelector
 from mechstyle_widgets.settings.drop import SIZES, DropOptions
@@ -79,6 +83,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     theme = traitlets.Enum(("auto", "light", "dark"), "auto")
     _viewer: Viewer | None = None
     _timeline: Timeline | None = None
+    _undo: Undo | None = None
 
     @sharing()
     def __init__(
@@ -117,7 +122,9 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._middle, self._asked = stacked([], "mechstyle-view"), stacked([], "mechstyle-asked")
         self.theme = theme
         self._timeline = Timeline(self.state, theme=self.shown_theme, width=SIZE[0])
-        super().__init__([stacked([self.run_controls, self.drop_options.sizes, self.take_away, self.frame], "mechstyle-bar"), self._body()])
+        self._undo = Undo(self._all_settings, self._give_all)
+        bar = [self.run_controls, self._undo, self.drop_options.sizes, self.take_away, self.frame]
+        super().__init__([stacked(bar, "mechstyle-bar"), self._body()])
         self.add_class("mechstyle-studio")
         self.frame.observe(self._fit, "size")
         self.frame.observe(self._relight, "dark")
@@ -141,15 +148,15 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._emphasise()
         self.state.observe(self._preview, "settings")
         self.run_controls.on_back(self.back)
-        self.state.observe(self._rested, "status")
+        self.state.observe(self._rested, ("status", "run"))
 
     def __repr__(self) -> str:
         """The run and the iteration shown."""
         return f"Studio({self.state.run!r})" if self.state.run is not None else f"Studio({self.part_picker.name!r})"
 
-    def still(self) -> bytes:
-        """The view under its badge."""
-        return b"" if self._viewer is None else self._viewer.picture(self._caption).png
+    def still(self) -> Callable[[], bytes] | None:
+        """What draws the view under its badge."""
+        return None if self._viewer is None else self._viewer.still(self._caption)
 
     @property
     def _caption(self) -> str:
@@ -167,6 +174,11 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     def viewer(self) -> Viewer | None:
         """The view of what is on show, None while there is none."""
         return self._viewer
+
+    def step_back(self, *, forward: bool = False) -> None:
+        """Undo the last setting, or redo one that was undone."""
+        if self._undo is not None:
+            (self._undo.redo if forward else self._undo.undo)()
 
     def show_mask(self) -> None:
         """Show what is held back, and what another setting would hold back."""
@@ -220,12 +232,14 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._sections = [self.prompt_box, self.material_picker, self.control_selector, self.schedule_selector, self.regions_picker,
                           self.drop_options]  # fmt: skip
         traitlets.link((self.material_picker, "material"), (self.control_selector, "material"))
+        traitlets.link((self.material_picker, "price"), (self.state, "price"))
         for name in ("relief", "amplitude"):
             traitlets.link((self.prompt_box, name), (self.schedule_selector, name))
         self._give(given)
         self.run_controls = RunControls(self.controller)
         self.mask_inspector = MaskInspector(self.controller)
         self.branches, self._result = Branches(self.controller), Result(self.state)
+        self.pull_here = PullHere(self.drop_options, lambda: self._viewer)
 
     def _give(self, settings: dict[str, Any]) -> None:
         """Set what was given by name; as everywhere, a standard, poses and a criterion bring what belongs to them."""
@@ -243,6 +257,10 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         """Settings, view with timeline, and what looks into them; the sheet of the frame says which stand beside each other."""
         sections = zip(TITLES, (self.part_picker, *self._sections), strict=True)
         self._groups = [Group(title, section, unfolded=title in OPEN, page=title not in OPEN) for title, section in sections]
+        self.my_runs = MyRuns(self.state, self._open_again)
+        runs = Group("My runs", self.my_runs, page=True)
+        runs.observe(lambda change: self.my_runs.look() if change["new"] else None, "unfolded")
+        self._groups.append(runs)
         for group in self._groups:
             group.observe(self._turn_page, "unfolded")
         self._tabs = lean(ipywidgets.Tab, [self.mask_inspector, self.branches, self._asked], titles=("What if", "Branches", "Place"))
@@ -261,6 +279,32 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         for group in pages:
             group.unfolded = False
         return bool(pages)
+
+    def _open_again(self, run: Run) -> None:
+        """Show a run that was made before."""
+        self.close_page()
+        self._take(run)
+        self.state.open(run)
+        self._other_part()
+
+    def _all_settings(self) -> dict[str, Any]:
+        """Everything that can be set, and the part, by name."""
+        chosen = {name: getattr(section, name) for section in self._sections for name in (*section.FIELDS, *section.OWN)}
+        part = self.part_picker
+        return {**chosen, "unseen": dict(self._unseen), "part": (part.model, part.scale, part.body, part.mesh, part.name)}
+
+    def _give_all(self, settings: dict[str, Any]) -> None:
+        """Set everything, and the part."""
+        self.drop_options.unobserve(self._other_criterion, "criterion")  # whose method is among the settings
+        self._unseen = dict(settings["unseen"])
+        with self.state.hold_trait_notifications():
+            for section in self._sections:
+                for name in (*section.FIELDS, *section.OWN):
+                    setattr(section, name, settings[name])
+        self.drop_options.observe(self._other_criterion, "criterion")
+        model, scale, body, mesh, name = settings["part"]
+        if mesh is not self.part_picker.mesh and mesh is not None:
+            self.part_picker.choose(model, scale, body) if model else self.part_picker.show(mesh, name)
 
     def _take(self, run: Run) -> None:
         """Show the settings and the part of a run that was made before."""
@@ -283,17 +327,22 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
 
     def _other_criterion(self, change: dict[str, Any]) -> None:
         """A criterion that is chosen brings its method, as everywhere."""
-        self._give({"criterion": change["new"]})
+        with self._undo.as_one() if self._undo is not None else nullcontext():
+            self._give({"criterion": change["new"]})
 
     def _changed(self, _change: object = None) -> None:
         """Tell the state what is asked for."""
         asked = {name: value for section in self._sections for name, value in section.settings.items()}
         self.state.settings = {**asked, **(FREESTYLE if self.control_selector.freestyle else {})}
+        if self._undo is not None:
+            self._undo.note()
 
     def _other_part(self, _change: object = None) -> None:
         """A part was picked: show its run if there is one at hand, else the part as it is."""
         mesh = self.part_picker.mesh
         self.state.part = "" if mesh is None else mesh.digest
+        if self._undo is not None:
+            self._undo.note()
         if mesh is not None and not self._show_its_run():
             self._show(self._made(PartViewer, paintable(mesh)))
             self._preview()
@@ -363,8 +412,9 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
 
     def _show(self, viewer: Viewer) -> None:
         old, self._viewer = self._viewer, viewer
-        self._middle.children, self._asked.children = [viewer], [viewer.lend_table()]
+        self._middle.children, self._asked.children = [viewer], [viewer.lend_table(), self.pull_here]
         viewer.on_click(self.regions_picker.click)
+        viewer.on_click(self.pull_here.click)
         viewer.on_click(lambda _: setattr(self._tabs, "selected_index", ASKED))
         self._hatch()
         if self._timeline is not None:
@@ -471,9 +521,9 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         if isinstance(self._viewer, PartViewer):
             self._viewer.take_off(why)
 
-    def _rested(self, change: dict[str, Any]) -> None:
+    def _rested(self, _change: object) -> None:
         """What has come of a run is what its notebook is to show."""
-        if change["new"] in AT_REST:
+        if self.state.status in AT_REST:
             self.renew_still()
 
     def _hatch(self, _change: object = None) -> None:

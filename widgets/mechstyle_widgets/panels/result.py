@@ -26,7 +26,7 @@ class Result(Words):
         self._state = state
         super().__init__(layout=WIDE)
         self.add_class("mechstyle-result")
-        state.observe(self._tell, ("histories", "checkpoint", "lane", "settings", "run", "status", "title", "another"))
+        state.observe(self._tell, ("histories", "checkpoint", "lane", "settings", "run", "status", "title", "another", "price"))
         self._tell()
 
     def _tell(self, _change: object = None) -> None:
@@ -45,7 +45,11 @@ class Result(Words):
         if run is None or shown is None or (plain := run.part.surface.volume) <= 0.0:
             return ""
         density, styled = run.recipe.material.density, run.part.surface.displaced(shown.displacement).volume
-        return f'<div class="mechstyle-note">{sentences.weighed(density * styled, density * plain)}</div>'
+        said, price = word(sentences.weighed(density * styled, density * plain)), self._state.price
+        if price:
+            costs = (f"{1e-3 * price * density * volume:.2f}" for volume in (styled, plain))
+            said += " " + word("Its filament costs {}, that of the plain part {}, at {} per kg.").format(*costs, f"{price:g}")
+        return f'<div class="mechstyle-note">{escape(said)}</div>'
 
     def _lanes(self) -> str:
         """HTML of outcome and relief kept of each lane that was tested since it began, "" where none was."""

@@ -67,6 +67,7 @@ class StudioState(traitlets.HasTraits):
         another: Whether what is asked for is another run than the one on show, which is then the last one.
         falls: Counts the comparisons whose fall is to be played once.
         calm: Whether the system asks that nothing moves by itself.
+        price: What filament costs per kg, 0 if that is not to be told.
     """
 
     run = traitlets.Instance(Run, None, allow_none=True)
@@ -97,6 +98,7 @@ class StudioState(traitlets.HasTraits):
     another = traitlets.Bool(False)
     falls = traitlets.Int(0)
     calm = traitlets.Bool(False)
+    price = traitlets.Float(0.0)
     _ends_with: tuple[str, ...] = ASKED
 
     def __init__(self, run: Run | None = None, **traits: Any) -> None:

@@ -43,7 +43,7 @@ SHEET = """<style>
 .mechstyle-viewer > * { flex: 1 1 100%; min-width: 0; }
 .mechstyle-viewer > .mechstyle-toolbar { flex: 0 1 auto; order: -2; }
 .mechstyle-viewer > .mechstyle-player-start { flex: 0 0 auto; order: -1; width: auto; }
-.mechstyle-viewer .mechstyle-toolbar :is(.widget-toggle-button, .widget-button) { padding: 0 8px; }
+.mechstyle-viewer .mechstyle-toolbar :is(.widget-toggle-button, .widget-button) { padding: 0 6px; margin: 2px 1px; }
 .mechstyle-toolbar :is(.widget-toggle-button, .widget-button) .fa { margin-right: 0; }
 .mechstyle-toolbar .mechstyle-worded .fa { margin-right: 4px; }
 .mechstyle-section-plane { display: flex; flex-flow: row wrap; align-items: center; gap: 0 8px; }

@@ -22,7 +22,7 @@ MAXIMUM, MINIMUM, PICKED, END, PIN, HIDDEN = 0.0, 1.0, 2.0, 3.0, 10.0, -1.0  # k
 COLUMNS, ROWS, CELL = 6, 4, 32  # of the numbers of pins in their texture, and their size [pixels]
 MOST_PINS = COLUMNS * ROWS
 FOLDED, DRAWN = (0.35, 0.8), 0.55
-"""Angle between two triangles from which on the edge between them is drawn over a field, and where it is darkest [rad]; how dark that is."""
+"""Angles between two triangles at which the edge between them begins to be drawn over a field and is darkest [rad]; how dark that is."""
 WHOLE = (0.0, 0.0, 0.0, 1.0)
 """The plane (normal, distance) that cuts nothing off."""
 

@@ -37,6 +37,7 @@ class Tools(traitlets.HasTraits):
         probed: The vertex asked about, None for none.
         places: Vertices that are kept in the list, in order, at most MOST_PINS.
         measured: Ends of what is measured [mm], two at most.
+        arrow: Foot and tip of an arrow on the part [mm], nothing for none.
         tool: What a click does besides asking: "", `measure` or `places`.
         parallel: Whether one looks in parallel instead of in perspective.
         section: Where the part is cut open: `section.on`, `section.axis`, `section.at` [mm].
@@ -46,6 +47,7 @@ class Tools(traitlets.HasTraits):
     probed = traitlets.Int(None, allow_none=True)
     places = traitlets.Tuple()
     measured = traitlets.Tuple()
+    arrow = traitlets.Tuple()
     tool = traitlets.Enum(TOOLS, "")
     parallel = traitlets.Bool(False)
     subject: Any
@@ -58,6 +60,11 @@ class Tools(traitlets.HasTraits):
     def at_rest(self) -> SurfaceMesh:
         """The part to which the places of clicks belong."""
         return self.subject.mesh
+
+    @property
+    def towards_eye(self) -> Floats:
+        """Unit vector from the part to the eye."""
+        return self._orbit.seen.axes[2]
 
     def fit(self, view: str = "") -> None:
         """Bring the whole part into view."""

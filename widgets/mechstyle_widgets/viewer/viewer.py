@@ -5,7 +5,7 @@ All of pythreejs stays behind `Viewer`.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from typing import Any
@@ -41,7 +41,7 @@ answer_while_drawing()
 
 BANDS = 9
 """Colours of a field that is shown in steps: each spans five MPa of a strength of 45."""
-DRAWN = ("subject", "original", "third", "layer", "markers", "probed", "places", "measured", "tool", "beside", "names", "outcomes",
+DRAWN = ("subject", "original", "third", "layer", "markers", "probed", "places", "measured", "arrow", "tool", "beside", "names", "outcomes",
          "protected", "stepped")  # fmt: skip
 """Traits that change what is drawn."""
 
@@ -188,14 +188,17 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
 
     def picture(self, title: str = "") -> Picture:
         """The view, cut open as it is, without the hatching of protected regions, rendered in the kernel: `.save(path)` writes the PNG."""
+        return picture(self._panels(), title=title)
+
+    def _panels(self) -> list[Panel]:
         shown = self._shown
         names = self.names if len(shown) > 1 else ("",)
-        panels = [self._panel(*one) for one in zip(shown, self._layers, names, strict=False)]
-        return picture(panels, title=title)
+        return [self._panel(*one) for one in zip(shown, self._layers, names, strict=False)]
 
-    def still(self) -> bytes:
-        """The view, as PNG."""
-        return self.picture().png
+    def still(self, title: str = "") -> Callable[[], bytes]:
+        """What draws the view as it is now."""
+        panels = self._panels()
+        return lambda: picture(panels, title=title).png
 
     def close(self) -> None:
         """Close the view and every widget it is made of; nothing stays behind in the kernel."""
@@ -262,7 +265,7 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
                 scene.paint(painted, subject.mesh)
                 scene.band(bands)
                 scene.cut(self.section.plane, filled=self.section.filled)
-                scene.mark(_extremes(subject, self.layer) if self.markers else None, self.probed, self.places, self.measured)
+                scene.mark(_extremes(subject, self.layer) if self.markers else None, self.probed, self.places, self.measured or self.arrow)
             self._scenes[0].hatch(self.protected)
         mesh = self.subject.mesh
         key = "" if self.protected is None else legend.protected(self.protected, mesh)
@@ -281,7 +284,7 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
 
     @property
     def _layers(self) -> list[Layer | None]:
-        """The layer on show of each that stands there, in colours that mean the same everywhere: the widest range, the limit of the first."""
+        """The layer on show of each that stands there, in colours that mean the same: the widest range, the limit of the first."""
         layers = [subject.layer(self.layer) for subject in self._shown]
         scales = [layer.scale for layer in layers if layer is not None]
         if len(scales) < 2:

@@ -3,14 +3,14 @@
 
 const FULL_LEAST = 320; // height of a view in full screen, which is to leave the timeline in sight [px]
 const QUIET = 120; // a size counts when it has stood still for so long [ms]
-const IN_VIEW = ["+", "-", "=", "Home", "Enter", "PageUp", "PageDown"], ANYWHERE = [..."rn.>c123456amxoliwp"];
+const IN_VIEW = ["+", "-", "=", "Home", "Enter", "PageUp", "PageDown"], ANYWHERE = [..."rn.>c123456amxoliwpzy"];
 const ROOTS = ".mechstyle-studio, .mechstyle-alone";
 const KEYS = { // the list that `?` opens
   "anywhere but in a field": [
     ["R", "run, or go on; in a field Ctrl with Enter"], [".", "one iteration"], ["Shift with .", "on to the next drop test"],
     ["1 to 6, L", "style, stress, safety factor, restraint, demand, displacement; the next layer"],
     ["C, N", "compare with the iteration on show, branch from it"], ["I", "the impact, and back"], ["W", "what another setting would hold back"],
-    ["X, O, M, A, P", "cut open, look in parallel, measure, keep places, paint"], ["F", "full screen, and back"],
+    ["Z, Y", "undo the last setting, redo it"], ["X, O, M, A, P", "cut open, look in parallel, measure, keep places, paint"], ["F", "full screen, and back"],
     ["?", "this list"], ["Escape", "closes this list; goes back from a page of settings; leaves the tool, then the measure, then the cut"],
   ],
   "in the view": [
