@@ -65,8 +65,9 @@ class MaskInspector(Section):
         )
         self._slider = unseen(lean(
             ipywidgets.FloatLogSlider,
-            description="more careful or more style", tooltip="Strength used at which a place may move no further", base=10, min=-1.0,
-            max=1.0, step=0.02, readout=False, layout={"flex": "1 1 80px", "width": "auto"},
+            description="more careful or more style", base=10, min=-1.0, max=1.0, step=0.02, readout=False,
+            tooltip="Strength used at which a place may move no further; less is more careful",
+            layout={"flex": "1 1 80px", "width": "auto"},
         ))  # fmt: skip
         ends = (lean(ipywidgets.Label, word("more careful")), self._slider, lean(ipywidgets.Label, word("more style")))
         slider = lean(ipywidgets.HBox, ends, layout=WIDE)

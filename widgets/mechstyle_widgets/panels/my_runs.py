@@ -160,8 +160,8 @@ def read(place: Path) -> Found | None:
         picture = b""
         if history:
             mesh = run.surface(history[-1].iteration)
-            width, height = SIZE
-            picture = png(render(mesh, camera=Camera.named("three_quarter", mesh.vertices, aspect=width / height), width=width, height=height))
+            camera = Camera.named("three_quarter", mesh.vertices, aspect=SIZE[0] / SIZE[1])
+            picture = png(render(mesh, camera=camera, width=SIZE[0], height=SIZE[1]))
         verdict = last_verdict(run)
         return Found(place, title_of(run), "" if verdict is None else said_of(verdict), picture)
     return None

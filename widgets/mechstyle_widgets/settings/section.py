@@ -12,6 +12,7 @@ import traitlets
 from mechstyle.records import Recipe
 from mechstyle.records.recipe import CHOICES, DEFAULTS, LIMITS
 from mechstyle_widgets.jupyter.frame import Framed
+from mechstyle_widgets.jupyter.language import said
 from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.state.troubles import sentence
 
@@ -93,12 +94,12 @@ class Section(Framed, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has 
 
     def note(self, words: str, warnings: Sequence[str] = ()) -> None:
         """Say something beside the matter, "" for nothing, and what to beware of, each on a line that is seen."""
-        plain = f'<div class="mechstyle-note">{escape(words)}</div>' if words else ""
-        self._note.say(plain + "".join(f'<div class="mechstyle-warning" role="status">{escape(one)}</div>' for one in warnings))
+        plain = f'<div class="mechstyle-note">{escape(said(words))}</div>' if words else ""
+        self._note.say(plain + "".join(f'<div class="mechstyle-warning" role="status">{escape(said(one))}</div>' for one in warnings))
 
     def complain(self, words: str) -> None:
         """Say what is wrong, in one sentence; "" once it is right again."""
-        self._trouble.say(f'<div class="mechstyle-trouble" role="alert">{escape(words)}</div>' if words else "")
+        self._trouble.say(f'<div class="mechstyle-trouble" role="alert">{escape(said(words))}</div>' if words else "")
 
     @property
     def trouble(self) -> str:
@@ -108,6 +109,6 @@ class Section(Framed, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """Rows of plain text as an HTML table."""
-    top = "".join(f'<th scope="col">{escape(cell)}</th>' for cell in head)
-    body = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
+    top = "".join(f'<th scope="col">{escape(said(cell))}</th>' for cell in head)
+    body = "".join("<tr>" + "".join(f"<td>{escape(said(cell))}</td>" for cell in row) + "</tr>" for row in rows)
     return f'<table class="mechstyle-table"><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table>'

@@ -17,7 +17,7 @@ from plotly import io
 from plotly.subplots import make_subplots
 
 from mechstyle.loop.history import Branch, Row
-from mechstyle_widgets.jupyter.language import word
+from mechstyle_widgets.jupyter.language import said, word
 from mechstyle_widgets.state.outcomes import DOUBT, LOOKS
 from mechstyle_widgets.state.schedule_forecast import Plan
 from mechstyle_widgets.state.studio_state import called
@@ -152,7 +152,7 @@ def _prospect(plan: Plan | None, width: int) -> list[str]:
 
 def _planned(lane: str, places: Sequence[int]) -> dict[str, Any]:
     marker = {"symbol": "circle-open", "color": LOOKS["UNKNOWN"].line, "size": 9}
-    hover = {"hovertemplate": "simulation planned at iteration %{x}<extra></extra>"}
+    hover = {"hovertemplate": word("drop test planned at iteration %{x}") + "<extra></extra>"}
     return {"x": list(places), "y": [lane] * len(places), "marker": marker, **hover}
 
 
@@ -211,13 +211,13 @@ def _curve(lane: str, rows: Rows, curve: str) -> dict[str, Any]:
 
 def story(lane: str, row: Row) -> str:
     """Hover text of an iteration."""
-    lines = [f"<b>{escape(lane)} · iteration {row.iteration}</b>"]
+    lines = [f"<b>{escape(lane)} · {word('iteration')} {row.iteration}</b>"]
     if row.outcome:
-        lines.append(f"{row.outcome}, simulated because: {escape(row.reason)}")
+        lines.append(escape(said(f"{row.outcome}, simulated because: {row.reason}")))
         lines += _wrapped(row.words)
-    figures = [f"style loss {row.style_loss:.3g}"]
+    figures = [f"{word('style still missing')} {row.style_loss:.3g}"]
     if row.travel is not None:
-        figures.append(f"travel {row.travel:.2f} of the threshold")
+        figures.append(said(f"travel {row.travel:.2f} of the threshold"))
     if row.seconds is not None:
         figures.append(f"{row.seconds:.1f} s")
     return "<br>".join([*lines, " · ".join(figures)])
@@ -225,12 +225,12 @@ def story(lane: str, row: Row) -> str:
 
 @lru_cache(maxsize=1024)
 def _wrapped(words: str) -> list[str]:
-    return textwrap.wrap(escape(words), 70)
+    return textwrap.wrap(escape(said(words)), 70)
 
 
 def _limit_note(limit: float, theme: str) -> dict[str, Any]:
     place = {"x": 0.0, "xref": "paper", "xanchor": "left", "y": limit, "yref": "y2", "yanchor": "top"}
-    return {"text": f"limit {limit:.3g} MPa", "showarrow": False, "xshift": 6, "font": {"size": 10, "color": BEYOND[theme]}, **place}
+    return {"text": said(f"limit {limit:.3g} MPa"), "showarrow": False, "xshift": 6, "font": {"size": 10, "color": BEYOND[theme]}, **place}
 
 
 def _layout(lanes: Sequence[str], known: Mapping[str, str], lane: str, curve: str, theme: str, iterations: int) -> dict[str, Any]:
@@ -255,7 +255,7 @@ def _layout(lanes: Sequence[str], known: Mapping[str, str], lane: str, curve: st
             "domain": domains[2], "visible": bool(curve), "title": {"text": UNITS[curve]}, "rangemode": "tozero", "nticks": 4,
             "showticklabels": True,
         },
-        "xaxis3": {"title": {"text": "iteration", "standoff": 2}},
+        "xaxis3": {"title": {"text": word("iteration"), "standoff": 2}},
         **{axis: _range(iterations) for axis in ("xaxis", "xaxis2")},
     }
 

@@ -20,6 +20,7 @@ from mechstyle.records.sentences import length
 from mechstyle.simulation.impact import Impact, impact_of
 from mechstyle_widgets.jupyter.closing import close_family
 from mechstyle_widgets.jupyter.frame import unseen
+from mechstyle_widgets.jupyter.language import said
 from mechstyle_widgets.jupyter.looks import lean
 from mechstyle_widgets.jupyter.throttle import Timer, running_loop
 from mechstyle_widgets.state.studio_state import StudioState
@@ -205,7 +206,7 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
 
     def _fail(self, why: str) -> None:
         self._over.set()
-        self._said.value = why
+        self._said.value = said(why)
         self._say(self._start, self._said)
 
     def _show(self, impacts: list[Impact]) -> None:
@@ -261,7 +262,7 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
     @traitlets.observe("frame")
     def _tell_time(self, _change: object = None) -> None:
         if self.impact is not None:
-            at_peak = " · peak" if self.frame == self.impact.peak else ""
+            at_peak = f" · {said('peak')}" if self.frame == self.impact.peak else ""
             self._time.value = f"{1e3 * self.impact.time[self.frame]:.0f} µs{at_peak}"
 
     def _other_part(self, _change: object) -> None:

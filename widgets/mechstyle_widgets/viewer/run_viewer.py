@@ -14,6 +14,7 @@ from mechstyle.pictures.fields import MOMENT
 from mechstyle.records import Checkpoint, Verdict
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.run import Run
+from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.looks import sharing
 from mechstyle_widgets.jupyter.newest import Newest
 from mechstyle_widgets.jupyter.throttle import Paced
@@ -177,7 +178,7 @@ class RunViewer(Linked, Viewer):
         """What a pane is called: its lane, and its iteration where that is not the end."""
         lane, iteration = place
         end = next((branch.iterations for branch in self._state.branches if branch.lane == lane), iteration)
-        return self._state.called(lane) if iteration == end else f"{self._state.called(lane)}, iteration {iteration}"
+        return self._state.called(lane) if iteration == end else word("{}, iteration {}").format(self._state.called(lane), iteration)
 
     @property
     def _drawn_place(self) -> tuple[str, int]:
