@@ -207,6 +207,25 @@ def test_a_branch_that_would_be_the_same_or_comes_too_late_is_said_beside_its_bu
     assert (studio.branches.trouble, studio.state.message) == ("", "")
 
 
+# --- waiting ------------------------------------------------------------------------------------------------------
+
+
+def test_what_is_left_is_told_while_a_part_is_made_ready(studio, monkeypatch, cube):
+    """Preparing said neither how long it takes nor that anything happens."""
+    prepare, told = controller_module.prepare_aside, []
+
+    def waited(mesh, *, go_on, **rest):
+        go_on()
+        told.append(studio.state._noted["seconds_left"])
+        return prepare(mesh, go_on=go_on, **rest)
+
+    monkeypatch.setattr(controller_module, "prepare_aside", waited)
+    studio.part_picker.show(cube.moved(0.5 * cube.vertices), "half")
+    assert studio.state.expected > 0.0
+    go(studio)
+    assert told == [pytest.approx(studio.state.expected, rel=0.5)]
+
+
 # --- no kernel ----------------------------------------------------------------------------------------------------
 
 

@@ -448,7 +448,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         except MechStyleError:  # what is wrong is said where it is set
             plan = None
         if plan is None:
-            self.state.outlook = ""
+            self.state.outlook, self.state.expected = "", 0.0
             return
         run, taken = self.run, self.state.seconds_of_a_test
         fall = None
@@ -458,7 +458,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             vertices, len(plan.places), height=recipe.height, iterations=recipe.iterations, orientations=recipe.orientations,
             nearly_flat=recipe.nearly_flat, element=recipe.element, window=recipe.window, fall=fall,
         )  # fmt: skip
-        self.state.outlook = found.words
+        self.state.outlook, self.state.expected = found.words, found.seconds
 
     # what the page tells
 

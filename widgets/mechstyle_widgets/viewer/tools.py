@@ -26,6 +26,8 @@ NEARER = {"+": 1.25, "=": 1.25, "-": 0.8}
 PAGES = {"PageUp": 1, "PageDown": -1}
 SHIFTED = {"1": "front", "2": "side", "3": "top", "4": "below", "5": "three_quarter"}
 """Standard views by the digits that, with Shift, call them."""
+ROOM = 0.85
+"""How near the camera comes to a part it looks at as a whole, so that the legend below hides nothing of it."""
 PICKS = {"m": "measure", "a": "places"}
 
 
@@ -111,6 +113,8 @@ class Tools(traitlets.HasTraits):
         """Look at the whole part from a side from which a vertex is seen, and tell what is known of it."""
         mesh = self.subject.mesh
         self._orbit.look_from(probe.seen_from(mesh, vertex))
+        self._orbit.near(ROOM)
+        self._orbit.move(0, 1)
         self.probed = vertex
         self._measure()
 
