@@ -16,8 +16,8 @@ from mechstyle_widgets.jupyter import cell_output
 from mechstyle_widgets.panels.mask_inspector import LAYER
 from mechstyle_widgets.state import controller as controller_module
 from mechstyle_widgets.studio import Studio
-from mechstyle_widgets.viewer.part_viewer import PartViewer
 from mechstyle_widgets.viewer.run_viewer import RunViewer
+from mechstyle_widgets.viewer.viewer import PartViewer
 from support.sheet_studio import without_physics
 
 PATIENCE = 30.0

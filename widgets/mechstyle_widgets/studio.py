@@ -14,6 +14,8 @@ import ipywidgets
 import traitlets
 
 from mechstyle.errors import BadInput, MechStyleError
+from mechstyle.gallery import PREFIX
+from mechstyle.loop.store import parse_address
 from mechstyle.records import SETTINGS, Recipe, sentences
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.images import remember
@@ -44,15 +46,13 @@ from mechstyle_widgets.settings.prompt import PromptBox
 from mechstyle_widgets.settings.regions import RegionsPicker
 from mechstyle_widgets.settings.schedule import ScheduleSelector
 from mechstyle_widgets.state.controller import Controller, Wanted
-from mechstyle_widgets.state.opened import run_in
 from mechstyle_widgets.state.preview import Preview, Previewer
 from mechstyle_widgets.state.schedule_forecast import landings_on_the_way, plan_of
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.timeline.timeline import Timeline
 from mechstyle_widgets.viewer.badge import of_state
-from mechstyle_widgets.viewer.part_viewer import PartViewer
 from mechstyle_widgets.viewer.run_viewer import RunViewer
-from mechstyle_widgets.viewer.viewer import Viewer
+from mechstyle_widgets.viewer.viewer import PartViewer, Viewer
 
 logger = logging.getLogger(__name__)
 
@@ -553,3 +553,13 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         for view in (self._viewer, self._timeline):
             if view is not None:
                 view.theme = self.shown_theme
+
+
+def run_in(part: Any, device: str) -> Run | None:
+    """The run that `part` names, None if it names a part."""
+    if isinstance(part, Run):
+        return part
+    if isinstance(part, SurfaceMesh) or str(part).startswith(PREFIX):
+        return None
+    root, _, _ = parse_address(str(part))
+    return Run.open(part, device) if root.is_dir() else None

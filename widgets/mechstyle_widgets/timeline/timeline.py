@@ -13,9 +13,8 @@ from mechstyle_widgets.jupyter.frame import Framed, unseen
 from mechstyle_widgets.jupyter.looks import lean, sharing
 from mechstyle_widgets.jupyter.throttle import Paced
 from mechstyle_widgets.replay.scrubber import Scrubber
-from mechstyle_widgets.state.linked import Linked
 from mechstyle_widgets.state.schedule_forecast import plan_of
-from mechstyle_widgets.state.studio_state import StudioState
+from mechstyle_widgets.state.studio_state import Linked, StudioState
 from mechstyle_widgets.timeline import figure as timeline_figure
 from mechstyle_widgets.timeline.curves import Curves
 from mechstyle_widgets.timeline.figure import CURVES, TEMPLATES

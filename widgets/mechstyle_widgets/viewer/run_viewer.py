@@ -18,8 +18,7 @@ from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.looks import sharing
 from mechstyle_widgets.jupyter.newest import Newest
 from mechstyle_widgets.jupyter.throttle import Paced
-from mechstyle_widgets.state.linked import Linked
-from mechstyle_widgets.state.studio_state import StudioState
+from mechstyle_widgets.state.studio_state import Linked, StudioState
 from mechstyle_widgets.viewer import badge
 from mechstyle_widgets.viewer.impact_player import ImpactPlayer
 from mechstyle_widgets.viewer.layers import STYLE, Layer, Subject, subject_of

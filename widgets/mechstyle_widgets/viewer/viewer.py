@@ -28,7 +28,7 @@ from mechstyle_widgets.jupyter.listing import answer_while_drawing
 from mechstyle_widgets.jupyter.looks import lean, sharing, show
 from mechstyle_widgets.jupyter.throttle import Paced
 from mechstyle_widgets.viewer import legend, probe
-from mechstyle_widgets.viewer.badge import Badge
+from mechstyle_widgets.viewer.badge import Badge, untested
 from mechstyle_widgets.viewer.camera import Orbit
 from mechstyle_widgets.viewer.layers import STYLE, Layer, Subject
 from mechstyle_widgets.viewer.places import Places
@@ -346,6 +346,35 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
     def _cut(self, _change: object) -> None:
         for scene in self._scenes:
             scene.cut(self.section.plane, filled=self.section.filled)
+
+
+class PartViewer(Viewer):
+    """The part, to which the places of clicks belong whatever style is shown on it."""
+
+    def __init__(self, mesh: SurfaceMesh, **look: Any) -> None:
+        """Show a plain part; `look` as for `Viewer`."""
+        self._rest = mesh
+        super().__init__(mesh, **look)
+
+    @property
+    def at_rest(self) -> SurfaceMesh:
+        """The plain part."""
+        return self._rest
+
+    def put_on(self, styled: SurfaceMesh, more: str) -> None:
+        """Show a style on it that was not tested; `more` is said below that."""
+        self.subject, self.original = Subject(styled), Subject(self._rest)
+        self.badge.say(untested("Preview", more))
+
+    def wait(self) -> None:
+        """Say that a style is being drawn, unless another is on show until then."""
+        if self.original is None:
+            self.badge.say(untested("Preview", "The style is being drawn on the part …"))
+
+    def take_off(self, why: str = "") -> None:
+        """Show the plain part, and say why if there is a reason."""
+        self.subject, self.original = Subject(self._rest), None
+        self.badge.say(untested("No preview", why) if why else "")
 
 
 def _extremes(subject: Subject, name: str) -> tuple[int, int] | None:
