@@ -6,7 +6,7 @@ import logging
 import math
 import os
 from collections.abc import Callable
-from contextlib import nullcontext
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -84,6 +84,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     _viewer: Viewer | None = None
     _timeline: Timeline | None = None
     _undo: Undo | None = None
+    _pictured = False
 
     @sharing()
     def __init__(
@@ -126,6 +127,21 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         bar = [self.run_controls, self._undo, self.drop_options.sizes, self.take_away, self.frame]
         super().__init__([stacked(bar, "mechstyle-bar"), self._body()])
         self.add_class("mechstyle-studio")
+        self._wire()
+        if run is not None:
+            self._take(run)
+            self.state.open(run)
+        self._other_part()
+        self._undo.begin()
+        self.state.observe(self._emphasise, ("settings", "status", "run", "part"))
+        self.drop_options.observe(self._emphasise, "vertices")
+        self._emphasise()
+        self.state.observe(self._preview, "settings")
+        self.run_controls.on_back(self.back)
+        self.state.observe(self._rested, ("status", "run"))
+
+    def _wire(self) -> None:
+        """Let the page, the state and the settings be heard."""
         self.frame.observe(self._fit, "size")
         self.frame.observe(self._relight, "dark")
         self.frame.on_key("view", self._heard(lambda key, **held: self._viewer.key(key, **held) if self._viewer is not None else None))
@@ -139,16 +155,6 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self.drop_options.observe(self._other_criterion, "criterion")
         for section in self._sections:
             section.observe(self._changed, (*section.FIELDS, *section.OWN))
-        if run is not None:
-            self._take(run)
-            self.state.open(run)
-        self._other_part()
-        self.state.observe(self._emphasise, ("settings", "status", "run", "part"))
-        self.drop_options.observe(self._emphasise, "vertices")
-        self._emphasise()
-        self.state.observe(self._preview, "settings")
-        self.run_controls.on_back(self.back)
-        self.state.observe(self._rested, ("status", "run"))
 
     def __repr__(self) -> str:
         """The run and the iteration shown."""
@@ -318,7 +324,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         """Show the settings of a recipe."""
         self._unseen = {name: getattr(recipe, name) for name in UNSEEN}
         self.drop_options.unobserve(self._other_criterion, "criterion")  # whose method is in the recipe
-        with self.state.hold_trait_notifications():  # one change of the settings, not one for each
+        with self._as_one(), self.state.hold_trait_notifications():  # one change of the settings, not one for each
             for section in self._sections:
                 section.take(recipe)
         self.drop_options.observe(self._other_criterion, "criterion")
@@ -327,8 +333,12 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
 
     def _other_criterion(self, change: dict[str, Any]) -> None:
         """A criterion that is chosen brings its method, as everywhere."""
-        with self._undo.as_one() if self._undo is not None else nullcontext():
+        with self._as_one():
             self._give({"criterion": change["new"]})
+
+    def _as_one(self) -> AbstractContextManager[None]:
+        """Changes that are undone together."""
+        return nullcontext() if self._undo is None else self._undo.as_one()
 
     def _changed(self, _change: object = None) -> None:
         """Tell the state what is asked for."""
@@ -515,6 +525,9 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         drawn = "at once" if preview.seconds < 0.05 else f"in {preview.seconds:.1f} s"
         viewer.put_on(preview.surface, f"Changes as you choose · drawn {drawn}")
         viewer.protected = preview.style.spared
+        if not self._pictured:  # the first alone: drawing another for each would take time from the next
+            self._pictured = True
+            self.renew_still()
 
     def _not_drawn(self, why: str) -> None:
         """A style cannot be drawn on this part."""

@@ -29,11 +29,12 @@ class OncePerCell(ipywidgets.Widget):  # type: ignore[misc]  # ipywidgets has no
 
     def _ipython_display_(self) -> None:
         """The widget, and below it a picture, which a page that has the widget does not show (`frame.css`)."""
-        from IPython.display import display  # noqa: PLC0415 — there only if a notebook is
+        from IPython import display  # noqa: PLC0415 — there only if a notebook is
 
-        display(self._repr_mimebundle_(), raw=True)
+        put: Any = display.display
+        put(self._repr_mimebundle_(), raw=True)
         if in_a_notebook() and self.still() is not None:
-            self._stills = (*self._stills, display({"image/png": NOTHING}, raw=True, display_id=True))
+            self._stills = (*self._stills, put({"image/png": NOTHING}, raw=True, display_id=True))
             self.renew_still()
 
     def _repr_mimebundle_(self, **formats: Any) -> Any:

@@ -40,7 +40,8 @@ class _Late(logging.Filter):
             del self.closed[next(iter(self.closed))]
 
     def filter(self, record: logging.LogRecord) -> bool:
-        return not (record.msg == "No such comm: %s" and record.args and record.args[0] in self.closed)  # type: ignore[index]
+        *_, ident = record.getMessage().rpartition("No such comm: ")
+        return ident not in self.closed
 
 
 REMEMBERED = 20_000

@@ -10,7 +10,7 @@ import numpy as np
 import traitlets
 
 from mechstyle.errors import BadInput
-from mechstyle.records.load_cases import RESTING_FACE, Load, LoadCase, Patch, Support
+from mechstyle.records.load_cases import Load, LoadCase, Patch, Support
 from mechstyle.records.mesh import Floats
 from mechstyle.records.regions import Point
 from mechstyle_widgets.jupyter.language import word
@@ -38,8 +38,8 @@ class PullHere(Section):
         towards: Which way.
     """
 
-    place = traitlets.Tuple(None, allow_none=True)
-    held = traitlets.Tuple(None, allow_none=True)
+    place: Any = traitlets.Tuple(None, allow_none=True)
+    held: Any = traitlets.Tuple(None, allow_none=True)
     force = traitlets.Float(50.0, min=0.1, max=1e5)
     towards = traitlets.Enum((*AXES, OUT, INTO, EYE), "down")
 
@@ -76,7 +76,7 @@ class PullHere(Section):
         x, y, z = (round(value, 2) + 0.0 for value in self.place)  # or a place is called -0
         reach = round(max(LEAST, REACH * viewer.at_rest.size), 2)
         fx, fy, fz = (round(float(value), 4) for value in self.force * self._direction(viewer))
-        held = Support(at=RESTING_FACE if self.held is None else Patch(near=(*self.held, reach)))
+        held = Support(at="resting face" if self.held is None else Patch(near=(*self.held, reach)))
         name = f"{self.force:g} N {self.towards} at {x:.0f}, {y:.0f}, {z:.0f}"
         case = LoadCase(name=name, supports=(held,), loads=(Load(at=Patch(near=(x, y, z, reach)), force=(fx, fy, fz)),))
         try:

@@ -53,6 +53,11 @@ class Undo(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
         self._future, self._now, self._last = [], now, (changed, time.monotonic())
         self._offer()
 
+    def begin(self) -> None:
+        """Begin here: what was set before is not undone."""
+        self._past, self._future, self._now = [], [], self._taken()
+        self._offer()
+
     @contextmanager
     def as_one(self) -> Iterator[None]:
         """All changes in here are one step."""

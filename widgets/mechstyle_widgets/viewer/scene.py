@@ -64,7 +64,7 @@ class Scene:
         self._vertices, self._normals = _attribute(mesh.vertices), _attribute(mesh.vertex_normals)
         self._colours, self._places = _attribute(_own_colours(mesh)), _attribute(np.full(len(mesh.vertices), OWN))
         self._protected, self._creases = _attribute(np.zeros(len(mesh.vertices))), _attribute(np.zeros(len(mesh.vertices)))
-        self._beside = trimesh.graph.face_adjacency(mesh.faces, return_edges=True)
+        self._beside = trimesh.graph.face_adjacency(mesh.faces, return_edges=True)  # type: ignore[no-untyped-call]
         count = 5 + MOST_PINS
         self._spots, self._kinds = _attribute(np.zeros((count, 3))), _attribute(np.full(count, HIDDEN))
         self._cut: tuple[Plane, bool] = (WHOLE, False)
