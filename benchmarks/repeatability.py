@@ -68,7 +68,7 @@ def found(part: str, way: str, vertices: int, material: str) -> Found:
     asked = round(ANEW * vertices) if way == "meshed again" else vertices
     try:
         piece = prepare(surface_in(part, way), vertices=asked)
-        recipe = fitted(Recipe(surface="", tetrahedra="", prompt="", material=material_named(material)), piece)
+        recipe = fitted(Recipe.of(prompt="", material=material_named(material)), piece)
         simulator = DropSimulator(piece.surface, piece.tets, recipe, cached_memo(), thickness=piece.thickness)
         simulation = simulator.baseline
     except MechStyleError as error:

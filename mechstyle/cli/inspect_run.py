@@ -60,10 +60,10 @@ def log_command(
 def lane_title(lane: LaneSummary) -> str:
     """Title of a lane's table: name, prompt, settings and where it stands."""
     recipe = lane.recipe
-    state = "finished" if lane.finished else f"stands at iteration {lane.iteration} of {recipe.iterations}"
+    state = "finished" if lane.finished else f"stands at iteration {lane.iteration} of {recipe.schedule.iterations}"
     fork = "" if lane.forked_at is None else f", branched at {lane.forked_at}"
-    how = f"{recipe.material.name}, {recipe.control} control, {recipe.schedule} schedule"
-    return f"[bold]{lane.lane}[/]: “{escape(recipe.prompt)}” in {how}; {state}{fork}"
+    how = f"{recipe.test.material.name}, {recipe.restraint.control} control, {recipe.schedule.when} schedule"
+    return f"[bold]{lane.lane}[/]: “{escape(recipe.style.prompt)}” in {how}; {state}{fork}"
 
 
 @app.command("show")

@@ -31,7 +31,7 @@ def rerun_command(
 
     run = Run.open(address, device)
     root = run.store.root.resolve()
-    with telling(run.recipe.iterations, quiet=as_json) as teller:
+    with telling(run.recipe.schedule.iterations, quiet=as_json) as teller:
         found = rerun(run, folder or root.with_name(f"{root.name}-again"), teller.event)
     if as_json:
         print_json({**{name: getattr(found, name) for name in found.__struct_fields__}, "equal": found.equal})

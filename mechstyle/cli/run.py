@@ -6,7 +6,6 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import msgspec
 import typer
 
 from mechstyle.cli.console import command, err, escape, out, print_json, report_verdict, telling
@@ -73,7 +72,7 @@ def carry_out(
     deep = settings.get("amplitude") == AUTO
     wanted = draft(**{**settings, "amplitude": None} if deep else settings, freestyle=freestyle)
     device = resolve_device(device)
-    if not as_json and not wanted.stylizer and wanted.guidance == "offline":
+    if not as_json and not wanted.style.stylizer and wanted.style.guidance == "offline":
         read = reading_of(wanted)
         for note in (f"read as {read.words}", *read.notes):
             err.print(f"[dim]prompt: {escape(note)}[/]")
@@ -84,14 +83,14 @@ def carry_out(
     if not as_json and not deep and device == "cpu":
         err.print(f"[dim]{escape(foretold(wanted, vertices).words)}[/]")
     limited: Sequence[str] = ()
-    with telling(wanted.iterations, quiet=as_json) as teller:
+    with telling(wanted.schedule.iterations, quiet=as_json) as teller:
         if deep:
             tried = {**FREESTYLE, **settings} if freestyle else settings
             wanted, *limited = at_its_deepest(wanted, mesh, tried, vertices, device, folder, teller)
         run = started(
             wanted, mesh, vertices=vertices, out=folder, name=name, device=device, stage=teller.stage, warn=teller.warn, beside=False
         )
-        if wanted.strengthen and not as_json:
+        if wanted.delivery.strengthen and not as_json:
             err.print(f"[dim]part: {escape(run.part.notes[-1])}[/]")
         return finish(run, teller, limited)
 
@@ -100,10 +99,10 @@ def foretold(wanted: Recipe, vertices: int) -> Estimate:
     """The falls and the time of a run that has not begun, on this machine's processor."""
     from mechstyle.simulation.estimate import estimated  # noqa: PLC0415 — physics is loaded when something is run
 
-    tests = 1 + (wanted.guarantee and wanted.schedule == "never") + (wanted.schedule != "never") * USUAL_TESTS
+    tests = 1 + (wanted.restraint.guarantee and wanted.schedule.when == "never") + (wanted.schedule.when != "never") * USUAL_TESTS
     return estimated(
-        vertices, tests, height=wanted.height, iterations=wanted.iterations, orientations=wanted.orientations,
-        nearly_flat=wanted.nearly_flat, element=wanted.element, window=wanted.window,
+        vertices, tests, height=wanted.test.height, iterations=wanted.schedule.iterations, orientations=wanted.test.orientations,
+        nearly_flat=wanted.test.nearly_flat, element=wanted.test.element, window=wanted.test.window,
     )  # fmt: skip
 
 
@@ -118,7 +117,7 @@ def at_its_deepest(
     trials = beside.with_name(f"{beside.name}-depths")
     found = deepest(mesh, **settings, vertices=vertices, device=device, stage=teller.stage, warn=teller.warn, out=trials)
     err.print(f"[dim]amplitude: {escape(found.words)}[/]")
-    return msgspec.structs.replace(wanted, amplitude=found.amplitude), f"amplitude {AUTO}: {found.words}"
+    return wanted.with_settings(amplitude=found.amplitude), f"amplitude {AUTO}: {found.words}"
 
 
 def finish(run: Any, teller: Any, known: Iterable[str] = ()) -> Any:
@@ -142,10 +141,10 @@ def report(run: Any, *, as_json: bool) -> None:
         return
     for note in summary.notes:
         out.print(f"[dim]note: {escape(note)}[/]")
-    if run.recipe.layers_judged:
-        out.print(escape(run.recipe.layers_judged))
-    if run.recipe.after_standard:
-        out.print(f"{escape(run.recipe.after_standard)}. {escape(STANDARDS[run.recipe.standard].departs)}")
+    if run.recipe.test.layers_judged:
+        out.print(escape(run.recipe.test.layers_judged))
+    if run.recipe.test.after_standard:
+        out.print(f"{escape(run.recipe.test.after_standard)}. {escape(STANDARDS[run.recipe.test.standard].departs)}")
     if run.part.mass_gained:
         out.print(f"the plain part is the thickened one, {run.part.mass_gained:+.1f} g")
     if summary.level_share is not None:
@@ -211,6 +210,6 @@ def branch_command(
 
     root, origin, iteration = parse_address(address)
     run = Run.open(f"{root}@{origin}", device).branch(iteration, lane=lane, **settings)
-    with telling(run.recipe.iterations, quiet=as_json) as teller:
+    with telling(run.recipe.schedule.iterations, quiet=as_json) as teller:
         finish(run, teller)
     report(run, as_json=as_json)

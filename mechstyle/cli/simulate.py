@@ -86,12 +86,12 @@ def _figures(dropped: PartTest, files: dict[str, str]) -> dict[str, Any]:
         "landings": simulation.landings,
         "loads": simulation.loads,
         "original": None if original is None else {"landings": original.landings, "loads": original.loads},
-        "after_standard": dropped.recipe.after_standard,
+        "after_standard": dropped.recipe.test.after_standard,
         "course": dropped.course,
         "history": history_figures(dropped.history),
         "warning": dropped.warning,
         "notes": dropped.part.notes,
-        "material": dropped.recipe.material,
+        "material": dropped.recipe.test.material,
         "tetrahedra": len(dropped.tets.tets),
         "fit": dropped.fit,
         "relief": {"lowest": float(dropped.relief.min()), "highest": float(dropped.relief.max()), "followed": simulation.carried},
@@ -111,16 +111,16 @@ def _report(dropped: PartTest, files: dict[str, str]) -> None:
         *_course_rows(dropped),
         ("shape", f"tetrahedra {dropped.fit.words}"),
         *_relief_rows(dropped),
-        *([("layers", escape(recipe.layers_judged))] if recipe.build_direction else []),
-        *([("orientations", escape(recipe.after_standard))] if recipe.standard else []),
+        *([("layers", escape(recipe.test.layers_judged))] if recipe.test.build_direction else []),
+        *([("orientations", escape(recipe.test.after_standard))] if recipe.test.standard else []),
         ("tetrahedra", f"{len(dropped.tets.tets)}; {simulation.steps} steps of {1e3 * simulation.time_step:.3f} µs"),
         *((what, escape(path)) for what, path in files.items()),
     ):
         rows.add_row(label, value)
     out.print()
     out.print(rows)
-    if recipe.standard:
-        out.print(f"[dim]{escape(STANDARDS[recipe.standard].departs)}[/]")
+    if recipe.test.standard:
+        out.print(f"[dim]{escape(STANDARDS[recipe.test.standard].departs)}[/]")
     if dropped.original is None:
         out.print("[dim]tested by itself: --original FILE compares a styled part with the plain one, as in its run[/]")
     if dropped.warning:

@@ -82,8 +82,8 @@ def advanced(displacement: Field, let_through: Field, increment: Field, bounds: 
         recipe: Whether walls are spared, and which.
     """
     step = let_through * increment
-    if recipe.feedback:
-        step = minimum_wall.spared(step, bounds.thickness, displacement, recipe.minimum_wall)
+    if recipe.restraint.feedback:
+        step = minimum_wall.spared(step, bounds.thickness, displacement, recipe.delivery.minimum_wall)
     return bounds.clipped(displacement + step)
 
 
@@ -97,7 +97,7 @@ def unrestrained(asked: Field, bounds: Bounds, recipe: Recipe) -> Field:
         bounds: How far the style may go.
         recipe: How many iterations there are, and which walls are spared.
     """
-    increment, grown = (bounds.levelled(asked) / recipe.iterations).astype(np.float32), np.zeros_like(bounds.thickness)
-    for _ in range(recipe.iterations):
+    increment, grown = (bounds.levelled(asked) / recipe.schedule.iterations).astype(np.float32), np.zeros_like(bounds.thickness)
+    for _ in range(recipe.schedule.iterations):
         grown = advanced(grown, bounds.freedom, increment, bounds, recipe)
     return grown

@@ -112,7 +112,7 @@ class Engine:
             state = event.checkpoint
         proposed = self.bounds.levelled(self._wind_stylizer(state).displacement)
         state = self._under_this_recipe(state)
-        while state.iteration < self.recipe.iterations:
+        while state.iteration < self.recipe.schedule.iterations:
             proposal, before = self.stylizer.step(), state.displacement
             wanted = self.bounds.levelled(proposal.displacement)
             state = self._moved(state, proposal, wanted - proposed, parent=digest)
@@ -135,10 +135,10 @@ class Engine:
         if not digest:
             return "", self._original()
         state = self.store.checkpoint(digest)
-        while state.parent and state.iteration == self.recipe.iterations == self.store.entry(state.parent).iteration:
+        while state.parent and state.iteration == self.recipe.schedule.iterations == self.store.entry(state.parent).iteration:
             digest, state = state.parent, self.store.checkpoint(state.parent)
-        if state.iteration > self.recipe.iterations:
-            beyond = f"beyond the {self.recipe.iterations} asked for; ask for more iterations"
+        if state.iteration > self.recipe.schedule.iterations:
+            beyond = f"beyond the {self.recipe.schedule.iterations} asked for; ask for more iterations"
             raise BadInput(f"lane {self.lane!r} stands at iteration {state.iteration}, {beyond}")
         return digest, state
 
@@ -191,7 +191,7 @@ class Engine:
 
     def _other_style(self, state: Checkpoint) -> bool:
         theirs = self.recipe if state.recipe == self.recipe.digest else self.store.recipe(state.recipe)
-        return any(getattr(theirs, name) != getattr(self.recipe, name) for name in STYLE_FIELDS)
+        return any(theirs.settings[name] != self.recipe.settings[name] for name in STYLE_FIELDS)
 
     # one iteration
 
@@ -221,7 +221,7 @@ class Engine:
         return self.surface.dilated(self.bounds.thickness)
 
     def _reason(self, state: Checkpoint) -> str:
-        if state.iteration == self.recipe.iterations:
+        if state.iteration == self.recipe.schedule.iterations:
             return "last iteration"
         travelled = state.displacement - state.anchor
         progress = schedule.Progress(state.iteration, state.simulated_at, travelled, self._walls, state.demand)
@@ -229,7 +229,7 @@ class Engine:
 
     def _simulated(self, state: Checkpoint, reason: str) -> tuple[Checkpoint, Simulated]:
         """Simulate; the new demand restrains what comes next, and what the tetrahedra could not follow is taken out of D."""
-        last, state = state.iteration == self.recipe.iterations, replace(state, reason=reason)
+        last, state = state.iteration == self.recipe.schedule.iterations, replace(state, reason=reason)
         relief = self.untangled(state.displacement) if last else state.displacement
         simulation = self.simulator.simulate(relief, thorough=last)
         verdict = self.simulator.judge(simulation)
@@ -252,7 +252,7 @@ class Engine:
 
     def _mask(self, demand: Field) -> Field:
         """The control's mask, within the freedom that protection leaves."""
-        return control.mask(demand, self.recipe.control, self.recipe.threshold) * self.bounds.freedom
+        return control.mask(demand, self.recipe.restraint.control, self.recipe.restraint.threshold) * self.bounds.freedom
 
     # the end
 
@@ -262,7 +262,7 @@ class Engine:
         finished, best = state.displacement, state
         wanted = self._wanted(state)
         search = correction.Correction(self.surface, wanted, lambda relief: self._kept(relief, wanted), self.bounds.standing)
-        tried = self._tested(search, finished, state) if self.recipe.guarantee else None
+        tried = self._tested(search, finished, state) if self.recipe.restraint.guarantee else None
         while tried is not None:
             relief, words = tried
             yield Corrected(words, search.kept(relief))
@@ -283,7 +283,7 @@ class Engine:
 
     def _wanted(self, finished: Checkpoint) -> Field:
         """What the style asks for within its bounds [mm], shape [vertex_count]: the finished relief if nothing held any of it back."""
-        if self.recipe.control == "none" and np.all(finished.share == 1.0):
+        if self.recipe.restraint.control == "none" and np.all(finished.share == 1.0):
             return finished.displacement
         return unrestrained(self.stylizer.proposal().displacement, self.bounds, self.recipe)
 

@@ -122,7 +122,7 @@ def _row(
 
 def _travel(store: Store, stored: _Stored, thickness: NDArray[np.float32]) -> float:
     moved = store.objects.get_array(stored.displacement) - store.objects.get_array(stored.anchor)
-    return float((np.abs(moved) / thickness).max()) / store.recipe(stored.recipe).travel
+    return float((np.abs(moved) / thickness).max()) / store.recipe(stored.recipe).schedule.travel
 
 
 def per_iteration(history: Iterable[E]) -> list[E]:
@@ -270,7 +270,7 @@ class Branch(LaneSummary, frozen=True, kw_only=True):
     @property
     def iterations(self) -> int:
         """Iterations of its recipe."""
-        return self.recipe.iterations
+        return self.recipe.schedule.iterations
 
 
 def lanes(store: Store, histories: Mapping[str, Sequence[Entry]]) -> list[Branch]:

@@ -46,7 +46,7 @@ class Progress:
 
 def every(recipe: Recipe, progress: Progress) -> str:
     """Every k iterations: the paper's control condition."""
-    return f"every {recipe.every} iterations" if progress.iteration % recipe.every == 0 else ""
+    return f"every {recipe.schedule.every} iterations" if progress.iteration % recipe.schedule.every == 0 else ""
 
 
 def quadratic(_recipe: Recipe, progress: Progress) -> str:
@@ -62,7 +62,7 @@ def exponential(_recipe: Recipe, progress: Progress) -> str:
 
 
 def _late_check(recipe: Recipe, progress: Progress) -> str:
-    late = round(LATE_CHECK * recipe.iterations)
+    late = round(LATE_CHECK * recipe.schedule.iterations)
     return f"late check after {LATE_CHECK:.0%} of the iterations" if progress.iteration >= late > progress.simulated_at else ""
 
 
@@ -70,7 +70,7 @@ def geometry(recipe: Recipe, progress: Progress) -> str:
     """When some vertex has moved more than `travel` of its local thickness since the last simulation."""
     ratio = np.abs(progress.travelled) / progress.thickness
     worst = int(np.argmax(ratio))
-    if ratio[worst] > recipe.travel:
+    if ratio[worst] > recipe.schedule.travel:
         moved, wall = abs(progress.travelled[worst]), progress.thickness[worst]
         return f"vertex {worst} moved {moved:.2f} mm, {ratio[worst]:.0%} of its {wall:.1f} mm wall"
     return _late_check(recipe, progress)
@@ -78,7 +78,7 @@ def geometry(recipe: Recipe, progress: Progress) -> str:
 
 def stress(recipe: Recipe, progress: Progress) -> str:
     """As `geometry`, each vertex's threshold lowered in proportion to its demand."""
-    threshold = recipe.travel * np.clip(1.0 - progress.demand, SOFTEST, 1.0)
+    threshold = recipe.schedule.travel * np.clip(1.0 - progress.demand, SOFTEST, 1.0)
     ratio = np.abs(progress.travelled) / progress.thickness
     worst = int(np.argmax(ratio / threshold))
     if ratio[worst] > threshold[worst]:
@@ -106,6 +106,6 @@ RULES: dict[str, Callable[[Recipe, Progress], str]] = {
 
 def due(recipe: Recipe, progress: Progress) -> str:
     """Why this iteration is to be simulated under the recipe's schedule, "" if it is not."""
-    if recipe.schedule not in RULES:
-        raise unknown("schedule", recipe.schedule, SCHEDULES)
-    return RULES[recipe.schedule](recipe, progress)
+    if recipe.schedule.when not in RULES:
+        raise unknown("schedule", recipe.schedule.when, SCHEDULES)
+    return RULES[recipe.schedule.when](recipe, progress)

@@ -127,7 +127,7 @@ def safety_factor(strength: float) -> Quantity:
 
 def demand(recipe: Recipe) -> Quantity:
     """Demand as a recipe has it normalised, against its threshold."""
-    return _against(recipe.threshold, "demand", DEMAND_LABELS[recipe.normalisation])
+    return _against(recipe.restraint.threshold, "demand", DEMAND_LABELS[recipe.restraint.normalisation])
 
 
 def _against(threshold: float, name: str, label: str, unit: str = "") -> Quantity:
@@ -191,13 +191,13 @@ def quantities(recipe: Recipe, limit: float) -> tuple[Quantity, ...]:
         recipe: The recipe in force there.
         limit: What the stress of the test that decides may at most be [MPa].
     """
-    return stress(limit), safety_factor(recipe.material.yield_strength), RESTRAINT, demand(recipe), DISPLACEMENT
+    return stress(limit), safety_factor(recipe.test.material.yield_strength), RESTRAINT, demand(recipe), DISPLACEMENT
 
 
 def limit_of(recipe: Recipe, verdict: Verdict | None) -> float:
     """What the stress of a checkpoint may at most be [MPa]: the limit of the row that decides, else the yield strength."""
     row = None if verdict is None else verdict.deciding
-    return recipe.material.yield_strength if row is None else row.limit
+    return recipe.test.material.yield_strength if row is None else row.limit
 
 
 @dataclass(frozen=True, eq=False)

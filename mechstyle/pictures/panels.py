@@ -89,7 +89,7 @@ def checkpoint_panels(
     elif measured_at != state.simulated_at:
         note = f"UNKNOWN: the later test at iteration {state.simulated_at} gave no answer"
     return [
-        Panel(styled, f"“{recipe.prompt}”"),
+        Panel(styled, f"“{recipe.style.prompt}”"),
         field_panel(styled, fields.stress(fields.limit_of(recipe, measured)), state.stress, title=f"stress{when}", note=note),
         field_panel(
             styled,

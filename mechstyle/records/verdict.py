@@ -15,7 +15,8 @@ import msgspec
 
 from mechstyle.errors import unknown
 from mechstyle.records import sentences
-from mechstyle.records.recipe import CRITERIA, Recipe
+from mechstyle.records.chapters import CRITERIA
+from mechstyle.records.recipe import Recipe
 from mechstyle.records.simulation import LEAST_CARRIED, VOLUME_ERROR, WAYS, Landing, Simulation
 
 Outcome = Literal["HOLDS", "NO WORSE", "FAILS", "UNKNOWN"]
@@ -201,12 +202,12 @@ def judge(simulation: Simulation, original: Simulation | None, recipe: Recipe, r
         recipe: What was asked for.
         reference: The original as it sets the limits, where that is read on more than one mesh; the original itself unless given.
     """
-    if recipe.criterion not in CRITERIA:
-        raise unknown("criterion", recipe.criterion, CRITERIA)
-    material, named = recipe.material, 0 < len(recipe.prompt) <= SHORT
+    if recipe.test.criterion not in CRITERIA:
+        raise unknown("criterion", recipe.test.criterion, CRITERIA)
+    material, named = recipe.test.material, 0 < len(recipe.style.prompt) <= SHORT
     empty = Verdict(
-        outcome="UNKNOWN", criterion=recipe.criterion, fall=recipe.height, strength=material.yield_strength, material=material.label,
-        style="" if original is None else recipe.prompt if named else "styled", failure=_failure(simulation, original, recipe),
+        outcome="UNKNOWN", criterion=recipe.test.criterion, fall=recipe.test.height, strength=material.yield_strength, material=material.label,
+        style="" if original is None else recipe.style.prompt if named else "styled", failure=_failure(simulation, original, recipe),
     )  # fmt: skip
     if empty.failure:
         return empty
@@ -242,13 +243,13 @@ def _failure(simulation: Simulation, original: Simulation | None, recipe: Recipe
                 return f"the stress of {whose} in the test {name!r} is not a finite number above 0"
     if original is not None and original.of("nearly flat") and not simulation.of("nearly flat"):
         return "the part was not dropped nearly flat"
-    missing = (case.name for case in recipe.loads if simulation.load(case.name) is None)
+    missing = (case.name for case in recipe.test.loads if simulation.load(case.name) is None)
     return next((f"the part was not tested under the load {name!r}" for name in missing), "")
 
 
 def _rows(simulation: Simulation, original: Simulation | None, reference: Simulation | None, recipe: Recipe) -> Iterable[Row]:
     """The rows of all tests that were made of a part."""
-    strength, robust = recipe.material.yield_strength, recipe.criterion != "paper"
+    strength, robust = recipe.test.material.yield_strength, recipe.test.criterion != "paper"
     for test in WAYS:
         landings, one = simulation.of(test), _average if test == "any landing" else _hardest
         if landings:
@@ -256,7 +257,7 @@ def _rows(simulation: Simulation, original: Simulation | None, reference: Simula
             hardest, theirs = one(landings), one(before) if before else None
             limit = drop_limit(one(limiting).stress, strength) if limiting else strength
             yield Row(
-                test=test, landing=hardest.name, stress=hardest.stress, limit=limit, height=hardest.critical_height, asked=recipe.height,
+                test=test, landing=hardest.name, stress=hardest.stress, limit=limit, height=hardest.critical_height, asked=recipe.test.height,
                 original=None if theirs is None else theirs.critical_height, outcome=_outcome(hardest.stress, limit, strength),
                 decides=robust and (test == "flat" or theirs is not None),
             )  # fmt: skip

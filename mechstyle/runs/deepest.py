@@ -83,7 +83,7 @@ def deepest(
 
 def _trial(run: Run, depth: float) -> Run:
     """The lane of a depth: the whole depth is the run itself, which the others branch off from before its first iteration."""
-    return run if depth == run.recipe.amplitude else run.branch(0, lane=f"depth-{depth:g}", amplitude=depth)
+    return run if depth == run.recipe.style.amplitude else run.branch(0, lane=f"depth-{depth:g}", amplitude=depth)
 
 
 def deepest_of(depths: Sequence[float], verdict: Callable[[float], Verdict]) -> Depth:

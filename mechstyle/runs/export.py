@@ -89,7 +89,7 @@ def exported(
     else:
         sheen = sheen_of(recipe) if entry.iteration else DULL
         save(styled, path, name=name, fields={one.quantity.name: one.values.astype(np.float32) for one in known}, sheen=sheen)
-    measured = quality(part.surface, styled, recipe.material.density)
+    measured = quality(part.surface, styled, recipe.test.material.density)
     record = Exported(
         file=path.name, lane=lane, iteration=entry.iteration, recipe=entry.recipe, verdict=verdict,
         quality=measured, warnings=(*([untested] if untested else ()), *_of_the_test(verdict), *measured.warnings),

@@ -8,8 +8,6 @@ import re
 import shlex
 from pathlib import Path
 
-import msgspec
-
 from mechstyle.errors import BadInput
 from mechstyle.loop.store import Store
 from mechstyle.records import Recipe
@@ -22,8 +20,8 @@ logger = logging.getLogger(__name__)
 
 def default_folder(recipe: Recipe) -> Path:
     """`mechstyle-runs/PROMPT-RECIPE`: the same request finds its run again, with whatever tetrahedra it was begun."""
-    slug = re.sub(r"[^a-z0-9]+", "-", recipe.prompt.lower()).strip("-")[:40] or "run"
-    return Path("mechstyle-runs") / f"{slug}-{msgspec.structs.replace(recipe, tetrahedra='').digest[:8]}"
+    slug = re.sub(r"[^a-z0-9]+", "-", recipe.style.prompt.lower()).strip("-")[:40] or "run"
+    return Path("mechstyle-runs") / f"{slug}-{recipe.on(tetrahedra='').digest[:8]}"
 
 
 def folder_for(out: Path, recipe: Recipe, *, beside: bool) -> Path:
@@ -61,4 +59,4 @@ def _holds_something_else(place: Path) -> bool:
 def _takes(place: Path, recipe: Recipe) -> bool:
     """Whether a run of this recipe is there, or none at all."""
     store = Store(place)
-    return "main" not in store.lanes() or msgspec.structs.replace(store.recipe(store.lane().recipe), tetrahedra=recipe.tetrahedra) == recipe
+    return "main" not in store.lanes() or store.recipe(store.lane().recipe).on(tetrahedra=recipe.test.specimen.tetrahedra) == recipe

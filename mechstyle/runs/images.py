@@ -48,24 +48,24 @@ def raster_of(recipe: Recipe, objects: Objects | None = None) -> Raster | None:
     Raises:
         DamagedStore: If it is not there, or is no picture.
     """
-    return Raster(_pixels(recipe.image, objects or _cached())) if recipe.image else None
+    return Raster(_pixels(recipe.style.image, objects or _cached())) if recipe.style.image else None
 
 
 def keep(recipe: Recipe, store: Store) -> None:
     """Put the picture of a recipe into a run directory, also as a file for people: `picture-DIGEST.png`."""
-    if not recipe.image:
+    if not recipe.style.image:
         return
-    file = store.root / file_name(recipe.image)
-    if not (store.objects.path(recipe.image).is_file() and file.is_file()):
-        pixels = _pixels(recipe.image, store.objects if store.objects.path(recipe.image).is_file() else _cached())
+    file = store.root / file_name(recipe.style.image)
+    if not (store.objects.path(recipe.style.image).is_file() and file.is_file()):
+        pixels = _pixels(recipe.style.image, store.objects if store.objects.path(recipe.style.image).is_file() else _cached())
         store.objects.put_array(pixels)
         write_whole(file, png_of(pixels))
 
 
 def remember(recipe: Recipe, store: Store) -> None:
     """Cache the picture of a run, so that another run with it can be asked for here."""
-    if recipe.image:
-        _cached().put_array(_pixels(recipe.image, store.objects))
+    if recipe.style.image:
+        _cached().put_array(_pixels(recipe.style.image, store.objects))
 
 
 def thumbnail(image: str, longest: int = 128) -> bytes:

@@ -99,7 +99,7 @@ def ways_up(
     plain = run.record.droppable(run.part, run.store.root / "part.json").surface  # whose flat sides are flat
     ways = resting(plain.vertices, centre_of_mass(plain), count)
     known = _Layers(run, recipe, run.simulation(iteration), state.displacement, stage, progress)
-    limit = recipe.material.yield_strength
+    limit = recipe.test.material.yield_strength
     found = [
         WayUp(name=_called(name, up), up=up, stress=known.stress(up), limit=limit, **standing(mesh, up)._asdict())
         for name, up in zip(ways.names, [_rounded(normal) for normal in ways.normals], strict=True)
@@ -136,7 +136,7 @@ class _Layers:
     @property
     def words(self) -> str:
         """What is assumed of layers."""
-        material = self._recipe.material
+        material = self._recipe.test.material
         if material.layer_ratio is None:
             return f"strength across layers of {material.label} is not known, so ways up are ranked by overhang and height only"
         source = material.layer_source or material.source
@@ -144,10 +144,10 @@ class _Layers:
 
     def stress(self, up: Point) -> float | None:
         """What decides in the drops for layers along a direction [MPa]; None if the material's layers are not known."""
-        ratio = self._recipe.material.layer_ratio
+        ratio = self._recipe.test.material.layer_ratio
         if ratio is None:
             return None
-        if ratio == 1.0 or self._recipe.build_direction in (up, _opposite(up)):
+        if ratio == 1.0 or self._recipe.test.build_direction in (up, _opposite(up)):
             return _deciding(self._last)
         axis = max(up, _opposite(up))
         if axis not in self._known:
@@ -159,7 +159,7 @@ class _Layers:
             self._known_simulator = self._simulator()
         self._stage(f"drop with layers along ({axis[0]:g}, {axis[1]:g}, {axis[2]:g})")
         body, _ = self._known_simulator.meshes.carrier(self._displacement)
-        recipe = msgspec.structs.replace(self._known_simulator.recipe, build_direction=axis, tetrahedra=body.tets.digest)
+        recipe = self._known_simulator.recipe.with_settings(build_direction=axis).on(tetrahedra=body.tets.digest)
         self.drops += 1
         layered = replace(self._known_simulator, tets=body.tets, at=body.at, recipe=recipe)
         return _deciding(layered.simulate(self._displacement, thorough=False))

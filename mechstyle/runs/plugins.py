@@ -54,18 +54,18 @@ def made(surface: SurfaceMesh, bounds: Bounds, recipe: Recipe) -> Stylizer:
     Raises:
         BadInput: If there is none of that name, or if what it proposes does not fit the part.
     """
-    stylizer = _source(recipe.stylizer)(surface, bounds, recipe)
+    stylizer = _source(recipe.style.stylizer)(surface, bounds, recipe)
     count = len(surface.vertices)
     try:
         first = stylizer.proposal()
         found = np.shape(first.displacement), np.shape(first.colour)
     except AttributeError as error:
-        raise BadInput(f"the stylizer {recipe.stylizer!r} is none: {error}; docs/plug-in.md shows what one must have") from error
+        raise BadInput(f"the stylizer {recipe.style.stylizer!r} is none: {error}; docs/plug-in.md shows what one must have") from error
     if found != ((count,), (count, 3)):
         shapes = f"{found[0]} and {found[1]}, not ({count},) and ({count}, 3)"
-        raise BadInput(f"the stylizer {recipe.stylizer!r} proposes displacement and colour of shapes {shapes}")
+        raise BadInput(f"the stylizer {recipe.style.stylizer!r} proposes displacement and colour of shapes {shapes}")
     if not (np.isfinite(first.displacement).all() and np.isfinite(first.colour).all()):
-        raise BadInput(f"the stylizer {recipe.stylizer!r} proposes displacements or colours that are not finite numbers")
+        raise BadInput(f"the stylizer {recipe.style.stylizer!r} proposes displacements or colours that are not finite numbers")
     return stylizer
 
 

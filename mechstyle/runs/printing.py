@@ -73,7 +73,7 @@ class Printing(msgspec.Struct, frozen=True, kw_only=True):
 
 def wishes_of(recipe: Recipe) -> tuple[Wish, ...]:
     """What the prompt of a recipe asks for; none where another stylizer or CLIP reads it in its own way."""
-    return () if recipe.stylizer or recipe.guidance == "clip" else reading_of(recipe).wishes
+    return () if recipe.style.stylizer or recipe.style.guidance == "clip" else reading_of(recipe).wishes
 
 
 def asked_for(recipe: Recipe) -> Palette:
@@ -123,7 +123,7 @@ def write_for_printing(
         printing: What is wanted.
         name: What slicers call it.
     """
-    mesh, kind = styled, recipe.material.name if recipe.material.name in FILAMENT_TYPES else FILAMENT_TYPES[0]
+    mesh, kind = styled, recipe.test.material.name if recipe.test.material.name in FILAMENT_TYPES else FILAMENT_TYPES[0]
     palette, called = printing.filaments(mesh, asked_for(recipe)), name or "part"
     if printing.bodies:
         paint, content = _in_bodies(mesh, part, recipe, palette, called, printing.slicer, kind)

@@ -89,27 +89,27 @@ def draft(prompt: str = "", material: str | Material = "PLA", *, freestyle: bool
     if chosen.get("control", "none") != "none":
         chosen.setdefault("schedule", MASKED)
     chosen.setdefault("normalisation", default_normalisation(chosen.get("control", "exponential"), paper=paper))
-    return settled(Recipe(surface="", tetrahedra="", prompt=prompt, **chosen), clip_asked_for=bool(given.get("clip")))
+    return settled(Recipe.of(prompt=prompt, **chosen), clip_asked_for=bool(given.get("clip")))
 
 
 def changed(recipe: Recipe, changes: dict[str, Any]) -> Recipe:
     """A recipe with some settings changed; unless given, another criterion brings its presets, another control its normalisation."""
     given = with_drops(_given(changes))
-    if given.get("strengthen", recipe.strengthen) != recipe.strengthen:
+    if given.get("strengthen", recipe.delivery.strengthen) != recipe.delivery.strengthen:
         raise BadInput("a part is strengthened before its style, so a branch cannot do it: start a run of its own with --strengthen")
     if "amplitude" in given:
         given = {"relief": None, **given}  # which would go before it
-    control, paper = given.get("control", recipe.control), given.get("criterion", recipe.criterion) == "paper"
-    other_criterion = given.get("criterion", recipe.criterion) != recipe.criterion
+    control, paper = given.get("control", recipe.restraint.control), given.get("criterion", recipe.test.criterion) == "paper"
+    other_criterion = given.get("criterion", recipe.test.criterion) != recipe.test.criterion
     if other_criterion:
         presets = {**(PAPER if paper else ROBUST), **(FREESTYLE if control == "none" else {})}
-        own = {} if recipe.schedule == (ROBUST if paper else PAPER)["schedule"] else {"schedule": recipe.schedule}
+        own = {} if recipe.schedule.when == (ROBUST if paper else PAPER)["schedule"] else {"schedule": recipe.schedule.when}
         given = {**presets, **own, **given}
-    if given.get("control", "none") != "none" and recipe.schedule == "never":
+    if given.get("control", "none") != "none" and recipe.schedule.when == "never":
         given.setdefault("schedule", MASKED)
     if other_criterion or "control" in given:
         given.setdefault("normalisation", default_normalisation(control, paper=paper))
-    return settled(msgspec.structs.replace(recipe, **given), clip_asked_for=bool(given.get("clip")))
+    return settled(recipe.with_settings(**given), clip_asked_for=bool(given.get("clip")))
 
 
 def brought(settings: dict[str, Any], control: str) -> dict[str, Any]:
@@ -132,19 +132,19 @@ def brought(settings: dict[str, Any], control: str) -> dict[str, Any]:
 
 def expected(recipe: Recipe) -> tuple[str, ...]:
     """What is known beforehand of a run by the published method, one sentence; nothing of any other."""
-    return (EXPECTED,) if recipe.criterion == "paper" and recipe.normalisation == "sigma_c" and recipe.feedback else ()
+    return (EXPECTED,) if recipe.test.criterion == "paper" and recipe.restraint.normalisation == "sigma_c" and recipe.restraint.feedback else ()
 
 
 def idle(given: Mapping[str, Any], recipe: Recipe) -> tuple[str, ...]:
     """Which of the settings that were given do nothing in a recipe, one sentence each."""
-    masked = recipe.feedback and recipe.schedule != "never"
+    masked = recipe.restraint.feedback and recipe.schedule.when != "never"
     counts = {
-        "every": (recipe.schedule == "every", "the schedule every"),
-        "travel": (recipe.schedule in ("geometry", "stress"), "the schedule geometry or stress"),
+        "every": (recipe.schedule.when == "every", "the schedule every"),
+        "travel": (recipe.schedule.when in ("geometry", "stress"), "the schedule geometry or stress"),
         "normalisation": (masked, "masks: ask for a schedule such as stress"),
         "threshold": (masked, "masks: ask for a schedule such as stress"),
-        "control": (masked or not recipe.feedback, "a schedule such as stress"),
-        "poses": (recipe.orientations > 1, "more than one orientation"),
+        "control": (masked or not recipe.restraint.feedback, "a schedule such as stress"),
+        "poses": (recipe.test.orientations > 1, "more than one orientation"),
     }
     return tuple(f"{name} does nothing without {what}" for name, (does, what) in counts.items() if name in given and not does)
 

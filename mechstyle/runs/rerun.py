@@ -132,8 +132,8 @@ def _copy(source: Store, target: Store, digest: str) -> None:
 def _repeat(run: Run, again: Run, recipe: str, checkpoints: int, on_event: Callable[[Event], None]) -> None:
     """Add as many checkpoints to a lane as another has under a recipe, or as many as it gives."""
     fields, store = run.store.recipe(recipe), again.store
-    if fields.image:
-        _copy(run.store, store, fields.image)
+    if fields.style.image:
+        _copy(run.store, store, fields.style.image)
         images.keep(fields, store)
     head = store.lane().head if store.lanes() else ""
     store.move("main", Lane(recipe=store.put_recipe(fields), head=head))

@@ -79,8 +79,8 @@ class Run:
     def __repr__(self) -> str:
         """Folder, lane, prompt and progress."""
         history = self.history
-        where = f"iteration {history[-1].iteration} of {self.recipe.iterations}" if history else "not started"
-        return f"Run({str(self.store.root)!r}, lane {self.lane!r}, {self.recipe.prompt!r}, {where})"
+        where = f"iteration {history[-1].iteration} of {self.recipe.schedule.iterations}" if history else "not started"
+        return f"Run({str(self.store.root)!r}, lane {self.lane!r}, {self.recipe.style.prompt!r}, {where})"
 
     # what it is
 
@@ -194,8 +194,8 @@ class Run:
         """
         entry = self.store.find(iteration, self.lane)
         recipe = changed(self.store.recipe(entry.recipe), changes)
-        if recipe.iterations <= entry.iteration:
-            raise BadInput(f"a branch at iteration {entry.iteration} must go beyond it, not to {recipe.iterations}: ask for more")
+        if recipe.schedule.iterations <= entry.iteration:
+            raise BadInput(f"a branch at iteration {entry.iteration} must go beyond it, not to {recipe.schedule.iterations}: ask for more")
         images.keep(recipe, self.store)
         fork = Lane(recipe=self.store.put_recipe(recipe), head=entry.digest, forked_from=entry.digest)
         return Run(self.store, self.store.fork(fork, lane), self.device)
@@ -219,7 +219,7 @@ class Run:
             if isinstance(event, Finished):
                 files = {"run": str(self.store.root)}
                 thin = minimum_wall.warnings(
-                    self.part.surface, self.part.thickness, self.checkpoint().displacement, self.recipe.minimum_wall
+                    self.part.surface, self.part.thickness, self.checkpoint().displacement, self.recipe.delivery.minimum_wall
                 )
                 notes = (*self.part.notes, *notes, *thin)
                 self._save(summarise(engine, device=self.device, notes=notes, seconds=self.clock.seconds(), files=files))
@@ -359,7 +359,7 @@ def started(
         beside: As for `begin`.
     """
     device, clock, relief = resolve_device(device), Clock(), partial(finished_relief, recipe=wanted)
-    prepare = watched(prepare, wanted.minimum_wall, warn)
+    prepare = watched(prepare, wanted.delivery.minimum_wall, warn)
     with clock.stages(stage) as begun:
         origin = Origin.of(part, vertices) if isinstance(part, SurfaceMesh) else origin
         part = made_ready(part, wanted, relief, prepare=prepare, vertices=vertices, device=device, stage=begun, go_on=go_on)

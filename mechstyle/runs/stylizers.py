@@ -11,7 +11,6 @@ from itertools import pairwise
 from typing import NamedTuple
 from weakref import WeakKeyDictionary
 
-import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
@@ -44,25 +43,25 @@ def settled(recipe: Recipe, *, clip_asked_for: bool) -> Recipe:
         BadInput: If a prompt names no style that can be drawn, or settings contradict each other.
         MissingPiece: If libraries or weights are not on this machine.
     """
-    if recipe.image and not recipe.prompt.strip():
-        recipe = msgspec.structs.replace(recipe, prompt=PICTURE)
-    if recipe.image and (recipe.stylizer or recipe.guidance == "clip"):
-        draws = f"the stylizer {recipe.stylizer!r}" if recipe.stylizer else "guidance 'clip'"
+    if recipe.style.image and not recipe.style.prompt.strip():
+        recipe = recipe.with_settings(prompt=PICTURE)
+    if recipe.style.image and (recipe.style.stylizer or recipe.style.guidance == "clip"):
+        draws = f"the stylizer {recipe.style.stylizer!r}" if recipe.style.stylizer else "guidance 'clip'"
         raise BadInput(f"{draws} draws no pictures: leave it or the image out")
-    if recipe.guidance != "clip":
+    if recipe.style.guidance != "clip":
         if clip_asked_for:
-            raise BadInput(f"CLIP weights are of no use to guidance {recipe.guidance!r}: ask for guidance 'clip' as well")
-        if recipe.field != "vertex":
+            raise BadInput(f"CLIP weights are of no use to guidance {recipe.style.guidance!r}: ask for guidance 'clip' as well")
+        if recipe.style.field != "vertex":
             need_clip_extra()
-        if not recipe.stylizer:  # a stylizer from elsewhere reads prompts its own way
+        if not recipe.style.stylizer:  # a stylizer from elsewhere reads prompts its own way
             reading_of(recipe)
-        return msgspec.structs.replace(recipe, clip="")
-    if recipe.stylizer:
-        raise BadInput(f"the stylizer {recipe.stylizer!r} has its own guidance: leave out guidance 'clip'")
-    if not recipe.prompt.strip():
+        return recipe.with_settings(clip="")
+    if recipe.style.stylizer:
+        raise BadInput(f"the stylizer {recipe.style.stylizer!r} has its own guidance: leave out guidance 'clip'")
+    if not recipe.style.prompt.strip():
         raise BadInput("the prompt is empty: say in words what the part is to look like")
     need_clip_extra()
-    return msgspec.structs.replace(recipe, clip=located(recipe.clip, clip_folder()).identity)
+    return recipe.with_settings(clip=located(recipe.style.clip, clip_folder()).identity)
 
 
 def stylizer_for(
@@ -79,15 +78,15 @@ def stylizer_for(
     """
     bounds = bounds_for(part, recipe)[0]
     go_on()
-    if recipe.stylizer:
+    if recipe.style.stylizer:
         return made(part.surface, bounds, recipe), ()
-    if recipe.guidance == "clip":
+    if recipe.style.guidance == "clip":
         return _towards_prompt(part, bounds, recipe, device), ()
     reading = reading_of(recipe)
     aim = drawing_of(part, bounds, recipe, reading, objects, go_on).target
     notes = (f"prompt read as {reading.words}", *reading.notes, *aim.notes)
-    if recipe.field != "network":
-        return ProceduralStylizer(part.surface, aim, recipe.iterations), notes
+    if recipe.style.field != "network":
+        return ProceduralStylizer(part.surface, aim, recipe.schedule.iterations), notes
     need_clip_extra()
     from mechstyle.styling.learned.build import towards_target  # noqa: PLC0415 — torch is loaded when it is wanted
 
@@ -112,7 +111,7 @@ class FinishedStyle(NamedTuple):
 
 def finished_style(part: Workpiece | Shape, recipe: Recipe, go_on: GoOn = regardless) -> FinishedStyle | None:
     """The finished style of a recipe; None where only running it tells. What `go_on` raises ends it."""
-    if recipe.stylizer or recipe.guidance == "clip" or recipe.field == "network":
+    if recipe.style.stylizer or recipe.style.guidance == "clip" or recipe.style.field == "network":
         return None
     bounds = bounds_for(part, recipe)[0]
     go_on()
@@ -159,7 +158,7 @@ def drawing_of(
         objects: Those of the run, which keep its picture; None for cached ones.
         go_on: Asked in between whether to; what it raises ends it.
     """
-    recipe = msgspec.structs.replace(recipe, surface="", tetrahedra="")  # the same drawing before the part is meshed and after
+    recipe = recipe.on(surface="", tetrahedra="")  # the same drawing before the part is meshed and after
     before, known = _last.get(part.surface, (None, None))
     if known is not None and before == recipe:
         return known
@@ -192,7 +191,7 @@ def drawn(
     for wish, canvas in zip(reading.wishes, canvases, strict=True):
         canvas.go_on = go_on
         try:
-            targets.append(target(mesh, wish, Dimensions.of(recipe, wish), seed=recipe.seed, canvas=canvas, **limits))
+            targets.append(target(mesh, wish, Dimensions.of(recipe, wish), seed=recipe.style.seed, canvas=canvas, **limits))
         finally:
             canvas.go_on = regardless  # it is drawn on again, when whoever asked may have stopped
     return combined(mesh, targets, shares).without(bounds.plain)
@@ -202,5 +201,5 @@ def _towards_prompt(part: Workpiece, bounds: Bounds, recipe: Recipe, device: str
     need_clip_extra()
     from mechstyle.styling.learned.build import towards_prompt  # noqa: PLC0415 — as above
 
-    weights = located(recipe.clip, clip_folder()).folder
+    weights = located(recipe.style.clip, clip_folder()).folder
     return towards_prompt(part.surface, bounds, recipe, weights, device)

@@ -137,8 +137,8 @@ def impact_of(
     morph = Morph(part.surface, part.tets, part.at)
     tets = morph.morphed(displacement).tets
     period = period_of(lambda: part.tets if part.at is None else at_rest(part.surface), recipe, memo)
-    seen = snapshots(tets, recipe.material, prescribed(recipe), normal=normal, progress=progress, period=period)
-    impact = _on_surface(seen, part, tets, recipe.transfer, normal)
+    seen = snapshots(tets, recipe.test.material, prescribed(recipe), normal=normal, progress=progress, period=period)
+    impact = _on_surface(seen, part, tets, recipe.test.transfer, normal)
     memo.remember(key, impact)
     return impact
 

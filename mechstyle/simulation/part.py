@@ -292,29 +292,29 @@ def standardised(mesh: SurfaceMesh, vertices: int, go_on: GoOn = regardless) -> 
 
 def fitted(recipe: Recipe, part: Workpiece) -> Recipe:
     """A recipe for the very surface and tetrahedra of a part."""
-    return msgspec.structs.replace(recipe, surface=part.surface.digest, tetrahedra=part.tets.digest)
+    return recipe.on(surface=part.surface.digest, tetrahedra=part.tets.digest)
 
 
 def bounds_for(part: Workpiece | Shape, recipe: Recipe) -> tuple[Bounds, tuple[str, ...]]:
     """Bounds of a recipe's style on a part, and notes for the user on what is protected."""
     shape = part if isinstance(part, Shape) else part.shape
     contained = _contained(shape, recipe)
-    bounds = shape.bounds(recipe.base, recipe.minimum_wall)
-    protected = protection((*recipe.protect, *contained), part.surface, part.thickness)
+    bounds = shape.bounds(recipe.restraint.base, recipe.delivery.minimum_wall)
+    protected = protection((*recipe.restraint.protect, *contained), part.surface, part.thickness)
     free = np.minimum(bounds.freedom, protected.freedom)
-    notes = (*protected.notes[: len(recipe.protect)], *(LEFT_PLAIN for _ in contained))
+    notes = (*protected.notes[: len(recipe.restraint.protect)], *(LEFT_PLAIN for _ in contained))
     plain = is_inside(part.surface) if contained else False
     return replace(bounds, freedom=free, uncoloured=protected.uncoloured[:, None], plain=plain, seen=shape.seen), notes
 
 
 def _places(recipe: Recipe) -> tuple[Region, ...]:
     """The places that a prompt names, if it is one that is read here."""
-    if recipe.stylizer or recipe.guidance == "clip":
+    if recipe.style.stylizer or recipe.style.guidance == "clip":
         return ()
     return tuple(region for wish in reading_of(recipe).wishes for region in (*wish.where, *wish.spared))
 
 
 def _contained(shape: Shape, recipe: Recipe) -> tuple[Region, ...]:
     """The inside of a container, unless it is to be styled, or the recipe or its prompt name one side or the other themselves."""
-    chosen = recipe.inside == "styled" or any(isinstance(region, Inside | Outside) for region in (*recipe.protect, *_places(recipe)))
+    chosen = recipe.restraint.inside == "styled" or any(isinstance(region, Inside | Outside) for region in (*recipe.restraint.protect, *_places(recipe)))
     return () if chosen or not shape.is_container else (Inside(ramp=INSIDE_RAMP, colour=True),)

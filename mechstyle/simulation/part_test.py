@@ -89,7 +89,7 @@ class PartTest:
     def show(self) -> Picture:
         """Stress of the test that decides from three sides, and of the hardest other landing if there is one."""
         decides, surface = self.verdict.deciding, self.surface
-        limit = self.recipe.material.yield_strength if decides is None else decides.limit
+        limit = self.recipe.test.material.yield_strength if decides is None else decides.limit
         stress = fields.stress(limit)
         panels: list[Panel] = []
         if decides is None:
@@ -134,7 +134,7 @@ class PartTest:
         if self.course is None:
             raise SimulationFailed(self.simulation.failure)
         period = period_of(lambda: at_rest(self.part.surface), self.recipe, cached_memo())
-        at = snapshot(self.tets, self.recipe.material, prescribed(self.recipe), self.course.peak_time, period)
+        at = snapshot(self.tets, self.recipe.test.material, prescribed(self.recipe), self.course.peak_time, period)
         write_whole(target, vtu_bytes(self.tets, self.detail.drop, at, each=each_orientation))
         return target
 
@@ -190,7 +190,7 @@ def simulate(
     chosen, where = material_named(material), resolve_device(device)
     asked = {"orientations": orientations, "poses": poses, "height": None if height is None else length_of(height)}
     given = {name: value for name, value in asked.items() if value is not None}
-    wanted = Recipe(
+    wanted = Recipe.of(
         surface="", tetrahedra="", prompt="", material=chosen, criterion=criterion, loads=load_cases(loads), minimum_wall=minimum_wall,
         window=window, nearly_flat=nearly_flat,
         build_direction=None if build_direction is None else direction_of(build_direction),
@@ -229,6 +229,6 @@ def _tested(
     verdict = simulator.judge(detail.simulation, alone=relief is None)
     stage("looking at the impact")
     impact = None if detail.drop.failure else impact_of(part, recipe, displacement, memo, progress)
-    thin = walls.warnings(part.surface, part.thickness, displacement, wanted.minimum_wall)
+    thin = walls.warnings(part.surface, part.thickness, displacement, wanted.delivery.minimum_wall)
     warning = " ".join(f"{sentence}." for sentence in thin)
     return PartTest(part, recipe, displacement, detail.simulation, verdict, warning, tets, detail, impact, fit_of(tets, given), original)

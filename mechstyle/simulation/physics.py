@@ -25,16 +25,16 @@ PHYSICS_VERSION = 19
 def prescribed(recipe: Recipe) -> DropTest:
     """The drop test a recipe prescribes."""
     return DropTest(
-        height=recipe.height, friction=recipe.friction, window=recipe.window, damping=recipe.damping, element=recipe.element,
-        across=recipe.across_layers,
+        height=recipe.test.height, friction=recipe.test.friction, window=recipe.test.window, damping=recipe.test.damping, element=recipe.test.element,
+        across=recipe.test.across_layers,
     )  # fmt: skip
 
 
 def physics(recipe: Recipe) -> tuple[Any, ...]:
     """The settings that decide the drop of a displaced part as placed and the stress it leaves on the surface."""
-    layers = () if recipe.build_direction is None else (recipe.build_direction,)
-    part = (recipe.surface, recipe.tetrahedra, recipe.material, *layers)
-    return (*part, recipe.height, recipe.friction, recipe.window, recipe.damping, recipe.element, recipe.transfer)
+    layers = () if recipe.test.build_direction is None else (recipe.test.build_direction,)
+    part = (recipe.test.specimen.surface, recipe.test.specimen.tetrahedra, recipe.test.material, *layers)
+    return (*part, recipe.test.height, recipe.test.friction, recipe.test.window, recipe.test.damping, recipe.test.element, recipe.test.transfer)
 
 
 def memo_key(inputs: tuple[Any, ...], displacement: NDArray[np.float32]) -> str:
@@ -53,16 +53,16 @@ def period_of(tets: Callable[[], TetMesh], recipe: Recipe, memo: Memo, trusted: 
         memo: Where the answer is remembered.
         trusted: Where it is looked for first, and remembered if it was worked out here; None for nowhere.
     """
-    if recipe.window is not None:
+    if recipe.test.window is not None:
         return None
-    key = memo_key(("period", PHYSICS_VERSION, recipe.surface, recipe.material, recipe.element), np.empty(0, np.float32))
+    key = memo_key(("period", PHYSICS_VERSION, recipe.test.specimen.surface, recipe.test.material, recipe.test.element), np.empty(0, np.float32))
     memos = [memo] if trusted is None else [trusted, memo]
     period = next((found for one in memos if (found := one.recall(key, float)) is not None), None)
     if period is not None:
         memo.remember(key, period)  # a run folder holds what its drops rest on, whoever worked it out
         return period
     test = prescribed(recipe)
-    period = lowest_period(discretise(tets(), recipe.material, test.added_mass, element_named(test.element)))
+    period = lowest_period(discretise(tets(), recipe.test.material, test.added_mass, element_named(test.element)))
     for one in memos:
         one.remember(key, period)
     return period

@@ -87,16 +87,16 @@ class DropSimulator:
     @cached_property
     def meshes(self) -> Meshes:
         """The tetrahedra that serve the part and its reliefs."""
-        first = Body(Skin(self.surface, self.recipe.nozzle, self.thickness), self.tets, self.recipe.transfer, self.at)
+        first = Body(Skin(self.surface, self.recipe.delivery.nozzle, self.thickness), self.tets, self.recipe.test.transfer, self.at)
         # A folder that holds another part than its recipe names teaches other runs nothing, and learns nothing from them.
-        claimed = self.surface.digest != self.recipe.surface
+        claimed = self.surface.digest != self.recipe.test.specimen.surface
         return Meshes(first, self.memo, None if claimed else self.shared, self.recipe.digest, self.progress)
 
     @cached_property
     def landings(self) -> Orientations:
         """Landings of the unstylized part, so that both are compared in the same: flat, nearly flat, then the others."""
         recipe = self.recipe
-        return landings(self.surface, recipe.poses, recipe.orientations, nearly_flat=recipe.nearly_flat)
+        return landings(self.surface, recipe.test.poses, recipe.test.orientations, nearly_flat=recipe.test.nearly_flat)
 
     @cached_property
     def baseline(self) -> Simulation:
@@ -123,7 +123,7 @@ class DropSimulator:
         if alone:
             return judge(simulation, None, self.recipe)
         verdict = judge(simulation, self.baseline, self.recipe)
-        if verdict.settled or verdict.outcome == "UNKNOWN" or self.recipe.criterion == "paper":  # which an original does not excuse
+        if verdict.settled or verdict.outcome == "UNKNOWN" or self.recipe.test.criterion == "paper":  # which an original does not excuse
             return verdict
         body, nothing = self.meshes.known(simulation.mesh), np.zeros(len(self.surface.vertices), np.float32)
         if body is None or not body.made_for_relief or not body.followed(body.morph.morphed(nothing)).enough:
@@ -163,9 +163,9 @@ class DropSimulator:
         return simulation
 
     def _key(self, body: Body, displacement: NDArray[np.float32], *, thorough: bool) -> str:
-        recipe = msgspec.structs.replace(self.recipe, surface=self.surface.digest, tetrahedra=body.tets.digest)
+        recipe = self.recipe.on(surface=self.surface.digest, tetrahedra=body.tets.digest)
         drops, at = (thorough, digest_of(self._normals(thorough=thorough))), "" if body.at is None else digest_of(body.at)
-        return memo_key((PHYSICS_VERSION, self.device, *physics(recipe), recipe.loads, drops, at), displacement)
+        return memo_key((PHYSICS_VERSION, self.device, *physics(recipe), recipe.test.loads, drops, at), displacement)
 
     def _balance_error(self, tets: TetMesh, window: float) -> float | None:
         """Of `Detail`, over the first phase, which lasted for `window` [ms].
@@ -173,7 +173,7 @@ class DropSimulator:
         What damping took is what is missing in the balance, so the balance can be checked only without it.
         """
         undamped = replace(prescribed(self.recipe), damping=0.0, window=window)
-        found = drop(tets, self.recipe.material, self.landings.normals[:1], undamped, device=self.device, progress=self.progress)
+        found = drop(tets, self.recipe.test.material, self.landings.normals[:1], undamped, device=self.device, progress=self.progress)
         return None if found.failure else float(np.abs(found.history[0].damping_loss).max() / found.history[0].kinetic[0])
 
     @cached_property
@@ -191,15 +191,15 @@ class DropSimulator:
 
     def _static(self, body: Body) -> StaticTest:
         """The load cases, their places picked on the plain part."""
-        plain = body.morph.morphed(np.zeros(len(self.surface.vertices), np.float32)).tets if self.recipe.loads else body.tets
-        return StaticTest(plain, self.recipe.loads, self.recipe.element)
+        plain = body.morph.morphed(np.zeros(len(self.surface.vertices), np.float32)).tets if self.recipe.test.loads else body.tets
+        return StaticTest(plain, self.recipe.test.loads, self.recipe.test.element)
 
     def _under_loads(self, body: Body, dropped: Simulation, tets: TetMesh) -> Simulation:
         """A drop's result with those of the recipe's load cases on moved tetrahedra, on which their places are known."""
-        if dropped.failure or not self.recipe.loads:
+        if dropped.failure or not self.recipe.test.loads:
             return dropped
         try:
-            responses = self._static(body).run(tets, self.recipe.material, self.recipe.across_layers)
+            responses = self._static(body).run(tets, self.recipe.test.material, self.recipe.test.across_layers)
         except SimulationFailed as error:
             return replace(dropped, failure=str(error))
         read, cases, fields = self._reading_on(tets), list[LoadResult](), list[NDArray[np.float32]]()
@@ -211,11 +211,11 @@ class DropSimulator:
         return replace(dropped, loads=tuple(cases), load_stress=np.stack(fields))
 
     def _drop(self, tets: TetMesh, *, thorough: bool) -> Drop:
-        return self._dropped(tets, self._normals(thorough=thorough), self.recipe.height)
+        return self._dropped(tets, self._normals(thorough=thorough), self.recipe.test.height)
 
     def _dropped(self, tets: TetMesh, normals: Floats, height: float) -> Drop:
         test = replace(prescribed(self.recipe), height=height)
-        return drop(tets, self.recipe.material, normals, test, device=self.device, progress=self.progress, period=self._period)
+        return drop(tets, self.recipe.test.material, normals, test, device=self.device, progress=self.progress, period=self._period)
 
     @cached_property
     def _period(self) -> float | None:
@@ -255,7 +255,7 @@ class DropSimulator:
             x, y, z = (float(part) for part in ways.normals[number])
             found.append(Landing(
                 name=ways.names[number], way=ways.ways[number], normal=(x, y, z), stress=stress, where=where,
-                maximum=float(result.von_mises[index].max()), fall=self.recipe.height,
+                maximum=float(result.von_mises[index].max()), fall=self.recipe.test.height,
                 critical_height=self._critical_height(stress, 0.5),
                 touches=tuple(phase.speed for phase in result.phases[index]), ended=result.endings[index],
             ))  # fmt: skip
@@ -272,7 +272,7 @@ class DropSimulator:
         """Height from which σ_V is the yield strength [mm], by σ_V ∝ height^exponent; NaN and infinity stay what they are."""
         if not (math.isfinite(stress) and stress > 0.0):
             return math.nan
-        height = math.log(self.recipe.height) + math.log(self.recipe.material.yield_strength / stress) / exponent
+        height = math.log(self.recipe.test.height) + math.log(self.recipe.test.material.yield_strength / stress) / exponent
         return float(np.clip(math.exp(min(height, 50.0)), LEAST_HEIGHT, GREATEST_HEIGHT))
 
     def _retried(self, tets: TetMesh, read: Read, found: list[Landing], way: Way) -> list[Landing]:
@@ -291,7 +291,7 @@ class DropSimulator:
                 raise SimulationFailed(f"the stress of a fall of {height:.0f} mm is not a finite number above 0")
             return stress
 
-        exponent, drops = exponent_of(hardest, self.recipe.material.yield_strength, stress_from)
+        exponent, drops = exponent_of(hardest, self.recipe.test.material.yield_strength, stress_from)
         return [self._with_exponent(one, exponent, drops if one is hardest else 0) if one in same else one for one in found]
 
     def _as_the_original(self, found: list[Landing], way: Way) -> list[Landing]:

@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
@@ -90,7 +89,7 @@ class Strengthened:
     @property
     def mass_gained(self) -> float:
         """What it weighs more, printed solid [g]."""
-        return float((self.surface.volume - self.part.surface.volume) * self.recipe.material.density)
+        return float((self.surface.volume - self.part.surface.volume) * self.recipe.test.material.density)
 
     @property
     def words(self) -> str:
@@ -99,16 +98,16 @@ class Strengthened:
         if not self.added.any():
             why = {"HOLDS": "it holds as it is", "FAILS": "there is nothing that may be"}.get(before.outcome, "its test gave no answer")
             return f"it was not thickened: {why}"
-        share = self.mass_gained / (self.part.surface.volume * self.recipe.material.density)
-        held = "it holds" if after.passes else f"it still does not hold within {self.recipe.strengthen:g} mm"
+        share = self.mass_gained / (self.part.surface.volume * self.recipe.test.material.density)
+        held = "it holds" if after.passes else f"it still does not hold within {self.recipe.delivery.strengthen:g} mm"
         if after.passes and not after.sure:
-            held = f"it only just holds, within {self.recipe.strengthen:g} mm"
+            held = f"it only just holds, within {self.recipe.delivery.strengthen:g} mm"
         added = f"by up to {self.added.max():.2f} mm, {self.mass_gained:.1f} g ({share:+.1%})"
         return f"it was thickened {added}: {before.short}, then {after.short}: {held}"
 
     def show(self) -> Picture:
         """Stress before and after, and what was added between them; a notebook displays it, `.save(path)` writes the PNG."""
-        limit = self.recipe.material.yield_strength
+        limit = self.recipe.test.material.yield_strength
         (first, last), surface = self.verdicts, self.surface
         panels = [
             field_panel(self.part.surface, fields.stress(limit), self.before.stress, title=f"before: {first.short}"),
@@ -153,7 +152,7 @@ def strengthen(
     """
     if not budget > 0.0:
         raise BadInput(f"the budget to strengthen with is {budget:g} mm, but must be above 0: a wall often needs 1")
-    wanted = Recipe(
+    wanted = Recipe.of(
         surface="", tetrahedra="", prompt="", material=material_named(material), strengthen=budget, loads=load_cases(loads),
         protect=regions(protect), criterion=criterion, height=length_of(height),
     )  # fmt: skip
@@ -185,7 +184,7 @@ def strengthened(
         BadInput: If the part, a region or a load cannot be used.
     """
     part = mesh if isinstance(mesh, Workpiece) else prepare(mesh, vertices=vertices, stage=stage, go_on=go_on)
-    plain = fitted(msgspec.structs.replace(recipe, orientations=1, nearly_flat=False), part)  # the tests that decide for a part by itself
+    plain = fitted(recipe.with_settings(orientations=1, nearly_flat=False), part)  # the tests that decide for a part by itself
     memo, where = cached_memo(), resolve_device(device)
 
     def asking(_fraction: float) -> None:
@@ -201,7 +200,7 @@ def strengthened(
         holds = verdict.outcome != "FAILS" and (turn == 0 or verdict.sure)  # meshed again it may read a little more
         if turn == ROUNDS or holds:
             break
-        more = np.minimum(added + _wanted(part, after, plain.material, plain.strengthen) * free, plain.strengthen).astype(np.float32)
+        more = np.minimum(added + _wanted(part, after, plain.test.material, plain.delivery.strengthen) * free, plain.delivery.strengthen).astype(np.float32)
         if float((more - added).max()) < LEAST:
             break
         added = more
@@ -227,7 +226,7 @@ def made_ready(
         go_on: Asked in between whether to; what it raises ends the work.
     """
     thicker, before = None, isinstance(mesh, Workpiece) and mesh.mass_gained > 0.0
-    if recipe.strengthen and not before:
+    if recipe.delivery.strengthen and not before:
         thicker = strengthened(mesh, recipe, vertices=vertices, device=device, stage=stage, prepare=prepare, go_on=go_on)
     rough = mesh if thicker is None else thicker.result
     if isinstance(rough, Workpiece):
@@ -239,7 +238,7 @@ def made_ready(
 
 def _freedom(part: Workpiece, recipe: Recipe) -> NDArray[np.float64]:
     """Factor on what is added: 0 in protected regions and on what the part stands on."""
-    held = protection(recipe.protect, part.surface, part.thickness).freedom if recipe.protect else 1.0
+    held = protection(recipe.restraint.protect, part.surface, part.thickness).freedom if recipe.restraint.protect else 1.0
     return np.asarray(resting_weight(part.surface, low=0.5, high=3.0) * held)
 
 

@@ -84,7 +84,7 @@ class Pair:
         """Write `comparison.png` and `comparison.md` with the table and both verdicts; what each file is, and its path."""
         columns, rows = self.table()
         words = [f"{label}: {run.verdict.words}" for label, run in (("Freestyle", self.free), ("MechStyle", self.fed))]
-        page = f"# {self.fed.record.name}: “{self.fed.recipe.prompt}”\n\n{markdown([columns, *rows])}\n{words[0]}\n\n{words[1]}\n"
+        page = f"# {self.fed.record.name}: “{self.fed.recipe.style.prompt}”\n\n{markdown([columns, *rows])}\n{words[0]}\n\n{words[1]}\n"
         write_whole(folder / "comparison.md", page.encode())
         return {"comparison": str(self.show().save(folder / "comparison.png")), "table": str(folder / "comparison.md")}
 

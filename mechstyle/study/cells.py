@@ -176,7 +176,7 @@ class Cell(msgspec.Struct, frozen=True, kw_only=True):
         Raises:
             MechStyleError: If the part or a setting cannot be used, or the run fails in a way that is known.
         """
-        words = f"{self.part}-{self.recipe.prompt}-{self.condition}-{self.arm}".replace("×", " ").split()
+        words = f"{self.part}-{self.recipe.style.prompt}-{self.condition}-{self.arm}".replace("×", " ").split()
         where = out / (self.folder or f"runs/{file_stem('-'.join(words))}-{self.key[:8]}")
         model, recipe = load(self.model), self.recipe
         if self.load_share:
@@ -187,8 +187,8 @@ class Cell(msgspec.Struct, frozen=True, kw_only=True):
         """A row with its factors and these figures."""
         asked = self.recipe
         return Row(
-            part=self.part, prompt=asked.prompt, arm=self.arm, condition=self.condition, control=asked.control, schedule=asked.schedule,
-            amplitude=asked.amplitude, fall=asked.height, seed=asked.seed, iterations=asked.iterations, vertices=self.vertices,
+            part=self.part, prompt=asked.style.prompt, arm=self.arm, condition=self.condition, control=asked.restraint.control, schedule=asked.schedule.when,
+            amplitude=asked.style.amplitude, fall=asked.test.height, seed=asked.style.seed, iterations=asked.schedule.iterations, vertices=self.vertices,
             program=__version__, recipe=asked.digest, **figures,
         )  # fmt: skip
 
@@ -242,7 +242,7 @@ class Rows:
 def carry_out(cell: Cell, folder: str | Path) -> Row:
     """Run a cell, unless its row is there and it was not refused, and keep its row, whatever becomes of the run."""
     rows = Rows(folder)
-    with exclusive(rows.folder / "locks" / cell.key, f"the run of {cell.part} as {cell.recipe.prompt!r}", wait=True):
+    with exclusive(rows.folder / "locks" / cell.key, f"the run of {cell.part} as {cell.recipe.style.prompt!r}", wait=True):
         known = rows.settled(cell)
         if known is not None:
             return known
@@ -272,7 +272,7 @@ def figures_of(run: Run) -> Mapping[str, Any]:
     flat, nearly, published = verdict.row("flat"), verdict.row("nearly flat"), verdict.published
     hardest = min(loads, key=lambda row: row.survived, default=None)
     return {
-        "load": "; ".join(map(words_of, run.recipe.loads)),
+        "load": "; ".join(map(words_of, run.recipe.test.loads)),
         "outcome": verdict.outcome,
         "sure": verdict.sure,
         "doubt": verdict.doubt,

@@ -46,27 +46,27 @@ def with_loads(recipe: Recipe, model: SurfaceMesh, vertices: int, *, share: floa
         BadInput: If the part or a case cannot be used.
         SimulationFailed: If the part cannot be meshed or the equations cannot be solved.
     """
-    asked = (model.digest, vertices, recipe.loads, recipe.material, recipe.element, recipe.across_layers)
+    asked = (model.digest, vertices, recipe.test.loads, recipe.test.material, recipe.test.element, recipe.test.across_layers)
     name = hashlib.sha256(msgspec.json.encode(asked)).hexdigest()[:24]
     path = folder / f"{name}.json"
-    with exclusive(folder / "locks" / name, f"the load of {recipe.loads[0].name!r}", wait=True):
+    with exclusive(folder / "locks" / name, f"the load of {recipe.test.loads[0].name!r}", wait=True):
         try:
             known = msgspec.json.decode(path.read_bytes(), type=tuple[LoadFactor, ...])
         except (OSError, msgspec.MsgspecError):
             known = load_factors(recipe, model, vertices)
             write_whole(path, msgspec.json.format(msgspec.json.encode(known), indent=1))
-    cases = tuple(scaled(case, share * one.factor) for case, one in zip(recipe.loads, known, strict=True))
-    return msgspec.structs.replace(recipe, loads=cases)
+    cases = tuple(scaled(case, share * one.factor) for case, one in zip(recipe.test.loads, known, strict=True))
+    return recipe.with_settings(loads=cases)
 
 
 def load_factors(recipe: Recipe, model: SurfaceMesh, vertices: int) -> tuple[LoadFactor, ...]:
     """Load factors of a plain part, one for each load case of a recipe; arguments and errors as for `with_loads`."""
     part = prepare(model, vertices=vertices)
-    responses = StaticTest(part.tets, recipe.loads, recipe.element).run(part.tets, recipe.material, recipe.across_layers)
+    responses = StaticTest(part.tets, recipe.test.loads, recipe.test.element).run(part.tets, recipe.test.material, recipe.test.across_layers)
     weights, found = Walls(part.surface.vertices, part.thickness).weights(part.tets), []
     for name, response in responses.items():
         stress = exceeded(part.tets, at_nodes(part.tets, response.corners), weights, LOADED**3).stress
-        found.append(LoadFactor(case=name, stress=stress, factor=recipe.material.yield_strength / stress))
+        found.append(LoadFactor(case=name, stress=stress, factor=recipe.test.material.yield_strength / stress))
     return tuple(found)
 
 

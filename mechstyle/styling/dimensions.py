@@ -106,11 +106,11 @@ class Dimensions:
     @classmethod
     def of(cls, recipe: Recipe, wish: Wish | None = None) -> Dimensions:
         """Those of a recipe; what it leaves open the prompt may tell."""
-        relief, feature = recipe.relief, recipe.feature
+        relief, feature = recipe.style.relief, recipe.style.feature
         if wish is not None:
-            relief = wish.relief if relief is None and recipe.amplitude is None else relief
+            relief = wish.relief if relief is None and recipe.style.amplitude is None else relief
             feature = wish.feature if feature is None else feature
-        return cls(relief, recipe.amplitude, recipe.side, feature, recipe.nozzle, recipe.minimum_wall)
+        return cls(relief, recipe.style.amplitude, recipe.style.side, feature, recipe.delivery.nozzle, recipe.delivery.minimum_wall)
 
     def canvas(self, mesh: SurfaceMesh, thickness: ArrayLike, wish: Wish, seed: int) -> Canvas:
         """What to draw a style on, with features of the size that is asked for, or that fits the part and its walls [mm], shape [n]."""

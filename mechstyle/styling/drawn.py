@@ -105,13 +105,13 @@ def canvas_for(recipe: Recipe, wish: Wish, mesh: SurfaceMesh, thickness: ArrayLi
     """
     dimensions = Dimensions.of(recipe, wish)
     if wish.style != PICTURE or raster is None:
-        return dimensions.canvas(mesh, thickness, wish, recipe.seed)
-    width = dimensions.feature if recipe.image_size is None else recipe.image_size
+        return dimensions.canvas(mesh, thickness, wish, recipe.style.seed)
+    width = dimensions.feature if recipe.style.image_size is None else recipe.style.image_size
     placed = placed_on(mesh, raster, recipe, width, wish.size, wish.where)
     detail = raster.detail * placed.projection.width
-    canvas = Canvas(mesh, recipe.seed, detail / scale_by_area(mesh), wish.colour, wish.shade, nozzle=recipe.nozzle)
+    canvas = Canvas(mesh, recipe.style.seed, detail / scale_by_area(mesh), wish.colour, wish.shade, nozzle=recipe.delivery.nozzle)
     canvas.picture = placed
-    canvas.notes += notes_on(placed, canvas.edge, recipe.nozzle)
+    canvas.notes += notes_on(placed, canvas.edge, recipe.delivery.nozzle)
     return canvas
 
 

@@ -78,19 +78,19 @@ def placed_on(
         size: Factor of the prompt on a width that is not given.
         where: The places it is for: a picture that is thrown from one side comes from the end that is among them.
     """
-    repeated = recipe.image_layout == "tiled"
-    printable = min(recipe.nozzle / raster.finest, LARGEST_SHARE * float(mesh.extents.max()))
+    repeated = recipe.style.image_layout == "tiled"
+    printable = min(recipe.delivery.nozzle / raster.finest, LARGEST_SHARE * float(mesh.extents.max()))
     usual = max(USUAL * scale_by_area(mesh) * size, printable)
     ends = [region.end for region in where if isinstance(region, End)]
     projection: Projection
-    if recipe.projection == "planar":
+    if recipe.style.projection == "planar":
         projection = planar_projection(mesh, width, usual, raster.aspect, repeated=repeated, end=ends[0] if ends else "")
     else:
-        lay = around_projection if recipe.projection == "around" else box_projection
+        lay = around_projection if recipe.style.projection == "around" else box_projection
         projection = lay(mesh, width, usual, raster.aspect, repeated=repeated)
     if projection.width > 10.0 * float(mesh.extents.max()):
         raise BadInput(f"a picture {projection.width:g} mm wide is more than ten times the part: ask for a smaller image size")
-    return PlacedPicture(raster, projection, repeated, recipe.image_as != "colour", recipe.side, recipe.image_as != "height")
+    return PlacedPicture(raster, projection, repeated, recipe.style.image_as != "colour", recipe.style.side, recipe.style.image_as != "height")
 
 
 def notes_on(placed: PlacedPicture, edge: float, nozzle: float) -> tuple[str, ...]:

@@ -31,7 +31,8 @@ import msgspec
 from numpy.typing import ArrayLike
 
 from mechstyle.errors import BadInput
-from mechstyle.records.recipe import Recipe, check_prompt
+from mechstyle.records.chapters import check_prompt
+from mechstyle.records.recipe import Recipe
 from mechstyle.records.regions import End, Region, Rim, region
 from mechstyle.styling import vocabulary as english
 from mechstyle.styling.clauses import Clause, clauses_of
@@ -133,7 +134,7 @@ class Reading(msgspec.Struct, frozen=True):
 
 def reading_of(recipe: Recipe) -> Reading:
     """The prompt of a recipe as it is read."""
-    return read(recipe.prompt, picture=bool(recipe.image))
+    return read(recipe.style.prompt, picture=bool(recipe.style.image))
 
 
 def read(prompt: str, *, picture: bool = False) -> Reading:

@@ -25,7 +25,7 @@ def test_depths_are_tried_as_the_command_styles_the_part(monkeypatch, command, b
 
     def tried(_mesh, **settings):
         recipe = deepest.draft(**{name: value for name, value in settings.items() if name in ("prompt", "base", "control")})
-        raise BadInput(f"tried with base {recipe.base} and control {recipe.control}")
+        raise BadInput(f"tried with base {recipe.restraint.base} and control {recipe.restraint.control}")
 
     monkeypatch.setattr(deepest, "deepest", tried)
     outcome = CliRunner().invoke(app, [command, "gallery:drawer_knob", "-p", "brick", "--amplitude", "auto"])

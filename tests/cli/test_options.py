@@ -213,8 +213,8 @@ def test_only_what_was_given_reaches_the_recipe(asked):
 def test_a_fall_is_given_with_its_unit_and_nearly_flat_as_a_flag(asked, command):
     given = asked(command, "gallery:vase", "-p", "brick", "--height", "4 cm", "--no-nearly-flat")
     recipe = draft(**given)
-    assert (recipe.height, recipe.nearly_flat) == (40.0, False)
-    assert draft(**asked(command, "gallery:vase", "-p", "brick", "--set", "height=1,2 m")).height == 1200.0
+    assert (recipe.test.height, recipe.test.nearly_flat) == (40.0, False)
+    assert draft(**asked(command, "gallery:vase", "-p", "brick", "--set", "height=1,2 m")).test.height == 1200.0
 
 
 @pytest.mark.parametrize("command", ["run", "freestyle", "simulate", "demo", "branch"])

@@ -38,8 +38,8 @@ def test_lists_take_all_the_words_that_follow(asked):
     (cells, folder, jobs, scheduler), = seen
     assert (len(cells), folder, jobs, scheduler) == (12, "here", 2, "")
     assert {cell.part for cell in cells} == {"pen_holder", "phone_stand", "wall_hook"}
-    assert {(cell.recipe.iterations, cell.recipe.nearly_flat, cell.vertices) for cell in cells} == {(60, 0, 6000)}
-    assert {cell.recipe.seed for cell in cells} == {1, 2}
+    assert {(cell.recipe.schedule.iterations, cell.recipe.test.nearly_flat, cell.vertices) for cell in cells} == {(60, 0, 6000)}
+    assert {cell.recipe.style.seed for cell in cells} == {1, 2}
 
 
 def test_what_is_asked_for_reaches_every_study(asked):
@@ -48,7 +48,7 @@ def test_what_is_asked_for_reaches_every_study(asked):
     line("ablation", "--models", "vase", "--styles", "fish scales", "--arms", "masks", "strengthened", "--conditions", "deep", "load")
     assert [cell.arm for cell in seen[0][0]] == ["freestyle", "stress × frozen"]
     assert seen[0][3] == "tcp://h:1"
-    told = [(cell.arm, cell.condition, cell.recipe.amplitude, cell.load_share, cell.recipe.strengthen) for cell in seen[1][0]]
+    told = [(cell.arm, cell.condition, cell.recipe.style.amplitude, cell.load_share, cell.recipe.delivery.strengthen) for cell in seen[1][0]]
     assert told == [
         ("masks", "deep", 0.25, 0.0, 0.0), ("masks", "load", None, 0.85, 0.0),
         ("strengthened", "deep", 0.25, 0.0, 2.0), ("strengthened", "load", None, 0.85, 2.0),
@@ -98,7 +98,7 @@ def test_a_study_of_which_all_was_refused_ends_with_the_exit_code_of_bad_input(a
 def test_the_fall_that_is_asked_for_reaches_every_recipe(asked):
     line, seen = asked
     line("formative", "--models", "vase", "--styles", "brick", "--height", "80 cm")
-    assert [cell.recipe.height for cell in seen[0][0]] == [800.0]
+    assert [cell.recipe.test.height for cell in seen[0][0]] == [800.0]
 
 
 def test_what_passes_is_counted_by_condition_and_arm_with_how_many_are_sure(asked, monkeypatch):

@@ -223,7 +223,7 @@ def test_one_stress_that_is_no_number_makes_the_outcome_unknown(field, bad):
                   critical_height=1e5)  # fmt: skip
     nothing = np.zeros(0, np.float32)
     part = Simulation(displacement=nothing, contact=nothing.astype(bool), landings=(one,))
-    recipe = Recipe(surface="", tetrahedra="", prompt="", material=LIBRARY["PLA"])
+    recipe = Recipe.of(prompt="", material=LIBRARY["PLA"])
     verdict = judge(part, None, recipe)
     assert (verdict.outcome, verdict.passes, verdict.sure) == ("UNKNOWN", False, False)
 

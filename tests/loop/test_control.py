@@ -116,7 +116,7 @@ FALL = 1500.0
 
 
 def asked(**settings):
-    return Recipe(surface="s", tetrahedra="t", prompt="brick", **{"material": PLA, **settings})
+    return Recipe.of(surface="s", tetrahedra="t", prompt="brick", **{"material": PLA, **settings})
 
 
 def simulated(stress, nearly=(), any_landing=(), loads=None):

@@ -34,7 +34,7 @@ def store(tmp_path_factory) -> Store:
     recipe = bench.recipe(schedule="every", every=4, iterations=12)
     engine = bench.engine(recipe)
     list(engine.run())
-    other, fork = msgspec.structs.replace(recipe, control="linear"), engine.store.find(6).digest
+    other, fork = recipe.with_settings(control="linear"), engine.store.find(6).digest
     engine.store.move("soft", Lane(recipe=engine.store.put_recipe(other), head=fork, forked_from=fork))
     list(bench.engine(other, "soft").run())
     return engine.store

@@ -16,7 +16,7 @@ from mechstyle.records.material import LIBRARY
 
 
 def recipe(schedule, **settings):
-    return Recipe(**{"surface": "s", "tetrahedra": "t", "prompt": "brick", "material": LIBRARY["PLA"], "schedule": schedule, **settings})
+    return Recipe.of(**{"surface": "s", "tetrahedra": "t", "prompt": "brick", "material": LIBRARY["PLA"], "schedule": schedule, **settings})
 
 
 def progress(travelled=(0.0, 0.0, 0.0), thickness=(2.0, 4.0, 1.0), demand=(0.0, 0.0, 0.0), iteration=30, simulated_at=0):

@@ -50,8 +50,8 @@ def test_without_a_standard_nothing_is_brought():
 @pytest.mark.parametrize("name", STANDARDS)
 def test_words_are_of_orientations_and_never_of_a_test_that_was_met(name):
     one = recipe(**with_drops({"standard": name}))
-    assert one.after_standard == f"simulated orientations after {STANDARDS[name].title}"
-    for words in (one.after_standard, STANDARDS[name].departs, STANDARDS[name].title, described("standard")):
+    assert one.test.after_standard == f"simulated orientations after {STANDARDS[name].title}"
+    for words in (one.test.after_standard, STANDARDS[name].departs, STANDARDS[name].title, described("standard")):
         assert not any(claim in words.lower() for claim in ("pass", "compl", "certif", "conform", "according"))
     assert STANDARDS[name].departs.endswith(".")
     assert "undamaged" in STANDARDS[name].departs
@@ -59,10 +59,10 @@ def test_words_are_of_orientations_and_never_of_a_test_that_was_met(name):
 
 def test_what_departs_from_the_standard_is_said():
     other = recipe(**with_drops({"standard": "mil-810h", "orientations": 5, "height": 500.0}))
-    assert other.after_standard.endswith(", but 5 orientations instead of 27, 50 cm instead of 1.22 m")
+    assert other.test.after_standard.endswith(", but 5 orientations instead of 27, 50 cm instead of 1.22 m")
     resting = landings_after("ista-1a", poses="resting", orientations=11, height=760.0)
     assert resting.endswith(", but poses resting instead of box10")
-    assert recipe().after_standard == ""
+    assert recipe().test.after_standard == ""
 
 
 def test_a_standard_that_is_not_known_is_refused_with_the_nearest():

@@ -39,7 +39,7 @@ NAMES = CHOICES | {"transfer": ("barycentric", "nearest")}
 
 
 def recipe(**changes):
-    return Recipe(**{"surface": "5" * 64, "tetrahedra": "7" * 64, "prompt": "brick", "material": PLA, **changes})
+    return Recipe.of(**{"surface": "5" * 64, "tetrahedra": "7" * 64, "prompt": "brick", "material": PLA, **changes})
 
 
 def numbers(field):
@@ -109,7 +109,7 @@ def test_places_are_stored_the_same_way_from_version_to_version(tmp_path):
     file = tmp_path / "loads.toml"
     file.write_text(EVERY_LOAD, encoding="utf-8")
     one = recipe(loads=read_loads(file), protect=regions(EVERY_REGION))
-    places = msgspec.json.encode((one.loads, one.protect), order="deterministic")
+    places = msgspec.json.encode((one.test.loads, one.restraint.protect), order="deterministic")
     assert hashlib.sha256(places).hexdigest() == "6ac0b70f61abac6e916d423087cc373d11730150e7b7aa17ae12a7f3833d9754"
 
 
@@ -133,7 +133,7 @@ def test_every_field_decides_the_digest(field):
 
 def test_recipe_is_frozen_and_refuses_fields_it_does_not_know():
     with pytest.raises(AttributeError):
-        recipe().seed = 1
+        recipe().style.seed = 1
     table = json.loads(msgspec.json.encode(recipe())) | {"colour": "red"}
     with pytest.raises(msgspec.ValidationError, match="colour"):
         msgspec.json.decode(json.dumps(table), type=Recipe)
@@ -141,7 +141,7 @@ def test_recipe_is_frozen_and_refuses_fields_it_does_not_know():
 
 def test_numbers_are_welcome_within_their_limits_and_others_get_one_sentence_with_field_value_and_range():
     for field, (low, high) in LIMITS.items():
-        assert [getattr(recipe(**{field: value}), field) for value in (low, high)] == [low, high]
+        assert [recipe(**{field: value}).settings[field] for value in (low, high)] == [low, high]
         for value in (low - 1, high * 2 + 1, math.nan):
             with pytest.raises(BadInput) as caught:
                 recipe(**{field: value})
@@ -158,7 +158,7 @@ def test_an_unknown_name_gets_the_nearest_known_one():
 def test_settings_are_all_fields_but_the_part():
     given = msgspec.json.decode(msgspec.json.encode(recipe()))
     assert list(recipe().settings) == [name for name in given if name not in {"surface", "tetrahedra"}]
-    assert Recipe(surface="5" * 64, tetrahedra="7" * 64, **recipe(seed=7).settings) == recipe(seed=7)
+    assert Recipe.of(surface="5" * 64, tetrahedra="7" * 64, **recipe(seed=7).settings) == recipe(seed=7)
 
 
 @given(recipes, recipes)
@@ -187,7 +187,7 @@ def test_another_source_of_a_material_is_a_difference_but_no_figure():
 
 
 def test_only_the_control_none_is_without_feedback():
-    assert [control for control in CONTROLS if not recipe(control=control).feedback] == ["none"]
+    assert [control for control in CONTROLS if not recipe(control=control).restraint.feedback] == ["none"]
 
 
 # --- row and verdict ----------------------------------------------------------------------------------------------

@@ -113,11 +113,11 @@ def test_one_region_or_several_in_any_form_are_one_recipe():
 
 def test_a_recipe_keeps_its_regions_through_json():
     kept = tuple(WRITTEN.values())
-    recipe = Recipe(surface="s", tetrahedra="t", prompt="brick", material=LIBRARY["PLA"], protect=kept)
+    recipe = Recipe.of(surface="s", tetrahedra="t", prompt="brick", material=LIBRARY["PLA"], protect=kept)
     back = msgspec.json.decode(msgspec.json.encode(recipe), type=Recipe)
     assert back == recipe
     assert back.digest == recipe.digest
-    assert back.digest != msgspec.structs.replace(recipe, protect=()).digest
+    assert back.digest != recipe.with_settings(protect=()).digest
 
 
 def test_a_stored_region_is_checked_like_a_new_one():

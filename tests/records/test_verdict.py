@@ -28,7 +28,7 @@ HUNG, PUSHED = (
 
 
 def asked(**settings):
-    return Recipe(surface="s", tetrahedra="t", prompt="brick", **{"material": PLA, **settings})
+    return Recipe.of(surface="s", tetrahedra="t", prompt="brick", **{"material": PLA, **settings})
 
 
 def dropped(stress, way="flat", name="", **changes):
@@ -132,7 +132,7 @@ def test_a_styled_part_that_was_not_tilted_as_its_original_was_is_unknown():
 def test_a_criterion_that_does_not_exist_is_refused():
     recipe = asked()
     with pytest.raises(BadInput, match="did you mean 'robust'"):
-        judge(a_part(20.0), None, msgspec.structs.replace(recipe, criterion="robst"))
+        judge(a_part(20.0), None, recipe.with_settings(criterion="robst"))
 
 
 # --- more stress never betters anything ---------------------------------------------------------------------------

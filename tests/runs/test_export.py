@@ -51,7 +51,7 @@ def test_a_file_with_fields_holds_what_the_test_of_that_very_surface_says(run, t
     found, last = meshio.read(tmp_path / "part.ply").point_data, run.simulation()
     assert np.array_equal(found["stress"], last.stress_of(landing=run.verdict.deciding.landing)), "the test that decides"
     assert np.array_equal(found["flat_stress"], last.landing_stress[0])
-    assert found["safety_factor"].min() == pytest.approx(run.recipe.material.yield_strength / found["stress"].max(), rel=1e-5)
+    assert found["safety_factor"].min() == pytest.approx(run.recipe.test.material.yield_strength / found["stress"].max(), rel=1e-5)
     assert np.array_equal(found["displacement"], last.displacement)
     assert np.allclose(found["restraint"], 1.0 - run.checkpoint().mask, atol=1e-6)
     assert written.fields["stress"] == "von Mises stress at the surface [MPa]; flat"
@@ -72,10 +72,10 @@ def test_the_fields_of_an_iteration_that_was_not_simulated_say_their_age(run, tm
      ("rust brick", 0.0), ("blue brick", 0.0), ("brick", 0.0), ("gold brick; rim: studs", 0.0), ("gold brick; rim: silver studs", 0.0)],
 )  # fmt: skip
 def test_a_part_all_in_one_metal_reflects_like_it(run, prompt, metallic):
-    recipe = msgspec.structs.replace(run.recipe, prompt=prompt)
+    recipe = run.recipe.with_settings(prompt=prompt)
     assert sheen_of(recipe).metallic == metallic
     assert (sheen_of(recipe) == DULL) == (metallic == 0.0 and "rust" not in prompt)
-    assert sheen_of(msgspec.structs.replace(recipe, stylizer="mine")) == DULL
+    assert sheen_of(recipe.with_settings(stylizer="mine")) == DULL
 
 
 def test_a_glb_says_how_it_reflects(run, tmp_path, monkeypatch):
@@ -112,9 +112,9 @@ def test_a_3mf_is_painted_in_two_filaments_and_says_first_what_it_costs(run, tmp
     ],
 )
 def test_a_colour_asked_for_is_a_filament(run, prompt, palette):
-    recipe = msgspec.structs.replace(run.recipe, prompt=prompt)
+    recipe = run.recipe.with_settings(prompt=prompt)
     assert asked_for(recipe) == palette
-    assert asked_for(msgspec.structs.replace(recipe, stylizer="mine")) == ()
+    assert asked_for(recipe.with_settings(stylizer="mine")) == ()
     mesh = run.surface()
     usual = Printing().filaments(mesh)
     assert Printing(slicer="bambu").filaments(mesh, palette) == (palette or usual)

@@ -4,7 +4,6 @@ import logging
 import re
 import shlex
 
-import msgspec
 import pytest
 
 from mechstyle.errors import BadInput
@@ -20,7 +19,7 @@ def run(tmp_path):
 
 
 def other(recipe, seed=7):
-    return msgspec.structs.replace(recipe, seed=seed)
+    return recipe.with_settings(seed=seed)
 
 
 @pytest.mark.parametrize("beside", [False, True])
@@ -28,7 +27,7 @@ def test_a_free_folder_and_the_very_run_are_taken_as_they_are(run, tmp_path, cap
     (tmp_path / "empty").mkdir()
     for name in ("new", "empty"):
         assert folder_for(tmp_path / name, run.recipe, beside=beside) == tmp_path / name
-    meshed_anew = msgspec.structs.replace(run.recipe, tetrahedra="5" * 64)
+    meshed_anew = run.recipe.on(tetrahedra="5" * 64)
     assert folder_for(run.store.root, meshed_anew, beside=beside) == run.store.root
     assert not caplog.records
 
@@ -42,7 +41,7 @@ def test_another_run_goes_beside_the_one_that_is_there_and_is_found_there_again(
         f"{root} holds a run with other settings: this one is in {root}-{number}" for number in (2, 3)
     ]
     assert begin(part, recipes[1], root, device="cpu").store.root == second.store.root
-    assert run.recipe.seed == 0
+    assert run.recipe.style.seed == 0
 
 
 def test_what_is_no_run_is_never_written_to(run, tmp_path):

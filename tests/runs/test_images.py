@@ -48,19 +48,19 @@ def elsewhere(tmp_path_factory) -> Run:
 
 def test_a_recipe_names_the_pixels_not_the_file(picture):
     recipe = draft(image=picture)
-    assert recipe.prompt == "picture"
-    assert recipe.image == digest_of(SHADES) == digest_of(picture.read_bytes()) == digest_of(recipe.image)
+    assert recipe.style.prompt == "picture"
+    assert recipe.style.image == digest_of(SHADES) == digest_of(picture.read_bytes()) == digest_of(recipe.style.image)
     assert np.isclose(raster_of(recipe).aspect, 1.0)
-    assert draft("brick").image == ""
-    assert changed(recipe, {"image": "", "prompt": "brick"}).image == ""
+    assert draft("brick").style.image == ""
+    assert changed(recipe, {"image": "", "prompt": "brick"}).style.image == ""
 
 
 def test_the_run_shows_the_picture_and_keeps_it_as_a_file_for_people(elsewhere):
     state = elsewhere.checkpoint()
     assert np.ptp(state.displacement) > 0.1
     assert np.ptp(state.colour) > 0.2
-    kept = elsewhere.store.root / file_name(elsewhere.recipe.image)
-    assert digest_of(kept) == elsewhere.recipe.image
+    kept = elsewhere.store.root / file_name(elsewhere.recipe.style.image)
+    assert digest_of(kept) == elsewhere.recipe.style.image
     assert "prompt read as picture" in elsewhere.summary.notes
     assert any(note.startswith("the picture is 10 mm wide") for note in elsewhere.summary.notes)
 
@@ -72,13 +72,13 @@ def test_it_is_branched_without_the_file(elsewhere):
 
 def test_the_command_that_makes_it_again_names_that_file(elsewhere):
     command = command_for(Run(elsewhere.store), elsewhere.store.history("main"))
-    assert f"--image {file_name(elsewhere.recipe.image)} " in command
+    assert f"--image {file_name(elsewhere.recipe.style.image)} " in command
     assert "--image-size 10.0" in command
 
 
 def test_another_run_with_its_picture_can_be_asked_for_where_it_was_opened(elsewhere):
     remember(elsewhere.recipe, elsewhere.store)
-    again = draft(image=elsewhere.recipe.image, projection="around")
+    again = draft(image=elsewhere.recipe.style.image, projection="around")
     assert raster_of(again).aspect == 1.0
 
 

@@ -19,8 +19,8 @@ def block(tmp_path_factory):
 def of_another_material(run, **changes):
     """The run as if its material had other layers: the way up asks for nothing else of it."""
     recipe = run.recipe
-    material = msgspec.structs.replace(recipe.material, **changes)
-    return msgspec.structs.replace(recipe, material=material)
+    material = msgspec.structs.replace(recipe.test.material, **changes)
+    return recipe.with_settings(material=material)
 
 
 def test_up_and_down_are_one_drop_and_what_layers_bear_is_what_build_direction_says(block):
@@ -29,7 +29,7 @@ def test_up_and_down_are_one_drop_and_what_layers_bear_is_what_build_direction_s
     axes = {max(up, tuple(0.0 - part for part in up)) for up in stress}
     assert found.drops == len(axes) < len(found.ways)
     assert all(stress[up] == stress[other] for up in stress for other in stress if np.allclose(np.add(up, other), 0.0))
-    layered = msgspec.structs.replace(block.recipe, build_direction=(0.0, 0.0, 1.0))
+    layered = block.recipe.with_settings(build_direction=(0.0, 0.0, 1.0))
     simulation = block.simulator(layered).simulate(block.checkpoint().displacement, thorough=False)
     assert stress[0.0, 0.0, 1.0] == pytest.approx(simulation.flat.stress, rel=1e-6)
     assert stress[0.0, 0.0, 1.0] >= block.simulation().flat.stress * (1.0 - 1e-6), "layers only make it weaker"
@@ -42,7 +42,7 @@ def test_loads_pull_at_layers_as_the_drop_does(block, monkeypatch):
     plain = {way.up: way.stress for way in ways_up(block, count=3).ways}
     ends = [Patch(plane=(at, 0.0, 0.0, out, 0.0, 0.0)) for at, out in ((0.1, -1.0), (9.9, 1.0))]
     case = LoadCase(name="hung", supports=(Support(at=ends[0]),), loads=(Load(at=ends[1], force=(0.0, 0.0, -4000.0)),))
-    recipe = msgspec.structs.replace(block.recipe, loads=(case,))
+    recipe = block.recipe.with_settings(loads=(case,))
     monkeypatch.setattr(type(block.store), "recipe", lambda *_: recipe)
     loaded = {way.up: way.stress for way in ways_up(block, count=3).ways}
     assert loaded[1.0, 0.0, 0.0] > 1.1 * plain[1.0, 0.0, 0.0]

@@ -37,7 +37,7 @@ def flat(surface, bounds, recipe):
 
 def made(surface, factory):
     plugins.register_stylizer("mine")(factory)
-    recipe = Recipe(surface="s", tetrahedra="t", prompt="", material=LIBRARY["PLA"], stylizer="mine")
+    recipe = Recipe.of(surface="s", tetrahedra="t", prompt="", material=LIBRARY["PLA"], stylizer="mine")
     full = np.ones(len(surface.vertices), np.float32)
     return plugins.made(surface, Bounds(full, full, full, full), recipe)
 
@@ -56,19 +56,19 @@ def test_an_installed_package_offers_its_stylizer(monkeypatch):
 
 
 def test_a_function_given_itself_is_registered_by_its_name():
-    assert draft("whatever it reads", stylizer=flat).stylizer == "flat"
+    assert draft("whatever it reads", stylizer=flat).style.stylizer == "flat"
     assert plugins.known_stylizers() == ("flat",)
 
 
 def test_the_built_in_styles_have_no_name_and_still_read_the_prompt():
-    assert draft("brick").stylizer == ""
+    assert draft("brick").style.stylizer == ""
     with pytest.raises(BadInput, match="no style"):
         draft("whatever it reads", stylizer="")
 
 
 def test_a_branch_to_the_built_in_styles_reads_its_prompt_again():
     mine = draft("whatever it reads", stylizer=flat)
-    assert changed(mine, {"prompt": "something else"}).prompt == "something else"
+    assert changed(mine, {"prompt": "something else"}).style.prompt == "something else"
     with pytest.raises(BadInput, match="names no style"):
         changed(mine, {"prompt": "something else", "stylizer": ""})
 
@@ -112,7 +112,7 @@ def test_the_example_of_the_page_styles_a_part_and_goes_on_where_it_stopped(tmp_
     names: dict[str, object] = {}  # the same run, only sooner
     exec(compile(code, PAGE.name, "exec"), names)
     run = names["run"]
-    assert run.recipe.stylizer == "picture"
+    assert run.recipe.style.stylizer == "picture"
     state = run.checkpoint()
     side = np.abs(run.part.surface.vertex_normals[:, 2]) < 0.1
     high = side & (run.part.surface.vertices[:, 2] > 8.0) & (np.abs(run.part.surface.vertices[:, 1]) > 3.0)

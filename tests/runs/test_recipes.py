@@ -1,6 +1,5 @@
 """From a request to a recipe: presets, what overrides them, and what is refused before anything is computed."""
 
-import msgspec
 import numpy as np
 import pytest
 
@@ -16,7 +15,7 @@ WITHOUT_OUR_ADDITIONS = {"base": "free", "guarantee": False}
 
 
 def defaults(part, **settings):
-    return Recipe(surface=part.surface.digest, tetrahedra=part.tets.digest, prompt="brick", material=LIBRARY["PLA"], **settings)
+    return Recipe.of(surface=part.surface.digest, tetrahedra=part.tets.digest, prompt="brick", material=LIBRARY["PLA"], **settings)
 
 
 def test_loads_come_from_a_file_or_as_cases_and_are_the_same_recipe(part, tmp_path):
@@ -39,14 +38,14 @@ def test_a_plain_request_gets_the_defaults_of_the_recipe(part):
 
 def test_the_recipe_names_part_prompt_and_material(part):
     one = plan(part, "small blue stones", "pla")
-    assert (one.surface, one.tetrahedra) == (part.surface.digest, part.tets.digest)
-    assert (one.prompt, one.material) == ("small blue stones", LIBRARY["PLA"])
+    assert (one.test.specimen.surface, one.test.specimen.tetrahedra) == (part.surface.digest, part.tets.digest)
+    assert (one.style.prompt, one.test.material) == ("small blue stones", LIBRARY["PLA"])
 
 
 def test_freestyle_is_stylization_without_feedback(part):
     one = plan(part, "brick", freestyle=True)
     assert one == defaults(part, control="none", schedule="never", **WITHOUT_OUR_ADDITIONS)
-    assert not one.feedback
+    assert not one.restraint.feedback
 
 
 def test_the_paper_criterion_brings_the_published_method(part):
@@ -82,7 +81,7 @@ def test_settings_that_do_nothing_beside_the_others_are_named(given, told):
 
 def test_freestyle_under_the_paper_criterion_is_both(part):
     one = plan(part, "brick", criterion="paper", freestyle=True)
-    assert (one.control, one.schedule, one.transfer, one.criterion) == ("none", "never", "nearest", "paper")
+    assert (one.restraint.control, one.schedule.when, one.test.transfer, one.test.criterion) == ("none", "never", "nearest", "paper")
 
 
 @pytest.mark.parametrize(
@@ -98,7 +97,7 @@ def test_freestyle_under_the_paper_criterion_is_both(part):
     ],
 )
 def test_what_is_asked_for_overrides_the_preset_and_nothing_else(part, preset, setting):
-    expected = msgspec.structs.replace(plan(part, "brick", **preset), **setting)
+    expected = plan(part, "brick", **preset).with_settings(**setting)
     assert plan(part, "brick", **preset, **setting) == expected
 
 
@@ -125,29 +124,29 @@ by_control = pytest.mark.parametrize(("criterion", "control", "normalisation"), 
 
 @by_control
 def test_each_control_has_its_own_normalisation(part, criterion, control, normalisation):
-    assert plan(part, "brick", criterion=criterion, control=control).normalisation == normalisation
+    assert plan(part, "brick", criterion=criterion, control=control).restraint.normalisation == normalisation
 
 
 @by_control
 def test_another_control_brings_its_own_normalisation(part, criterion, control, normalisation):
     other = "headroom" if normalisation == "sigma_c" else "sigma_c"
     one = plan(part, "brick", criterion=criterion, control="linear", normalisation=other)
-    assert changed(one, {"control": control}) == msgspec.structs.replace(one, control=control, normalisation=normalisation)
+    assert changed(one, {"control": control}) == one.with_settings(control=control, normalisation=normalisation)
 
 
 @pytest.mark.parametrize("control", CONTROLS)
 def test_a_normalisation_asked_for_is_kept(part, control):
-    assert plan(part, "brick", control=control, normalisation="sigma_c").normalisation == "sigma_c"
-    assert changed(plan(part, "brick"), {"control": control, "normalisation": "sigma_c"}).normalisation == "sigma_c"
+    assert plan(part, "brick", control=control, normalisation="sigma_c").restraint.normalisation == "sigma_c"
+    assert changed(plan(part, "brick"), {"control": control, "normalisation": "sigma_c"}).restraint.normalisation == "sigma_c"
 
 
 def test_another_control_and_criterion_at_once_follow_the_new_criterion(part):
-    assert changed(plan(part, "brick"), {"control": "linear", "criterion": "paper"}).normalisation == "sigma_c"
+    assert changed(plan(part, "brick"), {"control": "linear", "criterion": "paper"}).restraint.normalisation == "sigma_c"
 
 
 def test_without_another_control_the_normalisation_stays(part):
     one = plan(part, "brick", control="frozen")
-    assert changed(one, {"every": 5, "schedule": "every"}).normalisation == "own_max"
+    assert changed(one, {"every": 5, "schedule": "every"}).restraint.normalisation == "own_max"
 
 
 # --- changes ------------------------------------------------------------------------------------------------------
@@ -160,14 +159,14 @@ def test_changing_nothing_gives_the_same_recipe(part):
 
 def test_changes_leave_everything_else_alone(part):
     one = plan(part, "brick", seed=3)
-    assert changed(one, {"iterations": 300, "prompt": "stone"}) == msgspec.structs.replace(one, iterations=300, prompt="stone")
+    assert changed(one, {"iterations": 300, "prompt": "stone"}) == one.with_settings(iterations=300, prompt="stone")
 
 
 def test_a_material_is_changed_by_name_or_in_full(part):
     soft = Material(name="soft", youngs_modulus=1000.0, poisson_ratio=0.4, density=1.1e-3, yield_strength=20.0)
     one = changed(plan(part, "brick"), {"material": soft})
-    assert one.material == soft
-    assert changed(one, {"material": "pla"}).material == LIBRARY["PLA"]
+    assert one.test.material == soft
+    assert changed(one, {"material": "pla"}).test.material == LIBRARY["PLA"]
 
 
 # --- what is refused ----------------------------------------------------------------------------------------------
@@ -265,7 +264,7 @@ def test_branching_to_the_other_criterion_brings_its_presets(part):
     assert paper == plan(part, "brick", criterion="paper")
     assert changed(paper, {"criterion": "robust"}) == robust
     free = plan(part, "brick", freestyle=True)
-    assert not changed(free, {"criterion": "paper"}).guarantee
+    assert not changed(free, {"criterion": "paper"}).restraint.guarantee
     assert changed(changed(free, {"criterion": "paper"}), {"criterion": "robust"}) == free
 
 
@@ -275,7 +274,7 @@ def test_branching_to_the_other_criterion_brings_its_presets(part):
 def test_regions_in_words_and_as_records_are_one_recipe(part):
     said, meant = plan(part, "brick", protect=["above 5", "inside ramp 2"]), (HalfSpace((0, 0, 5), (0, 0, 1)), Inside(ramp=2))
     assert said == plan(part, "brick", protect=meant)
-    assert said == plan(part, "brick", protect=list(said.protect))
+    assert said == plan(part, "brick", protect=list(said.restraint.protect))
     assert changed(said, {"protect": []}) == plan(part, "brick")
 
 
@@ -284,9 +283,9 @@ def test_regions_in_words_and_as_records_are_one_recipe(part):
 
 @pytest.mark.parametrize(("poses", "drops"), POSES.items())
 def test_poses_bring_their_number_of_drops_unless_told(poses, drops):
-    assert draft("brick", poses=poses).orientations == drops
-    assert draft("brick", poses=poses, orientations=3).orientations == 3
-    assert changed(draft("brick", orientations=3), {"poses": poses}).orientations == drops
+    assert draft("brick", poses=poses).test.orientations == drops
+    assert draft("brick", poses=poses, orientations=3).test.orientations == 3
+    assert changed(draft("brick", orientations=3), {"poses": poses}).test.orientations == drops
     with pytest.raises(BadInput, match="unknown poses 'rest': did you mean 'resting'"):
         draft("brick", poses="rest")
 
@@ -294,15 +293,15 @@ def test_poses_bring_their_number_of_drops_unless_told(poses, drops):
 @pytest.mark.parametrize("given", ["z", "+Z", "0,0,1", "[0, 0, 1]", (0, 0, 1), np.array([0.0, 0.0, 1.0])])
 def test_a_build_direction_is_an_axis_or_a_vector(given):
     recipe = draft("brick", build_direction=given)
-    assert recipe.build_direction == (0.0, 0.0, 1.0)
-    assert recipe.across_layers == pytest.approx((0.0, 0.0, 1.0 / 0.55))
+    assert recipe.test.build_direction == (0.0, 0.0, 1.0)
+    assert recipe.test.across_layers == pytest.approx((0.0, 0.0, 1.0 / 0.55))
     assert recipe.digest == draft("brick", build_direction="z").digest
-    assert "(0, 0, 1) are judged with 0.55 of the strength across them (0.50 and 0.53 in two Polymaker" in recipe.layers_judged
+    assert "(0, 0, 1) are judged with 0.55 of the strength across them (0.50 and 0.53 in two Polymaker" in recipe.test.layers_judged
 
 
 def test_without_a_build_direction_layers_are_not_judged():
-    assert draft("brick").across_layers == (0.0, 0.0, 0.0)
-    assert draft("brick", "ABS").layers_judged == ""
+    assert draft("brick").test.across_layers == (0.0, 0.0, 0.0)
+    assert draft("brick", "ABS").test.layers_judged == ""
 
 
 @pytest.mark.parametrize(
@@ -322,21 +321,21 @@ def test_a_build_direction_that_cannot_be_judged_is_refused(given, material, wor
 
 def test_a_standard_brings_its_landings_to_a_draft_and_to_a_branch():
     recipe = draft("brick", standard="mil-810h")
-    assert (recipe.standard, recipe.poses, recipe.orientations, recipe.height) == ("mil-810h", "box26", 27, 1220.0)
+    assert (recipe.test.standard, recipe.test.poses, recipe.test.orientations, recipe.test.height) == ("mil-810h", "box26", 27, 1220.0)
     other = changed(recipe, {"standard": "astm-f963"})
-    assert (other.poses, other.orientations, other.height) == ("fibonacci", 10, 1372.0)
-    assert "but poses resting" in changed(recipe, {"poses": "resting"}).after_standard
+    assert (other.test.poses, other.test.orientations, other.test.height) == ("fibonacci", 10, 1372.0)
+    assert "but poses resting" in changed(recipe, {"poses": "resting"}).test.after_standard
 
 
 # --- the fall -------------------------------------------------------------------------------------------------------
 
 
 def test_a_height_is_read_with_its_unit_wherever_settings_come_in():
-    assert draft("brick", height="1,2 m").height == 1200.0
-    assert changed(draft("brick"), {"height": "4 cm"}).height == 40.0
+    assert draft("brick", height="1,2 m").test.height == 1200.0
+    assert changed(draft("brick"), {"height": "4 cm"}).test.height == 40.0
     assert brought({"height": "2 m"}, "exponential") == {"height": 2000.0}
-    assert draft("brick", **dict([typed("height=80 cm")])).height == 800.0
-    assert draft("brick", **dict([typed("height=4 cm")])).height == 40.0, "its unit is not lost on the way"
+    assert draft("brick", **dict([typed("height=80 cm")])).test.height == 800.0
+    assert draft("brick", **dict([typed("height=4 cm")])).test.height == 40.0, "its unit is not lost on the way"
 
 
 def test_a_height_set_by_name_is_asked_about_at_once():
@@ -345,7 +344,7 @@ def test_a_height_set_by_name_is_asked_about_at_once():
 
 
 def test_the_height_of_a_standard_is_left_where_another_is_written():
-    assert draft("brick", standard="mil-810h", height="1 m").height == 1000.0
+    assert draft("brick", standard="mil-810h", height="1 m").test.height == 1000.0
 
 
 # --- depths ---------------------------------------------------------------------------------------------------------
@@ -353,9 +352,9 @@ def test_the_height_of_a_standard_is_left_where_another_is_written():
 
 def test_a_depth_replaces_one_of_the_other_kind(part):
     told = plan(part, "brick", relief=0.8)
-    assert (told.relief, told.amplitude) == (0.8, None)
+    assert (told.style.relief, told.style.amplitude) == (0.8, None)
     assert changed(told, {"amplitude": 0.2}) == plan(part, "brick", amplitude=0.2)
     both = changed(plan(part, "brick", amplitude=0.2), {"relief": 0.8})
-    assert (both.relief, both.amplitude) == (0.8, 0.2), "a relief in mm goes before"
+    assert (both.style.relief, both.style.amplitude) == (0.8, 0.2), "a relief in mm goes before"
 
 

@@ -3,12 +3,12 @@
 import manifold3d
 import numpy as np
 import pytest
+from mechstyle.records.chapters import SIDES
 
 from mechstyle.errors import BadInput, MissingPiece
 from mechstyle.geometry.remeshing.evening import even, surface_of
 from mechstyle.loop.engine import kept
 from mechstyle.records.mesh import TetMesh
-from mechstyle.records.recipe import SIDES
 from mechstyle.runs.recipes import changed, plan
 from mechstyle.runs.stylizers import drawing_of, finished_relief, stylizer_for
 from mechstyle.simulation.part import Shape, Workpiece, bounds_for
@@ -123,8 +123,8 @@ def no_weights(monkeypatch, tmp_path):
 
 def test_guidance_by_clip_takes_any_prompt_and_records_the_weights(part, weights):
     one = plan(part, "a zebra in the snow", guidance="clip")
-    assert (one.guidance, one.field, one.clip) == ("clip", "vertex", weights)
-    assert changed(one, {"field": "network"}).clip == weights
+    assert (one.style.guidance, one.style.field, one.style.clip) == ("clip", "vertex", weights)
+    assert changed(one, {"field": "network"}).style.clip == weights
 
 
 def test_back_offline_no_weights_are_recorded_and_the_prompt_must_be_drawable(part, weights):

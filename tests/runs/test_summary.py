@@ -16,7 +16,7 @@ def test_a_summary_has_the_verdict_of_what_is_delivered_and_the_tests_behind_it(
     summary, verdict = run.summary, run.verdict
     assert (summary.outcome, summary.doubts, summary.rows, summary.words) == (verdict.outcome, verdict.doubts, verdict.rows, verdict.words)
     most = max(row.stress for row in verdict.rows if row.decides)
-    assert summary.safety_factor == pytest.approx(run.recipe.material.yield_strength / most)
+    assert summary.safety_factor == pytest.approx(run.recipe.test.material.yield_strength / most)
     assert summary.landings == run.simulation().landings
     assert summary.plain.rows[0].stress == pytest.approx(20.0)
 

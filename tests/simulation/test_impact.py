@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import msgspec
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -53,11 +52,11 @@ def seen(part, monkeypatch):
 @pytest.fixture
 def impact(part, seen, tmp_path):
     """Makes the impact of the unstylized part under a recipe with given settings."""
-    plain = Recipe(surface=part.surface.digest, tetrahedra=part.tets.digest, prompt="", material=LIBRARY["PLA"])
+    plain = Recipe.of(surface=part.surface.digest, tetrahedra=part.tets.digest, prompt="", material=LIBRARY["PLA"])
     memo, flat = Memo(tmp_path / "memo", Objects(tmp_path / "objects")), np.zeros(len(part.surface.vertices), np.float32)
 
     def made(landing=UP, **settings):
-        return impact_of(part, msgspec.structs.replace(plain, **settings), flat, memo, normal=landing)
+        return impact_of(part, plain.with_settings(**settings), flat, memo, normal=landing)
 
     return made
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
+from mechstyle.records.chapters import BASES
 
 from mechstyle.errors import BadInput, SimulationFailed
 from mechstyle.loop.bounds import unrestrained
 from mechstyle.records import Recipe
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import SurfaceMesh
-from mechstyle.records.recipe import BASES
 from mechstyle.simulation import part as module
 from mechstyle.simulation.part import prepare
 
@@ -73,7 +73,7 @@ def test_a_plain_base_is_not_free_and_all_above_it_is(ready):
 
 
 def test_a_style_on_a_plain_base_leaves_what_it_stands_on_as_it_is(ready):
-    part, recipe = ready[0], Recipe(surface="", tetrahedra="", prompt="brick", material=LIBRARY["PLA"])
+    part, recipe = ready[0], Recipe.of(prompt="brick", material=LIBRARY["PLA"])
     wild = np.random.default_rng(0).normal(0.0, 3.0, len(part.thickness)).astype(np.float32)
     relief = unrestrained(wild, part.shape.bounds("plain", 0.8), recipe)
     assert np.all(relief[part.shape.level_base.standing] == 0.0)

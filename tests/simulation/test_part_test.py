@@ -199,7 +199,7 @@ def test_landings_of_a_standard_are_named(drop_it):
     boxed = ["flat", *(landing.name for landing in dropped.simulation.of("any landing"))]
     assert boxed[:3] == ["flat", "corner 2-3-5", "edge 2-3"]
     assert (len(boxed), len(set(names))) == (10, len(names))
-    assert dropped.recipe.height == 760.0
+    assert dropped.recipe.test.height == 760.0
     assert all(landing.fall == 760.0 for landing in dropped.simulation.landings)
 
 

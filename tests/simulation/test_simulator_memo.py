@@ -36,7 +36,7 @@ def test_the_same_question_is_simulated_once(block, memo, drops):
 def test_anything_that_matters_makes_it_another_question(block, memo, drops, settings):
     sim = simulator(block, memo)
     sim.simulate(bumps(block), thorough=False)
-    replace(sim, recipe=msgspec.structs.replace(sim.recipe, **settings)).simulate(bumps(block), thorough=False)
+    replace(sim, recipe=sim.recipe.with_settings(**settings)).simulate(bumps(block), thorough=False)
     assert drops == [2, 1, 2, 1]
 
 
@@ -84,7 +84,7 @@ def test_the_baseline_of_a_part_that_is_not_the_one_its_recipe_names_is_for_itse
     """A run folder could hold a sturdy part under the recipe of another one."""
     users = Memo(tmp_path / "users", Objects(tmp_path / "users-objects"))
     sim = simulator(block, memo)
-    claimed = replace(sim, shared=users, recipe=msgspec.structs.replace(sim.recipe, surface="5" * 64))
+    claimed = replace(sim, shared=users, recipe=sim.recipe.on(surface="5" * 64))
     assert claimed.baseline.stress.any()
     assert not users.folder.exists()
 

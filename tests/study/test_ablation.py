@@ -25,8 +25,8 @@ def test_every_arm_is_a_recipe_of_its_own_whatever_the_defaults_are():
     assert all(name in SETTINGS for arm in ARMS.values() for name in arm.settings)
     recipes = {name: draft("brick", **arm.settings) for name, arm in ARMS.items()}
     assert [name for name, recipe in recipes.items() if recipe.steered] == ["finish-first", "masks"]
-    assert {name: recipe.base for name, recipe in recipes.items() if recipe.base != "plain"} == {"freestyle": "free"}
-    assert [recipes[name].schedule for name in ("finish-first", "masks")] == ["never", "stress"]
+    assert {name: recipe.restraint.base for name, recipe in recipes.items() if recipe.restraint.base != "plain"} == {"freestyle": "free"}
+    assert [recipes[name].schedule.when for name in ("finish-first", "masks")] == ["never", "stress"]
 
 
 def test_the_static_twin_differs_from_the_corrected_one_by_the_correction_alone():
@@ -51,7 +51,7 @@ def test_all_arms_get_the_same_part_style_and_settings(asked, tmp_path):
     found = ablation(["gallery:wall_hook", "gallery:wall_hook"], ["fish scales"], tmp_path, iterations=9, height="1 m")
     for cell, (name, arm) in zip(asked, ARMS.items(), strict=True):
         assert cell.arm == name
-        assert (cell.recipe.prompt, cell.recipe.amplitude, cell.recipe.iterations, cell.recipe.height) == ("fish scales", None, 9, 1000.0)
+        assert (cell.recipe.style.prompt, cell.recipe.style.amplitude, cell.recipe.schedule.iterations, cell.recipe.test.height) == ("fish scales", None, 9, 1000.0)
         assert cell.recipe.settings.items() >= arm.settings.items()
     assert [(one.part, one.condition, one.arm) for one in found.rows] == [("wall_hook", "drop", name) for name in ARMS]
 
@@ -147,7 +147,7 @@ def test_the_command_asks_for_the_cells_it_is_given(asked, tmp_path):
     words += ["--arm", "static", "--height", "1 m", "--vertices", "900", "--out", str(tmp_path), "--json"]
     done = CliRunner().invoke(app, ["ablation", *words])
     assert done.exit_code == 0, done.output
-    told = [(cell.part, cell.recipe.prompt, cell.condition, cell.vertices, cell.recipe.height) for cell in asked]
+    told = [(cell.part, cell.recipe.style.prompt, cell.condition, cell.vertices, cell.recipe.test.height) for cell in asked]
     assert sorted(told) == sorted(
         (part, style, condition, 900, 1000.0)
         for part, condition in (("wall_hook", "drop"), ("wall_hook", "load"), ("coaster", "drop")) for style in ("brick", "cactus")

@@ -27,7 +27,7 @@ def test_every_application_of_the_paper_is_there_and_its_prompt_is_understood_wi
 def test_there_are_no_others_and_only_the_pill_box_keeps_its_inside():
     assert len(APPLICATIONS) == 4
     assert [name for name, one in APPLICATIONS.items() if one.protect] == ["pill_box"]
-    assert draft("brick", protect=APPLICATIONS["pill_box"].protect).protect[0].words == "inside colour"
+    assert draft("brick", protect=APPLICATIONS["pill_box"].protect).restraint.protect[0].words == "inside colour"
 
 
 def test_an_unknown_application_is_refused_with_the_nearest_first():
@@ -42,14 +42,14 @@ def test_both_runs_get_the_same_part_prompt_and_regions(monkeypatch, tmp_path):
     (free, free_out), (fed, fed_out) = asked
     assert free_out == fed_out == tmp_path
     assert (free.folder, fed.folder) == ("freestyle", "mechstyle")
-    assert free.recipe.prompt == fed.recipe.prompt == "floral patterns"
+    assert free.recipe.style.prompt == fed.recipe.style.prompt == "floral patterns"
     model, part = "gallery:pill_box", "pill_box"
     assert (free.model, free.part, free.vertices) == (fed.model, fed.part, fed.vertices) == (model, part, STANDARD_VERTICES)
     assert {name for name, *_ in free.recipe.differences(fed.recipe)} <= set(FREESTYLE)
     assert (free.recipe.steered, fed.recipe.steered) == (False, True)
-    assert (free.recipe.protect[0].words, free.recipe.iterations) == ("inside colour", 9)
+    assert (free.recipe.restraint.protect[0].words, free.recipe.schedule.iterations) == ("inside colour", 9)
     apply("pill_box", tmp_path, protect=[])
-    assert asked[-1][0].recipe.protect == ()
+    assert asked[-1][0].recipe.restraint.protect == ()
 
 
 @pytest.fixture(scope="module")

@@ -122,10 +122,10 @@ def test_loads_are_scaled_in_the_study_folder_before_a_run_begins(monkeypatch, t
 
     def with_loads(recipe, model, vertices, **how):
         asked.update(how, vertices=vertices, model=model.name)
-        return msgspec.structs.replace(recipe, seed=77)
+        return recipe.with_settings(seed=77)
 
     monkeypatch.setattr(module, "with_loads", with_loads)
-    monkeypatch.setattr(module, "started", lambda recipe, *_, **__: asked.update(seed=recipe.seed) or Begun())
+    monkeypatch.setattr(module, "started", lambda recipe, *_, **__: asked.update(seed=recipe.style.seed) or Begun())
     cell(load_share=0.85).run(tmp_path)
     assert asked == {"share": 0.85, "folder": tmp_path / "loads", "vertices": 1000, "model": "wall_hook", "seed": 77}
     asked.clear()

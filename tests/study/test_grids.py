@@ -14,18 +14,18 @@ def test_the_formative_study_is_every_model_in_every_style_once():
     cells = cells_of("formative", Factors())
     assert len(cells) == 30 * 6
     assert {cell.part for cell in cells} == set(gallery.names())
-    assert {cell.recipe.prompt for cell in cells} == set(STYLES)
-    assert {(cell.recipe.control, cell.recipe.schedule, cell.recipe.guarantee) for cell in cells} == {("none", "never", False)}
+    assert {cell.recipe.style.prompt for cell in cells} == set(STYLES)
+    assert {(cell.recipe.restraint.control, cell.recipe.schedule.when, cell.recipe.restraint.guarantee) for cell in cells} == {("none", "never", False)}
     assert len({cell.key for cell in cells}) == len(cells)
 
 
 def test_the_evaluation_crosses_every_control_with_every_schedule_beside_the_style_alone():
     cells = cells_of("evaluation", Factors(**SMALL))
     assert len(cells) == 2 * (1 + 12)
-    ways = {(cell.recipe.control, cell.recipe.schedule) for cell in cells if cell.arm != "freestyle"}
+    ways = {(cell.recipe.restraint.control, cell.recipe.schedule.when) for cell in cells if cell.arm != "freestyle"}
     assert ways == {(control, schedule) for control in STUDY_CONTROLS for schedule in STUDY_SCHEDULES}
-    assert not any(cell.recipe.guarantee for cell in cells)
-    assert {(cell.recipe.iterations, cell.vertices) for cell in cells} == {(9, 1000)}
+    assert not any(cell.recipe.restraint.guarantee for cell in cells)
+    assert {(cell.recipe.schedule.iterations, cell.vertices) for cell in cells} == {(9, 1000)}
 
 
 def test_the_style_alone_is_the_same_cell_in_both_studies():
@@ -40,14 +40,14 @@ def test_an_ablation_is_every_arm_under_each_condition_and_loads_only_what_carri
     assert {cell.arm for cell in cells} == set(ARMS)
     assert not [one for one in asked if one[0] == "coaster" and one[2] == "load"]
     for cell in cells:
-        assert (cell.recipe.amplitude, cell.load_share) == (0.25 if cell.condition == "deep" else None, 0.85 * (cell.condition == "load"))
-        assert [case.name for case in cell.recipe.loads] == ["heavy coat"] * (cell.condition == "load")
+        assert (cell.recipe.style.amplitude, cell.load_share) == (0.25 if cell.condition == "deep" else None, 0.85 * (cell.condition == "load"))
+        assert [case.name for case in cell.recipe.test.loads] == ["heavy coat"] * (cell.condition == "load")
 
 
 def test_loads_that_are_given_are_those_of_the_condition_load_alone():
     given = gallery.use_of("gallery:pill_box")
     cells = cells_of("ablation", Factors(**{**SMALL, "models": ["coaster"]}, settings={"loads": [given]}))
-    assert {(cell.condition, cell.recipe.loads) for cell in cells} == {("drop", ()), ("deep", ()), ("load", (given,))}
+    assert {(cell.condition, cell.recipe.test.loads) for cell in cells} == {("drop", ()), ("deep", ()), ("load", (given,))}
 
 
 def test_a_load_for_parts_that_carry_nothing_is_refused():
@@ -58,7 +58,7 @@ def test_a_load_for_parts_that_carry_nothing_is_refused():
 def test_cells_of_a_part_that_rest_on_the_same_tetrahedra_stand_apart():
     """Side by side they would make them at the same time."""
     cells = cells_of("ablation", Factors(**{**SMALL, "models": ["wall_hook"], "styles": ["brick", "cactus"]}, conditions=["drop", "deep"]))
-    meshed = [(cell.recipe.prompt, cell.recipe.base, cell.recipe.amplitude) for cell in cells]
+    meshed = [(cell.recipe.style.prompt, cell.recipe.restraint.base, cell.recipe.style.amplitude) for cell in cells]
     assert all(len(set(meshed[first : first + 4])) == 4 for first in range(len(meshed) - 3))
 
 
@@ -70,8 +70,8 @@ def test_the_strengthened_arm_differs_from_masks_by_strengthening_alone():
 
 def test_seeds_and_other_settings_reach_every_recipe():
     cells = cells_of("formative", Factors(**SMALL, seeds=[0, 7], settings={"orientations": 1}))
-    assert [cell.recipe.seed for cell in cells] == [0, 7, 0, 7]
-    assert {cell.recipe.orientations for cell in cells} == {1}
+    assert [cell.recipe.style.seed for cell in cells] == [0, 7, 0, 7]
+    assert {cell.recipe.test.orientations for cell in cells} == {1}
 
 
 @pytest.mark.parametrize(

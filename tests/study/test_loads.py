@@ -37,7 +37,7 @@ def factors(monkeypatch):
 
     def load_factors(recipe, model, vertices):
         asked.append(vertices)
-        return tuple(LoadFactor(case=case.name, stress=0.456, factor=100.0) for case in recipe.loads)
+        return tuple(LoadFactor(case=case.name, stress=0.456, factor=100.0) for case in recipe.test.loads)
 
     monkeypatch.setattr(module, "load_factors", load_factors)
     return asked
@@ -46,9 +46,9 @@ def factors(monkeypatch):
 def test_what_the_plain_part_carries_is_worked_out_once_for_each_case_material_and_resolution(factors, tmp_path):
     model, recipe = make("coaster"), draft("brick", loads=[PULLED])
     found = with_loads(recipe, model, 900, share=0.85, folder=tmp_path)
-    assert found.loads[0].loads[0].force == pytest.approx((255.0, 0.0, -340.0))
+    assert found.test.loads[0].loads[0].force == pytest.approx((255.0, 0.0, -340.0))
     assert [name for name, *_ in found.differences(recipe)] == ["loads"]
-    assert with_loads(draft("stone", loads=[PULLED]), model, 900, share=0.85, folder=tmp_path).loads == found.loads
+    assert with_loads(draft("stone", loads=[PULLED]), model, 900, share=0.85, folder=tmp_path).test.loads == found.test.loads
     assert factors == [900]
     for asked in (draft("brick", "PETG", loads=[PULLED]), draft("brick", loads=[scaled(PULLED, 2.0)])):
         with_loads(asked, model, 900, share=0.85, folder=tmp_path)
@@ -69,7 +69,7 @@ def test_under_the_scaled_load_the_plain_part_reads_that_share_of_its_strength(t
     model, recipe = make("wall_hook"), draft("brick", loads=[use_of("gallery:wall_hook")])
     found = with_loads(recipe, model, 900, share=0.85, folder=tmp_path)
     part = prepare(model, vertices=900)
-    (response,) = StaticTest(part.tets, found.loads, found.element).run(part.tets, found.material).values()
+    (response,) = StaticTest(part.tets, found.test.loads, found.test.element).run(part.tets, found.test.material).values()
     weights = Walls(part.surface.vertices, part.thickness).weights(part.tets)
     stress = exceeded(part.tets, at_nodes(part.tets, response.corners), weights, LOADED**3).stress
-    assert stress == pytest.approx(0.85 * found.material.yield_strength, rel=1e-4)
+    assert stress == pytest.approx(0.85 * found.test.material.yield_strength, rel=1e-4)

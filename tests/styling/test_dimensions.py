@@ -121,11 +121,11 @@ def test_where_a_style_has_no_feature_the_wall_alone_decides(holder):
 
 
 def test_the_recipe_goes_before_the_prompt_and_millimetres_before_a_share():
-    recipe = Recipe(surface="", tetrahedra="", prompt="brick", material=LIBRARY["PLA"])
+    recipe = Recipe.of(prompt="brick", material=LIBRARY["PLA"])
     told = Wish("brick", feature=5.0, relief=0.9)
 
     def sizes(**changes):
-        found = Dimensions.of(Recipe(**{**recipe.settings, "surface": "", "tetrahedra": "", **changes}), told)
+        found = Dimensions.of(Recipe.of(**{**recipe.settings, "surface": "", "tetrahedra": "", **changes}), told)
         return found.relief, found.amplitude, found.feature
 
     assert sizes() == (0.9, None, 5.0)

@@ -1,6 +1,5 @@
 """A picture drawn on parts: what is light stands out, what is transparent stays, and what cannot be printed is said."""
 
-import msgspec
 import numpy as np
 import pytest
 
@@ -15,7 +14,7 @@ from mechstyle.styling.prompt import read
 from styling.conftest import boxed
 from support import ROOT
 
-ASKED = Recipe(surface="", tetrahedra="", prompt="picture", material=LIBRARY["PLA"], image="0" * 64, image_size=20.0, relief=0.6)
+ASKED = Recipe.of(prompt="picture", material=LIBRARY["PLA"], image="0" * 64, image_size=20.0, relief=0.6)
 
 
 def disc(*, clear: bool, size: int = 80) -> Raster:
@@ -34,7 +33,7 @@ def block():
 
 
 def drawn(mesh, raster, prompt="picture", **settings):
-    recipe = msgspec.structs.replace(ASKED, prompt=prompt, **settings)
+    recipe = ASKED.with_settings(prompt=prompt, **settings)
     wish = read(prompt, picture=True).wishes[0]
     wall = np.full(len(mesh.vertices), 8.0)
     canvas = canvas_for(recipe, wish, mesh, wall, raster)

@@ -84,7 +84,7 @@ class LeverSimulator:
 
     def _measured(self, displacement: np.ndarray) -> Simulation:
         stress = (20.0 + self.gain * np.abs(displacement)).astype(np.float32)
-        ways = (("flat", "flat", 1.0), ("tilted 3°", "nearly flat", 0.8))[: 2 if self.recipe.nearly_flat else 1]
+        ways = (("flat", "flat", 1.0), ("tilted 3°", "nearly flat", 0.8))[: 2 if self.recipe.test.nearly_flat else 1]
         failure = "the integration blew up" if float(np.abs(displacement).max()) > self.broken_above else ""
         return Simulation(
             displacement=displacement,
@@ -98,7 +98,7 @@ class LeverSimulator:
 
     def _landing(self, name: str, way: str, stress: np.ndarray) -> Landing:
         worst, top = int(stress.argmax()), float(stress.max())
-        fall, strength = self.recipe.height, self.recipe.material.yield_strength
+        fall, strength = self.recipe.test.height, self.recipe.test.material.yield_strength
         return Landing(
             name=name, way=way, normal=(0.0, 0.0, 1.0) if way == "flat" else (0.0, 0.6, 0.8), stress=top, maximum=2 * top,
             where=(float(worst), 0.0, 0.0), fall=fall, critical_height=fall * (strength / top) ** 2,
@@ -136,7 +136,7 @@ class Bench:
 
     def recipe(self, **settings: object) -> Recipe:
         defaults = {"surface": "s", "tetrahedra": "t", "prompt": "bump", "material": LIBRARY["PLA"], "iterations": 60}
-        return Recipe(**{**defaults, **settings})
+        return Recipe.of(**{**defaults, **settings})
 
     def engine(self, recipe: Recipe, lane: str = "main") -> Engine:
         surface = self.surface

@@ -15,7 +15,7 @@ from mechstyle.simulation.simulator import DropSimulator
 def simulator(block, memo, **settings) -> DropSimulator:
     surface, tets = block
     chosen = {"material": LIBRARY["PLA"], "orientations": 2, "nearly_flat": False, "window": 0.1, **settings}
-    recipe = Recipe(surface=surface.digest, tetrahedra=tets.digest, prompt="", **chosen)
+    recipe = Recipe.of(surface=surface.digest, tetrahedra=tets.digest, prompt="", **chosen)
     return DropSimulator(surface, tets, recipe, memo)
 
 

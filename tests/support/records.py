@@ -11,7 +11,7 @@ STRENGTH, FALL = 45.6, 1500.0
 
 
 def recipe(**changes):
-    return Recipe(**{"surface": "5" * 64, "tetrahedra": "7" * 64, "prompt": "brick", "material": LIBRARY["PLA"], **changes})
+    return Recipe.of(**{"surface": "5" * 64, "tetrahedra": "7" * 64, "prompt": "brick", "material": LIBRARY["PLA"], **changes})
 
 
 def row(height=2000.0, **changes):

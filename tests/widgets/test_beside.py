@@ -25,7 +25,7 @@ def test_one_press_runs_both_and_compares_them(controller, settle):
     free = next(branch for branch in state.branches if branch.lane == "freestyle")
     assert (free.parent, free.forked_at, free.finished) == ("main", 0, True)
     recipe = state.run.store.recipe(state.run.store.lane("freestyle").recipe)
-    assert {name: getattr(recipe, name) for name in FREESTYLE} == FREESTYLE
+    assert {name: recipe.settings[name] for name in FREESTYLE} == FREESTYLE
     assert table(branches)["control"] == ["none", "exponential"]
     assert table(branches)["outcome"] == [said_of(state.row(12, lane).verdict) for lane in ("freestyle", "main")]
 

@@ -58,7 +58,7 @@ def studio(tmp_path, monkeypatch, cube) -> Iterator[Studio]:
 def assert_shows(studio: Studio, surface: SurfaceMesh, prompt: str) -> None:
     """Picture, stress, inspector, timeline, branches and impact are those of a run of this part and prompt."""
     state, viewer, count = studio.state, studio._viewer, len(surface.vertices)
-    assert state.run.recipe.prompt == prompt
+    assert state.run.recipe.style.prompt == prompt
     assert state.run.part.surface.digest == surface.digest
     newest = state.run.checkpoint()
     assert isinstance(viewer, RunViewer)
@@ -71,11 +71,11 @@ def assert_shows(studio: Studio, surface: SurfaceMesh, prompt: str) -> None:
     np.testing.assert_allclose(viewer.subject.layer("stress").values, newest.stress)
     assert state.layer == "stress"
     assert studio.mask_inspector.would_be.shape == (count,)
-    assert studio.mask_inspector.selector.threshold == state.run.recipe.threshold
+    assert studio.mask_inspector.selector.threshold == state.run.recipe.restraint.threshold
     assert [row.digest for row in state.history] == [row.digest for row in state.histories["main"]]
     assert state.history[-1].digest == state.run.store.lane().head
     assert studio._timeline.iteration == state.iteration == 12
-    assert [branch.recipe.prompt for branch in state.branches] == [prompt]
+    assert [branch.recipe.style.prompt for branch in state.branches] == [prompt]
     viewer.player.play()
     assert viewer.player.impact.stress.shape == (3, count)
     assert viewer.layer == MOMENT
@@ -170,7 +170,7 @@ def test_a_damaged_run_is_said_and_does_not_end_the_news(studio, tmp_path):
     assert studio.state.run is shown
     studio.prompt_box.prompt = "wood"
     studio.go()
-    assert studio.state.run.recipe.prompt == "wood"
+    assert studio.state.run.recipe.style.prompt == "wood"
 
 
 def test_a_second_run_in_one_folder_goes_beside_the_first_and_says_so(studio, caplog):

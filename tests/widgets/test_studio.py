@@ -25,8 +25,8 @@ def test_settings_given_by_name_reach_the_recipe():
                     threshold=0.5, protect=["inside"], height=800)  # fmt: skip
     wanted = studio.wanted()
     recipe = wanted.recipe
-    assert (recipe.prompt, recipe.material.name, recipe.control, recipe.every) == ("small wood", "PETG", "linear", 7)
-    assert (recipe.threshold, recipe.protect[0].words, recipe.height) == (0.5, "inside", 800.0)
+    assert (recipe.style.prompt, recipe.test.material.name, recipe.restraint.control, recipe.schedule.every) == ("small wood", "PETG", "linear", 7)
+    assert (recipe.restraint.threshold, recipe.restraint.protect[0].words, recipe.test.height) == (0.5, "inside", 800.0)
     assert (wanted.vertices, wanted.name) == (900, "wall_hook")
     assert wanted.mesh is studio.part_picker.mesh
 
@@ -37,9 +37,9 @@ CASE = LoadCase(name="heavy coat", supports=(Support(at="resting face"),), loads
 @pytest.mark.usefixtures("unprotected")
 def test_poses_and_loads_go_into_the_recipe_and_out_of_it_again(tmp_path, fake_run):
     given = {"poses": "resting", "loads": [CASE], "schedule": "every", "every": 4, "iterations": 12}
-    assert Studio("gallery:wall_hook", orientations=3, **given).wanted().recipe.orientations == 3
+    assert Studio("gallery:wall_hook", orientations=3, **given).wanted().recipe.test.orientations == 3
     recipe = Studio("gallery:wall_hook", **given).wanted().recipe
-    assert (recipe.poses, recipe.orientations, recipe.loads) == ("resting", 8, (CASE,))
+    assert (recipe.test.poses, recipe.test.orientations, recipe.test.loads) == ("resting", 8, (CASE,))
     made = fake_run(tmp_path / "loaded", poses="resting", orientations=8, loads=(CASE,))
     made.go()
     studio = Studio(made.run)
@@ -49,11 +49,11 @@ def test_poses_and_loads_go_into_the_recipe_and_out_of_it_again(tmp_path, fake_r
 
 @pytest.mark.usefixtures("unprotected")
 def test_settings_without_a_control_may_be_given_and_stay(tmp_path, fake_run):
-    assert Studio("gallery:wall_hook", window=2.0, element="tet4").wanted().recipe.window == 2.0
+    assert Studio("gallery:wall_hook", window=2.0, element="tet4").wanted().recipe.test.window == 2.0
     made = fake_run(tmp_path / "other", window=2.0, friction=0.3)
     made.go()
     studio = Studio(made.run)
-    assert (studio.wanted().recipe.window, studio.controller.differs()) == (2.0, {})
+    assert (studio.wanted().recipe.test.window, studio.controller.differs()) == (2.0, {})
 
 
 def test_a_criterion_brings_its_method_as_on_the_command_line_and_back():
@@ -90,7 +90,7 @@ def test_part_and_style_stand_over_the_run(tmp_path, fake_run):
 
 def test_freestyle_brings_its_preset():
     recipe = Studio("gallery:wall_hook", freestyle=True, iterations=50).wanted().recipe
-    assert (recipe.control, recipe.schedule, recipe.guarantee, recipe.iterations) == ("none", "never", False, 50)
+    assert (recipe.restraint.control, recipe.schedule.when, recipe.restraint.guarantee, recipe.schedule.iterations) == ("none", "never", False, 50)
 
 
 def test_an_unknown_setting_is_refused_with_the_known_ones():
@@ -107,9 +107,9 @@ def test_lambda_and_relief_are_known_wherever_they_count():
     studio = Studio("gallery:wall_hook")
     studio.control_selector._lambda.value = 0.5
     assert studio.material_picker.material.safety_coefficient == 0.5
-    assert studio.wanted().recipe.material.safety_coefficient == 0.5
+    assert studio.wanted().recipe.test.material.safety_coefficient == 0.5
     studio.prompt_box.relief = 0.9
-    assert studio.schedule_selector.relief == studio.wanted().recipe.relief == 0.9
+    assert studio.schedule_selector.relief == studio.wanted().recipe.style.relief == 0.9
 
 
 def test_what_is_asked_for_is_in_the_state():
@@ -139,9 +139,9 @@ def test_what_is_painted_is_hatched_at_once_and_reaches_the_recipe():
     near = np.linalg.norm(viewer.subject.mesh.vertices - place, axis=1)
     assert viewer.protected[near < 3.9].all()
     assert not viewer.protected[near > 4.1].any()
-    assert studio.wanted().recipe.protect[0].radius == 4.0
+    assert studio.wanted().recipe.restraint.protect[0].radius == 4.0
     viewer._clicks(place)
-    assert studio.wanted().recipe.protect == ()
+    assert studio.wanted().recipe.restraint.protect == ()
     assert not viewer.protected.any()
 
 
@@ -272,7 +272,7 @@ def test_what_is_told_of_a_place_does_not_push_the_timeline_down(done):
 @pytest.mark.usefixtures("unprotected")
 def test_a_lane_of_it_can_be_named(done):
     studio = Studio(f"{done.store.root}@soft")
-    assert studio.run.recipe.control == "linear"
+    assert studio.run.recipe.restraint.control == "linear"
     assert studio.control_selector.control == "linear"
 
 
@@ -293,7 +293,7 @@ def test_settings_without_a_control_are_those_of_the_lane_on_show(tmp_path, fake
     made.go().branch(6, lane="long", window=2.0)
     studio = Studio(made.run)
     studio.state.lane = "long"
-    assert (studio.wanted().recipe.window, studio.controller.differs()) == (2.0, {})
+    assert (studio.wanted().recipe.test.window, studio.controller.differs()) == (2.0, {})
 
 
 def test_what_freestyle_leaves_out_is_left_out_of_what_is_asked_for():

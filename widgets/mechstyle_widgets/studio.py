@@ -322,7 +322,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
 
     def _take_recipe(self, recipe: Recipe) -> None:
         """Show the settings of a recipe."""
-        self._unseen = {name: getattr(recipe, name) for name in UNSEEN}
+        self._unseen = {name: recipe.settings[name] for name in UNSEEN}
         self.drop_options.unobserve(self._other_criterion, "criterion")  # whose method is in the recipe
         with self._as_one(), self.state.hold_trait_notifications():  # one change of the settings, not one for each
             for section in self._sections:
@@ -465,8 +465,8 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         if run is not None and taken is not None and len(run.part.surface.vertices) == vertices:
             fall = taken / math.ceil(landings_on_the_way(self.state.settings) / (os.cpu_count() or 1))
         found = estimated(
-            vertices, len(plan.places), height=recipe.height, iterations=recipe.iterations, orientations=recipe.orientations,
-            nearly_flat=recipe.nearly_flat, element=recipe.element, window=recipe.window, fall=fall,
+            vertices, len(plan.places), height=recipe.test.height, iterations=recipe.schedule.iterations, orientations=recipe.test.orientations,
+            nearly_flat=recipe.test.nearly_flat, element=recipe.test.element, window=recipe.test.window, fall=fall,
         )  # fmt: skip
         self.state.outlook, self.state.expected = found.words, found.seconds
 

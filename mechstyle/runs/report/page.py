@@ -61,7 +61,7 @@ def report_page(run: LaneOfRun) -> str:
     return fill(
         static("page.html"),
         script_digest=_source(script),
-        title=f"{run.record.name}, “{run.recipe.prompt}”",
+        title=f"{run.record.name}, “{run.recipe.style.prompt}”",
         style=Markup(static("report.css") + static("player.css")),
         head=_head(run, history, len(passed_steps) - 1),
         verdict=_verdict(standing(history)[1]),
@@ -72,7 +72,7 @@ def report_page(run: LaneOfRun) -> str:
         story=_story(passed_steps, standing(history)[0]),
         notes=_notes(run),
         settings=_settings(run.recipe),
-        material=_material(run.recipe.material),
+        material=_material(run.recipe.test.material),
         limits=joined(fill("<li>{text}</li>", text=text) for text in _limits(run.recipe)),
         method=texts.METHOD,
         command=command_for(run, history),
@@ -123,11 +123,11 @@ def _impact_payloads(struck: Sequence[ReplayData]) -> Markup:
 
 def _head(run: LaneOfRun, history: Sequence[Row], simulations: int) -> Markup:
     last = history[-1].iteration
-    stands = "finished" if run.finished else f"stands at iteration {last} of {run.recipe.iterations}"
+    stands = "finished" if run.finished else f"stands at iteration {last} of {run.recipe.schedule.iterations}"
     return fill(
         '<p class="kicker">MechStyle report</p><h1>{name}<span class="prompt"> as “{prompt}”</span></h1>'
         '<p class="facts">{material} · {iterations} iterations · {simulations} simulations · lane {lane}, {stands}</p>',
-        name=run.record.name.replace("_", " "), prompt=run.recipe.prompt, material=run.recipe.material.label,
+        name=run.record.name.replace("_", " "), prompt=run.recipe.style.prompt, material=run.recipe.test.material.label,
         iterations=last, simulations=simulations, lane=run.lane, stands=stands,
     )  # fmt: skip
 
@@ -231,14 +231,14 @@ def _plain(value: object) -> object:
 
 def _limits(recipe: Recipe) -> list[str]:
     """Limits of the method, and those of the material and the standard of this run."""
-    material, own = recipe.material, []
+    material, own = recipe.test.material, []
     if material.label != material.name:
         own.append(f"The figures are those of {material.label}; what is sold under the name lies apart ({SPREAD[material.name]}).")
-    if recipe.layers_judged:
-        own.append(f"{recipe.layers_judged[0].upper()}{recipe.layers_judged[1:]}.")
-    if recipe.standard:
-        words = f"{recipe.after_standard[0].upper()}{recipe.after_standard[1:]}"
-        own.append(f"{words}. {STANDARDS[recipe.standard].departs} The verdict is no test to the standard.")
+    if recipe.test.layers_judged:
+        own.append(f"{recipe.test.layers_judged[0].upper()}{recipe.test.layers_judged[1:]}.")
+    if recipe.test.standard:
+        words = f"{recipe.test.after_standard[0].upper()}{recipe.test.after_standard[1:]}"
+        own.append(f"{words}. {STANDARDS[recipe.test.standard].departs} The verdict is no test to the standard.")
     return [*texts.LIMITS, *own]
 
 
@@ -278,8 +278,8 @@ def _versions(run: LaneOfRun) -> Markup:
     recipe = run.recipe
     rows: list[tuple[str, object]] = [
         ("recipe (SHA-256)", _digest(recipe.digest)),
-        ("surface", _digest(recipe.surface)),
-        ("tetrahedra", _digest(recipe.tetrahedra)),
+        ("surface", _digest(recipe.test.specimen.surface)),
+        ("tetrahedra", _digest(recipe.test.specimen.tetrahedra)),
         ("mechstyle", version("mechstyle")),
         ("Python", platform.python_version()),
         *((name, version(name)) for name in TOOLS),

@@ -133,7 +133,7 @@ def replay_data(run: LaneOfRun) -> ReplayData:
     channels = [*fields.values(), _colour_channel(run.store.objects, digests)]
     header = {
         "name": run.record.name,
-        "prompt": run.recipe.prompt,
+        "prompt": run.recipe.style.prompt,
         "vertices": len(surface.vertices),
         "faces": len(surface.faces),
         "frames": [_frame(row) for row in rows],

@@ -60,7 +60,7 @@ def cell_for(run: LaneOfRun, history: Sequence[Entry]) -> str:
     """The same as lines of Python for a notebook."""
     recipes = _recipes(run, history)
     origin = run.record.origin
-    given = settings_for(recipes[0], partial(draft, ANY_PROMPT)) | {"prompt": recipes[0].prompt}
+    given = settings_for(recipes[0], partial(draft, ANY_PROMPT)) | {"prompt": recipes[0].style.prompt}
     reading = "".join(f", {name}={value!r}" for name, value in origin.reading.items())
     made = {"vertices": origin.vertices} if origin.vertices != STANDARD_VERTICES else {}
     model = f"ms.load({origin.model or f'{run.record.stem}.stl'!r}{reading})"
@@ -139,7 +139,7 @@ def _run(run: LaneOfRun, recipe: Recipe, folder: str) -> str:
     for name, value in origin.reading.items():
         made += [f"--{name}={value}"] if str(value).startswith("-") else [f"--{name}", str(value)]
     model = f"./{model}" if model.startswith("-") else model
-    return shlex.join(["mechstyle", verb, model, *options({"prompt": recipe.prompt, **settings}, known), *made, "--out", folder])
+    return shlex.join(["mechstyle", verb, model, *options({"prompt": recipe.style.prompt, **settings}, known), *made, "--out", folder])
 
 
 def _branch_options(old: Recipe, new: Recipe) -> list[str]:

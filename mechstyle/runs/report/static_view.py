@@ -33,7 +33,7 @@ def as_html(run: LaneOfRun, tests: Sequence[Step], words: str) -> str:
     lines = [(step.iteration, step.reason, _outcome(step), _stress(step), f"{step.share:.0%}") for step in tests]
     return fill(
         "<p><strong>{name}</strong> as “{prompt}”</p>{picture}<p>{words}</p>{rows}",
-        name=run.record.name, prompt=run.recipe.prompt, picture=still(run), words=words,
+        name=run.record.name, prompt=run.recipe.style.prompt, picture=still(run), words=words,
         rows=table(("iteration", "why it was simulated", "outcome", "stress", "held back"), lines, "Simulations"),
     )  # fmt: skip
 
@@ -45,7 +45,7 @@ def still(run: LaneOfRun) -> Markup:
     return joined(
         [
             _image(picture([Panel(run.part.surface, "plain part")]), "The plain part"),
-            _image(run.show(), f"The part as {run.recipe.prompt}, its stress and its restraint"),
+            _image(run.show(), f"The part as {run.recipe.style.prompt}, its stress and its restraint"),
         ]
     )
 

@@ -51,7 +51,7 @@ class Pair(msgspec.Struct, frozen=True):
     def verdict(self, strength: float) -> Verdict:
         """Of the part if its material had another yield strength [MPa]."""
         material = msgspec.structs.replace(PLA, yield_strength=strength)
-        recipe = Recipe(surface="", tetrahedra="", prompt="", material=material)
+        recipe = Recipe.of(prompt="", material=material)
         return judge(_of_strength(self.styled, strength), _of_strength(self.original, strength), recipe)
 
 

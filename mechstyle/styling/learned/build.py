@@ -31,7 +31,7 @@ def towards_target(surface: SurfaceMesh, bounds: Bounds, recipe: Recipe, target:
     where = torch_device(device)
     reach = np.full(len(surface.vertices), TARGET_ROOM * float(np.abs(target.displacement).max(initial=0.0)))
     shape = UnitShape.of(surface, reach, reach, bounds.freedom > 0.0, where)
-    return _stylizer(recipe, shape, TargetGuidance(target, surface.vertex_areas, recipe.prompt, device=where))
+    return _stylizer(recipe, shape, TargetGuidance(target, surface.vertex_areas, recipe.style.prompt, device=where))
 
 
 def towards_prompt(surface: SurfaceMesh, bounds: Bounds, recipe: Recipe, weights: Path, device: str) -> Stylizer:
@@ -51,14 +51,14 @@ def towards_prompt(surface: SurfaceMesh, bounds: Bounds, recipe: Recipe, weights
     free = bounds.freedom > 0.0
     shape = UnitShape.of(surface, np.minimum(inward, bounds.inward), np.minimum(outward, bounds.outward), free, where)
     render = Renderer(torch.tensor(surface.faces), clip.picture_size, device=where)
-    return _stylizer(recipe, shape, ClipGuidance(clip, recipe.prompt, render, crops=recipe.crops, device=where))
+    return _stylizer(recipe, shape, ClipGuidance(clip, recipe.style.prompt, render, crops=recipe.style.crops, device=where))
 
 
 def _stylizer(recipe: Recipe, shape: UnitShape, guidance: Guidance) -> Stylizer:
-    if recipe.field == "vertex":
-        return NeuralStylizer(shape, VertexField(len(shape.mask)), guidance, rate=VERTEX_RATE, seed=recipe.seed)
-    field = StyleField(len(guidance.text), seed=recipe.seed)
-    return NeuralStylizer(shape, field, guidance, rate=FIELD_RATE, seed=recipe.seed)
+    if recipe.style.field == "vertex":
+        return NeuralStylizer(shape, VertexField(len(shape.mask)), guidance, rate=VERTEX_RATE, seed=recipe.style.seed)
+    field = StyleField(len(guidance.text), seed=recipe.style.seed)
+    return NeuralStylizer(shape, field, guidance, rate=FIELD_RATE, seed=recipe.style.seed)
 
 
 def torch_device(device: str) -> str:

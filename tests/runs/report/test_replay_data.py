@@ -97,7 +97,7 @@ def test_demand_is_read_as_the_recipe_in_force_has_it(sheet, lane):
     run = sheet(iterations=20, threshold=0.5, control="frozen", normalisation="own_max")
     demand, usual = replay_data(run).layer("demand"), replay_data(lane).layer("demand")
     assert demand["threshold"] == 0.5
-    assert usual["threshold"] == lane.recipe.threshold
+    assert usual["threshold"] == lane.recipe.restraint.threshold
     assert "original" in demand["label"]
     assert "reserve" in usual["label"]
 

@@ -128,7 +128,7 @@ def test_freestyle_is_called_by_its_name(lane):
 
 
 def test_a_style_that_needs_weights_is_named_without_having_them(lane):
-    wanted = msgspec.structs.replace(draft("brick"), prompt="a mossy ruin", guidance="clip", field="network", clip="b32@0123", crops=2)
+    wanted = draft("brick").with_settings(prompt="a mossy ruin", guidance="clip", field="network", clip="b32@0123", crops=2)
     command = command_for(FakeLane(lane, wanted), [])
     assert "--prompt 'a mossy ruin' --guidance clip --field network --clip b32@0123 --set crops=2" in command
 

@@ -1,6 +1,5 @@
 """Lanes: which there are, a new one, and two iterations compared."""
 
-import msgspec
 import pytest
 
 from mechstyle.errors import MissingPiece
@@ -71,13 +70,13 @@ def test_a_branch_from_the_iteration_on_show_takes_what_was_changed_at_the_left(
     controller.state.iteration = 6
     assert branches.trouble == "", "it is about what was asked for, and stays no longer than that"
     controller.state.iteration = 5
-    changed = msgspec.structs.replace(controller.state.run.recipe, every=2)
+    changed = controller.state.run.recipe.with_settings(every=2)
     controller.wanted = lambda: Wanted(changed, None, 500, "sheet")
     branches._name.value = "often"
     assert branches._branch.description == "branch from iteration 5"
     branches._branch.click()
     settle(controller)
-    assert (controller.state.lane, controller.state.run.recipe.every) == ("often", 2)
+    assert (controller.state.lane, controller.state.run.recipe.schedule.every) == ("often", 2)
     assert branches.trouble == ""
 
 
@@ -86,7 +85,7 @@ def test_a_branch_has_the_very_settings_of_the_left_column(controller, settle):
     branches = Branches(controller)
     controller.run()
     settle(controller)
-    shown = msgspec.structs.replace(controller.state.run.recipe, control="frozen", poses="resting")
+    shown = controller.state.run.recipe.with_settings(control="frozen", poses="resting")
     controller.wanted = lambda: Wanted(shown, None, 500, "sheet")
     controller.state.iteration = 5
     branches._branch.click()

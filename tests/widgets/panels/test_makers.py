@@ -34,13 +34,13 @@ def test_a_click_and_an_arrow_make_a_load_that_the_part_must_carry(studio):
     assert studio.viewer.arrow[1][2] < place[2], "the arrow points down"
     studio.pull_here.force, studio.pull_here.towards = 80.0, "against y"
     studio.pull_here.pull()
-    (case,) = studio.wanted().recipe.loads
+    (case,) = studio.wanted().recipe.test.loads
     assert case.name.startswith("80 N against y at 0, 9, ")
     assert case.supports[0].at == RESTING_FACE
     assert case.loads[0].force == (0.0, -80.0, 0.0)
     np.testing.assert_allclose(case.loads[0].at.near[:3], place, atol=0.01)
     studio.pull_here.pull()
-    assert len(studio.wanted().recipe.loads) == 1, "the same again is the same load"
+    assert len(studio.wanted().recipe.test.loads) == 1, "the same again is the same load"
     assert "80 N against y" in studio.pull_here._note.value
 
 
@@ -49,7 +49,7 @@ def test_the_part_may_be_held_at_a_place_that_was_clicked(studio):
     studio.pull_here.hold()
     studio.viewer._clicks((0.0, -50.0, 4.0))
     studio.pull_here.pull()
-    (case,) = studio.wanted().recipe.loads
+    (case,) = studio.wanted().recipe.test.loads
     assert case.supports[0].at.near[2] == pytest.approx(top_of(studio)[2])
     studio.viewer._clicks(top_of(studio))
     studio.pull_here.hold()
@@ -132,7 +132,7 @@ def test_a_run_is_opened_and_compared(runs):
     assert "sheet, stone" in runs.my_runs._beside.value
     assert "sheet, brick" in runs.my_runs._beside.value
     buttons_of(runs, "brick")["open"].click()
-    assert (runs.run.recipe.prompt, runs.prompt_box.prompt, runs.state.status) == ("brick", "brick", "finished")
+    assert (runs.run.recipe.style.prompt, runs.prompt_box.prompt, runs.state.status) == ("brick", "brick", "finished")
 
 
 def test_a_run_is_deleted_at_the_second_press_and_never_the_one_on_show(runs, tmp_path):

@@ -63,7 +63,7 @@ def test_use_this_branches_with_the_very_mask_that_was_shown(inspector, settle):
     inspector._use.click()
     settle(inspector.controller)
     run = inspector.state.run
-    assert (run.lane, run.recipe.control, run.recipe.threshold) == ("branch-1", "linear", 0.6)
+    assert (run.lane, run.recipe.restraint.control, run.recipe.restraint.threshold) == ("branch-1", "linear", 0.6)
     # The first step of the branch moves by what the mask lets through, so where it let nothing through nothing moved.
     moved = run.checkpoint(5).displacement - state.displacement
     assert np.array_equal(moved != 0.0, shown > 0.0)

@@ -85,7 +85,7 @@ def test_what_gave_no_answer_has_no_table(done):
 def test_what_a_part_weighs_stands_under_its_verdict_beside_the_plain_one(done, monkeypatch):
     assert "weighs" not in Result(StudioState(done)).value, "a sheet encloses nothing"
     monkeypatch.setattr(type(done.part.surface), "volume", property(lambda mesh: 1000.0 if mesh is done.part.surface else 1100.0))
-    density = done.recipe.material.density
+    density = done.recipe.test.material.density
     assert sentences.weighed(1100.0 * density, 1000.0 * density) in Result(StudioState(done)).value
     assert sentences.weighed(41.6, 38.2) == "Printed solid it weighs 42 g, the plain part 38 g."
     assert sentences.weighed(1.36, 1.24) == "Printed solid it weighs 1.4 g, the plain part 1.2 g."

@@ -42,7 +42,7 @@ def test_a_layer_brings_its_threshold_and_keeps_one_that_is_set(replay, run):
     replay.iteration = 3
     assert replay.threshold == 25.0
     replay.layer = "demand"
-    assert replay.threshold == run.recipe.threshold
+    assert replay.threshold == run.recipe.restraint.threshold
     replay.threshold = None
     assert replay.threshold is None
     replay.layer = "restraint"

@@ -72,9 +72,9 @@ def test_the_folded_restraint_names_its_threshold():
 
 def test_it_takes_what_a_recipe_has():
     stricter = msgspec.structs.replace(PLA, safety_coefficient=0.4)
-    recipe = Recipe(surface="", tetrahedra="", prompt="", material=stricter, control="linear", normalisation="sigma_c", threshold=0.7)
+    recipe = Recipe.of(prompt="", material=stricter, control="linear", normalisation="sigma_c", threshold=0.7)
     selector = ControlSelector(PLA)
     selector.take(recipe)
     assert (selector.control, selector.normalisation, selector.threshold, selector._lambda.value) == ("linear", "sigma_c", 0.7, 0.4)
-    selector.take(msgspec.structs.replace(recipe, control="none"))
+    selector.take(recipe.with_settings(control="none"))
     assert selector.freestyle

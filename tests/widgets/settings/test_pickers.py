@@ -5,13 +5,13 @@ from datetime import UTC, datetime
 import msgspec
 import numpy as np
 import pytest
+from mechstyle.records.chapters import BASES
 
 from mechstyle import gallery
 from mechstyle.errors import BadInput
 from mechstyle.geometry.files import save
 from mechstyle.records.load_cases import read_loads
 from mechstyle.records.material import LIBRARY
-from mechstyle.records.recipe import BASES
 from mechstyle.records.regions import Inside, Sphere
 from mechstyle.runs.images import digest_of
 from mechstyle.runs.recipes import draft
@@ -347,7 +347,7 @@ def test_the_fall_is_written_with_its_unit_and_what_is_none_is_said_at_the_contr
         assert (options.height, options._height.value) == (1200.0, wrong)
     options._height.value = "4 cm"
     assert (options.trouble, options.height) == ("", 40.0)
-    assert draft("brick", **options.settings).height == 40.0, "a small one is not asked about again"
+    assert draft("brick", **options.settings).test.height == 40.0, "a small one is not asked about again"
     options.take(recipe(height=760.0))
     assert options._height.value == "76 cm"
 

@@ -6,7 +6,6 @@ from dataclasses import replace
 from itertools import pairwise
 from types import SimpleNamespace
 
-import msgspec
 import pytest
 
 from mechstyle.errors import BadInput
@@ -74,14 +73,14 @@ def test_other_settings_while_it_is_paused_begin_another_run_and_say_so(controll
     controller.step()
     settle(controller)
     paused, session = controller.state.run, controller.state.session
-    other = msgspec.structs.replace(paused.recipe, threshold=0.5)
+    other = paused.recipe.with_settings(threshold=0.5)
     controller.wanted = lambda: Wanted(other, None, 500, "sheet", str(tmp_path / "other"))
     controller.step()
     assert session.state == "stopped"
     assert f"the run that was paused is kept in {paused.store.root}" in controller.state.message
     settle(controller)
     assert (controller.state.status, controller.state.run.store.root) == ("paused", tmp_path / "other")
-    assert controller.state.run.recipe.threshold == 0.5
+    assert controller.state.run.recipe.restraint.threshold == 0.5
 
 
 def test_settings_that_cannot_be_used_leave_what_is_paused_as_it_is(controller, settle):
@@ -119,7 +118,7 @@ def test_a_branch_has_its_settings_and_is_carried_on(controller, settle):
     settle(controller)
     state = controller.state
     assert (state.lane, state.status, state.iterations_done) == ("soft", "finished", 12)
-    assert state.run.recipe.control == "linear"
+    assert state.run.recipe.restraint.control == "linear"
     assert state.branches[1].forked_at == 6
 
 
@@ -141,7 +140,7 @@ def test_a_branch_that_cannot_be_is_said(controller, settle):
 
 
 def test_other_settings_begin_another_run_with_the_part_at_hand(controller, settle, monkeypatch, tmp_path):
-    other = msgspec.structs.replace(controller.state.run.recipe, threshold=0.5)
+    other = controller.state.run.recipe.with_settings(threshold=0.5)
     controller.wanted = lambda: Wanted(other, None, 500, "sheet", str(tmp_path / "other"))
     assert controller.differs() == {"threshold": 0.5}
     part = controller.state.run.part
@@ -151,7 +150,7 @@ def test_other_settings_begin_another_run_with_the_part_at_hand(controller, sett
     settle(controller)
     assert controller.state.run.part.surface.digest == part.surface.digest
     assert controller.state.run.store.root == tmp_path / "other"
-    assert controller.state.run.recipe.threshold == 0.5
+    assert controller.state.run.recipe.restraint.threshold == 0.5
     assert controller.state.run.record.origin == Origin(model="sheet.stl", vertices=500)
 
 
@@ -167,7 +166,7 @@ def test_another_thickening_begins_with_the_part_as_it_came(controller, settle, 
     unchanged = SimpleNamespace(result=sphere, noted=lambda prepared: prepared)
     monkeypatch.setattr("mechstyle.simulation.strengthen.strengthened", lambda *_, **__: unchanged)
     for budget in (0.0, 1.0, 2.0):
-        wanted = msgspec.structs.replace(controller.state.run.recipe, strengthen=budget)
+        wanted = controller.state.run.recipe.with_settings(strengthen=budget)
         controller.wanted = lambda wanted=wanted: Wanted(wanted, sphere, 500, "sheet", str(tmp_path / "begun"))
         controller.step()
         settle(controller)
@@ -179,7 +178,7 @@ def test_another_thickening_begins_with_the_part_as_it_came(controller, settle, 
 def test_a_thickened_part_without_the_one_it_was_is_not_thickened_otherwise(controller, tmp_path):
     run = controller.state.run
     run.__dict__["part"] = replace(run.part, mass_gained=3.0)  # a cached property
-    other = msgspec.structs.replace(run.recipe, strengthen=2.0)
+    other = run.recipe.with_settings(strengthen=2.0)
     controller.wanted = lambda: Wanted(other, None, 500, "sheet", str(tmp_path / "other"))
     controller.step()
     assert "was thickened already" in controller.state.message
@@ -198,7 +197,7 @@ def test_a_run_begun_here_can_be_made_again_from_its_report(controller, settle, 
         return part
 
     monkeypatch.setattr(module, "prepare_aside", prepared)
-    recipe = msgspec.structs.replace(controller.state.run.recipe, threshold=0.5)
+    recipe = controller.state.run.recipe.with_settings(threshold=0.5)
     controller.wanted = lambda: Wanted(recipe, picker.mesh, 900, picker.name, "begun")
     controller.run()
     settle(controller)
@@ -235,7 +234,7 @@ def test_buttons_can_be_pressed_when_they_do_something(controller, settle):
 def test_the_button_reads_what_pressing_it_does(controller, settle, tmp_path):
     """It read «Go on» where it began another run."""
     controls, own = RunControls(controller), controller.wanted
-    other = msgspec.structs.replace(controller.state.run.recipe, threshold=0.5)
+    other = controller.state.run.recipe.with_settings(threshold=0.5)
 
     def chosen(recipe):
         controller.wanted = (lambda: Wanted(recipe, None, 500, "sheet", str(tmp_path / "other"))) if recipe else own
@@ -336,7 +335,7 @@ def test_filling_the_part_at_hand_for_another_style_can_be_stopped(controller, s
         go_on()
         pytest.fail("it went on although it was told to stop")
 
-    other = msgspec.structs.replace(controller.state.run.recipe, threshold=0.5)
+    other = controller.state.run.recipe.with_settings(threshold=0.5)
     controller.wanted = lambda: Wanted(other, None, 500, "sheet", str(tmp_path / "other"))
     monkeypatch.setattr("mechstyle.simulation.strengthen.refilled", filling)
     controller.run()

@@ -65,7 +65,7 @@ def test_the_least_safety_factor_is_that_of_the_verdict_and_what_is_below_one_is
     assert layer.values.min() == pytest.approx(verdict.safety_factor, rel=1e-5)
     assert layer.values.max() <= 10.0
     assert (layer.limits, layer.threshold, layer.title) == ((4.0, 0.0), 1.0, "safety factor")
-    strength = done.recipe.material.yield_strength
+    strength = done.recipe.test.material.yield_strength
     factors = safety_factor(strength).made(strength * np.array([0.25, 0.99, 1.01]))
     assert layer.scale.beyond(factors).tolist() == [False, False, True]
 
@@ -88,7 +88,7 @@ def test_nearly_flat_landings_are_shown_only_where_they_were_dropped(fake_run, t
 def test_the_limits_are_those_of_the_verdict_and_of_the_recipe(done):
     subject = subject_of(done, done.checkpoint(4))
     assert subject.layer("stress").threshold == done.history[4].verdict.deciding.limit
-    assert subject.layer("demand").threshold == done.recipe.threshold
+    assert subject.layer("demand").threshold == done.recipe.restraint.threshold
 
 
 def test_between_simulations_the_last_verdict_holds_and_its_age_is_said(done):

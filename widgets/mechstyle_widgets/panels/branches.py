@@ -84,7 +84,7 @@ class Branches(Section):
             lane = self.state.called(self.lane)
             self.complain(word("Nothing differs from {}: change a setting first, or move the slider under What if.").format(lane))
             return
-        if self.state.iteration >= wanted.iterations:
+        if self.state.iteration >= wanted.schedule.iterations:
             self.complain(word("Iteration {} is the end: go to an earlier one, or ask for more iterations.").format(self.state.iteration))
             return
         if self.pinned is not None and self.third is None and self.pinned[0] != self.lane:
@@ -250,7 +250,7 @@ def kept(run: Run, row: Row) -> str:
 def share_kept(run: Run, row: Row) -> float | None:
     """Share of the relief that is left at the end of a lane, which its summary knows; None before the end."""
     with suppress(MechStyleError):  # there is no summary before
-        if row.iteration == run.recipe.iterations:
+        if row.iteration == run.recipe.schedule.iterations:
             return run.summary.kept
     return None
 

@@ -8,7 +8,6 @@ from functools import lru_cache
 from typing import Any
 
 import ipywidgets
-import msgspec
 import numpy as np
 import traitlets
 
@@ -113,7 +112,7 @@ class MaskInspector(Section):
 
     def mask(self, run: Run, checkpoint: Checkpoint, **settings: Any) -> Field:
         """The mask that settings make of a checkpoint's stress, as a branch from there would begin with, shape [vertex_count]."""
-        recipe = msgspec.structs.replace(run.recipe, **settings)
+        recipe = run.recipe.with_settings(**settings)
         tested = self.state.simulation(run.store, checkpoint)
         return mask_of(tested, self._original(run), recipe) * self._freedom(run, run.recipe)
 
@@ -133,7 +132,7 @@ class MaskInspector(Section):
 
     def _in_force(self, run: Run) -> bool:
         """Whether what is tried is what the lane on show has."""
-        return all(getattr(run.recipe, name) == value for name, value in self.settings.items())
+        return all(run.recipe.settings[name] == value for name, value in self.settings.items())
 
     def _goes_on_from(self, run: Run) -> int | None:
         """Iteration from which a branch with the settings that are tried goes on, None for none."""
@@ -202,7 +201,7 @@ def mask_of(simulation: Simulation, original: Simulation, recipe: Recipe) -> Fie
     if simulation.failure or original.failure:
         return np.ones(len(simulation.displacement), np.float32)
     demand = control.demand(simulation, original, recipe)
-    return control.mask(demand, recipe.control, recipe.threshold)
+    return control.mask(demand, recipe.restraint.control, recipe.restraint.threshold)
 
 
 def _original(run: Run) -> Simulation:

@@ -169,7 +169,7 @@ def read(place: Path) -> Found | None:
 
 def title_of(run: Run) -> str:
     """Part and style of a run."""
-    return ", ".join(filter(None, (run.record.name, run.recipe.prompt))).replace("_", " ")
+    return ", ".join(filter(None, (run.record.name, run.recipe.style.prompt))).replace("_", " ")
 
 
 def last_verdict(run: Run) -> Verdict | None:

@@ -44,7 +44,7 @@ class Result(Words):
         run, shown = self._state.run, self._state.checkpoint
         if run is None or shown is None or (plain := run.part.surface.volume) <= 0.0:
             return ""
-        density, styled = run.recipe.material.density, run.part.surface.displaced(shown.displacement).volume
+        density, styled = run.recipe.test.material.density, run.part.surface.displaced(shown.displacement).volume
         told, price = said(sentences.weighed(density * styled, density * plain)), self._state.price
         if price:
             costs = (f"{1e-3 * price * density * volume:.2f}" for volume in (styled, plain))

@@ -76,9 +76,9 @@ class ControlSelector(Section):
 
     def take(self, recipe: Recipe) -> None:
         """Choose what a recipe has."""
-        self.freestyle = not recipe.feedback
-        self.material = recipe.material
-        if recipe.feedback:
+        self.freestyle = not recipe.restraint.feedback
+        self.material = recipe.test.material
+        if recipe.restraint.feedback:
             super().take(recipe)
 
     @property

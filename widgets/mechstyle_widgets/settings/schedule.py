@@ -67,7 +67,7 @@ class ScheduleSelector(Section):
     def take(self, recipe: Recipe) -> None:
         """Choose what a recipe has."""
         super().take(recipe)
-        self.relief, self.amplitude = recipe.relief, recipe.amplitude
+        self.relief, self.amplitude = recipe.style.relief, recipe.style.amplitude
 
     @property
     def brief(self) -> str:

@@ -85,7 +85,7 @@ class Section(Framed, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has 
     def take(self, recipe: Recipe) -> None:
         """Choose what a recipe has."""
         for name in self.FIELDS:
-            setattr(self, name, getattr(recipe, name))
+            setattr(self, name, recipe.settings[name])
 
     @property
     def brief(self) -> str:

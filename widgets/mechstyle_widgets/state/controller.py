@@ -170,7 +170,7 @@ class Controller:
     def _new_session(self, then_freely: bool) -> Session:
         """A session that begins what is wanted, or carries it on if it is what is on show."""
         state, wanted = self.state, self.wanted()
-        if then_freely and wanted.recipe.control == "none":
+        if then_freely and wanted.recipe.restraint.control == "none":
             raise BadInput("this is Freestyle already: choose MechStyle under Restraint to see one beside the other")
         same_part = self._of_the_same_part(wanted)
         if state.run is None or self.gone or not same_part or state.run.recipe.differences(wanted.recipe):
@@ -183,7 +183,7 @@ class Controller:
         run = self.state.run
         if wanted.mesh is None or run is None:
             return wanted.mesh is None
-        return self._begun.get(run.store.place) == (wanted.mesh.digest, wanted.vertices, wanted.recipe.strengthen)
+        return self._begun.get(run.store.place) == (wanted.mesh.digest, wanted.vertices, wanted.recipe.delivery.strengthen)
 
     def _begin(self, wanted: Wanted, earlier: Run | None, *, then_freely: bool = False) -> Session:
         """A session that prepares the part, unless an earlier run has it, begins the run and carries it on."""
@@ -191,7 +191,7 @@ class Controller:
         part, origin = (wanted.mesh, None) if earlier is None else (earlier.part, None if self.gone else earlier.record.origin)
         assert part is not None, "a part that is not prepared comes with its mesh"
         came = part.surface if isinstance(part, Workpiece) and wanted.mesh is None else wanted.mesh  # with which it is wanted from now on
-        if earlier is not None and earlier.part.mass_gained and not self.gone and wanted.recipe.strengthen != earlier.recipe.strengthen:
+        if earlier is not None and earlier.part.mass_gained and not self.gone and wanted.recipe.delivery.strengthen != earlier.recipe.delivery.strengthen:
             raise BadInput("the part of this run was thickened already: to thicken it otherwise choose the plain part again")
 
         def events(progress: Progress) -> Generator[Event, None, None]:
@@ -206,18 +206,18 @@ class Controller:
                 stage=lambda words: self.state.tell(stage=words), prepare=prepare_aside, go_on=waits,
             )  # fmt: skip
             assert came is not None, "as there is a part"
-            self._begun[run.store.place] = (came.digest, wanted.vertices, wanted.recipe.strengthen)
+            self._begun[run.store.place] = (came.digest, wanted.vertices, wanted.recipe.delivery.strengthen)
             self.state.tell(opened=run)
             if wanted.folder and run.store.place != Path(wanted.folder).absolute():
                 self.state.tell(message=f"{wanted.folder} holds a run with other settings: this one is in {run.store.root}")
             yield from self._told(run, progress, then_freely=then_freely)
 
-        return self._followed(Session(events), wanted.recipe.iterations, self.state.expected)
+        return self._followed(Session(events), wanted.recipe.schedule.iterations, self.state.expected)
 
     def _carry_on(self, run: Run, *, then_freely: bool = False) -> Session:
         """A session that carries a lane on."""
         self.state.open(run)
-        return self._followed(Session(lambda progress: self._told(run, progress, then_freely=then_freely)), run.recipe.iterations)
+        return self._followed(Session(lambda progress: self._told(run, progress, then_freely=then_freely)), run.recipe.schedule.iterations)
 
     def _followed(self, session: Session, iterations: int, foretold: float = 0.0) -> Session:
         self.state.message = ""
@@ -233,7 +233,7 @@ class Controller:
             if not free.finished:
                 self.state.tell(opened=free, fraction=0.0)
                 yield from self._events(free, progress)
-            self.state.tell(opened=run, pinned=(free.lane, free.recipe.iterations), layer="stress", falls=self.state.falls + 1)
+            self.state.tell(opened=run, pinned=(free.lane, free.recipe.schedule.iterations), layer="stress", falls=self.state.falls + 1)
 
     def _events(self, run: Run, progress: Progress) -> Generator[Event, None, None]:
         self.state.tell(stage="drawing the style, simulating the unstylized part", step=0.0)

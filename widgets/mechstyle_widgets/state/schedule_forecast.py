@@ -64,7 +64,7 @@ def plan(schedule: str, every: int, travel: float, iterations: int, relief: floa
 
     The rules are the engine's own, asked about one vertex whose relief approaches its full height exponentially.
     """
-    recipe = Recipe(surface="", tetrahedra="", prompt="", material=LIBRARY["PLA"], schedule=schedule, every=every, travel=travel,
+    recipe = Recipe.of(prompt="", material=LIBRARY["PLA"], schedule=schedule, every=every, travel=travel,
                     iterations=iterations)  # fmt: skip
     demand = np.full(1, SUPPOSED_DEMAND if schedule == "stress" else 0.0, np.float32)
     share = relief / (NOMINAL * SUPPOSED_WALL) if relief is not None else SHARE if amplitude is None else amplitude

@@ -236,7 +236,7 @@ class StudioState(traitlets.HasTraits):
         shown = next((self._read(store, row.digest) for row in history if row.iteration == iteration), None)
         with self.hold_trait_notifications():
             self.follow, self.run, self.lane = follow, run, run.lane
-            self.title = ", ".join(filter(None, (run.record.name, run.recipe.prompt))).replace("_", " ")
+            self.title = ", ".join(filter(None, (run.record.name, run.recipe.style.prompt))).replace("_", " ")
             self.history, self.histories, self.branches = history, histories, branches
             self.iterations_done, self.iteration, self.checkpoint = done, iteration, shown
 
@@ -246,7 +246,7 @@ class StudioState(traitlets.HasTraits):
         if run is None or (self.session is not None and self.session.state in ("running", "paused")):
             return
         self.status = "idle" if not self.history else "finished" if run.finished else "stopped"  # it may have ended since it was read
-        self.fraction = self.iterations_done / run.recipe.iterations
+        self.fraction = self.iterations_done / run.recipe.schedule.iterations
         self.message = ""
 
     def _show(self) -> None:
@@ -389,7 +389,7 @@ FREE = "freestyle"
 
 def called(branches: Sequence[Branch]) -> dict[str, str]:
     """What people call the lanes of a run: what was begun by itself Freestyle or MechStyle, others by their names."""
-    own = {branch.lane: "Freestyle" if branch.recipe.control == "none" else "MechStyle" for branch in branches}
+    own = {branch.lane: "Freestyle" if branch.recipe.restraint.control == "none" else "MechStyle" for branch in branches}
     return {lane: name if lane in ("main", FREE) else lane for lane, name in own.items()}
 
 

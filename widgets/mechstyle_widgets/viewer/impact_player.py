@@ -158,7 +158,7 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
             return subject
         landing = self._landings.get(impact.normal)
         row = None if landing is None or verdict is None else verdict.row(landing.way)
-        strength = self._state.run.recipe.material.yield_strength if verdict is None else verdict.strength
+        strength = self._state.run.recipe.test.material.yield_strength if verdict is None else verdict.strength
         frame = self.frame if pane == 0 else int(np.abs(impact.time - self.impact.time[self.frame]).argmin())
         name = FLAT if landing is None else landing.name
         note = f"{name}, at {1e3 * impact.time[frame]:.0f} µs, deformed × {self.exaggeration:g}"
