@@ -9,7 +9,7 @@ PINS := pyproject.toml constraints.txt
 export OMP_NUM_THREADS ?= 1
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
-.PHONY: help demo test test-trust fuzz lab docs lint mutants bench bench-widgets clean
+.PHONY: help demo test test-trust fuzz lab docs pictures lint mutants bench bench-widgets clean
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
 
@@ -32,9 +32,13 @@ lab: .venv/dev.stamp ## open the notebooks in JupyterLab
 	$(BIN)/jupyter lab --notebook-dir=notebooks
 
 docs: .venv/docs.stamp ## build/site/index.html, with all notebooks executed; NOTEBOOKS=off shows them as they are stored
+	$(BIN)/python docs/site/prose.py
 	rm -rf build/site  # Sphinx keeps pages whose own text is as it was; notebooks have a cache
 	MECHSTYLE_DOCS_EXECUTE=$(NOTEBOOKS) $(BIN)/sphinx-build --quiet --fail-on-warning --keep-going -b html -c docs . build/site
 	$(BIN)/python docs/site/check.py build/site
+
+pictures: .venv/dev.stamp ## every picture of README and pages that shows a simulation, again (ten minutes of two cores)
+	$(BIN)/python benchmarks/pictures.py
 
 lint: .venv/dev.stamp ## style, import directions and types only
 	$(BIN)/ruff check .

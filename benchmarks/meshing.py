@@ -37,22 +37,17 @@ PLACES = np.array([[1, 1, 1], [3, 0, 0], [1.5, 1.5, 0], [0, 1.5, 1.5], [1.5, 0, 
 HEAD = """\
 # Even triangles
 
-What the remesher makes of the parts of the gallery when {asked} vertices are asked for: {count} of {planned} parts. Made by
-`python benchmarks/meshing.py`, which writes this page; CPU seconds on one core of a busy x86-64 server.
+The remesher on the parts of the gallery, {asked} vertices asked for: {count} of {planned} parts. Made by
+`python benchmarks/meshing.py`. CPU seconds are of one core of a busy x86-64 server.
 
-* **vertices**: of the part as it is drawn, and what is left of them; 5 % more or fewer than asked for are taken.
-* **edge**: the mean length [mm].
-* **quality**: 4 √3 A / Σ l² of the triangles, 1 where all sides are equal: the mean, and what 1 % of them fall short of.
-* **crossing**: pairs of triangles that cross without sharing a corner, before and after.
-* **off**: the largest distance of either surface from the other [mm], at corners, middles of sides and middles of triangles.
+* **vertices**: of the drawn part, and after remeshing; 5 % more or fewer than asked for are accepted.
+* **edge**: mean length [mm].
+* **quality**: 4 √3 A / Σ l² of the triangles, 1 for equal sides: the mean, and the value that 1 % of them fall short of.
+* **crossing**: pairs of triangles that cross without a shared corner, before and after: {crossed} of the parts have any after{which}.
+* **off**: largest distance of either surface from the other [mm].
 * **CPU**: seconds, all trials of the edge length included.
-* **tets**: tetrahedra that the part as it is is filled with, and **steps**: of a drop through one lowest period of the part, the least
-  that a drop takes (PLA, quadratic tetrahedra). A drop costs their **product** [million]: a core does 28 to 47 million a second
-  ([measured](simulation.md)).{dash} Why fTetWild's sizing field is not used stands among the [decisions](decisions.md).
-
-In all, {crossed} of these surfaces have triangles that cross{which}. The shelf bracket had 13 such pairs: simplifying its rounds
-leaves needles a hundredth of a millimetre high that look anywhere, and both their long sides were taken for creases.
-Pairs that a printed file has more of come from the relief: [the print benchmark](print-benchmark.md) counts them.
+* **tets**: tetrahedra of the plain part. **steps**: of a drop through one lowest period (PLA, quadratic tetrahedra), the least that a
+  drop takes. A drop costs their **product** [million].{dash}
 
 """
 COLUMNS = ("part", "vertices", "edge", "quality", "crossing", "off", "CPU", "tets", "steps", "product")

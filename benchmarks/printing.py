@@ -46,16 +46,14 @@ MACHINE = (
 HEAD = """\
 # Print benchmark
 
-Parts of the gallery, styled offline, written as painted 3MF in four filaments each and sliced by PrusaSlicer 2.5 without its window
-(layers of 0.2 mm, one nozzle of 0.4 mm that changes filament, its own settings otherwise). **{count} of the {planned}** that the script
-knows were measured, and small: {vertices} vertices, {iterations} iterations. Made
-by `python benchmarks/printing.py`, which writes this page.
+Parts of the gallery, styled offline, exported as 3MF painted in four filaments, and sliced by PrusaSlicer 2.5 (layers of 0.2 mm, one
+nozzle of 0.4 mm that changes filament). {count} of {planned} parts, {vertices} vertices, {iterations} iterations. Made by
+`python benchmarks/printing.py`.
 
-* **watertight**: closed and oriented, as the 3MF Consortium's lib3mf has it, which reads each file in its strict mode; and by PrusaSlicer.
-* **slicer warnings**: what PrusaSlicer repaired or warned of while it read and sliced.
-* **thinnest wall** (thin over a spot two lines, 0.84 mm, wide; these were measured when a few vertices were enough) and
-  **crossings**: of the surface in the file, before and after the style.
-* **changes** of filament: as MechStyle counts them before slicing ([how](printing.md#what-it-costs)), and as the G-code has them.
+* **watertight**: closed and oriented, by the 3MF Consortium's lib3mf in strict mode and by PrusaSlicer.
+* **slicer warnings**: repairs and warnings of PrusaSlicer.
+* **thinnest wall** and **crossing pairs** of triangles: of the exported surface, before and after the style.
+* **changes** of filament: [counted](printing.md#what-it-costs) by MechStyle before slicing, and in the G-code.
 
 """
 COLUMNS = (

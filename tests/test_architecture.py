@@ -144,32 +144,44 @@ def test_physics_runs_without_torch():
 # --- the public surface -------------------------------------------------------------------------------------------
 
 
-def test_all_is_exactly_what_is_exported():
-    ours = {name: value for name, value in vars(mechstyle).items() if getattr(value, "__module__", "").startswith("mechstyle.")}
-    assert {name for name in ours if not name.startswith("_")} <= set(mechstyle.__all__)
-    assert len(mechstyle.__all__) == len(set(mechstyle.__all__))
-    assert set(dir(mechstyle)) == {*mechstyle.__all__, "__version__"}
+ROWS = pytest.mark.parametrize("row", [mechstyle, mechstyle.lab], ids=lambda row: row.__name__)
 
 
-def test_type_checkers_see_what_is_loaded_on_demand():
+@ROWS
+def test_all_is_exactly_what_is_exported(row):
+    ours = {name: value for name, value in vars(row).items() if getattr(value, "__module__", "").startswith("mechstyle.")}
+    assert {name for name in ours if not name.startswith("_")} <= set(row.__all__)
+    assert len(row.__all__) == len(set(row.__all__))
+    assert set(dir(row)) == {*row.__all__, *(["__version__"] if row is mechstyle else [])}
+
+
+def test_the_front_row_is_short_and_the_second_repeats_none_of_it():
+    assert len(mechstyle.__all__) <= 27
+    assert not set(mechstyle.__all__) & set(mechstyle.lab.__all__)
+    assert mechstyle.Engine is mechstyle.lab.Engine
+
+
+@ROWS
+def test_type_checkers_see_what_is_loaded_on_demand(row):
     """The lazy names are listed once for Python and once for type checkers."""
-    tree = ast.parse((ROOT / "mechstyle/__init__.py").read_text())
-    block = next(node for node in tree.body if isinstance(node, ast.If))
-    for_checkers = {alias.name: node.module for node in block.body if isinstance(node, ast.ImportFrom) for alias in node.names}
-    assert for_checkers == {name: f"mechstyle.{module}" for name, module in mechstyle._WHERE.items()}
+    block = next(node for node in ast.parse(Path(row.__file__).read_text()).body if isinstance(node, ast.If))
+    imports = [node for node in block.body if isinstance(node, ast.ImportFrom)]
+    for_checkers = {alias.name: node.module for node in imports for alias in node.names}
+    assert for_checkers == {name: f"mechstyle.{module}" for name, module in row._WHERE.items()}
 
 
-@pytest.mark.parametrize("name", sorted(mechstyle.__all__))
+@pytest.mark.parametrize("name", sorted({*mechstyle._WHERE, *mechstyle.lab._WHERE}))
 def test_every_public_name_stays_itself_whatever_else_was_imported(name):
     """Importing a submodule puts it into its package under its own name, in place of a function of that name."""
+    row = mechstyle if name in mechstyle._WHERE else mechstyle.lab
     assert importlib.util.find_spec(f"mechstyle.{name}") is None, f"mechstyle.{name} is a module as well"
-    if name in mechstyle._WHERE:
-        assert getattr(mechstyle, name) is getattr(importlib.import_module(f"mechstyle.{mechstyle._WHERE[name]}"), name)
+    assert getattr(row, name) is getattr(importlib.import_module(f"mechstyle.{row._WHERE[name]}"), name)
 
 
 def test_a_name_that_is_not_there_is_an_attribute_error():
-    with pytest.raises(AttributeError, match="no attribute 'styllize'"):
-        mechstyle.styllize  # noqa: B018
+    for row in (mechstyle, mechstyle.lab):
+        with pytest.raises(AttributeError, match="no attribute 'styllize'"):
+            row.styllize  # noqa: B018
 
 
 def test_versions_agree():

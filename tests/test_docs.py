@@ -1,7 +1,6 @@
-"""The pages lead somewhere: every page is reached from the first, every link leads to a place that is there, what is generated is whole."""
+"""The pages: each is reached from the first, short, plain, names what exists; every link leads somewhere; generated pages are whole."""
 
 import importlib
-import json
 import re
 import sys
 from pathlib import Path
@@ -16,9 +15,6 @@ from mechstyle.records.words import WORDS
 from support import ROOT
 
 SITE = ROOT / "docs" / "site"
-PAGES = sorted(path for pattern in ("*.md", "docs/*.md", "notebooks/*.ipynb", "notebooks/solutions/*.md") for path in ROOT.glob(pattern))
-CODE = re.compile(r"```.*?```|`[^`\n]*`", re.DOTALL)
-LINK = re.compile(r"\]\(([^()\s]+)\)")
 TOCTREE = re.compile(r"```\{toctree\}\n(.*?)```", re.DOTALL)
 
 
@@ -30,42 +26,19 @@ def generated(name):
         return importlib.import_module(name)
 
 
-def words(page: Path) -> str:
-    """The Markdown of a page or a notebook."""
-    text = page.read_text(encoding="utf-8")
-    if page.suffix == ".md":
-        return text
-    return "\n".join("".join(cell["source"]) for cell in json.loads(text)["cells"] if cell["cell_type"] == "markdown")
-
-
-def anchors(page: Path) -> set[str]:
-    """Places within a page, named as GitHub names them."""
-    titles = re.findall(r"^#+ (.+)$", words(page), re.MULTILINE)
-    return {re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-") for title in titles}
-
-
-def broken(page: Path) -> list[str]:
-    """Links of a page to files and places that are not there."""
-    found = []
-    for link in LINK.findall(CODE.sub("", words(page))):
-        path, _, place = link.partition("#")
-        target = (page.parent / path).resolve() if path else page
-        if re.match(r"[a-z]+:", link):
-            continue
-        if not target.exists() or (place and place not in anchors(target)):
-            found.append(link)
-    return found
+PROSE = generated("prose")
+PAGES = PROSE.pages()
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_every_link_leads_to_a_place_that_is_there(page):
-    assert broken(page) == []
+    assert PROSE.broken(page) == []
 
 
 def test_a_link_that_leads_nowhere_is_found(tmp_path):
     page = tmp_path / "page.md"
     page.write_text("# Here it is\n[a](#here-it-is) [b](#there) [c](other.md) [d](https://example.org) `[e](f)` ![g](g.png)")
-    assert broken(page) == ["#there", "other.md", "g.png"]
+    assert PROSE.broken(page) == ["#there", "other.md", "g.png"]
 
 
 def test_every_page_is_reached_from_the_first():
@@ -79,7 +52,7 @@ def test_every_page_is_reached_from_the_first():
             assert file is not None, f"{page.name} lists {entry}"
             todo += [file] if file.suffix == ".md" else []
             reached.add(file)
-    assert len(reached) > 40
+    assert len(reached) > 30
     assert {page.name for page in PAGES} - {page.name for page in reached} == {"README.md"}
 
 
@@ -92,9 +65,47 @@ def test_what_is_generated_names_every_command_setting_and_public_name():
         assert options <= set(re.findall(r"`(-[\w-]+)`", section))
     assert all(f"| `{name}` |" in pages["every setting"] for name in SETTINGS)
     assert not re.search(r"(?<![\w`-])--[a-z]", pages["every command"] + pages["every setting"]), "an option in a sentence stays whole"
-    assert all(f"mechstyle.{name}" in pages["every name"] for name in mechstyle.__all__ if name != "LIBRARY")
-    asked = {marker for page in PAGES for marker in re.findall(r"<!-- (.+?) -->", words(page))}
+    assert all(f"{word}\n: " in pages["every word"] for word, _ in WORDS.values())
+    assert all(f":: mechstyle.{name}\n" in pages["every name"] for name in mechstyle.__all__ if name not in {"LIBRARY", "lab"})
+    assert all(f":: mechstyle.lab.{name}\n" in pages["every name"] for name in mechstyle.lab.__all__)
+    asked = {marker for page in PAGES for marker in re.findall(r"<!-- (.+?) -->", PROSE.markdown(page))}
     assert set(pages) <= asked
+
+
+def test_every_page_is_short_and_plain_and_names_what_exists():
+    assert [one for one in PROSE.found() if not PROSE.UNFINISHED.match(one)] == []
+
+
+@pytest.mark.parametrize(
+    ("text", "wrong"),
+    [
+        ("One fact a sentence. Another one, beside it.", ["1: “beside”"]),
+        ("# A page\n\n" + "Words " * 36 + "end.", ["3: a sentence of 37 words, 35 at most: " + "Words " * 5 + "…"]),
+        ("Ten words make a sentence, and ten of these, too. " * 9, []),
+        ("- " + "A sentence of five words. " * 20, ["1: a paragraph of 100 words, 90 at most: - A sentence of five words. A …"]),
+        ("| a | b |\n|---|---|\n| no longer | it |", ["3: “no longer”"]),
+        ("```text\nno longer than it was told\n```\n`told` [held](told.md)", []),
+    ],
+)  # fmt: skip
+def test_what_is_hard_to_read_is_found(text, wrong):
+    assert list(PROSE.unreadable(text)) == wrong
+
+
+@pytest.mark.parametrize(
+    ("text", "wrong"),
+    [
+        ("`mechstyle run cup.stl --relief 0.6`, `--relief`, `make docs`, `ms.load`", []),
+        ("```sh\nmechstyle run cup.stl --depth 1  # deep\n```", ["'mechstyle run cup.stl --depth 1': no option --depth"]),
+        ("`mechstyle study sums`", ["there is no command 'mechstyle study sums'"]),
+        ("`--depth 1`", ["no command has the option --depth"]),
+        ("`make money`", ["make has no target 'money'"]),
+        ("`python benchmarks/dreams.py`", ["there is no benchmarks/dreams.py"]),
+        ("`ms.sing()`", ["there is no ms.sing"]),
+    ],
+)
+def test_what_a_page_names_and_does_not_exist_is_found(text, wrong):
+    command = typer.main.get_command(importlib.import_module("mechstyle.cli.app").app)
+    assert list(PROSE.missing(text, command, set(dir(mechstyle)))) == wrong
 
 
 @pytest.mark.parametrize(
@@ -139,12 +150,6 @@ def test_the_citation_names_this_version():
     assert f"\nversion: {mechstyle.__version__}\n" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")
 
 
-def test_the_glossary_tells_every_word_as_the_program_does():
-    rows = re.findall(r"^\| (`.+?) \| \*\*(.+?)\*\* \| (.+) \|$", words(ROOT / "docs" / "glossary.md"), re.MULTILINE)
-    told = {names.replace("`", ""): (word, sentence.replace("**", "")) for names, word, sentence in rows}
-    assert told == WORDS
-
-
 JUDGES = {
     "stressed_volume": "fea", "verdict": "records", "orientations": "fea", "footprint": "fea", "simulator": "simulation",
     "simulation": "records", "phases": "fea",
@@ -153,7 +158,7 @@ JUDGES = {
 
 
 def test_the_table_of_constants_tells_their_values_and_has_a_dozen_at_most():
-    rows = re.findall(r"^\| `(\w+)\.(\w+)` \| ([\d.]+)", words(ROOT / "docs" / "how-mechstyle-judges.md"), re.MULTILINE)
+    rows = re.findall(r"^\| `(\w+)\.(\w+)` \| ([\d.]+)", PROSE.markdown(ROOT / "docs" / "how-mechstyle-judges.md"), re.MULTILINE)
     assert 8 <= len(rows) <= 12
     for module, name, told in rows:
         value = getattr(importlib.import_module(f"mechstyle.{JUDGES[module]}.{module}"), name)
@@ -161,6 +166,6 @@ def test_the_table_of_constants_tells_their_values_and_has_a_dozen_at_most():
 
 
 def test_the_page_on_verdicts_begins_with_the_sentences_of_the_program():
-    page = words(ROOT / "docs" / "how-mechstyle-judges.md")
+    page = PROSE.markdown(ROOT / "docs" / "how-mechstyle-judges.md")
     assert " ".join(page.split()).startswith(" ".join(("# How MechStyle judges", *EXPLANATION)))
     assert all(f"**{outcome}** | {meaning.removesuffix('.')}" in page for outcome, meaning in MEANINGS.items())

@@ -1,4 +1,4 @@
-"""The pages of the site that are made of the code: every command, every setting, every public name, and a report."""
+"""The pages of the site that are made of the code: every command, setting, public name and word, and a report."""
 
 import inspect
 import re
@@ -10,7 +10,8 @@ import typer
 
 import mechstyle
 from mechstyle.cli.app import app
-from mechstyle.records.recipe import CHOICES, DEFAULTS, LIMITS, SETTINGS, described
+from mechstyle.records.recipe import CHAPTERS, CHOICES, DEFAULTS, LIMITS, described, settings_of
+from mechstyle.records.words import WORDS
 from mechstyle.runs.run import Run
 
 REPORT = "example-report.html"
@@ -36,7 +37,7 @@ def _of_command(name: str, command: Any) -> str:
     arguments = [one for one in command.params if one.param_type_name == "argument"]
     typed = " ".join([name, *map(_metavar, arguments), "[OPTIONS]"])
     rows = [f"| {_called(one)} | {_plain(one.help or '')} | {_default(one)} |" for one in command.params if one.name != "help"]
-    table = ["| given | what it is | unless told |", "|---|---|---|", *rows] if rows else []
+    table = ["| option | description | default |", "|---|---|---|", *rows] if rows else []
     return "\n".join([f"## `{name}`", "", _plain(command.help or ""), "", f"```text\n{typed}\n```", "", *table])
 
 
@@ -64,25 +65,45 @@ def _plain(text: str) -> str:
 
 
 def settings(*_: object) -> str:
-    """A row for each setting of a recipe."""
+    """A table of its settings for each chapter of a recipe."""
+    return "\n\n".join(_chapter(chapter, kind.__doc__) for chapter, kind in CHAPTERS.items())
+
+
+def _chapter(chapter: str, documentation: str) -> str:
     rows = []
-    for name in SETTINGS:
+    for name in settings_of(chapter):
         default = "needed" if name not in DEFAULTS else "" if DEFAULTS[name] in (None, "", ()) else f"`{DEFAULTS[name]}`"
         low, high = LIMITS.get(name, (None, None))
         within = ", ".join(f"`{one}`" for one in CHOICES.get(name, ()) if one) or ("" if low is None else f"{low:g} to {high:g}")
         rows.append(f"| `{name}` | {_plain(described(name))} | {within} | {default} |")
-    return "\n".join(["| setting | what it is | may be | unless told |", "|---|---|---|---|", *rows])
+    head = ["| setting | description | may be | default |", "|---|---|---|---|"]
+    return "\n".join([f"## {chapter.capitalize()}", "", documentation.partition("\n")[0], "", *head, *rows])
+
+
+def glossary(*_: object) -> str:
+    """A definition for each word, in the order of the alphabet."""
+    entries = sorted(WORDS.items(), key=lambda entry: entry[1][0].lower())
+    return "\n\n".join(f"{word}\n: {_plain(sentence)} In code: {_in_code(name)}." for name, (word, sentence) in entries)
+
+
+def _in_code(names: str) -> str:
+    return ", ".join(f"`{name}`" for name in names.split(", "))
 
 
 def names(*_: object) -> str:
-    """Every public name with its docstring."""
-    kinds: dict[str, list[str]] = {kind: [] for kind in DIRECTIVES}
-    for name in mechstyle.__all__:
-        if name != "LIBRARY":
-            kinds[_kind(getattr(mechstyle, name))].append(name)
+    """Every public name with its docstring, the front row first."""
     materials = ", ".join(f"`{name}`" for name in mechstyle.LIBRARY)
-    documented = [f"## {kind}\n\n```{{eval-rst}}\n{_directives(kind, found)}\n```" for kind, found in kinds.items()]
-    return "\n\n".join([*documented, f"## Materials\n\n`ms.LIBRARY` holds materials by name: {materials}."])
+    front = [*_documented("mechstyle", mechstyle.__all__), f"## Materials\n\n`ms.LIBRARY` holds materials by name: {materials}."]
+    second = "## The second row\n\n`ms.lab` has names for studies, plug-ins and teaching."
+    return "\n\n".join([*front, second, *_documented("mechstyle.lab", mechstyle.lab.__all__, "### ")])
+
+
+def _documented(module: str, found: list[str], level: str = "## ") -> list[str]:
+    kinds: dict[str, list[str]] = {kind: [] for kind in DIRECTIVES}
+    for name in found:
+        if name not in {"LIBRARY", "lab"}:
+            kinds[_kind(getattr(mechstyle, name))].append(f"{module}.{name}")
+    return [f"{level}{kind}\n\n```{{eval-rst}}\n{_directives(kind, its)}\n```" for kind, its in kinds.items() if its]
 
 
 def _kind(value: object) -> str:
@@ -93,7 +114,7 @@ def _kind(value: object) -> str:
 
 def _directives(kind: str, found: list[str]) -> str:
     more = "\n   :members:" if kind == "Classes" else ""
-    return "\n\n".join(f".. {DIRECTIVES[kind]}:: mechstyle.{name}{more}" for name in found)
+    return "\n\n".join(f".. {DIRECTIVES[kind]}:: {name}{more}" for name in found)
 
 
 def report(cache: Path) -> None:
@@ -115,6 +136,7 @@ def report_frame(cache: Path, _execute: str) -> str:
 
 
 PAGES: dict[str, Callable[[Path, str], str]] = {
-    "every command": command_line, "every setting": settings, "every name": names, "a report": report_frame,
+    "every command": command_line, "every setting": settings, "every name": names, "every word": glossary,
+    "a report": report_frame,
 }  # fmt: skip
 """What is made for each place that a page marks, in a comment."""

@@ -11,22 +11,33 @@ from rich.markup import escape
 from typer.core import TyperGroup
 
 from mechstyle import __version__
-from mechstyle.cli import demo, doctor, inspect_run, keep, lists, orient, protect, report, run, simulate, study, validate, weights
+from mechstyle.cli import demo, doctor, inspect_run, keep, lists, orient, protect, report, run, school, simulate, study, validate, weights
 from mechstyle.cli.console import print_json
 
 UsageError: type[Exception] = typer.BadParameter.__bases__[0]
 """What is wrong with a command line: Click's, or that of the Click within newer versions of typer."""
 AS_JSON = "mechstyle.as_json"
 """What a context remembers of the command line, of which nothing is left once it is parsed."""
+PANELS = {
+    "Style and test": ("run", "freestyle", "branch", "simulate"),
+    "Look at a run, take it out": ("log", "show", "report", "export", "orient", "rerun", "gc"),
+    "What there is to choose from": ("gallery", "styles", "materials", "protect", "weights", "doctor"),
+    "Lessons and research": ("demo", "application", "ablation", "study", "validate"),
+}
+"""Every command, by the heading it has in the help."""
 
 
 class PlainHelp(TyperGroup):
     """Commands whose help is plain text: [mm] in it is a unit, though typer would have rich read it as markup."""
 
     def __init__(self, **attributes: Any) -> None:
-        """Take the commands over; their help is marked as plain."""
+        """Take the commands over; their help is marked as plain and put under headings."""
         super().__init__(**attributes)
         _mark_as_plain(self)
+        for panel, names in PANELS.items():
+            for name in names:
+                command = self.commands[name] = self.commands.pop(name)
+                command.rich_help_panel = panel  # type: ignore[attr-defined]
 
     def make_context(self, info_name: str | None, args: list[str], parent: Any = None, **extra: Any) -> Any:
         """Parse what stands before the command."""
@@ -72,7 +83,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode="rich",
 )
-for family in (run, simulate, demo, study, validate, inspect_run, keep, orient, protect, report, lists, doctor, weights):
+for family in (run, simulate, demo, study, validate, inspect_run, keep, orient, protect, report, school, lists, doctor, weights):
     app.add_typer(family.app)
 
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from mechstyle.cli.console import command, err, escape, headline, in_colour, out, print_json, table
-from mechstyle.cli.options import OPTIONS, Device, Json, Settings, Vertices, recipe_options
+from mechstyle.cli.options import Device, Json, Settings, Vertices, recipe_options, typed_as
 from mechstyle.cli.run import carry_out
 from mechstyle.records import sentences
 from mechstyle.records.mesh import STANDARD_VERTICES
@@ -35,14 +35,14 @@ def demo_command(
     settings: Settings,
     folder: Annotated[Path, typer.Option("--out", help="Where the runs, pictures and 3MF files go.")] = Path("demo-out"),
     model: Annotated[str, typer.Option(help="What to style.")] = DEMO_MODEL,
-    prompt: Annotated[str, typer.Option(*OPTIONS["prompt"].flags, help=described("prompt"))] = "brick",
+    prompt: Annotated[str, typer.Option(*typed_as("prompt").flags, help=described("prompt"))] = "brick",
     device: Device = "auto",
     vertices: Vertices = DEMO_VERTICES,
     as_json: Json = False,
 ) -> None:
     """Style the gallery's utensil grip as brick, freely and with feedback, and compare the verdicts."""
     asked = {"prompt": prompt, **settings}
-    tell(both_ways(model, asked, vertices, device, folder, as_json=as_json), folder, as_json=as_json)
+    tell(both_ways(model, asked, vertices, device, folder, quick=True, as_json=as_json), folder, as_json=as_json)
 
 
 @app.command("application")
@@ -72,7 +72,9 @@ def application_command(
     tell(pair, where, as_json=as_json)
 
 
-def both_ways(model: str, settings: Settings, vertices: int, device: str, folder: Path, *, as_json: bool) -> Pair:
+def both_ways(
+    model: str, settings: Settings, vertices: int, device: str, folder: Path, *, as_json: bool, quick: bool = False
+) -> Pair:
     """Run a part freely and with feedback, with progress."""
     from mechstyle.study.applications import Pair  # noqa: PLC0415 — as above
 
@@ -81,7 +83,7 @@ def both_ways(model: str, settings: Settings, vertices: int, device: str, folder
         if not as_json:
             err.print(f"[bold]{label}[/]: {escape(model)} as “{escape(settings['prompt'])}”")
         where = folder / label.lower()
-        runs.append(carry_out(model, settings, vertices, {}, device, where, freestyle=freestyle, as_json=as_json))
+        runs.append(carry_out(model, settings, vertices, {}, device, where, freestyle=freestyle, quick=quick, as_json=as_json))
     return Pair(*runs)
 
 

@@ -1,4 +1,4 @@
-"""The options that commands share; those that set a field of the recipe are made from `Recipe`, so that both say the same."""
+"""The options that commands share; those that are settings are made from the chapters of the recipe, so that both say the same."""
 
 from __future__ import annotations
 
@@ -11,22 +11,36 @@ from inspect import Parameter, Signature
 from pathlib import Path
 from typing import Annotated, Any
 
-import msgspec
 import typer
 
 from mechstyle.gallery import PREFIX, use_of
 from mechstyle.records.lengths import length_of, written
-from mechstyle.records.recipe import DEFAULTS, Recipe, described
+from mechstyle.records.mesh import QUICK_VERTICES, STANDARD_VERTICES
+from mechstyle.records.recipe import CHAPTER_OF, DEFAULTS, OPTIONS, TYPES, described
 from mechstyle.records.regions import KINDS
 
-STYLE, RESTRAINT, SCHEDULE, DROP_TEST = "Style", "Restraint", "Schedule", "Drop test and material"
-LOADS, MACHINE = "Loads, walls and regions", "Part and machine"
-"""Headings of the help."""
+MACHINE = "Part and machine"
+"""Heading of the options that are no settings; those that are stand under their chapter's name."""
 DEFAULTS_MAY_CHANGE = "Defaults in parentheses are the recipe's; --control, --criterion, --poses and --standard may bring others."
 
 Model = Annotated[str, typer.Argument(metavar="MODEL", help="A file (STL, OBJ, PLY, GLB, 3MF) or gallery:NAME.")]
 Vertices = Annotated[
     int, typer.Option(help="Vertices of the surface; beyond 25 000 only as many as edges of 0.6 mm need.", rich_help_panel=MACHINE)
+]
+RunVertices = Annotated[
+    int | None,
+    typer.Option(
+        "--vertices",
+        help="Vertices of the surface; beyond 25 000 only as many as edges of 0.6 mm need.",
+        rich_help_panel=MACHINE,
+        show_default=f"{STANDARD_VERTICES}; {QUICK_VERTICES} with --quick",
+    ),
+]
+Quick = Annotated[
+    bool,
+    typer.Option(
+        "--quick", help="A first answer in about a minute: fewer vertices, fewer nearly flat landings.", rich_help_panel=MACHINE
+    ),
 ]
 Device = Annotated[str, typer.Option(help="auto, cpu or cuda.", rich_help_panel=MACHINE)]
 Folder = Annotated[
@@ -54,83 +68,62 @@ Settings = dict[str, Any]
 
 @dataclass(frozen=True)
 class RecipeOption:
-    """The command-line option of a field of the recipe.
+    """How a setting is typed on the command line, where that is not as the recipe has it.
 
     Attributes:
-        panel: Heading it stands under in the help.
-        flags: What is typed; the field's name by default.
-        kind: Type of what is typed; the field's own by default.
-        hint: What is to be known on the command line besides the field's description.
-        default: What it is by default, for a field without a default.
+        flags: What is typed; the setting's name by default.
+        kind: Type of what is typed; the setting's own by default.
+        hint: What is to be known on the command line besides the setting's description.
+        default: What it is by default, for a setting without a default.
     """
 
-    panel: str
     flags: tuple[str, ...] = ()
     kind: Any = None
     hint: str = ""
     default: Any = None
 
 
-OPTIONS = {
-    "prompt": RecipeOption(STYLE, ("--prompt", "-p"), hint="Not needed with --image.", default=""),
-    "iterations": RecipeOption(STYLE),
-    "seed": RecipeOption(STYLE),
-    "relief": RecipeOption(STYLE),
-    "amplitude": RecipeOption(STYLE, kind=str, hint="With `run`, auto finds the deepest that holds."),
-    "side": RecipeOption(STYLE),
-    "feature": RecipeOption(STYLE),
-    "nozzle": RecipeOption(STYLE),
-    "inside": RecipeOption(STYLE),
-    "image": RecipeOption(STYLE, kind=str),
-    "image_size": RecipeOption(STYLE),
-    "image_as": RecipeOption(STYLE),
-    "image_layout": RecipeOption(STYLE),
-    "projection": RecipeOption(STYLE, ("--project", "--projection")),
-    "stylizer": RecipeOption(STYLE),
-    "guidance": RecipeOption(STYLE, hint="clip takes any prompt; see `mechstyle weights list`."),
-    "clip": RecipeOption(STYLE, hint="A name of `mechstyle weights list`, or a folder as transformers saves one."),
-    "field": RecipeOption(STYLE),
-    "control": RecipeOption(RESTRAINT),
-    "normalisation": RecipeOption(RESTRAINT),
-    "threshold": RecipeOption(RESTRAINT),
-    "schedule": RecipeOption(SCHEDULE),
-    "every": RecipeOption(SCHEDULE),
+TYPED: dict[str, RecipeOption] = {
+    "prompt": RecipeOption(("--prompt", "-p"), hint="Not needed with --image.", default=""),
+    "amplitude": RecipeOption(kind=str, hint="With `run`, auto finds the deepest that holds."),
+    "image": RecipeOption(kind=str),
+    "projection": RecipeOption(("--project", "--projection")),
+    "guidance": RecipeOption(hint="clip takes any prompt; see `mechstyle weights list`."),
+    "clip": RecipeOption(hint="A name of `mechstyle weights list`, or a folder as transformers saves one."),
     "material": RecipeOption(
-        DROP_TEST, ("--material", "-m"), str, "One of the library (see `mechstyle materials`), or a .toml or .json file.", "PLA"
+        ("--material", "-m"), str, "One of the library (see `mechstyle materials`), or a .toml or .json file.", "PLA"
     ),
-    "height": RecipeOption(DROP_TEST, kind=str, hint='In m, cm or mm, such as "1.5 m"; a bare number is in mm.'),
-    "orientations": RecipeOption(DROP_TEST),
-    "poses": RecipeOption(DROP_TEST),
-    "standard": RecipeOption(DROP_TEST),
-    "nearly_flat": RecipeOption(DROP_TEST),
-    "build_direction": RecipeOption(DROP_TEST, kind=str),
-    "criterion": RecipeOption(DROP_TEST),
-    "window": RecipeOption(DROP_TEST),
-    "loads": RecipeOption(LOADS, ("--load",), Path, "A .toml file, or gallery:NAME for the load of that model's use."),
-    "minimum_wall": RecipeOption(LOADS),
-    "strengthen": RecipeOption(LOADS),
-    "base": RecipeOption(LOADS),
+    "height": RecipeOption(kind=str, hint='In m, cm or mm, such as "1.5 m"; a bare number is in mm.'),
+    "build_direction": RecipeOption(kind=str),
+    "loads": RecipeOption(("--load",), Path, "A .toml file, or gallery:NAME for the load of that model's use."),
     "protect": RecipeOption(
-        LOADS,
         kind=list[str],
         hint=f"One of: {', '.join(KINDS.values())}; then, if wanted, ramp MM and colour. May be given several times.",
     ),
 }
-"""The settings with an option of their own, in the order of the help; the others are given with --set."""
+"""The options that are typed otherwise than the recipe has them."""
 
-TYPES = {field.name: field.type for field in msgspec.structs.fields(Recipe)}
+
+def typed_as(name: str) -> RecipeOption:
+    """How a setting is typed."""
+    return TYPED.get(name, RecipeOption())
+
+
+def panel_of(name: str) -> str:
+    """The heading a setting stands under in the help: its chapter's name."""
+    return CHAPTER_OF[name].capitalize()
 
 
 def help_of(name: str) -> str:
     """The help of a recipe's field: its description, then what the command line adds."""
-    return f"{described(name)} {OPTIONS[name].hint}".rstrip()
+    return f"{described(name)} {typed_as(name).hint}".rstrip()
 
 
 def recipe_options(*names: str, begins: bool = True, others: bool = False) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Give a command an option for each of these fields of the recipe; those that were used reach it as one dict, `settings`.
 
     Args:
-        names: Fields of `Recipe`.
+        names: Settings of a recipe.
         begins: Whether a recipe begins here: what has no default must be given then, and defaults are shown. Else a recipe is changed.
         others: Whether --set takes the other fields.
     """
@@ -172,14 +165,14 @@ def reads_a_part(function: Callable[..., None]) -> Callable[..., None]:
 
 def _parameter(name: str, *, begins: bool) -> Parameter:
     """The parameter from which typer makes the option for a field of the recipe."""
-    known = OPTIONS[name]
+    known = typed_as(name)
     required = begins and name not in DEFAULTS and known.default is None
     shown = _shown(name) if begins and DEFAULTS.get(name) not in (None, "", ()) else True
     option = typer.Option(
         ... if required else known.default if begins else None,
         *known.flags,
         help=help_of(name),
-        rich_help_panel=known.panel,
+        rich_help_panel=panel_of(name),
         show_default=shown,
     )
     kind = known.kind or TYPES[name]

@@ -11,28 +11,26 @@ import typer
 from mechstyle.cli.console import command, err, escape, out, print_json, report_verdict, telling
 from mechstyle.cli.options import (
     DEFAULTS_MAY_CHANGE,
-    OPTIONS,
     Device,
     Folder,
     Json,
     Model,
+    Quick,
+    RunVertices,
     Settings,
-    Vertices,
     reads_a_part,
     recipe_options,
 )
 from mechstyle.records.landings import STANDARDS
-from mechstyle.records.mesh import STANDARD_VERTICES
-from mechstyle.records.recipe import Recipe
+from mechstyle.records.mesh import QUICK_VERTICES, STANDARD_VERTICES
+from mechstyle.records.recipe import OF_FEEDBACK, OPTIONS, Recipe
 
 if TYPE_CHECKING:
     from mechstyle.simulation.estimate import Estimate
 
-RESTRAINED = ("control", "normalisation", "threshold", "schedule", "every", "base")
-"""Settings that restrain a style, or say when to simulate to that end: Freestyle has no use for them."""
 AUTO = "auto"
 """In place of an amplitude: the deepest that passes."""
-FREE = tuple(name for name in OPTIONS if name not in RESTRAINED)
+FREE = tuple(name for name in OPTIONS if name not in OF_FEEDBACK)
 
 app = typer.Typer()
 
@@ -55,20 +53,24 @@ USUAL_TESTS = 5
 def carry_out(
     model: str,
     settings: Settings,
-    vertices: int,
+    vertices: int | None,
     reading: Settings,
     device: str,
     folder: Path | None,
     *,
     freestyle: bool,
     as_json: bool,
+    quick: bool = False,
 ) -> Any:
     """Run a stylization with progress; the finished run, its part exported and pictured."""
     from mechstyle.fea.drop import resolve_device  # noqa: PLC0415 — physics is loaded when something is run
-    from mechstyle.runs.recipes import FREESTYLE, draft, expected, idle  # noqa: PLC0415
+    from mechstyle.runs.recipes import FREESTYLE, QUICK, draft, expected, idle  # noqa: PLC0415
     from mechstyle.runs.run import started  # noqa: PLC0415
     from mechstyle.styling.prompt import reading_of  # noqa: PLC0415
 
+    if vertices is None:
+        vertices = QUICK_VERTICES if quick else STANDARD_VERTICES
+    settings = {**QUICK, **settings} if quick else settings
     deep = settings.get("amplitude") == AUTO
     wanted = draft(**{**settings, "amplitude": None} if deep else settings, freestyle=freestyle)
     device = resolve_device(device)
@@ -166,13 +168,14 @@ def run_command(
     model: Model,
     settings: Settings,
     reading: Settings,
-    vertices: Vertices = STANDARD_VERTICES,
+    quick: Quick = False,
+    vertices: RunVertices = None,
     device: Device = "auto",
     folder: Folder = None,
     as_json: Json = False,
 ) -> None:
     """Style a part while a drop test watches its strength."""
-    run = carry_out(model, settings, vertices, reading, device, folder, freestyle=False, as_json=as_json)
+    run = carry_out(model, settings, vertices, reading, device, folder, freestyle=False, quick=quick, as_json=as_json)
     report(run, as_json=as_json)
 
 
@@ -184,13 +187,14 @@ def freestyle_command(
     model: Model,
     settings: Settings,
     reading: Settings,
-    vertices: Vertices = STANDARD_VERTICES,
+    quick: Quick = False,
+    vertices: RunVertices = None,
     device: Device = "auto",
     folder: Folder = None,
     as_json: Json = False,
 ) -> None:
     """Style a part without feedback; one drop test at the end."""
-    run = carry_out(model, settings, vertices, reading, device, folder, freestyle=True, as_json=as_json)
+    run = carry_out(model, settings, vertices, reading, device, folder, freestyle=True, quick=quick, as_json=as_json)
     report(run, as_json=as_json)
 
 

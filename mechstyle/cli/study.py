@@ -11,7 +11,7 @@ import typer
 from typer.core import TyperCommand
 
 from mechstyle.cli.console import EXIT_BAD_INPUT, command, escape, out, print_json, table, telling
-from mechstyle.cli.options import DROP_TEST, MACHINE, STYLE, Device, Json, Settings, Vertices, recipe_options
+from mechstyle.cli.options import MACHINE, Device, Json, Settings, Vertices, panel_of, recipe_options
 from mechstyle.records.mesh import STANDARD_VERTICES
 
 if TYPE_CHECKING:
@@ -228,7 +228,8 @@ def ablation_command(
     models: Annotated[list[str], typer.Argument(metavar="MODEL...", help="Files (STL, OBJ, PLY, GLB, 3MF) or gallery:NAME.")],
     settings: Settings,
     prompts: Annotated[
-        list[str] | None, typer.Option("--prompt", "-p", help="A style, in words. May be given several times.", rich_help_panel=STYLE)
+        list[str] | None,
+        typer.Option("--prompt", "-p", help="A style, in words. May be given several times.", rich_help_panel=panel_of("prompt")),
     ] = None,
     conditions: Annotated[
         list[str] | None,
@@ -236,7 +237,7 @@ def ablation_command(
             "--condition",
             help="drop: the fall alone; load: also the load of a model's use, or of --load, at 0.85 of what the plain part carries; deep: "
             "relief half the wall deep. By default drop. May be given several times.",
-            rich_help_panel=DROP_TEST,
+            rich_help_panel=panel_of("material"),
         ),
     ] = None,
     arms: Annotated[

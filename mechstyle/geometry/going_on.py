@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from threading import Event, Thread
+
+from mechstyle.errors import MechStyleError
 
 GoOn = Callable[[], object]
 """Called between stretches of work that take well under a second on the largest part that is accepted; what it raises ends the work."""
@@ -10,3 +14,44 @@ GoOn = Callable[[], object]
 
 def regardless() -> None:
     """Go on, whatever happens."""
+
+
+LOOK = 0.2
+"""Time between two questions whether to go on, while one waits for another thread [s]."""
+
+
+class _Ended(Exception):
+    """Raised in the other thread where its result is of no use any more."""
+
+
+@contextmanager
+def meanwhile(work: Callable[[GoOn], object], go_on: GoOn = regardless) -> Iterator[None]:
+    """Work in another thread during a block, whose end waits for it.
+
+    Its result has to be kept by the work itself, as in a cache, and whoever asks for it again learns why there is none. If the block or
+    `go_on` raises, the work is ended.
+
+    Args:
+        work: Given its own `go_on`.
+        go_on: Asked while the block is over and the work is not.
+    """
+    ended = Event()
+
+    def asked() -> None:
+        if ended.is_set():
+            raise _Ended
+
+    def done() -> None:
+        with suppress(_Ended, MechStyleError):
+            work(asked)
+
+    thread = Thread(target=done, name="mechstyle-meanwhile", daemon=True)
+    thread.start()
+    try:
+        yield
+        while thread.is_alive():
+            go_on()
+            thread.join(LOOK)
+    finally:
+        ended.set()
+        thread.join()

@@ -32,10 +32,11 @@ def demand(simulation: Simulation, original: Simulation, recipe: Recipe) -> Fiel
         original: The unstylized part.
         recipe: Material, normalisation and what is judged.
     """
-    strength = recipe.test.material.yield_strength
-    if recipe.restraint.normalisation != "headroom":
+    material, normalisation = recipe.test.material, recipe.restraint.normalisation
+    strength = material.yield_strength
+    if normalisation != "headroom":
         own = original.stress
-        return normalised(simulation.stress, own, np.float32(strength), float(own.max()), recipe.test.material, recipe.restraint.normalisation)
+        return normalised(simulation.stress, own, np.float32(strength), float(own.max()), material, normalisation)
     fields = []
     for landing, stress in zip(simulation.landings, simulation.landing_stress, strict=True):
         same = original.of(landing.way)

@@ -26,11 +26,6 @@ STEP_LIMIT = 0.01
 """A vertex moves at most this share of the part's size per iteration (Faruqi et al. 2025)."""
 KEYFRAME_EVERY = 20
 """Iterations between stored stylizer states."""
-STYLE_FIELDS = (
-    "prompt", "seed", "relief", "amplitude", "side", "feature", "nozzle", "stylizer", "guidance", "field", "clip", "crops",
-    "image", "image_size", "image_as", "image_layout", "projection",
-)  # fmt: skip
-"""Recipe fields that change what the stylizer aims at."""
 
 
 class Proposal(Protocol):
@@ -190,8 +185,9 @@ class Engine:
         return self.stylizer.proposal()
 
     def _other_style(self, state: Checkpoint) -> bool:
-        theirs = self.recipe if state.recipe == self.recipe.digest else self.store.recipe(state.recipe)
-        return any(theirs.settings[name] != self.recipe.settings[name] for name in STYLE_FIELDS)
+        """Whether the stylizer aims at something else now; features that are not given are sized for the nozzle."""
+        ours, theirs = self.recipe, self.recipe if state.recipe == self.recipe.digest else self.store.recipe(state.recipe)
+        return (theirs.style, theirs.delivery.nozzle) != (ours.style, ours.delivery.nozzle)
 
     # one iteration
 

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from mechstyle.errors import unknown
-from mechstyle.records import SCHEDULES, Recipe
+from mechstyle.records import Recipe
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -106,6 +105,4 @@ RULES: dict[str, Callable[[Recipe, Progress], str]] = {
 
 def due(recipe: Recipe, progress: Progress) -> str:
     """Why this iteration is to be simulated under the recipe's schedule, "" if it is not."""
-    if recipe.schedule.when not in RULES:
-        raise unknown("schedule", recipe.schedule.when, SCHEDULES)
     return RULES[recipe.schedule.when](recipe, progress)

@@ -153,4 +153,4 @@ def comparison(original: SurfaceMesh, start: Checkpoint, finals: Sequence[tuple[
             note = verdict_note(state.verdict) if row == 1 and state.verdict is not None else ""
             panel = field_panel(styled, stress, state.stress, title=title, note=note, view=view)
             rows[row].append(replace(panel, limits=stress.limits(highest)))
-    return picture([panel for row in rows for panel in row], title=f"“{finals[0][2].prompt}”", columns=len(shown))
+    return picture([panel for row in rows for panel in row], title=f"“{finals[0][2].style.prompt}”", columns=len(shown))

@@ -78,7 +78,7 @@ class Patch(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
             return cls(box=(*shape.low, *shape.high))
         if isinstance(shape, HalfSpace):
             return cls(plane=(*shape.point, *shape.normal))
-        remedy = "write ms.Sphere, ms.Box or ms.HalfSpace, or ms.Patch(facet=(x, y, z)) for a smooth face"
+        remedy = "write ms.Sphere, ms.Box or ms.HalfSpace, or ms.lab.Patch(facet=(x, y, z)) for a smooth face"
         raise BadInput(f"{shape.words!r} is no place of a support or a load: {remedy}")
 
     def contains(self, points: Floats, *, margin: float = 0.0) -> Bools:

@@ -22,6 +22,8 @@ Scalar = TypeVar("Scalar", bound=np.generic)
 
 STANDARD_VERTICES = 100_000
 """Vertices of a standardised surface by default, at most: see `simulation.part.standardised`."""
+QUICK_VERTICES = 2_500
+"""Vertices of a quick run: see `runs.recipes.QUICK`."""
 
 
 def frozen_array(values: ArrayLike, dtype: Any, shape: tuple[int | None, ...], name: str) -> NDArray[Any]:

@@ -1,218 +1,66 @@
-"""The recipe: all that decides a run, and the names its settings may have."""
+"""The recipe: all that decides a run, in chapters, and the flat view of its settings."""
 
 from __future__ import annotations
 
 import hashlib
 import inspect
-import math
 import re
-from collections.abc import Collection, Mapping
-from typing import Any, Literal, get_args
+from collections.abc import Mapping
+from typing import Any
 
 import msgspec
 
 from mechstyle.errors import BadInput, unknown
-from mechstyle.records.landings import POSES, STANDARDS, landings_after
-from mechstyle.records.load_cases import LoadCase
+from mechstyle.records.chapters import Choices, Delivery, Limits, Restraint, Schedule, Specimen, StrengthTest, Style
 from mechstyle.records.material import Material
-from mechstyle.records.regions import Region
-
-CONTROLS = ("linear", "exponential", "frozen", "none")
-NORMALISATIONS = ("headroom", "own_max", "sigma_c")
-SCHEDULES = ("every", "quadratic", "exponential", "geometry", "stress", "never")
-CRITERIA = ("robust", "paper")
-GUIDANCES = ("offline", "clip")
-FIELDS = ("vertex", "network")
-ELEMENTS = ("tet10", "tet4")
-BASES = ("plain", "level", "free")
-SIDES = ("auto", "outwards", "inwards", "both")
-INSIDES = ("plain", "styled")
-MOTIFS = ("height", "colour", "both")
-LAYOUTS = ("tiled", "placed")
-PROJECTIONS = ("box", "planar", "around")
-Transfer = Literal["barycentric", "nearest"]
-
-CHOICES: Mapping[str, Collection[str]] = {
-    "control": CONTROLS,
-    "normalisation": NORMALISATIONS,
-    "schedule": SCHEDULES,
-    "criterion": CRITERIA,
-    "guidance": GUIDANCES,
-    "field": FIELDS,
-    "element": ELEMENTS,
-    "base": BASES,
-    "side": SIDES,
-    "inside": INSIDES,
-    "image_as": MOTIFS,
-    "image_layout": LAYOUTS,
-    "projection": PROJECTIONS,
-    "poses": POSES,
-    "standard": ("", *STANDARDS),
-    "transfer": get_args(Transfer),
-}
-"""The names a setting may have, by setting."""
-
-LIMITS: Mapping[str, tuple[float, float]] = {
-    "iterations": (1, 100_000),
-    "crops": (1, 16),
-    "every": (1, 100_000),
-    "seed": (0, 2**32 - 1),
-    "relief": (0.0, 20.0),
-    "amplitude": (0.0, 2.0),
-    "feature": (0.2, 500.0),
-    "nozzle": (0.0, 5.0),
-    "image_size": (0.5, 2000.0),
-    "travel": (1e-3, 10.0),
-    "threshold": (0.01, 100.0),
-    "minimum_wall": (0.0, 100.0),
-    "strengthen": (0.0, 20.0),
-    "orientations": (1, 512),
-    "height": (1.0, 1e5),
-    "friction": (0.0, 2.0),
-    "window": (0.05, 50.0),
-    "damping": (0.0, 1.0),
-}
-"""The least and the greatest value of a setting, by setting, in its unit."""
-
-LONGEST_PROMPT = 500
-"""Characters."""
-
-DECIDED_BY_THE_PART = ("surface", "tetrahedra")
-"""Fields of a recipe that are no settings."""
 
 
 class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """All that decides a run, and nothing else: no times, hosts or paths.
 
-    The first sentence on an attribute is its help wherever it is set; what follows it is for readers of this.
+    Who types settings types them flat, by names that no two chapters share: `Recipe.of(prompt="brick", height=1000.0, …)`.
 
     Attributes:
-        surface: Digest of the standardised surface M_0.
-        tetrahedra: Digest of its tetrahedra (meshing is not deterministic, so they are part of the recipe).
-        prompt: The style, in words, or one for each place: "outside: brick; rim: gold studs". Kept as typed; "" for none.
-        stylizer: Name of a plugged-in stylizer to use instead of the built-in styles. "" for those.
-        guidance: What the style descends to, one of GUIDANCES: a target drawn offline, or what CLIP takes for the prompt.
-        field: What is descended in, one of FIELDS: values per vertex, or the X-Mesh style field.
-        clip: CLIP weights of guidance clip. Kept as `NAME@DIGEST`; "" offline.
-        crops: Close looks at each view per iteration of CLIP guidance and loss, 4 as published.
-        material: The material of the part. Kept in full, so that a library that changes leaves the recipe as it was.
-        iterations: Stylization iterations.
-        seed: Seed of everything random in the style.
-        relief: Depth of the relief from its lowest to its highest [mm]; by default the prompt's, or what can be seen and walls bear. It
-            goes before an amplitude, and either before the prompt.
-        amplitude: Half the depth of the relief over local wall thickness, instead of a depth in mm.
-        side: Where the relief goes from the surface, one of SIDES: auto goes to both, but only outwards where walls are too thin to cut.
-        feature: Size of the style's feature, such as the height of a brick [mm]; by default the prompt's, or what fits the part.
-        nozzle: Diameter of the printer's nozzle [mm]: features that are not given are sized for it, and finer ones noted; 0 for no rule.
-        image: A picture of yours as the style, a PNG or JPEG file. Here the digest of its pixels, which the run keeps; "" for none.
-        image_size: Width of the picture, or of one of its tiles [mm]; by default the prompt's, or what fits the part.
-        image_as: What is taken of the picture, one of MOTIFS: light stands out and dark is cut in, its colours, or both.
-        image_layout: How often the picture is laid out, one of LAYOUTS: without end, or once on each side it is seen from.
-        projection: How the picture lies on the part, one of PROJECTIONS: from six sides, from the one that shows most or that the prompt
-            names, or around an upright axis.
-        inside: What becomes of the inside of a container, one of INSIDES.
-        control: How stress restrains the style, one of CONTROLS. It turns demand into a mask.
-        normalisation: What stress is compared with, one of NORMALISATIONS. Demand is stress over that.
-        threshold: Demand at which a vertex may move no further; 1 is the normalisation's own limit, less is stricter.
-        base: Relief on the faces the part stands on, one of BASES: none, drawn inwards so that it stands level, or as the style has it.
-        protect: Regions protected from the style.
-        minimum_wall: The thinnest wall the style may leave [mm]; 0 for no rule.
-        strengthen: The most that a part that does not hold as it is may be thickened by before its style, where it is overloaded [mm]; 0
-            leaves it as it is.
-        loads: Load cases the part must carry besides the drop.
-        schedule: When to simulate while the style grows, one of SCHEDULES: never drops the finished relief and corrects it, without masks;
-            a control asked for brings `stress`.
-        every: Interval of the `every` schedule [iterations].
-        travel: Displacement since the last simulation over local thickness that triggers `geometry` and `stress`.
-        criterion: What the part is judged by, one of CRITERIA: paper is the published rule and method, which leave little of most styles.
-        guarantee: Whether the finished relief is corrected until the part passes: lowered where it is overloaded, no further than needed.
-        orientations: Landings in the final test that are not nearly flat, flat counted as the first; more than 1 are judged together.
-        poses: How these land: `fibonacci` every way, `resting` as the part comes to rest, `box26`, `box10` or `faces6` on faces, edges and
-            corners of the box around it. One of POSES.
-        build_direction: Direction it is printed in, x, y, z or a vector such as 0,0,1: what pulls or shears layers apart is judged by their
-            own strength. None for no layers; the material must know its `layer_ratio`.
-        standard: Drop standard whose orientations and height are simulated, one of STANDARDS. It brings poses, orientations and
-            height unless they are given; "" for none. A verdict is no test to a standard.
-        nearly_flat: Whether landings tilted by 3° onto the corners and sides of what the part stands on are judged, too.
-        height: Height of the fall the part is to survive [mm].
-        friction: Coulomb coefficient of the floor.
-        window: Simulated time after first touch [ms]; by default until the impact has ended.
-        element: `tet10`, or `tet4` as in the published study, which is several times too stiff in thin walls.
-        damping: Share of critical damping of each tetrahedron.
-        transfer: How stress gets from tets to surface, `barycentric` or `nearest` (the paper's unit-box nearest neighbour).
+        style: What the part is to look like.
+        restraint: What holds the style back.
+        schedule: How long the style grows, and when it is simulated meanwhile.
+        test: What the part must survive, of which material and meshes.
+        delivery: What a printer can make of the part.
     """
 
-    surface: str
-    tetrahedra: str
-    prompt: str
-    material: Material
-    stylizer: str = ""
-    guidance: str = "offline"
-    field: str = "vertex"
-    clip: str = ""
-    crops: int = 1
-    iterations: int = 200
-    seed: int = 0
-    relief: float | None = None
-    amplitude: float | None = None
-    side: str = "auto"
-    feature: float | None = None
-    nozzle: float = 0.4
-    image: str = ""
-    image_size: float | None = None
-    image_as: str = "both"
-    image_layout: str = "tiled"
-    projection: str = "box"
-    inside: str = "plain"
-    control: str = "exponential"
-    normalisation: str = "headroom"
-    threshold: float = 1.0
-    base: str = "plain"
-    protect: tuple[Region, ...] = ()
-    minimum_wall: float = 0.8
-    strengthen: float = 0.0
-    loads: tuple[LoadCase, ...] = ()
-    schedule: str = "never"
-    every: int = 20
-    travel: float = 0.1
-    criterion: str = "robust"
-    guarantee: bool = True
-    orientations: int = 1
-    poses: str = "fibonacci"
-    build_direction: tuple[float, float, float] | None = None
-    standard: str = ""
-    nearly_flat: bool = True
-    height: float = 1500.0
-    friction: float = 0.0
-    window: float | None = None
-    element: str = "tet10"
-    damping: float = 0.1
-    transfer: Transfer = "barycentric"
+    style: Style
+    restraint: Restraint = Restraint()
+    schedule: Schedule = Schedule()
+    test: StrengthTest
+    delivery: Delivery = Delivery()
 
-    def __post_init__(self) -> None:
-        """Refuse unknown names and values out of range, each in one sentence."""
-        for field, known in CHOICES.items():
-            if getattr(self, field) not in known:
-                raise unknown(field, str(getattr(self, field)), known)
-        for field, (low, high) in LIMITS.items():
-            value = getattr(self, field)
-            if value is not None and not low <= value <= high:
-                raise BadInput(f"{field.replace('_', ' ')} is {value:g}, but must lie between {low:g} and {high:g}")
-        check_prompt(self.prompt)
-        if self.image and not re.fullmatch("[0-9a-f]{64}", self.image):
-            raise BadInput(f"a recipe names a picture by the digest of its pixels, not {self.image[:60]!r}: draft it from the file")
-        if self.build_direction is not None:
-            self._check_layers(self.build_direction)
+    @classmethod
+    def of(cls, *, surface: str = "", tetrahedra: str = "", **settings: Any) -> Recipe:
+        """A recipe of flat settings: prompt and material, and what differs from the defaults.
 
-    def _check_layers(self, direction: tuple[float, float, float]) -> None:
-        """Refuse a direction of no length, and a material whose strength across layers nobody stated."""
-        if not (math.isfinite(math.hypot(*direction)) and math.hypot(*direction) > 0.0):
-            raise BadInput(f"build direction is {direction}, but must be x, y, z or a vector of some length")
-        if self.material.layer_ratio is None:
-            raise BadInput(
-                f"the strength of {self.material.label} across its layers is not known: leave the build direction out, or give the"
-                " material in a file with a layer_ratio, strength across over strength along the layers, such as 0.5"
-            )
+        Args:
+            surface: Digest of the surface, "" for any part.
+            tetrahedra: Digest of the tetrahedra, "" for any.
+            settings: By name.
+
+        Raises:
+            BadInput: If a name is unknown or a value out of range.
+        """
+        given = _by_chapter(settings)
+        given["test"]["specimen"] = Specimen(surface=surface, tetrahedra=tetrahedra)
+        return cls(**{chapter: kind(**given[chapter]) for chapter, kind in CHAPTERS.items()})
+
+    def with_settings(self, **changes: Any) -> Recipe:
+        """This recipe with some settings changed, given flat; BadInput for an unknown name or a value out of range."""
+        given = {chapter: changed for chapter, changed in _by_chapter(changes).items() if changed}
+        return msgspec.structs.replace(
+            self, **{chapter: msgspec.structs.replace(getattr(self, chapter), **changed) for chapter, changed in given.items()}
+        )
+
+    def on(self, **digests: str) -> Recipe:
+        """This recipe with other meshes: digests of `surface`, `tetrahedra` or both."""
+        specimen = msgspec.structs.replace(self.test.specimen, **digests)
+        return msgspec.structs.replace(self, test=msgspec.structs.replace(self.test, specimen=specimen))
 
     @property
     def digest(self) -> str:
@@ -220,43 +68,9 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         return hashlib.sha256(msgspec.json.encode(self, order="deterministic")).hexdigest()
 
     @property
-    def feedback(self) -> bool:
-        """Whether simulation restrains the style (MechStyle) or not (Freestyle)."""
-        return self.control != "none"
-
-    @property
-    def steered(self) -> bool:
-        """Whether anything of the style hangs on what is simulated of it: how it grows, or what a correction leaves of it."""
-        return self.guarantee or (self.schedule != "never" and self.feedback)
-
-    @property
-    def across_layers(self) -> tuple[float, float, float]:
-        """Build direction over the strength ratio of layers, of which `fea.elasticity.equivalent_stress` makes use; zero if not judged."""
-        if self.build_direction is None or self.material.layer_ratio is None:
-            return (0.0, 0.0, 0.0)
-        steep = math.hypot(*self.build_direction) * self.material.layer_ratio
-        x, y, z = (part / steep for part in self.build_direction)
-        return x, y, z
-
-    @property
-    def layers_judged(self) -> str:
-        """What is assumed of layers, in words; "" if they are not judged."""
-        if self.build_direction is None:
-            return ""
-        x, y, z = self.build_direction
-        source = self.material.layer_source or self.material.source
-        ratio = f"{self.material.layer_ratio:g} of the strength across them ({source})"
-        return f"layers printed along ({x:g}, {y:g}, {z:g}) are judged with {ratio}"
-
-    @property
-    def after_standard(self) -> str:
-        """Whose orientations are simulated, in words; "" without a standard."""
-        return landings_after(self.standard, poses=self.poses, orientations=self.orientations, height=self.height)
-
-    @property
     def settings(self) -> dict[str, Any]:
-        """Every setting by name, in the order of the fields."""
-        return {name: getattr(self, name) for name in SETTINGS}
+        """Every setting by name, chapter by chapter."""
+        return {name: getattr(getattr(self, chapter), attribute) for name, (chapter, attribute) in _PLACES.items()}
 
     def differences(self, other: Recipe, *, by_figure: bool = False) -> tuple[tuple[str, Any, Any], ...]:
         """The settings that another recipe does not share: name, value here, value there.
@@ -269,19 +83,58 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         return tuple((name, value, there[name]) for name, value in here.items() if value != there[name])
 
 
-SETTINGS = tuple(name for name in Recipe.__struct_fields__ if name not in DECIDED_BY_THE_PART)
-"""Names of the settings of a recipe."""
+CHAPTERS: Mapping[str, Any] = {field.name: field.type for field in msgspec.structs.fields(Recipe)}
+"""The chapters of a recipe, by the name of its field, in their order."""
+
+_FIELDS = {
+    field.encode_name: (chapter, field)
+    for chapter, kind in CHAPTERS.items()
+    for field in msgspec.structs.fields(kind)
+    if field.type is not Specimen
+}
+_PLACES = {name: (chapter, field.name) for name, (chapter, field) in _FIELDS.items()}
+
+SETTINGS = tuple(_FIELDS)
+"""Names of the settings of a recipe, chapter by chapter."""
+
+CHAPTER_OF: Mapping[str, str] = {name: chapter for name, (chapter, _) in _FIELDS.items()}
+"""The chapter of a setting, by setting."""
+
+TYPES: Mapping[str, Any] = {name: field.type for name, (_, field) in _FIELDS.items()}
+"""Type of a setting, by setting."""
 
 DEFAULTS: Mapping[str, Any] = {
-    field.name: field.default for field in msgspec.structs.fields(Recipe) if field.default is not msgspec.NODEFAULT
+    name: field.default for name, (_, field) in _FIELDS.items() if field.default is not msgspec.NODEFAULT
 }
 """What a setting is by default, by setting; those that every recipe must be given are not in it."""
 
+CHOICES: Choices = {name: known for kind in CHAPTERS.values() for name, known in kind.CHOICES.items()}
+"""The names a setting may have, by setting."""
 
-def check_prompt(prompt: str) -> None:
-    """Refuse a prompt that is too long with BadInput, without repeating it."""
-    if len(prompt) > LONGEST_PROMPT:
-        raise BadInput(f"the prompt has {len(prompt)} characters, but may have {LONGEST_PROMPT}: name styles, colours, sizes, places")
+LIMITS: Limits = {name: limits for kind in CHAPTERS.values() for name, limits in kind.LIMITS.items()}
+"""The least and the greatest value of a setting, by setting, in its unit."""
+
+OPTIONS = tuple(name for name in SETTINGS if not any(name in kind.RARE for kind in CHAPTERS.values()))
+"""Settings with an option of their own on the command line; the others are given with --set."""
+
+OF_FEEDBACK = ("control", "normalisation", "threshold", "base", "schedule", "every")
+"""Options that restrain a style, or say when to simulate to that end: Freestyle has no use for them."""
+
+
+def settings_of(chapter: str) -> tuple[str, ...]:
+    """Names of the settings of a chapter."""
+    return tuple(name for name, its in CHAPTER_OF.items() if its == chapter)
+
+
+def _by_chapter(settings: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """Values by chapter and attribute."""
+    given: dict[str, dict[str, Any]] = {chapter: {} for chapter in CHAPTERS}
+    for name, value in settings.items():
+        if name not in _PLACES:
+            raise unknown("setting", name, SETTINGS)
+        chapter, attribute = _PLACES[name]
+        given[chapter][attribute] = value
+    return given
 
 
 def direction_of(value: object) -> tuple[float, float, float]:
@@ -301,12 +154,13 @@ def direction_of(value: object) -> tuple[float, float, float]:
 
 
 def described(name: str) -> str:
-    """Description of a setting in one sentence with its unit and the names it may have: the first sentence on it in `Recipe`'s docstring.
+    """Description of a setting in one sentence with its unit and the names it may have.
 
-    Empty where Python runs without docstrings.
+    It is the first sentence on it in its chapter's docstring. Empty where Python runs without docstrings.
     """
-    text = inspect.cleandoc(Recipe.__doc__ or "").partition("Attributes:\n")[2]
-    found = re.search(rf"^    {name}: (.+(?:\n        .+)*)", text, re.MULTILINE)
+    chapter, attribute = _PLACES[name]
+    text = inspect.cleandoc(CHAPTERS[chapter].__doc__ or "").partition("Attributes:\n")[2]
+    found = re.search(rf"^    {attribute}: (.+(?:\n        .+)*)", text, re.MULTILINE)
     if found is None:
         return ""
     sentence = " ".join(found[1].split()).partition(". ")[0].removesuffix(".") + "."

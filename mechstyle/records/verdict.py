@@ -13,9 +13,7 @@ from typing import Literal
 
 import msgspec
 
-from mechstyle.errors import unknown
 from mechstyle.records import sentences
-from mechstyle.records.chapters import CRITERIA
 from mechstyle.records.recipe import Recipe
 from mechstyle.records.simulation import LEAST_CARRIED, VOLUME_ERROR, WAYS, Landing, Simulation
 
@@ -202,11 +200,9 @@ def judge(simulation: Simulation, original: Simulation | None, recipe: Recipe, r
         recipe: What was asked for.
         reference: The original as it sets the limits, where that is read on more than one mesh; the original itself unless given.
     """
-    if recipe.test.criterion not in CRITERIA:
-        raise unknown("criterion", recipe.test.criterion, CRITERIA)
-    material, named = recipe.test.material, 0 < len(recipe.style.prompt) <= SHORT
+    test, named = recipe.test, 0 < len(recipe.style.prompt) <= SHORT
     empty = Verdict(
-        outcome="UNKNOWN", criterion=recipe.test.criterion, fall=recipe.test.height, strength=material.yield_strength, material=material.label,
+        outcome="UNKNOWN", criterion=test.criterion, fall=test.height, strength=test.material.yield_strength, material=test.material.label,
         style="" if original is None else recipe.style.prompt if named else "styled", failure=_failure(simulation, original, recipe),
     )  # fmt: skip
     if empty.failure:
@@ -257,9 +253,9 @@ def _rows(simulation: Simulation, original: Simulation | None, reference: Simula
             hardest, theirs = one(landings), one(before) if before else None
             limit = drop_limit(one(limiting).stress, strength) if limiting else strength
             yield Row(
-                test=test, landing=hardest.name, stress=hardest.stress, limit=limit, height=hardest.critical_height, asked=recipe.test.height,
-                original=None if theirs is None else theirs.critical_height, outcome=_outcome(hardest.stress, limit, strength),
-                decides=robust and (test == "flat" or theirs is not None),
+                test=test, landing=hardest.name, stress=hardest.stress, limit=limit, height=hardest.critical_height,
+                asked=recipe.test.height, original=None if theirs is None else theirs.critical_height,
+                outcome=_outcome(hardest.stress, limit, strength), decides=robust and (test == "flat" or theirs is not None),
             )  # fmt: skip
     for case in simulation.loads:
         own, sets = (None if part is None else part.load(case.name) for part in (original, reference))

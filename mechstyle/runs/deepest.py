@@ -64,7 +64,7 @@ def deepest(
         stage: Called with what is being done, in words.
         prepare: What prepares the surface, `simulation.part.prepare` or a function like it.
         warn: Called early with sentences on walls that are too thin.
-        settings: Other fields of `Recipe`.
+        settings: Other settings of a recipe.
 
     Raises:
         BadInput: If the part, the prompt or a setting cannot be used.

@@ -16,7 +16,7 @@ from mechstyle.records.landings import with_drops
 from mechstyle.records.lengths import length_of
 from mechstyle.records.load_cases import load_cases
 from mechstyle.records.material import Material, material_named
-from mechstyle.records.recipe import DEFAULTS, direction_of
+from mechstyle.records.recipe import DEFAULTS, TYPES, direction_of
 from mechstyle.records.regions import regions
 from mechstyle.runs.images import digest_of
 from mechstyle.runs.plugins import name_of
@@ -41,6 +41,9 @@ PAPER: dict[str, Any] = {
     "schedule": "stress",
 }
 """The published method taken literally (Faruqi et al. 2025)."""
+
+QUICK: dict[str, Any] = {"hardest_only": True}
+"""What a quick run sets besides its QUICK_VERTICES: a first answer in about a minute on two cores, in a style that is all there."""
 
 MASKED = "stress"
 """Schedule that a control brings, unless one is asked for: a mask that nothing is simulated for never closes."""
@@ -70,21 +73,24 @@ def plan(part: Workpiece, prompt: str = "", material: str | Material = "PLA", *,
     return fitted(draft(prompt, material, freestyle=freestyle, **settings), part)
 
 
-def draft(prompt: str = "", material: str | Material = "PLA", *, freestyle: bool = False, **settings: Any) -> Recipe:
+def draft(
+    prompt: str = "", material: str | Material = "PLA", *, freestyle: bool = False, quick: bool = False, **settings: Any
+) -> Recipe:
     """A recipe for any part, so that a bad request is refused before anything slow is done.
 
     Args:
         prompt: The style, in words.
         material: A library name, a .toml/.json file, or a Material.
         freestyle: Whether to stylize without feedback.
-        settings: Fields of `Recipe` that are to differ from the defaults of the criterion chosen.
+        quick: Whether it sets what `QUICK` does, unless that is given.
+        settings: Settings of a recipe that are to differ from the defaults of the criterion chosen.
 
     Raises:
         BadInput: If a name is unknown or a value out of range.
     """
     given = _given({"material": material, **settings})
     paper = given.get("criterion") == "paper"
-    presets = {**(PAPER if paper else {}), **(FREESTYLE if freestyle else {})}
+    presets = {**(QUICK if quick else {}), **(PAPER if paper else {}), **(FREESTYLE if freestyle else {})}
     chosen = with_drops({**presets, **given})
     if chosen.get("control", "none") != "none":
         chosen.setdefault("schedule", MASKED)
@@ -132,7 +138,14 @@ def brought(settings: dict[str, Any], control: str) -> dict[str, Any]:
 
 def expected(recipe: Recipe) -> tuple[str, ...]:
     """What is known beforehand of a run by the published method, one sentence; nothing of any other."""
-    return (EXPECTED,) if recipe.test.criterion == "paper" and recipe.restraint.normalisation == "sigma_c" and recipe.restraint.feedback else ()
+    restraint = recipe.restraint
+    return (EXPECTED,) if recipe.test.criterion == "paper" and restraint.normalisation == "sigma_c" and restraint.feedback else ()
+
+
+def left_out(recipe: Recipe) -> tuple[str, ...]:
+    """What a recipe leaves out of its last test, one sentence; nothing if all landings are in it."""
+    words = "of the nearly flat landings the styled part was dropped only in the two that are hardest for the plain part"
+    return (words,) if recipe.test.hardest_only and recipe.test.nearly_flat else ()
 
 
 def idle(given: Mapping[str, Any], recipe: Recipe) -> tuple[str, ...]:
@@ -169,7 +182,7 @@ def typed(text: str) -> tuple[str, Any]:
     if name == "height":
         length_of(value)
         return name, value  # its unit decides how it is read, wherever settings come in
-    kind = next(field.type for field in msgspec.structs.fields(Recipe) if field.name == name)
+    kind = TYPES[name]
     for read_value in (partial(msgspec.json.decode, value, type=kind), partial(msgspec.convert, value, kind, strict=False)):
         with suppress(msgspec.MsgspecError):
             return name, read_value()
@@ -183,12 +196,12 @@ def _given(settings: dict[str, Any]) -> dict[str, Any]:
     given = {name: _built_in(value) for name, value in settings.items() if value is not None}
     check_settings(given)
     given = {name: READERS[name](value) if name in READERS else value for name, value in given.items()}
-    for field in msgspec.structs.fields(Recipe):
-        if field.name in given and field.type in PLAIN:
+    for name in given:
+        if TYPES[name] in PLAIN:
             try:
-                given[field.name] = msgspec.convert(given[field.name], field.type)
+                given[name] = msgspec.convert(given[name], TYPES[name])
             except msgspec.ValidationError as error:
-                raise BadInput(f"{field.name.replace('_', ' ')} is {given[field.name]!r}, but must be {PLAIN[field.type]}") from error
+                raise BadInput(f"{name.replace('_', ' ')} is {given[name]!r}, but must be {PLAIN[TYPES[name]]}") from error
     return given
 
 

@@ -28,14 +28,14 @@ from mechstyle.loop.store import Entry, Lane, Store, parse_address
 from mechstyle.pictures.panels import Picture, checkpoint_panels, chosen_panels, picture, with_protected
 from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict
 from mechstyle.records.material import Material
-from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh
+from mechstyle.records.mesh import QUICK_VERTICES, STANDARD_VERTICES, SurfaceMesh
 from mechstyle.runs import images
 from mechstyle.runs.export import AS_USUAL, Exported, exported
 from mechstyle.runs.folders import default_folder, folder_for
 from mechstyle.runs.known_fields import known_fields
 from mechstyle.runs.part_record import PartRecord
 from mechstyle.runs.printing import Printing
-from mechstyle.runs.recipes import changed, draft, expected
+from mechstyle.runs.recipes import changed, draft, expected, left_out
 from mechstyle.runs.session import Session
 from mechstyle.runs.stylizers import finished_relief, stylizer_for
 from mechstyle.runs.summary import Clock, Summary, summarise
@@ -251,7 +251,7 @@ class Run:
         bounds, protected = bounds_for(part, recipe)
         simulator = self.simulator(recipe, progress)
         untangle = partial(untangled, part.surface, go_on=lambda: progress(0.0))
-        notes = (*expected(recipe), *protected, *notes)
+        notes = (*expected(recipe), *left_out(recipe), *protected, *notes)
         return Engine(recipe, part.surface, bounds, stylizer, simulator, self.store, self.lane, untangle), notes
 
     def simulator(self, recipe: Recipe, progress: Progress = no_progress) -> DropSimulator:
@@ -298,7 +298,8 @@ def stylize(
     *,
     material: str | Material = "PLA",
     freestyle: bool = False,
-    vertices: int = STANDARD_VERTICES,
+    quick: bool = False,
+    vertices: int | None = None,
     out: str | Path | None = None,
     name: str = "part",
     device: str = "auto",
@@ -313,14 +314,15 @@ def stylize(
         prompt: The style, in words: "brick", "small blue stones". With a picture (`image`) it says where and in what colour, if anything.
         material: A library name, a .toml/.json file, or a Material.
         freestyle: Whether to stylize without feedback.
-        vertices: Vertices of the standardised surface.
+        quick: Whether to take fewer vertices and landings, as `runs.recipes.QUICK` says, for a first answer in about a minute.
+        vertices: Vertices of the standardised surface; by default STANDARD_VERTICES, or QUICK_VERTICES of a quick run.
         out: Run directory; by default one named by prompt and recipe under `mechstyle-runs`. The same recipe goes on where it stopped,
             another one goes into a folder beside it: see the run's `store.root`.
         name: What the part is called in pictures and files.
         device: `auto`, `cpu` or `cuda`.
         stage: Called with what is being prepared, in words.
         on_event: Called with every event.
-        settings: Fields of `Recipe`, such as control, schedule, iterations, criterion, protect=["inside", ms.Box(low, high, ramp=2)],
+        settings: Settings of a recipe, such as control, schedule, iterations, criterion, protect=["inside", ms.Box(low, high, ramp=2)],
             image (a PNG or JPEG file, or an array), stylizer (a registered name, or a function as docs/plug-in.md shows).
 
     Returns:
@@ -329,7 +331,9 @@ def stylize(
     Raises:
         BadInput: If the part, the prompt or a setting cannot be used, in one sentence.
     """
-    wanted = draft(prompt, material, freestyle=freestyle, **settings)
+    wanted = draft(prompt, material, freestyle=freestyle, quick=quick, **settings)
+    if vertices is None:
+        vertices = QUICK_VERTICES if quick else STANDARD_VERTICES
     return started(wanted, mesh, vertices=vertices, out=out, name=name, device=device, stage=stage, warn=logged).go(on_event)
 
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from mechstyle._files import cache_folder
 from mechstyle.errors import BadInput
-from mechstyle.geometry.going_on import GoOn, regardless
+from mechstyle.geometry.going_on import GoOn, meanwhile, regardless
 from mechstyle.geometry.inside_outside import is_container, is_inside
 from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.region_selection import protection
@@ -239,7 +239,11 @@ def prepare(
     notes = () if stands else ("it has no flat face to stand on, so none of it is kept plain or level",)
     stage("filling it with tetrahedra")
     whole = None if relief is None else relief(shape, go_on=go_on)
-    solid, half = (at_rest(surface, go_on), None) if whole is None or not whole.any() else carrying(surface, whole, go_on)
+    if whole is None or not whole.any():
+        solid, half = at_rest(surface, go_on), None
+    else:
+        with meanwhile(partial(at_rest, surface), go_on):  # the plain part is dropped as well, and takes its own from the cache
+            solid, half = carrying(surface, whole, go_on)
     part = Workpiece(surface, solid, shape.thickness, stands, notes, half)
     vars(part)["shape"] = shape  # what was worked out of it need not be again
     return part
@@ -316,5 +320,6 @@ def _places(recipe: Recipe) -> tuple[Region, ...]:
 
 def _contained(shape: Shape, recipe: Recipe) -> tuple[Region, ...]:
     """The inside of a container, unless it is to be styled, or the recipe or its prompt name one side or the other themselves."""
-    chosen = recipe.restraint.inside == "styled" or any(isinstance(region, Inside | Outside) for region in (*recipe.restraint.protect, *_places(recipe)))
+    named = any(isinstance(region, Inside | Outside) for region in (*recipe.restraint.protect, *_places(recipe)))
+    chosen = named or recipe.restraint.inside == "styled"
     return () if chosen or not shape.is_container else (Inside(ramp=INSIDE_RAMP, colour=True),)

@@ -168,7 +168,7 @@ def simulate(
             by itself.
         material: A library name, a .toml/.json file, or a Material.
         orientations: Landings that are not nearly flat, the flat one included; as many as the poses or the standard need.
-        poses: How the others land, one of `Recipe.poses`: every way by default.
+        poses: How the others land, one of `records.POSES`: every way by default.
         nearly_flat: Whether it lands tilted by 3° onto the corners and sides of what it stands on, too.
         height: Height of the fall the part is to survive, [mm] or text such as "1.5 m"; 1.5 m, or what the standard asks for.
         standard: Drop standard whose orientations and height are simulated, such as `mil-810h`; the verdict is no test to it.
@@ -191,7 +191,7 @@ def simulate(
     asked = {"orientations": orientations, "poses": poses, "height": None if height is None else length_of(height)}
     given = {name: value for name, value in asked.items() if value is not None}
     wanted = Recipe.of(
-        surface="", tetrahedra="", prompt="", material=chosen, criterion=criterion, loads=load_cases(loads), minimum_wall=minimum_wall,
+        prompt="", material=chosen, criterion=criterion, loads=load_cases(loads), minimum_wall=minimum_wall,
         window=window, nearly_flat=nearly_flat,
         build_direction=None if build_direction is None else direction_of(build_direction),
         **with_drops({"standard": standard, **given}),

@@ -18,23 +18,23 @@ from mechstyle.loop.objects import Memo
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import TetMesh
 
-PHYSICS_VERSION = 19
+PHYSICS_VERSION = 20
 """Counts changes that alter results, so that remembered simulations of older code are not reused."""
 
 
 def prescribed(recipe: Recipe) -> DropTest:
     """The drop test a recipe prescribes."""
+    test = recipe.test
     return DropTest(
-        height=recipe.test.height, friction=recipe.test.friction, window=recipe.test.window, damping=recipe.test.damping, element=recipe.test.element,
-        across=recipe.test.across_layers,
+        height=test.height, friction=test.friction, window=test.window, damping=test.damping, element=test.element,
+        across=test.across_layers,
     )  # fmt: skip
 
 
 def physics(recipe: Recipe) -> tuple[Any, ...]:
-    """The settings that decide the drop of a displaced part as placed and the stress it leaves on the surface."""
-    layers = () if recipe.test.build_direction is None else (recipe.test.build_direction,)
-    part = (recipe.test.specimen.surface, recipe.test.specimen.tetrahedra, recipe.test.material, *layers)
-    return (*part, recipe.test.height, recipe.test.friction, recipe.test.window, recipe.test.damping, recipe.test.element, recipe.test.transfer)
+    """What decides the drop of a displaced part as placed and the stress it leaves on the surface."""
+    test = recipe.test
+    return test.specimen, test.material, prescribed(recipe), test.transfer
 
 
 def memo_key(inputs: tuple[Any, ...], displacement: NDArray[np.float32]) -> str:
@@ -55,7 +55,8 @@ def period_of(tets: Callable[[], TetMesh], recipe: Recipe, memo: Memo, trusted: 
     """
     if recipe.test.window is not None:
         return None
-    key = memo_key(("period", PHYSICS_VERSION, recipe.test.specimen.surface, recipe.test.material, recipe.test.element), np.empty(0, np.float32))
+    surface, material, element = recipe.test.specimen.surface, recipe.test.material, recipe.test.element
+    key = memo_key(("period", PHYSICS_VERSION, surface, material, element), np.empty(0, np.float32))
     memos = [memo] if trusted is None else [trusted, memo]
     period = next((found for one in memos if (found := one.recall(key, float)) is not None), None)
     if period is not None:

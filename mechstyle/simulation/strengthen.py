@@ -153,7 +153,7 @@ def strengthen(
     if not budget > 0.0:
         raise BadInput(f"the budget to strengthen with is {budget:g} mm, but must be above 0: a wall often needs 1")
     wanted = Recipe.of(
-        surface="", tetrahedra="", prompt="", material=material_named(material), strengthen=budget, loads=load_cases(loads),
+        prompt="", material=material_named(material), strengthen=budget, loads=load_cases(loads),
         protect=regions(protect), criterion=criterion, height=length_of(height),
     )  # fmt: skip
     return strengthened(mesh, wanted, vertices=vertices, device=device, stage=stage)
@@ -200,7 +200,8 @@ def strengthened(
         holds = verdict.outcome != "FAILS" and (turn == 0 or verdict.sure)  # meshed again it may read a little more
         if turn == ROUNDS or holds:
             break
-        more = np.minimum(added + _wanted(part, after, plain.test.material, plain.delivery.strengthen) * free, plain.delivery.strengthen).astype(np.float32)
+        most = plain.delivery.strengthen
+        more = np.minimum(added + _wanted(part, after, plain.test.material, most) * free, most).astype(np.float32)
         if float((more - added).max()) < LEAST:
             break
         added = more

@@ -123,7 +123,7 @@ def ablation(
         device: `auto`, `cpu` or `cuda`.
         jobs: Processes side by side.
         tell: Called with each row that is there.
-        settings: Fields of `Recipe` for all arms; `loads` are those of the condition "load", instead of the load of a model's use.
+        settings: Settings of a recipe for all arms; `loads` are those of the condition "load", instead of the load of a model's use.
 
     Raises:
         BadInput: If there is no such arm or condition, or a model cannot be used.

@@ -97,7 +97,7 @@ def apply(name: str, out: str | Path, *, vertices: int = STANDARD_VERTICES, devi
         out: Folder for the two run directories; what was begun there goes on.
         vertices: Vertices of the standardised surface.
         device: `auto`, `cpu` or `cuda`.
-        settings: Fields of `Recipe` for both runs, such as iterations; `protect` in place of the application's own regions.
+        settings: Settings of a recipe for both runs, such as iterations; `protect` in place of the application's own regions.
 
     Raises:
         BadInput: If there is no such application or setting.

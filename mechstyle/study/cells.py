@@ -187,9 +187,9 @@ class Cell(msgspec.Struct, frozen=True, kw_only=True):
         """A row with its factors and these figures."""
         asked = self.recipe
         return Row(
-            part=self.part, prompt=asked.style.prompt, arm=self.arm, condition=self.condition, control=asked.restraint.control, schedule=asked.schedule.when,
-            amplitude=asked.style.amplitude, fall=asked.test.height, seed=asked.style.seed, iterations=asked.schedule.iterations, vertices=self.vertices,
-            program=__version__, recipe=asked.digest, **figures,
+            part=self.part, prompt=asked.style.prompt, arm=self.arm, condition=self.condition, control=asked.restraint.control,
+            schedule=asked.schedule.when, amplitude=asked.style.amplitude, fall=asked.test.height, seed=asked.style.seed,
+            iterations=asked.schedule.iterations, vertices=self.vertices, program=__version__, recipe=asked.digest, **figures,
         )  # fmt: skip
 
 

@@ -62,7 +62,8 @@ def with_loads(recipe: Recipe, model: SurfaceMesh, vertices: int, *, share: floa
 def load_factors(recipe: Recipe, model: SurfaceMesh, vertices: int) -> tuple[LoadFactor, ...]:
     """Load factors of a plain part, one for each load case of a recipe; arguments and errors as for `with_loads`."""
     part = prepare(model, vertices=vertices)
-    responses = StaticTest(part.tets, recipe.test.loads, recipe.test.element).run(part.tets, recipe.test.material, recipe.test.across_layers)
+    test = recipe.test
+    responses = StaticTest(part.tets, test.loads, test.element).run(part.tets, test.material, test.across_layers)
     weights, found = Walls(part.surface.vertices, part.thickness).weights(part.tets), []
     for name, response in responses.items():
         stress = exceeded(part.tets, at_nodes(part.tets, response.corners), weights, LOADED**3).stress

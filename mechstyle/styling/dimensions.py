@@ -94,7 +94,7 @@ class Layout:
 
 @dataclass(frozen=True)
 class Dimensions:
-    """What is asked of the size of a style, on whatever part; attributes as in `Recipe`."""
+    """What is asked of the size of a style, on whatever part; attributes as in a recipe."""
 
     relief: float | None = None
     amplitude: float | None = None

@@ -90,7 +90,8 @@ def placed_on(
         projection = lay(mesh, width, usual, raster.aspect, repeated=repeated)
     if projection.width > 10.0 * float(mesh.extents.max()):
         raise BadInput(f"a picture {projection.width:g} mm wide is more than ten times the part: ask for a smaller image size")
-    return PlacedPicture(raster, projection, repeated, recipe.style.image_as != "colour", recipe.style.side, recipe.style.image_as != "height")
+    style = recipe.style
+    return PlacedPicture(raster, projection, repeated, style.image_as != "colour", style.side, style.image_as != "height")
 
 
 def notes_on(placed: PlacedPicture, edge: float, nozzle: float) -> tuple[str, ...]:

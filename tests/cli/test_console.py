@@ -1,11 +1,14 @@
-"""Tables as they are printed on a narrow terminal."""
+"""Tables as they are printed on a narrow terminal, and the headings of the help."""
 
 import io
 
 import pytest
 from rich.console import Console
+from typer.main import get_command
+from typer.testing import CliRunner
 
 from mechstyle.cli import console
+from mechstyle.cli.app import PANELS, app
 from mechstyle.cli.console import COLOURS, report_verdict, table, verdict_text
 from mechstyle.cli.console import out as stdout
 from mechstyle.records import Doubt, sentences
@@ -91,3 +94,9 @@ def test_nothing_is_said_where_figures_are_asked_for(capsys):
         teller.stage("filling it with tetrahedra")
         teller.line()
     assert capsys.readouterr().err == ""
+
+
+def test_every_command_has_one_heading_in_the_help():
+    assert sorted(name for names in PANELS.values() for name in names) == sorted(get_command(app).commands)
+    shown = CliRunner().invoke(app, ["--help"]).stdout
+    assert [shown.index(panel) for panel in PANELS] == sorted(shown.index(panel) for panel in PANELS)

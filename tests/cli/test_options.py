@@ -13,11 +13,9 @@ from typer.main import get_command
 from typer.testing import CliRunner
 
 import mechstyle
-from mechstyle import Recipe
 from mechstyle.cli import run, simulate
 from mechstyle.cli.app import app
-from mechstyle.cli.options import OPTIONS
-from mechstyle.records.recipe import CHOICES, DEFAULTS, described
+from mechstyle.records.recipe import CHAPTER_OF, CHAPTERS, CHOICES, DEFAULTS, OPTIONS, SETTINGS, described
 from mechstyle.runs.recipes import draft
 from mechstyle.simulation import part_test
 
@@ -111,7 +109,7 @@ def test_no_prompt_is_needed_where_a_picture_may_stand_for_it_and_the_material_i
 
 
 def test_there_is_an_option_for_some_settings_of_every_command_that_runs_something():
-    assert set(OPTIONS) < set(Recipe.__struct_fields__)
+    assert set(OPTIONS) < set(SETTINGS)
     commands = {"ablation", "run", "freestyle", "branch", "simulate", "application", "protect"}
     commands |= {"study formative", "study evaluation", "study ablation"}
     assert {command for command, _ in GENERATED} == commands
@@ -124,8 +122,20 @@ def test_an_option_says_what_the_recipe_says_of_its_field_and_names_its_choices(
         assert all(choice in said for choice in CHOICES.get(option.name, ())), (command, option.name)
 
 
+def test_the_panels_of_the_help_are_the_chapters_of_the_recipe():
+    panels = {command: {} for command, _ in GENERATED}
+    for command, option in GENERATED:
+        panels[command].setdefault(option.rich_help_panel, []).append(option.name)
+    for found in panels.values():
+        assert found == {
+            panel: [name for name in OPTIONS if CHAPTER_OF[name].capitalize() == panel and name in names] for panel, names in found.items()
+        }
+    assert list(panels["run"]) == [chapter.capitalize() for chapter in CHAPTERS]
+    assert [name for names in panels["run"].values() for name in names] == list(OPTIONS)
+
+
 def test_every_field_of_the_recipe_is_described():
-    assert [name for name in Recipe.__struct_fields__ if not described(name)] == []
+    assert [name for name in SETTINGS if not described(name)] == []
     assert described("minimum_wall") == "The thinnest wall the style may leave [mm]; 0 for no rule."
     assert described("control") == "How stress restrains the style, one of linear, exponential, frozen, none."
 

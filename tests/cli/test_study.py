@@ -48,7 +48,8 @@ def test_what_is_asked_for_reaches_every_study(asked):
     line("ablation", "--models", "vase", "--styles", "fish scales", "--arms", "masks", "strengthened", "--conditions", "deep", "load")
     assert [cell.arm for cell in seen[0][0]] == ["freestyle", "stress × frozen"]
     assert seen[0][3] == "tcp://h:1"
-    told = [(cell.arm, cell.condition, cell.recipe.style.amplitude, cell.load_share, cell.recipe.delivery.strengthen) for cell in seen[1][0]]
+    cells = seen[1][0]
+    told = [(one.arm, one.condition, one.recipe.style.amplitude, one.load_share, one.recipe.delivery.strengthen) for one in cells]
     assert told == [
         ("masks", "deep", 0.25, 0.0, 0.0), ("masks", "load", None, 0.85, 0.0),
         ("strengthened", "deep", 0.25, 0.0, 2.0), ("strengthened", "load", None, 0.85, 2.0),

@@ -1,7 +1,6 @@
 """When a simulation is due: exact iterations, triggers on hand-made fields, and reasons a person can read."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,7 +8,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from mechstyle.errors import BadInput
 from mechstyle.loop.schedule import RULES, Progress, due
 from mechstyle.records import SCHEDULES, Recipe
 from mechstyle.records.material import LIBRARY
@@ -207,8 +205,3 @@ def test_a_trigger_at_the_late_check_gives_its_own_reason(schedule):
 
 def test_every_schedule_a_recipe_may_name_has_a_rule():
     assert set(RULES) == set(SCHEDULES)
-
-
-def test_an_unknown_schedule_is_refused_with_the_nearest():
-    with pytest.raises(BadInput, match="unknown schedule 'quadratik': did you mean 'quadratic'"):
-        due(SimpleNamespace(schedule="quadratik"), progress())

@@ -7,6 +7,8 @@ import math
 import os
 import subprocess
 import sys
+from functools import reduce
+from operator import getitem
 
 import msgspec
 import numpy as np
@@ -29,7 +31,7 @@ from mechstyle.records import (
 from mechstyle.records.checkpoint import restrained
 from mechstyle.records.load_cases import Load, LoadCase, Support, read_loads
 from mechstyle.records.material import LIBRARY
-from mechstyle.records.recipe import CHOICES, LIMITS
+from mechstyle.records.recipe import CHAPTER_OF, CHOICES, LIMITS, SETTINGS, settings_of
 from mechstyle.records.regions import Inside, regions
 from mechstyle.records.verdict import REPEATABILITY
 
@@ -71,7 +73,8 @@ def test_recipe_comes_back_from_json_as_it_was(one):
 def test_digest_does_not_depend_on_the_order_of_fields(one, random):
     """Neither of the recipe's fields nor of the material's."""
     table = json.loads(msgspec.json.encode(one))
-    table["material"] = dict(random.sample(list(table["material"].items()), len(table["material"])))
+    material = table["test"]["material"]
+    table["test"]["material"] = dict(random.sample(list(material.items()), len(material)))
     shuffled = dict(random.sample(list(table.items()), len(table)))
     assert msgspec.json.decode(json.dumps(shuffled), type=Recipe).digest == one.digest
 
@@ -81,7 +84,7 @@ def test_digest_is_the_same_in_another_process(hash_seed):
     """Runs on disk are found by it; Python's own hashes differ from process to process."""
     program = (
         "from mechstyle.records.material import LIBRARY; from mechstyle.records import Recipe;"
-        "print(Recipe(surface='5' * 64, tetrahedra='7' * 64, prompt='brick', material=LIBRARY['PLA']).digest)"
+        "print(Recipe.of(surface='5' * 64, tetrahedra='7' * 64, prompt='brick', material=LIBRARY['PLA']).digest)"
     )
     environment = os.environ | {"PYTHONHASHSEED": hash_seed}
     printed = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, env=environment).stdout
@@ -113,7 +116,7 @@ def test_places_are_stored_the_same_way_from_version_to_version(tmp_path):
     assert hashlib.sha256(places).hexdigest() == "6ac0b70f61abac6e916d423087cc373d11730150e7b7aa17ae12a7f3833d9754"
 
 
-@pytest.mark.parametrize("field", [field.name for field in msgspec.structs.fields(Recipe)])
+@pytest.mark.parametrize("field", ["surface", "tetrahedra", *SETTINGS])
 def test_every_field_decides_the_digest(field):
     other = {
         "surface": "6" * 64, "tetrahedra": "8" * 64, "prompt": "stone", "material": msgspec.structs.replace(PLA, yield_strength=40.0),
@@ -134,9 +137,11 @@ def test_every_field_decides_the_digest(field):
 def test_recipe_is_frozen_and_refuses_fields_it_does_not_know():
     with pytest.raises(AttributeError):
         recipe().style.seed = 1
-    table = json.loads(msgspec.json.encode(recipe())) | {"colour": "red"}
-    with pytest.raises(msgspec.ValidationError, match="colour"):
-        msgspec.json.decode(json.dumps(table), type=Recipe)
+    for place in ((), ("style",), ("test", "specimen")):
+        table = json.loads(msgspec.json.encode(recipe()))
+        reduce(getitem, place, table)["colour"] = "red"
+        with pytest.raises(msgspec.ValidationError, match="colour"):
+            msgspec.json.decode(json.dumps(table), type=Recipe)
 
 
 def test_numbers_are_welcome_within_their_limits_and_others_get_one_sentence_with_field_value_and_range():
@@ -155,17 +160,33 @@ def test_an_unknown_name_gets_the_nearest_known_one():
             recipe(**{field: meant + "x"})
 
 
-def test_settings_are_all_fields_but_the_part():
-    given = msgspec.json.decode(msgspec.json.encode(recipe()))
-    assert list(recipe().settings) == [name for name in given if name not in {"surface", "tetrahedra"}]
-    assert Recipe.of(surface="5" * 64, tetrahedra="7" * 64, **recipe(seed=7).settings) == recipe(seed=7)
+def test_a_recipe_has_five_chapters_and_every_setting_is_in_exactly_one():
+    assert Recipe.__struct_fields__ == ("style", "restraint", "schedule", "test", "delivery")
+    written = json.loads(msgspec.json.encode(recipe()))
+    specimen = written["test"].pop("specimen")
+    assert specimen == {"surface": "5" * 64, "tetrahedra": "7" * 64}
+    names = [name for chapter in Recipe.__struct_fields__ for name in written[chapter]]
+    assert len(names) == len(set(names))
+    assert tuple(names) == SETTINGS == tuple(recipe().settings)
+    assert all(name in written[chapter] for name, chapter in CHAPTER_OF.items())
+    assert [name for chapter in written for name in settings_of(chapter)] == names
+
+
+def test_the_flat_view_makes_the_same_recipe_and_knows_no_other_names():
+    one = recipe(seed=7, schedule="every", protect=(Inside(),))
+    assert Recipe.of(surface="5" * 64, tetrahedra="7" * 64, **one.settings) == one
+    assert one.with_settings(**recipe().settings) == recipe()
+    assert one.on(tetrahedra="8" * 64) == recipe(seed=7, schedule="every", protect=(Inside(),), tetrahedra="8" * 64)
+    for unknown in ("when", "surfce", "style"):
+        with pytest.raises(BadInput, match=f"unknown setting '{unknown}'"):
+            one.with_settings(**{unknown: 1})
 
 
 @given(recipes, recipes)
 def test_differences_lead_from_one_recipe_to_the_other(one, other):
     changed = {name: there for name, _, there in one.differences(other)}
     assert all(here != there for _, here, there in one.differences(other))
-    assert msgspec.structs.replace(one, **changed) == other
+    assert one.with_settings(**changed) == other
     assert one.differences(one) == ()
 
 
@@ -175,9 +196,9 @@ def test_another_part_is_no_difference():
 
 def test_materials_differ_as_a_whole_or_figure_by_figure():
     other = msgspec.structs.replace(PLA, yield_strength=40.0, source="measured")
-    assert recipe().differences(recipe(material=other, seed=3)) == (("material", PLA, other), ("seed", 0, 3))
+    assert recipe().differences(recipe(material=other, seed=3)) == (("seed", 0, 3), ("material", PLA, other))
     by_figure = recipe().differences(recipe(material=other, seed=3), by_figure=True)
-    assert by_figure == (("yield_strength", PLA.yield_strength, 40.0), ("seed", 0, 3))
+    assert by_figure == (("seed", 0, 3), ("yield_strength", PLA.yield_strength, 40.0))
 
 
 def test_another_source_of_a_material_is_a_difference_but_no_figure():

@@ -11,7 +11,6 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from mechstyle.errors import BadInput
 from mechstyle.loop.control import utilisation
 from mechstyle.records import Landing, LoadResult, Recipe, Simulation, judge
 from mechstyle.records.load_cases import Load, LoadCase, Support
@@ -127,12 +126,6 @@ def test_a_load_that_was_asked_for_and_not_tested_is_unknown():
 
 def test_a_styled_part_that_was_not_tilted_as_its_original_was_is_unknown():
     assert judge(a_part(20.0), a_part(20.0, nearly=(20.0,)), asked()).failure == "the part was not dropped nearly flat"
-
-
-def test_a_criterion_that_does_not_exist_is_refused():
-    recipe = asked()
-    with pytest.raises(BadInput, match="did you mean 'robust'"):
-        judge(a_part(20.0), None, recipe.with_settings(criterion="robst"))
 
 
 # --- more stress never betters anything ---------------------------------------------------------------------------

@@ -9,7 +9,7 @@ from mechstyle.records import CONTROLS, POSES, Recipe
 from mechstyle.records.load_cases import Load, LoadCase, Support
 from mechstyle.records.material import LIBRARY, Material
 from mechstyle.records.regions import HalfSpace, Inside
-from mechstyle.runs.recipes import brought, changed, check_settings, draft, expected, idle, plan, typed
+from mechstyle.runs.recipes import QUICK, brought, changed, check_settings, draft, expected, idle, left_out, plan, typed
 
 WITHOUT_OUR_ADDITIONS = {"base": "free", "guarantee": False}
 
@@ -46,6 +46,14 @@ def test_freestyle_is_stylization_without_feedback(part):
     one = plan(part, "brick", freestyle=True)
     assert one == defaults(part, control="none", schedule="never", **WITHOUT_OUR_ADDITIONS)
     assert not one.restraint.feedback
+
+
+def test_a_quick_run_says_what_it_sets_and_leaves_out(part):
+    quick, usual = plan(part, "brick", quick=True), plan(part, "brick")
+    assert {name: value for name, value, _ in quick.differences(usual)} == QUICK
+    assert left_out(usual) == ()
+    assert "only in the two that are hardest" in left_out(quick)[0]
+    assert plan(part, "brick", quick=True, hardest_only=False) == usual, "what is asked for goes before"
 
 
 def test_the_paper_criterion_brings_the_published_method(part):

@@ -35,7 +35,9 @@ def test_a_model_of_the_gallery_is_named_in_the_record_and_made_again_by_the_com
     assert asked == [900]
 
 
-@pytest.mark.parametrize("given", [lambda: ms.stylize("cup.stl", "brick"), lambda: ms.simulate("cup.stl"), lambda: ms.prepare("cup.stl")])
+@pytest.mark.parametrize(
+    "given", [lambda: ms.stylize("cup.stl", "brick"), lambda: ms.simulate("cup.stl"), lambda: ms.lab.prepare("cup.stl")]
+)
 def test_a_name_in_place_of_a_surface_says_what_opens_it(given, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with pytest.raises(BadInput, match=r"not 'cup\.stl': open it with ms\.load first"):

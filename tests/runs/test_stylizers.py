@@ -3,11 +3,11 @@
 import manifold3d
 import numpy as np
 import pytest
-from mechstyle.records.chapters import SIDES
 
 from mechstyle.errors import BadInput, MissingPiece
 from mechstyle.geometry.remeshing.evening import even, surface_of
 from mechstyle.loop.engine import kept
+from mechstyle.records.chapters import SIDES
 from mechstyle.records.mesh import TetMesh
 from mechstyle.runs.recipes import changed, plan
 from mechstyle.runs.stylizers import drawing_of, finished_relief, stylizer_for

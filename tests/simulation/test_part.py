@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
-from mechstyle.records.chapters import BASES
 
 from mechstyle.errors import BadInput, SimulationFailed
 from mechstyle.loop.bounds import unrestrained
 from mechstyle.records import Recipe
+from mechstyle.records.chapters import BASES
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.simulation import part as module
@@ -117,6 +117,24 @@ def test_walls_are_told_before_the_part_is_filled_which_takes_minutes_if_they_ar
     monkeypatch.setattr(module, "at_rest", filled)
     with pytest.raises(SimulationFailed, match=r"filled after \['the part itself has a wall of .*, thinner than the 15 mm minimum"):
         prepare(block(), vertices=1200, measured=lambda shape: told.extend(shape.too_thin(15.0)))
+
+
+def test_the_plain_part_is_filled_meanwhile(tmp_path, monkeypatch):
+    """It is dropped as well, and its tetrahedra are known when it is."""
+    filled = []
+
+    def carried(surface, relief, _go_on):
+        filled.append(("styled", surface.digest))
+        return None, relief
+
+    def raised(shape, **_go_on):
+        return np.ones(len(shape.surface.vertices), np.float32)
+
+    monkeypatch.setenv("MECHSTYLE_CACHE", str(tmp_path))
+    monkeypatch.setattr(module, "at_rest", lambda surface, _go_on: filled.append(("plain", surface.digest)))
+    monkeypatch.setattr(module, "carrying", carried)
+    part = prepare(block(), vertices=1200, relief=raised)
+    assert sorted(filled) == [("plain", part.surface.digest), ("styled", part.surface.digest)]
 
 
 def test_an_open_surface_is_refused():

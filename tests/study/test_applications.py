@@ -46,7 +46,7 @@ def test_both_runs_get_the_same_part_prompt_and_regions(monkeypatch, tmp_path):
     model, part = "gallery:pill_box", "pill_box"
     assert (free.model, free.part, free.vertices) == (fed.model, fed.part, fed.vertices) == (model, part, STANDARD_VERTICES)
     assert {name for name, *_ in free.recipe.differences(fed.recipe)} <= set(FREESTYLE)
-    assert (free.recipe.steered, fed.recipe.steered) == (False, True)
+    assert (free.recipe.restraint.guarantee, fed.recipe.restraint.guarantee) == (False, True)
     assert (free.recipe.restraint.protect[0].words, free.recipe.schedule.iterations) == ("inside colour", 9)
     apply("pill_box", tmp_path, protect=[])
     assert asked[-1][0].recipe.restraint.protect == ()

@@ -101,7 +101,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             part: `gallery:NAME`, a file, a surface, a run, or a run directory, which may be written DIR@LANE.
             theme: `light` or `dark`, or `auto`, which follows the notebook's.
             language: What its controls are called in: `en` or `de`; of all Studios of this kernel that are made from now on.
-            settings: Any of `prompt`, `material`, `freestyle`, `vertices`, `device`, `folder`, `scale`, and fields of `Recipe`.
+            settings: Any of `prompt`, `material`, `freestyle`, `vertices`, `device`, `folder`, `scale`, and settings of a recipe.
 
         Raises:
             BadInput: If the part or a setting cannot be used, in one sentence.
@@ -465,8 +465,9 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         if run is not None and taken is not None and len(run.part.surface.vertices) == vertices:
             fall = taken / math.ceil(landings_on_the_way(self.state.settings) / (os.cpu_count() or 1))
         found = estimated(
-            vertices, len(plan.places), height=recipe.test.height, iterations=recipe.schedule.iterations, orientations=recipe.test.orientations,
-            nearly_flat=recipe.test.nearly_flat, element=recipe.test.element, window=recipe.test.window, fall=fall,
+            vertices, len(plan.places), height=recipe.test.height, iterations=recipe.schedule.iterations,
+            orientations=recipe.test.orientations, nearly_flat=recipe.test.nearly_flat, element=recipe.test.element,
+            window=recipe.test.window, fall=fall,
         )  # fmt: skip
         self.state.outlook, self.state.expected = found.words, found.seconds
 

@@ -26,7 +26,7 @@ from mechstyle.geometry.remeshing.tolerances import TOL
 from mechstyle.records.mesh import Floats, Indices, SurfaceMesh, TetMesh, digest_of
 from mechstyle.records.simulation import VOLUME_ERROR
 
-VERSION = "15"  # of what is cached: raise it when the result for the same input may change
+VERSION = "16"  # of what is cached: raise it when the result for the same input may change
 FEWEST, MOST = 500, 400_000
 KEPT = 24_000  # faces, at most, of an input that keeps its triangles: with 18 000 a wall hook's bricks are carried to 0.87, so to 0.91
 
@@ -148,15 +148,16 @@ def _first_edge(surface: SurfaceMesh, aim: float) -> float:
 
 
 def _filled_as(surface: SurfaceMesh, aim: float, deviation: float, detail: float, go_on: GoOn) -> SurfaceMesh:
-    """The surface in even triangles, or in its own where even ones are fewer than its creases ask for.
+    """The surface in even triangles, or in its own where even ones are fewer than its creases ask for, or would have to be finer.
 
     Half a millimetre of relief is within the tolerance of a thick part. Of a delivered knob in brick, of 2500 vertices, even triangles
-    carried 0.60 of the relief and its own 0.81.
+    carried 0.60 of the relief and its own 0.81. Thin walls, on the other hand, asked for even triangles finer than those they come in.
     """
     edge = _first_edge(surface, aim)
     even = _evened(surface, edge, deviation, go_on)
-    too_coarse = crowded(manifold_of(surface), edge, len(even.vertices), go_on)
-    return _kept(surface, surface, deviation, detail, go_on) if too_coarse else even
+    if even is None or crowded(manifold_of(surface), edge, len(even.vertices), go_on):
+        return _kept(surface, surface, deviation, detail, go_on)
+    return even
 
 
 def _kept(surface: SurfaceMesh, exaggerated: SurfaceMesh, deviation: float, detail: float, go_on: GoOn) -> SurfaceMesh:
@@ -188,12 +189,13 @@ def _decimated(surface: SurfaceMesh, exaggerated: SurfaceMesh, detail: float, go
     return min(losses, key=lambda found: found[0])[1] if losses else surface
 
 
-def _evened(surface: SurfaceMesh, edge: float, deviation: float, go_on: GoOn) -> SurfaceMesh:
-    """The surface in even triangles, as large as `edge` or as `deviation` [mm] from it allows.
+def _evened(surface: SurfaceMesh, edge: float, deviation: float, go_on: GoOn) -> SurfaceMesh | None:
+    """The surface in even triangles, as large as `edge` or as `deviation` [mm] from it allows; None if its own are as large and serve.
 
     fTetWild spends its time on slivers: an even input of 9000 faces is meshed four times faster than one from quadric
     decimation, and an even input of 9000 faces twice as fast as one of 48 000.
     """
+    asked, own = edge, surface.edge_length
     body, tree = manifold_of(surface), TriangleTree(surface.vertices, surface.faces)
     finest = even_edge(surface, TOL.finest_input)
     while True:
@@ -203,6 +205,8 @@ def _evened(surface: SurfaceMesh, edge: float, deviation: float, go_on: GoOn) ->
         if edge <= finest or max(np.quantile(there, 0.999), np.quantile(back, 0.999)) <= deviation:
             return even if even.is_closed else surface
         edge *= 0.8
+        if edge < own <= asked:
+            return None
 
 
 def _tidied(vertices: Floats, tets: Indices) -> TetMesh:

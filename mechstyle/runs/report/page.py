@@ -25,6 +25,7 @@ from mechstyle.runs.report.markup import Markup, cells, fill, joined, script_jso
 from mechstyle.runs.report.outcomes import badge, kind, legend
 from mechstyle.runs.report.replay_data import ReplayData, replay_data
 from mechstyle.runs.report.reproduce import command_for
+from mechstyle.runs.report.result import result_element
 from mechstyle.runs.report.run_protocol import LaneOfRun, begun
 from mechstyle.runs.report.static_view import still
 from mechstyle.runs.report.timeline import timeline
@@ -80,6 +81,7 @@ def report_page(run: LaneOfRun) -> str:
         versions=_versions(run),
         impact=_impact(struck),
         impact_payloads=_impact_payloads(struck),
+        result=result_element(run, standing(history)[1]),
         replay_header=script_json(played.header),
         replay_payload=_payload(played),
         script=script,

@@ -16,20 +16,13 @@ from mechstyle.records import SETTINGS, Recipe
 from mechstyle.records.lengths import written
 from mechstyle.records.material import LIBRARY, Material
 from mechstyle.records.mesh import STANDARD_VERTICES
+from mechstyle.records.recipe import OF_FEEDBACK, OPTIONS, settings_of
 from mechstyle.records.regions import Region
 from mechstyle.runs.images import file_name
 from mechstyle.runs.recipes import changed, draft
 from mechstyle.runs.report.run_protocol import LaneOfRun
 
-OF_FREESTYLE = frozenset(
-    (
-        "amplitude", "clip", "criterion", "feature", "field", "guidance", "height", "image", "image_as", "image_layout", "image_size",
-        "inside", "iterations", "minimum_wall", "nearly_flat", "nozzle", "orientations", "poses", "projection", "relief", "seed", "side",
-        "standard", "stylizer",
-    )
-)
-OPTIONS = OF_FREESTYLE | {"base", "control", "every", "normalisation", "schedule", "threshold"}
-"""Settings with an option of their own; the others are given with --set."""
+OF_FREESTYLE = frozenset(OPTIONS) - frozenset(OF_FEEDBACK)
 
 FIRST = ("criterion", "control", "standard", "poses")
 """Settings that bring others with them, so they are compared first."""
@@ -38,7 +31,7 @@ ANY_PROMPT = "brick"
 RECORDS = re.compile(r"\b(LoadCase|Load|Support)\(")
 """Records that a setting may hold, as they are written."""
 
-AS_THEY_ARE = ("prompt", "image", "stylizer", "guidance", "field", "clip", "crops")
+AS_THEY_ARE = settings_of("style")
 """Settings that bring nothing with them, and whose check may need what is not on this machine."""
 
 
@@ -122,7 +115,7 @@ def options(settings: dict[str, Any], known: Collection[str] = OPTIONS) -> list[
             arguments += ["--image", file_name(value)]
         elif name in known and isinstance(value, bool):
             arguments.append(f"--{flag}" if value else f"--no-{flag}")
-        elif name in known:
+        elif name in known and isinstance(value, str | int | float):
             arguments += [f"--{flag}", str(value)]
         else:
             arguments += ["--set", f"{name}={msgspec.json.encode(value).decode()}"]

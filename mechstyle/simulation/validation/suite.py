@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import platform
+import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
@@ -75,11 +76,18 @@ def run(cases: Iterable[Case]) -> Iterator[tuple[Case, list[Result]]]:
 
 def write_page(path: Path, found: Iterable[tuple[Case, list[Result]]]) -> Path:
     """The figures as a Markdown page that says what they were measured on."""
+    found = list(found)
     lines = [
-        "# What the simulation is held against",
+        "# Validation",
         "",
-        f"Written by `mechstyle validate --page`, not by hand, on {machine()}.",
-        "Errors are relative; a dash stands for a figure that is an error itself or was not run.",
+        "The simulation compared with theory, with CalculiX, with finer meshes and with other arithmetic.",
+        f"Written by `mechstyle validate --page` on {machine()}.",
+        "",
+        "| case | figures | passed | largest error over its limit |",
+        "|---|---|---|---|",
+        *(_summary(case, results) for case, results in found),
+        "",
+        "Below, errors are relative. A dash stands for a figure that is an error itself or was not run.",
     ]
     for case, results in found:
         fault = [case.fault, ""] if case.fault else []
@@ -87,6 +95,15 @@ def write_page(path: Path, found: Iterable[tuple[Case, list[Result]]]) -> Path:
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
     return path
+
+
+def _summary(case: Case, results: list[Result]) -> str:
+    """A row on a case: its figures, how many passed, and how near the worst came to its limit."""
+    ran = [result for result in results if result.passed is not None]
+    passed, place = sum(bool(result.passed) for result in ran), re.sub(r"[^\w\- ]", "", case.title.lower()).replace(" ", "-")
+    worst = f"{max(result.error / result.limit if result.limit else result.error for result in ran):.2f}" if ran else "–"
+    verdict = str(passed) if passed == len(ran) else f"{passed}, a known limit" if case.fault else f"**{passed}**"
+    return f"| [{case.title}](#{place}) | {len(ran) or '–'} | {verdict if ran else 'not run'} | {worst} |"
 
 
 def machine() -> str:

@@ -71,11 +71,11 @@ def read(page):
 def test_it_says_what_a_reader_must_know(read, lane):
     verdict, recipe = lane.verdict, lane.recipe
     for words_ in (
-        verdict.head, *sentences.EXPLANATION, *sentences.MEANINGS.values(), recipe.digest, recipe.test.material.source, "a note on the part",
-        *texts.LIMITS, "mechstyle run gallery:pen_holder --prompt brick",
+        verdict.head, *sentences.EXPLANATION, *sentences.MEANINGS.values(), recipe.digest, recipe.test.material.source,
+        "a note on the part", *texts.LIMITS, "mechstyle run gallery:pen_holder --prompt brick",
     ):  # fmt: skip
         assert words_ in read.text
-    for name in type(recipe).__struct_fields__:
+    for name in ("surface", "tetrahedra", *recipe.settings):
         assert name == "material" or name.replace("_", " ") in read.text
 
 

@@ -91,8 +91,31 @@ def test_an_unknown_case_is_refused_with_the_nearest():
 def test_the_page_in_docs_has_every_case():
     page = ROOT.joinpath("docs/validation.md").read_text()
     assert re.findall(r"`mechstyle validate --case (\w+)`", page) == list(suite.CASES)
+    assert re.findall(r"^\| \[(.+?)\]\(#", page, re.MULTILINE) == [case.title for case in suite.CASES.values()]
     sections = dict(re.findall(r"`mechstyle validate --case (\w+)`\n(.*?)(?=\n## |\Z)", page, flags=re.DOTALL))
     for name, section in sections.items():
         fault = suite.CASES[name].fault
         assert fault in section
         assert fault or "**failed**" not in section, f"{name} fails, and nothing says why"
+
+
+def test_the_page_begins_with_how_many_figures_of_each_case_pass(tmp_path):
+    good, bad = compared("a: one", 1.02, 1.0, 0.04), bounded("a: two", 0.3, 0.1)
+    missing = bounded("a: three", math.nan, 0.1)
+    unasked = type(good)(case="a", measured=math.nan, reference=0.0, error=math.nan, limit=0.1, passed=None)
+    found = [
+        (Case("a", "A bar: ρ c v", list), [good]),
+        (Case("b", "Another", list), [good, bad]),
+        (Case("c", "A third", list, fault="Known."), [good, bad]),
+        (Case("d", "A fourth", list), [unasked]),
+        (Case("e", "A fifth", list), [missing]),
+    ]
+    page = suite.write_page(tmp_path / "page.md", iter(found)).read_text()
+    assert [line for line in page.splitlines() if line.startswith("| [")] == [
+        "| [A bar: ρ c v](#a-bar-ρ-c-v) | 1 | 1 | 0.50 |",
+        "| [Another](#another) | 2 | **1** | 3.00 |",
+        "| [A third](#a-third) | 2 | 1, a known limit | 3.00 |",
+        "| [A fourth](#a-fourth) | – | not run | – |",
+        "| [A fifth](#a-fifth) | 1 | **0** | nan |",
+    ]
+    assert "## Another" in page

@@ -5,11 +5,11 @@ from datetime import UTC, datetime
 import msgspec
 import numpy as np
 import pytest
-from mechstyle.records.chapters import BASES
 
 from mechstyle import gallery
 from mechstyle.errors import BadInput
 from mechstyle.geometry.files import save
+from mechstyle.records.chapters import BASES
 from mechstyle.records.load_cases import read_loads
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.regions import Inside, Sphere

@@ -45,7 +45,7 @@ class ControlSelector(Section):
         peak_stress: Largest stress of the unstylized part [MPa].
     """
 
-    FIELDS = ("control", "normalisation", "threshold")
+    SEEN = ("material",)
     OWN = ("freestyle",)
 
     freestyle = traitlets.Bool(False)

@@ -65,9 +65,6 @@ class DropOptions(Section):
         folder: Run directory, "" for one named by prompt and recipe.
     """
 
-    FIELDS = (
-        "standard", "height", "orientations", "poses", "nearly_flat", "loads", "criterion", "guarantee", "minimum_wall", "strengthen",
-    )  # fmt: skip
     OWN = ("vertices", "device", "folder")
 
     height: Any = Height(DEFAULTS["height"], min=LIMITS["height"][0], max=LIMITS["height"][1])

@@ -33,7 +33,6 @@ class MaterialPicker(Section):
         price: What its filament costs per kg, in any currency.
     """
 
-    FIELDS = ("material",)
     OWN = ("price",)
 
     material = traitlets.Instance(Material)

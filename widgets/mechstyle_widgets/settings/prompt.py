@@ -63,10 +63,8 @@ class PromptBox(Section):
         guidance: What the style descends to: `offline`, a drawn target, or `clip`, what CLIP takes for the prompt.
         field: What is descended in: `vertex`, values per vertex, or `network`, the X-Mesh style field.
         image: Digest of the pixels of a picture as the style, "" for none; a file, its bytes or an array may be set. With `image_size`
-            [mm], `image_as`, `image_layout` and `projection` as in `Recipe`.
+            [mm], `image_as`, `image_layout` and `projection` as in a recipe.
     """
-
-    FIELDS = ("prompt", *ImageChoice.FIELDS, "relief", "side", "feature", "nozzle", "inside", "amplitude", "seed", "guidance", "field")
 
     prompt = traitlets.Unicode("")
     reading = traitlets.Instance(Reading, None, allow_none=True)

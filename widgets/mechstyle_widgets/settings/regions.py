@@ -34,8 +34,6 @@ class RegionsPicker(Section):
         place: A point on the part that was clicked [mm], None for none; it can be protected with the smooth piece around it.
     """
 
-    FIELDS = ("base", "protect")
-
     base = setting("base")
     protect = traitlets.Tuple()
     paint = traitlets.Bool(False)

@@ -37,7 +37,7 @@ class ScheduleSelector(Section):
         amplitude: Half the depth of the relief over wall thickness, as far as that decides; likewise.
     """
 
-    FIELDS = ("schedule", "every", "travel", "iterations")
+    SEEN = ("relief", "amplitude")
 
     schedule = traitlets.Enum(SCHEDULES, MASKED)  # the Studio is where people watch the mask grow
     every = setting("every")
@@ -61,7 +61,7 @@ class ScheduleSelector(Section):
         pairs = (("schedule", self._choice), ("every", self._every), ("travel", self._travel), ("iterations", self._iterations))
         for name, widget in pairs:
             traitlets.link((self, name), (widget, "value"))
-        self.observe(self._redraw, (*self.FIELDS, "relief", "amplitude"))
+        self.observe(self._redraw, (*self.FIELDS, *self.SEEN))
         self._redraw()
 
     def take(self, recipe: Recipe) -> None:

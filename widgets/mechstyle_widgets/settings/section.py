@@ -10,7 +10,7 @@ import ipywidgets
 import traitlets
 
 from mechstyle.records import Recipe
-from mechstyle.records.recipe import CHOICES, DEFAULTS, LIMITS
+from mechstyle.records.recipe import CHOICES, DEFAULTS, LIMITS, SETTINGS
 from mechstyle_widgets.jupyter.frame import Framed
 from mechstyle_widgets.jupyter.language import said
 from mechstyle_widgets.jupyter.looks import lean, show
@@ -50,11 +50,18 @@ class Words(ipywidgets.HTML):  # type: ignore[misc]  # ipywidgets has no types
 class Section(Framed, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     """Controls under each other with a note and a place for what is wrong.
 
-    A subclass names in FIELDS those of its traits that are fields of `Recipe`, in OWN other settings of a run.
+    FIELDS are those of its traits that are settings of a recipe, but for those it only looks at, which a subclass names in SEEN; in OWN it
+    names other settings of a run.
     """
 
     FIELDS: ClassVar[tuple[str, ...]] = ()
+    SEEN: ClassVar[tuple[str, ...]] = ()
     OWN: ClassVar[tuple[str, ...]] = ()
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        """Find the settings among the traits."""
+        super().__init_subclass__(**options)
+        cls.FIELDS = tuple(name for name in SETTINGS if isinstance(getattr(cls, name, None), traitlets.TraitType) and name not in cls.SEEN)
 
     def __init__(self, children: Sequence[Any]) -> None:
         """Show the controls in their order."""

@@ -191,7 +191,8 @@ class Controller:
         part, origin = (wanted.mesh, None) if earlier is None else (earlier.part, None if self.gone else earlier.record.origin)
         assert part is not None, "a part that is not prepared comes with its mesh"
         came = part.surface if isinstance(part, Workpiece) and wanted.mesh is None else wanted.mesh  # with which it is wanted from now on
-        if earlier is not None and earlier.part.mass_gained and not self.gone and wanted.recipe.delivery.strengthen != earlier.recipe.delivery.strengthen:
+        thickened = earlier is not None and earlier.part.mass_gained and not self.gone
+        if thickened and earlier is not None and wanted.recipe.delivery.strengthen != earlier.recipe.delivery.strengthen:
             raise BadInput("the part of this run was thickened already: to thicken it otherwise choose the plain part again")
 
         def events(progress: Progress) -> Generator[Event, None, None]:

@@ -60,7 +60,7 @@ def landings_on_the_way(settings: Mapping[str, Any]) -> int:
 
 @lru_cache(maxsize=8)
 def plan(schedule: str, every: int, travel: float, iterations: int, relief: float | None, amplitude: float | None) -> Plan:
-    """Iterations a schedule simulates if nothing is restrained; arguments as in `Recipe`.
+    """Iterations a schedule simulates if nothing is restrained; arguments as in a recipe.
 
     The rules are the engine's own, asked about one vertex whose relief approaches its full height exponentially.
     """

@@ -1,0 +1,171 @@
+"""Makes the pictures of README and pages again from runs with stored recipes, and notes of which physics they are.
+
+    python benchmarks/pictures.py                 # all that show figures of a simulation, then the list in docs/pictures.json
+    python benchmarks/pictures.py demo tutorial   # some of them
+    python benchmarks/pictures.py --note          # the list alone, for a picture of drawn styles that was made by hand
+
+Runs go to build/pictures, each in a folder of its physics: what is there goes on or is only drawn again. The test beside this list finds a
+picture that was changed by hand, that no page shows, or that is older than the physics it shows.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import io
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import msgspec
+from PIL import Image
+
+import mechstyle as ms
+from mechstyle import gallery
+from mechstyle._files import write_whole
+from mechstyle.cli.demo import DEMO_MODEL, DEMO_VERTICES
+from mechstyle.gallery.model_sheet import model_sheet
+from mechstyle.pictures.panels import Picture
+from mechstyle.records.load_cases import LoadCase
+from mechstyle.runs.run import Run
+from mechstyle.simulation.physics import PHYSICS_VERSION
+from mechstyle.study.applications import Pair
+
+ROOT = Path(__file__).parent.parent
+DOCS, LIST = ROOT / "docs", ROOT / "docs" / "pictures.json"
+WORK = ROOT / "build" / "pictures" / f"physics-{PHYSICS_VERSION}"
+COLOURS = 256
+
+
+class Made(msgspec.Struct, frozen=True):
+    """A picture as it is in the repository.
+
+    Attributes:
+        digest: SHA-256 of the file.
+        size: Width and height [pixels].
+        physics: Version of the physics that it shows; None for one that shows no simulation.
+        recipes: Digests of the recipes of its runs.
+        by: What makes it, after `python benchmarks/`; "" for one made by hand.
+    """
+
+    digest: str
+    size: tuple[int, int]
+    physics: int | None
+    recipes: tuple[str, ...]
+    by: str
+
+
+def demo() -> list[Run]:
+    """The part of the demo: plain, freely, with feedback."""
+    folder = WORK / "demo"
+    subprocess.run([sys.executable, "-m", "mechstyle", "demo", "--out", str(folder)], check=True)
+    runs = [Run.open(folder / name, "cpu") for name in ("freestyle", "mechstyle")]
+    keep("demo", Pair(*runs).show())
+    return runs
+
+
+def tutorial() -> list[Run]:
+    """The run of the tutorial: style, stress, mask."""
+    part = ms.load(DEMO_MODEL)
+    run = ms.stylize(part, "brick", vertices=DEMO_VERTICES, out=WORK / "tutorial", name=part.name.replace("_", " "), device="cpu")
+    keep("tutorial", run.show())
+    return [run]
+
+
+def strengthen() -> list[Run]:
+    """Too thin an S-hook under 9 kg and too thin a book-end pushed with 60 N, before and after they are thickened."""
+    pages = []
+    for part, thin, times in (("s_hook", {"thickness": 6.5}, 9.0 / 5.0), ("book_end", {"thickness": 2.6}, 3.0)):
+        use = gallery.entry(part).use
+        assert use is not None
+        heavier = msgspec.to_builtins(use)
+        for load in heavier["loads"]:
+            load["force"] = [times * one for one in load["force"]]
+        made = ms.strengthen(gallery.make(part, **thin), 1.5, loads=msgspec.convert(heavier, LoadCase), vertices=4000, device="cpu")
+        pages.append(Image.open(io.BytesIO(made.show().png)).convert("RGB"))
+    whole = Image.new("RGB", (max(page.width for page in pages), sum(page.height for page in pages)), "white")
+    top = 0
+    for page in pages:
+        whole.paste(page, (0, top))
+        top += page.height
+    keep("strengthen", whole)
+    return []
+
+
+def studio() -> list[Run]:
+    """The Studio before and after a run, beside a branch and painted, and a report."""
+    subprocess.run([sys.executable, str(ROOT / "benchmarks" / "screenshots.py")], check=True)
+    return []
+
+
+def models() -> list[Run]:
+    """The models of the gallery."""
+    model_sheet().save(DOCS / "gallery.png")
+    return []
+
+
+GROUPS: dict[str, tuple[Callable[[], list[Run]], tuple[str, ...], bool]] = {
+    "demo": (demo, ("demo",), True),
+    "tutorial": (tutorial, ("tutorial",), True),
+    "strengthen": (strengthen, ("strengthen",), True),
+    "studio": (studio, ("studio-1", "studio-2", "studio-3", "studio-paint", "report"), True),
+    "gallery": (models, ("gallery",), False),
+}
+"""What makes pictures, by its name: the function, the pictures in docs/, and whether they show a simulation."""
+
+
+def keep(name: str, shown: Picture | Image.Image) -> None:
+    """Save a picture in docs/ in few colours."""
+    whole = Image.open(io.BytesIO(shown.png)).convert("RGB") if isinstance(shown, Picture) else shown
+    small, written = whole.quantize(COLOURS, Image.Quantize.MAXCOVERAGE, kmeans=1, dither=Image.Dither.NONE), io.BytesIO()
+    small.save(written, "PNG", optimize=True)
+    write_whole(DOCS / f"{name}.png", written.getvalue())
+
+
+def shown_in_pages() -> set[str]:
+    """Pictures of docs/ that README, a page or what makes pages shows."""
+    pages = [ROOT / "README.md", *DOCS.glob("*.md"), *DOCS.glob("site/*.py")]
+    found = {name for page in pages for name in re.findall(r"!\[[^\]]*\]\((?:docs/)?([\w-]+)\.png\)", page.read_text(encoding="utf-8"))}
+    return {name for name in found if (DOCS / f"{name}.png").is_file()}
+
+
+def note(made: dict[str, tuple[str, list[Run]]]) -> None:
+    """Write the list: pictures that were made now with today's physics, others as they were noted."""
+    known = msgspec.json.decode(LIST.read_bytes(), type=dict[str, Made]) if LIST.is_file() else {}
+    listed: dict[str, Made] = {}
+    for name in sorted(shown_in_pages()):
+        data = (DOCS / f"{name}.png").read_bytes()
+        group = next((group for group, (_, names, _) in GROUPS.items() if name in names), "")
+        before = known.get(name)
+        physics, recipes = (None, ()) if before is None else (before.physics, before.recipes)
+        if name in made:
+            physics = PHYSICS_VERSION if GROUPS[group][2] else None
+            recipes = tuple(run.recipe.digest for run in made[name][1])
+        size = Image.open(io.BytesIO(data)).size
+        listed[name] = Made(hashlib.sha256(data).hexdigest(), size, physics, recipes, f"pictures.py {group}" if group else "")
+    write_whole(LIST, msgspec.json.format(msgspec.json.encode(listed), indent=1) + b"\n")
+
+
+def main() -> None:
+    """Make pictures, and note them."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("groups", nargs="*", choices=[*GROUPS, []], metavar="GROUP", help=f"of {', '.join(GROUPS)}; all by default")
+    parser.add_argument("--note", action="store_true", help="write the list alone")
+    given = parser.parse_args()
+    made: dict[str, tuple[str, list[Any]]] = {}
+    for group in [] if given.note else given.groups or [name for name, (_, _, simulated) in GROUPS.items() if simulated]:
+        draw, names, _ = GROUPS[group]
+        print(f"{group}: {', '.join(names)}", flush=True)
+        runs = draw()
+        made |= dict.fromkeys(names, (group, runs))
+        note(made)
+    note(made)
+
+
+if __name__ == "__main__":
+    os.chdir(ROOT)
+    main()

@@ -1,0 +1,99 @@
+"""The result of a run as a report carries it for programs: a small JSON that other people's files are read by, and no more."""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+
+import msgspec
+
+from mechstyle.errors import BadInput
+from mechstyle.records import Verdict
+from mechstyle.runs.report.markup import Markup, script_json
+from mechstyle.runs.report.run_protocol import LaneOfRun
+
+MOST_BYTES = 64_000_000
+"""Larger than any report."""
+ELEMENT = re.compile(rb'<script type="application/json" id="result">([^<]{2,20000})</script>')
+OUTCOMES = ("HOLDS", "NO WORSE", "FAILS", "UNKNOWN")
+
+
+class Result(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A finished run in a line.
+
+    Attributes:
+        part: Name of the part.
+        prompt: The style.
+        material: Name of the material.
+        outcome: HOLDS, NO WORSE, FAILS or UNKNOWN.
+        sure: Whether no doubt is left.
+        fall: Height of the fall asked for [mm].
+        survives: Critical drop height of the test that decides [mm]; None for a load, or where nothing was tested.
+        kept: Share of the style's relief that is left.
+        simulations: Simulations of the styled part.
+        vertices: Vertices of the surface.
+        tests: Names of the tests that decided, in their order.
+        recipe: Digest of the recipe.
+    """
+
+    part: str
+    prompt: str
+    material: str
+    outcome: str
+    sure: bool
+    fall: float
+    survives: float | None
+    kept: float
+    simulations: int
+    vertices: int
+    tests: tuple[str, ...]
+    recipe: str
+
+
+def result_of(run: LaneOfRun, verdict: Verdict) -> Result | None:
+    """The result of a lane; None of one that is not finished."""
+    if not run.finished:
+        return None
+    summary, decides = run.summary, verdict.deciding
+    return Result(
+        part=run.record.name, prompt=run.recipe.style.prompt, material=run.recipe.test.material.label,
+        outcome=verdict.outcome, sure=verdict.sure, fall=run.recipe.test.height,
+        survives=None if decides is None else decides.height, kept=summary.kept,
+        simulations=len(summary.simulations), vertices=len(run.part.surface.vertices),
+        tests=tuple(row.test for row in verdict.rows if row.decides), recipe=run.recipe.digest,
+    )  # fmt: skip
+
+
+def result_element(run: LaneOfRun, verdict: Verdict) -> Markup:
+    """The element that holds it, "" for a lane that is not finished."""
+    result = result_of(run, verdict)
+    held = "" if result is None else script_json(msgspec.to_builtins(result))
+    return Markup(f'<script type="application/json" id="result">{held}</script>\n' if held else "")
+
+
+def read_result(file: str | Path) -> Result:
+    """The result in a report that somebody handed in; nothing else of the file is looked at.
+
+    Raises:
+        BadInput: If it is no report, one of an unfinished run or of an older version, or holds what no run comes to.
+    """
+    path = Path(file)
+    if not path.is_file():
+        raise BadInput(f"{path} is no file: give the .html files that `mechstyle report` wrote")
+    if path.stat().st_size > MOST_BYTES:
+        raise BadInput(f"{path} has more than {MOST_BYTES // 1_000_000} MB, which no report has: ask for it again")
+    found = ELEMENT.findall(path.read_bytes())
+    if len(found) != 1:
+        raise BadInput(f"{path} is no report of a finished run: let the run end, then write it again with `mechstyle report`")
+    try:
+        result = msgspec.json.decode(found[0], type=Result)
+    except (msgspec.MsgspecError, RecursionError, UnicodeDecodeError) as error:
+        raise BadInput(f"{path} holds a damaged result: write the report again with `mechstyle report`") from error
+    lengths = [len(result.part), len(result.prompt), len(result.material), len(result.recipe), *map(len, result.tests)]
+    numbers = [result.fall, result.kept, result.survives or 1.0]
+    possible = result.outcome in OUTCOMES and max(lengths) <= 500 and len(result.tests) <= 100
+    possible = possible and all(math.isfinite(one) and one >= 0.0 for one in numbers) and result.kept <= 1.5
+    if not (possible and result.fall > 0.0 and result.simulations >= 1 and result.vertices >= 4):
+        raise BadInput(f"{path} holds a result that no run comes to: write the report again with `mechstyle report`")
+    return result

@@ -1,0 +1,177 @@
+"""A class on one set of parts and styles: everything slow is done before, and the reports that are handed in become one table."""
+
+from __future__ import annotations
+
+import csv
+import io
+import shlex
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from mechstyle._files import file_stem, write_whole
+from mechstyle.errors import BadInput, MechStyleError
+from mechstyle.gallery import load
+from mechstyle.records import sentences
+from mechstyle.runs.recipes import draft
+from mechstyle.runs.report.reproduce import OPTIONS, options, settings_for
+from mechstyle.runs.report.result import Result, read_result
+from mechstyle.runs.run import started
+from mechstyle.simulation.part import say_nothing
+from mechstyle.study.ablation import markdown
+
+VERTICES, ITERATIONS = 3000, 60
+"""Of a part in class: a run then takes about a minute on two cores."""
+COLUMNS = ("place", "who", "part", "style", "outcome", "survives", "style kept", "drops")
+MOST = 1000
+"""Reports of a class at most."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """One part and style of a class.
+
+    Attributes:
+        model: A file or gallery:NAME.
+        prompt: The style.
+        command: What a pupil types.
+    """
+
+    model: str
+    prompt: str
+    command: str
+
+
+def prepare(
+    models: Sequence[str], prompts: Sequence[str], settings: dict[str, Any], *,
+    vertices: int = VERTICES, folder: Path, device: str = "auto", stage: Callable[[str], None] = say_nothing,
+) -> list[Task]:  # fmt: skip
+    """Fill the cache for every part in every style, so that a class waits for its own drops only, and write `commands.md`.
+
+    Meshes and the drop of each plain part are kept in the cache folder; a class on other machines sets `MECHSTYLE_CACHE` to a copy of it.
+
+    Args:
+        models: Files or gallery:NAME.
+        prompts: Styles.
+        settings: Fields of `Recipe` that all runs share.
+        vertices: Vertices of the standardised surface.
+        folder: Where `commands.md` goes.
+        device: `auto`, `cpu` or `cuda`.
+        stage: Called with what is being done, in words.
+
+    Raises:
+        MechStyleError: If a part or a setting cannot be used; what was prepared before stays.
+    """
+    settings = {"iterations": ITERATIONS, **settings}
+    wanted = {prompt: draft(prompt, **settings) for prompt in prompts}  # refuses a style before minutes are spent
+    parts = {model: load(model) for model in models}
+    if not (wanted and parts):
+        raise BadInput("a class needs at least one part and one style")
+    tasks = []
+    for model, part in parts.items():
+        for prompt, recipe in wanted.items():
+            label = f"{part.name}, {prompt}"
+            run = started(
+                recipe, part, vertices=vertices, out=folder / "prepared" / file_stem(f"{part.name}-{prompt}"), name=part.name,
+                device=device, stage=lambda what, label=label: stage(f"{label}: {what}"),
+            )  # fmt: skip
+            stage(f"{label}: dropping the plain part")
+            _ = run.simulator(run.recipe).baseline
+            given = options({"prompt": prompt, **settings_for(recipe, partial(draft, prompt))}, OPTIONS)
+            words = ["mechstyle", "run", model, *dict.fromkeys(given), "--vertices", str(vertices), "--out", f"runs/{file_stem(prompt)}"]
+            tasks.append(Task(model, prompt, shlex.join(words)))
+    write_whole(folder / "commands.md", _page(tasks).encode())
+    return tasks
+
+
+def _page(tasks: Sequence[Task]) -> str:
+    """What a class types."""
+    lines = ["# What to type\n", "Each run takes about a minute. Afterwards write your report and hand in the file.\n"]
+    for model in dict.fromkeys(task.model for task in tasks):
+        lines += [f"## {model}\n", "```sh", *(task.command for task in tasks if task.model == model), "```\n"]
+    return "\n".join([*lines, "```sh", 'mechstyle report runs/STYLE --out "YOUR NAME.html"', "```\n"])
+
+
+@dataclass(frozen=True)
+class Handed:
+    """The reports of a class.
+
+    Attributes:
+        ranked: Who and result of those that were asked for this fall: what passes first, most style kept first.
+        others: Those of another fall.
+        refused: A sentence for each file that is no report.
+    """
+
+    ranked: tuple[tuple[str, Result], ...]
+    others: tuple[tuple[str, Result], ...]
+    refused: tuple[str, ...]
+
+    @property
+    def lines(self) -> list[tuple[str, ...]]:
+        """The table: headings, then a line for each report; what fails, or is of another fall, has no place."""
+        placed = [(str(place) if _passes(one) else "–", *_cells(who, one)) for place, (who, one) in enumerate(self.ranked, 1)]
+        apart = [("–", *_cells(f"{who}, of a fall of {sentences.fall(one.fall)}", one)) for who, one in self.others]
+        return [COLUMNS, *placed, *apart]
+
+
+def collect(files: Sequence[str | Path], fall: float) -> Handed:
+    """The reports that a class handed in, as one table: who keeps most style and still passes?
+
+    Args:
+        files: Reports as `mechstyle report` writes them; the name of a file, without its suffix, says who.
+        fall: Height of the fall that counts [mm].
+
+    Raises:
+        BadInput: If none of them is a report.
+    """
+    if len(files) > MOST:
+        raise BadInput(f"{len(files)} reports are more than the {MOST} of the largest class: collect them in several tables")
+    found, refused = list[tuple[str, Result]](), list[str]()
+    for file in sorted(map(Path, files), key=lambda path: path.name):
+        try:
+            found.append((file.stem[:60], read_result(file)))
+        except (MechStyleError, OSError) as error:
+            refused.append(str(error))
+    if not found:
+        raise BadInput(f"there is no report to collect: {refused[0]}" if refused else "there is no report to collect: name some")
+    ours = [one for one in found if abs(one[1].fall - fall) < 1e-6 * fall]
+    ours.sort(key=lambda one: (not _passes(one[1]), -one[1].kept))
+    return Handed(tuple(ours), tuple(one for one in found if one not in ours), tuple(refused))
+
+
+def _passes(result: Result) -> bool:
+    return result.outcome in ("HOLDS", "NO WORSE")
+
+
+def _cells(who: str, result: Result) -> tuple[str, ...]:
+    """A line of the table without its place."""
+    outcome = sentences.marked(result.outcome, sure=result.sure)
+    survives = "–" if result.survives is None else sentences.length(result.survives)
+    return who, result.part, result.prompt, outcome, survives, f"{result.kept:.0%}", str(result.simulations)
+
+
+def as_file(handed: Handed, path: Path) -> Path:
+    """Write the table as Markdown or CSV, by the suffix of the file; BadInput for any other."""
+    if path.suffix.lower() == ".csv":
+        text = io.StringIO()
+        csv.writer(text).writerows([_harmless(cell) for cell in line] for line in handed.lines)
+        write_whole(path, text.getvalue().encode("utf-8-sig"))  # the mark without which spreadsheets misread an umlaut
+    elif path.suffix.lower() == ".md":
+        lines = [tuple(_one_cell(cell) for cell in line) for line in handed.lines]
+        write_whole(path, f"# Who keeps most style?\n\n{markdown(lines)}".encode())
+    else:
+        raise BadInput(f"a table is written as .md or .csv, not as {path.name}")
+    return path
+
+
+def _harmless(cell: str) -> str:
+    """A cell that no spreadsheet takes for a formula."""
+    return f"'{cell}" if cell[:1] in ("=", "+", "-", "@", "\t", "\r") else cell
+
+
+def _one_cell(cell: str) -> str:
+    """A cell that cannot end its row or its column, or be read as markup."""
+    plain = " ".join(cell.split()).replace("\\", "\\\\")
+    return "".join(f"\\{sign}" if sign in "|<>[]`*_" else sign for sign in plain)
