@@ -8,6 +8,7 @@ from functools import partial
 from typing import Any
 
 import ipywidgets
+import msgspec
 import numpy as np
 import traitlets
 
@@ -162,7 +163,11 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         frame = self.frame if pane == 0 else int(np.abs(impact.time - self.impact.time[self.frame]).argmin())
         name = FLAT if landing is None else landing.name
         note = f"{name}, at {1e3 * impact.time[frame]:.0f} µs, deformed × {self.exaggeration:g}"
-        layer = layer_of(moment(strength if row is None else row.limit), impact.stress[frame], impact.stress, note)
+        its = row if row is not None and row.landing == name else None
+        if pane == 0 and row is not None and landing is not None:
+            its = msgspec.structs.replace(row, landing=name, stress=landing.stress)
+        quantity = moment(strength if row is None else row.limit, its)
+        layer = layer_of(quantity, quantity.made(impact.stress[frame]), quantity.made(impact.stress), note)
         return Subject(impact.shape(subject.mesh, frame, self.exaggeration), (*subject.layers, layer))
 
     def close(self) -> None:

@@ -291,7 +291,8 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
             return layers
         ends, widest = [(scale.low, scale.high) for scale in scales], (max, min) if scales[0].falls else (min, max)
         limits, limit = (widest[0](low for low, _ in ends), widest[1](high for _, high in ends)), scales[0].threshold
-        return [None if layer is None else replace(layer, limits=limits, threshold=limit) for layer in layers]
+        judged = max((layer.judged for layer in layers if layer is not None and layer.judged is not None), default=None)
+        return [None if layer is None else replace(layer, limits=limits, threshold=limit, judged=judged) for layer in layers]
 
     def _arrange(self) -> None:
         """Lay out one view, or two or three that share the width and the camera."""
@@ -337,7 +338,8 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
         if layer is None:
             return Panel(self.section.applied(subject.mesh)[0], title, view=seen)
         mesh, values = self.section.applied(subject.mesh, layer.values)
-        return Panel(mesh, title, values, layer.unit, layer.label, layer.limits, layer.threshold, seen, layer.note)
+        how = (layer.unit, layer.label, layer.limits, layer.threshold, seen, layer.note, layer.judged, layer.most)
+        return Panel(mesh, title, values, *how)
 
     def _add_under_view(self, widget: ipywidgets.Widget) -> None:
         """Show one more widget between the view and what is written under it."""
