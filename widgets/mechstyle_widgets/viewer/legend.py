@@ -64,7 +64,7 @@ def protected(vertices: NDArray[np.bool_], mesh: SurfaceMesh) -> str:
     share = mesh.vertex_areas[vertices].sum() / mesh.vertex_areas.sum()
     grey = f"repeating-linear-gradient(45deg,{_css(ABSENT)} 0 2px,transparent 2px 5px)"
     box = f"display:inline-block;width:24px;height:10px;margin-right:8px;border:1px solid {_css(ABSENT)};background:{grey}"
-    words = word("protected: {} of the surface").format(f"{share:.1%}")
+    words = word("stays plain: {} of the surface").format(f"{share:.1%}")
     return _block(f'<span style="{box}"></span>{words}')
 
 

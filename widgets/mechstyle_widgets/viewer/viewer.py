@@ -265,7 +265,8 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
                 scene.paint(painted, subject.mesh)
                 scene.band(bands)
                 scene.cut(self.section.plane, filled=self.section.filled)
-                scene.mark(_extremes(subject, self.layer) if self.markers else None, self.probed, self.places, self.measured or self.arrow)
+                extremes, drawn = _extremes(subject, self.layer) if self.markers else None, self.measured or self.arrow
+                scene.mark(extremes, self.probed, self.places, drawn, arrow=not self.measured)
             self._scenes[0].hatch(self.protected)
         mesh = self.subject.mesh
         key = "" if self.protected is None else legend.protected(self.protected, mesh)
