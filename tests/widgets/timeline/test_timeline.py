@@ -48,7 +48,8 @@ def test_outcomes_differ_in_shape_and_not_by_colour_alone():
 
 def test_hovering_tells_reason_verdict_and_figures(state):
     told = story("a<b", state.row(4))
-    for text in ("a&lt;b · iteration 4", "simulated because: every 4 iterations", state.row(4).outcome, "style still missing", "travel 0.00"):
+    row = state.row(4)
+    for text in ("a&lt;b · iteration 4", "because: every 4 iterations", row.outcome, "style still missing", "travel 0.00"):
         assert text in told
 
 
