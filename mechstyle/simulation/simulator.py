@@ -113,7 +113,7 @@ class DropSimulator:
             return self._on(self.meshes.first, displacement, thorough=False)
         body, meshing = self.meshes.carrier(displacement)
         known, corrected = None, self.recipe.restraint.guarantee and np.any(displacement) and not self.baseline.failure
-        if thorough and corrected and self._steering != self._numbers(displacement, thorough=True):
+        if thorough and corrected and self._steering != self.numbers(displacement, thorough=True):
             known = self._on(body, displacement, thorough=False)
             if self._settles(known):
                 return replace(known, meshing=meshing)
@@ -147,7 +147,7 @@ class DropSimulator:
         detail = self.memo.recall(f"{key}-detail", Detail)
         if detail is None:
             self._static(body).check()
-            numbers = self._numbers(displacement, thorough=True)
+            numbers = self.numbers(displacement, thorough=True)
             result = self._dropped(morphed.tets, self.landings.normals[list(numbers)], self.recipe.test.height)
             balance = None if result.failure else self._balance_error(morphed.tets, result.phases[0][0].end)
             simulation = self._brought(body, morphed, result, numbers, thorough=True)
@@ -167,7 +167,7 @@ class DropSimulator:
         else:
             morphed = body.morph.morphed(displacement)
             self._static(body).check()  # before the long drop
-            numbers = self._numbers(displacement, thorough=thorough)
+            numbers = self.numbers(displacement, thorough=thorough)
             if known is not None:
                 numbers = tuple(number for number in numbers if known.landing(self.landings.names[number]) is None)
             result = self._dropped(morphed.tets, self.landings.normals[list(numbers)], self.recipe.test.height)
@@ -179,7 +179,7 @@ class DropSimulator:
 
     def _key(self, body: Body, displacement: NDArray[np.float32], *, thorough: bool) -> str:
         recipe = self.recipe.on(surface=self.surface.digest, tetrahedra=body.tets.digest)
-        normals = self.landings.normals[list(self._numbers(displacement, thorough=thorough))]
+        normals = self.landings.normals[list(self.numbers(displacement, thorough=thorough))]
         drops, at = (thorough, digest_of(normals)), "" if body.at is None else digest_of(body.at)
         return memo_key((PHYSICS_VERSION, self.device, *physics(recipe), recipe.test.loads, drops, at), displacement)
 
@@ -199,7 +199,7 @@ class DropSimulator:
         hardest = sorted(known, key=lambda number: -self.baseline.landings[number].stress)[:STEERING]
         return (0, *sorted(hardest))
 
-    def _numbers(self, displacement: NDArray[np.float32], *, thorough: bool) -> tuple[int, ...]:
+    def numbers(self, displacement: NDArray[np.float32], *, thorough: bool) -> tuple[int, ...]:
         """Numbers of the landings in which a displaced part is dropped."""
         every = tuple(range(len(self.landings.normals)))
         if (thorough and not (self.recipe.test.hardest_only and np.any(displacement))) or self.baseline.failure:
@@ -230,10 +230,10 @@ class DropSimulator:
 
     def _dropped(self, tets: TetMesh, normals: Floats, height: float) -> Drop:
         test = replace(prescribed(self.recipe), height=height)
-        return drop(tets, self.recipe.test.material, normals, test, device=self.device, progress=self.progress, period=self._period)
+        return drop(tets, self.recipe.test.material, normals, test, device=self.device, progress=self.progress, period=self.period)
 
     @cached_property
-    def _period(self) -> float | None:
+    def period(self) -> float | None:
         """Of `period_of`."""
         return period_of(lambda: self.meshes.plain[0].tets, self.recipe, self.memo, self.meshes.shared)
 
@@ -375,7 +375,8 @@ def exponent_of(landing: Landing, strength: float, stress_from: Callable[[float]
     for _ in range(2):
         if abs(guess - points[-1][0]) < CLOSE:
             break
-        points.append((guess, math.log(stress_from(math.exp(guess)) / strength)))
+        height = float(np.clip(math.exp(guess), LEAST_HEIGHT, GREATEST_HEIGHT))  # the exponential of a logarithm may be a little more
+        points.append((guess, math.log(stress_from(height) / strength)))
         (before, low), (after, high) = points[-2:]
         slope = float(np.clip((high - low) / (after - before), *EXPONENTS))
         guess = float(np.clip(after - high / slope, math.log(LEAST_HEIGHT), math.log(GREATEST_HEIGHT)))
