@@ -290,7 +290,7 @@ def test_tets_that_keep_a_notch_of_the_relief_are_not_asked_about_the_plain_part
 
     def stuck(self, displacement):
         found = real(self, displacement)
-        return replace(found, followed=np.full_like(found.followed, -left * body.skin.walls.thickness.min()))
+        return replace(found, followed=np.full_like(found.followed, left * body.skin.walls.thickness.min()))
 
     monkeypatch.setattr(Morph, "morphed", stuck)
     assert body.is_the_plain_part == asked
