@@ -45,6 +45,7 @@ def test_it_is_one_sentence_in_round_figures():
     assert Estimate(1500.0, 8, 38.2).words == "We let it fall from 1.5 m, in simulation, about 8 times: about 40 s."
     assert sentences.planned(800.0, 30, 431.0) == "We let it fall from 80 cm, in simulation, about 30 times: about 7 min."
     assert sentences.planned(1500.0, 8, 0.4).endswith("about 5 s.")
+    assert sentences.measured_out(13, 38.2).endswith("it falls about 13 times, which takes about 40 s.")
 
 
 @pytest.mark.parametrize(("settings", "falls"), [
