@@ -38,10 +38,6 @@ EXPONENTS = (0.2, 1.0)
 LIKELY_EXPONENT = 0.37
 """p of a landing that is not flat, with which the height of its first further drop is guessed; 0.29 to 0.44 in nine originals."""
 
-
-SAME_PART = 1.1
-"""Most that other tetrahedra may add to the σ_V of the original: more is what they do to it."""
-
 Read = Callable[[Floats, float], Exceeded]
 
 
@@ -131,8 +127,8 @@ class DropSimulator:
     def judge(self, simulation: Simulation, *, alone: bool = False) -> Verdict:
         """Verdict on a simulation and that of the original, or `alone` on the original itself.
 
-        Where a part does not pass for sure, its original is read on the part's own tetrahedra, too: what they read of the part, they read
-        of the original as well, and no style is blamed for its mesh.
+        Where a part does not pass for sure, its original is read on the part's own tetrahedra, too, if without relief they have its shape:
+        what they read of the part, they read of the original as well, and no style is blamed for its mesh.
         """
         if alone:
             return judge(simulation, None, self.recipe)
@@ -140,7 +136,7 @@ class DropSimulator:
         if verdict.settled or verdict.outcome == "UNKNOWN" or self.recipe.test.criterion == "paper":  # which an original does not excuse
             return verdict
         body, nothing = self.meshes.known(simulation.mesh), np.zeros(len(self.surface.vertices), np.float32)
-        if body is None or not body.made_for_relief or not body.followed(body.morph.morphed(nothing)).enough:
+        if body is None or not body.made_for_relief or not body.is_the_plain_part:
             return verdict
         return judge(simulation, self.baseline, self.recipe, harder(self.baseline, self._on(body, nothing, thorough=False)))
 
@@ -345,7 +341,7 @@ class DropSimulator:
 
 
 def harder(original: Simulation, here: Simulation) -> Simulation:
-    """An original with the larger σ_V of two meshes in each landing and load, at most SAME_PART times its own.
+    """An original with the larger σ_V of two meshes in each landing and load.
 
     Args:
         original: On tetrahedra of its own.
@@ -353,7 +349,7 @@ def harder(original: Simulation, here: Simulation) -> Simulation:
     """
 
     def raised(own: float, other: float | None) -> float:
-        return own if other is None or not math.isfinite(other) else max(own, min(other, SAME_PART * own))
+        return own if other is None or not math.isfinite(other) else max(own, other)
 
     others = {one.name: one.stress for one in here.landings}
     landings = []
