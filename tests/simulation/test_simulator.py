@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 import trimesh
 
-from mechstyle.errors import SimulationFailed
 from mechstyle.fea.stressed_volume import at_nodes, exceeded
 from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.morph import Morph
@@ -18,9 +17,8 @@ from mechstyle.loop.objects import Memo, Objects
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.records.simulation import GREATEST_HEIGHT, LEAST_CARRIED, LEAST_HEIGHT, VOLUME_ERROR
-from mechstyle.simulation import meshes
 from mechstyle.simulation import simulator as module
-from mechstyle.simulation.body import SAME_PART, Body, Followed, Skin
+from mechstyle.simulation.body import SAME_PART, Body, Skin
 from mechstyle.simulation.meshes import AGAIN, carrying
 from mechstyle.simulation.simulator import exponent_of, harder
 from support import records
@@ -309,46 +307,6 @@ def test_tets_on_which_it_gives_no_number_excuse_nothing(wrong):
     assert harder(own, broken).loads == own.loads
     nothing = replace(here, landings=(), landing_stress=np.zeros((0, records.COUNT)), loads=(), load_stress=np.zeros((0, records.COUNT)))
     assert harder(own, nothing).landings == own.landings
-
-
-def test_the_tets_of_a_relief_are_taken_for_the_next_that_they_carry(block, memo, monkeypatch):
-    asked, real = [], meshes.carrying
-    monkeypatch.setattr(meshes, "carrying", lambda *given: asked.append(1) or real(*given))
-    sim = simulator(block, memo, orientations=1)
-    first = sim.simulate(ripples(block), thorough=True)
-    lower = sim.simulate(0.8 * ripples(block), thorough=True)
-    assert lower.mesh == first.mesh
-    assert len(asked) == 1
-
-
-def test_asked_again_for_a_relief_the_tets_are_those_it_was_tested_on(block, memo, monkeypatch):
-    """What is delivered may be an earlier correction: drawn after another was meshed, it was tested on that one's tetrahedra instead."""
-    first, words = simulator(block, memo).meshes.carrier(ripples(block))
-    with monkeypatch.context() as patch:
-        patch.setattr(Followed, "is_at_least_as_good_as", lambda *_: False)
-        other, _ = simulator(block, memo).meshes.carrier(ripples(block, 0.25))
-    assert other.tets.digest != first.tets.digest
-    again, as_before = simulator(block, memo).meshes.carrier(ripples(block))
-    assert (again.tets.digest, as_before) == (first.tets.digest, words)
-
-
-def test_a_part_that_cannot_be_meshed_again_is_judged_as_it_is_and_says_so(block, memo, monkeypatch):
-    def refuse(*_args, **_options):
-        raise SimulationFailed("fTetWild gave up")
-
-    monkeypatch.setattr(meshes, "carrying", refuse)
-    result = simulator(block, memo, orientations=1).simulate(ripples(block), thorough=True)
-    assert result.meshing.startswith("morphed, following")
-    assert "fTetWild gave up" in result.meshing
-
-
-def test_a_run_on_tets_made_for_its_relief_needs_no_others(block, memo):
-    surface = block[0]
-    tets, at = carrying(surface, ripples(block))
-    sim = replace(simulator((surface, tets), memo, orientations=1), at=at)
-    result = sim.simulate(ripples(block), thorough=True)
-    assert (result.meshing, result.mesh) == ("morphed", tets.digest)
-    assert min(result.carried, result.carried_base) >= LEAST_CARRIED
 
 
 def test_a_drop_that_breaks_down_is_unknown_and_never_passes(block, memo, monkeypatch):
