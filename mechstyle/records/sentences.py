@@ -286,6 +286,12 @@ def planned(height: float, falls: int, seconds: float) -> str:
     return f"We let it fall from {fall(height)}, in simulation, about {falls} times: about {duration(_rounded(seconds))}."
 
 
+def measured_out(falls: int, seconds: float) -> str:
+    """The tests before any correction, now that the tetrahedra are known, and how long they will take [s]."""
+    takes = duration(_rounded(seconds))
+    return f"Its tetrahedra are known now: before any correction it falls about {falls} times, which takes about {takes}."
+
+
 def _rounded(seconds: float) -> float:
     """An estimate to one or two figures."""
     step = 5.0 if seconds < 90 else 60.0
