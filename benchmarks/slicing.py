@@ -105,13 +105,15 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("parts", nargs="*", choices=[*names(), []])
     kept = DOCS / "slicing.json"
-    known = msgspec.json.decode(kept.read_bytes(), type=dict[str, Sliced]) if kept.is_file() else {}
     spread = styles()[:: len(styles()) // len(names())]
     for part in parser.parse_args().parts or names():
         with tempfile.TemporaryDirectory() as folder:
-            known[part] = measure(part, spread[names().index(part)].replace("_", " "), Path(folder))
-        print(part, known[part], flush=True)
+            found = measure(part, spread[names().index(part)].replace("_", " "), Path(folder))
+        print(part, found, flush=True)
+        known = msgspec.json.decode(kept.read_bytes(), type=dict[str, Sliced]) if kept.is_file() else {}  # others may run beside
+        known = dict(sorted({**known, part: found}.items()))
         kept.write_bytes(msgspec.json.format(msgspec.json.encode(known), indent=1))
+    known = msgspec.json.decode(kept.read_bytes(), type=dict[str, Sliced])
     rows = [
         (part.replace("_", " "), one.style, "yes" if one.watertight else "**no**", one.filaments, *one.layers, one.asked)
         for part, one in known.items()
