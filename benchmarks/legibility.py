@@ -40,10 +40,10 @@ BARE = 4
 HEAD = """\
 # Styles in plain grey
 
-Who prints in one colour sees the relief alone. The figure is the mean difference between the grey pictures of a cup with a style and
-without, over the pixels of the cup, in levels of 255, on the {vertices} vertices of a run, the style finished and restrained by nothing.
-Made by `python benchmarks/legibility.py`; the figure of each style is in [legibility.json](legibility.json). From about 8 on a
-style is seen at a glance. {below}
+A print in one colour shows the relief alone. The figures are the mean difference between grey pictures of a cup with a style and without,
+in levels of 255, over the pixels of the cup. Each style is finished and unrestrained, on {vertices} vertices. Made by
+`python benchmarks/legibility.py`; [legibility.json](legibility.json) has the figure of each style. From about 8 on a style is seen at a
+glance. {below}
 
 ![Each style on the five cups, in grey](legibility.png)
 

@@ -29,13 +29,14 @@ from mechstyle.styling.library import names as styles
 from mechstyle.styling.prompt import read
 
 DOCS = Path(__file__).parent.parent / "docs"
-VERTICES, LAYER = 3000, 0.3
+VERTICES, LAYER, NOZZLE = 3000, 1.0, 1.5
 PRUSA = (
-    "prusa-slicer", "--export-gcode", "--nozzle-diameter=0.4,0.4", "--filament-diameter=1.75,1.75", "--temperature=210,210",
+    "prusa-slicer", "--export-gcode", f"--nozzle-diameter={NOZZLE},{NOZZLE}", "--filament-diameter=1.75,1.75", "--temperature=210,210",
     "--single-extruder-multi-material", f"--layer-height={LAYER}", f"--first-layer-height={LAYER}", "--fill-density=0%", "--skirts=0",
 )  # fmt: skip
 SLIC3R = (
-    "slic3r", f"--layer-height={LAYER}", f"--first-layer-height={LAYER}", "--fill-density=0", "--skirts=0", "--print-center", "100,100",
+    "slic3r", f"--nozzle-diameter={NOZZLE}", f"--layer-height={LAYER}", f"--first-layer-height={LAYER}", "--fill-density=0",
+    "--skirts=0", "--print-center", "100,100",
 )  # fmt: skip
 REPAIRED = re.compile("repair|manifold|error", re.IGNORECASE)
 COLUMNS = ("part", "style", "watertight", "filaments", "PrusaSlicer, 3MF", "PrusaSlicer, STL", "Slic3r, 3MF", "Slic3r, STL", "asked")
@@ -43,7 +44,7 @@ HEAD = """\
 # Thirty files in two slicers
 
 Every part of the gallery in another style, {vertices} vertices, written as a painted 3MF and as an STL, each sliced by PrusaSlicer 2.5 and
-Slic3r 1.3 in layers of {layer} mm; made by `python benchmarks/slicing.py`. **{whole} of {count}** are watertight and have as many layers
+Slic3r 1.3 in layers of {layer:g} mm; made by `python benchmarks/slicing.py`. **{whole} of {count}** are watertight and have as many layers
 in all four as their height asks for, one more or less, without a repair.
 
 """
