@@ -308,7 +308,7 @@ def notebook(visitor: BrowserContext, lab: Lab, request: pytest.FixtureRequest) 
 def finished_run(tmp_path_factory: pytest.TempPathFactory) -> Run:
     """A small run on disk, with a branch."""
     run = stylize(
-        make("pen_holder"), "brick", vertices=1200, iterations=12, orientations=1, schedule="every", every=4,
+        make("pen_holder"), "brick", vertices=2000, iterations=12, orientations=1, schedule="every", every=4,
         nearly_flat=False, window=0.3, element="tet4", out=tmp_path_factory.mktemp("runs") / "part", name="pen holder", device="cpu",
     )
     run.branch(6, lane="frozen", control="frozen").go()
