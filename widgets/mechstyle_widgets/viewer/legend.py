@@ -14,6 +14,8 @@ from mechstyle._colour import linear_to_srgb
 from mechstyle.pictures.colormap import ABOVE, ABSENT, STRIPE, Scale
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.records.regions import Point
+from mechstyle_widgets.jupyter.language import said as translated
+from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.viewer.layers import Layer
 from mechstyle_widgets.viewer.scene import round_length
 
@@ -33,11 +35,11 @@ def colour_bar(layer: Layer, mesh: SurfaceMesh, bands: int = 0, *, brief: bool =
         brief: Whether to leave out what is said of the surface, as where several share the bar.
     """
     scale = layer.scale
-    ticks = [_tick(place, min(max(place, 0.0), 1.0), words) for place, words in _ticks(scale)]
-    lines = [f"<div><b>{escape(layer.caption)}</b></div>"]
+    ticks = [_tick(place, min(max(place, 0.0), 1.0), words) for place, words in _ticks(scale, layer.judged)]
+    lines = [f"<div><b>{escape(translated(layer.caption))}</b></div>"]
     lines.append(f'<div style="width:{BAR_WIDTH}px;height:12px;border-radius:2px;background:{_gradient(scale, bands)}"></div>')
     lines.append(f'<div style="position:relative;width:{BAR_WIDTH}px;height:1.5em">{"".join(ticks)}</div>')
-    said = () if brief else (_extremes(layer), _share_beyond(layer, mesh), escape(layer.note))
+    said = () if brief else (_extremes(layer), _share_beyond(layer, mesh), escape(translated(layer.note)))
     lines += [f'<div style="color:{FAINT}">{line}</div>' for line in said if line]
     return _block("".join(lines))
 
@@ -47,7 +49,7 @@ def scale_bar(pixels_per_mm: float, cell: float) -> str:
     length = round_length(110.0 / pixels_per_mm)
     style = f"width:{length * pixels_per_mm:.0f}px;height:5px;border:solid {INK};border-width:0 1.5px 1.5px"
     bar = f'<div role="img" aria-label="scale bar of {length:g} mm" style="{style}"></div>'
-    return _block(f'{bar}<div>{length:g} mm <span style="color:{FAINT}">· grid {cell:g} mm</span></div>')
+    return _block(f'{bar}<div>{length:g} mm <span style="color:{FAINT}">· {word("grid")} {cell:g} mm</span></div>')
 
 
 def protected(vertices: NDArray[np.bool_], mesh: SurfaceMesh) -> str:
@@ -62,14 +64,15 @@ def protected(vertices: NDArray[np.bool_], mesh: SurfaceMesh) -> str:
     share = mesh.vertex_areas[vertices].sum() / mesh.vertex_areas.sum()
     grey = f"repeating-linear-gradient(45deg,{_css(ABSENT)} 0 2px,transparent 2px 5px)"
     box = f"display:inline-block;width:24px;height:10px;margin-right:8px;border:1px solid {_css(ABSENT)};background:{grey}"
-    return _block(f'<span style="{box}"></span>protected: {share:.1%} of the surface')
+    words = word("stays plain: {} of the surface").format(f"{share:.1%}")
+    return _block(f'<span style="{box}"></span>{words}')
 
 
 def ruler(ends: Sequence[Point]) -> str:
     """HTML of the distance between two places [mm], and how it lies."""
     along = np.subtract(ends[1], ends[0])
     x, y, z = (f"{value:+.2f}" for value in along)
-    return f"<span><b>{np.linalg.norm(along):.2f} mm</b> &ensp;along x {x}, y {y}, z {z}</span>"
+    return f"<span><b>{np.linalg.norm(along):.2f} mm</b> &ensp;{word('along')} x {x}, y {y}, z {z}</span>"
 
 
 def said(tool: str, ends: Sequence[Point]) -> str:
@@ -81,12 +84,12 @@ def said(tool: str, ends: Sequence[Point]) -> str:
         "measure": f"Click {which} on the part to measure; Enter takes the cross, Esc leaves",
         "places": "A click keeps the place in the list; Enter takes the cross, Esc leaves",
     }
-    return f"<span>{words[tool]}</span>" if tool else ""
+    return f"<span>{translated(words[tool])}</span>" if tool else ""
 
 
 def titles(names: Sequence[str], outcomes: Sequence[str]) -> str:
     """HTML of names side by side, each in the middle of its share of the width, and under it the HTML of its verdict if it has one."""
-    heads = zip_longest((escape(name) for name in names), outcomes[: len(names)], fillvalue="")
+    heads = zip_longest((escape(translated(name)) for name in names), outcomes[: len(names)], fillvalue="")
     cells = "".join(f'<div style="flex:1;min-width:0;text-align:center"><div>{name}</div>{outcome}</div>' for name, outcome in heads)
     return f'<div class="mechstyle-titles" style="color:{INK}">{cells}</div>'
 
@@ -98,8 +101,11 @@ def _block(inside: str) -> str:
 def _extremes(layer: Layer) -> str:
     """Markers of the extremes: a ring at the greatest value, a triangle at the least."""
     found = layer.extremes()
-    words = "" if found is None else escape(f"○ max {layer.at(found[0])}   ▽ min {layer.at(found[1])}").replace("   ", " &emsp; ")
-    return words and f'<span title="dashed where it is on the far side">{words}</span>'
+    if found is None:
+        return ""
+    most = translated(layer.most) or f"max {layer.at(found[0])}"
+    words = escape(f"○ {most}   ▽ min {layer.at(found[1])}").replace("   ", " &emsp; ")
+    return f'<span title="{word("dashed where it is on the far side")}">{words}</span>'
 
 
 def _share_beyond(layer: Layer, mesh: SurfaceMesh) -> str:
@@ -107,22 +113,23 @@ def _share_beyond(layer: Layer, mesh: SurfaceMesh) -> str:
         return ""
     beyond = layer.scale.beyond(layer.values)
     share = f"{mesh.vertex_areas[beyond].sum() / mesh.vertex_areas.sum():.1%} of the surface is" if beyond.any() else "nothing is"
-    return escape(f"{share} {'below' if layer.scale.falls else 'above'} the limit of {layer.threshold:.3g} {layer.unit}".rstrip())
+    side = "below" if layer.scale.falls else "above"
+    return escape(translated(f"{share} {side} the limit of {layer.threshold:.3g} {layer.unit}".rstrip()))
 
 
-def _ticks(scale: Scale) -> list[tuple[float, str]]:
-    """Places along the bar, and what stands there: round values, and in bold the limit, which is always marked."""
+def _ticks(scale: Scale, judged: float | None = None) -> list[tuple[float, str]]:
+    """Places along the bar, and what stands there: round values, in bold the limit, and what stands for all above it."""
     width, bold = scale.high - scale.low, scale.threshold if scale.split else None
     step = 2.5 * round_length(abs(width) / 9.0)
     step = next(one for one in (step / 2.5, step / 1.25, step, 2 * step) if abs(width) / one <= MOST_TICKS)
     first = math.ceil(min(scale.low, scale.high) / step - 1e-9)
     values = [step * number for number in range(first, math.floor(max(scale.low, scale.high) / step + 1e-9) + 1)]
-    found = [((value - scale.low) / width, value) for value in values]
-    if bold is None:
-        return [(place, f"{value:.3g}") for place, value in found]
-    edge = (bold - scale.low) / width
-    apart = [(place, f"{value:.3g}") for place, value in found if abs(place - edge) > CROWDED]
-    return [*apart, (edge, f"<b>{bold:.3g}</b>")]
+    marked = {} if bold is None else {(bold - scale.low) / width: f"<b>{bold:.3g}</b>"}
+    if judged is not None and all(abs((judged - scale.low) / width - place) > CROWDED for place in marked):
+        marked[(judged - scale.low) / width] = f"≥ {judged:.3g}"
+    found = {(value - scale.low) / width: f"{value:.3g}" for value in values}
+    apart = [one for one in found.items() if all(abs(one[0] - place) > CROWDED for place in marked)]
+    return [*apart, *marked.items()]
 
 
 def _gradient(scale: Scale, bands: int) -> str:
