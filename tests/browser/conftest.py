@@ -29,7 +29,6 @@ import pytest
 from PIL import Image
 from playwright.sync_api import Browser, BrowserContext, Locator, Page, sync_playwright
 
-from mechstyle._files import cache_folder, write_whole
 from mechstyle.gallery import make, names
 from mechstyle.runs.run import Run, stylize
 from mechstyle.styling import library
@@ -224,11 +223,14 @@ def visitor(chromium: Browser) -> Iterator[BrowserContext]:
 @pytest.fixture(scope="session")
 def thumbnails_drawn(cache: Path) -> None:
     """A hundred pictures of models and styles in the cache, all grey: drawing them takes a core a minute beside what is tested."""
-    assert cache == cache_folder()
-    grey = thumbnails._png(np.full((*thumbnails.SIZE[::-1], 3), 180, np.uint8))
-    for kind, known in (("model", names()), ("style", library.names())):
-        for name in known:
-            write_whole(thumbnails._place(kind, name), grey)
+    held = io.BytesIO()
+    Image.new("RGB", thumbnails.SIZE, (180, 180, 180)).save(held, "PNG")
+    with pytest.MonkeyPatch.context() as patch:
+        for kind, known in (("model", names()), ("style", library.names())):
+            patch.setitem(thumbnails.DRAWN, kind, lambda _name: held.getvalue())
+            for name in known:
+                thumbnails.draw(kind, name)
+    assert any(cache.rglob("*.png"))
 
 
 @pytest.fixture(scope="session")
