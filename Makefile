@@ -5,6 +5,8 @@ PYTHON ?= python3
 BIN := .venv/bin
 NOTEBOOKS ?= cache
 PINS := pyproject.toml constraints.txt
+# `worksteal`: neighbours in a file share what was set up for them, in one worker.
+TESTS := $(BIN)/python -m pytest -n 2 --dist worksteal --durations=40
 # Two test workers share the cores; a thread pool in each would only make them wait for each other.
 export OMP_NUM_THREADS ?= 1
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
@@ -19,8 +21,11 @@ help: ## list these targets
 demo: .venv/core.stamp ## stylize a utensil grip as brick, drop it, write demo-out/
 	$(BIN)/mechstyle demo --out demo-out
 
-test: lint ## everything that must pass: lint, types, import directions, all tests
-	$(BIN)/python -m pytest -n 2 --durations=40
+# mypy takes one core for a minute, and is done long before the tests are: both run, and both must pass.
+test: .venv/dev.stamp ## everything that must pass: lint, types, import directions, all tests
+	$(BIN)/ruff check .
+	$(BIN)/lint-imports --no-cache
+	@$(BIN)/mypy & types=$$!; $(TESTS); tests=$$?; wait $$types && exit $$tests
 
 test-trust: .venv/dev.stamp ## kill 155 runs at seeded moments and compare what they come to, carried on
 	$(BIN)/python benchmarks/trust.py

@@ -1,14 +1,18 @@
 """Every model of the gallery dropped and loaded as it is; writes docs/gallery.md and its picture.
 
 python benchmarks/gallery.py                           # all, at full size: hours on a laptop
+python benchmarks/gallery.py --jobs 16 --json gallery.json # in processes side by side; figures go into a file of its own
 python benchmarks/gallery.py --vertices 1500 wall_hook # some; what was measured before is kept in docs/gallery.json
+python benchmarks/gallery.py --read wall_hook.json s_hook.json # page and picture with what was measured elsewhere
 python benchmarks/gallery.py --page                    # the page alone
 """
 
 from __future__ import annotations
 
 import argparse
+import multiprocessing
 import os
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 
 import msgspec
@@ -87,19 +91,33 @@ def main() -> None:
     parser.add_argument("--vertices", type=int, default=STANDARD_VERTICES)
     parser.add_argument("--device", default="auto")
     parser.add_argument("--page", action="store_true", help="write the page and the picture from what was measured before")
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--json", type=Path, help="where the figures are kept; in docs/gallery.json, with page and picture, unless told")
+    parser.add_argument("--read", type=Path, nargs="+", help="figures that were measured elsewhere, which join those that are kept")
     given = parser.parse_args()
-    kept = DOCS / "gallery.json"
+    kept = given.json or DOCS / "gallery.json"
     known = msgspec.json.decode(kept.read_bytes(), type=dict[str, Measured]) if kept.is_file() else {}
-    for name in [] if given.page else given.models or gallery.names():
-        try:
-            known[name] = measure(name, given.vertices, given.device)
-        except MechStyleError as error:
-            print(f"{name}: {error}")
-            continue
-        print(name, known[name], flush=True)
+    if given.jobs > 1:
+        os.environ |= {"MECHSTYLE_THREADS": "1", "OMP_NUM_THREADS": "1"}
+    for path in given.read or ():
+        known |= msgspec.json.decode(path.read_bytes(), type=dict[str, Measured])
+    if given.read:
         kept.write_bytes(msgspec.json.format(msgspec.json.encode(known, order="sorted"), indent=1) + b"\n")
-    (DOCS / "gallery.md").write_text(page(known), encoding="utf-8")
-    model_sheet().save(DOCS / "gallery.png")
+    wanted = [] if given.page or given.read else given.models or gallery.names()
+    with ProcessPoolExecutor(given.jobs, mp_context=multiprocessing.get_context("spawn"), max_tasks_per_child=1) as pool:
+        waiting = {pool.submit(measure, name, given.vertices, given.device): name for name in wanted}
+        for job in as_completed(waiting):
+            name = waiting[job]
+            try:
+                known[name] = job.result()
+            except MechStyleError as error:
+                print(f"{name}: {error}")
+                continue
+            print(name, known[name], flush=True)
+            kept.write_bytes(msgspec.json.format(msgspec.json.encode(known, order="sorted"), indent=1) + b"\n")
+    if given.json is None:
+        (DOCS / "gallery.md").write_text(page(known), encoding="utf-8")
+        model_sheet().save(DOCS / "gallery.png")
 
 
 if __name__ == "__main__":

@@ -29,10 +29,12 @@ from mechstyle.fea.drop import resolve_device
 from mechstyle.loop.correction import Correction
 from mechstyle.loop.engine import Engine
 from mechstyle.loop.events import Event, Simulated
+from mechstyle.records.mesh import QUICK_VERTICES, STANDARD_VERTICES
 from mechstyle.runs import run as runs
 from mechstyle.runs import stylizers
 from mechstyle.runs.recipes import draft, typed
 from mechstyle.simulation import meshes, part, simulator
+from mechstyle.simulation.estimate import before_the_first_fall
 from mechstyle.styling.drawn import ProceduralStylizer
 
 LEAST = 0.005
@@ -122,7 +124,15 @@ def watched(profile: Profile) -> None:
 
 
 class Teller:
-    """Says on stderr what a run does."""
+    """Says on stderr what a run does.
+
+    Attributes:
+        begun: When the first fall was about to begin [s].
+        first: How long it was from there until the style had been tested once [s], None before.
+    """
+
+    begun = 0.0
+    first: float | None = None
 
     def stage(self, what: str) -> None:
         """What begins."""
@@ -131,6 +141,7 @@ class Teller:
     def event(self, event: Event) -> None:
         """What a test found."""
         if isinstance(event, Simulated):
+            self.first = self.first or time.perf_counter() - self.begun
             print(f"  {event.reason}: {len(event.simulation.landings)} landings; {event.verdict.words}", file=sys.stderr, flush=True)
 
     def fraction(self, done: float) -> None:
@@ -146,14 +157,19 @@ def profiled(given: argparse.Namespace, folder: str) -> dict[str, Any]:
     with profile.stage("the rest"):
         with profile.stage("reading"):
             mesh = gallery.load(given.model)
-        wanted = draft(given.prompt, **dict(typed(text) for text in given.set))
+        wanted = draft(given.prompt, quick=given.quick, **dict(typed(text) for text in given.set))
         device, out = resolve_device(given.device), Path(folder, "run")
         run = runs.started(wanted, mesh, vertices=given.vertices, out=out, device=device, stage=teller.stage)
+        foreseen = before_the_first_fall(run.simulator(run.recipe)).seconds if device == "cpu" else None
+        teller.begun = time.perf_counter()
         finish(run, teller)
     return {
         "model": given.model, "prompt": given.prompt, "vertices": given.vertices, "set": given.set, "device": device,
         "clock": loading + time.perf_counter() - begun, "cpu": on_processor(), "memory_GB": most_memory(),
-        "verdict": run.verdict.words, "kept": run.summary.kept, "stages": profile.stages,
+        "outcome": run.verdict.outcome,
+        "sure": run.verdict.sure, "verdict": run.verdict.words, "tests": len(run.summary.simulations),
+        "foreseen": foreseen, "first_tests": teller.first, "quick": given.quick, "vertices_made": len(run.part.surface.vertices),
+        "kept": run.summary.kept, "stages": profile.stages,
     }  # fmt: skip
 
 
@@ -166,9 +182,18 @@ def table(profiles: Sequence[dict[str, Any]]) -> str:
     lines += [f"| {name} | " + " | ".join(f"{cpu_of(one, name):.1f}" for one in profiles) + " |" for name in names]
     lines.append("| **all** | " + " | ".join(f"**{one['cpu']:.0f}**" for one in profiles) + " |")
     lines.append("| by the clock | " + " | ".join(f"{one['clock']:.0f}" for one in profiles) + " |")
+    known = [one for one in profiles if one["foreseen"]]
+    if len(known) == len(profiles):
+        times = " | ".join(foreseen_and_taken(one) for one in known)
+        lines.append(f"| foreseen before the first fall, and taken, by the clock | {times} |")
     memory = ["{:.2f}, {:.2f}".format(*one["memory_GB"]) for one in profiles]
     lines.append("| most memory, own and of a child [GB] | " + " | ".join(memory) + " |")
     return "\n".join(lines)
+
+
+def foreseen_and_taken(profile: dict[str, Any]) -> str:
+    """The estimate of the first tests, and what they took [s]."""
+    return f"{profile['foreseen']:.0f}, {profile['first_tests']:.0f}"
 
 
 def cpu_of(profile: dict[str, Any], name: str) -> float:
@@ -181,7 +206,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("model", nargs="?", default="gallery:pen_holder")
     parser.add_argument("--prompt", default="brick")
-    parser.add_argument("--vertices", type=int, default=25_000)
+    parser.add_argument("--quick", action="store_true", help="as `mechstyle run --quick`")
+    parser.add_argument("--vertices", type=int, help=f"by default {STANDARD_VERTICES}, or {QUICK_VERTICES} of a quick run")
     parser.add_argument("--device", default="cpu")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE")
     parser.add_argument("--json", type=Path, help="where the figures go")
@@ -190,6 +216,7 @@ def main() -> None:
     if given.table:
         print(table([json.loads(file.read_text()) for file in given.table]))
         return
+    given.vertices = given.vertices or (QUICK_VERTICES if given.quick else STANDARD_VERTICES)
     with tempfile.TemporaryDirectory() as folder:
         found = profiled(given, folder)
     if given.json:

@@ -6,6 +6,7 @@ thread. Prints a table of coefficients of variation: of σ_V flat, of the hardes
 python benchmarks/repeatability.py                                     # seven parts, seven ways, 12 000 vertices: hours on two cores
 python benchmarks/repeatability.py --parts wall_hook s_hook --vertices 3000 --jobs 2
 python benchmarks/repeatability.py --jobs 16 --json repeatability.json  # figures of every landing as well
+python benchmarks/repeatability.py --read repeatability-*.json          # the table alone, of what was measured before
 """
 
 from __future__ import annotations
@@ -56,9 +57,10 @@ class Found(msgspec.Struct, frozen=True, kw_only=True):
     failure: str = ""
 
 
-def found(part: str, way: str, vertices: int, material: str) -> Found:
+def found(part: str, way: str, vertices: int, material: str, device: str) -> Found:
     """A part in one way, by the simulator itself."""
     from mechstyle.errors import MechStyleError  # noqa: PLC0415 — in processes of their own, after their environment is set
+    from mechstyle.fea.drop import resolve_device  # noqa: PLC0415
     from mechstyle.records import Recipe  # noqa: PLC0415
     from mechstyle.records.material import material_named  # noqa: PLC0415
     from mechstyle.simulation.part import cached_memo, fitted, prepare  # noqa: PLC0415
@@ -69,7 +71,8 @@ def found(part: str, way: str, vertices: int, material: str) -> Found:
     try:
         piece = prepare(surface_in(part, way), vertices=asked)
         recipe = fitted(Recipe.of(prompt="", material=material_named(material)), piece)
-        simulator = DropSimulator(piece.surface, piece.tets, recipe, cached_memo(), thickness=piece.thickness)
+        where = resolve_device(device)
+        simulator = DropSimulator(piece.surface, piece.tets, recipe, cached_memo(), device=where, thickness=piece.thickness)
         simulation = simulator.baseline
     except MechStyleError as error:
         return Found(part=part, way=way, vertices=asked, failure=str(error))
@@ -132,13 +135,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--ways", nargs="+", default=WAYS, choices=WAYS)
     parser.add_argument("--vertices", type=int, default=12_000)
     parser.add_argument("--material", default="PLA")
+    parser.add_argument("--device", default="auto")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--json", type=Path)
+    parser.add_argument("--read", type=Path, nargs="+", help="figures that were measured before; nothing is measured")
     options = parser.parse_args(arguments)
     os.environ |= {"MECHSTYLE_THREADS": "1", "OMP_NUM_THREADS": "1"}
-    measured = list[Found]()
+    measured = [one for path in options.read or () for one in msgspec.json.decode(path.read_bytes(), type=list[Found])]
+    asked = [] if options.read else [(part, way) for part in options.parts for way in options.ways]
     with ProcessPoolExecutor(options.jobs, mp_context=multiprocessing.get_context("spawn"), max_tasks_per_child=1) as pool:
-        waiting = [pool.submit(found, part, way, options.vertices, options.material) for part in options.parts for way in options.ways]
+        waiting = [pool.submit(found, part, way, options.vertices, options.material, options.device) for part, way in asked]
         for job in as_completed(waiting):
             one = job.result()
             measured.append(one)
@@ -147,7 +153,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             if options.json is not None:
                 options.json.write_bytes(msgspec.json.format(msgspec.json.encode(measured)))
     order = {way: number for number, way in enumerate(WAYS)}
-    measured.sort(key=lambda one: (list(options.parts).index(one.part), order[one.way]))
+    parts = list(dict.fromkeys([*options.parts, *(one.part for one in measured)]))
+    measured.sort(key=lambda one: (parts.index(one.part), order[one.way]))
     print("\n".join(table(measured)))
     return 1 if any(one.failure for one in measured) else 0
 

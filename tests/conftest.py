@@ -3,6 +3,7 @@
 import itertools
 import json
 import os
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -19,6 +20,21 @@ settings.load_profile("repeatable")
 
 # Corner 4x + 2y + z of the unit cube; two triangles a side, anticlockwise seen from outside.
 _CUBE_SIDES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
+    """With `--durations`: where the time went, by room; seconds of all workers together."""
+    if config.getoption("durations") is None:
+        return
+    seconds: Counter[str] = Counter()
+    for report in itertools.chain(*terminalreporter.stats.values()):
+        if isinstance(report, pytest.TestReport):
+            place = Path(report.nodeid.partition("::")[0]).parts[1:]
+            seconds[place[0] if place else "tests"] += report.duration
+    terminalreporter.section("seconds by room")
+    for room, spent in seconds.most_common():
+        terminalreporter.line(f"{spent:8.1f} s  {room.removesuffix('.py')}")
+    terminalreporter.line(f"{seconds.total():8.1f} s  together")
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -108,6 +108,26 @@ def test_tests_stand_where_what_they_test_stands():
             assert folder.is_dir(), f"{named(path)} has no room of that name to test"
 
 
+TESTED = ("fea", "loop", "simulation", "runs")
+CRUMB = 45
+"""Lines of a module below which what it holds may be tested where it is used."""
+
+
+@pytest.mark.parametrize("room", TESTED)
+def test_every_module_of_the_rooms_that_judge_has_tests_of_its_own(room):
+    """In test_<module>.py, or several files whose names begin so, in the folder of the same name; one of them names the module."""
+    missing = []
+    for module in sorted((ROOT / "mechstyle" / room).rglob("*.py")):
+        if module.stem == "__init__" or len(module.read_text().splitlines()) < CRUMB:
+            continue
+        place, package = ROOT / "tests" / module.relative_to(ROOT / "mechstyle").parent, ".".join(module.relative_to(ROOT).parent.parts)
+        files = [*place.glob(f"test_{module.stem}.py"), *place.glob(f"test_{module.stem}_*.py")]
+        names = re.compile(rf"{package}\.{module.stem}\b|from {package} import [^\n]*\b{module.stem}\b")
+        if not any(names.search(file.read_text()) for file in files):
+            missing.append(named(module))
+    assert missing == []
+
+
 def test_the_documentation_imports_public_names_only():
     imported = [(page, found) for page in sorted((ROOT / "docs").glob("*.md")) for found in IMPORTS.findall(page.read_text())]
     assert len(imported) >= 3

@@ -12,6 +12,7 @@ import mechstyle
 from mechstyle.records.recipe import SETTINGS
 from mechstyle.records.sentences import EXPLANATION, MEANINGS
 from mechstyle.records.words import WORDS
+from mechstyle.simulation.validation.suite import CASES
 from support import ROOT
 
 SITE = ROOT / "docs" / "site"
@@ -152,7 +153,7 @@ def test_the_citation_names_this_version():
 
 
 JUDGES = {
-    "stressed_volume": "fea", "verdict": "records", "orientations": "fea", "footprint": "fea", "simulator": "simulation",
+    "stressed_volume": "fea", "verdict": "records", "orientations": "fea", "footprint": "fea", "body": "simulation",
     "simulation": "records", "phases": "fea",
 }  # fmt: skip
 """Rooms of the modules whose constants can move an outcome."""
@@ -164,6 +165,16 @@ def test_the_table_of_constants_tells_their_values_and_has_a_dozen_at_most():
     for module, name, told in rows:
         value = getattr(importlib.import_module(f"mechstyle.{JUDGES[module]}.{module}"), name)
         assert float(told) in (value.values() if isinstance(value, dict) else (value,)), name
+
+
+def test_what_shows_that_nothing_is_passed_that_fails_is_there():
+    page = PROSE.markdown(ROOT / "docs" / "how-mechstyle-judges.md")
+    table = page.split("## Where it might pass what fails")[1].split("## What it does not say")[0]
+    named = set(re.findall(r"`(\w+)`", table))
+    tests = "".join(path.read_text() for path in (ROOT / "tests").rglob("test_*.py"))
+    assert len(named) > 20
+    for name in named:
+        assert name in CASES or f"def {name}(" in tests, name
 
 
 def test_the_page_on_verdicts_begins_with_the_sentences_of_the_program():

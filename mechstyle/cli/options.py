@@ -24,6 +24,7 @@ MACHINE = "Part and machine"
 DEFAULTS_MAY_CHANGE = "Defaults in parentheses are the recipe's; --control, --criterion, --poses and --standard may bring others."
 
 Model = Annotated[str, typer.Argument(metavar="MODEL", help="A file (STL, OBJ, PLY, GLB, 3MF) or gallery:NAME.")]
+READ_AS = 'Add "#unit=in", "#size=120" or "#body=lid" to a file to say how it is read.'
 Vertices = Annotated[
     int, typer.Option(help="Vertices of the surface; beyond 25 000 only as many as edges of 0.6 mm need.", rich_help_panel=MACHINE)
 ]

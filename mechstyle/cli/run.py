@@ -94,6 +94,10 @@ def carry_out(
         )
         if wanted.delivery.strengthen and not as_json:
             err.print(f"[dim]part: {escape(run.part.notes[-1])}[/]")
+        if not as_json and device == "cpu" and not run.history:
+            from mechstyle.simulation.estimate import before_the_first_fall  # noqa: PLC0415
+
+            err.print(f"[dim]{escape(before_the_first_fall(run.simulator(run.recipe)).words)}[/]")
         return finish(run, teller, limited)
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from mechstyle.cli.console import command, err, escape, out, print_json, report_verdict, table, telling
-from mechstyle.cli.options import Device, Json, Model, Settings, Vertices, reads_a_part, recipe_options
+from mechstyle.cli.options import READ_AS, Device, Json, Model, Settings, Vertices, reads_a_part, recipe_options
 from mechstyle.cli.run import read_model
 from mechstyle.records.landings import STANDARDS
 from mechstyle.records.mesh import STANDARD_VERTICES
@@ -21,7 +21,9 @@ app = typer.Typer()
 
 Original = Annotated[
     str,
-    typer.Option(help="The plain part it was styled from, a file or gallery:NAME in the same place, to compare it with as in its run."),
+    typer.Option(
+        help=f"The plain part it was styled from, a file or gallery:NAME in the same place, to compare it with as in its run. {READ_AS}"
+    ),
 ]
 
 

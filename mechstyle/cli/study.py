@@ -11,7 +11,7 @@ import typer
 from typer.core import TyperCommand
 
 from mechstyle.cli.console import EXIT_BAD_INPUT, command, escape, out, print_json, table, telling
-from mechstyle.cli.options import MACHINE, Device, Json, Settings, Vertices, panel_of, recipe_options
+from mechstyle.cli.options import MACHINE, READ_AS, Device, Json, Settings, Vertices, panel_of, recipe_options
 from mechstyle.records.mesh import STANDARD_VERTICES
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ Models = Annotated[
     list[str] | None,
     typer.Option(
         "--models",
-        help="Gallery models or files, one after the other; by default all of the gallery.",
+        help=f"Gallery models or files, one after the other; by default all of the gallery. {READ_AS}",
         rich_help_panel=CROSSED,
     ),
 ]
@@ -225,7 +225,7 @@ def _print_counts(rows: list[Row]) -> None:
 @command
 @recipe_options("iterations", "seed", "material", "height", "orientations", "poses", "loads", begins=False, others=True)
 def ablation_command(
-    models: Annotated[list[str], typer.Argument(metavar="MODEL...", help="Files (STL, OBJ, PLY, GLB, 3MF) or gallery:NAME.")],
+    models: Annotated[list[str], typer.Argument(metavar="MODEL...", help=f"Files (STL, OBJ, PLY, GLB, 3MF) or gallery:NAME. {READ_AS}")],
     settings: Settings,
     prompts: Annotated[
         list[str] | None,

@@ -6,12 +6,13 @@ or a file.
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 
@@ -21,10 +22,13 @@ if TYPE_CHECKING:
     from mechstyle.records.mesh import SurfaceMesh
     from mechstyle.simulation.part import Model
 
-__all__ = ["PREFIX", "Entry", "describe", "entry", "load", "make", "names", "use_of"]
+__all__ = ["PREFIX", "READING", "Entry", "addressed", "describe", "entry", "load", "make", "names", "use_of"]
 
 PREFIX = "gallery:"
 """What the address of a gallery model begins with, where a file could be meant as well."""
+READING: Mapping[str, type] = MappingProxyType({"unit": str, "scale": float, "size": float, "up": str, "body": str})
+"""What can be said of how a file is read: by arguments of `load`, or after the path, as in `box.3mf#unit=in,body=lid`."""
+_SAID = re.compile(r"(.+)#(\w+=.*)")
 
 
 
@@ -98,7 +102,7 @@ def load(
     """Open a part: a file, repaired where needed, or a model of the gallery.
 
     Args:
-        model: An STL, OBJ, PLY, GLB or 3MF file, or `gallery:NAME`.
+        model: An STL, OBJ, PLY, GLB or 3MF file, or `gallery:NAME`; `box.3mf#unit=in,body=lid` says how a file is read, too.
         scale: Factor from the coordinates of a file to millimetres; None for the format's own unit.
         up: The axis of a file that points up: z, -z, y, -y, x or -x; "" for the format's own.
         unit: The unit of a file's coordinates, such as cm or in, instead of a scale.
@@ -115,7 +119,10 @@ def load(
     from mechstyle.geometry.files import read  # noqa: PLC0415
     from mechstyle.simulation.part import Model, Origin  # noqa: PLC0415
 
-    address = str(model)
+    address, said = addressed(model)
+    if said:
+        given = {"scale": scale, "up": up, "unit": unit, "size": size, "body": body}
+        return load(address, **{**{name: value for name, value in given.items() if value not in (None, "")}, **said})
     if address in names():
         raise BadInput(f"{address} is a model of the gallery: write {PREFIX}{address}")
     if not address.startswith(PREFIX):
@@ -127,6 +134,29 @@ def load(
     name = address.removeprefix(PREFIX)
     mesh = make(name)
     return Model(mesh.vertices, mesh.faces, mesh.colours, name=name, origin=Origin(model=address))
+
+
+def addressed(model: str | Path) -> tuple[str, dict[str, Any]]:
+    """The path of a file, and what its address says of how it is read, as `load` takes it; BadInput for nonsense.
+
+    A path that exists is itself, whatever signs it has.
+    """
+    from mechstyle.errors import BadInput, unknown  # noqa: PLC0415
+
+    address = str(model)
+    found = None if address.startswith(PREFIX) else _SAID.fullmatch(address)
+    if found is None or Path(address).exists():
+        return address, {}
+    said: dict[str, Any] = {}
+    for word in re.split(r",(?=\w+=)", found[2]):
+        name, _, value = word.partition("=")
+        if name not in READING:
+            raise unknown("word on how a file is read", name, READING)
+        try:
+            said[name] = READING[name](value)
+        except ValueError as error:
+            raise BadInput(f"{name} is {value!r} in {address}, but must be a number, such as {name}=25.4") from error
+    return found[1], said
 
 
 def use_of(address: str) -> LoadCase:

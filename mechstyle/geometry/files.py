@@ -60,8 +60,10 @@ DAMAGED = (
 """What parsers raise at damaged files: they notice damage where something is missing, too large, or of another kind."""
 MEASURED = ("glb", "ply")
 """Formats that hold fields over the surface."""
-NAMING = ("obj", "glb")
-"""Formats read by trimesh that name their objects."""
+BARE = ("obj", "glb")
+"""Formats read by trimesh that may have textures."""
+MADE_UP = re.compile(r"(geometry|world|[\w.]*\.ply)?_?\d*")
+"""Names that trimesh gives to what has none."""
 MOST_COPIED = MOST_BYTES // 8
 """Bytes of an OBJ file times its objects up to which these are read one by one: the parser copies all vertices for each."""
 MOST_SAID = 8
@@ -186,7 +188,10 @@ def _held(file: Path) -> Held:
     """What a file holds, in its units; at least one piece, with faces."""
     suffix = file.suffix.lower().lstrip(".")
     if suffix not in FORMATS:
-        raise BadInput(f"{file.name}: cannot read {_kind(suffix)}; convert it to {', '.join(FORMATS)}")
+        raise BadInput(
+            f"{file.name}: cannot read {_kind(suffix)}; open it in the program it was made with (a STEP file in FreeCAD or a slicer) and "
+            f"export it as {', '.join(FORMATS)}"
+        )
     content = _content(file)
     if suffix != "3mf":
         check_claims(file.name, content, suffix)
@@ -260,9 +265,11 @@ def _parsed(name: str, content: bytes, suffix: str) -> Held:
 def _by_trimesh(name: str, content: bytes, suffix: str) -> tuple[Piece, ...]:
     """The objects of a file in their places, at least one."""
     # A texture may be a small file of huge pixels, and is of no use here.
-    bare: dict[str, Any] = {"skip_materials": True} if suffix in NAMING else {}
-    if suffix == "obj" and len(content) * content.count(b"\no ") <= MOST_COPIED:
-        bare["split_objects"] = True
+    bare: dict[str, Any] = {"skip_materials": True} if suffix in BARE else {}
+    if suffix == "obj":
+        objects, groups = (len(re.findall(rb"(?m)^%b " % sign, content)) for sign in (b"o", b"g"))
+        if len(content) * (objects or groups) <= MOST_COPIED:
+            bare["split_objects" if objects else "split_groups"] = True
     pieces = []
     try:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
@@ -275,7 +282,7 @@ def _by_trimesh(name: str, content: bytes, suffix: str) -> tuple[Piece, ...]:
                 if hasattr(mesh, "faces") and len(mesh.faces):  # of points and lines nothing is printed
                     vertices, faces = np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64)
                     moved = vertices @ place[:3, :3].T + place[:3, 3] if vertices.shape[1:] == (3,) else vertices
-                    pieces.append(Piece(str(node) if suffix in NAMING else "", moved, faces))
+                    pieces.append(Piece("" if MADE_UP.fullmatch(str(node)) else str(node), moved, faces))
     except DAMAGED as error:
         if error.__traceback__ is not None and error.__traceback__.tb_next is None:
             raise  # by this function, not by a parser: it is no fault of the file
@@ -298,7 +305,7 @@ def _without_tail(content: bytes) -> tuple[bytes, tuple[str, ...]]:
 def _is_coloured(content: bytes, suffix: str) -> bool:
     """Whether an STL, OBJ or PLY file holds colours."""
     if suffix == "ply":
-        return bool(re.search(rb"property\s+\w+\s+(red|diffuse_red)\b", content.partition(b"end_header")[0]))
+        return bool(re.search(rb"property\s+\w+\s+(red|diffuse_red)\b|comment\s+TextureFile\b", content.partition(b"end_header")[0]))
     if suffix == "obj":
         return bool(re.search(rb"(?m)^[ \t]*(usemtl[ \t]|v(?:[ \t]+[-+.\deE]+){6,})", content))
     if suffix != "stl" or stl_length(content) != len(content):

@@ -35,7 +35,7 @@ def plain(content: bytes) -> tuple[bytes, tuple[str, ...]]:
     binary = bytearray(rest[8 : 8 + struct.unpack_from("<I", rest)[0]]) if len(rest) >= 8 else bytearray()
     accessors, meshes = document.get("accessors", []), document.get("meshes", [])
     rewritten: dict[int, int] = {}
-    coloured = any(_painted(material.get("pbrMetallicRoughness", {})) for material in document.get("materials", ()))
+    coloured = any(map(_painted, document.get("materials", ())))
     for mesh in meshes:
         kept = []
         for primitive in mesh.get("primitives", ()):
@@ -56,11 +56,7 @@ def plain(content: bytes) -> tuple[bytes, tuple[str, ...]]:
                 primitive |= {"mode": TRIANGLES, "indices": _added(document, binary, fan.reshape(-1, 1), "SCALAR", 5125)}
             kept.append(primitive)
         mesh["primitives"] = kept
-    posed = any("skin" in node or any(node.get("weights", ())) for node in document.get("nodes", ()))
-    posed |= any(any(mesh.get("weights", ())) for mesh in meshes)
-    for node in document.get("nodes", ()):
-        if "mesh" in node and not meshes[node["mesh"]]["primitives"]:
-            del node["mesh"]
+    posed = _tidied(document)
     if document.get("buffers") and "uri" not in document["buffers"][0]:
         document["buffers"][0]["byteLength"] = len(binary)
     words = json.dumps(document).encode()
@@ -69,6 +65,23 @@ def plain(content: bytes) -> tuple[bytes, tuple[str, ...]]:
     chunks = struct.pack("<I4s", len(words), b"JSON") + words + struct.pack("<I4s", len(binary), b"BIN\0") + binary
     notes = ([POSED] if posed else []) + ([COLOURS_LEFT] if coloured else [])
     return content[:8] + struct.pack("<I", 12 + len(chunks)) + chunks, tuple(notes)
+
+
+def _tidied(document: dict[str, Any]) -> bool:
+    """Whether skeletons or morphs move something; nodes without a surface lose their mesh, and are put in the order of the file.
+
+    The parser takes siblings from their end.
+    """
+    meshes, nodes = document.get("meshes", []), document.get("nodes", [])
+    posed = any("skin" in node or any(node.get("weights", ())) for node in nodes)
+    posed |= any(any(mesh.get("weights", ())) for mesh in meshes)
+    for node in nodes:
+        if "mesh" in node and not meshes[node["mesh"]]["primitives"]:
+            del node["mesh"]
+        node.get("children", []).reverse()
+    for scene in document.get("scenes", ()):
+        scene.get("nodes", []).reverse()
+    return posed
 
 
 def _plain(document: dict[str, Any], binary: bytearray, number: int, rewritten: dict[int, int]) -> int:
@@ -134,6 +147,10 @@ def _added(document: dict[str, Any], binary: bytearray, values: NDArray[Any], ki
     return len(document["accessors"]) - 1
 
 
-def _painted(look: Mapping[str, Any]) -> bool:
-    """Whether a material has a texture, or a colour that is no grey."""
-    return "baseColorTexture" in look or len(set(look.get("baseColorFactor", (1, 1, 1))[:3])) > 1
+def _painted(material: Mapping[str, Any]) -> bool:
+    """Whether a material has a texture, or a colour that is no grey, in any of the ways to give one."""
+    looks = [material, material.get("pbrMetallicRoughness", {}), *material.get("extensions", {}).values()]
+    words = {key: value for look in looks for key, value in look.items()}
+    textures = any(f"{what}Texture" in words for what in ("baseColor", "diffuse", "emissive"))
+    factors = [words.get(f"{what}Factor", (1, 1, 1))[:3] for what in ("baseColor", "diffuse", "emissive")]
+    return textures or any(len(set(factor)) > 1 for factor in factors)

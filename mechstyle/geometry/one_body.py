@@ -17,9 +17,9 @@ from mechstyle.geometry.remeshing.evening import surface_of
 from mechstyle.geometry.repair import HAIRLINE, counted, host_of, inside_out, overlaps_of, solids_of
 from mechstyle.records.mesh import Floats, SurfaceMesh
 
-SPECK, TINY, FEW = 1e-3, 1.0, 10
+SPECK, TINY, FEW, DUST = 1e-3, 1.0, 10, 0.2
 """A body apart is a speck if it has less than this share of the volume of the largest, is shorter than this [mm, about two lines of a
-nozzle], and if no more than so many are: more of them may be letters or dots."""
+nozzle], and if no more than so many are: more of them may be letters or dots. What is shorter than the last [mm] no printer shows."""
 CONTACT = 0.04
 """Area over which bodies touch so that they are one [mm²], the square of half a line of a nozzle."""
 SAME = 1e-4
@@ -83,7 +83,7 @@ def repaired(things: Sequence[Thing], name: str, body: str = "") -> tuple[Surfac
 def bodies_of(things: Sequence[Thing], name: str, notes: list[str]) -> list[Body]:
     """The separate bodies of a file in its order, copies as one; what was done is added to the notes."""
     solids = [solid for thing in things for solid in _solids(thing, name, notes)]
-    if len(solids) == 1:
+    if len(solids) == 1 and not any(thing.cuts for thing in things):  # what is cut may fall apart
         return [_body(1, _one_name(things), [solids[0]])]
     pieces = [piece for thing in things for piece in thing.pieces]
     parts = _touching(_parts(solids))
@@ -211,8 +211,11 @@ def _without_specks(parts: list[Any], notes: list[str]) -> list[Any]:
     """The bodies but for few tiny ones, which are named with their size and place."""
     largest = max(part.volume() for part in parts)
     boxes = _boxes(parts)
-    small = [index for index, part in enumerate(parts) if part.volume() < SPECK * largest and np.ptp(boxes[index], axis=0).max() < TINY]
-    if not small or len(small) > FEW:
+    longest = np.ptp(boxes, axis=1).max(axis=1)
+    small = [index for index, part in enumerate(parts) if part.volume() < SPECK * largest and longest[index] < TINY]
+    if len(small) > FEW:
+        small = [index for index in small if longest[index] < DUST]
+    if not small:
         return parts
     where = [f"{_size(parts[index])} at ({', '.join(f'{x:.1f}' for x in boxes[index].mean(axis=0))})" for index in small]
     notes.append(f"left out {counted(len(small), 'speck', 'specks')} apart from the part: {_listed(where)}")

@@ -64,8 +64,12 @@ class Aside(NamedTuple):
 
     def words(self, matrix: Floats) -> str:
         """Its name, role and size, turned and scaled to mm by a matrix for columns, shape [3, 3]."""
-        article = "an" if self.role[0] in "aeiou" else "a"
-        return f"{called(self.piece.name) + ', ' if self.piece.name else ''}{article} {self.role} of {sides(self.piece.corners @ matrix.T)}"
+        return f"{called(self.piece.name) + ', ' if self.piece.name else ''}{self.kind} of {sides(self.piece.corners @ matrix.T)}"
+
+    @property
+    def kind(self) -> str:
+        """Its role with its article."""
+        return f"{'an' if self.role[0] in 'aeiou' else 'a'} {self.role}"
 
 
 class Held(NamedTuple):

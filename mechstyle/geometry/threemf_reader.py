@@ -1,7 +1,8 @@
 """Reading 3MF as slicers write it: objects in several model parts, and what slicers keep beside the model of what is no material.
 
-Identifiers of objects are unique within a model part only (3MF Core 1.3, 4.1; Production Extension 1.1.2). PrusaSlicer names roles by
-ranges of the triangles of an object, Bambu Studio and OrcaSlicer by components. All that a package claims is counted while it is read.
+Identifiers of objects are unique within a model part only (3MF Core 1.3, 4.1; Production Extension 1.1.2), whose unit is that of its own
+numbers. PrusaSlicer names roles by ranges of the triangles of an object, Bambu Studio and OrcaSlicer by components, Cura by words within
+an object. All that a package claims is counted while it is read.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ PIECE = 1_000_000
 """Bytes that are unpacked at a time."""
 ENCRYPTED = 1
 """Of the flags of an entry of a ZIP package."""
+ENCRYPTED_WORDS = "is encrypted: save it without a password"
 
 MATERIAL, NEGATIVE = "", "negative volume"
 ROLES = {
@@ -37,8 +39,11 @@ ROLES = {
     "SupportBlocker": "support blocker", "support_blocker": "support blocker",
     "SupportEnforcer": "support enforcer", "support_enforcer": "support enforcer",
     "support": "support", "solidsupport": "support", "surface": "surface that is not printed", "other": "object that is not printed",
+    "infill_mesh": "modifier", "cutting_mesh": "modifier", "anti_overhang_mesh": "support blocker", "support_mesh": "support",
 }  # fmt: skip
-"""What PrusaSlicer, Bambu Studio and OrcaSlicer, and types of 3MF objects call what; any other word is no material either."""
+"""What PrusaSlicer, Bambu Studio and OrcaSlicer, types of 3MF objects, and Cura call what; any other word is no material either."""
+MILLIMETRES = {"micron": 1e-3, "millimeter": 1.0, "centimeter": 10.0, "inch": 25.4, "foot": 304.8, "meter": 1000.0}
+"""Of the units of 3MF."""
 SHAPES = {
     "beam": "a beam lattice", "slicestack": "slices", "booleanshape": "a boolean of other objects", "levelset": "an implicit shape",
     "displacementmesh": "a displaced mesh",
@@ -102,6 +107,7 @@ class _Said:
     def __init__(self) -> None:
         self.names: dict[str, str] = {}
         self.volumes: dict[str, list[_Volume]] = {}
+        self.coloured = False
         self._object, self._in_volume = "", False
 
     def element(self, kind: str, attributes: Mapping[str, str]) -> None:
@@ -115,6 +121,7 @@ class _Said:
             self._in_volume = True
         elif kind == "metadata" and self._object:
             key, value = attributes.get("key", ""), attributes.get("value", "")
+            self.coloured |= key == "extruder" and value not in ("", "0", "1")
             if self._in_volume and attributes.get("type") != "object":
                 self.volumes[self._object][-1].facts[key] = value
             elif key == "name":
@@ -135,6 +142,7 @@ class _Package:
         self._marks = 0
         self._part = ""
         self._object: _Object | None = None
+        self._setting, self._words = "", ""
 
     def read(self, name: str, file: Any) -> None:
         """Read an entry of the package: a model part, settings of a slicer, or where the package begins."""
@@ -149,6 +157,8 @@ class _Package:
 
         parser = expat.ParserCreate(namespace_separator=" ")
         parser.StartElementHandler = element
+        parser.CharacterDataHandler = self._word
+        parser.EndElementHandler = self._end
         parser.StartDoctypeDeclHandler = _doctype
         parser.ParseFile(file)
 
@@ -181,6 +191,22 @@ class _Package:
             thing.components.append(self._use(attributes))
         elif kind in SHAPES:
             thing.shapes.add(SHAPES[kind])
+        elif kind in ("metadata", "setting"):
+            names = [value for name, value in attributes.items() if name.rpartition(" ")[2] in ("name", "key")]
+            self._setting, self._words = (names or [""])[0].rpartition(":")[2], ""
+
+    def _word(self, words: str) -> None:
+        """Text between elements; what Cura says of an object is a short word."""
+        if self._setting and len(self._words) < 8:
+            self._words += words
+
+    def _end(self, _tag: str) -> None:
+        if self._object is not None and self._setting:
+            word = self._words.strip().lower()
+            if self._setting in ROLES and word == "true":
+                self._object.kind = self._setting
+            self.said.coloured |= self._setting == "extruder_nr" and word not in ("", "-1", "0")
+        self._setting = ""
 
     def _begin(self, attributes: dict[str, str]) -> None:
         key = _Key(self._part, attributes["id"])
@@ -221,6 +247,8 @@ def read_threemf(content: bytes) -> Held:
         too_many(len(entries))
         if sum(entry.file_size for entry in entries) > claims.MOST_BYTES:
             raise Beyond(f"unpacks to more than {claims.MOST_BYTES / 1e6:.0f} MB: simplify it in the program it was made with")
+        if any(entry.filename.lower().endswith("/keystore.xml") for entry in entries):  # of the Secure Content extension
+            raise Beyond(ENCRYPTED_WORDS)
         for entry in entries:
             _check_packing(archive, entry)
             name = _path(entry.filename)
@@ -233,7 +261,7 @@ def read_threemf(content: bytes) -> Held:
 def _check_packing(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> None:
     """Refuse an entry that does not unpack to the size that the package says: who reads it unpacks all of it."""
     if entry.flag_bits & ENCRYPTED:
-        raise Beyond("is encrypted: save it without a password")
+        raise Beyond(ENCRYPTED_WORDS)
     if entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):  # of others no piece has a bound
         raise Beyond("is packed in a way that 3MF does not know: export it again")
     unbelieved = copy.copy(entry)
@@ -247,46 +275,64 @@ def _check_packing(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> None:
 
 
 class _Leaf(NamedTuple):
-    """A stretch of triangles of an item, and what it is."""
+    """A stretch of triangles of an item, what it is, and the number of the object whose settings it falls under, 0 of none."""
 
     role: str
     piece: Piece
+    owner: int = 0
 
 
 def _built(package: _Package) -> Held:
     """What is built, item by item."""
-    start = package.start if package.start in package.units else next(iter(package.items or package.units), "")
+    start = _start(package)
     if not start:
         raise Beyond("holds no model: it is no 3MF, or is damaged; export it again")
-    things, asides, count = [], [], _Count()
+    things, asides, count = list[Thing](), list[Aside](), _Count()
     for item in package.items.get(start, ()):
-        leaves = list(_leaves(package, item, count))
+        leaves = list(_leaves(package, item.key, item.place, count))
         body = package.objects[item.key]
         whole = ROLES.get(body.kind, f"object of the type {called(body.kind)}") if item.printed else "object that is not to be printed"
         if whole:
             asides += [Aside(whole, leaf.piece) for leaf in leaves]
             continue
-        pieces, cuts = ([leaf.piece for leaf in leaves if leaf.role == role] for role in (MATERIAL, NEGATIVE))
         asides += [Aside(leaf.role, leaf.piece) for leaf in leaves if leaf.role not in (MATERIAL, NEGATIVE)]
-        name = package.said.names.get(item.key.number, "") or body.name
-        if pieces:
-            if len(pieces) == 1 and name:
-                pieces = [pieces[0]._replace(name=pieces[0].name or name)]
-            things.append(Thing(name or pieces[0].name, tuple(pieces), tuple(cuts)))
-        else:
-            asides += [Aside(NEGATIVE, piece) for piece in cuts]
+        _sort_in(leaves, package.said.names.get(item.key.number, "") or body.name, things, asides)
     if not things:
         raise Beyond(_nothing(package, start, asides))
-    notes: tuple[str, ...] = (COLOURS_LEFT,) if any(one.coloured for one in package.objects.values()) else ()
+    coloured = package.said.coloured or any(one.coloured for one in package.objects.values())
+    notes: tuple[str, ...] = (COLOURS_LEFT,) if coloured else ()
     lattices = sorted({shape for one in package.objects.values() if one.indices for shape in one.shapes})
     notes += tuple(f"its triangles are read, and {shape} that it holds besides is left out" for shape in lattices)
     return Held(tuple(things), package.units[start], tuple(asides), notes)
 
 
+def _start(package: _Package) -> str:
+    """The model part where the package begins, "" if it has none."""
+    return package.start if package.start in package.units else next(iter(package.items or package.units), "")
+
+
+def _sort_in(leaves: list[_Leaf], name: str, things: list[Thing], asides: list[Aside]) -> None:
+    """Add an item to what is printed: a negative volume takes from the object that its settings are of, and from no other."""
+    cutting = {leaf.owner for leaf in leaves if leaf.role == NEGATIVE}
+    groups: dict[int, list[_Leaf]] = {}
+    for leaf in leaves:
+        if leaf.role in (MATERIAL, NEGATIVE):
+            groups.setdefault(leaf.owner if leaf.owner in cutting else -1, []).append(leaf)
+    for group in groups.values():
+        pieces, cuts = ([leaf.piece for leaf in group if leaf.role == role] for role in (MATERIAL, NEGATIVE))
+        if len(pieces) == 1 and name:
+            pieces = [pieces[0]._replace(name=pieces[0].name or name)]
+        if pieces:
+            things.append(Thing(name or pieces[0].name, tuple(pieces), tuple(cuts)))
+        else:
+            asides += [Aside(NEGATIVE, piece) for piece in cuts]
+
+
 def _nothing(package: _Package, start: str, asides: list[Aside]) -> str:
     """Why nothing of a package is printed."""
     if asides:
-        named = "; ".join(f"{called(aside.piece.name)} is a {aside.role}" for aside in asides[:3]) + ("; …" if len(asides) > 3 else "")
+        named = "; ".join(f"{called(aside.piece.name) if aside.piece.name else 'it'} is {aside.kind}" for aside in asides[:3])
+        named += "; …" if len(asides) > 3 else ""
         return f"holds nothing that is printed ({named}): make a part of it in the slicer, and save it again"
     if not package.items.get(start):
         return "has nothing on its plate: put the part on it in the program it was made with, and save it again"
@@ -311,41 +357,40 @@ class _Count:
             raise Beyond(f"has more than {claims.MOST_FACES} faces: simplify it in the program it was made with")
 
 
-def _leaves(package: _Package, item: _Use, count: _Count) -> Iterator[_Leaf]:
-    """The triangles of an item, each stretch with its role."""
-    body = _of(package, item.key)
-    count.add(0)
-    volumes = package.said.volumes.get(item.key.number, [])
-    ranges = [volume for volume in volumes if volume.first is not None]
-    if body.indices and ranges:
-        yield from _stretches(body, item.place, ranges, count)
-        return
-    parts = [volume for volume in volumes if volume.first is None]
-    own = _role_of(parts, 0, [item.key.number])
-    yield from _meshes(body, item.place, own[0] or body.name, own[1] if body.indices else MATERIAL, count)
-    numbers = [use.key.number for use in body.components]
-    for place, use in enumerate(body.components):
-        name, role = _role_of(parts, place, numbers)
-        below = _of(package, use.key)
-        role = role if parts and _known(parts, place, numbers) else ROLES.get(below.kind, MATERIAL)
-        yield from _within(package, use, item.place, name, role, count, (item.key,))
-
-
-def _within(package: _Package, use: _Use, place: Floats, name: str, role: str, count: _Count, above: tuple[_Key, ...]) -> Iterator[_Leaf]:
-    """The triangles of a component and of those that it is made of."""
-    if use.key in above:
+def _leaves(
+    package: _Package, key: _Key, place: Floats, count: _Count, name: str = "", role: str = MATERIAL, owner: int = 0,
+    above: tuple[_Key, ...] = (),
+) -> Iterator[_Leaf]:  # fmt: skip
+    """The triangles of an object and of those that it is made of, each stretch with its role; all of an object has the role said of it."""
+    if key in above:
         raise Beyond("has an object that is part of itself: it is damaged; export it again")
     count.add(0)
-    body, here = _of(package, use.key), place @ use.place
-    yield from _meshes(body, here, name or body.name, role, count)
-    for below in body.components:
-        yield from _within(package, below, here, name or _of(package, below.key).name, role, count, (*above, use.key))
-
-
-def _meshes(body: _Object, place: Floats, name: str, role: str, count: _Count) -> Iterator[_Leaf]:
+    body = _of(package, key)
+    volumes = package.said.volumes.get(key.number, []) if key.part == _start(package) else []
+    owner = count.pieces if volumes else owner
+    ranges = [volume for volume in volumes if volume.first is not None]
+    if body.indices and ranges:
+        yield from (leaf._replace(role=role or leaf.role, owner=owner) for leaf in _stretches(body, place, ranges, count))
+        return
+    parts = [volume for volume in volumes if volume.first is None]
     if body.indices:
         count.add(len(body.indices) // 3)
-        yield _Leaf(role, body.piece(name, place))
+        own = _role_of(parts, 0, [key.number])
+        yield _Leaf(role or own[1], body.piece(name or own[0] or body.name, place), owner)
+    numbers = [use.key.number for use in body.components]
+    for index, use in enumerate(body.components):
+        below = _of(package, use.key)
+        its_name, its_role = _role_of(parts, index, numbers)
+        if not (parts and _known(parts, index, numbers)):
+            its_role = ROLES.get(below.kind, MATERIAL)
+        there = place @ use.place @ _in_unit_of(package, key.part, use.key.part)
+        yield from _leaves(package, use.key, there, count, name or its_name, role or its_role, owner, (*above, key))
+
+
+def _in_unit_of(package: _Package, part: str, other: str) -> Floats:
+    """From the numbers of another model part to those of a part, shape [4, 4]; they may be of different units."""
+    here, there = (MILLIMETRES.get(package.units[one]) for one in (part, other))
+    return np.diag([there / here] * 3 + [1.0]) if here and there else np.eye(4)
 
 
 def _known(parts: list[_Volume], place: int, numbers: list[str]) -> bool:

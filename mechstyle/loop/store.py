@@ -186,18 +186,6 @@ class Store:
             yield entry
             digest = entry.parent
 
-    def allowable(self, state: Checkpoint | Entry) -> float:
-        """What the stress on show may at most be [MPa]: the limit of the newest verdict, before the first the yield strength."""
-        verdict = self.verdict(state)
-        row = None if verdict is None else verdict.deciding
-        return self.recipe(state.recipe).test.material.yield_strength if row is None else row.limit
-
-    def allowable_flat(self, state: Checkpoint | Entry) -> float:
-        """The same of the flat landing [MPa]."""
-        verdict = self.verdict(state)
-        row = None if verdict is None else verdict.row("flat")
-        return self.recipe(state.recipe).test.material.yield_strength if row is None else row.limit
-
     def verdict(self, state: Checkpoint | Entry) -> Verdict | None:
         """The newest verdict there, None before the first."""
         verdict, parent = state.verdict, state.parent

@@ -1,6 +1,9 @@
 """The table of what can be looked at on a part: how each quantity is called, measured, scaled and set apart above a threshold.
 
 Figures, viewer, replay and report read it, so that a field has one label, one unit and one threshold wherever it is shown.
+
+What is shown is what is judged: stress above σ_V is shown as σ_V. What exceeds it has less than the volume V0, and how much is read there
+hangs on the mesh.
 """
 
 from __future__ import annotations
@@ -51,6 +54,8 @@ class Quantity:
         formed: Makes it from that array, None if it is that array.
         said: How a value at one place is put in words; as a figure with its unit if None.
         tested: Reads the array from a simulation, where that holds it for several tests; None if it is an array of the simulation.
+        judged: What is judged of it; values above are shown as this, and it stands for them on the bar; None if all are shown.
+        most: Words beside the greatest value, "" for that value.
     """
 
     name: str
@@ -65,6 +70,8 @@ class Quantity:
     formed: Callable[[NDArray[Any]], NDArray[Any]] | None = None
     said: Callable[[float], str] | None = None
     tested: Callable[[Simulation], NDArray[Any]] | None = None
+    judged: float | None = None
+    most: str = ""
 
     @property
     def title(self) -> str:
@@ -103,21 +110,22 @@ class Quantity:
         return None if self.least is None else (min(low, self.least[0]), max(high, self.least[1]))
 
 
-def stress(limit: float) -> Quantity:
-    """Stress against what it may at most be [MPa]."""
-    return _against(limit, "stress", "von Mises stress at the surface", "MPa")
+def stress(limit: float, row: Row | None = None) -> Quantity:
+    """Stress against what it may at most be [MPa], as far as the row of its test judges it; all of it without one."""
+    return _against(limit, "stress", "von Mises stress at the surface", "MPa", row)
 
 
-def moment(limit: float) -> Quantity:
-    """Stress at one moment of an impact against what it may at most be [MPa]."""
-    return _against(limit, MOMENT, "stress of the moment", "MPa")
+def moment(limit: float, row: Row | None = None) -> Quantity:
+    """Stress at one moment of an impact against what it may at most be [MPa], as far as the row of its landing judges it."""
+    return _against(limit, MOMENT, "stress of the moment", "MPa", row)
 
 
-def safety_factor(strength: float) -> Quantity:
-    """Yield strength [MPa] over stress, in the test that decides."""
+def safety_factor(strength: float, row: Row | None = None) -> Quantity:
+    """Yield strength [MPa] over stress, in the test that decides, as far as its row judges it."""
+    most = np.inf if row is None else _judged(row) or np.inf
 
     def factor(stress: NDArray[Any]) -> NDArray[Any]:
-        return np.minimum(strength / np.maximum(stress, strength / AMPLE), AMPLE).astype(np.float32)
+        return np.minimum(strength / np.clip(stress, strength / AMPLE, most), AMPLE).astype(np.float32)
 
     return Quantity(
         "safety_factor", "safety factor: yield strength over stress", least=(SPARE, 0.0), threshold=1.0,
@@ -130,25 +138,40 @@ def demand(recipe: Recipe) -> Quantity:
     return _against(recipe.restraint.threshold, "demand", DEMAND_LABELS[recipe.restraint.normalisation])
 
 
-def _against(threshold: float, name: str, label: str, unit: str = "") -> Quantity:
-    return Quantity(name, label, unit, (0.0, ROOM_ABOVE * threshold), threshold)
+def _against(threshold: float, name: str, label: str, unit: str = "", row: Row | None = None) -> Quantity:
+    """A quantity with a threshold, cut off at what its row judges."""
+    judged = None if row is None else _judged(row)
+    if row is None or judged is None:
+        return Quantity(name, label, unit, (0.0, ROOM_ABOVE * threshold), threshold)
+
+    def cut_off(values: NDArray[Any]) -> NDArray[Any]:
+        return np.minimum(values, np.float32(judged))
+
+    least = (0.0, max(ROOM_ABOVE * threshold, judged))
+    return Quantity(name, label, unit, least, threshold, formed=cut_off, judged=judged, most=sentences.most(row))
+
+
+def _judged(row: Row) -> float | None:
+    """The stress that a row judges [MPa]; None for a mean of several landings, of which none has it."""
+    return None if row.test == "any landing" else row.stress
 
 
 def flat_stress(row: Row) -> Quantity:
     """Stress of the flat landing against the limit of its row [MPa]."""
-    quantity = _against(row.limit, "flat_stress", "stress of the flat landing", "MPa")
+    quantity = _against(row.limit, "flat_stress", "stress of the flat landing", "MPa", row)
     return replace(quantity, note=row.landing, tested=lambda simulation: simulation.stress_of(landing=row.landing))
 
 
 def nearly_flat_stress(row: Row) -> Quantity:
     """Largest stress of the nearly flat landings against the limit of their row [MPa]."""
-    quantity = _against(row.limit, "nearly_flat_stress", "largest stress of the nearly flat landings", "MPa")
+    quantity = _against(row.limit, "nearly_flat_stress", "largest stress of the nearly flat landings", "MPa", row)
     return replace(quantity, note=f"all of them; {row.landing} decides", tested=_nearly_flat)
 
 
 def load_stress(row: Row) -> Quantity:
     """Stress under a load against the limit of its row [MPa]; what no file could call it by becomes `_` in its name."""
-    quantity = _against(row.limit, f"load_{re.sub('[^A-Za-z0-9]+', '_', row.load)}", f"stress under the load {row.load!r}", "MPa")
+    name = f"load_{re.sub('[^A-Za-z0-9]+', '_', row.load)}"
+    quantity = _against(row.limit, name, f"stress under the load {row.load!r}", "MPa", row)
     return replace(quantity, tested=lambda simulation: simulation.stress_of(load=row.load))
 
 
@@ -184,20 +207,16 @@ TITLES = {
 """What a menu calls a quantity, where that is not its name."""
 
 
-def quantities(recipe: Recipe, limit: float) -> tuple[Quantity, ...]:
+def quantities(recipe: Recipe, verdict: Verdict | None) -> tuple[Quantity, ...]:
     """The fields every checkpoint holds, in the order in which they are offered.
 
     Args:
         recipe: The recipe in force there.
-        limit: What the stress of the test that decides may at most be [MPa].
+        verdict: The newest verdict there, None before the first.
     """
-    return stress(limit), safety_factor(recipe.test.material.yield_strength), RESTRAINT, demand(recipe), DISPLACEMENT
-
-
-def limit_of(recipe: Recipe, verdict: Verdict | None) -> float:
-    """What the stress of a checkpoint may at most be [MPa]: the limit of the row that decides, else the yield strength."""
-    row = None if verdict is None else verdict.deciding
-    return recipe.test.material.yield_strength if row is None else row.limit
+    strength, row = recipe.test.material.yield_strength, None if verdict is None else verdict.deciding
+    against = stress(strength if row is None else row.limit, row)
+    return against, safety_factor(strength, row), RESTRAINT, demand(recipe), DISPLACEMENT
 
 
 @dataclass(frozen=True, eq=False)
@@ -247,7 +266,7 @@ def known(
     decides = _joined(None if row is None else sentences.named(row), when)
     held = [
         Known.of(quantity, quantity.of(state), *seen.get(quantity.name, ()), note=aged.get(quantity.name, decides))
-        for quantity in (_of_the_test(one, row) for one in quantities(recipe, limit_of(recipe, verdict)))
+        for quantity in (in_the_test(one, row) for one in quantities(recipe, verdict))
     ]
     held.append(Known.of(THICKNESS, thickness))
     if simulation is not None:  # which alone knows contact, and the stress of each test that has a row
@@ -257,7 +276,7 @@ def known(
     return tuple(held)
 
 
-def _of_the_test(quantity: Quantity, row: Row | None) -> Quantity:
+def in_the_test(quantity: Quantity, row: Row | None) -> Quantity:
     """A quantity made from the stress of a checkpoint, as it is read from a simulation: in the test that decides."""
     if quantity.source != "stress" or row is None or row.test == "published rule":
         return quantity

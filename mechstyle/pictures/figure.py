@@ -29,6 +29,8 @@ DPI = 100.0
 INK, FAINT = "#1c1c1e", "#5f5f66"
 GAP, MARGIN, TITLE, PANEL_TITLE, NOTE, BAR = 14, 18, 44, 30, 20, 102  # heights and gaps [pixels]
 BAR_WIDTH, BAR_HEIGHT = 360, 13
+CROWDED = 0.12
+"""How near to the value that stands for all above it no other stands under the bar, as a share of it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +47,8 @@ class Panel:
         threshold: Values above it are hatched and outlined, None for no threshold.
         view: One of `camera.VIEWS`, or the very camera.
         note: A line under the picture.
+        judged: Value that stands for itself and all above it, None if all are shown; the bar marks the greatest of its panels.
+        most: Words at the greatest value; "" for that value.
     """
 
     mesh: SurfaceMesh
@@ -56,6 +60,8 @@ class Panel:
     threshold: float | None = None
     view: str | Camera = "three_quarter"
     note: str = ""
+    judged: float | None = None
+    most: str = ""
 
     @property
     def field(self) -> tuple[str, str, tuple[float, float] | None, float | None] | None:
@@ -97,8 +103,9 @@ def figure(
     for index, (panel, camera) in enumerate(zip(panels, _cameras(panels, panel_size), strict=True)):
         scale = None if panel.field is None else scales[panel.field]
         _draw_panel(page.picture_axes(sheet, index), panel, camera, scale, device)
-    for index, ((label, unit, _, _), scale) in enumerate(scales.items()):
-        _draw_bar(page.bar_axes(sheet, index), label, unit, scale)
+    for index, (field, scale) in enumerate(scales.items()):
+        judged = max((panel.judged for panel in panels if panel.field == field and panel.judged is not None), default=None)
+        _draw_bar(page.bar_axes(sheet, index), field[0], field[1], scale, judged)
     return sheet
 
 
@@ -234,7 +241,8 @@ def _mark_extremes(axes: Axes, panel: Panel, camera: Camera) -> None:
         faint = 0.5 if hidden else 1.0
         for edge, wide in (("white", 3.2), (INK, 1.4)):
             axes.plot(x, y, marker, ms=size + 2, mfc="none", mec=edge, mew=wide, alpha=faint)
-        words = f"{kind} {values[vertex]:.3g}{' ' + panel.unit if panel.unit else ''}{' (far side)' if hidden else ''}"
+        words = f"{kind} {values[vertex]:.3g}{' ' + panel.unit if panel.unit else ''}"
+        words = f"{panel.most if panel.most and kind == 'max' else words}{' (far side)' if hidden else ''}"
         taken.append(_write_beside(axes, (x, y), words, "bold" if kind == "max" else "normal", taken))
 
 
@@ -255,7 +263,7 @@ def _write_beside(axes: Axes, at: tuple[float, float], words: str, weight: str, 
     return box
 
 
-def _draw_bar(axes: Axes, label: str, unit: str, scale: Scale) -> None:
+def _draw_bar(axes: Axes, label: str, unit: str, scale: Scale, judged: float | None) -> None:
     width, height = _pixels(axes)
     values = np.tile(np.linspace(scale.low, scale.high, width), (height, 1))
     colours = linear_to_srgb(scale.colours(values))
@@ -263,6 +271,11 @@ def _draw_bar(axes: Axes, label: str, unit: str, scale: Scale) -> None:
     axes.imshow(colours, extent=(scale.low, scale.high, 0, 1), aspect="auto", interpolation="none")
     axes.set_yticks([])
     axes.xaxis.set_major_locator(MaxNLocator(6))
+    if judged is not None:
+        room = CROWDED * abs(scale.high - scale.low)
+        places = [place for place in MaxNLocator(6).tick_values(scale.low, scale.high) if scale.low <= place <= scale.high]
+        places = [*(place for place in places if abs(place - judged) > room), judged]
+        axes.set_xticks(places, [*(f"{place:g}" for place in places[:-1]), f"≥ {judged:.3g}"])
     axes.tick_params(labelsize=9, length=3, color=FAINT, labelcolor=INK)
     for side in axes.spines.values():
         side.set_visible(False)

@@ -57,8 +57,10 @@ def field_panel(
     """A part coloured by a field, shape [vertex_count], as the table of quantities has it; its name is the title by default."""
     from mechstyle.pictures.figure import Panel  # noqa: PLC0415 — matplotlib is loaded when a picture is wanted
 
-    limits, threshold = quantity.limits(values), quantity.threshold
-    return Panel(mesh, title or quantity.name, values, quantity.unit, quantity.label, limits, threshold, view, note)
+    return Panel(
+        mesh, title or quantity.name, values, quantity.unit, quantity.label, quantity.limits(values), quantity.threshold, view, note,
+        quantity.judged, quantity.most,
+    )  # fmt: skip
 
 
 def verdict_note(verdict: Verdict) -> str:
@@ -88,9 +90,10 @@ def checkpoint_panels(
         note = verdict_note(state.verdict)
     elif measured_at != state.simulated_at:
         note = f"UNKNOWN: the later test at iteration {state.simulated_at} gave no answer"
+    stress = fields.quantities(recipe, measured)[0]
     return [
         Panel(styled, f"“{recipe.style.prompt}”"),
-        field_panel(styled, fields.stress(fields.limit_of(recipe, measured)), state.stress, title=f"stress{when}", note=note),
+        field_panel(styled, stress, stress.of(state), title=f"stress{when}", note=note),
         field_panel(
             styled,
             fields.RESTRAINT,
@@ -143,14 +146,13 @@ def comparison(original: SurfaceMesh, start: Checkpoint, finals: Sequence[tuple[
 
     rows: list[list[Panel]] = [[], [], []]
     shown = [("plain part", start, finals[0][2]), *finals]
-    highest = [float(state.stress.max()) for _, state, _ in shown]
-    for name, state, recipe in shown:
+    stresses = [fields.quantities(recipe, state.verdict)[0] for _, state, recipe in shown]
+    highest = max(high for stress, (_, state, _) in zip(stresses, shown, strict=True) for high in (stress.limits(stress.of(state)) or ()))
+    for stress, (name, state, _) in zip(stresses, shown, strict=True):
         styled = original.displaced(state.displacement).coloured(state.colour)
-        limit = fields.limit_of(recipe, state.verdict)
         rows[0].append(Panel(styled, name))
-        stress = fields.stress(limit)
         for row, view, title in ((1, "three_quarter", "stress"), (2, "below", "from below")):
             note = verdict_note(state.verdict) if row == 1 and state.verdict is not None else ""
-            panel = field_panel(styled, stress, state.stress, title=title, note=note, view=view)
-            rows[row].append(replace(panel, limits=stress.limits(highest)))
+            panel = field_panel(styled, stress, stress.of(state), title=title, note=note, view=view)
+            rows[row].append(replace(panel, limits=(0.0, highest)))
     return picture([panel for row in rows for panel in row], title=f"“{finals[0][2].style.prompt}”", columns=len(shown))

@@ -381,6 +381,11 @@ def figures(row: Row) -> str:
     return f"{named(row)}: {stress(row.stress, row.limit)}"
 
 
+def most(row: Row) -> str:
+    """What a picture of a test says of its greatest stress: what is judged, which all that is above it is shown as."""
+    return f"{'largest in an element' if row.test == 'published rule' else 'σ_V'} {row.stress:.1f} MPa"
+
+
 def named(row: Row) -> str:
     """The landing or load that a picture of a test shows."""
     return {"load": f"load {row.load}", "published rule": "published rule"}.get(row.test, row.landing)

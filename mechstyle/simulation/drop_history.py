@@ -13,7 +13,9 @@ from mechstyle.fea.history import History
 from mechstyle.fea.snapshots import Snapshot
 from mechstyle.fea.stressed_volume import at_nodes
 from mechstyle.fea.vtu import on_nodes, vtu
+from mechstyle.pictures import fields
 from mechstyle.pictures.panels import Picture
+from mechstyle.records import Row
 from mechstyle.records.mesh import Floats, TetMesh
 from mechstyle.simulation.impact import Impact, nearest_rigid
 
@@ -108,18 +110,18 @@ class Course(msgspec.Struct, frozen=True, kw_only=True):
         return f"without damping the balance closes to {100 * self.balance_error:.1g} %, {kept} 1 %"
 
 
-def history_picture(history: History, impact: Impact, course: Course, limit: float) -> Picture:
+def history_picture(history: History, impact: Impact, course: Course, flat: Row) -> Picture:
     """Peak stress, energies and contact force of the drop as placed over time.
 
     Args:
         history: Of the drop as placed.
         impact: The same drop on the surface.
         course: Its figures.
-        limit: What the stress of the flat landing may at most be [MPa].
+        flat: How the drop is judged.
     """
     from mechstyle.pictures.plots import plots_png  # noqa: PLC0415 — matplotlib is loaded when a picture is wanted
 
-    plots = [_stress_plot(history, impact, course, limit), _energy_plot(history), _force_plot(history, course)]
+    plots = [_stress_plot(impact, course, flat), _energy_plot(history), _force_plot(history, course)]
     note = f"{course.words} {course.touch_words}"
     return Picture(plots_png(plots, x_label="time since first touch [ms]", title="The drop as placed", note=note))
 
@@ -179,17 +181,16 @@ def _with_gaps(history: History, values: Floats) -> tuple[Floats, Floats]:
     return np.insert(history.time, flights, history.time[flights]), np.insert(values, flights, np.nan)
 
 
-def _stress_plot(history: History, impact: Impact, course: Course, limit: float) -> Plot:
+def _stress_plot(impact: Impact, course: Course, flat: Row) -> Plot:
+    """Largest stress of each moment, as far as it is judged."""
     from mechstyle.pictures.plots import Curve, Plot  # noqa: PLC0415 — as above
 
-    curves = (
-        Curve("at the surface", impact.time, impact.stress.max(axis=1), stepped=True),
-        Curve("largest in an element", *_with_gaps(history, history.peak_stress)),
-    )
+    judged = fields.moment(flat.limit, flat)
+    curves = [Curve("at the surface", impact.time, judged.made(impact.stress.max(axis=1)), stepped=True)]
     x, y, z = course.peak_where
-    words = f"highest by {course.peak_time:.2f} ms, at ({x:.1f}, {y:.1f}, {z:.1f}) mm"
-    mark = (course.peak_time, course.peak_stress)
-    return Plot("Peak von Mises stress", "MPa", curves, limit=(limit, f"limit {limit:.1f} MPa"), mark=mark, words=words)
+    words = f"{judged.most}; highest by {course.peak_time:.2f} ms, at ({x:.1f}, {y:.1f}, {z:.1f}) mm"
+    mark = (course.peak_time, min(course.peak_stress, flat.stress))
+    return Plot(judged.label.capitalize(), "MPa", curves, limit=(flat.limit, f"limit {flat.limit:.1f} MPa"), mark=mark, words=words)
 
 
 def _energy_plot(history: History) -> Plot:

@@ -1,19 +1,34 @@
-"""Estimate of the falls and the time of a run, before it begins: from the size of its mesh, or from what falls took on this machine."""
+"""Estimate of the falls and the time of a run.
+
+Before it begins it is made from the size of its mesh, or from what falls took on this machine; before its first fall from its very
+tetrahedra.
+"""
 
 from __future__ import annotations
 
 import math
-import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from time import perf_counter
 
+import numpy as np
+
+from mechstyle.fea.discretisation import discretise
+from mechstyle.fea.drop import body_on, tracks_for
+from mechstyle.fea.elements import element_named
+from mechstyle.fea.explicit import cores as cores_allowed
+from mechstyle.fea.explicit import damped_step, no_progress
+from mechstyle.fea.orientations import TILT
+from mechstyle.fea.phases import follow
 from mechstyle.records import sentences
-from mechstyle.simulation.simulator import STEERING
+from mechstyle.records.mesh import TetMesh
+from mechstyle.simulation.physics import prescribed
+from mechstyle.simulation.simulator import STEERING, DropSimulator
 
 SECONDS_PER_STEP = {"tet10": 50e-9, "tet4": 12e-9}
 """Time of one core for one tetrahedron and one step [s]: of four drops of three parts of 2000 to 4000 vertices 48 to 57 ns were measured
 for tet10; tet4 is a guess."""
-STEP, STEPS = 8e-5, 17_000
-"""Time step [ms], and steps until an impact has ended, of which 15 120 to 19 800 were counted: finer meshes are dropped with more mass."""
+STEP, STEPS = 1.1e-4, 12_500
+"""Time step [ms], and steps until an impact has ended: 10 300 to 22 700 were counted of parts of 2000 to 3000 vertices."""
 TETRAHEDRA, FINEST = 2.6, 13_000
 """Tetrahedra for each vertex of the surface: 2.0 to 3.3 of these and one of 12 000; a surface of more vertices than FINEST gets no more."""
 NEARLY_FLAT = 8
@@ -22,6 +37,13 @@ MESHING = 2.2e-3
 """Time of one core to mesh a part, for each vertex of its surface [s]."""
 STYLING = 4e-6
 """Time of an iteration without a fall, for each vertex [s]."""
+
+RINGING, LEAST_CONTACT = 0.8, 0.05
+"""A flat impact lasts so many lowest periods, and so many milliseconds besides: of eight parts within a third …"""
+ROCKING = 0.85
+"""… and a nearly flat one longer by this share of the time in which the far side comes down over the whole base: 0.2 to 1.35."""
+TRIED = 400
+"""Steps that are tried to see how fast this machine is."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +93,7 @@ def estimated(
         fall: What a fall of this part took on one core of this machine [s]; None to estimate it.
         cores: Cores of this machine, each of which takes a fall; None for those there are.
     """
-    cores = cores or os.cpu_count() or 1
+    cores = cores or cores_allowed()
     thorough, steering = orientations + NEARLY_FLAT * nearly_flat, 1 + STEERING * nearly_flat
     each = seconds_of_a_fall(TETRAHEDRA * min(vertices, FINEST), element=element, window=window) if fall is None else fall
     rounds = 2 * math.ceil(thorough / cores) + (tests - 1) * math.ceil(steering / cores)
@@ -89,3 +111,47 @@ def seconds_of_a_fall(tetrahedra: float, *, element: str = "tet10", window: floa
     """
     steps = STEPS if window is None else window / STEP
     return tetrahedra * steps * SECONDS_PER_STEP[element]
+
+
+def before_the_first_fall(simulator: DropSimulator, cores: int | None = None) -> Estimate:
+    """Estimate of the tests of a plain part and of its finished style on a processor, without corrections.
+
+    Args:
+        simulator: The drop test, its tetrahedra made.
+        cores: Cores of this machine, each of which takes a fall; None for those this process may use.
+    """
+    cores, recipe = cores or cores_allowed(), simulator.recipe
+    plain, styled = simulator.meshes.plain[0].tets, simulator.meshes.first.tets
+    flat, tilted = impact_times(simulator)
+    every, few = len(simulator.landings.names), recipe.test.hardest_only
+    nearly = sum(way == "nearly flat" for way in simulator.landings.ways)
+    again, last = min(1, every - 1), every - max(nearly - STEERING, 0) if few else every
+    seconds, falls = 0.0, 0
+    for tets, landings, retried in ((plain, every, again), (styled, last, 0 if few else again)):
+        rounds = math.ceil((landings - 1) / cores) + retried
+        seconds += seconds_per_millisecond(simulator, tets) * (flat / min(cores, landings) + rounds * tilted)
+        falls += landings + retried
+    return Estimate(recipe.test.height, falls, seconds)
+
+
+def impact_times(simulator: DropSimulator) -> tuple[float, float]:
+    """About how long a flat and a nearly flat fall are followed [ms]."""
+    test = prescribed(simulator.recipe)
+    if test.window is not None or simulator.period is None:
+        return test.window or 0.0, test.window or 0.0
+    skin = simulator.meshes.first.skin
+    stands = skin.surface.vertices[skin.base.standing] if skin.base.standing.any() else skin.surface.vertices
+    flat = RINGING * simulator.period + LEAST_CONTACT
+    return flat, flat + ROCKING * math.tan(math.radians(TILT)) * float(np.ptp(stands[:, :2], axis=0).max()) / test.speed
+
+
+def seconds_per_millisecond(simulator: DropSimulator, tets: TetMesh) -> float:
+    """Time of one core for a millisecond of a fall [s/ms], from a few steps of one."""
+    test, material = prescribed(simulator.recipe), simulator.recipe.test.material
+    body = discretise(tets, material, test.added_mass, element_named(test.element))
+    step = test.safety * damped_step(body, test.damping)[0]
+    tracks, scheme = tracks_for(body, material, simulator.landings.normals[:1], replace(test, window=TRIED * step))
+    on_cores = body_on("cpu", body)
+    begun = perf_counter()
+    follow(on_cores, scheme, tracks, no_progress)
+    return (perf_counter() - begun) / (TRIED * step)

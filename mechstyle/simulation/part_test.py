@@ -8,6 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import msgspec
 import numpy as np
 
 from mechstyle._files import write_whole
@@ -89,22 +90,23 @@ class PartTest:
     def show(self) -> Picture:
         """Stress of the test that decides from three sides, and of the hardest other landing if there is one."""
         decides, surface = self.verdict.deciding, self.surface
-        limit = self.recipe.test.material.yield_strength if decides is None else decides.limit
-        stress = fields.stress(limit)
-        panels: list[Panel] = []
+        stress = fields.in_the_test(fields.quantities(self.recipe, self.verdict)[0], decides)
         if decides is None:
             return picture([field_panel(surface, stress, self.simulation.stress, title="stress", note=verdict_note(self.verdict))])
-        values = self.simulation.stress_of(landing=decides.landing, load=decides.load)
-        first = decides.load or decides.landing
-        for view, title in (("three_quarter", f"stress, {first}"), ("front", "from the front"), ("below", "from below")):
+        panels: list[Panel] = []
+        values, first = stress.of(self.simulation), f"stress, {decides.load or decides.landing}"
+        for view, title in (("three_quarter", first), ("front", "from the front"), ("below", "from below")):
             note = verdict_note(self.verdict) if not panels else ""
             panels.append(field_panel(surface, stress, values, title=title, view=view, note=note))
         others = [landing for landing in self.simulation.landings if landing.name != decides.landing]
         if others:
             worst = max(others, key=lambda landing: landing.stress)
-            values = self.simulation.stress_of(landing=worst.name)
+            row = self.verdict.row(worst.way)
+            assert row is not None, "every kind of landing has a row"
+            its = msgspec.structs.replace(row, landing=worst.name, stress=worst.stress)
+            stress = fields.in_the_test(fields.stress(row.limit, its), its)
             for view, title in (("three_quarter", f"stress, {worst.name}"), ("below", "from below")):
-                panels.append(field_panel(surface, stress, values, title=title, view=view))
+                panels.append(field_panel(surface, stress, stress.of(self.simulation), title=title, view=view))
         return picture(panels, columns=3)
 
     def show_history(self) -> Picture:
@@ -117,7 +119,7 @@ class PartTest:
             raise SimulationFailed(self.simulation.failure)
         flat = self.verdict.row("flat")
         assert flat is not None, "what was dropped has a flat landing"
-        return history_picture(self.history, self.impact, self.course, flat.limit)
+        return history_picture(self.history, self.impact, self.course, flat)
 
     def save_vtu(self, path: str | Path, *, each_orientation: bool = False) -> Path:
         """Write displacement, stress and contact in the body for ParaView; `drop_history.vtu_bytes` lists the fields.

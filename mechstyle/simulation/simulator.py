@@ -38,10 +38,6 @@ EXPONENTS = (0.2, 1.0)
 LIKELY_EXPONENT = 0.37
 """p of a landing that is not flat, with which the height of its first further drop is guessed; 0.29 to 0.44 in nine originals."""
 
-
-SAME_PART = 1.1
-"""Most that other tetrahedra may add to the σ_V of the original: more is what they do to it."""
-
 Read = Callable[[Floats, float], Exceeded]
 
 
@@ -117,7 +113,7 @@ class DropSimulator:
             return self._on(self.meshes.first, displacement, thorough=False)
         body, meshing = self.meshes.carrier(displacement)
         known, corrected = None, self.recipe.restraint.guarantee and np.any(displacement) and not self.baseline.failure
-        if thorough and corrected and self._steering != self._numbers(displacement, thorough=True):
+        if thorough and corrected and self._steering != self.numbers(displacement, thorough=True):
             known = self._on(body, displacement, thorough=False)
             if self._settles(known):
                 return replace(known, meshing=meshing)
@@ -131,8 +127,8 @@ class DropSimulator:
     def judge(self, simulation: Simulation, *, alone: bool = False) -> Verdict:
         """Verdict on a simulation and that of the original, or `alone` on the original itself.
 
-        Where a part does not pass for sure, its original is read on the part's own tetrahedra, too: what they read of the part, they read
-        of the original as well, and no style is blamed for its mesh.
+        Where a part does not pass for sure, its original is read on the part's own tetrahedra, too, if without relief they have its shape:
+        what they read of the part, they read of the original as well, and no style is blamed for its mesh.
         """
         if alone:
             return judge(simulation, None, self.recipe)
@@ -140,7 +136,7 @@ class DropSimulator:
         if verdict.settled or verdict.outcome == "UNKNOWN" or self.recipe.test.criterion == "paper":  # which an original does not excuse
             return verdict
         body, nothing = self.meshes.known(simulation.mesh), np.zeros(len(self.surface.vertices), np.float32)
-        if body is None or not body.made_for_relief or not body.followed(body.morph.morphed(nothing)).enough:
+        if body is None or not body.made_for_relief or not body.is_the_plain_part:
             return verdict
         return judge(simulation, self.baseline, self.recipe, harder(self.baseline, self._on(body, nothing, thorough=False)))
 
@@ -151,7 +147,7 @@ class DropSimulator:
         detail = self.memo.recall(f"{key}-detail", Detail)
         if detail is None:
             self._static(body).check()
-            numbers = self._numbers(displacement, thorough=True)
+            numbers = self.numbers(displacement, thorough=True)
             result = self._dropped(morphed.tets, self.landings.normals[list(numbers)], self.recipe.test.height)
             balance = None if result.failure else self._balance_error(morphed.tets, result.phases[0][0].end)
             simulation = self._brought(body, morphed, result, numbers, thorough=True)
@@ -171,7 +167,7 @@ class DropSimulator:
         else:
             morphed = body.morph.morphed(displacement)
             self._static(body).check()  # before the long drop
-            numbers = self._numbers(displacement, thorough=thorough)
+            numbers = self.numbers(displacement, thorough=thorough)
             if known is not None:
                 numbers = tuple(number for number in numbers if known.landing(self.landings.names[number]) is None)
             result = self._dropped(morphed.tets, self.landings.normals[list(numbers)], self.recipe.test.height)
@@ -183,7 +179,7 @@ class DropSimulator:
 
     def _key(self, body: Body, displacement: NDArray[np.float32], *, thorough: bool) -> str:
         recipe = self.recipe.on(surface=self.surface.digest, tetrahedra=body.tets.digest)
-        normals = self.landings.normals[list(self._numbers(displacement, thorough=thorough))]
+        normals = self.landings.normals[list(self.numbers(displacement, thorough=thorough))]
         drops, at = (thorough, digest_of(normals)), "" if body.at is None else digest_of(body.at)
         return memo_key((PHYSICS_VERSION, self.device, *physics(recipe), recipe.test.loads, drops, at), displacement)
 
@@ -203,7 +199,7 @@ class DropSimulator:
         hardest = sorted(known, key=lambda number: -self.baseline.landings[number].stress)[:STEERING]
         return (0, *sorted(hardest))
 
-    def _numbers(self, displacement: NDArray[np.float32], *, thorough: bool) -> tuple[int, ...]:
+    def numbers(self, displacement: NDArray[np.float32], *, thorough: bool) -> tuple[int, ...]:
         """Numbers of the landings in which a displaced part is dropped."""
         every = tuple(range(len(self.landings.normals)))
         if (thorough and not (self.recipe.test.hardest_only and np.any(displacement))) or self.baseline.failure:
@@ -234,10 +230,10 @@ class DropSimulator:
 
     def _dropped(self, tets: TetMesh, normals: Floats, height: float) -> Drop:
         test = replace(prescribed(self.recipe), height=height)
-        return drop(tets, self.recipe.test.material, normals, test, device=self.device, progress=self.progress, period=self._period)
+        return drop(tets, self.recipe.test.material, normals, test, device=self.device, progress=self.progress, period=self.period)
 
     @cached_property
-    def _period(self) -> float | None:
+    def period(self) -> float | None:
         """Of `period_of`."""
         return period_of(lambda: self.meshes.plain[0].tets, self.recipe, self.memo, self.meshes.shared)
 
@@ -345,7 +341,7 @@ class DropSimulator:
 
 
 def harder(original: Simulation, here: Simulation) -> Simulation:
-    """An original with the larger σ_V of two meshes in each landing and load, at most SAME_PART times its own.
+    """An original with the larger σ_V of two meshes in each landing and load.
 
     Args:
         original: On tetrahedra of its own.
@@ -353,7 +349,7 @@ def harder(original: Simulation, here: Simulation) -> Simulation:
     """
 
     def raised(own: float, other: float | None) -> float:
-        return own if other is None or not math.isfinite(other) else max(own, min(other, SAME_PART * own))
+        return own if other is None or not math.isfinite(other) else max(own, other)
 
     others = {one.name: one.stress for one in here.landings}
     landings = []
@@ -379,7 +375,8 @@ def exponent_of(landing: Landing, strength: float, stress_from: Callable[[float]
     for _ in range(2):
         if abs(guess - points[-1][0]) < CLOSE:
             break
-        points.append((guess, math.log(stress_from(math.exp(guess)) / strength)))
+        height = float(np.clip(math.exp(guess), LEAST_HEIGHT, GREATEST_HEIGHT))  # the exponential of a logarithm may be a little more
+        points.append((guess, math.log(stress_from(height) / strength)))
         (before, low), (after, high) = points[-2:]
         slope = float(np.clip((high - low) / (after - before), *EXPONENTS))
         guess = float(np.clip(after - high / slope, math.log(LEAST_HEIGHT), math.log(GREATEST_HEIGHT)))

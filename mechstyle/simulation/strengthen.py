@@ -107,12 +107,12 @@ class Strengthened:
 
     def show(self) -> Picture:
         """Stress before and after, and what was added between them; a notebook displays it, `.save(path)` writes the PNG."""
-        limit = self.recipe.test.material.yield_strength
         (first, last), surface = self.verdicts, self.surface
+        before, after = (fields.in_the_test(fields.quantities(self.recipe, verdict)[0], verdict.deciding) for verdict in (first, last))
         panels = [
-            field_panel(self.part.surface, fields.stress(limit), self.before.stress, title=f"before: {first.short}"),
+            field_panel(self.part.surface, before, before.of(self.before), title=f"before: {first.short}"),
             field_panel(surface, fields.ADDED, self.added, title=f"thickened: {self.mass_gained:+.1f} g"),
-            field_panel(surface, fields.stress(limit), self.after.stress, title=f"after: {last.short}"),
+            field_panel(surface, after, after.of(self.after), title=f"after: {last.short}"),
         ]
         return picture(panels)
 

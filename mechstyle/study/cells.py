@@ -20,7 +20,7 @@ import msgspec
 from mechstyle import __version__
 from mechstyle._files import file_stem, write_whole
 from mechstyle.errors import MechStyleError
-from mechstyle.gallery import PREFIX, load
+from mechstyle.gallery import PREFIX, addressed, load
 from mechstyle.geometry.remeshing.filling import VERSION as TETRAHEDRA
 from mechstyle.loop.lock import exclusive
 from mechstyle.records import Recipe
@@ -159,7 +159,8 @@ class Cell(msgspec.Struct, frozen=True, kw_only=True):
     @property
     def part(self) -> str:
         """Name of the part."""
-        return self.name or Path(self.model.removeprefix(PREFIX)).stem
+        path, said = addressed(self.model)
+        return self.name or "-".join([Path(path.removeprefix(PREFIX)).stem, *([said["body"]] if "body" in said else [])])
 
     @property
     def key(self) -> str:

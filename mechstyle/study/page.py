@@ -81,7 +81,8 @@ def write_page(rows: Sequence[Row], page: Path, *, note: str = "") -> dict[str, 
         pictures[name], files[name] = path.name, str(path)
     digest = hashlib.sha256(msgspec.json.encode(own)).hexdigest()[:12]
     made = f"Made of [{table.name}]({table.name}) (rows {digest}) by `mechstyle study page {table.name} --out {page.name}`."
-    parts = ["# Study", "\n".join(filter(None, (note, made))), _what(own, done), _how(), _free(done, pictures), _ways(done, pictures)]
+    parts = ["# Study", _found(done), "\n".join(filter(None, (note, made))), _what(own, done), _how()]
+    parts += [_free(done, pictures), _ways(done, pictures)]
     parts += [_times(done, pictures), _losses(done, pictures), _arms(done, pictures)]
     parts.append(f"## Beside the published study\n\n{_beside(done)}{SLIPS}")
     write_whole(page, ("\n\n".join(part.rstrip() for part in parts if part) + "\n").encode())
@@ -143,6 +144,40 @@ def _what(own: Sequence[Row], done: Sequence[Row]) -> str:
     )
     lost = [f"* {row.part} as {row.prompt!r}, {row.arm}: {row.status}, {row.refused}" for row in own if row.status != "done"]
     return text + ("\n\nNot run:\n\n" + "\n".join(lost) if lost else "")
+
+
+def _found(done: Sequence[Row]) -> str:
+    """What was asked and found, before how it was run: a line for the style alone, for the ways of feedback and for each arm."""
+    asked = "How many parts survive their fall with a style alone, and how many with feedback?"
+    lines = [f"* **The style alone**: {_counted(free)}. {_beside_published(free)}" for free in [_freely(done)] if free]
+    ways = [row for row in done if _is_way(row)]
+    if ways:
+        lines.append(f"* **Control and schedule**, no corrections at the end: {_counted(ways)}; {_extremes(ways)}.")
+    arms: dict[tuple[str, str], list[Row]] = {}
+    for row in filter(_is_arm, done):
+        arms.setdefault((row.condition, row.arm), []).append(row)
+    for (condition, arm), rows in sorted(arms.items()):
+        lines.append(f"* **{arm}, {condition}**: {_counted(rows)}, kept {np.median([row.kept for row in rows]):.2f} in the median.")
+    return f"{asked}\n\n" + "\n".join(lines)
+
+
+def _counted(rows: Sequence[Row]) -> str:
+    """How many pass, how many of these hold, and how many outcomes leave a doubt."""
+    passes, holds, doubts = (sum(of) for of in zip(*((row.passes, row.outcome == "HOLDS", not row.sure) for row in rows), strict=True))
+    return f"{_share(passes, len(rows))} pass, {holds} of them hold by themselves; {doubts} outcomes are not sure"
+
+
+def _beside_published(free: Sequence[Row]) -> str:
+    """The published share of the style alone, which is by another rule, and what that rule says here."""
+    by_their_rule = _share(sum(row.passes_published for row in free), len(free))
+    return f"Published: {PUBLISHED[FREE]:g} % (46 of 180), by the largest stress at a point; by that rule here {by_their_rule}."
+
+
+def _extremes(ways: Sequence[Row]) -> str:
+    """The ways that pass least and most often."""
+    shares = sorted((sum(row.passes for row in rows) / len(rows), arm) for arm, rows in _grouped(ways).items())
+    (least, worst), (most, best) = shares[0], shares[-1]
+    return f"from {100 * least:.0f} % ({worst}) to {100 * most:.0f} % ({best})"
 
 
 def _how() -> str:

@@ -159,7 +159,7 @@ def read(prompt: str, *, picture: bool = False) -> Reading:
     clauses = _clauses(kept, notes)
     if not clauses:
         raise _unknown_prompt(prompt, found, [item for item in unwanted if is_style(item)])
-    wishes = _inherited([_wish(clause, notes) for clause in clauses if clause.named or clause.described])
+    wishes = _apart(_inherited([_wish(clause, notes) for clause in clauses if clause.named or clause.described]), notes)
     if picture and all(wish.style != OWN for wish in wishes):
         names = quoted(_spoken(wish.style) for wish in wishes if wish.style)
         way = "give each its place, such as `outside: picture; rim: brick`"
@@ -362,6 +362,15 @@ def _inherited(wishes: Sequence[tuple[Wish, bool]]) -> tuple[Wish, ...]:
     return tuple(complete)
 
 
+def _apart(wishes: tuple[Wish, ...], notes: list[str]) -> tuple[Wish, ...]:
+    """The wishes with one at most for all of the part, the last: "leather handle and wooden body"; a note is added on the others."""
+    everywhere = [wish for wish in wishes if not wish.where and not wish.spared]
+    if len({wish.style for wish in everywhere}) > 1:
+        took, *others = (_spoken(wish.style) for wish in reversed(everywhere))
+        notes.append(f"one style at one place: took {took!r}, left out {quoted(others)}; give each a place")
+    return tuple(wish for wish in wishes if wish not in everywhere[:-1])
+
+
 # --- what was left out --------------------------------------------------------------------------------------------
 
 
@@ -415,14 +424,16 @@ def _unknown_prompt(prompt: str, found: Sequence[Word], unwanted: Sequence[Item]
         return BadInput("the prompt is empty: say in words what the part is to look like, or give a picture with `--image` or image=")
     if any(word.means in english.PICTURES - english.FILLERS for word in found):
         return BadInput(f"the prompt {prompt!r} asks for a picture: give its file, with `--image` or image=")
+    beyond = next((word for word in found if word.means in english.BEYOND), None)
     near = [_spoken(style) for style in suggestions(prompt)]
     colour = next((word.text for word in found if word.means in english.COLOURS), "")
     said = "no style that can be drawn offline" if not colour else "only a colour and no style"
     if unwanted:
         said = f"no style that is wanted, only what is not ({quoted(_spoken(meaning(item)) for item in unwanted)})"
     ways = ", ".join(f"`{colour} {name}`" if colour else repr(name) for name in near)
+    way = f" (left out {beyond.text!r}: {english.BEYOND[beyond.means]})" if beyond else ""
     return BadInput(
-        f"the prompt {prompt!r} names {said}: try {ways}; `mechstyle styles` lists them all; "
+        f"the prompt {prompt!r} names {said}{way}: try {ways}; `mechstyle styles` lists them all; "
         "any other prompt needs guidance 'clip' (`--guidance clip`) and the weights that `mechstyle weights fetch ViT-B-32` brings once"
     )
 

@@ -21,6 +21,7 @@ _ENDINGS = (
     ("ies", "y"), ("ves", "f"), ("s", ""), ("es", ""), ("ed", ""), ("ed", "e"), ("ing", ""), ("ing", "e"), ("ish", ""), ("ish", "e"),
     ("er", ""), ("er", "e"), ("est", ""), ("est", "e"), ("y", ""), ("en", ""),
 )  # fmt: skip
+_MADE = (("er", ""), ("or", ""))  # what does something
 _INFLECTED = 8  # so many of them only say number and time
 _COMPARED = ("er", "est")  # rougher is rough, but a bagger is no bag
 _PLURALS = ("ies", "es", "s", "ed")
@@ -159,14 +160,16 @@ def _forms(word: str, endings: Sequence[tuple[str, str]] = _ENDINGS) -> Iterator
 
 def _english(word: str) -> str:
     """What English has the word as, without the ending of a plural or participle; "" if it is no common English word."""
-    return next((form for form in _forms(word, _ENDINGS[:_INFLECTED]) if form in english.english()), "")
+    forms = itertools.chain(_forms(word, _ENDINGS[:_INFLECTED]), _forms(word, _MADE))  # a steamer is no slip of a stream
+    return next((form for form in forms if form in english.english()), "")
 
 
 def _known(word: str, language: str) -> str:
     """English word that one word of a language stands for, whatever its ending; "" if it is none."""
     if not language:
-        compared = word.endswith(_COMPARED)
-        return next((form for form in _forms(word) if form in meanings() and not (compared and form != word and form in weak())), "")
+        if word.endswith(_COMPARED) and word not in meanings():  # a bagger is no bag, and a bumper, which is a thing, no bump
+            return "" if english.hints(word) else next((form for form in _forms(word) if form in meanings() and form not in weak()), "")
+        return next((form for form in _forms(word) if form in meanings()), "")
     stem = _stem(word, language)
     return _dictionary(language).get(word) or _dictionary(language).get(stem) or _stems(language).get(stem, "")
 
@@ -235,8 +238,12 @@ def _compound(word: str, language: str) -> list[str]:
 
 
 def _begun(word: str) -> str:
-    """The style or thing with which a longer word begins, in German or English: Schuppenpanzer, Holzkiste; "" if it is none."""
-    starts = [word[:cut] for cut in range(len(word) - _LEAST_STEM, _LEAST_STYLE - 1, -1)]
+    """The style or thing with which a longer word begins, in German or English: Schuppenpanzer, Holzkiste; "" if it is none.
+
+    Of two English words the second is what it is: a hammerhead is no hammer.
+    """
+    cuts = range(len(word) - _LEAST_STEM, _LEAST_STYLE - 1, -1)
+    starts = [word[:cut] for cut in cuts if not (word[:cut] in english.english() and word[cut:] in english.english())]
     known = (means for start in starts for language in ("", "German") if (means := _dictionary(language).get(start, "")))
     return next((means for means in known if means in styles() or means in weak()), "")
 

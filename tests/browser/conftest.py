@@ -27,20 +27,26 @@ import nbformat
 import numpy as np
 import pytest
 from PIL import Image
-from playwright.sync_api import Browser, Locator, Page, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, Locator, Page, sync_playwright
 
-from mechstyle.gallery import make
+from mechstyle._files import cache_folder, write_whole
+from mechstyle.gallery import make, names
 from mechstyle.runs.run import Run, stylize
+from mechstyle.styling import library
+from mechstyle_widgets.settings import thumbnails
 from support import ROOT
 
 SCREENSHOTS = ROOT / "build" / "browser"
 START = 120  # JupyterLab on two busy cores [s]
-PATIENCE = 60_000  # for anything a page is waited for [ms]
+PATIENCE = 180_000  # for anything a page is waited for [ms]; only what fails, or a machine that does much else, waits so long
+VIEWPORT = {"width": 1280, "height": 1200}
 ARGUMENTS = [  # WebGL without a graphics card, and a browser that keeps to itself
     "--no-sandbox",
     "--use-gl=angle",
     "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",
+    "--disable-gpu-compositing",  # or whole pages are painted through the software GPU, for four times the work of a Studio
+    "--disable-gpu-rasterization",
     "--disable-background-networking",
     "--disable-component-update",
 ]
@@ -143,6 +149,16 @@ class Notebook:
                 return now
         pytest.fail(f"the picture stays as it was: {difference(now, before):.2%} of its pixels differ")
 
+    def at_rest(self, viewer: str) -> None:
+        """Wait until neither page nor kernel move a viewer's camera: a click right after that would be the end of a drag."""
+        before = self.pixels(self.canvas())
+        for _ in range(300):
+            now = self.pixels(self.canvas())
+            if np.array_equal(now, before):
+                break
+            before = now
+        self.until(f"__import__('time').monotonic() - {viewer}._picker._moved > 0.3", True)
+
     def drawn(self, number: int = 0) -> np.ndarray:
         """Wait until a view shows more than a background; its pixels."""
         self.canvas(number).wait_for()
@@ -182,12 +198,12 @@ def chromium_path() -> str:
     return path
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="package")
 def chromium(chromium_path: str) -> Iterator[Browser]:
-    """A browser for the tests of one module.
+    """One browser for all tests of this folder.
 
-    Playwright keeps an event loop running in the thread of the tests for as long as it is open. Another module of the same worker may
-    need a thread without one, so it never outlives its own.
+    Playwright keeps an event loop running in the thread of the tests for as long as it is open. Tests of other folders may need a thread
+    without one, so it never outlives these.
     """
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium_path, args=ARGUMENTS)
@@ -197,8 +213,26 @@ def chromium(chromium_path: str) -> Iterator[Browser]:
         asyncio.get_running_loop()
 
 
+@pytest.fixture(scope="package")
+def visitor(chromium: Browser) -> Iterator[BrowserContext]:
+    """One visitor of the lab, whose browser keeps JupyterLab's scripts from one notebook to the next."""
+    context = chromium.new_context(viewport=VIEWPORT)
+    yield context
+    context.close()
+
+
 @pytest.fixture(scope="session")
-def lab(chromium_path: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lab]:
+def thumbnails_drawn(cache: Path) -> None:
+    """A hundred pictures of models and styles in the cache, all grey: drawing them takes a core a minute beside what is tested."""
+    assert cache == cache_folder()
+    grey = thumbnails._png(np.full((*thumbnails.SIZE[::-1], 3), 180, np.uint8))
+    for kind, known in (("model", names()), ("style", library.names())):
+        for name in known:
+            write_whole(thumbnails._place(kind, name), grey)
+
+
+@pytest.fixture(scope="session")
+def lab(chromium_path: str, tmp_path_factory: pytest.TempPathFactory, thumbnails_drawn: None) -> Iterator[Lab]:
     """A JupyterLab that knows nothing of its user."""
     with jupyter_lab(tmp_path_factory.mktemp("home"), tmp_path_factory.mktemp("notebooks")) as started:
         yield started
@@ -254,10 +288,9 @@ def wait_for(lab: Lab, process: subprocess.Popen[bytes], log: Path) -> None:
 
 
 @pytest.fixture(scope="module")
-def notebook(chromium: Browser, lab: Lab, request: pytest.FixtureRequest) -> Iterator[Notebook]:
+def notebook(visitor: BrowserContext, lab: Lab, request: pytest.FixtureRequest) -> Iterator[Notebook]:
     """A page for the notebook of a module; what it asked of the world and what went wrong in it fails the last test."""
-    context = chromium.new_context(viewport={"width": 1280, "height": 1200})
-    page = context.new_page()
+    page = visitor.new_page()
     page.set_default_timeout(PATIENCE)
     opened = Notebook(page, lab, Path(request.node.name).stem)
     local = (lab.address, lab.address.replace("http", "ws"), "data:", "blob:")
@@ -266,7 +299,7 @@ def notebook(chromium: Browser, lab: Lab, request: pytest.FixtureRequest) -> Ite
     page.on("console", lambda said: opened.errors.append(said.text) if said.type == "error" and OURS.search(said.text) else None)
     yield opened
     page.evaluate("() => window.jupyterapp?.shell?.currentWidget?.sessionContext?.shutdown()")
-    context.close()
+    page.close()
     assert opened.asked_outside == []
     assert opened.errors == []
 
@@ -275,7 +308,7 @@ def notebook(chromium: Browser, lab: Lab, request: pytest.FixtureRequest) -> Ite
 def finished_run(tmp_path_factory: pytest.TempPathFactory) -> Run:
     """A small run on disk, with a branch."""
     run = stylize(
-        make("pen_holder"), "brick", vertices=2000, iterations=12, orientations=1, schedule="every", every=4,
+        make("pen_holder"), "brick", vertices=1200, iterations=12, orientations=1, schedule="every", every=4,
         nearly_flat=False, window=0.3, element="tet4", out=tmp_path_factory.mktemp("runs") / "part", name="pen holder", device="cpu",
     )
     run.branch(6, lane="frozen", control="frozen").go()

@@ -32,7 +32,9 @@ viewer = Viewer(make("pen_holder"))
 display(Timeline(state), RunViewer(state), viewer, MaskInspector(controller), RunControls(controller), Branches(controller), Replay(run))
 display(PartPicker(), PromptBox(), MaterialPicker(), ControlSelector(), ScheduleSelector(), RegionsPicker(), DropOptions())
 """
-WIDTHS, THEMES = (1400, 400), ("JupyterLab Light", "JupyterLab Dark")
+THEMES = ("JupyterLab Light", "JupyterLab Dark")
+SEEN = {"wide and light": (1400, THEMES[0]), "narrow and dark": (400, THEMES[1])}
+"""Widths and themes: barriers of a width are those of its layout, barriers of a theme those of its colours."""
 LIT = "document.body.dataset.jpThemeLight === '{}'"
 CELLS = "() => window.jupyterapp.shell.currentWidget.content.widgets.length"
 MOVING = """() => [...document.querySelectorAll('.mechstyle-studio, .mechstyle-studio *')].filter(one => {
@@ -86,8 +88,7 @@ def looked_through(notebook, width, theme):
     return found
 
 
-@pytest.mark.parametrize("width", WIDTHS)
-@pytest.mark.parametrize("theme", THEMES)
+@pytest.mark.parametrize(("width", "theme"), SEEN.values(), ids=SEEN)
 def test_every_widget_by_itself_has_no_serious_barrier(alone, width, theme):
     assert looked_through(alone, width, theme) == []
 
@@ -101,14 +102,12 @@ def test_keys_stay_in_a_widget_that_stands_alone(alone):
     assert alone.page.evaluate(CELLS) == cells
 
 
-@pytest.mark.parametrize("width", WIDTHS)
-@pytest.mark.parametrize("theme", THEMES)
+@pytest.mark.parametrize(("width", "theme"), SEEN.values(), ids=SEEN)
 def test_the_studio_has_no_serious_barrier(shown, width, theme):
     assert looked_through(shown, width, theme) == []
 
 
-@pytest.mark.parametrize("width", WIDTHS)
-@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize(("width", "scheme"), [(1400, "light"), (400, "dark")])
 def test_the_report_has_no_serious_barrier(chromium, finished_run, tmp_path_factory, width, scheme):
     path = tmp_path_factory.mktemp("report") / "report.html"
     context = chromium.new_context(

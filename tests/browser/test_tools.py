@@ -41,8 +41,8 @@ def test_the_badge_is_beside_the_part_and_the_toolbar_within_the_view(studio, wi
         assert button.get_attribute("aria-label") or button.inner_text().strip(), "every button has a name"
 
 
-@pytest.mark.parametrize(("key", "layer"), [("1", "style"), ("2", "stress"), ("3", "safety_factor"), ("4", "restraint")])
-def test_the_part_is_cut_open_on_every_layer(studio, key, layer):
+@pytest.mark.parametrize(("key", "layer"), [("1", "style"), ("4", "restraint")])
+def test_the_part_is_cut_open_on_the_first_layer_and_the_last(studio, key, layer):
     press(studio, key)
     studio.until("studio._viewer.layer", layer)
     whole = studio.drawn()
@@ -69,7 +69,7 @@ def test_two_clicks_measure_and_escape_leaves(studio):
     press(studio, "m")
     box = studio.canvas().bounding_box()
     for height in (0.4, 0.6):
-        studio.until("__import__('time').monotonic() - studio._viewer._picker._moved > 0.3", True)
+        studio.at_rest("studio._viewer")
         studio.page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + height * box["height"])
         studio.until(f"len(studio._viewer.measured) >= {1 if height == 0.4 else 2}", True)
     studio.page.locator(".mechstyle-said", has_text="mm").wait_for()

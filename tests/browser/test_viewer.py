@@ -61,7 +61,7 @@ def test_the_limit_is_outlined_and_hatched_above(shown):
 
 def test_a_click_tells_all_that_is_known_of_the_place(shown):
     box = shown.canvas().bounding_box()
-    shown.until("__import__('time').monotonic() - viewer._picker._moved > 0.3", True)
+    shown.at_rest("viewer")
     shown.page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
     shown.until("viewer.probed is not None", True)
     told = shown.page.locator(".mechstyle-viewer table").inner_text()

@@ -14,7 +14,7 @@ from support.records import FALL, published_row, row, verdict
 
 
 def test_applications_are_listed_with_model_and_style(mechstyle):
-    listed = mechstyle("application", "--json").json["applications"]
+    listed = mechstyle.here("application", "--json").json["applications"]
     assert listed["pill_box"] == {
         "model": "pill_box",
         "prompt": "floral patterns",
@@ -25,7 +25,7 @@ def test_applications_are_listed_with_model_and_style(mechstyle):
 
 
 def test_an_unknown_application_is_one_sentence(mechstyle):
-    refused = mechstyle("application", "eyeglass", "--json", code=2).json["error"]
+    refused = mechstyle.here("application", "eyeglass", "--json", code=2).json["error"]
     assert "did you mean 'eyeglasses'" in refused
 
 

@@ -141,7 +141,7 @@ def test_every_field_of_the_recipe_is_described():
 
 
 def test_units_stand_in_the_help(mechstyle):
-    told = " ".join(mechstyle("run", "--help").stdout.replace("│", " ").split())
+    told = " ".join(mechstyle.here("run", "--help").stdout.replace("│", " ").split())
     assert "may leave [mm]; 0" in told
     assert "schedule [iterations]" in told
 

@@ -14,7 +14,8 @@ from mechstyle.runs.run import Run
 
 def test_protect_shows_what_regions_hold(finished):
     line, _, _ = finished
-    told = line("protect", "gallery:pen_holder", "--vertices", "2000", "--protect", "inside", "--protect", "above 99 ramp 3", "--json").json
+    regions = ("--protect", "inside", "--protect", "above 99 ramp 3")
+    told = line.here("protect", "gallery:pen_holder", "--vertices", "1200", *regions, "--json").json
     assert told["notes"][0].startswith("protected: inside, 4")
     assert 0.4 < told["share"] < 0.6
     assert (line.folder / told["files"]["picture"]).read_bytes().startswith(b"\x89PNG")
@@ -31,7 +32,7 @@ def test_protect_shows_what_regions_hold(finished):
 )
 def test_a_region_that_cannot_be_is_refused(finished, arguments, said):
     line, _, _ = finished
-    assert said in line("protect", "gallery:pen_holder", "--vertices", "2000", *arguments, code=2).stderr
+    assert said in line.here("protect", "gallery:pen_holder", "--vertices", "1200", *arguments, code=2).stderr
 
 
 @pytest.fixture(scope="module")
@@ -41,8 +42,8 @@ def protected(finished, tmp_path_factory):
     copy = tmp_path_factory.mktemp("protected") / "part"
     shutil.copytree(root, copy)
     quick = ("--orientations", "1", "--set", "element=tet4", "--set", "window=0.2", "--set", "nearly_flat=False", "--schedule", "never")
-    line("branch", f"{copy}@0", "--lane", "outside", "--protect", "inside colour", *quick, "--json")
-    fine = line("export", f"{copy}@outside", "--out", copy / "part.ply", "--json").json
+    line.here("branch", f"{copy}@0", "--lane", "outside", "--protect", "inside colour", *quick, "--json")
+    fine = line.here("export", f"{copy}@outside", "--out", copy / "part.ply", "--json").json
     return copy, fine
 
 
@@ -69,5 +70,5 @@ def test_a_file_comes_with_its_own_verdict(protected):
 
 def test_an_unknown_stylizer_is_refused(finished):
     line, _, _ = finished
-    said = line("run", "gallery:pen_holder", "--prompt", "brick", "--stylizer", "picture", code=2).stderr
+    said = line.here("run", "gallery:pen_holder", "--prompt", "brick", "--stylizer", "picture", code=2).stderr
     assert "the stylizer 'picture' is not here" in said

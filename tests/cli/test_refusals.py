@@ -94,7 +94,7 @@ def test_two_separate_bodies(mechstyle):
     trimesh.util.concatenate([a, b]).export(mechstyle.folder / "two.stl")
     assert "choose it with --body 1" in refused(mechstyle, "run", "two.stl", "--prompt", "brick")
     assert "holds no body 'lid'" in refused(mechstyle, "simulate", "two.stl", "--body", "lid")
-    looked = mechstyle("protect", "two.stl", "--body", "2", "--protect", "above 900", code=2)
+    looked = mechstyle.here("protect", "two.stl", "--body", "2", "--protect", "above 900", code=2)
     assert "two.stl: 20 × 20 × 10 mm, 5 g in solid PLA" in looked.stderr
     assert "reaches from 50 -10 -5 to 70 10 5" in looked.stderr
 
@@ -134,7 +134,7 @@ def test_a_directory_with_something_else_in_it_is_not_written_to(mechstyle):
 
 
 def test_with_json_the_sentence_is_json_too(mechstyle):
-    outcome = mechstyle("run", "nowhere.stl", "--prompt", "brick", "--json", code=2)
+    outcome = mechstyle.here("run", "nowhere.stl", "--prompt", "brick", "--json", code=2)
     assert "nowhere.stl" in json.loads(outcome.stdout)["error"]
 
 
@@ -150,7 +150,7 @@ def test_with_json_the_sentence_is_json_too(mechstyle):
     ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",
 )
 def test_with_json_a_wrong_command_line_is_json_too(mechstyle, arguments, said):
-    assert said in json.loads(mechstyle(*arguments, "--json", code=2).stdout)["error"]
+    assert said in json.loads(mechstyle.here(*arguments, "--json", code=2).stdout)["error"]
 
 
 def test_a_picture_is_a_png_and_called_so(finished, tmp_path):
@@ -185,14 +185,14 @@ def test_a_damaged_object_is_named(finished, tmp_path):
 
 @pytest.mark.parametrize("command", ["materials", "styles", "gallery", "doctor"])
 def test_lists_print_one_json_object(mechstyle, command):
-    assert mechstyle(command, "--json").json
-    assert mechstyle(command).stdout.strip()
+    assert mechstyle.here(command, "--json").json
+    assert mechstyle.here(command).stdout.strip()
 
 
 @pytest.mark.parametrize("command", ["materials", "styles", "gallery"])
 def test_lists_are_printed_whatever_signs_a_terminal_has(mechstyle, monkeypatch, command):
     """As under Windows' cp1252, which has no ρ: ascii, which lacks even more and can be read back by anybody."""
-    known = mechstyle(command, "--json").json
+    known = mechstyle.here(command, "--json").json
     monkeypatch.setenv("PYTHONIOENCODING", "ascii")
-    assert mechstyle(command, "--json").json == known
-    assert mechstyle(command).stdout.strip()
+    assert mechstyle.here(command, "--json").json == known
+    assert mechstyle.here(command).stdout.strip()

@@ -116,14 +116,14 @@ def test_a_run_ends_with_its_verdict_its_table_of_falls_and_its_doubt(finished, 
 def test_the_same_command_again_changes_nothing_and_says_the_same(finished):
     line, root, summary = finished
     before = contents(root)
-    again = line("run", "gallery:pen_holder", "--prompt", "brick", *line.small, "--out", "part", "--json").json
+    again = line.here("run", "gallery:pen_holder", "--prompt", "brick", *line.small, "--out", "part", "--json").json
     assert contents(root) == before
     assert {key: again[key] for key in KEYS - {"seconds"}} == {key: summary[key] for key in KEYS - {"seconds"}}
 
 
 def test_other_settings_in_the_same_directory_are_refused(finished):
     line, _, _ = finished
-    outcome = line("run", "gallery:pen_holder", "--prompt", "stone", *line.small, "--out", "part", code=2)
+    outcome = line.here("run", "gallery:pen_holder", "--prompt", "stone", *line.small, "--out", "part", code=2)
     assert "other settings" in outcome.stderr
     assert outcome.stdout == ""
 
@@ -144,7 +144,7 @@ def test_a_run_killed_at_any_moment_resumes_to_the_same_bytes(finished, tmp_path
 
 def test_freestyle_simulates_once_and_keeps_everything(mechstyle):
     styled = ("gallery:pen_holder", "--prompt", "brick", "--inside", "styled", *mechstyle.small)
-    summary = mechstyle("freestyle", *styled, "--out", "free", "--json").json
+    summary = mechstyle.here("freestyle", *styled, "--out", "free", "--json").json
     assert [line["reason"] for line in summary["simulations"]] == ["last iteration"]
     assert summary["kept"] == pytest.approx(1.0, abs=1e-4)
 
@@ -154,7 +154,7 @@ def branched(finished, tmp_path):
     line, root, _ = finished
     copy = tmp_path / "part"
     shutil.copytree(root, copy)
-    outcome = line("branch", f"{copy}@6", "--lane", "linear", "--control", "linear", "--schedule", "every", "--every", "3", "--json")
+    outcome = line.here("branch", f"{copy}@6", "--lane", "linear", "--control", "linear", "--schedule", "every", "--every", "3", "--json")
     return line, copy, outcome.json
 
 
@@ -169,29 +169,29 @@ def test_a_branch_shares_its_past_and_follows_its_own_settings(branched):
 
 def test_log_lists_both_lanes_with_reasons(branched):
     line, root, _ = branched
-    lanes = line("log", root, "--json").json["lanes"]
+    lanes = line.here("log", root, "--json").json["lanes"]
     assert [lane["lane"] for lane in lanes] == ["main", "linear"]
     assert lanes[1]["forked_at"] == 6
-    text = line("log", root).stdout
+    text = line.here("log", root).stdout
     assert "branched at 6" in text
     assert "every 3 iterations" in text
 
 
 def test_log_lists_one_lane_where_one_is_named(branched):
     line, root, _ = branched
-    assert [lane["lane"] for lane in line("log", f"{root}@main", "--json").json["lanes"]] == ["main"]
+    assert [lane["lane"] for lane in line.here("log", f"{root}@main", "--json").json["lanes"]] == ["main"]
 
 
 def test_a_branch_needs_an_iteration_that_exists(finished):
     line, root, _ = finished
-    assert "holds 0 to 12" in line("branch", f"{root}@99", "--control", "linear", code=2).stderr
+    assert "holds 0 to 12" in line.here("branch", f"{root}@99", "--control", "linear", code=2).stderr
 
 
 def test_a_run_says_what_its_painted_file_costs_and_an_export_in_ones_own_filaments(finished):
     line, root, told = finished
     assert any(": the 3MF is painted in 2 filaments, #" in note for note in told["notes"])
     mine = clustered(Run.open(root, "cpu").surface().colours, 2)
-    shown = line("export", root, "--palette", ",".join(mine), "--out", "mine.3mf").stdout
+    shown = line.here("export", root, "--palette", ",".join(mine), "--out", "mine.3mf").stdout
     assert f"1 {mine[0]}" in shown
     assert f"2 {mine[1]}" in shown
     assert "layers" in shown
@@ -227,14 +227,14 @@ def test_an_unsimulated_iteration_says_so_when_exported(finished, tmp_path):
 
 def test_show_writes_a_picture(finished, tmp_path):
     line, root, _ = finished
-    outcome = line("show", f"{root}@6", "--out", tmp_path / "six.png", "--json").json
+    outcome = line.here("show", f"{root}@6", "--out", tmp_path / "six.png", "--json").json
     assert outcome["iteration"] == 6
     assert (tmp_path / "six.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
 
 
 def test_simulate_reports_the_part_as_it_is(mechstyle):
-    small = ("simulate", "gallery:pen_holder", "--vertices", "2000", "--window", "0.4")
-    outcome = mechstyle(*small, "--vtu", "--json").json
+    small = ("simulate", "gallery:pen_holder", "--vertices", "1200", "--window", "0.4")
+    outcome = mechstyle.here(*small, "--vtu", "--json").json
     assert outcome["outcome"] == "HOLDS"
     flat, nearly, published = outcome["rows"]
     assert (flat["test"], flat["decides"], flat["original"]) == ("flat", True, None)
@@ -254,7 +254,7 @@ def test_simulate_reports_the_part_as_it_is(mechstyle):
 
 
 def test_simulate_says_the_verdict_first_then_the_table_of_falls(mechstyle):
-    said = mechstyle("simulate", "gallery:pen_holder", "--vertices", "2000", "--no-nearly-flat", "--window", "0.3").stdout
+    said = mechstyle.here("simulate", "gallery:pen_holder", "--vertices", "1200", "--no-nearly-flat", "--window", "0.3").stdout
     first, headings, flat, published, *rest = (" ".join(line.split()) for line in said.splitlines() if line)
     assert first.startswith("HOLDS a fall of 1.5 m (")
     assert headings == "test survives asked reserve outcome"
@@ -265,9 +265,9 @@ def test_simulate_says_the_verdict_first_then_the_table_of_falls(mechstyle):
 
 
 def test_simulate_judges_beside_an_original_that_is_named(mechstyle):
-    small = ("simulate", "gallery:pen_holder", "--vertices", "2000", "--no-nearly-flat", "--window", "0.2")
+    small = ("simulate", "gallery:pen_holder", "--vertices", "1200", "--no-nearly-flat", "--window", "0.2")
     beside = (*small, "--original", "gallery:pen_holder")
-    outcome, said = mechstyle(*beside, "--json").json, " ".join(mechstyle(*beside).stdout.split())
+    outcome, said = mechstyle.here(*beside, "--json").json, " ".join(mechstyle.here(*beside).stdout.split())
     flat = outcome["rows"][0]
     assert flat["original"] == flat["height"]
     assert outcome["original"]["landings"][0]["critical_height"] == flat["original"]
@@ -279,22 +279,22 @@ def test_simulate_judges_beside_an_original_that_is_named(mechstyle):
 
 def test_simulate_after_a_standard_names_landings_and_claims_nothing(mechstyle):
     flat = ("--orientations", "2", "--no-nearly-flat", "--window", "0.3")
-    small = ("simulate", "gallery:pen_holder", "--vertices", "2000", "--standard", "ista-1a", *flat)
-    said = " ".join(mechstyle(*small).stdout.split())
+    small = ("simulate", "gallery:pen_holder", "--vertices", "1200", "--standard", "ista-1a", *flat)
+    said = " ".join(mechstyle.here(*small).stdout.split())
     assert "simulated orientations after ISTA 1A, drop test below 10 kg, but 2 orientations instead of 11" in said
     assert "any landing: corner 2-3-5 " in said
     assert "without a package" in said
     assert "pass" not in said.lower()
-    outcome = mechstyle(*small, "--json").json
+    outcome = mechstyle.here(*small, "--json").json
     assert [landing["name"] for landing in outcome["landings"]][1:] == ["corner 2-3-5"]
     assert outcome["after_standard"].startswith("simulated orientations after ISTA 1A")
 
 
 def test_materials_are_listed_with_their_spread_and_their_layers(mechstyle):
-    said = " ".join(mechstyle("materials").stdout.split())
+    said = " ".join(mechstyle.here("materials").stdout.split())
     assert "23 to 65 MPa" in said
     assert "generic" in said
-    known = mechstyle("materials", "--json").json
+    known = mechstyle.here("materials", "--json").json
     assert {material["name"]: material["layer_ratio"] for material in known["materials"]}["ABS"] is None
     assert set(known["spread"]) == {material["name"] for material in known["materials"]}
 
@@ -303,8 +303,8 @@ def test_simulate_carries_the_loads_of_a_file_and_warns_of_thin_walls(mechstyle)
     supports, loads = "[{ at = 'resting face' }]", "[{ at = { near = [40, 0, 100, 8] }, force = [0, 0, -50] }]"
     case = f"[[case]]\nname = 'hand'\nsupports = {supports}\nloads = {loads}\n"
     (mechstyle.folder / "loads.toml").write_text(case, encoding="utf-8")
-    small = ("simulate", "gallery:pen_holder", "--vertices", "2000", "--orientations", "1", "--no-nearly-flat", "--window", "0.3")
-    outcome = mechstyle(*small, "--load", "loads.toml", "--minimum-wall", "5", "--json").json
+    small = ("simulate", "gallery:pen_holder", "--vertices", "1200", "--orientations", "1", "--no-nearly-flat", "--window", "0.3")
+    outcome = mechstyle.here(*small, "--load", "loads.toml", "--minimum-wall", "5", "--json").json
     (hand,) = outcome["loads"]
     row = next(row for row in outcome["rows"] if row["test"] == "load")
     assert (hand["name"], row["load"], row["landing"]) == ("hand", "hand", "")
@@ -314,8 +314,8 @@ def test_simulate_carries_the_loads_of_a_file_and_warns_of_thin_walls(mechstyle)
 
 
 def test_simulate_judges_by_the_published_rule_where_it_is_asked_to(mechstyle):
-    small = ("simulate", "gallery:pen_holder", "--vertices", "2000", "--no-nearly-flat", "--window", "0.3")
-    outcome = mechstyle(*small, "--criterion", "paper", "--json").json
+    small = ("simulate", "gallery:pen_holder", "--vertices", "1200", "--no-nearly-flat", "--window", "0.3")
+    outcome = mechstyle.here(*small, "--criterion", "paper", "--json").json
     assert [row["test"] for row in outcome["rows"] if row["decides"]] == ["published rule"]
     assert "by the published rule: the largest element stress is " in outcome["words"]
 

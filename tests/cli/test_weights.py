@@ -2,30 +2,30 @@
 
 
 def test_the_list_names_what_can_be_fetched_and_the_path_of_ones_own_is_told(mechstyle, tiny_clip, monkeypatch):
-    listed = mechstyle("weights", "list", "--json").json["weights"]
+    listed = mechstyle.here("weights", "list", "--json").json["weights"]
     assert {"name": "ViT-B-32", "source": "openai/clip-vit-base-patch32", "folder": None} in listed
     monkeypatch.setenv("MECHSTYLE_CLIP", str(tiny_clip))
-    told = mechstyle("weights", "path", "--json").json
+    told = mechstyle.here("weights", "path", "--json").json
     assert told["folder"] == str(tiny_clip)
     assert told["identity"].startswith("tiny@")
 
 
 def test_weights_that_are_not_there_are_an_error_with_the_command(mechstyle):
-    outcome = mechstyle("weights", "path", code=2)
+    outcome = mechstyle.here("weights", "path", code=2)
     assert "`mechstyle weights fetch ViT-B-32`" in outcome.stderr
-    assert "did you mean 'ViT-B-32'" in mechstyle("weights", "fetch", "ViT-B32", code=2).stderr
+    assert "did you mean 'ViT-B-32'" in mechstyle.here("weights", "fetch", "ViT-B32", code=2).stderr
 
 
 def test_weights_of_ones_own_are_added_listed_and_found(mechstyle, tiny_clip):
-    added = mechstyle("weights", "add", str(tiny_clip), "--name", "mine", "--json").json
+    added = mechstyle.here("weights", "add", str(tiny_clip), "--name", "mine", "--json").json
     assert added["name"] == "mine"
-    listed = mechstyle("weights", "list", "--json").json["weights"]
+    listed = mechstyle.here("weights", "list", "--json").json["weights"]
     assert {"name": "mine", "source": "added", "folder": added["folder"]} in listed
-    assert mechstyle("weights", "path", "mine", "--json").json == {"folder": added["folder"], "identity": added["identity"]}
-    assert "mine" in mechstyle("weights", "list").stdout
+    assert mechstyle.here("weights", "path", "mine", "--json").json == {"folder": added["folder"], "identity": added["identity"]}
+    assert "mine" in mechstyle.here("weights", "list").stdout
 
 
 def test_a_folder_that_is_no_clip_is_refused_with_a_sentence(mechstyle, tmp_path):
     (tmp_path / "pytorch_model.bin").touch()
     for order in (("add", str(tmp_path)), ("path", str(tmp_path))):
-        assert "pytorch_model.bin is pickled" in mechstyle("weights", *order, code=2).stderr
+        assert "pytorch_model.bin is pickled" in mechstyle.here("weights", *order, code=2).stderr

@@ -8,6 +8,7 @@ import pytest
 
 import mechstyle as ms
 from mechstyle.errors import BadInput
+from mechstyle.gallery import addressed
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.simulation.part import Origin
 from support.part_files import put
@@ -65,3 +66,42 @@ def test_a_body_of_a_file_is_remembered_with_how_it_was_read(tmp_path):
     assert part.extents == pytest.approx((10, 10, 30))
     assert part.origin == Origin(model="plate.3mf", unit="mm", up="-z", body="2")
     assert part.origin.reading == {"unit": "mm", "up": "-z", "body": "2"}
+
+
+@pytest.mark.parametrize(
+    ("said", "extents", "origin"),
+    [
+        ("body=2", (10, 10, 30), {"body": "2"}),
+        ("unit=cm,body=2", (100, 100, 300), {"unit": "cm", "body": "2"}),
+        ("body=lid, left,size=60", (20, 20, 60), {"body": "lid, left", "size": 60.0}),
+        ("scale=2,up=x,body=2", (20, 20, 60), {"scale": 2.0, "up": "x", "body": "2"}),
+    ],
+)
+def test_an_address_says_how_its_file_is_read(tmp_path, said, extents, origin):
+    """A study names many files, and a styled part its plain one: each says for itself which body of what unit it is."""
+    both = thing(1, mesh(PLATE)) + thing(2, mesh(BESIDE), 'type="model" name="lid, left"')
+    path = put(tmp_path, "plate.3mf", package(model(both, '<item objectid="1"/><item objectid="2"/>')))
+    part = ms.load(f"{path}#{said}")
+    assert sorted(part.extents) == pytest.approx(sorted(extents))
+    assert (part.name, part.origin) == ("plate", Origin(model="plate.3mf", **origin))
+    assert addressed(f"{path}#{said}") == (str(path), origin)
+
+
+def test_a_path_that_looks_like_an_address_is_a_path(tmp_path, cube):
+    path = ms.save(cube, tmp_path / "brick#unit=in.stl")
+    assert np.allclose(ms.load(path).extents, cube.extents)
+
+
+@pytest.mark.parametrize(
+    ("address", "said"),
+    [
+        ("brick.stl#size=large", "size is 'large' in .*brick.stl#size=large, but must be a number, such as size=25.4"),
+        ("brick.stl#unit=parsec", "unknown unit 'parsec'"),
+        ("brick.stl#unit=in,size=5", "a unit and a size are given"),
+        ("brick.stl#colour=red", "unknown word on how a file is read 'colour': known are body, scale, size, unit, up"),
+    ],
+)
+def test_an_address_that_says_nonsense_is_refused(tmp_path, cube, address, said):
+    ms.save(cube, tmp_path / "brick.stl")
+    with pytest.raises(BadInput, match=said):
+        ms.load(tmp_path / address)

@@ -97,6 +97,17 @@ def test_size_and_mass_are_said_first_and_then_what_was_done(tmp_path):
     assert read(put(tmp_path, "a.obj", exported("obj")), scale=2.0).notes == (twice, "converted to millimetres (times 2)")
 
 
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("a.ply", ascii_ply().replace(b"element vertex", b"comment TextureFile wood.png\nelement vertex")),
+        ("a.obj", exported("obj").replace(b"f ", b"usemtl red\nf ", 1)),
+    ],
+)
+def test_colours_in_a_picture_or_a_material_are_said_to_be_left_out(tmp_path, name, content):
+    assert "its colours are left out: a style brings its own" in read(put(tmp_path, name, content)).notes
+
+
 def test_load_is_read_without_the_notes(tmp_path):
     path = put(tmp_path, "part.stl", exported("stl"))
     assert read(path, scale=2.0).mesh.digest == read(str(path), scale=2.0).mesh.digest

@@ -6,7 +6,7 @@ import struct
 import numpy as np
 import pytest
 
-from mechstyle.geometry.files import read
+from mechstyle.geometry.files import bodies, read
 from support.gltf_files import besides, fans, glb, packed, quantised, rod, sparse
 from support.part_files import put, refusal
 
@@ -68,10 +68,21 @@ def test_extensions_of_the_look_alone_stand_in_nobodys_way(tmp_path):
     assert read(put(tmp_path, "rod.glb", glb(document, points, faces))).mesh.volume == pytest.approx(VOLUME, rel=1e-5)
 
 
-@pytest.mark.parametrize(("colour", "said"), [([0.8, 0.8, 0.8, 1.0], False), ([1.0, 0.2, 0.0, 1.0], True)])
-def test_colours_that_are_left_out_are_said(tmp_path, colour, said):
+@pytest.mark.parametrize(
+    ("material", "said"),
+    [
+        ({"pbrMetallicRoughness": {"baseColorFactor": [0.8, 0.8, 0.8, 1.0]}}, False),
+        ({"pbrMetallicRoughness": {"baseColorFactor": [1.0, 0.2, 0.0, 1.0]}}, True),
+        ({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}, True),
+        ({"emissiveFactor": [0.0, 0.0, 0.0]}, False),
+        ({"emissiveFactor": [1.0, 0.0, 0.0]}, True),
+        ({"extensions": {"KHR_materials_pbrSpecularGlossiness": {"diffuseFactor": [1.0, 0.0, 0.0, 1.0]}}}, True),
+        ({"extensions": {"KHR_materials_pbrSpecularGlossiness": {"diffuseTexture": {"index": 0}}}}, True),
+    ],
+)
+def test_colours_that_are_left_out_are_said(tmp_path, material, said):
     document, points, faces = rod()
-    document["materials"] = [{"pbrMetallicRoughness": {"baseColorFactor": colour}}]
+    document["materials"] = [material]
     notes = read(put(tmp_path, "rod.glb", glb(document, points, faces))).notes
     assert ("its colours are left out: a style brings its own" in notes) is said
 
@@ -107,3 +118,11 @@ def changed(content, **fields):
 )
 def test_a_listing_that_lies_is_refused(tmp_path, fields):
     refusal(put(tmp_path, "rod.glb", changed(sparse(), **fields)))
+
+
+def test_bodies_are_numbered_in_the_order_of_the_file(tmp_path):
+    document, points, faces = rod()
+    document["nodes"] += [{"mesh": 0, "name": name, "translation": [x, 0, 0], "scale": [1, x, 1]} for name, x in (("b", 0.5), ("c", 0.8))]
+    document["nodes"].append({"children": [1, 2]})
+    document["scenes"] = [{"nodes": [0, 3]}]
+    assert [one.name for one in bodies(put(tmp_path, "rod.glb", glb(document, points, faces)))] == ["rod", "b", "c"]

@@ -187,7 +187,7 @@ def test_a_million_faces_are_the_limit(tmp_path, monkeypatch):
 @pytest.mark.parametrize("name", ["part.step", "part", "part.stl.gz"])
 def test_unknown_suffixes_are_refused_with_the_known_ones(tmp_path, name):
     message = refusal(put(tmp_path, name, exported("stl")))
-    assert "convert it to stl, obj, ply, glb, 3mf" in message
+    assert "export it as stl, obj, ply, glb, 3mf" in message
 
 
 def test_a_folder_is_refused(tmp_path):

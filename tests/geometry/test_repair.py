@@ -388,6 +388,12 @@ def test_specks_are_left_out_with_their_size_and_place(inwards):
     assert surface.volume == pytest.approx(6000)
 
 
+def test_dust_that_no_printer_shows_is_left_out_however_much_there_is():
+    """Crumbs of a scan, of a tenth of a millimetre each, were listed as bodies to choose from."""
+    crumbs = [box((0.1, 0.1, 0.1), at=(20.0 + k, 0.0, 0.0)) for k in range(FEW + 2)]
+    assert f"left out {FEW + 2} specks apart from the part" in fixed(together(box(), *crumbs))[1][-1]
+
+
 @pytest.mark.parametrize(
     ("size", "count"), [((0.5, 0.5, 2.0), 1), ((0.5, 0.5, 0.5), FEW + 1)], ids=["longer than a speck", "more than few"]
 )

@@ -1,5 +1,8 @@
 """3MF as slicers write it: what is no material is left out or cut out by its role, and said; one of several bodies is chosen."""
 
+import io
+import zipfile
+
 import pytest
 
 from mechstyle.geometry import claims, threemf_reader
@@ -89,6 +92,89 @@ def test_an_item_that_is_not_to_be_printed_is_left_out(tmp_path):
     assert "left out 'jig', an object that is not to be printed of 10 × 10 × 30 mm" in part.notes
 
 
+# --- what else slicers and plug-ins do ---------------------------------------------------------------------------
+
+
+def within(content, number, transform="0 1 0 -1 0 0 0 0 1 100 50 0"):
+    """A package whose object lies, turned, in one more that is built in its place."""
+    wrapped = content.replace("</resources>", components(9, f'objectid="{number}" transform="{transform}"') + "</resources>")
+    return wrapped.replace(f'<item objectid="{number}"/>', '<item objectid="9"/>')
+
+
+@pytest.mark.parametrize("slicer", ["orca", "prusa"])
+@pytest.mark.parametrize("role", ["negative", "modifier"])
+def test_what_is_said_of_an_object_holds_wherever_it_is_put(tmp_path, monkeypatch, slicer, role):
+    """A plug-in or an assembly puts another object around it; its settings were those of the outermost only."""
+    write, words = WRITTEN[slicer]
+    number = 3 if slicer == "orca" else 1
+    monkeypatch.setattr("support.slicer_files.package", lambda main, **others: package(within(main, number), **others))
+    part = read(put(tmp_path, "part.3mf", write(words[role])))
+    assert part.mesh.volume == pytest.approx(15000 if role == "negative" else 16000)
+
+
+def test_a_negative_volume_in_an_assembly_takes_from_its_own_object_only(tmp_path):
+    resources = thing(1, mesh(PLATE)) + thing(2, mesh(((90, 10, 30), (15, 15, 0)))) + components(3, 'objectid="1"', 'objectid="2"')
+    settings = '<config><object id="3"><part id="1" subtype="normal_part"/><part id="2" subtype="negative_part"/></object></config>'
+    beside = thing(4, mesh(((30, 40, 10), (40, 0, 0)))) + components(5, 'objectid="3"', 'objectid="4"')
+    content = package(model(resources + beside, '<item objectid="5"/>'), model_settings=settings)
+    assert volume_of(put(tmp_path, "part.3mf", content)) == pytest.approx(16000 - 25 * 10 * 10 + 12000)
+
+
+@pytest.mark.parametrize(("depth", "bodies_left"), [(60, 2), (30, 1)])
+def test_a_part_that_a_negative_volume_cuts_in_two_is_two_bodies(tmp_path, depth, bodies_left):
+    """Both halves were taken for one body, and dropped as one."""
+    cut = thing(1, mesh(PLATE, ((10, depth, 30), (10, -5, -5))))
+    path = put(tmp_path, "part.3mf", package(model(cut, '<item objectid="1"/>'), Slic3r_PE_model=DRILLED))
+    assert len(bodies(path)) == bodies_left
+
+
+DRILLED = (
+    '<config><object id="1"><volume firstid="0" lastid="11"/><volume firstid="12" lastid="23">'
+    '<metadata type="volume" key="volume_type" value="NegativeVolume"/></volume></object></config>'
+)
+CURA = "http://software.ultimaker.com/xml/cura/3mf/2015/10"
+
+
+@pytest.mark.parametrize("written", ["metadatagroup", "settings"])
+@pytest.mark.parametrize(
+    ("key", "kind"),
+    [("anti_overhang_mesh", "support blocker"), ("infill_mesh", "modifier"), ("cutting_mesh", "modifier"), ("support_mesh", "support")],
+)
+def test_what_cura_says_within_an_object(tmp_path, written, key, kind):
+    said = {
+        "metadatagroup": f'<metadatagroup><metadata name="cura:{key}" type="xs:string">{{}}</metadata></metadatagroup>',
+        "settings": f'<c:settings xmlns:c="{CURA}"><c:setting c:key="{key}">{{}}</c:setting></c:settings>',
+    }[written]
+    for word, volume in (("True", 16000), ("False", 18000)):
+        tower = thing(2, said.format(word) + mesh(TOWER), 'type="model" name="tower"')
+        content = package(model(thing(1, mesh(PLATE)) + tower, '<item objectid="1"/><item objectid="2"/>'))
+        part = read(put(tmp_path, "part.3mf", content))
+        assert part.mesh.volume == pytest.approx(volume)
+        assert (f"left out 'tower', a {kind} of 10 × 10 × 30 mm" in part.notes) is (word == "True")
+
+
+@pytest.mark.parametrize("extruder", ["1", "2"])
+@pytest.mark.parametrize("slicer", ["orca", "prusa"])
+def test_filaments_given_to_parts_are_colours_that_are_left_out(tmp_path, monkeypatch, slicer, extruder):
+    write, _ = WRITTEN[slicer]
+    fact = f'<metadata key="extruder" value="{extruder}"/></object>'
+    monkeypatch.setattr(
+        "support.slicer_files.package",
+        lambda main, **others: package(main, **{name: text.replace("</object>", fact) for name, text in others.items()}),
+    )
+    notes = read(put(tmp_path, "part.3mf", write("ModelPart" if slicer == "prusa" else "normal_part"))).notes
+    assert ("its colours are left out: a style brings its own" in notes) is (extruder == "2")
+
+
+def test_an_encrypted_part_is_refused_as_one(tmp_path):
+    content = package(model(components(2, 'p:path="/3D/a.model" objectid="1"'), '<item objectid="2"/>'))
+    held = io.BytesIO(content)
+    with zipfile.ZipFile(held, "a") as archive:
+        archive.writestr("3D/a.model", b"%3McF\x00 sealed")
+        archive.writestr("Secure/keystore.xml", "<keystore/>")
+    assert "is encrypted: save it without a password" in refusal(put(tmp_path, "part.3mf", held.getvalue()))
+
+
 # --- several model parts ------------------------------------------------------------------------------------------
 
 
@@ -98,6 +184,13 @@ def in_two_files(second, *, lacking=False):
     top = components(2, 'p:path="/3D/Objects/a.model" objectid="1"', post)
     parts = {"a": model(thing(1, mesh(((60, 40, 10), (0, 0, 0))))), "b": model(thing(second, mesh(((10, 10, 50), (0, 0, 0)))))}
     return package(model(top, '<item objectid="2"/>'), objects={name: part for name, part in parts.items() if not lacking or name == "a"})
+
+
+def test_a_model_part_is_in_its_own_unit(tmp_path):
+    post = 'p:path="/3D/Objects/b.model" objectid="1" transform="1 0 0 0 1 0 0 0 1 15 15 0"'
+    top = thing(1, mesh(PLATE)) + components(2, 'objectid="1"', post)
+    content = package(model(top, '<item objectid="2"/>'), objects={"b": model(thing(1, mesh(((1, 1, 3), (0, 0, 0)))), unit="centimeter")})
+    assert volume_of(put(tmp_path, "part.3mf", content)) == pytest.approx(18000)
 
 
 @pytest.mark.parametrize("second", [1, 2, 7])
@@ -215,16 +308,42 @@ def test_a_body_of_a_broken_plate_is_read_all_the_same(tmp_path):
     assert volume_of(path, body="box") == pytest.approx(16000)
 
 
-def test_names_of_other_formats_are_names_of_bodies(tmp_path):
+def named_obj(word, names=("box", "lid")):
+    """Two boxes apart in an OBJ, each below a line of this word."""
     lines, first = [], 1
-    for name, (size, place) in (("box", PLATE), ("lid", LID)):
+    for name, (size, place) in zip(names, (PLATE, LID), strict=True):
         corners = [[s * c + p for s, c, p in zip(size, corner, place, strict=True)] for corner in CORNERS]
-        lines += [f"o {name}", *("v {} {} {}".format(*corner) for corner in corners)]
+        lines += [f"{word} {name}", *("v {} {} {}".format(*corner) for corner in corners)]
         lines += ["f {} {} {}".format(*(first + corner for corner in side)) for side in SIDES]
         first += 8
-    path = put(tmp_path, "part.obj", "\n".join(lines).encode())
+    return "\n".join(lines).encode()
+
+
+def named_stl(names=("box", "lid")):
+    """The same as solids of an ASCII STL."""
+    text = ""
+    for name, (size, place) in zip(names, (PLATE, LID), strict=True):
+        corners = [[s * c + p for s, c, p in zip(size, corner, place, strict=True)] for corner in CORNERS]
+        rows = ("".join("vertex {} {} {}\n".format(*corners[corner]) for corner in side) for side in SIDES)
+        text += f"solid {name}\n" + "".join(f"facet normal 0 0 0\nouter loop\n{row}endloop\nendfacet\n" for row in rows) + "endsolid\n"
+    return text.encode()
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [("part.obj", named_obj("o")), ("part.obj", named_obj("g")), ("part.stl", named_stl())],
+    ids=["objects", "groups", "solids"],
+)
+def test_names_of_other_formats_are_names_of_bodies(tmp_path, name, content):
+    path = put(tmp_path, name, content)
     assert [one.name for one in bodies(path)] == ["box", "lid"]
     assert volume_of(path, body="lid") == pytest.approx(4800)
+
+
+@pytest.mark.parametrize(("name", "content"), [("part.stl", named_stl(("", ""))), ("part.obj", named_obj("#"))])
+def test_bodies_without_names_are_given_none(tmp_path, name, content):
+    """A parser's word for what has no name, geometry_1, was shown as the file's."""
+    assert [one.name for one in bodies(put(tmp_path, name, content))] == ["", ""]
 
 
 # --- nothing for nothing ------------------------------------------------------------------------------------------

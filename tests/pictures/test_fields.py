@@ -67,16 +67,33 @@ def test_where_nothing_was_tested_the_limit_is_the_strength_and_no_test_has_a_fi
 def test_a_safety_factor_is_the_yield_strength_over_the_stress_whatever_the_limit():
     state = replace(checkpoint(), stress=np.array([0.0, 1.0, 22.8, STRENGTH, 60.0, 80.0, 91.2], np.float32))
     factor = fields_of(TOLD, simulated(), state)["safety_factor"]
-    assert factor.values == pytest.approx([10.0, 10.0, 2.0, 1.0, 0.76, 0.57, 0.5])
+    least = STRENGTH / NEARLY.stress  # that of the verdict, as what is above σ_V counts as that
+    assert least == pytest.approx(TOLD.safety_factor)
+    assert factor.values == pytest.approx([10.0, 10.0, 2.0, 1.0, *[least] * 3])
+    alone = safety_factor(STRENGTH).made(state.stress)
+    assert alone == pytest.approx([10.0, 10.0, 2.0, 1.0, 0.76, 0.57, 0.5])
     assert factor.quantity.threshold == 1.0
     assert np.array_equal(factor.quantity.of(simulated()), factor.quantity.formed(simulated().landing_stress[2]))
+
+
+def test_what_is_shown_is_what_is_judged():
+    """A bar ended at 287 MPa over a note that said σ_V 77.7."""
+    state = replace(checkpoint(), stress=np.linspace(0.0, 287.0, COUNT, dtype=np.float32))
+    failed = verdict(row(stress=77.7, limit=48.1, outcome="FAILS"))
+    stress = fields_of(failed, None, state)["stress"]
+    assert stress.quantity.limits(stress.values) == pytest.approx((0.0, 77.7))
+    assert stress.values == pytest.approx(np.minimum(state.stress, 77.7))
+    assert (stress.quantity.judged, stress.quantity.most) == (77.7, "σ_V 77.7 MPa")
+    holds = fields_of(verdict(row(stress=30.0, limit=45.6)), None, state)["stress"]
+    assert not (holds.values > holds.quantity.threshold).any(), "nothing of a part that holds is set apart as beyond the limit"
+    assert holds.quantity.limits(holds.values) == pytest.approx((0.0, 1.05 * 45.6))
 
 
 def test_a_replay_draws_the_same(tmp_path):
     objects, state = Objects(tmp_path), checkpoint()
     low, high = (objects.put_array(np.full(COUNT, value, np.float32)) for value in (22.8, 91.2))
     frames = [Digests("", "", digest, "", "") for digest in (low, low, high)]
-    channel = _channel(objects, frames, safety_factor(STRENGTH))
+    channel = _channel(objects, frames, [safety_factor(STRENGTH)] * 3)
     assert channel.frames == [0, 0, 1]
     assert [float((channel.low + channel.step * plane)[0]) for plane in channel.planes] == pytest.approx([2.0, 0.5], abs=1e-3)
-    assert [quantity.name for quantity in quantities(recipe(), 45.6)] == list(fields_of(None, None, state))[:5]
+    assert [quantity.name for quantity in quantities(recipe(), None)] == list(fields_of(None, None, state))[:5]

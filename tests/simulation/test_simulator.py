@@ -9,19 +9,18 @@ import numpy as np
 import pytest
 import trimesh
 
-from mechstyle.errors import SimulationFailed
 from mechstyle.fea.stressed_volume import at_nodes, exceeded
 from mechstyle.geometry.level_base import LevelBase
+from mechstyle.geometry.morph import Morph
 from mechstyle.geometry.remeshing.filling import fill
 from mechstyle.loop.objects import Memo, Objects
 from mechstyle.records.material import LIBRARY
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.records.simulation import GREATEST_HEIGHT, LEAST_CARRIED, LEAST_HEIGHT, VOLUME_ERROR
-from mechstyle.simulation import meshes
 from mechstyle.simulation import simulator as module
-from mechstyle.simulation.body import Followed
+from mechstyle.simulation.body import SAME_PART, Body, Skin
 from mechstyle.simulation.meshes import AGAIN, carrying
-from mechstyle.simulation.simulator import SAME_PART, exponent_of, harder
+from mechstyle.simulation.simulator import exponent_of, harder
 from support import records
 from support.dropped_block import bumps, ripples, simulator, slopes
 
@@ -178,6 +177,13 @@ def test_the_right_exponent_to_begin_with_spares_the_second_drop():
     assert (found, drops) == (pytest.approx(0.36), 1)
 
 
+def test_no_further_drop_is_from_higher_than_is_simulated():
+    asked = []
+    guess = records.landing(stress=5.0, critical_height=GREATEST_HEIGHT, exponent=0.5)
+    exponent_of(guess, 45.6, lambda height: asked.append(height) or 5.0 * (height / 1500.0) ** 0.3)
+    assert max(asked) == GREATEST_HEIGHT
+
+
 def test_a_landing_that_yields_just_at_its_fall_is_not_dropped_again():
     found, drops = exponent_of(records.landing(stress=45.6, critical_height=1500.0), 45.6, lambda _: pytest.fail("it was dropped"))
     assert (found, drops) == (0.5, 0)
@@ -265,13 +271,29 @@ def original_of(*stresses, hung=20.0, failure=""):
     return records.simulation(**fields)
 
 
-def test_an_original_is_as_hard_as_on_the_tets_of_the_part_but_hardly_harder_than_on_its_own():
-    """The unsafe side: a notch on the way back to no relief would excuse anything."""
-    found = harder(original_of(40.0, 60.0, 60.0, hung=30.0), original_of(42.0, 300.0, 50.0, hung=90.0))
-    assert [landing.stress for landing in found.landings] == pytest.approx([42.0, SAME_PART * 60.0, 60.0])
-    assert found.loads[0].stress == pytest.approx(SAME_PART * 30.0)
+def test_an_original_is_as_hard_as_on_the_harder_of_two_meshes():
+    found = harder(original_of(40.0, 60.0, 60.0, hung=30.0), original_of(42.0, 80.0, 50.0, hung=40.0))
+    assert [landing.stress for landing in found.landings] == pytest.approx([42.0, 80.0, 60.0])
+    assert found.loads[0].stress == pytest.approx(40.0)
     for landing in found.landings:
         assert landing.critical_height == pytest.approx(1500.0 * (45.6 / landing.stress) ** 2)
+
+
+@pytest.mark.parametrize(("left", "asked"), [(0.0, True), (0.9 * SAME_PART, True), (1.1 * SAME_PART, False)])
+def test_tets_that_keep_a_notch_of_the_relief_are_not_asked_about_the_plain_part(block, memo, monkeypatch, left, asked):
+    """The unsafe side: what a notch on the way back reads of the plain part would excuse any style."""
+    relief = ripples(block)
+    tets, at = carrying(block[0], relief)
+    body = Body(Skin(block[0], 0.4), tets, at=at)
+    assert body.made_for_relief
+    real = Morph.morphed
+
+    def stuck(self, displacement):
+        found = real(self, displacement)
+        return replace(found, followed=np.full_like(found.followed, -left * body.skin.walls.thickness.min()))
+
+    monkeypatch.setattr(Morph, "morphed", stuck)
+    assert body.is_the_plain_part == asked
 
 
 @pytest.mark.parametrize("wrong", [np.nan, np.inf, -1.0, 0.0])
@@ -285,46 +307,6 @@ def test_tets_on_which_it_gives_no_number_excuse_nothing(wrong):
     assert harder(own, broken).loads == own.loads
     nothing = replace(here, landings=(), landing_stress=np.zeros((0, records.COUNT)), loads=(), load_stress=np.zeros((0, records.COUNT)))
     assert harder(own, nothing).landings == own.landings
-
-
-def test_the_tets_of_a_relief_are_taken_for_the_next_that_they_carry(block, memo, monkeypatch):
-    asked, real = [], meshes.carrying
-    monkeypatch.setattr(meshes, "carrying", lambda *given: asked.append(1) or real(*given))
-    sim = simulator(block, memo, orientations=1)
-    first = sim.simulate(ripples(block), thorough=True)
-    lower = sim.simulate(0.8 * ripples(block), thorough=True)
-    assert lower.mesh == first.mesh
-    assert len(asked) == 1
-
-
-def test_asked_again_for_a_relief_the_tets_are_those_it_was_tested_on(block, memo, monkeypatch):
-    """What is delivered may be an earlier correction: drawn after another was meshed, it was tested on that one's tetrahedra instead."""
-    first, words = simulator(block, memo).meshes.carrier(ripples(block))
-    with monkeypatch.context() as patch:
-        patch.setattr(Followed, "is_at_least_as_good_as", lambda *_: False)
-        other, _ = simulator(block, memo).meshes.carrier(ripples(block, 0.25))
-    assert other.tets.digest != first.tets.digest
-    again, as_before = simulator(block, memo).meshes.carrier(ripples(block))
-    assert (again.tets.digest, as_before) == (first.tets.digest, words)
-
-
-def test_a_part_that_cannot_be_meshed_again_is_judged_as_it_is_and_says_so(block, memo, monkeypatch):
-    def refuse(*_args, **_options):
-        raise SimulationFailed("fTetWild gave up")
-
-    monkeypatch.setattr(meshes, "carrying", refuse)
-    result = simulator(block, memo, orientations=1).simulate(ripples(block), thorough=True)
-    assert result.meshing.startswith("morphed, following")
-    assert "fTetWild gave up" in result.meshing
-
-
-def test_a_run_on_tets_made_for_its_relief_needs_no_others(block, memo):
-    surface = block[0]
-    tets, at = carrying(surface, ripples(block))
-    sim = replace(simulator((surface, tets), memo, orientations=1), at=at)
-    result = sim.simulate(ripples(block), thorough=True)
-    assert (result.meshing, result.mesh) == ("morphed", tets.digest)
-    assert min(result.carried, result.carried_base) >= LEAST_CARRIED
 
 
 def test_a_drop_that_breaks_down_is_unknown_and_never_passes(block, memo, monkeypatch):

@@ -10,8 +10,7 @@ import pytest
 
 from mechstyle.loop.objects import Memo, Objects
 from mechstyle.records.material import LIBRARY
-from mechstyle.simulation import physics as physics_module
-from support.dropped_block import bumps, discretised, simulator
+from support.dropped_block import bumps, simulator
 
 
 def test_the_same_question_is_simulated_once(block, memo, drops):
@@ -98,38 +97,3 @@ def test_what_is_remembered_for_others_bears_the_name_of_the_tetrahedra_it_is_of
     honest = replace(simulator(block, Memo(tmp_path / "own", memo.objects)), shared=users).baseline
     assert honest.mesh == block[1].digest
     assert len(drops) == 2
-
-
-def test_without_a_window_the_impact_ends_by_the_period_of_the_unstylized_part(block, memo, tmp_path, monkeypatch):
-    asked, real = [], physics_module.lowest_period
-
-    def counting(body):
-        asked.append(len(body.volumes))
-        return real(body)
-
-    monkeypatch.setattr(physics_module, "lowest_period", counting)
-    shared = Memo(tmp_path / "shared", Objects(tmp_path / "shared-objects"))
-    for own in (memo, Memo(tmp_path / "other", Objects(tmp_path / "objects"))):
-        sim = replace(simulator(block, own, window=None, element="tet4"), shared=shared)
-        plain, styled = sim.baseline, sim.simulate(bumps(block), thorough=False)
-        for simulation in (plain, styled):
-            assert simulation.landings
-            for landing in simulation.landings:
-                assert landing.touches[0] == pytest.approx(np.sqrt(2 * 9.81e-3 * 1500.0))
-                assert landing.ended
-    assert asked == [len(block[1].tets)]
-    assert physics_module.period_of(lambda: block[1], sim.recipe, shared) == real(discretised(block))
-    simulator(block, memo).simulate(bumps(block), thorough=False)
-    assert len(asked) == 1, "a window needs no period"
-
-
-def test_a_forged_period_of_a_run_folder_stays_in_that_folder(block, memo, tmp_path):
-    stranger, users = (Memo(tmp_path / name, Objects(tmp_path / f"{name}-objects")) for name in ("stranger", "users"))
-    sim = simulator(block, memo, window=None, element="tet4")
-    honest = physics_module.period_of(lambda: block[1], sim.recipe, memo)
-    (key,) = [path.name for path in memo.folder.iterdir()]
-    stranger.remember(key, 10.0 * honest)
-    assert physics_module.period_of(lambda: block[1], sim.recipe, stranger, users) == 10.0 * honest
-    assert not users.folder.exists()
-    users.remember(key, honest)
-    assert physics_module.period_of(lambda: block[1], sim.recipe, stranger, users) == honest

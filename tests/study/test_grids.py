@@ -6,6 +6,8 @@ from mechstyle import gallery
 from mechstyle.errors import BadInput
 from mechstyle.records.recipe import SETTINGS
 from mechstyle.study.grids import ARMS, STUDIES, STUDY_ARMS, STUDY_CONTROLS, STUDY_SCHEDULES, STYLES, Factors, cells_of
+from support.part_files import put
+from support.slicer_files import BESIDE, PLATE, mesh, model, package, thing
 
 SMALL = {"models": ["pen_holder", "wall_hook"], "styles": ["brick"], "iterations": 9, "vertices": 1000}
 
@@ -90,3 +92,14 @@ def test_seeds_and_other_settings_reach_every_recipe():
 def test_what_there_is_not_is_refused_before_anything_runs(study, changes, words):
     with pytest.raises(BadInput, match=words):
         cells_of(study, Factors(**{**SMALL, **changes}))
+
+
+def test_bodies_of_one_file_are_parts_of_their_own(tmp_path):
+    both = thing(1, mesh(PLATE)) + thing(2, mesh(BESIDE), 'type="model" name="lid"')
+    path = put(tmp_path, "box.3mf", package(model(both, '<item objectid="1"/><item objectid="2"/>')))
+    wanted = [f"{path}#body=1", f"{path}#body=lid,unit=cm"]
+    cells = cells_of("formative", Factors(**{**SMALL, "models": wanted}))
+    assert [cell.part for cell in cells] == ["box-1", "box-lid"]
+    assert len({cell.key for cell in cells}) == 2
+    with pytest.raises(BadInput, match="choose it with --body"):
+        cells_of("formative", Factors(**{**SMALL, "models": [str(path)]}))

@@ -10,6 +10,7 @@ from PIL import Image
 
 from mechstyle.errors import BadInput
 from mechstyle.records.sentences import EXPLANATION, MEANINGS, length
+from mechstyle.study import page as module
 from mechstyle.study.cells import Row, Rows
 from mechstyle.study.figures import _cell
 from mechstyle.study.grids import CONDITIONS, STUDY_CONTROLS, STUDY_SCHEDULES, STYLES
@@ -34,6 +35,12 @@ def study():
     arms = {"part": "hook", "prompt": "brick", "kept": 0.8, "tetrahedra": 9000, "fall": 1500.0, "sure": True}
     rows += [Row(**arms, arm=arm, outcome=outcome, recipe=arm) for arm, outcome in (("static", "FAILS"), ("masks", "NO WORSE"))]
     return [*rows, Row(**arms, arm="masks", condition="load", outcome="HOLDS", recipe="masks")]
+
+
+@pytest.fixture(autouse=True)
+def undrawn(monkeypatch):
+    """Only the page of the module has its figures drawn, which takes seconds; of all others words and tables are read."""
+    monkeypatch.setattr(module, "_pictures", lambda done, named=module._pictures: dict.fromkeys(named(done), lambda: b"a figure"))
 
 
 @pytest.fixture(scope="module")

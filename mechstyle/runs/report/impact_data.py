@@ -10,10 +10,11 @@ import gzip
 from collections.abc import Iterator
 from typing import Any
 
+import msgspec
 import numpy as np
 
 from mechstyle.fea.orientations import UP
-from mechstyle.pictures.fields import moment
+from mechstyle.pictures.fields import Quantity, moment
 from mechstyle.records import Checkpoint, Simulation
 from mechstyle.records.simulation import Place
 from mechstyle.runs.report.replay_data import ReplayData, channel_of, layer_entry
@@ -70,9 +71,9 @@ def impact_data(run: LaneOfRun, state: Checkpoint, name: str, impact: Impact) ->
     frames = moments(len(impact.time), impact.peak)
     motions = [impact.motion(vertices, frame) for frame in frames]
     spans = zip([-1, *frames[:-1]], frames, strict=True)
-    stress = channel_of("moment", [impact.stress[before + 1 : last + 1].max(axis=0) for before, last in spans])
+    quantity = _judged(run, state, name)
+    stress = channel_of("moment", [quantity.made(impact.stress[before + 1 : last + 1].max(axis=0)) for before, last in spans])
     deformation = channel_of("deformation", [motion.deformation for motion in motions])
-    quantity = moment(run.store.allowable_flat(state))
     header: dict[str, Any] = {
         "name": name,
         "peak": frames.index(impact.peak),
@@ -84,6 +85,16 @@ def impact_data(run: LaneOfRun, state: Checkpoint, name: str, impact: Impact) ->
         "channels": [stress.spec, deformation.spec],
     }
     return ReplayData(header, gzip.compress(stress.packed() + deformation.packed(), 6, mtime=0))
+
+
+def _judged(run: LaneOfRun, state: Checkpoint, name: str) -> Quantity:
+    """The stress of a moment as the landing of a name is judged, which need not be the hardest of its kind."""
+    verdict, strength = run.store.verdict(state), run.store.recipe(state.recipe).test.material.yield_strength
+    tested = run.store.objects.get_record(state.simulation, Simulation).landing(name) if state.simulation else None
+    row = None if verdict is None or tested is None else verdict.row(tested.way)
+    if row is None or tested is None:
+        return moment(strength)
+    return moment(row.limit, msgspec.structs.replace(row, landing=name, stress=tested.stress))
 
 
 def moments(count: int, peak: int) -> list[int]:

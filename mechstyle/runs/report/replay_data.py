@@ -10,7 +10,7 @@ Of a long run on many vertices some iterations are left out, or a file would hav
 from __future__ import annotations
 
 import gzip
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,7 +23,7 @@ from mechstyle.loop.history import Row, per_iteration
 from mechstyle.loop.objects import Objects
 from mechstyle.pictures import shading
 from mechstyle.pictures.colormap import ABOVE, LINE, STRIPE, UNKNOWN, Scale
-from mechstyle.pictures.fields import Quantity, limit_of, quantities
+from mechstyle.pictures.fields import Quantity, quantities
 from mechstyle.records import Verdict, sentences
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.report.run_protocol import LaneOfRun, begun
@@ -35,7 +35,7 @@ MOST = 5_000_000
 NO_NUMBER = 65535
 """Stands for a value that is not a number."""
 
-STYLE = {"key": "style", "title": "Style", "label": "", "unit": "", "low": 0.0, "high": 1.0, "threshold": None}
+STYLE = {"key": "style", "title": "Style", "label": "", "unit": "", "low": 0.0, "high": 1.0, "threshold": None, "judged": None}
 """The layer of the part's own colours."""
 
 Plane = NDArray[np.uint8] | NDArray[np.uint16]
@@ -128,8 +128,9 @@ def replay_data(run: LaneOfRun) -> ReplayData:
     rows = _shown(per_iteration(history), run.part.surface)
     digests = [run.store.objects.get_record(row.digest, Digests) for row in rows]
     surface = run.part.surface
-    shown = quantities(run.recipe, limit_of(run.recipe, run.store.verdict(history[-1])))
-    fields = {quantity.name: _channel(run.store.objects, digests, quantity) for quantity in shown}
+    shown = quantities(run.recipe, run.store.verdict(history[-1]))
+    each = zip(*(quantities(run.recipe, verdict) for verdict in _verdicts(rows)), strict=True)  # the quantities of every frame
+    fields = {of[-1].name: _channel(run.store.objects, digests, of) for of in each}
     channels = [*fields.values(), _colour_channel(run.store.objects, digests)]
     header = {
         "name": run.record.name,
@@ -152,6 +153,14 @@ def _shown(rows: Sequence[Row], surface: SurfaceMesh) -> list[Row]:
     return [row for number, row in enumerate(rows) if row.verdict is not None or row is rows[-1] or number % every == 0]
 
 
+def _verdicts(rows: Sequence[Row]) -> Iterator[Verdict | None]:
+    """The newest verdict of each frame, None before the first."""
+    newest = None
+    for row in rows:
+        newest = row.verdict or newest
+        yield newest
+
+
 def _surface_bytes(surface: SurfaceMesh) -> bytes:
     arrays = (surface.vertices.astype("<f4"), surface.vertex_normals.astype("<f4"), surface.faces.astype("<u4"))
     return b"".join(array.tobytes() for array in arrays)
@@ -164,10 +173,11 @@ def _unique(digests: Sequence[Digests], key: str) -> tuple[list[str], list[int]]
     return list(order), [order[digest] for digest in wanted]
 
 
-def _channel(objects: Objects, digests: Sequence[Digests], quantity: Quantity) -> Channel:
-    """A scalar field quantised to LEVELS steps between its extremes."""
+def _channel(objects: Objects, digests: Sequence[Digests], each: Sequence[Quantity]) -> Channel:
+    """A scalar field quantised to LEVELS steps between its extremes, made as the quantity of the frame it appears in."""
+    quantity = each[-1]
     different, frames = _unique(digests, quantity.source)
-    arrays = [quantity.made(objects.get_array(digest)) for digest in different]
+    arrays = [each[frames.index(place)].made(objects.get_array(digest)) for place, digest in enumerate(different)]
     known = [array[np.isfinite(array)] for array in arrays]
     low = min((float(array.min()) for array in known if array.size), default=0.0)
     high = max((float(array.max()) for array in known if array.size), default=0.0)
@@ -218,7 +228,7 @@ def layer_entry(quantity: Quantity, channel: Channel) -> dict[str, Any]:
     low, high = quantity.limits(channel.extremes) or channel.extremes
     return {
         "key": quantity.name, "title": quantity.title.capitalize(), "label": quantity.label, "unit": quantity.unit,
-        "low": low, "high": high, "threshold": quantity.threshold,
+        "low": low, "high": high, "threshold": quantity.threshold, "judged": quantity.judged,
     }  # fmt: skip
 
 

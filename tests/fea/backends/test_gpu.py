@@ -1,4 +1,4 @@
-"""The CUDA path against the CPU path; runs where there is a CUDA device, and says so where there is none."""
+"""The CUDA path (`mechstyle.fea.backends.gpu`) against the CPU path; runs where there is a CUDA device, and says so where there is none."""
 
 import numpy as np
 import pytest

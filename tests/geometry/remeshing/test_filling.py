@@ -9,6 +9,7 @@ import subprocess
 
 import numpy as np
 import pytest
+import trimesh
 
 from mechstyle.errors import BadInput, SimulationFailed
 from mechstyle.geometry.going_on import regardless
@@ -298,6 +299,16 @@ def test_triangles_that_are_to_be_kept_are_kept_or_given_up_where_they_are_neede
     assert fewer.vertices[:, 2].max() == pytest.approx(ridged.vertices[:, 2].max(), abs=0.05), "as high as the surface, not as exaggerated"
     high = np.mean(fewer.vertices[:, 2] > 19.0), np.mean(ridged.vertices[:, 2] > 19.0)
     assert high[0] > 1.5 * high[1], "the flat sides can spare theirs"
+
+
+def test_even_triangles_are_no_finer_than_those_that_come_even():
+    """Thin walls would have them finer than the surface, which is nearer to itself than anything else."""
+    ball = trimesh.creation.icosphere(subdivisions=3, radius=20.0)
+    surface = SurfaceMesh(ball.vertices, ball.faces)
+    own = module._filled_as(surface, 1500.0, 1e-3, 2.0, regardless)
+    assert len(own.faces) == len(surface.faces)
+    coarser = module._filled_as(surface, 1500.0, 1.0, 2.0, regardless)
+    assert len(coarser.faces) < len(surface.faces)
 
 
 def test_a_relief_of_the_surface_itself_keeps_its_triangles(embossed):

@@ -4,58 +4,22 @@ import base64
 import gzip
 import hashlib
 import html
-import itertools
 import json
 import re
 from dataclasses import replace
-from html.parser import HTMLParser
 
-import msgspec
-import numpy as np
 import pytest
 
 from mechstyle.errors import BadInput
 from mechstyle.loop.history import largest_mask_change, rows, steps
-from mechstyle.records import Doubt, sentences
+from mechstyle.records import sentences
 from mechstyle.records.landings import STANDARDS
 from mechstyle.records.recipe import described
 from mechstyle.runs.report import texts
-from mechstyle.runs.report.markup import cells
 from mechstyle.runs.report.outcomes import RING, SHAPES, kind
-from mechstyle.runs.report.page import _limits, _row, report_page, write_report
+from mechstyle.runs.report.page import _limits, report_page, write_report
 from mechstyle.runs.report.replay_data import replay_data
-from mechstyle.runs.report.timeline import ticks, timeline
-from support.records import UNKNOWN, row
-from support.records import verdict as judged
-
-
-class Reader(HTMLParser):
-    """Elements and visible text of a page; complains about elements that are not closed."""
-
-    EMPTY = frozenset({"meta", "img", "circle", "path", "line", "polyline", "input", "br"})
-
-    def __init__(self, page):
-        super().__init__()
-        self.open, self.elements, self.text, self.scripts = [], [], "", []
-        self.feed(page)
-        assert self.open == []
-
-    def handle_starttag(self, tag, attributes):
-        self.elements.append((tag, dict(attributes)))
-        if tag not in self.EMPTY:
-            self.open.append(tag)
-
-    def handle_startendtag(self, tag, attributes):
-        self.elements.append((tag, dict(attributes)))
-
-    def handle_endtag(self, tag):
-        assert self.open.pop() == tag
-
-    def handle_data(self, data):
-        if self.open and self.open[-1] == "script":
-            self.scripts.append(data)
-        elif self.open and self.open[-1] != "style":
-            self.text += data
+from support.reader import Reader
 
 
 @pytest.fixture(scope="module")
@@ -138,56 +102,6 @@ def test_the_verdict_stands_there_once_with_its_table_and_its_doubt(sheet):
     assert len(rows) == len(verdict.rows) == 3
 
 
-def step_of(lane, judged, iteration=0):
-    step = steps(lane.store, rows(lane.store))[0]
-    return msgspec.structs.replace(step, iteration=iteration, verdict=judged)
-
-
-def test_an_outcome_that_is_not_sure_has_a_ring_and_says_so(lane):
-    doubt = Doubt(about="limit", value=1.01, test="flat", landing="flat")
-    unsure = step_of(lane, msgspec.structs.replace(judged(row()), doubts=(doubt,)))
-    drawn = str(timeline([unsure], 1))
-    assert 'class="mark holds"' in drawn
-    assert "HOLDS (not sure), flat: " in drawn
-    assert RING in drawn
-    assert '<span class="holds">HOLDS</span><span class="unknown"> (not sure)</span>' in cells(_row(unsure))
-    sure = step_of(lane, judged(row()))
-    assert RING not in str(timeline([sure], 1))
-    assert '<span class="holds">HOLDS</span></td>' in cells(_row(sure))
-
-
-def test_a_test_without_an_answer_is_drawn_as_one(lane):
-    drawn = str(timeline([step_of(lane, UNKNOWN)], 1))
-    assert SHAPES["UNKNOWN"] in drawn
-    assert "UNKNOWN; original part" in drawn
-    assert "limit 45.6 MPa" in drawn
-
-
-@pytest.mark.parametrize(
-    "peaks", [(26, 27, 27, 27), (30, 60, 55, 45.4), (20, 44, 45, 45.5), (60, 44, 47, 44), (45, 46, 45, 46, 44, 46, 45, 80)], ids=str
-)
-def test_the_name_of_the_limit_stands_where_the_curve_is_not(lane, peaks):
-    """Far below the limit of 45.6 MPa, falling to it, rising to it, across it, and along it."""
-    told = [step_of(lane, judged(row(stress=float(peak), limit=45.6)), iteration) for iteration, peak in enumerate(peaks)]
-    drawn = str(timeline(told, len(peaks) - 1))
-    right, base = (float(re.search(rf'class="limit-name"[^>]* {name}="([-.\d]+)"', drawn)[1]) for name in "xy")
-    line = [tuple(map(float, point.split(","))) for point in re.search(r'class="peaks" points="([^"]+)"', drawn)[1].split()]
-    curve = np.concatenate([np.linspace(one, other, 200) for one, other in itertools.pairwise(line)])
-    for points, room in ((curve, 2.0), (np.array(line), 8.0)):
-        beside = np.maximum(right - 95.0 - points[:, 0], points[:, 0] - right)
-        over_or_under = np.maximum(base - 11.0 - points[:, 1], points[:, 1] - base - 3.0)
-        assert np.maximum(beside, over_or_under).min() >= room
-
-
-def test_each_simulation_is_drawn_against_its_own_limit(lane):
-    """Where a load decides first and a landing at the end, the mark of either stood beside the limit of the last."""
-    told = [step_of(lane, judged(row(stress=0.5 * limit, limit=limit)), iteration) for iteration, limit in enumerate((45.6, 91.2))]
-    drawn = str(timeline(told, 1))
-    heights = [float(y) for y in re.findall(r"V([-.\d]+)", re.search(r'class="limit" d="([^"]+)"', drawn)[1])]
-    marks = [float(y) for y in re.findall(r'class="mark [^"]*" transform="translate\([-.\d]+ ([-.\d]+)\)', drawn)]
-    assert [204.0 - y for y in marks] == pytest.approx([0.5 * (204.0 - y) for y in heights], abs=0.1)
-
-
 def test_the_legend_tells_every_mark(page):
     for word, shape in SHAPES.items():
         assert f'class="mark {kind(word)}">{shape}</svg> {word}' in page
@@ -266,32 +180,3 @@ def test_an_unfinished_lane_has_a_report_as_well(sheet):
     text = Reader(report_page(branch)).text
     assert "stands at iteration 10 of 20" in text
     assert "--lane later --seed 3" in text
-
-
-def test_a_notebook_without_a_kernel_shows_a_picture_and_a_table(lane):
-    shown = lane._repr_mimebundle_()
-    read = Reader(shown["text/html"])
-    assert [tag for tag, _ in read.elements].count("img") == 2
-    assert "script" not in [tag for tag, _ in read.elements]
-    for text in (read.text, shown["text/plain"]):
-        assert lane.verdict.words in text
-        assert "every 10 iterations" in text
-
-
-def test_a_notebook_without_a_kernel_and_the_replay_say_where_a_verdict_is_not_sure(sheet):
-    run = sheet(iterations=20, gain=30.0, control="none", guarantee=False)
-    told = [step.verdict for step in steps(run.store, rows(run.store))]
-    assert {verdict.sure for verdict in told} == {True, False}
-    shown, last = run._repr_mimebundle_(), replay_data(run).header["frames"][-1]
-    for text in (Reader(shown["text/html"]).text, shown["text/plain"]):
-        assert text.replace(run.verdict.words, "").count(sentences.NOT_SURE) == sum(not verdict.sure for verdict in told)
-    assert last["outcome"].endswith(" (not sure)")
-    assert " (not sure); " in last["words"]
-
-
-@pytest.mark.parametrize(("top", "about", "wanted"), [(60, 6, [0, 10, 20, 30, 40, 50, 60]), (51, 4, [0, 20, 40]), (1, 10, None)])
-def test_ticks_are_round_numbers(top, about, wanted):
-    found = list(ticks(top, about))
-    assert found[0] == 0
-    assert found[-1] <= top * (1 + 1e-9)
-    assert wanted is None or found == wanted

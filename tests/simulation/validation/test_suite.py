@@ -1,56 +1,15 @@
-"""The validation cases themselves, as a user runs them; what takes minutes is run by hand, see docs/validation.md."""
+"""The validation cases as a user runs them, by name; their figures are held by the tests of the modules they are in."""
 
 import json
 import math
-import os
 import re
 
-import pytest
 from typer.testing import CliRunner
 
 from mechstyle.cli.app import app
-from mechstyle.errors import MissingPiece
 from mechstyle.simulation.validation import calculix, suite
 from mechstyle.simulation.validation.cases import Case, bounded, compared
 from support import ROOT
-
-QUICK = [name for name, case in suite.CASES.items() if not case.slow]
-MAY_SKIP = {"devices": "no CUDA device", "instructions": "not for "}
-
-
-@pytest.mark.parametrize("name", QUICK)
-def test_the_simulation_holds(name):
-    if name == "cantilever" and not calculix.available() and not os.environ.get("MECHSTYLE_SKIP_NOTHING"):
-        pytest.skip("NO CALCULIX: the comparison of stiffness matrices with C3D4 and C3D10 was NOT run; apt-get install calculix-ccx")
-    case = suite.CASES[name]
-    results = case.results()
-    assert results
-    assert all(MAY_SKIP[name] in result.note for result in results if result.passed is None)
-    failed = [f"{result.case}: error {result.error:.3g}, limit {result.limit:.3g}" for result in results if result.passed is False]
-    assert bool(failed) == bool(case.fault), failed or "its known fault is mended: delete the words that excuse it"
-
-
-@pytest.mark.slow
-def test_the_stress_wave_agrees_with_calculix():
-    if not calculix.available() and not os.environ.get("MECHSTYLE_SKIP_NOTHING"):
-        pytest.skip("NO CALCULIX: the stress wave was NOT compared; apt-get install calculix-ccx")
-    assert all(result.passed for result in suite.CASES["bar_calculix"].results())
-
-
-@pytest.mark.parametrize(("measured", "passed"), [(1.04, True), (0.96, True), (1.06, False), (math.nan, False), (math.inf, False)])
-def test_only_a_finite_error_within_the_limit_passes(measured, passed):
-    assert compared("a", measured, 1.0, 0.05).passed is passed
-    assert bounded("a", abs(measured - 1.0), 0.05).passed is passed
-
-
-def test_what_is_missing_is_not_run_and_says_why():
-    def nothing():
-        raise MissingPiece("there is no wind tunnel")
-        yield
-
-    (result,) = Case("wind", "In the wind", nothing).results()
-    assert result.passed is None
-    assert result.note == "there is no wind tunnel"
 
 
 def test_without_calculix_its_cases_say_so(monkeypatch):
@@ -97,6 +56,13 @@ def test_the_page_in_docs_has_every_case():
         fault = suite.CASES[name].fault
         assert fault in section
         assert fault or "**failed**" not in section, f"{name} fails, and nothing says why"
+
+
+def test_every_quick_case_is_held_by_the_test_of_its_module():
+    """What takes minutes is run by hand, see docs/validation.md."""
+    here = ROOT / "tests" / "simulation" / "validation"
+    for module in {case.run.__module__.rpartition(".")[2] for case in suite.CASES.values() if not case.slow}:
+        assert f"quick({module})" in (here / f"test_{module}.py").read_text(), f"no test runs the quick cases of {module}"
 
 
 def test_the_page_begins_with_how_many_figures_of_each_case_pass(tmp_path):

@@ -13,6 +13,7 @@ import traitlets
 
 from mechstyle.errors import MechStyleError
 from mechstyle.loop.history import Branch, Row
+from mechstyle.pictures.fields import stress
 from mechstyle.records import Checkpoint, Verdict, sentences
 from mechstyle.records.load_cases import LoadCase
 from mechstyle.records.material import Material
@@ -141,7 +142,8 @@ class Branches(Section):
         (run, _, checkpoint), verdict = min(judged, key=lambda one: _reserve(one[1]))
         vertex = worst_vertex(checkpoint)
         called = self.state.called
-        stresses = {called(one.lane): float(state.stress[vertex]) for (one, _, state), _ in judged}
+        each = [(called(one.lane), stress(its.strength, its.deciding).of(state)) for (one, _, state), its in judged]
+        stresses = {name: float(values[vertex]) for name, values in each}
         return vertex, sentences.least_left(called(run.lane), verdict, stresses)
 
     def insight(self) -> str:

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 import ipywidgets
+import msgspec
 import traitlets
 
 from mechstyle.fea.explicit import Progress
@@ -126,7 +127,9 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         limit = verdict.strength if row is None else row.limit
         name = FLAT if landing is None else landing.name
         note = f"{name}, at {1e3 * self.impact.time[self.frame]:.0f} µs, deformed × {self.exaggeration:g}"
-        layer = layer_of(moment(limit), stress[self.frame], stress, note)
+        its = None if row is None or landing is None else msgspec.structs.replace(row, landing=landing.name, stress=landing.stress)
+        quantity = moment(limit, its)
+        layer = layer_of(quantity, quantity.made(stress[self.frame]), quantity.made(stress), note)
         return Subject(self.impact.shape(subject.mesh, self.frame, self.exaggeration), (*subject.layers, layer))
 
     def close(self) -> None:

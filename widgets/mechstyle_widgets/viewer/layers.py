@@ -35,6 +35,8 @@ class Layer:
         note: What a reader should know about it, "" for nothing.
         title: What the menu calls it; the name by default.
         said: How a value at one place is written; as a figure with its unit if None.
+        most: Words of its greatest value, "" for that value.
+        judged: Value that stands for itself and all above it, None if all are shown.
     """
 
     name: str
@@ -46,6 +48,8 @@ class Layer:
     note: str = ""
     title: str = ""
     said: Callable[[float], str] | None = None
+    most: str = ""
+    judged: float | None = None
 
     def __post_init__(self) -> None:
         """Freeze the values and refuse a scale that is none."""
@@ -134,7 +138,8 @@ def layer_of(quantity: Quantity, values: NDArray[Any], seen: NDArray[Any] | None
         note: What a reader should know of these values, the quantity's own note by default.
     """
     limits, text_at = quantity.limits(values if seen is None else seen), note or quantity.note
-    return Layer(quantity.name, values, quantity.label, quantity.unit, limits, quantity.threshold, text_at, quantity.title, quantity.said)
+    words = (text_at, quantity.title, quantity.said, quantity.most, quantity.judged)
+    return Layer(quantity.name, values, quantity.label, quantity.unit, limits, quantity.threshold, *words)
 
 
 def subject_of(run: Run, state: Checkpoint) -> Subject:

@@ -33,7 +33,7 @@ def colour_bar(layer: Layer, mesh: SurfaceMesh, bands: int = 0, *, brief: bool =
         brief: Whether to leave out what is said of the surface, as where several share the bar.
     """
     scale = layer.scale
-    ticks = [_tick(place, min(max(place, 0.0), 1.0), words) for place, words in _ticks(scale)]
+    ticks = [_tick(place, min(max(place, 0.0), 1.0), words) for place, words in _ticks(scale, layer.judged)]
     lines = [f"<div><b>{escape(layer.caption)}</b></div>"]
     lines.append(f'<div style="width:{BAR_WIDTH}px;height:12px;border-radius:2px;background:{_gradient(scale, bands)}"></div>')
     lines.append(f'<div style="position:relative;width:{BAR_WIDTH}px;height:1.5em">{"".join(ticks)}</div>')
@@ -98,8 +98,11 @@ def _block(inside: str) -> str:
 def _extremes(layer: Layer) -> str:
     """Markers of the extremes: a ring at the greatest value, a triangle at the least."""
     found = layer.extremes()
-    words = "" if found is None else escape(f"○ max {layer.at(found[0])}   ▽ min {layer.at(found[1])}").replace("   ", " &emsp; ")
-    return words and f'<span title="dashed where it is on the far side">{words}</span>'
+    if found is None:
+        return ""
+    most = layer.most or f"max {layer.at(found[0])}"
+    words = escape(f"○ {most}   ▽ min {layer.at(found[1])}").replace("   ", " &emsp; ")
+    return f'<span title="dashed where it is on the far side">{words}</span>'
 
 
 def _share_beyond(layer: Layer, mesh: SurfaceMesh) -> str:
@@ -110,19 +113,19 @@ def _share_beyond(layer: Layer, mesh: SurfaceMesh) -> str:
     return escape(f"{share} {'below' if layer.scale.falls else 'above'} the limit of {layer.threshold:.3g} {layer.unit}".rstrip())
 
 
-def _ticks(scale: Scale) -> list[tuple[float, str]]:
-    """Places along the bar, and what stands there: round values, and in bold the limit, which is always marked."""
+def _ticks(scale: Scale, judged: float | None = None) -> list[tuple[float, str]]:
+    """Places along the bar, and what stands there: round values, in bold the limit, and what stands for all above it."""
     width, bold = scale.high - scale.low, scale.threshold if scale.split else None
     step = 2.5 * round_length(abs(width) / 9.0)
     step = next(one for one in (step / 2.5, step / 1.25, step, 2 * step) if abs(width) / one <= MOST_TICKS)
     first = math.ceil(min(scale.low, scale.high) / step - 1e-9)
     values = [step * number for number in range(first, math.floor(max(scale.low, scale.high) / step + 1e-9) + 1)]
-    found = [((value - scale.low) / width, value) for value in values]
-    if bold is None:
-        return [(place, f"{value:.3g}") for place, value in found]
-    edge = (bold - scale.low) / width
-    apart = [(place, f"{value:.3g}") for place, value in found if abs(place - edge) > CROWDED]
-    return [*apart, (edge, f"<b>{bold:.3g}</b>")]
+    marked = {} if bold is None else {(bold - scale.low) / width: f"<b>{bold:.3g}</b>"}
+    if judged is not None and all(abs((judged - scale.low) / width - place) > CROWDED for place in marked):
+        marked[(judged - scale.low) / width] = f"≥ {judged:.3g}"
+    found = {(value - scale.low) / width: f"{value:.3g}" for value in values}
+    apart = [one for one in found.items() if all(abs(one[0] - place) > CROWDED for place in marked)]
+    return [*apart, *marked.items()]
 
 
 def _gradient(scale: Scale, bands: int) -> str:

@@ -315,7 +315,8 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
         if layer is None:
             return Panel(self.section.applied(subject.mesh)[0], title, view=seen)
         mesh, values = self.section.applied(subject.mesh, layer.values)
-        return Panel(mesh, title, values, layer.unit, layer.label, layer.limits, layer.threshold, seen, layer.note)
+        how = (layer.unit, layer.label, layer.limits, layer.threshold, seen, layer.note, layer.judged, layer.most)
+        return Panel(mesh, title, values, *how)
 
     def _add_under_view(self, widget: ipywidgets.Widget) -> None:
         """Show one more widget between the view and what is written under it."""

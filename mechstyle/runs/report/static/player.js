@@ -230,7 +230,7 @@ export class Player {
   }
 
   describeScale() {
-    const { label, unit, low, high, key } = this.layer, split = this.threshold !== null;
+    const { label, unit, low, high, key, judged } = this.layer, split = this.threshold !== null;
     this.scale.classList.toggle("ms-away", key === "style");
     this.knob.classList.toggle("ms-away", !split);
     if (key === "style") return;
@@ -241,7 +241,7 @@ export class Player {
     const side = low > high ? "below" : "above";
     this.label.textContent = (unit ? `${label} [${unit}]` : label) + (split ? ` · ${this.shareBeyond()} ${side} ${withUnit(this.threshold, unit)}` : "");
     this.bar.style.background = this.gradient(place);
-    this.ticks.replaceChildren(element("span", {}, shown(low)), element("span", {}, shown(high)));
+    this.ticks.replaceChildren(element("span", {}, shown(low)), element("span", {}, (judged >= high ? "≥ " : "") + shown(high))); // what exceeds σ_V is shown as σ_V
   }
 
   shareBeyond() {

@@ -1,0 +1,125 @@
+"""Thirty styled parts as a painted 3MF and as an STL, each sliced by PrusaSlicer and by Slic3r: what opens, is closed, and becomes layers.
+
+Needs prusa-slicer and slic3r on PATH, half a minute a part. Styles are drawn freely on small surfaces, without simulation: slicers see
+the file alone. Keeps what was measured in docs/slicing.json, and writes the table below the heading of docs/slicing.md.
+
+python benchmarks/slicing.py                 # all of the gallery
+python benchmarks/slicing.py coaster vase    # some of it
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import subprocess
+import tempfile
+from pathlib import Path
+from typing import Any, cast
+
+import msgspec
+import trimesh
+
+import mechstyle as ms
+from mechstyle.gallery import names
+from mechstyle.gallery.style_sheet import Specimen
+from mechstyle.geometry.files import save
+from mechstyle.runs.printing import Printing, write_for_printing
+from mechstyle.runs.recipes import draft
+from mechstyle.styling.library import names as styles
+from mechstyle.styling.prompt import read
+
+DOCS = Path(__file__).parent.parent / "docs"
+VERTICES, LAYER = 3000, 0.3
+PRUSA = (
+    "prusa-slicer", "--export-gcode", "--nozzle-diameter=0.4,0.4", "--filament-diameter=1.75,1.75", "--temperature=210,210",
+    "--single-extruder-multi-material", f"--layer-height={LAYER}", f"--first-layer-height={LAYER}", "--fill-density=0%", "--skirts=0",
+)  # fmt: skip
+SLIC3R = (
+    "slic3r", f"--layer-height={LAYER}", f"--first-layer-height={LAYER}", "--fill-density=0", "--skirts=0", "--print-center", "100,100",
+)  # fmt: skip
+REPAIRED = re.compile("repair|manifold|error", re.IGNORECASE)
+COLUMNS = ("part", "style", "watertight", "filaments", "PrusaSlicer, 3MF", "PrusaSlicer, STL", "Slic3r, 3MF", "Slic3r, STL", "asked")
+HEAD = """\
+# Thirty files in two slicers
+
+Every part of the gallery in another style, {vertices} vertices, written as a painted 3MF and as an STL, each sliced by PrusaSlicer 2.5 and
+Slic3r 1.3 in layers of {layer} mm; made by `python benchmarks/slicing.py`. **{whole} of {count}** are watertight and have as many layers
+in all four as their height asks for, one more or less, without a repair.
+
+"""
+
+
+class Sliced(msgspec.Struct):
+    """What became of a part: layers of each file in each slicer, and what was repaired."""
+
+    style: str
+    watertight: bool
+    filaments: int
+    layers: list[int]
+    asked: int
+    repairs: list[str]
+
+    @property
+    def whole(self) -> bool:
+        """Whether everything is as it must be."""
+        return self.watertight and not self.repairs and all(abs(layers - self.asked) <= 1 for layers in self.layers)
+
+
+def measure(part: str, style: str, folder: Path) -> Sliced:
+    """Style a part, write it twice and slice each file twice."""
+    mesh, _ = Specimen.of(ms.load(f"gallery:{part}"), VERTICES).styled(read(style).wishes[0])
+    files = [folder / f"{part}.3mf", folder / f"{part}.stl"]
+    plan = write_for_printing(files[0], mesh, cast("Any", None), draft(style), Printing())  # the part is asked for two bodies alone
+    save(mesh, files[1])
+    layers, repairs = [], []
+    for slicer in (PRUSA, SLIC3R):
+        for file in files:
+            gcode = file.with_suffix(f".{slicer[0]}.gcode")
+            done = subprocess.run([*slicer, "-o", str(gcode), str(file)], capture_output=True, text=True, check=False)
+            said = (done.stdout + done.stderr).splitlines()
+            repairs += [f"{slicer[0]}: {line.strip()}" for line in said if REPAIRED.search(line)]
+            layers.append(len(heights(gcode.read_text())) if gcode.exists() else 0)
+    return Sliced(
+        style=style,
+        watertight=all(trimesh.load_mesh(file).is_watertight for file in files),
+        filaments=len(plan.palette),
+        layers=layers,
+        asked=round(float(mesh.extents[2]) / LAYER),
+        repairs=repairs,
+    )
+
+
+def heights(gcode: str) -> set[float]:
+    """The heights at which plastic is laid [mm]."""
+    found, height = set[float](), 0.0
+    for line in gcode.splitlines():
+        if place := re.search(r"^G1 Z([\d.]+)", line):
+            height = float(place[1])
+        elif re.search(r"^G1 X\S+ Y\S+ E[\d.]", line):
+            found.add(height)
+    return found
+
+
+def main() -> None:
+    """Measure the parts named, or all; write what is known of all."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("parts", nargs="*", choices=[*names(), []])
+    kept = DOCS / "slicing.json"
+    known = msgspec.json.decode(kept.read_bytes(), type=dict[str, Sliced]) if kept.is_file() else {}
+    spread = styles()[:: len(styles()) // len(names())]
+    for part in parser.parse_args().parts or names():
+        with tempfile.TemporaryDirectory() as folder:
+            known[part] = measure(part, spread[names().index(part)].replace("_", " "), Path(folder))
+        print(part, known[part], flush=True)
+        kept.write_bytes(msgspec.json.format(msgspec.json.encode(known), indent=1))
+    rows = [
+        (part.replace("_", " "), one.style, "yes" if one.watertight else "**no**", one.filaments, *one.layers, one.asked)
+        for part, one in known.items()
+    ]
+    table = ["| " + " | ".join(COLUMNS) + " |", "|---" * len(COLUMNS) + "|", *("| " + " | ".join(map(str, row)) + " |" for row in rows)]
+    head = HEAD.format(vertices=VERTICES, layer=LAYER, whole=sum(one.whole for one in known.values()), count=len(known))
+    (DOCS / "slicing.md").write_text(head + "\n".join(table) + "\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,56 @@
+"""Shape functions of both tetrahedra: what they interpolate exactly, and that their masses are all there."""
+
+import numpy as np
+import pytest
+
+from mechstyle.errors import BadInput
+from mechstyle.fea.elasticity import corner_gradients, displacement_gradients
+from mechstyle.fea.elements import EDGES, ELEMENTS, GAUSS_A, GAUSS_B, QUADRATIC, element_named, with_nodes
+
+each_element = pytest.mark.parametrize("element", ELEMENTS.values(), ids=ELEMENTS)
+SLOPE = np.random.default_rng(0).uniform(-0.3, 0.3, (3, 3))
+
+
+@each_element
+def test_the_masses_of_the_nodes_are_the_whole_and_none_is_negative(element):
+    assert element.mass_shares.sum() == pytest.approx(1.0)
+    assert (element.mass_shares > 0.0).all()
+
+
+@each_element
+def test_a_translation_strains_nothing(element, block):
+    mesh = with_nodes(block, element)
+    assert np.abs(displacement_gradients(mesh, np.tile([1.0, -2.0, 3.0], (len(mesh.nodes), 1)))).max() < 1e-12
+
+
+@each_element
+@pytest.mark.parametrize("at", [displacement_gradients, corner_gradients])
+def test_a_linear_field_has_its_own_gradient_everywhere(at, element, block):
+    mesh = with_nodes(block, element)
+    found = at(mesh, mesh.nodes @ SLOPE.T)
+    np.testing.assert_allclose(found, np.broadcast_to(SLOPE, found.shape), atol=1e-12)
+
+
+def test_a_quadratic_field_has_its_own_gradient_at_the_points_and_corners_of_the_quadratic_element(block):
+    """Half of the stress near a clamp hangs on this: a bent plate is a quadratic field."""
+    mesh, A = with_nodes(block, QUADRATIC), np.random.default_rng(1).uniform(-0.01, 0.01, (3, 3, 3))
+    A = A + A.transpose(0, 2, 1)
+    field = 0.5 * np.einsum("kij,ni,nj->nk", A, mesh.nodes, mesh.nodes)
+    corners = block.vertices[block.tets]
+    weights = np.full((4, 4), GAUSS_B) + (GAUSS_A - GAUSS_B) * np.eye(4)
+    for at, places in ((displacement_gradients, np.einsum("qi,tik->tqk", weights, corners)), (corner_gradients, corners)):
+        np.testing.assert_allclose(at(mesh, field), np.einsum("kij,tqi->tqkj", A, places), atol=1e-11)
+
+
+def test_neighbours_share_the_nodes_in_the_middle_of_their_edges(block):
+    mesh = with_nodes(block, QUADRATIC)
+    ends = np.sort(block.tets[:, EDGES].reshape(-1, 2), axis=1)
+    assert len(mesh.nodes) == len(block.vertices) + len(np.unique(ends, axis=0))
+    middles = mesh.nodes[mesh.connectivity[:, 4:]]
+    np.testing.assert_allclose(middles, block.vertices[block.tets[:, EDGES]].mean(axis=2))
+
+
+def test_an_element_nobody_has_is_refused_with_the_nearest():
+    assert element_named("tet10") is QUADRATIC
+    with pytest.raises(BadInput, match="did you mean 'tet10'"):
+        element_named("tet1O")

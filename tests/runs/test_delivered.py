@@ -1,0 +1,32 @@
+"""A file of a run, simulated again beside its plain part, comes to what its run came to."""
+
+import numpy as np
+import pytest
+import trimesh
+
+from mechstyle.gallery import load
+from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.runs.run import stylize
+from mechstyle.simulation.part_test import simulate
+
+SETTINGS = {"vertices": 500, "window": 0.08, "device": "cpu"}
+"""The window leaves out later impacts, of which both would see the same."""
+
+
+@pytest.fixture(scope="module")
+def plain():
+    """A block of 20 × 16 × 10 mm."""
+    block = trimesh.creation.box((20.0, 16.0, 10.0)).apply_translation((0.0, 0.0, 5.0))
+    return SurfaceMesh(np.asarray(block.vertices), np.asarray(block.faces))
+
+
+@pytest.mark.slow
+def test_a_file_comes_to_the_outcome_of_its_run(plain, tmp_path):
+    run = stylize(plain, "brick", iterations=2, out=tmp_path / "run", **SETTINGS)
+    again = simulate(load(str(run.export(tmp_path / "block.3mf"))), original=plain, **SETTINGS)
+    assert np.abs(again.relief - run.checkpoint().displacement).max() < 0.05, "it is read as the relief that it is"
+    assert run.checkpoint().displacement.any()
+    assert again.verdict.outcome == run.verdict.outcome
+    for test in ("flat", "nearly flat"):
+        assert again.verdict.row(test).reserve == pytest.approx(run.verdict.row(test).reserve, rel=0.15), "on tetrahedra made anew"
+        assert again.verdict.row(test).original == pytest.approx(run.verdict.row(test).original), "the plain part is the same"

@@ -1,0 +1,11 @@
+"""Contact over a plane on finer meshes."""
+
+import pytest
+
+from mechstyle.simulation.validation import convergence
+from support.cases import held, quick
+
+
+@pytest.mark.parametrize("name", quick(convergence))
+def test_the_simulation_holds(name):
+    held(name)

@@ -1,0 +1,16 @@
+"""Bodies that hit the floor, against theory and other arithmetic."""
+
+import pytest
+
+from mechstyle.simulation.validation import impacts
+from support.cases import held, quick
+
+
+@pytest.mark.parametrize("name", quick(impacts))
+def test_the_simulation_holds(name):
+    held(name)
+
+
+@pytest.mark.slow
+def test_the_stress_wave_agrees_with_calculix():
+    held("bar_calculix")

@@ -1,0 +1,11 @@
+"""Elements at rest: what must hold exactly, and the same matrices in CalculiX."""
+
+import pytest
+
+from mechstyle.simulation.validation import statics
+from support.cases import held, quick
+
+
+@pytest.mark.parametrize("name", quick(statics))
+def test_the_simulation_holds(name):
+    held(name)
