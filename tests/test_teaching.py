@@ -36,7 +36,7 @@ def test_runs_with_other_settings_have_folders_of_their_own_and_the_same_is_foun
     monkeypatch.setattr(teaching.Run, "go", lambda run, *_: run)
     free, masked, again = (teaching.run(folder=tmp_path, **given) for given in ({"freely": True}, {"schedule": "stress"}, {"freely": True}))
     assert free.store.root == again.store.root != masked.store.root
-    assert not free.recipe.steered
+    assert not free.recipe.restraint.feedback
     assert (masked.recipe.style.relief, masked.recipe.schedule.iterations) == (3.0, 40)
     with pytest.raises(BadInput):
         teaching.run(folder=tmp_path, no_such_setting=1)
