@@ -116,7 +116,8 @@ def _scenes(run: Run, *, plain: bool, progress: Callable[[float], None]) -> list
     part, recipe, end = run.part, run.recipe, run.checkpoint()
     verdict = end.verdict
     row = None if verdict is None else verdict.row("flat")
-    how = "MechStyle" if recipe.steered else "Freestyle"
+    watched = recipe.restraint.guarantee or (recipe.schedule.when != "never" and recipe.restraint.feedback)
+    how = "MechStyle" if watched else "Freestyle"
     ending = "" if row is None or row.height is None else f"{row.outcome}: survives {sentences.length(row.height)}"
     styled = part.surface.displaced(end.displacement)
 
