@@ -198,5 +198,5 @@ def _legend(page: Image.Image, scale: Scale, top: int, words: str, factor: float
     draw.text((limit, top + 28), f"yields, {scale.top:.0f} MPa", INK, small, anchor="ma")
     beside = EDGE + width + 2 * EDGE
     draw.text((beside, top + 8), words, INK, small)
-    draw.text((beside, top + 28), f"deformation × {factor:.0f}", INK, small)
+    draw.text((beside, top + 28), f"deformation drawn {factor:.0f} times", INK, small)
 
