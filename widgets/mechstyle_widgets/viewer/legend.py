@@ -110,7 +110,7 @@ def _share_beyond(layer: Layer, mesh: SurfaceMesh) -> str:
         return ""
     beyond = layer.scale.beyond(layer.values)
     share = f"{mesh.vertex_areas[beyond].sum() / mesh.vertex_areas.sum():.1%} of the surface is" if beyond.any() else "nothing is"
-    return escape(f"{share} {'below' if layer.scale.falls else 'above'} the limit of {layer.threshold:.3g} {layer.unit}".rstrip())
+    return escape(f"{share} {'below' if layer.scale.lower_is_worse else 'above'} the limit of {layer.threshold:.3g} {layer.unit}".rstrip())
 
 
 def _ticks(scale: Scale, judged: float | None = None) -> list[tuple[float, str]]:
