@@ -35,11 +35,11 @@ standing as printed. `mechstyle gallery` lists them with what one learns from ea
 besides the fall, and the regions are suggestions for `--protect`.
 
 Made by `python benchmarks/gallery.py`, for solid PLA and a fall of 1.5 m. *Flat* and *nearly flat* are the heights from which the
-plain part begins to yield; the load factor says how many times its load the part carries. [How MechStyle judges](how-mechstyle-judges.md).
+plain part begins to yield. The load factor says how many times its load the part carries. [How MechStyle judges](how-mechstyle-judges.md).
 
 A style needs room above the fall that is asked for. A part that just holds 1.5 m flat has little, and a smaller fall gives it more.
-What a flat landing does to a part hangs on its shape and hardly on its thickness: what lies level and reaches out, or spans between two
-feet, goes on falling where its ends have stopped, and is bent.
+Shape decides in a flat landing, and thickness hardly. What lies level and reaches out, or spans between two feet, goes on falling where
+its ends have stopped, and is bent.
 
 """
 COLUMNS = (

@@ -40,9 +40,8 @@ BARE = 4
 HEAD = """\
 # Styles in plain grey
 
-Who prints in one colour sees the relief alone. The mean difference between the grey pictures of a cup with a style and without, over the
-pixels of the cup, in levels of 255, on the {vertices} vertices of a run, seen from the usual corner with its
-light, the style finished and restrained by nothing. Made by
+A print in one colour shows the relief alone. The figures are the mean difference between grey pictures of a cup with a style and without,
+in levels of 255, over the pixels of the cup. Each style is finished and unrestrained, on {vertices} vertices. Made by
 `python benchmarks/legibility.py`. From about 8 on a style is seen at a glance. {below}
 
 ![Each style on the five cups, in grey](legibility.png)

@@ -26,7 +26,7 @@ BUNDLED = {  # copyleft libraries inside wheels, by the beginning of their file 
 }
 HEAD = """# Licences
 
-MechStyle is [Apache-2.0](../LICENSE). What it needs is installed beside it, as its authors publish it. This page is written by
+MechStyle is [Apache-2.0](../LICENSE). What it needs is installed with it, as its authors publish it. This page is written by
 `.venv/bin/python benchmarks/licences.py > docs/licences.md` from the metadata of the packages installed on Linux x86-64; those that only
 development needs (the extra `dev`) are not listed. Versions are those of `constraints.txt`. No lawyer has read it.
 
@@ -36,7 +36,7 @@ too: the text, and for MPL and LGPL parts where their source is.
 DATA = """
 **Data in it.** `mechstyle/styling/english.tsv`, a table of English words, is derived from WordNet 3.0 (Copyright 2006 by Princeton
 University) and SCOWL (Copyright 2000-2011 by Kevin Atkinson). Both allow any use with
-[their notices](../mechstyle/styling/english-notices.txt), which lie beside it.
+[their notices](../mechstyle/styling/english-notices.txt), which lie in the same folder.
 """
 
 

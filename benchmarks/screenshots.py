@@ -1,13 +1,15 @@
 """Draws the pictures of the Studio and of a report in docs/ again, from the real ones in headless Chromium.
 
 python benchmarks/screenshots.py                       # a quick run of the wall hook, and a branch of it
-python benchmarks/screenshots.py --states FOLDER       # every state of the Studio at three widths in both themes, to look at
+python benchmarks/screenshots.py --states FOLDER       # every state of the Studio at four widths in both themes, to look at
+python benchmarks/screenshots.py --states FOLDER --widths 1440 --themes Light
 """
 
 from __future__ import annotations
 
 import argparse
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -39,23 +41,32 @@ STATES = {
     "unknown-prompt": "studio.prompt_box.prompt = 'crocodile skin'",
     "sheet": "studio.prompt_box.prompt = 'brick'; studio.prompt_box._chips.all = True",
     "page": "studio.prompt_box._chips.all = False; studio._groups[6].unfolded = True",
-    "finished": "studio.close_page(); studio.controller.run()",
+    "pull": "studio.close_page(); studio.viewer._clicks((0.0, 9.4, 49.5))",
+    "finished": "studio.viewer.arrow = (); studio.controller.run()",
     "stress": "studio.state.layer = 'stress'; studio.viewer.stepped = True",
-    "both": "studio.viewer.stepped = False; studio.controller.both()",
-    "another-part": "studio.state.pinned = None; studio.part_picker.choose('gallery:phone_stand')",
+    "what-if": "studio.viewer.stepped = False; studio.show_mask(); studio.mask_inspector.selector.threshold = 0.3",
+    "both": "studio.state.layer = 'stress'; studio.controller.both()",
+    "fallen": "studio.viewer.player.play()",
+    "my-runs": "studio.viewer.player.put_away(); studio._groups[-1].unfolded = True",
+    "another-part": "studio.close_page(); studio.state.pinned = None; studio.part_picker.choose('gallery:phone_stand')",
 }
 """States of a Studio by name, each with what brings it on from the one before."""
-WIDTHS, THEMES, BESIDE = (1440, 1008, 700), ("Light", "Dark"), 50
-"""Widths of the Studio, themes of JupyterLab, and what its page shows beside a Studio [pixels]."""
+WIDTHS, THEMES, BESIDE, TALL = (700, 1008, 1440, 2200), ("Light", "Dark"), 128, 3000
+"""Widths of the Studio, themes of JupyterLab, what its page shows beside a Studio, and a height in which all of it is seen [pixels]."""
+
+
+BUSY = "studio.state.status in ('preparing', 'running') or getattr(getattr(studio.viewer, 'player', None), 'working', False)"
 
 
 def main() -> None:
     """Run, look and save."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--states", type=Path, metavar="FOLDER", help="put pictures of every state here instead")
-    folder = parser.parse_args().states
-    if folder is not None:
-        all_states(folder)
+    parser.add_argument("--widths", type=int, nargs="+", default=WIDTHS)
+    parser.add_argument("--themes", nargs="+", choices=THEMES, default=THEMES)
+    given = parser.parse_args()
+    if given.states is not None:
+        all_states(given.states, given.widths, given.themes)
         return
     with laboratory() as (chromium, lab, notebooks):
         of_a_run(Page(chromium, lab, "studio", STUDIO), chromium, notebooks)
@@ -87,18 +98,18 @@ def of_a_run(shown: Page, chromium: Any, notebooks: Path) -> None:
     page.screenshot(path=DOCS / "report.png")
 
 
-def all_states(folder: Path) -> None:
+def all_states(folder: Path, widths: Sequence[int], themes: Sequence[str]) -> None:
     """Bring a Studio from state to state, and save each at every width in every theme."""
     folder.mkdir(parents=True, exist_ok=True)
     with laboratory() as (chromium, lab, _):
         shown = Page(chromium, lab, "states", STUDIO)
         for state, code in STATES.items():
             shown.notebook.python(code)
-            shown.notebook.until("studio.state.status in ('preparing', 'running')", False, PATIENCE)
-            for theme in THEMES:
+            shown.notebook.until(BUSY, False, PATIENCE)
+            for theme in themes:
                 shown.page.evaluate("theme => window.jupyterapp.commands.execute('apputils:change-theme', {theme})", f"JupyterLab {theme}")
-                for width in WIDTHS:
-                    shown.page.set_viewport_size({"width": width + BESIDE, "height": HEIGHT})
+                for width in widths:
+                    shown.page.set_viewport_size({"width": width + BESIDE, "height": TALL})
                     shown.notebook.drawn()
                     shown.page.mouse.move(0, 0)
                     shown.page.evaluate(browser.SETTLED)

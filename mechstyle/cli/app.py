@@ -20,9 +20,9 @@ AS_JSON = "mechstyle.as_json"
 """What a context remembers of the command line, of which nothing is left once it is parsed."""
 PANELS = {
     "Style and test": ("run", "freestyle", "branch", "simulate"),
-    "Look at a run, take it out": ("log", "show", "report", "export", "orient", "rerun", "gc"),
+    "Look at a run, take it out": ("log", "show", "report", "film", "export", "orient", "rerun", "gc"),
     "What there is to choose from": ("gallery", "styles", "materials", "protect", "weights", "doctor"),
-    "Lessons and research": ("demo", "application", "ablation", "study", "validate"),
+    "Lessons and research": ("demo", "class", "application", "ablation", "study", "validate"),
 }
 """Every command, by the heading it has in the help."""
 

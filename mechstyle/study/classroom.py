@@ -44,6 +44,10 @@ class Task:
     command: str
 
 
+def _labelled(stage: Callable[[str], None], label: str, what: str) -> None:
+    stage(f"{label}: {what}")
+
+
 def prepare(
     models: Sequence[str], prompts: Sequence[str], settings: dict[str, Any], *,
     vertices: int = VERTICES, folder: Path, device: str = "auto", stage: Callable[[str], None] = no_progress,
@@ -75,7 +79,7 @@ def prepare(
             label = f"{part.name}, {prompt}"
             run = started(
                 recipe, part, vertices=vertices, out=folder / "prepared" / file_stem(f"{part.name}-{prompt}"), name=part.name,
-                device=device, stage=lambda what, label=label: stage(f"{label}: {what}"),
+                device=device, stage=partial(_labelled, stage, label),
             )  # fmt: skip
             stage(f"{label}: dropping the plain part")
             _ = run.simulator(run.recipe).baseline

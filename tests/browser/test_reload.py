@@ -86,3 +86,35 @@ def test_a_page_that_is_loaded_anew_while_a_style_is_drawn_shows_that_style(note
     studio.get_by_text(PREVIEWED).first.wait_for()
     notebook.drawn(0)
     assert notebook.page.get_by_text("Error displaying widget").count() == 0
+
+
+OUTPUTS = """() => [...document.querySelectorAll('.jp-OutputArea-child')].map(one => [
+    one.querySelector('img')?.naturalWidth ?? 0, one.offsetHeight, one.querySelector('.mechstyle-studio') !== null])"""
+"""Of every output: how wide its picture is, how high it is shown, and whether it holds a Studio."""
+
+
+def test_a_notebook_that_is_opened_without_its_kernel_shows_a_picture(notebook, tmp_path_factory):
+    """It said "model not found", trusted as it was."""
+    root = lane_on_a_sheet(tmp_path_factory.mktemp("run") / "run", iterations=12).store.root
+    notebook.open(
+        f"""
+import logging
+from mechstyle_widgets import Studio
+logged, told = [], logging.Handler()
+told.emit = lambda record: logged.append(record.getMessage())
+logging.getLogger("Comm").addHandler(told)
+studio = Studio({str(root)!r})
+studio
+"""
+    )
+    notebook.drawn()
+    notebook.page.wait_for_function(f"(({OUTPUTS})().at(-1)[0]) > 100")
+    (_, high, alive), (_, hidden, _) = notebook.page.evaluate(OUTPUTS)
+    assert (alive, hidden) == (True, 0)
+    assert high > 300
+    assert notebook.python("print(logged)") == "[]", "JupyterLab shows a red number for these"
+    notebook.page.evaluate("() => window.jupyterapp.commands.execute('docmanager:save')")
+    notebook.page.evaluate("() => window.jupyterapp.shell.currentWidget.sessionContext.shutdown()")
+    notebook.page.reload(wait_until="domcontentloaded")
+    notebook.page.wait_for_function(f"(({OUTPUTS})().at(-1) ?? [0, 0])[1] > 300")
+    assert [alive for *_, alive in notebook.page.evaluate(OUTPUTS)] == [False, False]

@@ -5,17 +5,19 @@ from __future__ import annotations
 import errno
 import io
 import shutil
-from base64 import b64decode
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from PIL import Image
 
 from mechstyle.runs.run import Run
+from mechstyle_widgets.jupyter import cell_output
+from mechstyle_widgets.panels.mask_inspector import LAYER
 from mechstyle_widgets.state import controller as controller_module
 from mechstyle_widgets.studio import Studio
-from mechstyle_widgets.viewer.part_viewer import PartViewer
 from mechstyle_widgets.viewer.run_viewer import RunViewer
+from mechstyle_widgets.viewer.viewer import PartViewer
 from support.sheet_studio import without_physics
 
 PATIENCE = 30.0
@@ -180,21 +182,18 @@ def test_an_error_nobody_thought_of_is_said_where_the_setting_is(studio, monkeyp
 # --- what if, at the end ------------------------------------------------------------------------------------------
 
 
-def test_use_this_at_the_end_offers_the_first_test_at_which_it_makes_a_difference(studio):
+def test_use_this_at_the_end_goes_on_from_the_first_test_at_which_it_makes_a_difference(studio):
     inspector = studio.mask_inspector
     inspector._use.click()
     assert "Nothing differs from MechStyle" in inspector.trouble
-    inspector.selector.control, inspector.selector.threshold = "linear", 0.1
+    inspector.selector.control, inspector._slider.value = "linear", 0.1
     assert inspector.trouble == ""
+    assert studio.state.layer == LAYER, "the mask grows on the part"
+    assert "goes on from iteration 4" in inspector._note.value
     inspector._use.click()
-    assert "Iteration 12 is the end" in inspector.trouble
-    assert inspector._again.description == "begin again from iteration 4"
-    assert studio.state.message == "", "it is said where the button is"
-    inspector._again.click()
     studio.state.session.wait(PATIENCE)
     studio.state.pump()
     assert (studio.state.status, studio.state.branches[1].forked_at) == ("finished", 4)
-    assert inspector._again.layout.display == "none"
 
 
 def test_a_branch_that_would_be_the_same_or_comes_too_late_is_said_beside_its_button(studio):
@@ -208,15 +207,53 @@ def test_a_branch_that_would_be_the_same_or_comes_too_late_is_said_beside_its_bu
     assert (studio.branches.trouble, studio.state.message) == ("", "")
 
 
+# --- waiting ------------------------------------------------------------------------------------------------------
+
+
+def test_what_is_left_is_told_while_a_part_is_made_ready(studio, monkeypatch, cube):
+    """Preparing said neither how long it takes nor that anything happens."""
+    prepare, told = controller_module.prepare_aside, []
+
+    def waited(mesh, *, go_on, **rest):
+        go_on()
+        told.append(studio.state._noted["seconds_left"])
+        return prepare(mesh, go_on=go_on, **rest)
+
+    monkeypatch.setattr(controller_module, "prepare_aside", waited)
+    studio.part_picker.show(cube.moved(0.5 * cube.vertices), "half")
+    assert studio.state.expected > 0.0
+    go(studio)
+    assert told == [pytest.approx(studio.state.expected, rel=0.5)]
+
+
 # --- no kernel ----------------------------------------------------------------------------------------------------
 
 
 def test_a_notebook_without_a_kernel_shows_a_picture_under_its_badge(studio):
     """It showed the children of a box as text."""
-    shown = studio._repr_mimebundle_()
-    picture = Image.open(io.BytesIO(b64decode(shown["image/png"])))
+    picture = Image.open(io.BytesIO(studio.still()()))
     assert picture.format == "PNG"
     assert (np.asarray(picture.convert("L")) < 128).mean() > 0.01, "there is something to see"
     assert studio._caption == f"part, brick: {studio.run.verdict.short}"
     studio.prompt_box.prompt = "stone"
     assert studio._caption == "part, stone: NOT TESTED"
+
+
+def test_the_picture_in_a_notebook_is_of_what_has_come_of_it(studio, monkeypatch):
+    """Of a Studio that was run after it had been shown the notebook kept the plain part."""
+    made = []
+    monkeypatch.setattr(cell_output, "in_a_notebook", lambda: True)
+    monkeypatch.setattr("IPython.display.display", lambda data, **how: made.append((data, how)) or SimpleNamespace(update=renewed))
+
+    def renewed(data, **_how):
+        made.append((data, {}))
+
+    studio._ipython_display_()
+    (widget, _), (nothing, how), (picture, _) = made
+    assert (list(nothing), list(picture), how["display_id"]) == (["image/png"], ["image/png", "text/plain"], True)
+    assert "image/png" not in widget, "which a page without the kernel would show beside the other"
+    before = len(made)
+    studio.prompt_box.prompt = "stone"
+    go(studio)
+    assert len(made) > before
+    assert made[-1][0]["image/png"] != picture["image/png"]

@@ -15,8 +15,8 @@ from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.run import Run
 from mechstyle_widgets.state import controller as controller_module
 from mechstyle_widgets.studio import Studio
-from mechstyle_widgets.viewer.part_viewer import PartViewer
 from mechstyle_widgets.viewer.run_viewer import RunViewer
+from mechstyle_widgets.viewer.viewer import PartViewer
 from support.sheet_studio import engine_of, sheet_of, without_physics
 
 PATIENCE = 30.0

@@ -263,7 +263,7 @@ def test_one_button_is_filled_and_it_leads_on(done):
 def test_what_is_told_of_a_place_does_not_push_the_timeline_down(done):
     studio = Studio(done)
     studio.viewer.probed = 3
-    (told,) = studio._asked.children
+    told, _pull = studio._asked.children
     assert "vertex 3" in told.value
     assert "mm" in studio.viewer._said.value
     assert told not in studio.viewer._foot.children

@@ -5,9 +5,8 @@ from __future__ import annotations
 import logging
 import math
 import os
-from base64 import b64encode
 from collections.abc import Callable
-from contextlib import suppress
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +14,8 @@ import ipywidgets
 import traitlets
 
 from mechstyle.errors import BadInput, MechStyleError
+from mechstyle.gallery import PREFIX
+from mechstyle.loop.store import parse_address
 from mechstyle.records import SETTINGS, Recipe, sentences
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.images import remember
@@ -29,9 +30,12 @@ from mechstyle_widgets.jupyter.looks import lean, sharing, show, stacked
 from mechstyle_widgets.panels.branches import Branches
 from mechstyle_widgets.panels.keys import Keys
 from mechstyle_widgets.panels.mask_inspector import DECIDES, MaskInspector
+from mechstyle_widgets.panels.my_runs import MyRuns
+from mechstyle_widgets.panels.pull import PullHere
 from mechstyle_widgets.panels.result import Result
-from mechstyle_widgets.panels.run_controls import RunControls
+from mechstyle_widgets.panels.run_controls import AT_REST, RunControls
 from mechstyle_widgets.panels.take_away import TakeAway
+from mechstyle_widgets.panels.undo import Undo
 from mechstyle_widgets.settings.brush import covered, paintable
 from mechstyle_widgets.settings.control import ControlSelector
 from mechstyle_widgets.settings.drop import SIZES, DropOptions
@@ -42,15 +46,13 @@ from mechstyle_widgets.settings.prompt import PromptBox
 from mechstyle_widgets.settings.regions import RegionsPicker
 from mechstyle_widgets.settings.schedule import ScheduleSelector
 from mechstyle_widgets.state.controller import Controller, Wanted
-from mechstyle_widgets.state.opened import run_in
 from mechstyle_widgets.state.preview import Preview, Previewer
 from mechstyle_widgets.state.schedule_forecast import landings_on_the_way, plan_of
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.timeline.timeline import Timeline
 from mechstyle_widgets.viewer.badge import of_state
-from mechstyle_widgets.viewer.part_viewer import PartViewer
 from mechstyle_widgets.viewer.run_viewer import RunViewer
-from mechstyle_widgets.viewer.viewer import Viewer
+from mechstyle_widgets.viewer.viewer import PartViewer, Viewer
 
 logger = logging.getLogger(__name__)
 
@@ -81,6 +83,8 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     theme = traitlets.Enum(("auto", "light", "dark"), "auto")
     _viewer: Viewer | None = None
     _timeline: Timeline | None = None
+    _undo: Undo | None = None
+    _pictured = False
 
     @sharing()
     def __init__(
@@ -113,13 +117,31 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._make_sections("" if run is not None else part, settings)
         self._changed()  # the timeline begins with the plan: what a figure gets before a page shows it may get lost
         self.frame, self._size = Frame(), SIZE
+        traitlets.link((self.frame, "calm"), (self.state, "calm"))
         self.take_away = TakeAway(self.state, self.frame)
         self.previewer = Previewer(self._arrived, self._not_drawn)
         self._middle, self._asked = stacked([], "mechstyle-view"), stacked([], "mechstyle-asked")
         self.theme = theme
         self._timeline = Timeline(self.state, theme=self.shown_theme, width=SIZE[0])
-        super().__init__([stacked([self.run_controls, self.drop_options.sizes, self.take_away, self.frame], "mechstyle-bar"), self._body()])
+        self._undo = Undo(self._all_settings, self._give_all)
+        bar = [self.run_controls, self._undo, self.drop_options.sizes, self.take_away, self.frame]
+        super().__init__([stacked(bar, "mechstyle-bar"), self._body()])
         self.add_class("mechstyle-studio")
+        self._wire()
+        if run is not None:
+            self._take(run)
+            self.state.open(run)
+        self._other_part()
+        self._undo.begin()
+        self.state.observe(self._emphasise, ("settings", "status", "run", "part"))
+        self.drop_options.observe(self._emphasise, "vertices")
+        self._emphasise()
+        self.state.observe(self._preview, "settings")
+        self.run_controls.on_back(self.back)
+        self.state.observe(self._rested, ("status", "run"))
+
+    def _wire(self) -> None:
+        """Let the page, the state and the settings be heard."""
         self.frame.observe(self._fit, "size")
         self.frame.observe(self._relight, "dark")
         self.frame.on_key("view", self._heard(lambda key, **held: self._viewer.key(key, **held) if self._viewer is not None else None))
@@ -133,27 +155,14 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self.drop_options.observe(self._other_criterion, "criterion")
         for section in self._sections:
             section.observe(self._changed, (*section.FIELDS, *section.OWN))
-        if run is not None:
-            self._take(run)
-            self.state.open(run)
-        self._other_part()
-        self.state.observe(self._emphasise, ("settings", "status", "run", "part"))
-        self.drop_options.observe(self._emphasise, "vertices")
-        self._emphasise()
-        self.state.observe(self._preview, "settings")
-        self.run_controls.on_back(self.back)
 
     def __repr__(self) -> str:
         """The run and the iteration shown."""
         return f"Studio({self.state.run!r})" if self.state.run is not None else f"Studio({self.part_picker.name!r})"
 
-    def _repr_mimebundle_(self, **formats: Any) -> Any:
-        """Shown with a picture of the view under its badge, for pages that have no kernel and for those that do not trust the notebook."""
-        bundle = super()._repr_mimebundle_(**formats)
-        with suppress(MechStyleError):  # a picture is not worth an error
-            if self._viewer is not None:
-                bundle["image/png"] = b64encode(self._viewer.picture(self._caption).png).decode()
-        return bundle
+    def still(self) -> Callable[[], bytes] | None:
+        """What draws the view under its badge."""
+        return None if self._viewer is None else self._viewer.still(self._caption)
 
     @property
     def _caption(self) -> str:
@@ -171,6 +180,11 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     def viewer(self) -> Viewer | None:
         """The view of what is on show, None while there is none."""
         return self._viewer
+
+    def step_back(self, *, forward: bool = False) -> None:
+        """Undo the last setting, or redo one that was undone."""
+        if self._undo is not None:
+            (self._undo.redo if forward else self._undo.undo)()
 
     def show_mask(self) -> None:
         """Show what is held back, and what another setting would hold back."""
@@ -224,12 +238,14 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         self._sections = [self.prompt_box, self.material_picker, self.control_selector, self.schedule_selector, self.regions_picker,
                           self.drop_options]  # fmt: skip
         traitlets.link((self.material_picker, "material"), (self.control_selector, "material"))
+        traitlets.link((self.material_picker, "price"), (self.state, "price"))
         for name in ("relief", "amplitude"):
             traitlets.link((self.prompt_box, name), (self.schedule_selector, name))
         self._give(given)
         self.run_controls = RunControls(self.controller)
         self.mask_inspector = MaskInspector(self.controller)
         self.branches, self._result = Branches(self.controller), Result(self.state)
+        self.pull_here = PullHere(self.drop_options, lambda: self._viewer)
 
     def _give(self, settings: dict[str, Any]) -> None:
         """Set what was given by name; as everywhere, a standard, poses and a criterion bring what belongs to them."""
@@ -247,6 +263,10 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         """Settings, view with timeline, and what looks into them; the sheet of the frame says which stand beside each other."""
         sections = zip(TITLES, (self.part_picker, *self._sections), strict=True)
         self._groups = [Group(title, section, unfolded=title in OPEN, page=title not in OPEN) for title, section in sections]
+        self.my_runs = MyRuns(self.state, self._open_again)
+        runs = Group("My runs", self.my_runs, page=True)
+        runs.observe(lambda change: self.my_runs.look() if change["new"] else None, "unfolded")
+        self._groups.append(runs)
         for group in self._groups:
             group.observe(self._turn_page, "unfolded")
         self._tabs = lean(ipywidgets.Tab, [self.mask_inspector, self.branches, self._asked], titles=("What if", "Branches", "Place"))
@@ -266,6 +286,32 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             group.unfolded = False
         return bool(pages)
 
+    def _open_again(self, run: Run) -> None:
+        """Show a run that was made before."""
+        self.close_page()
+        self._take(run)
+        self.state.open(run)
+        self._other_part()
+
+    def _all_settings(self) -> dict[str, Any]:
+        """Everything that can be set, and the part, by name."""
+        chosen = {name: getattr(section, name) for section in self._sections for name in (*section.FIELDS, *section.OWN)}
+        part = self.part_picker
+        return {**chosen, "unseen": dict(self._unseen), "part": (part.model, part.scale, part.body, part.mesh, part.name)}
+
+    def _give_all(self, settings: dict[str, Any]) -> None:
+        """Set everything, and the part."""
+        self.drop_options.unobserve(self._other_criterion, "criterion")  # whose method is among the settings
+        self._unseen = dict(settings["unseen"])
+        with self.state.hold_trait_notifications():
+            for section in self._sections:
+                for name in (*section.FIELDS, *section.OWN):
+                    setattr(section, name, settings[name])
+        self.drop_options.observe(self._other_criterion, "criterion")
+        model, scale, body, mesh, name = settings["part"]
+        if mesh is not self.part_picker.mesh and mesh is not None:
+            self.part_picker.choose(model, scale, body) if model else self.part_picker.show(mesh, name)
+
     def _take(self, run: Run) -> None:
         """Show the settings and the part of a run that was made before."""
         remember(run.recipe, run.store)  # its picture may come from another machine
@@ -278,7 +324,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         """Show the settings of a recipe."""
         self._unseen = {name: recipe.settings[name] for name in UNSEEN}
         self.drop_options.unobserve(self._other_criterion, "criterion")  # whose method is in the recipe
-        with self.state.hold_trait_notifications():  # one change of the settings, not one for each
+        with self._as_one(), self.state.hold_trait_notifications():  # one change of the settings, not one for each
             for section in self._sections:
                 section.take(recipe)
         self.drop_options.observe(self._other_criterion, "criterion")
@@ -287,17 +333,26 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
 
     def _other_criterion(self, change: dict[str, Any]) -> None:
         """A criterion that is chosen brings its method, as everywhere."""
-        self._give({"criterion": change["new"]})
+        with self._as_one():
+            self._give({"criterion": change["new"]})
+
+    def _as_one(self) -> AbstractContextManager[None]:
+        """Changes that are undone together."""
+        return nullcontext() if self._undo is None else self._undo.as_one()
 
     def _changed(self, _change: object = None) -> None:
         """Tell the state what is asked for."""
         asked = {name: value for section in self._sections for name, value in section.settings.items()}
         self.state.settings = {**asked, **(FREESTYLE if self.control_selector.freestyle else {})}
+        if self._undo is not None:
+            self._undo.note()
 
     def _other_part(self, _change: object = None) -> None:
         """A part was picked: show its run if there is one at hand, else the part as it is."""
         mesh = self.part_picker.mesh
         self.state.part = "" if mesh is None else mesh.digest
+        if self._undo is not None:
+            self._undo.note()
         if mesh is not None and not self._show_its_run():
             self._show(self._made(PartViewer, paintable(mesh)))
             self._preview()
@@ -367,8 +422,9 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
 
     def _show(self, viewer: Viewer) -> None:
         old, self._viewer = self._viewer, viewer
-        self._middle.children, self._asked.children = [viewer], [viewer.lend_table()]
+        self._middle.children, self._asked.children = [viewer], [viewer.lend_table(), self.pull_here]
         viewer.on_click(self.regions_picker.click)
+        viewer.on_click(self.pull_here.click)
         viewer.on_click(lambda _: setattr(self._tabs, "selected_index", ASKED))
         self._hatch()
         if self._timeline is not None:
@@ -402,7 +458,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         except MechStyleError:  # what is wrong is said where it is set
             plan = None
         if plan is None:
-            self.state.outlook = ""
+            self.state.outlook, self.state.expected = "", 0.0
             return
         run, taken = self.run, self.state.seconds_of_a_test
         fall = None
@@ -413,7 +469,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
             orientations=recipe.test.orientations, nearly_flat=recipe.test.nearly_flat, element=recipe.test.element,
             window=recipe.test.window, fall=fall,
         )  # fmt: skip
-        self.state.outlook = found.words
+        self.state.outlook, self.state.expected = found.words, found.seconds
 
     # what the page tells
 
@@ -470,11 +526,19 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         drawn = "at once" if preview.seconds < 0.05 else f"in {preview.seconds:.1f} s"
         viewer.put_on(preview.surface, f"Changes as you choose · drawn {drawn}")
         viewer.protected = preview.style.spared
+        if not self._pictured:  # the first alone: drawing another for each would take time from the next
+            self._pictured = True
+            self.renew_still()
 
     def _not_drawn(self, why: str) -> None:
         """A style cannot be drawn on this part."""
         if isinstance(self._viewer, PartViewer):
             self._viewer.take_off(why)
+
+    def _rested(self, _change: object) -> None:
+        """What has come of a run is what its notebook is to show."""
+        if self.state.status in AT_REST:
+            self.renew_still()
 
     def _hatch(self, _change: object = None) -> None:
         """Show on the part what is painted or written as a protected region."""
@@ -503,3 +567,13 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         for view in (self._viewer, self._timeline):
             if view is not None:
                 view.theme = self.shown_theme
+
+
+def run_in(part: Any, device: str) -> Run | None:
+    """The run that `part` names, None if it names a part."""
+    if isinstance(part, Run):
+        return part
+    if isinstance(part, SurfaceMesh) or str(part).startswith(PREFIX):
+        return None
+    root, _, _ = parse_address(str(part))
+    return Run.open(part, device) if root.is_dir() else None

@@ -7,8 +7,10 @@ from types import SimpleNamespace
 
 import IPython
 import ipywidgets
+from comm import get_comm_manager
 
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
+from mechstyle_widgets.jupyter.closing import close_family
 from mechstyle_widgets.jupyter.throttle import SHORTEST_WAIT, Paced
 
 
@@ -73,3 +75,14 @@ def test_a_cell_that_runs_again_closes_what_it_showed(monkeypatch):
     parent["metadata"] = {"cellId": "another"}
     three._repr_mimebundle_()
     assert two.comm is not None
+
+
+def test_what_a_page_says_of_a_closed_widget_is_not_logged(caplog):
+    """JupyterLab showed a red 25 at every opening of a Studio."""
+    manager, box = get_comm_manager(), ipywidgets.VBox([ipywidgets.Label()])
+    gone = box.children[0].model_id
+    close_family(box)
+    box.close()
+    for ident in (gone, "never-there"):
+        manager.comm_msg(None, None, {"content": {"comm_id": ident, "data": {}}})
+    assert [record.getMessage() for record in caplog.records] == ["No such comm: never-there"]

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from mechstyle.records.checkpoint import restrained
 from mechstyle_widgets.panels.mask_inspector import LAYER, MaskInspector, plots
 from mechstyle_widgets.state.controller import Controller, Wanted
 from mechstyle_widgets.state.studio_state import StudioState
@@ -28,13 +29,15 @@ def test_it_begins_with_the_settings_in_force(inspector):
 
 def test_a_stricter_threshold_freezes_more_at_once(inspector):
     inspector.state.iteration = 8
-    frozen = [float((inspector.would_be <= 0.0).mean())]
+    frozen, held = [float((inspector.would_be <= 0.0).mean())], 0.0
     for threshold in (0.5, 0.2):
-        inspector.selector.threshold = threshold
+        inspector._slider.value = threshold
+        assert inspector.state.layer == LAYER
         frozen.append(float((inspector.would_be <= 0.0).mean()))
+        held = float(restrained(inspector.would_be).mean())
     assert frozen == sorted(frozen)
     assert frozen[-1] > frozen[0]
-    assert f"would be {frozen[-1]:.1%}" in inspector._note.value
+    assert f"would be {held:.1%}. “Use this” goes on from iteration 8" in inspector._note.value
 
 
 def test_the_plots_follow_threshold_and_iteration(inspector):

@@ -48,7 +48,8 @@ def test_outcomes_differ_in_shape_and_not_by_colour_alone():
 
 def test_hovering_tells_reason_verdict_and_figures(state):
     told = story("a<b", state.row(4))
-    for text in ("a&lt;b · iteration 4", "simulated because: every 4 iterations", state.row(4).outcome, "style loss", "travel 0.00"):
+    row = state.row(4)
+    for text in ("a&lt;b · iteration 4", "because: every 4 iterations", row.outcome, "style still missing", "travel 0.00"):
         assert text in told
 
 
@@ -171,7 +172,7 @@ def test_before_there_is_a_run_it_says_what_will_appear():
 def test_before_there_is_a_run_it_shows_where_the_schedule_will_simulate():
     timeline = Timeline(StudioState(settings=ASKED))
     assert trace(timeline, PLANNED)["x"] == [0, 5, 10, 15, 20]
-    assert "the unstylized part, then 4 simulations." in sentence(timeline)
+    assert "The part will be dropped at the hollow marks." in sentence(timeline)
     timeline._state.settings = {**ASKED, "every": 10}
     assert trace(timeline, PLANNED)["x"] == [0, 10, 20]
     timeline._state.settings = {**ASKED, "schedule": "stress"}
@@ -186,7 +187,7 @@ def test_before_there_is_a_run_its_words_fit_beside_the_axis(width):
     timeline = Timeline(StudioState(settings=ASKED), width=width)
     lines = frame(timeline)["annotations"][0]["text"].split("<br>")
     assert max(map(len, lines)) * 6.6 <= width - 96 - 12
-    assert "the unstylized part, then 4 simulations." in sentence(timeline)
+    assert "The part will be dropped at the hollow marks." in sentence(timeline)
 
 
 def test_the_plan_gives_way_to_what_was_simulated(fake):

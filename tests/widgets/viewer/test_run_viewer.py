@@ -7,10 +7,13 @@ import pytest
 
 from mechstyle.errors import BadInput
 from mechstyle.runs.run import Run
+from mechstyle.simulation.impact import Impact
 from mechstyle_widgets.jupyter import closing
 from mechstyle_widgets.state.studio_state import StudioState
+from mechstyle_widgets.viewer import impact_player
 from mechstyle_widgets.viewer.layers import Layer
 from mechstyle_widgets.viewer.run_viewer import RunViewer
+from mechstyle_widgets.viewer.shaders import OPEN
 from support.models import alive
 
 
@@ -102,3 +105,46 @@ def test_the_run_of_a_relative_folder_is_followed_from_another_one(done, monkeyp
     monkeypatch.chdir("/")
     state.iteration = 5
     assert np.allclose(viewer.subject.mesh.vertices, done.surface(5).vertices)
+
+
+# --- side by side -------------------------------------------------------------------------------------------------
+
+
+def test_equal_values_have_equal_colours_in_all_panes(done):
+    """Each pane had the range of its own values, and the legend was that of the first."""
+    state = StudioState(done)
+    viewer = RunViewer(state)
+    viewer.layer = "displacement"
+    viewer.compared = ("main", 4)
+    ours, theirs = (scene._places.array for scene in viewer._scenes)
+    values = [subject.layer("displacement").values for subject in viewer._shown]
+    widest = max(float(np.abs(one).max()) for one in values)
+    assert viewer._layers[0].limits == viewer._layers[1].limits
+    assert max(map(abs, viewer._layers[0].limits)) >= widest
+    for places, of_it in zip((ours, theirs), values, strict=True):
+        np.testing.assert_allclose(places - OPEN, np.clip(0.5 + of_it / (2 * viewer._layers[0].limits[1]), 0, 1), atol=1e-5)
+
+
+def test_what_stands_beside_falls_with_it_and_once_after_both(done, monkeypatch):
+    """The second pane fell back to its style while the first showed an impact."""
+    count, dropped = len(done.part.surface.vertices), []
+
+    def impact(_part, _recipe, displacement, *_):
+        dropped.append(displacement)
+        stress = np.outer([0.0, 5.0, 9.0], np.full(count, 1.0 + len(dropped))).astype(np.float32)
+        return Impact(np.array([0.0, 0.5, 1.0]), np.zeros((3, count, 3), np.float32), stress)
+
+    monkeypatch.setattr(impact_player, "impact_of", impact)
+    state = StudioState(done)
+    viewer = RunViewer(state)
+    viewer.compared = ("main", 4)
+    state.falls += 1
+    assert len(dropped) == 2
+    viewer.player.frame = 1
+    assert viewer.layer == "moment"
+    ours, theirs = (subject.layer("moment").values for subject in viewer._shown)
+    assert (float(ours[0]), float(theirs[0])) == (10.0, 15.0)
+    viewer.beside = False
+    assert len(dropped) == 3, "alone it falls alone"
+    viewer.player.put_away()
+    assert viewer.original.layer("moment") is None

@@ -208,7 +208,7 @@ def test_what_is_protected_is_hatched_and_told(sphere):
     assert "protected" not in viewer._legend.value
     viewer.protected = sphere.vertices[:, 2] > 0
     assert np.array_equal(scene(viewer)._protected.array, viewer.protected)
-    assert "protected: 4" in viewer._legend.value  # nearly one half: the equator is not
+    assert "stays plain: 4" in viewer._legend.value  # nearly one half: the equator is not
     viewer.protected = None
     assert not scene(viewer)._protected.array.any()
     with pytest.raises(BadInput, match="has shape"):

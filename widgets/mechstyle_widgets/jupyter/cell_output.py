@@ -1,25 +1,79 @@
-"""No leaks when a cell is run again: what it showed the last time is closed.
+"""What a cell shows: a widget, and a picture of it for pages without its kernel; what it showed when it was last run is closed.
 
-Widgets live on in the kernel and in the browser when their cell's output is gone, a few megabytes each time.
+Widgets live on in the kernel and in the browser when their cell's output is gone, a few megabytes each time. A notebook that is opened
+without its kernel has no widgets at all, whether it is trusted or not.
 """
 
 from __future__ import annotations
 
 import weakref
+from base64 import b64encode
+from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 import ipywidgets
+
+from mechstyle.errors import MechStyleError
+from mechstyle_widgets.jupyter.newest import Newest
 
 _shown: dict[str, tuple[str, weakref.WeakSet[Any]]] = {}
 """By the id of a cell: the request that ran it last, and what it showed."""
 
 
 class OncePerCell(ipywidgets.Widget):  # type: ignore[misc]  # ipywidgets has no types
-    """Mixed into a widget: showing it closes what its cell showed when it was last run."""
+    """Mixed into a widget: showing it closes what its cell showed when it was last run, and leaves a picture of it in the notebook."""
+
+    _stills: tuple[Any, ...] = ()
+    _drawing: Newest[Callable[[], bytes], str] | None = None
+
+    def _ipython_display_(self) -> None:
+        """The widget, and below it a picture, which a page that has the widget does not show (`frame.css`)."""
+        from IPython import display  # noqa: PLC0415 — there only if a notebook is
+
+        put: Any = display.display
+        put(self._repr_mimebundle_(), raw=True)
+        if in_a_notebook() and self.still() is not None:
+            self._stills = (*self._stills, put({"image/png": NOTHING}, raw=True, display_id=True))
+            self.renew_still()
 
     def _repr_mimebundle_(self, **formats: Any) -> Any:
         replace_last_run(self)
         return super()._repr_mimebundle_(**formats)
+
+    def still(self) -> Callable[[], bytes] | None:
+        """What draws the picture as it is now, as PNG, in any thread; None where there is none."""
+        return None
+
+    def renew_still(self) -> None:
+        """Let the notebook have a picture of what is shown now; it is drawn beside the event loop."""
+        drawn = self.still() if self._stills else None
+        if drawn is not None:
+            self._drawing = self._drawing or Newest(_png, self._hang)
+            self._drawing.ask(drawn)
+
+    def _hang(self, _drawn: Callable[[], bytes], picture: str) -> None:
+        for shown in self._stills if picture else ():
+            shown.update({"image/png": picture, "text/plain": repr(self)}, raw=True)
+
+
+NOTHING = "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="
+"""A picture of one pixel, until there is another."""
+
+
+def _png(drawn: Callable[[], bytes]) -> str:
+    with suppress(MechStyleError):  # a picture is not worth an error
+        return b64encode(drawn()).decode()
+    return ""
+
+
+def in_a_notebook() -> bool:
+    """Whether cells are run by a kernel, which may be gone one day while its notebook is still there."""
+    with suppress(ModuleNotFoundError):
+        from IPython import get_ipython  # noqa: PLC0415 — as above
+
+        return hasattr(get_ipython(), "kernel")
+    return False
 
 
 def replace_last_run(widget: ipywidgets.Widget) -> None:

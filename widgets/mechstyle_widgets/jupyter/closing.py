@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from typing import Any
 
 import ipywidgets
@@ -25,6 +26,30 @@ def family(widget: ipywidgets.Widget) -> list[ipywidgets.Widget]:
     return list(found.values())
 
 
+class _Late(logging.Filter):
+    """What a page still says of widgets that were closed meanwhile is no news: JupyterLab put a red number on its log for it."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.closed: dict[str, None] = {}
+
+    def note(self, widget: ipywidgets.Widget) -> None:
+        """A widget is about to be closed."""
+        self.closed[widget.model_id] = None
+        while len(self.closed) > REMEMBERED:
+            del self.closed[next(iter(self.closed))]
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        *_, ident = record.getMessage().rpartition("No such comm: ")
+        return ident not in self.closed
+
+
+REMEMBERED = 20_000
+"""Closed widgets that a page may still speak of."""
+_late = _Late()
+logging.getLogger("Comm").addFilter(_late)
+
+
 def close_family(widget: ipywidgets.Widget, *more: ipywidgets.Widget) -> None:
     """Close everything a widget, and more it keeps out of sight, is made of; the widget itself is left to its owner.
 
@@ -34,6 +59,8 @@ def close_family(widget: ipywidgets.Widget, *more: ipywidgets.Widget) -> None:
         return
     parts = list({id(part): part for one in (widget, *more) for part in family(one)}.values())
     for part in parts:
+        if part.comm is not None:
+            _late.note(part)
         if part is not widget and not shared(part):
             part.close()
     close_unused(part for part in parts if shared(part))

@@ -1,12 +1,14 @@
-"""The language of what the Studio's controls are called: one table, from English to German.
+"""The language of all that the Studio says: one table, from English to German.
 
-Sentences about a verdict, a prompt and a part come from the core, which speaks English.
+The core speaks English. Its sentences are in the table with `{}` for what is filled in, and are said in German where they are shown.
 """
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Sequence
+from functools import cache, lru_cache
 from importlib.resources import files
 from typing import Any
 
@@ -23,9 +25,54 @@ def speak(language: str) -> None:
     _spoken[0] = language
 
 
+def spoken() -> str:
+    """The language spoken."""
+    return _spoken[0]
+
+
 def word(english: str) -> str:
     """A label in the language spoken; what is in no table, as a name or a figure, stays."""
     return GERMAN.get(english, english) if _spoken[0] == "de" else english
+
+
+def in_page(words: Sequence[str]) -> dict[str, str]:
+    """What a page's own script says, in the language spoken, by the English of it."""
+    return {english: GERMAN[english] for english in words if english in GERMAN} if _spoken[0] == "de" else {}
+
+
+def said(english: str) -> str:
+    """A sentence, or several, in the language spoken: as a whole if the table has it, else piece by piece; what is in no table stays."""
+    return _german(english) if _spoken[0] == "de" else english
+
+
+@lru_cache(maxsize=4096)
+def _german(english: str) -> str:
+    if english in GERMAN:
+        return GERMAN[english]
+    for form, german in _forms():
+        if found := form.fullmatch(english):
+            return german.format(*map(_german, found.groups()))
+    for apart in (_SENTENCES, _PARTS):
+        if len(pieces := apart.split(english)) > 1:
+            return "".join(part if number % 2 else _german(part) for number, part in enumerate(pieces))
+    return f"{_german(english[:-1])}." if english.endswith(".") else english
+
+
+@cache
+def _forms() -> list[tuple[re.Pattern[str], str]]:
+    """What matches the sentences of the table in which something is filled in, those with most words first."""
+    found = []
+    for english in sorted((one for one in GERMAN if "{}" in one), key=lambda one: -len(one.replace("{}", ""))):
+        few = sum(letter.isalpha() for letter in english) <= FEW  # a figure is filled in, no part of a sentence
+        filled = r"(\S+)" if few else r"((?:(?!; |\. | · |\n).)+?)"
+        found.append((re.compile(re.escape(english).replace(r"\{\}", filled)), GERMAN[english]))
+    return found
+
+
+FEW = 3
+"""Letters of a sentence of the table that match about everything, as `{} of {}` does."""
+_SENTENCES, _PARTS = re.compile(r"(; |\. | · |\n|, and also )"), re.compile("(: )")
+"""What stands between sentences, and between parts of one that are said by themselves."""
 
 
 def worded(traits: dict[str, Any]) -> dict[str, Any]:
@@ -54,4 +101,4 @@ LABELS = {"description", "tooltip", "tooltips", "placeholder", "titles"}
 """Traits of controls that people read."""
 
 GERMAN: dict[str, str] = tomllib.loads(files("mechstyle_widgets.jupyter").joinpath("static", "german.toml").read_text(encoding="utf-8"))
-"""German by English, for everything that a control is called."""
+"""German by English, for everything that is said."""

@@ -19,6 +19,7 @@ from mechstyle.records.load_cases import LoadCase
 from mechstyle.records.material import Material
 from mechstyle.runs.run import Run
 from mechstyle_widgets.jupyter.frame import unseen
+from mechstyle_widgets.jupyter.language import said as translated
 from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, Words, table
@@ -82,10 +83,10 @@ class Branches(Section):
             return
         if not changed:
             lane = self.state.called(self.lane)
-            self.complain(f"Nothing differs from {lane}: change a setting first, or use another threshold under Mask.")
+            self.complain(word("Nothing differs from {}: change a setting first, or move the slider under What if.").format(lane))
             return
         if self.state.iteration >= wanted.schedule.iterations:
-            self.complain(f"Iteration {self.state.iteration} is the end: go to an earlier one, or ask for more iterations.")
+            self.complain(word("Iteration {} is the end: go to an earlier one, or ask for more iterations.").format(self.state.iteration))
             return
         if self.pinned is not None and self.third is None and self.pinned[0] != self.lane:
             self.third = (self.lane, self.state.iterations_done)  # what is branched from stays in sight
@@ -193,9 +194,9 @@ class Branches(Section):
         show(self._also, self.pinned is not None)
         rows, decisive = self.comparison(), self.decisive()
         head = _on_show_first(("", *(f"{state.called(lane)} · {iteration}" for lane, iteration in self.places)))
-        why = f'<div class="mechstyle-note">{escape(decisive[1])}</div>' if decisive else ""
+        why = f'<div class="mechstyle-note">{escape(translated(decisive[1]))}</div>' if decisive else ""
         self._comparison.say(why + table(head, [_on_show_first(row) for row in rows]) if rows else "")
-        self.note("nothing to branch from yet: run something first" if nothing else "")
+        self.note(word("Nothing to branch from yet: run something first.") if nothing else "")
 
 
 def _on_show_first(cells: Sequence[str]) -> tuple[str, ...]:
@@ -208,7 +209,7 @@ def _line(branch: Branch, rows: Sequence[Row], called: Callable[[str], str]) -> 
     outcome = next((row.outcome for row in reversed(rows) if row.outcome), "")
     where = f"{branch.iteration} of {branch.iterations}" if branch.iteration < branch.iterations else f"{branch.iterations} iterations"
     origin = f", from {called(branch.parent)} at {branch.forked_at}" if branch.forked_at is not None and branch.parent else ""
-    return f"{LOOKS[outcome].mark if outcome else '·'} {called(branch.lane)}: {where}{origin}"
+    return f"{LOOKS[outcome].mark if outcome else '·'} {called(branch.lane)}: {translated(where + origin)}"
 
 
 def results(run: Run, row: Row, checkpoint: Checkpoint) -> dict[str, str]:

@@ -24,6 +24,8 @@ class Keys:
             "c": self._compare,
             "i": self._impact,
             "w": studio.show_mask,
+            "z": studio.step_back,
+            "y": lambda: studio.step_back(forward=True),
             "p": self._paint,
         }
 

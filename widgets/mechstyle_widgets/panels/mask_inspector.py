@@ -18,6 +18,7 @@ from mechstyle.records.checkpoint import restrained
 from mechstyle.records.mesh import Field
 from mechstyle.runs.run import Run
 from mechstyle.simulation.part import bounds_for
+from mechstyle_widgets.jupyter.frame import unseen
 from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.jupyter.svg import Frame, drawing, shares
@@ -53,26 +54,33 @@ class MaskInspector(Section):
         self._freedom, self._original = lru_cache(maxsize=4)(_freedom), lru_cache(maxsize=4)(_original)
         self.selector = ControlSelector()
         self._plots = Words(layout=WIDE)
-        self._histograms = Fold("how the places are spread", [self._plots])
         self._show_layer = lean(
             ipywidgets.ToggleButton,
             description="show it", icon="eye", tooltip="Colour the part by the mask that would be", layout={"width": "50%"}
         )
         self._use = lean(
             ipywidgets.Button,
-            description="use this", icon="code-fork", tooltip="Branch from this iteration with these settings", layout={"width": "50%"}
+            description="use this", icon="code-fork", tooltip="Go on with these settings, in a branch", layout={"width": "50%"}
         )
+        self._slider = unseen(lean(
+            ipywidgets.FloatLogSlider,
+            description="more careful or more style", base=10, min=-1.0, max=1.0, step=0.02, readout=False,
+            tooltip="Strength used at which a place may move no further; less is more careful",
+            layout={"flex": "1 1 80px", "width": "auto"},
+        ))  # fmt: skip
+        ends = (lean(ipywidgets.Label, word("more careful")), self._slider, lean(ipywidgets.Label, word("more style")))
+        slider = lean(ipywidgets.HBox, ends, layout=WIDE)
+        slider.add_class("mechstyle-careful")
         buttons = lean(ipywidgets.HBox, [self._show_layer, self._use], layout=WIDE)
-        self._again = lean(ipywidgets.Button, icon="code-fork", layout=WIDE, tooltip="Branch there with these settings")
-        self._asked = lean(ipywidgets.VBox, [self.selector, buttons])
+        self._asked = lean(ipywidgets.VBox, [slider, buttons])
         super().__init__([self._asked])
-        self.children = (*self.children, self._again, self._histograms)  # below what is said of it
+        self._more = Fold("more of this", [self.selector, self._plots])
+        self.children = (*self.children, self._more)  # below what is said of it
+        traitlets.link((self.selector, "threshold"), (self._slider, "value"))
+        self._slider.observe(self._slid, "value")
         self._use.on_click(lambda _: self.use())
-        self._again.on_click(lambda _: self._begin_again())
-        self._from: int | None = None
-        self.state.observe(lambda _: self._offer(None), ("iteration", "lane", "run", "status"))
-        self.selector.observe(lambda _: self._offer(None), ("freestyle", *DECIDES))
-        self._offer(None)
+        self.state.observe(lambda _: self.complain(""), ("iteration", "lane", "run", "status"))
+        self.selector.observe(lambda _: self.complain(""), ("freestyle", *DECIDES))
         self._show_layer.observe(self._switch, "value")
         self.state.observe(self._restore, "run")
         self._soon = Paced(self._redraw, self.state.alert)
@@ -109,29 +117,35 @@ class MaskInspector(Section):
         return mask_of(tested, self._original(run), recipe) * self._freedom(run, run.recipe)
 
     def use(self) -> None:
-        """Branch from the iteration on show with the settings that are tried; from an earlier test if nothing is left to change there."""
+        """Branch with the settings that are tried, from the iteration on show; at the end from the first test at which they matter."""
         run, state = self.state.run, self.state
         if run is None:
             return
-        if all(run.recipe.settings[name] == value for name, value in self.settings.items()):
-            self._offer(None, f"Nothing differs from {state.called(state.lane)}: move the threshold first, or try another strategy.")
-        elif state.iteration < state.length:
-            self.controller.branch(state.iteration, "", self.complain, **self.settings)
-        elif (first := self._first_difference(run)) is None:
-            self._offer(None, "At none of the tests of this run would these settings have made a difference.")
+        place = self._goes_on_from(run)
+        if place is not None:
+            self.controller.branch(place, "", self.complain, **self.settings)
+        elif self._in_force(run):
+            said = word("Nothing differs from {}: move the slider first, or try another strategy.")
+            self.complain(said.format(state.called(state.lane)))
         else:
-            self._offer(first, f"Iteration {state.iteration} is the end, nothing comes after it.")
+            self.complain(word("At none of the tests of this run would these settings have made a difference."))
 
-    def _begin_again(self) -> None:
-        if self._from is not None:
-            self.controller.branch(self._from, "", self.complain, **self.settings)
+    def _in_force(self, run: Run) -> bool:
+        """Whether what is tried is what the lane on show has."""
+        return all(run.recipe.settings[name] == value for name, value in self.settings.items())
 
-    def _offer(self, iteration: int | None, why: str = "") -> None:
-        """Offer to branch from an iteration, None for none, and say why."""
-        self._from = iteration
-        self.complain(why)
-        self._again.description = "" if iteration is None else word("begin again from iteration {}").format(iteration)
-        show(self._again, iteration is not None)
+    def _goes_on_from(self, run: Run) -> int | None:
+        """Iteration from which a branch with the settings that are tried goes on, None for none."""
+        if self._in_force(run):
+            return None
+        return self.state.iteration if self.state.iteration < self.state.length else self._first_difference(run)
+
+    def _slid(self, _change: object) -> None:
+        """Somebody tries another threshold: the mask it would make grows and shrinks on the part."""
+        run = self.state.run
+        if run is not None and self.state.checkpoint is not None and not self._in_force(run):
+            self.selector.freestyle = False
+            self.state.layer = LAYER
 
     def _first_difference(self, run: Run) -> int | None:
         """First tested iteration after which the settings that are tried would hold something back otherwise, None if there is none."""
@@ -155,15 +169,17 @@ class MaskInspector(Section):
         run, checkpoint = self.state.run, self.state.checkpoint
         self._use.disabled = self._show_layer.disabled = run is None or checkpoint is None
         show(self._asked, not self._use.disabled)
-        show(self._histograms, not self._use.disabled)
+        show(self._more, not self._use.disabled)
         if run is None or checkpoint is None:
             self.would_be = None
             self._plots.say("")
-            self.note("nothing to inspect yet: run something first")
+            self.note(word("Nothing to try yet: run something first."))
             return
         self.would_be = self.mask(run, checkpoint, **self.settings)
         self._plots.say(plots(checkpoint, self.would_be, self.selector.threshold))
-        self.note(summary(checkpoint.mask, self.would_be))
+        place = None if self.state.busy else self._goes_on_from(run)
+        begins = "" if place is None else " " + word("“Use this” goes on from iteration {}.").format(place)
+        self.note(summary(checkpoint.mask, self.would_be) + begins)
 
     def _switch(self, change: dict[str, Any]) -> None:
         self.state.layer = LAYER if change["new"] else RESTRAINT.name
@@ -199,10 +215,9 @@ def _freedom(run: Run, recipe: Recipe) -> Field:
 
 
 def summary(now: Field, then: Field) -> str:
-    """Shares of the vertices that are frozen and restrained, now and then."""
-    frozen = [f"{float((mask <= 0.0).mean()):.1%}" for mask in (now, then)]
-    held = [f"{float(restrained(mask).mean()):.1%}" for mask in (now, then)]
-    return f"frozen: {frozen[0]}, would be {frozen[1]}; held back by more than half: {held[0]}, would be {held[1]}"
+    """Share of the vertices that are held back by more than half, now and then."""
+    is_now, would_be = (f"{float(restrained(mask).mean()):.1%}" for mask in (now, then))
+    return word("Held back by more than half: {} of the part, would be {}.").format(is_now, would_be)
 
 
 def plots(checkpoint: Checkpoint, would_be: Field, threshold: float) -> str:

@@ -9,7 +9,7 @@ from typing import Any
 from mechstyle.loop.history import Row, standing
 from mechstyle.records import Verdict, sentences
 from mechstyle.runs.run import Run
-from mechstyle_widgets.jupyter.language import word
+from mechstyle_widgets.jupyter.language import said, word
 from mechstyle_widgets.panels.branches import kept, said_of
 from mechstyle_widgets.settings.section import WIDE, Words, table
 from mechstyle_widgets.state.schedule_forecast import landings_on_the_way, plan_of
@@ -26,7 +26,7 @@ class Result(Words):
         self._state = state
         super().__init__(layout=WIDE)
         self.add_class("mechstyle-result")
-        state.observe(self._tell, ("histories", "checkpoint", "lane", "settings", "run", "status", "title", "another"))
+        state.observe(self._tell, ("histories", "checkpoint", "lane", "settings", "run", "status", "title", "another", "price"))
         self._tell()
 
     def _tell(self, _change: object = None) -> None:
@@ -36,7 +36,7 @@ class Result(Words):
             head = word("Last run: {}").format(self._state.title) if self._state.another else word("Result")
             self.say(f"<b>{escape(head)}</b>{of_verdict(verdict)}{self._lanes()}{self._weight()}")
         else:
-            items = "".join(f"<li>{escape(step)}</li>" for step in steps(self._state.settings))
+            items = "".join(f"<li>{escape(said(step))}</li>" for step in steps(self._state.settings))
             self.say(f"<b>{escape(word('What will happen'))}</b><ol>{items}</ol>")
 
     def _weight(self) -> str:
@@ -45,7 +45,11 @@ class Result(Words):
         if run is None or shown is None or (plain := run.part.surface.volume) <= 0.0:
             return ""
         density, styled = run.recipe.test.material.density, run.part.surface.displaced(shown.displacement).volume
-        return f'<div class="mechstyle-note">{sentences.weighed(density * styled, density * plain)}</div>'
+        told, price = said(sentences.weighed(density * styled, density * plain)), self._state.price
+        if price:
+            costs = (f"{1e-3 * price * density * volume:.2f}" for volume in (styled, plain))
+            told += " " + word("Its filament costs {}, that of the plain part {}, at {} per kg.").format(*costs, f"{price:g}")
+        return f'<div class="mechstyle-note">{escape(told)}</div>'
 
     def _lanes(self) -> str:
         """HTML of outcome and relief kept of each lane that was tested since it began, "" where none was."""
@@ -66,8 +70,8 @@ def of_verdict(verdict: Verdict) -> str:
     """HTML of a verdict: its outcome in a sentence, the table of falls, and the doubt where there is one."""
     (headings, rows), doubt = sentences.tabulated(verdict), sentences.doubt(verdict)
     falls = table(headings, rows) if rows else ""
-    unsure = f'<div class="mechstyle-warning" role="status">{escape(doubt)}</div>' if doubt else ""
-    return f"<div>{escape(verdict.head)}</div>{falls}{unsure}"
+    unsure = f'<div class="mechstyle-warning" role="status">{escape(said(doubt))}</div>' if doubt else ""
+    return f"<div>{escape(said(verdict.head))}</div>{falls}{unsure}"
 
 
 def steps(settings: Mapping[str, Any]) -> list[str]:

@@ -11,7 +11,7 @@ import traitlets
 
 from mechstyle.errors import MechStyleError
 from mechstyle.records.sentences import duration
-from mechstyle_widgets.jupyter.language import word
+from mechstyle_widgets.jupyter.language import said, word
 from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.settings.section import WIDE, Section
 from mechstyle_widgets.state.controller import Controller
@@ -109,7 +109,7 @@ class RunControls(Section):
         (self._bar.add_class if state.status == "preparing" else self._bar.remove_class)("mechstyle-preparing")
         self.words = line_of(state)
         title = f'<span class="mechstyle-title"><b>{escape(self.title)}</b> · </span>' if self.title else ""
-        spoken = f'<span role="status" aria-live="polite">{escape(self.words)}</span>'  # what is made is not read out every time
+        spoken = f'<span role="status" aria-live="polite">{escape(said(self.words))}</span>'  # what is made is not read out every time
         self._line.value = f'<div class="mechstyle-note">{title}{spoken}</div>'
         self.complain(state.message if state.alarming else "")
         self.note(state.message if not state.alarming else "")

@@ -139,5 +139,5 @@ class TakeAway(Section):
             self._refuse(sentence(error, run.store.place))
             return
         self._frame.copy(code)
-        head = f"<summary>copied: the lines that make {escape(self.state.title)} again</summary>"
+        head = f"<summary>{escape(word('copied: the lines that make {} again').format(self.state.title))}</summary>"
         self._note.say(f'<details class="mechstyle-note mechstyle-code">{head}<pre>{escape(code)}</pre></details>')

@@ -30,9 +30,13 @@ class MaterialPicker(Section):
 
     Attributes:
         material: The material chosen; setting one that is not in the library shows it as edited.
+        price: What its filament costs per kg, in any currency.
     """
 
+    OWN = ("price",)
+
     material = traitlets.Instance(Material)
+    price = traitlets.Float(20.0, min=0.0)
 
     def __init__(self, material: str | Material = "PLA") -> None:
         """Offer the library; `material` is chosen at first."""
@@ -43,8 +47,11 @@ class MaterialPicker(Section):
             field: lean(ipywidgets.FloatText, description=name, step=step, continuous_update=False, **look)
             for field, (name, step) in FIGURES.items()
         }
-        grid = lean(ipywidgets.VBox, list(self._figures.values()))
+        paid = {"min": 0.0, "max": 1e5, "step": 1.0, "tooltip": "What the filament costs, in your currency"}
+        price = lean(ipywidgets.BoundedFloatText, description="price per kg", **paid, **look)
+        grid = lean(ipywidgets.VBox, [*self._figures.values(), price])
         super().__init__([self._choice, grid])
+        traitlets.link((self, "price"), (price, "value"))
         self.material = material_named(material)
         for field, widget in self._figures.items():
             widget.observe(lambda change, field=field: self._edit(field, change["new"]), "value")

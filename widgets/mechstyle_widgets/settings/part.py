@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -11,11 +12,13 @@ import traitlets
 from mechstyle import gallery
 from mechstyle._files import write_whole
 from mechstyle.errors import BadInput
-from mechstyle.geometry.files import FORMATS
+from mechstyle.geometry.files import FORMATS, bodies
+from mechstyle.geometry.one_body import Body
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle_widgets.jupyter.frame import unseen
+from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.looks import lean, show
-from mechstyle_widgets.settings.section import WIDE, Section
+from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section
 from mechstyle_widgets.settings.thumbnail_buttons import PictureChoice
 from mechstyle_widgets.state.troubles import sentence
 
@@ -31,12 +34,14 @@ class PartPicker(Section):
     Attributes:
         model: `gallery:NAME` or the path of a file; "" for a part that came as a mesh or from a run.
         scale: Factor from the coordinates of the file to millimetres, None for its own unit.
+        body: Number of the body that was chosen of several in a file, "" where there is one.
         mesh: The part [mm], None before there is one.
         name: What it is called.
     """
 
     model = traitlets.Unicode("")
     scale = traitlets.Float(None, allow_none=True)
+    body = traitlets.Unicode("")
     mesh = traitlets.Instance(SurfaceMesh, None, allow_none=True)
     name = traitlets.Unicode("")
 
@@ -70,11 +75,16 @@ class PartPicker(Section):
         )
         narrow = {"width": "138px"}
         self._unit = unseen(lean(ipywidgets.Dropdown, options=UNITS, description="unit", tooltip="Unit of the file", layout=narrow))
-        super().__init__([self._gallery, lean(ipywidgets.HBox, [self._upload, self._path], layout=WIDE), self._unit])
+        what = "Which body of the file: a drop test is of one"
+        self._body = lean(ipywidgets.Dropdown, options=[], description="body", tooltip=what, style=NARROW_LABEL, layout=WIDE)
+        show(self._body, False)
+        file = lean(ipywidgets.HBox, [self._upload, self._path], layout=WIDE)
+        super().__init__([self._gallery, file, self._body, self._unit])
         self._gallery.observe(lambda _: self._wish(gallery.PREFIX + self._gallery.value, None), "pressed")
         self._path.observe(self._typed, "value")
         self._upload.observe(self._uploaded, "value")
         self._unit.observe(self._measured_in, "value")
+        self._body.observe(self._of_these, "value")
         if isinstance(model, SurfaceMesh):
             self.show(model, name)
         elif model:
@@ -85,25 +95,26 @@ class PartPicker(Section):
         """Name of the part."""
         return self.name.replace("_", " ")
 
-    def choose(self, model: str, scale: float | None = None) -> None:
+    def choose(self, model: str, scale: float | None = None, body: str = "") -> None:
         """Take a part by its address.
 
         Args:
             model: `gallery:NAME` or the path of a file.
             scale: Factor to millimetres, for files.
+            body: Number of one of several bodies of a file.
 
         Raises:
             BadInput: If it cannot be used; what was chosen before stays.
         """
-        mesh = gallery.load(model, scale=scale)
+        mesh = gallery.load(model, scale=scale, body=body)
         with self.hold_trait_notifications():
-            self.model, self.scale, self.name, self.mesh = model, scale, mesh.name, mesh
+            self.model, self.scale, self.body, self.name, self.mesh = model, scale, body, mesh.name, mesh
         self._say(mesh.notes)
 
     def show(self, mesh: SurfaceMesh, name: str, origin: str = "") -> None:
         """Show a part that has no address; `origin` is where it once came from, which is marked if it is of the gallery."""
         with self.hold_trait_notifications():
-            self.model, self.scale, self.name, self.mesh = "", None, name, mesh
+            self.model, self.scale, self.body, self.name, self.mesh = "", None, "", name, mesh
         self._say(())
         if origin.startswith(gallery.PREFIX):
             self._gallery.value = origin.removeprefix(gallery.PREFIX)
@@ -124,19 +135,39 @@ class PartPicker(Section):
         self._unit.value = next((factor for factor in UNITS.values() if factor == (self.scale or 0.0)), None)
         self._unit.disabled = from_gallery or not self.model
         show(self._unit, not self._unit.disabled)
+        if not self.body:
+            self._offer_bodies("", None)
 
-    def _wish(self, model: str, scale: float | None) -> None:
-        """Handle mouse and keyboard: as `choose`, with errors shown here."""
-        if not model or (model, scale) == (self.model, self.scale):
+    def _wish(self, model: str, scale: float | None, body: str = "") -> None:
+        """Handle mouse and keyboard: as `choose`, with errors shown here; of several bodies one may be chosen."""
+        if not model or (model, scale, body) == (self.model, self.scale, self.body):
             return
         try:
-            self.choose(model, scale)
+            self.choose(model, scale, body)
         except BadInput as error:
-            self.complain(str(error))
+            several = not body and self._offer_bodies(model, scale)
+            self.complain(word("{} holds several bodies: choose one.").format(Path(model).name) if several else str(error))
+
+    def _offer_bodies(self, model: str, scale: float | None) -> bool:
+        """Offer the bodies of a file, none for "" and for one that holds no two; whether there are several."""
+        found: tuple[Body, ...] = ()
+        with suppress(BadInput):  # what is wrong with the file is said
+            found = bodies(model, scale=scale) if model and not model.startswith(gallery.PREFIX) else ()
+        several = len(found) > 1
+        self._body.unobserve(self._of_these, "value")
+        self._body.options = [(word("choose …"), ""), *((one.words, str(one.number)) for one in found)] if several else []
+        self._body.observe(self._of_these, "value")
+        self._asked_of = (model, scale)
+        show(self._body, several)
+        return several
+
+    def _of_these(self, change: dict[str, Any]) -> None:
+        if change["new"]:
+            self._wish(*self._asked_of, change["new"])
 
     def _measured_in(self, change: dict[str, Any]) -> None:
         if change["new"] is not None:  # a factor that no unit has
-            self._wish(self.model, change["new"] or None)
+            self._wish(self.model, change["new"] or None, self.body)
 
     def _typed(self, change: dict[str, Any]) -> None:
         model = change["new"].strip()

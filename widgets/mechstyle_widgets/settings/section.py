@@ -12,6 +12,7 @@ import traitlets
 from mechstyle.records import Recipe
 from mechstyle.records.recipe import CHOICES, DEFAULTS, LIMITS, SETTINGS
 from mechstyle_widgets.jupyter.frame import Framed
+from mechstyle_widgets.jupyter.language import said
 from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.state.troubles import sentence
 
@@ -70,6 +71,10 @@ class Section(Framed, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has 
         super().__init__([*children, self._note, self._trouble])
         self.add_class("mechstyle-section")
 
+    def __repr__(self) -> str:
+        """What it is and what is chosen, which is all that a notebook without a kernel shows of it."""
+        return f"{type(self).__name__}({self.brief})"
+
     def notify_change(self, change: Any) -> None:
         """Let nobody's error in hearing of a change end in a log only."""
         try:
@@ -96,12 +101,12 @@ class Section(Framed, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has 
 
     def note(self, words: str, warnings: Sequence[str] = ()) -> None:
         """Say something beside the matter, "" for nothing, and what to beware of, each on a line that is seen."""
-        plain = f'<div class="mechstyle-note">{escape(words)}</div>' if words else ""
-        self._note.say(plain + "".join(f'<div class="mechstyle-warning" role="status">{escape(one)}</div>' for one in warnings))
+        plain = f'<div class="mechstyle-note">{escape(said(words))}</div>' if words else ""
+        self._note.say(plain + "".join(f'<div class="mechstyle-warning" role="status">{escape(said(one))}</div>' for one in warnings))
 
     def complain(self, words: str) -> None:
         """Say what is wrong, in one sentence; "" once it is right again."""
-        self._trouble.say(f'<div class="mechstyle-trouble" role="alert">{escape(words)}</div>' if words else "")
+        self._trouble.say(f'<div class="mechstyle-trouble" role="alert">{escape(said(words))}</div>' if words else "")
 
     @property
     def trouble(self) -> str:
@@ -111,6 +116,6 @@ class Section(Framed, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """Rows of plain text as an HTML table."""
-    top = "".join(f'<th scope="col">{escape(cell)}</th>' for cell in head)
-    body = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
+    top = "".join(f'<th scope="col">{escape(said(cell))}</th>' for cell in head)
+    body = "".join("<tr>" + "".join(f"<td>{escape(said(cell))}</td>" for cell in row) + "</tr>" for row in rows)
     return f'<table class="mechstyle-table"><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table>'

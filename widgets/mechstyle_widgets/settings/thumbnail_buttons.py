@@ -13,7 +13,7 @@ from typing import Any
 
 import traitlets
 
-from mechstyle_widgets.jupyter.language import word
+from mechstyle_widgets.jupyter.language import spoken, word
 from mechstyle_widgets.jupyter.page_widget import PageWidget
 from mechstyle_widgets.jupyter.throttle import running_loop
 from mechstyle_widgets.settings import thumbnails
@@ -85,7 +85,8 @@ class PictureChoice(PageWidget):
         """
         self._drawn = {name: picture for name in names if (picture := thumbnails.cached(kind, name)) is not None}
         titles = {name: word(name.replace("_", " ")) for name in names}
-        shown = {name: {"title": titles[name], "tip": f"{titles[name]}: {about}"} for name, about in names.items()}
+        told = {name: f"{titles[name]}: {about}" if spoken() == "en" else titles[name] for name, about in names.items()}
+        shown = {name: {"title": titles[name], "tip": told[name]} for name in names}
         found = {name: " ".join((name, *shown[name].values(), found_by.get(name, ""))).replace("_", " ").lower() for name in names}
         heads = {word(head): members for head, members in in_groups(groups, names).items()}
         words = {name: word(text).format(len(names)) for name, text in WORDS[kind].items()}

@@ -28,7 +28,7 @@ def model_picture(name: str) -> bytes:
 
     mesh = make(name)
     width, height = SIZE
-    return _png(render(mesh, camera=Camera.named("three_quarter", mesh.vertices, aspect=width / height), width=width, height=height))
+    return png(render(mesh, camera=Camera.named("three_quarter", mesh.vertices, aspect=width / height), width=width, height=height))
 
 
 def style_picture(name: str) -> bytes:
@@ -86,7 +86,8 @@ def _place(kind: str, name: str) -> Path:
     return cache_folder() / "pictures" / f"{kind}-{name}-{__version__}-{DRAWING_VERSION}.png"
 
 
-def _png(pixels: NDArray[np.uint8]) -> bytes:
+def png(pixels: NDArray[np.uint8]) -> bytes:
+    """Pixels as PNG."""
     from matplotlib.image import imsave  # noqa: PLC0415
 
     buffer = io.BytesIO()

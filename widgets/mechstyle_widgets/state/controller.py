@@ -197,9 +197,14 @@ class Controller:
 
         def events(progress: Progress) -> Generator[Event, None, None]:
             self.state.tell(status="preparing", fraction=0.0)
+
+            def waits() -> None:
+                self.state.tell(**self.state.left_as_foretold())
+                progress(0.0)
+
             run = started(
                 wanted.recipe, part, vertices=wanted.vertices, origin=origin, out=wanted.folder or None, name=wanted.name, device=device,
-                stage=lambda words: self.state.tell(stage=words), prepare=prepare_aside, go_on=lambda: progress(0.0),
+                stage=lambda words: self.state.tell(stage=words), prepare=prepare_aside, go_on=waits,
             )  # fmt: skip
             assert came is not None, "as there is a part"
             self._begun[run.store.place] = (came.digest, wanted.vertices, wanted.recipe.delivery.strengthen)
@@ -208,16 +213,16 @@ class Controller:
                 self.state.tell(message=f"{wanted.folder} holds a run with other settings: this one is in {run.store.root}")
             yield from self._told(run, progress, then_freely=then_freely)
 
-        return self._followed(Session(events), wanted.recipe.schedule.iterations)
+        return self._followed(Session(events), wanted.recipe.schedule.iterations, self.state.expected)
 
     def _carry_on(self, run: Run, *, then_freely: bool = False) -> Session:
         """A session that carries a lane on."""
         self.state.open(run)
         return self._followed(Session(lambda progress: self._told(run, progress, then_freely=then_freely)), run.recipe.schedule.iterations)
 
-    def _followed(self, session: Session, iterations: int) -> Session:
+    def _followed(self, session: Session, iterations: int, foretold: float = 0.0) -> Session:
         self.state.message = ""
-        self.state.watch(session, iterations)
+        self.state.watch(session, iterations, foretold)
         return session
 
     def _told(self, run: Run, progress: Progress, *, then_freely: bool) -> Generator[Event, None, None]:
@@ -229,13 +234,13 @@ class Controller:
             if not free.finished:
                 self.state.tell(opened=free, fraction=0.0)
                 yield from self._events(free, progress)
-            self.state.tell(opened=run, pinned=(free.lane, free.recipe.schedule.iterations), layer="stress")
+            self.state.tell(opened=run, pinned=(free.lane, free.recipe.schedule.iterations), layer="stress", falls=self.state.falls + 1)
 
     def _events(self, run: Run, progress: Progress) -> Generator[Event, None, None]:
         self.state.tell(stage="drawing the style, simulating the unstylized part", step=0.0)
 
         def on_fraction(fraction: float) -> None:
-            self.state.tell(step=fraction)
+            self.state.tell(step=fraction, **self.state.left_as_foretold())
             progress(fraction)
 
         try:

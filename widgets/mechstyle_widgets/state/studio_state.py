@@ -27,8 +27,8 @@ from mechstyle_widgets.state.troubles import sentence
 STATUSES = ("idle", "preparing", "running", "paused", "stopped", "finished", "failed")
 SHORTEST_WAIT = 0.1  # between two updates of what is shown [s]
 KEPT = 12  # checkpoints in memory; one of 25k vertices is about 1 MB
-OF_A_RUN = {"pinned", "layer"}
-"""Traits that mean something in the run they belong to."""
+OF_A_RUN = ("layer", "pinned", "falls")
+"""Traits that mean something in the run they belong to, in the order in which they are set."""
 ASKED = ("settings", "part")
 """What the user asks for: a message about it ends when it changes."""
 PLACE = ("lane", "iteration", "run", "status")
@@ -64,7 +64,11 @@ class StudioState(traitlets.HasTraits):
         part: Name of the part that the next run is of.
         title: What the run on show is called: its part and its style; "" before there is one.
         outlook: What test the next run has and how long it will take, in one sentence; "" while that is not known.
+        expected: How long that is [s], 0 while it is not known.
         another: Whether what is asked for is another run than the one on show, which is then the last one.
+        falls: Counts the comparisons whose fall is to be played once.
+        calm: Whether the system asks that nothing moves by itself.
+        price: What filament costs per kg, 0 if that is not to be told.
     """
 
     run = traitlets.Instance(Run, None, allow_none=True)
@@ -92,7 +96,11 @@ class StudioState(traitlets.HasTraits):
     part = traitlets.Unicode("")
     title = traitlets.Unicode("")
     outlook = traitlets.Unicode("")
+    expected = traitlets.Float(0.0)
     another = traitlets.Bool(False)
+    falls = traitlets.Int(0)
+    calm = traitlets.Bool(False)
+    price = traitlets.Float(0.0)
     _ends_with: tuple[str, ...] = ASKED
 
     def __init__(self, run: Run | None = None, **traits: Any) -> None:
@@ -103,7 +111,7 @@ class StudioState(traitlets.HasTraits):
         self._stale, self._due, self._pumped = False, False, 0.0
         self._loop = running_loop()
         self._opened: Run | None = None
-        self._watch, self._outlook, self._iterations = Stopwatch(), Outlook(), 1
+        self._watch, self._outlook, self._iterations, self._foretold = Stopwatch(), Outlook(), 1, 0.0
         self._last = ("", -1)  # digest and iteration of the newest checkpoint of the session
         self._seconds: dict[str, float] = {}
         self._rows: dict[str, Row] = {}
@@ -246,14 +254,15 @@ class StudioState(traitlets.HasTraits):
 
     # what is going on
 
-    def watch(self, session: Session, iterations: int) -> None:
+    def watch(self, session: Session, iterations: int, foretold: float = 0.0) -> None:
         """Follow a session that is about to start: every event and every change of its state is brought here.
 
         Args:
             session: The session.
             iterations: Where the lane it carries on is to end.
+            foretold: How long it will take, by an estimate [s]; 0 where there is none.
         """
-        self.session, self._iterations = session, iterations
+        self.session, self._iterations, self._foretold = session, iterations, foretold
         self._watch, self._outlook, self._last = Stopwatch(), Outlook(), ("", -1)
         session.listen(lambda event: self._hear(event) if session is self.session else None)
         session.watch(lambda state: self._hear_state(session, state))
@@ -281,7 +290,7 @@ class StudioState(traitlets.HasTraits):
             noted, self._noted = self._noted, {}
             stale, self._stale, self._due = self._stale, False, False
             opened, self._opened = self._opened, None
-        of_it = {name: noted.pop(name) for name in OF_A_RUN & noted.keys()}
+        of_it = {name: noted.pop(name) for name in OF_A_RUN if name in noted}
         for name, value in noted.items():
             setattr(self, name, value)
         try:
@@ -326,7 +335,13 @@ class StudioState(traitlets.HasTraits):
         self._last = (event.digest, made.iteration)
 
     def _left(self, iteration: int) -> dict[str, Any]:
-        return {"seconds_left": self._outlook.seconds_left(self._iterations - iteration + 1)}
+        left = self._outlook.seconds_left(self._iterations - iteration + 1)
+        return self.left_as_foretold() if left is None else {"seconds_left": left}
+
+    def left_as_foretold(self) -> dict[str, Any]:
+        """Time left by the estimate of before, from any thread; nothing once a drop test has told better, or more has passed."""
+        left = self._foretold - self._watch.total
+        return {} if self._outlook.known or not self._foretold else {"seconds_left": left if left > 0.0 else None}
 
     def _hear_state(self, session: Session, state: str) -> None:
         """In whatever thread a session changed its state."""
@@ -338,6 +353,34 @@ class StudioState(traitlets.HasTraits):
         if state != "running":
             self.tell(stage="", seconds_left=None)
         self.tell(status="idle" if state == "ready" else state, pausing=False)
+
+
+class Linked(traitlets.HasTraits):
+    """A view of a state; mixed into a widget.
+
+    Attributes:
+        lane: Name of the lane on show.
+        iteration: Iteration on show; held within those the lane has.
+    """
+
+    lane = traitlets.Unicode("main")
+    iteration = traitlets.Int(0)
+    _links: tuple[Any, ...] = ()
+
+    def link(self, state: StudioState, *names: str) -> None:
+        """Link lane, iteration and the given traits to a state, both ways, until `unlink`."""
+        self._state = state
+        self._links = tuple(traitlets.link((state, name), (self, name)) for name in ("lane", "iteration", *names))
+
+    def unlink(self) -> None:
+        """Undo `link`."""
+        for link in self._links:
+            link.unlink()
+        self._links = ()
+
+    @traitlets.validate("iteration")
+    def _within_lane(self, proposal: dict[str, Any]) -> int:
+        return max(0, min(proposal["value"], self._state.iterations_done))
 
 
 FREE = "freestyle"

@@ -12,6 +12,11 @@ class Outlook:
         self._plain: list[float] = []
         self._simulated: list[float] = []
 
+    @property
+    def known(self) -> bool:
+        """Whether there was a drop test."""
+        return bool(self._simulated)
+
     def record(self, seconds: float, *, simulated: bool) -> None:
         """An iteration took so many seconds, with a drop test in it or without."""
         (self._simulated if simulated else self._plain).append(seconds)

@@ -17,6 +17,7 @@ from plotly import io
 from plotly.subplots import make_subplots
 
 from mechstyle.loop.history import Branch, Row
+from mechstyle_widgets.jupyter.language import said, word
 from mechstyle_widgets.state.outcomes import DOUBT, LOOKS
 from mechstyle_widgets.state.schedule_forecast import Plan
 from mechstyle_widgets.state.studio_state import called
@@ -29,7 +30,7 @@ GROUND = {"light": "#ffffff", "dark": "#111111"}
 """Those of JupyterLab's themes, so that a figure held in one of them can be read in a notebook of the other."""
 BEYOND = {"light": "#b3261e", "dark": "#ff8a80"}  # of small words, 4.5:1 at least
 INK, FAINT = "#1f7a8c", "rgba(140,140,140,0.45)"
-LANE, STRESS, CURVE, MARGINS = 24, 76, 64, 56  # heights [pixels]
+LANE, STRESS, CURVE, MARGINS = 22, 60, 60, 48  # heights [pixels]
 LEFT, RIGHT = 96, 12  # beside the axes [pixels]
 LINE, LETTER = 52, 6.6
 """Letters of the longest line of words, and how wide one is at most on average [pixels]."""
@@ -80,7 +81,7 @@ def _empty() -> dict[str, Any]:
     rule = {"type": "line", "xref": "x", "yref": "paper", "x0": 0, "x1": 0, "y0": 0, "y1": 1, "line": {"color": "#e08e0b", "width": 2}}
     figure.update_layout(
         shapes=[rule], dragmode=False, hovermode="closest", paper_bgcolor="rgba(0,0,0,0)", plot_bgcolor="rgba(0,0,0,0)",
-        margin={"l": LEFT, "r": RIGHT, "t": 20, "b": 36}, font={"size": 11},
+        margin={"l": LEFT, "r": RIGHT, "t": 18, "b": 30}, font={"size": 11},
         legend={"orientation": "h", "x": 1.0, "xanchor": "right", "y": 1.02, "yanchor": "bottom", "itemclick": False},
     )
     figure.update_xaxes(fixedrange=True, zeroline=False)
@@ -142,17 +143,16 @@ def before(plan: Plan | None, lane: str, curve: str, theme: str, width: int) -> 
 def _prospect(plan: Plan | None, width: int) -> list[str]:
     """Text shown before a run, in lines that fit between the axes of a figure so wide [pixels]."""
     letters = min(max(int((width - LEFT - RIGHT) / LETTER), 12), LINE)
-    later = "Outcomes, stress against its limit and the style loss will appear here."
     if plan is None:
-        return ["Nothing has run yet.", *textwrap.wrap(later, letters)]
-    where = "" if plan.certain else ", about there: the run decides"
-    said = f"Nothing has run yet. Hollow marks are to come: the unstylized part, then {plan.count}{where}."
-    return [*textwrap.wrap(said, letters), *textwrap.wrap(later, letters)]
+        return [word("Nothing has run yet.")]
+    said = word("Nothing has run yet. The part will be dropped at the hollow marks.")
+    about = "" if plan.certain else " " + word("They may move: the run decides.")
+    return textwrap.wrap(said + about, letters)
 
 
 def _planned(lane: str, places: Sequence[int]) -> dict[str, Any]:
     marker = {"symbol": "circle-open", "color": LOOKS["UNKNOWN"].line, "size": 9}
-    hover = {"hovertemplate": "simulation planned at iteration %{x}<extra></extra>"}
+    hover = {"hovertemplate": word("drop test planned at iteration %{x}") + "<extra></extra>"}
     return {"x": list(places), "y": [lane] * len(places), "marker": marker, **hover}
 
 
@@ -211,13 +211,13 @@ def _curve(lane: str, rows: Rows, curve: str) -> dict[str, Any]:
 
 def story(lane: str, row: Row) -> str:
     """Hover text of an iteration."""
-    lines = [f"<b>{escape(lane)} · iteration {row.iteration}</b>"]
+    lines = [f"<b>{escape(lane)} · {word('iteration')} {row.iteration}</b>"]
     if row.outcome:
-        lines.append(f"{row.outcome}, simulated because: {escape(row.reason)}")
+        lines.append(escape(said(f"{row.outcome}, simulated because: {row.reason}")))
         lines += _wrapped(row.words)
-    figures = [f"style loss {row.style_loss:.3g}"]
+    figures = [f"{word('style still missing')} {row.style_loss:.3g}"]
     if row.travel is not None:
-        figures.append(f"travel {row.travel:.2f} of the threshold")
+        figures.append(said(f"travel {row.travel:.2f} of the threshold"))
     if row.seconds is not None:
         figures.append(f"{row.seconds:.1f} s")
     return "<br>".join([*lines, " · ".join(figures)])
@@ -225,12 +225,12 @@ def story(lane: str, row: Row) -> str:
 
 @lru_cache(maxsize=1024)
 def _wrapped(words: str) -> list[str]:
-    return textwrap.wrap(escape(words), 70)
+    return textwrap.wrap(escape(said(words)), 70)
 
 
 def _limit_note(limit: float, theme: str) -> dict[str, Any]:
     place = {"x": 0.0, "xref": "paper", "xanchor": "left", "y": limit, "yref": "y2", "yanchor": "top"}
-    return {"text": f"limit {limit:.3g} MPa", "showarrow": False, "xshift": 6, "font": {"size": 10, "color": BEYOND[theme]}, **place}
+    return {"text": said(f"limit {limit:.3g} MPa"), "showarrow": False, "xshift": 6, "font": {"size": 10, "color": BEYOND[theme]}, **place}
 
 
 def _layout(lanes: Sequence[str], known: Mapping[str, str], lane: str, curve: str, theme: str, iterations: int) -> dict[str, Any]:
@@ -250,12 +250,12 @@ def _layout(lanes: Sequence[str], known: Mapping[str, str], lane: str, curve: st
         "paper_bgcolor": GROUND[theme],
         "plot_bgcolor": "rgba(0,0,0,0)",
         "yaxis": {"domain": domains[0], "type": "category", "range": [-0.6, len(lanes) - 0.4], "showgrid": False, **rows},
-        "yaxis2": {"domain": domains[1], "title": {"text": "σ_V [MPa]"}, "rangemode": "tozero", "nticks": 5, "showticklabels": True},
+        "yaxis2": {"domain": domains[1], "title": {"text": "[MPa]"}, "rangemode": "tozero", "nticks": 5, "showticklabels": True},
         "yaxis3": {
             "domain": domains[2], "visible": bool(curve), "title": {"text": UNITS[curve]}, "rangemode": "tozero", "nticks": 4,
             "showticklabels": True,
         },
-        "xaxis3": {"title": {"text": "iteration", "standoff": 4}},
+        "xaxis3": {"title": {"text": word("iteration"), "standoff": 2}},
         **{axis: _range(iterations) for axis in ("xaxis", "xaxis2")},
     }
 

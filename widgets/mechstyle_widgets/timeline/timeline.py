@@ -10,12 +10,11 @@ import traitlets
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
 from mechstyle_widgets.jupyter.closing import close_family
 from mechstyle_widgets.jupyter.frame import Framed, unseen
-from mechstyle_widgets.jupyter.looks import lean, sharing
+from mechstyle_widgets.jupyter.looks import lean, sharing, show
 from mechstyle_widgets.jupyter.throttle import Paced
 from mechstyle_widgets.replay.scrubber import Scrubber
-from mechstyle_widgets.state.linked import Linked
 from mechstyle_widgets.state.schedule_forecast import plan_of
-from mechstyle_widgets.state.studio_state import StudioState
+from mechstyle_widgets.state.studio_state import Linked, StudioState
 from mechstyle_widgets.timeline import figure as timeline_figure
 from mechstyle_widgets.timeline.curves import Curves
 from mechstyle_widgets.timeline.figure import CURVES, TEMPLATES
@@ -57,8 +56,8 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
             options=options, value="", description="curve", tooltip="What is drawn besides the stress", layout={"width": "160px"},
         ))  # fmt: skip
         self.scrubber.layout.flex = "1 1 300px"
-        bar = lean(ipywidgets.HBox, [self.scrubber, choice], layout={"justify_content": "space-between", "flex_flow": "row wrap"})
-        super().__init__([bar, self._curves])
+        self._bar = lean(ipywidgets.HBox, [self.scrubber, choice], layout={"justify_content": "space-between", "flex_flow": "row wrap"})
+        super().__init__([self._bar, self._curves])
         self.add_class("mechstyle-timeline")
         self._redraw, self._point = Paced(self._draw, state.alert), Paced(self._move_line, state.alert)
         self.link(state)
@@ -126,7 +125,7 @@ class Timeline(Linked, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[mi
         self.scrubber.unobserve(self._slid, "value")  # a shorter lane cuts the value off as well
         self.scrubber.max = max(self._state.iterations_done, self.iteration, 1)
         self.scrubber.value = self.iteration
-        self.scrubber.layout.visibility = "visible" if self._begun else "hidden"  # there is nowhere to go yet
+        show(self._bar, self._begun)  # there is nowhere to go yet
         self.scrubber.observe(self._slid, "value")
 
     # what the user does

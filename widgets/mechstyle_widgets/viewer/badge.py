@@ -13,6 +13,7 @@ import numpy as np
 from mechstyle.errors import MechStyleError
 from mechstyle.loop.history import Row
 from mechstyle.records import Checkpoint, Verdict, sentences
+from mechstyle_widgets.jupyter.language import said
 from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.state.outcomes import DOUBT, LOOKS, UNTESTED, Look
 from mechstyle_widgets.state.studio_state import StudioState
@@ -43,7 +44,7 @@ SHEET = """<style>
 .mechstyle-viewer > * { flex: 1 1 100%; min-width: 0; }
 .mechstyle-viewer > .mechstyle-toolbar { flex: 0 1 auto; order: -2; }
 .mechstyle-viewer > .mechstyle-player-start { flex: 0 0 auto; order: -1; width: auto; }
-.mechstyle-viewer .mechstyle-toolbar :is(.widget-toggle-button, .widget-button) { padding: 0 8px; }
+.mechstyle-viewer .mechstyle-toolbar :is(.widget-toggle-button, .widget-button) { padding: 0 6px; margin: 2px 1px; }
 .mechstyle-toolbar :is(.widget-toggle-button, .widget-button) .fa { margin-right: 0; }
 .mechstyle-toolbar .mechstyle-worded .fa { margin-right: 4px; }
 .mechstyle-section-plane { display: flex; flex-flow: row wrap; align-items: center; gap: 0 8px; }
@@ -103,7 +104,7 @@ class Badge(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
 
 def untested(name: str, more: str) -> str:
     """HTML for what was not tested."""
-    return f"<div>{escape(name)} {_sign(UNTESTED, sentences.NOT_TESTED)}</div><small>{escape(more)}</small>"
+    return f"<div>{escape(said(name))} {_sign(UNTESTED, sentences.NOT_TESTED)}</div><small>{escape(said(more))}</small>"
 
 
 def of_state(state: StudioState) -> tuple[str, Verdict | None]:
@@ -113,8 +114,9 @@ def of_state(state: StudioState) -> tuple[str, Verdict | None]:
         return "", None
     verdict = rows[-1].verdict
     assert verdict is not None
-    whose = f"<small><b>{'This' if state.busy else 'Last'} run: {escape(state.title)}</b></small>" if state.another else ""
-    return whose + judged(verdict, _when(state, rows[-1]), _kept(state), aged=rows[-1].iteration < state.iteration), verdict
+    whose = said(f"{'This' if state.busy else 'Last'} run: {state.title}")
+    head = f"<small><b>{escape(whose)}</b></small>" if state.another else ""
+    return head + judged(verdict, _when(state, rows[-1]), _kept(state), aged=rows[-1].iteration < state.iteration), verdict
 
 
 def judged(verdict: Verdict, when: str = "", kept: str = "", *, aged: bool = False) -> str:
@@ -128,20 +130,20 @@ def judged(verdict: Verdict, when: str = "", kept: str = "", *, aged: bool = Fal
     """
     more = " · ".join(filter(None, (sentences.least(verdict), kept, when)))
     sign = _outcome(verdict, verdict.short, aged=aged)
-    return f'<div title="{escape(sentences.in_full(verdict))}">{sign}</div><small>{escape(more)}</small>'
+    return f'<div title="{escape(said(sentences.in_full(verdict)))}">{sign}</div><small>{escape(said(more))}</small>'
 
 
 def insight(words: str) -> str:
     """HTML for the sentence that stands over several panes."""
-    return f'<div class="mechstyle-insight" role="status">{escape(words)}</div>'
+    return f'<div class="mechstyle-insight" role="status">{escape(said(words))}</div>'
 
 
 def outcome(row: Row | None) -> str:
     """HTML for the outcome of an iteration; that it was not tested if it was not."""
     if row is None or row.verdict is None:
         return f"<small>{_sign(UNTESTED, sentences.NOT_TESTED)}</small>"
-    figures = escape(sentences.least(row.verdict))
-    return f'<small title="{escape(sentences.in_full(row.verdict))}">{_outcome(row.verdict, row.verdict.outcome)}<br>{figures}</small>'
+    figures, whole = escape(said(sentences.least(row.verdict))), escape(said(sentences.in_full(row.verdict)))
+    return f'<small title="{whole}">{_outcome(row.verdict, row.verdict.outcome)}<br>{figures}</small>'
 
 
 def worst_vertex(checkpoint: Checkpoint) -> int:
@@ -156,12 +158,12 @@ def _outcome(verdict: Verdict, words: str, *, aged: bool = False) -> str:
     if not verdict.doubts:
         return _sign(shown, words)
     sign = _sign(shown, words, "" if aged else f";outline:3px solid {DOUBT}")
-    return f'{sign} <span class="mechstyle-unsure">{sentences.NOT_SURE}</span>'
+    return f'{sign} <span class="mechstyle-unsure">{said(sentences.NOT_SURE)}</span>'
 
 
 def _sign(look: Look, word: str, more: str = "") -> str:
     style = f"background:{look.fill};color:{look.ink}{more}"
-    return f'<span class="mechstyle-outcome" style="{style}"><span aria-hidden="true">{look.mark}</span> {escape(word)}</span>'
+    return f'<span class="mechstyle-outcome" style="{style}"><span aria-hidden="true">{look.mark}</span> {escape(said(word))}</span>'
 
 
 def _when(state: StudioState, row: Row) -> str:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import ipywidgets
 import msgspec
+import numpy as np
 import traitlets
 
 from mechstyle.fea.explicit import Progress
@@ -19,13 +21,16 @@ from mechstyle.records.sentences import length
 from mechstyle.simulation.impact import Impact, impact_of
 from mechstyle_widgets.jupyter.closing import close_family
 from mechstyle_widgets.jupyter.frame import unseen
+from mechstyle_widgets.jupyter.language import said
 from mechstyle_widgets.jupyter.looks import lean
-from mechstyle_widgets.jupyter.throttle import running_loop
+from mechstyle_widgets.jupyter.throttle import Timer, running_loop
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.state.troubles import sentence
 from mechstyle_widgets.viewer.layers import Subject, layer_of
 
 FACTORS = (1, 2, 5, 10, 20, 50, 100, 200)
+FALL = 3.0
+"""How long a fall is that is played by itself, from first touch to the peak [s]; slow views take longer."""
 
 
 class _Cancelled(Exception):
@@ -36,8 +41,10 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
     """A button that drops the part of the iteration on show once more, and then a slider through what happened.
 
     It opens at the moment of the peak; playing it begins at first touch and ends at the peak, and the slider goes on from there.
+    What stands beside the part falls with it, in the same landing and at the same time.
 
     Attributes:
+        beside: Lane and iteration of each pane beside the part.
         landing: Floor normal of the landing, one of those of the last simulation; as it stands at first.
         impact: The impact on show, None while there is none.
         frame: Which of its moments, counted from 0.
@@ -48,13 +55,17 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
     landing = traitlets.Tuple(UP)
     frame = traitlets.Int(0)
     exaggeration = traitlets.Float(20.0)
+    beside: tuple[tuple[str, int], ...] = ()
     _built = False
+    _falling: Timer | None = None
+    _others: tuple[Impact, ...] = ()
 
     def __init__(self, state: StudioState) -> None:
         """Play impacts of whatever iteration a state shows."""
         self._state, self._landings = state, dict[Point, Landing]()
         self._over = threading.Event()  # of the newest drop, set when its answer is there or nobody waits for it; each has its own
         self._over.set()
+        self._once = False
         what, look = "Drop this part and watch", {"width": "auto"}
         self._button = lean(ipywidgets.Button, description="impact", icon="play-circle", tooltip=what, layout=look)
         self._which = unseen(lean(
@@ -93,17 +104,29 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         """Whether an impact is being worked out."""
         return not self._over.is_set()
 
-    def play(self) -> None:
-        """Work the impact out, unless that is being done, in a thread where there is an event loop to bring it back, and show it."""
+    def play(self, *, once: bool = False) -> None:
+        """Work the impact out, unless that is being done, in a thread where there is an event loop to bring it back, and show it.
+
+        Args:
+            once: Whether it is played at once, in slow motion, from first touch to the peak.
+        """
         run, checkpoint = self._state.run, self._state.checkpoint
         if run is None or checkpoint is None or self.working:
             return
-        self._progress.value, self._over = 0.0, threading.Event()
+        self._progress.value, self._over, self._once = 0.0, threading.Event(), once
         self._say(self._progress)
-        part, recipe, memo, landing = run.part, run.store.recipe(checkpoint.recipe), run.store.memo, self.landing
+        part, store, landing = run.part, run.store, self.landing
+        shown = [checkpoint, *(self._state.checkpoint_at(iteration, lane) for lane, iteration in self.beside)]
+        fallen = [one for one in shown if one is not None]
 
-        def drop(progress: Progress) -> Impact:
-            return impact_of(part, recipe, checkpoint.displacement, memo, progress, landing)
+        def drop(progress: Progress) -> list[Impact]:
+            def part_of(number: int) -> Progress:
+                return lambda fraction: progress((number + fraction) / len(fallen))
+
+            return [
+                impact_of(part, store.recipe(one.recipe), one.displacement, store.memo, part_of(number), landing)
+                for number, one in enumerate(fallen)
+            ]
 
         loop = running_loop()
         if loop is None:
@@ -111,37 +134,53 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         else:
             threading.Thread(target=self._work, args=(drop, self._over, loop.call_soon_threadsafe), daemon=True).start()
 
+    def land(self, name: str) -> None:
+        """Choose a landing of the last simulation by its name; one that is not there changes nothing."""
+        self.landing = next((normal for normal, landing in self._landings.items() if landing.name == name), self.landing)
+
     def put_away(self) -> None:
         """Show the part at rest again; a drop that is being worked out ends."""
         self._over.set()
-        self._play.playing = False
-        self.impact = None
+        self._halt()
+        self._others, self.impact = (), None
         self._say(self._start)
 
-    def at_the_moment(self, subject: Subject, verdict: Verdict) -> Subject:
-        """A subject as the impact has it now, the stress of the moment against the limit of its landing; as it is without one."""
-        if self.impact is None:
+    def at_the_moment(self, subject: Subject, verdict: Verdict | None, pane: int = 0) -> Subject:
+        """A subject as the impact has it now, the stress of the moment against the limit of its landing; as it is without one.
+
+        Args:
+            subject: The part at rest.
+            verdict: What it was judged to be, which tells the limit; None for the material's strength.
+            pane: 0 for the part on show, 1 and more for what stands beside it.
+        """
+        impacts = (self.impact, *self._others)
+        impact = impacts[pane] if pane < len(impacts) else None
+        if impact is None or self.impact is None or self._state.run is None:
             return subject
-        stress, landing = self.impact.stress, self._landings.get(self.impact.normal)
-        row = None if landing is None else verdict.row(landing.way)
-        limit = verdict.strength if row is None else row.limit
+        landing = self._landings.get(impact.normal)
+        row = None if landing is None or verdict is None else verdict.row(landing.way)
+        strength = self._state.run.recipe.test.material.yield_strength if verdict is None else verdict.strength
+        frame = self.frame if pane == 0 else int(np.abs(impact.time - self.impact.time[self.frame]).argmin())
         name = FLAT if landing is None else landing.name
-        note = f"{name}, at {1e3 * self.impact.time[self.frame]:.0f} µs, deformed × {self.exaggeration:g}"
-        its = None if row is None or landing is None else msgspec.structs.replace(row, landing=landing.name, stress=landing.stress)
-        quantity = moment(limit, its)
-        layer = layer_of(quantity, quantity.made(stress[self.frame]), quantity.made(stress), note)
-        return Subject(self.impact.shape(subject.mesh, self.frame, self.exaggeration), (*subject.layers, layer))
+        note = f"{name}, at {1e3 * impact.time[frame]:.0f} µs, deformed × {self.exaggeration:g}"
+        its = row if row is not None and row.landing == name else None
+        if pane == 0 and row is not None and landing is not None:
+            its = msgspec.structs.replace(row, landing=name, stress=landing.stress)
+        quantity = moment(strength if row is None else row.limit, its)
+        layer = layer_of(quantity, quantity.made(impact.stress[frame]), quantity.made(impact.stress), note)
+        return Subject(impact.shape(subject.mesh, frame, self.exaggeration), (*subject.layers, layer))
 
     def close(self) -> None:
         """Close it; a drop that is being worked out ends."""
         if self._built:
             self._built = False
             self._over.set()
+            self._halt()
             self._state.unobserve(self._other_part, "checkpoint")
             close_family(self, self._start, self._progress, self._moments, self._said, self._link)
         super().close()
 
-    def _work(self, drop: Callable[[Progress], Impact], over: threading.Event, bring: Callable[..., Any]) -> None:
+    def _work(self, drop: Callable[[Progress], list[Impact]], over: threading.Event, bring: Callable[..., Any]) -> None:
         """In the thread: the drop, and its answer brought to the event loop, where it counts unless it is over by then."""
 
         def heard(act: Callable[..., None], *given: Any) -> None:
@@ -154,14 +193,14 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
             bring(heard, self._report, fraction)
 
         try:
-            impact = drop(progress)
+            impacts = drop(progress)
         except _Cancelled:
             return
         except Exception as error:  # noqa: BLE001 — whatever it is, it is said, and it can be tried again
             run = self._state.run
             bring(heard, self._fail, sentence(error, None if run is None else run.store.place))
         else:
-            bring(heard, self._show, impact)
+            bring(heard, self._show, impacts)
 
     def _say(self, *widgets: ipywidgets.Widget) -> None:
         self.children = widgets
@@ -172,20 +211,37 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
 
     def _fail(self, why: str) -> None:
         self._over.set()
-        self._said.value = why
+        self._said.value = said(why)
         self._say(self._start, self._said)
 
-    def _show(self, impact: Impact) -> None:
+    def _show(self, impacts: list[Impact]) -> None:
         self._over.set()
+        impact, *others = impacts
         self._slider.max, self._play.max = len(impact.time) - 1, impact.peak
-        self._slider.value = self._play.value = impact.peak
-        self.impact = impact
+        first = 0 if self._once and not self._state.calm else impact.peak
+        self._slider.value = self._play.value = first
+        self._others, self.impact = tuple(others), impact
         self._say(self._moments)
         self._tell_time()
+        self._fall(first)
+
+    def _fall(self, reached: int) -> None:
+        """Go on to the peak, a moment at a time, unless somebody has gone elsewhere meanwhile."""
+        loop, self._falling = running_loop(), None
+        if self.impact is None or self.frame != reached or reached >= self.impact.peak or loop is None:
+            return
+        self._slider.value = self._play.value = reached + 1
+        self._falling = Timer(loop, FALL / max(self.impact.peak, 1), partial(self._fall, reached + 1))
+
+    def _halt(self) -> None:
+        self._play.playing = False
+        if self._falling is not None:
+            self._falling.cancel()
+            self._falling = None
 
     def _go_to_the_peak(self) -> None:
         if self.impact is not None:
-            self._play.playing = False
+            self._halt()
             self._slider.value = self._play.value = self.impact.peak
 
     def _offer(self) -> None:
@@ -211,7 +267,7 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
     @traitlets.observe("frame")
     def _tell_time(self, _change: object = None) -> None:
         if self.impact is not None:
-            at_peak = " · peak" if self.frame == self.impact.peak else ""
+            at_peak = f" · {said('peak')}" if self.frame == self.impact.peak else ""
             self._time.value = f"{1e3 * self.impact.time[self.frame]:.0f} µs{at_peak}"
 
     def _other_part(self, _change: object) -> None:

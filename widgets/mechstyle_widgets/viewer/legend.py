@@ -14,6 +14,8 @@ from mechstyle._colour import linear_to_srgb
 from mechstyle.pictures.colormap import ABOVE, ABSENT, STRIPE, Scale
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.records.regions import Point
+from mechstyle_widgets.jupyter.language import said as translated
+from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.viewer.layers import Layer
 from mechstyle_widgets.viewer.scene import round_length
 
@@ -34,10 +36,10 @@ def colour_bar(layer: Layer, mesh: SurfaceMesh, bands: int = 0, *, brief: bool =
     """
     scale = layer.scale
     ticks = [_tick(place, min(max(place, 0.0), 1.0), words) for place, words in _ticks(scale, layer.judged)]
-    lines = [f"<div><b>{escape(layer.caption)}</b></div>"]
+    lines = [f"<div><b>{escape(translated(layer.caption))}</b></div>"]
     lines.append(f'<div style="width:{BAR_WIDTH}px;height:12px;border-radius:2px;background:{_gradient(scale, bands)}"></div>')
     lines.append(f'<div style="position:relative;width:{BAR_WIDTH}px;height:1.5em">{"".join(ticks)}</div>')
-    said = () if brief else (_extremes(layer), _share_beyond(layer, mesh), escape(layer.note))
+    said = () if brief else (_extremes(layer), _share_beyond(layer, mesh), escape(translated(layer.note)))
     lines += [f'<div style="color:{FAINT}">{line}</div>' for line in said if line]
     return _block("".join(lines))
 
@@ -47,7 +49,7 @@ def scale_bar(pixels_per_mm: float, cell: float) -> str:
     length = round_length(110.0 / pixels_per_mm)
     style = f"width:{length * pixels_per_mm:.0f}px;height:5px;border:solid {INK};border-width:0 1.5px 1.5px"
     bar = f'<div role="img" aria-label="scale bar of {length:g} mm" style="{style}"></div>'
-    return _block(f'{bar}<div>{length:g} mm <span style="color:{FAINT}">· grid {cell:g} mm</span></div>')
+    return _block(f'{bar}<div>{length:g} mm <span style="color:{FAINT}">· {word("grid")} {cell:g} mm</span></div>')
 
 
 def protected(vertices: NDArray[np.bool_], mesh: SurfaceMesh) -> str:
@@ -62,14 +64,15 @@ def protected(vertices: NDArray[np.bool_], mesh: SurfaceMesh) -> str:
     share = mesh.vertex_areas[vertices].sum() / mesh.vertex_areas.sum()
     grey = f"repeating-linear-gradient(45deg,{_css(ABSENT)} 0 2px,transparent 2px 5px)"
     box = f"display:inline-block;width:24px;height:10px;margin-right:8px;border:1px solid {_css(ABSENT)};background:{grey}"
-    return _block(f'<span style="{box}"></span>protected: {share:.1%} of the surface')
+    words = word("stays plain: {} of the surface").format(f"{share:.1%}")
+    return _block(f'<span style="{box}"></span>{words}')
 
 
 def ruler(ends: Sequence[Point]) -> str:
     """HTML of the distance between two places [mm], and how it lies."""
     along = np.subtract(ends[1], ends[0])
     x, y, z = (f"{value:+.2f}" for value in along)
-    return f"<span><b>{np.linalg.norm(along):.2f} mm</b> &ensp;along x {x}, y {y}, z {z}</span>"
+    return f"<span><b>{np.linalg.norm(along):.2f} mm</b> &ensp;{word('along')} x {x}, y {y}, z {z}</span>"
 
 
 def said(tool: str, ends: Sequence[Point]) -> str:
@@ -81,12 +84,12 @@ def said(tool: str, ends: Sequence[Point]) -> str:
         "measure": f"Click {which} on the part to measure; Enter takes the cross, Esc leaves",
         "places": "A click keeps the place in the list; Enter takes the cross, Esc leaves",
     }
-    return f"<span>{words[tool]}</span>" if tool else ""
+    return f"<span>{translated(words[tool])}</span>" if tool else ""
 
 
 def titles(names: Sequence[str], outcomes: Sequence[str]) -> str:
     """HTML of names side by side, each in the middle of its share of the width, and under it the HTML of its verdict if it has one."""
-    heads = zip_longest((escape(name) for name in names), outcomes[: len(names)], fillvalue="")
+    heads = zip_longest((escape(translated(name)) for name in names), outcomes[: len(names)], fillvalue="")
     cells = "".join(f'<div style="flex:1;min-width:0;text-align:center"><div>{name}</div>{outcome}</div>' for name, outcome in heads)
     return f'<div class="mechstyle-titles" style="color:{INK}">{cells}</div>'
 
@@ -100,9 +103,9 @@ def _extremes(layer: Layer) -> str:
     found = layer.extremes()
     if found is None:
         return ""
-    most = layer.most or f"max {layer.at(found[0])}"
+    most = translated(layer.most) or f"max {layer.at(found[0])}"
     words = escape(f"○ {most}   ▽ min {layer.at(found[1])}").replace("   ", " &emsp; ")
-    return f'<span title="dashed where it is on the far side">{words}</span>'
+    return f'<span title="{word("dashed where it is on the far side")}">{words}</span>'
 
 
 def _share_beyond(layer: Layer, mesh: SurfaceMesh) -> str:
@@ -110,7 +113,8 @@ def _share_beyond(layer: Layer, mesh: SurfaceMesh) -> str:
         return ""
     beyond = layer.scale.beyond(layer.values)
     share = f"{mesh.vertex_areas[beyond].sum() / mesh.vertex_areas.sum():.1%} of the surface is" if beyond.any() else "nothing is"
-    return escape(f"{share} {'below' if layer.scale.lower_is_worse else 'above'} the limit of {layer.threshold:.3g} {layer.unit}".rstrip())
+    side = "below" if layer.scale.lower_is_worse else "above"
+    return escape(translated(f"{share} {side} the limit of {layer.threshold:.3g} {layer.unit}".rstrip()))
 
 
 def _ticks(scale: Scale, judged: float | None = None) -> list[tuple[float, str]]:

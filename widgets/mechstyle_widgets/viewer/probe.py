@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from mechstyle.records.mesh import Floats, SurfaceMesh
 from mechstyle.records.regions import Point
+from mechstyle_widgets.jupyter.language import said
 from mechstyle_widgets.viewer.layers import Subject
 from mechstyle_widgets.viewer.legend import FAINT, INK
 
@@ -121,20 +122,22 @@ def carried_over(face: int, point: Any, shown: SurfaceMesh, rest: SurfaceMesh) -
 def brief(subject: Subject, vertex: int, name: str) -> str:
     """HTML of where a vertex is, and of its value in the layer of a name."""
     layer, place = subject.layer(name), ", ".join(f"{value:.1f}" for value in subject.mesh.vertices[vertex])
-    value = "" if layer is None else f"<b>{escape(layer.text_at(vertex))}</b> &ensp;"
-    return f"<span>✕ {value}at ({place}) mm</span>"
+    value = "" if layer is None else f"<b>{escape(said(layer.text_at(vertex)))}</b> &ensp;"
+    return f'<span>✕ {value}{said("at")} ({place}) mm</span>'
 
 
 def table(subject: Subject, vertex: int) -> str:
     """HTML of a vertex's place and of its value in every layer."""
     place = ", ".join(f"{value:.2f}" for value in subject.mesh.vertices[vertex])
+    swatch = _swatch(subject, vertex)
     rows = [("place", f"({place}) mm"), *((layer.label, layer.text_at(vertex)) for layer in subject.layers)]
     cells = "".join(
-        f'<tr><td style="color:{FAINT};padding-right:12px">{escape(name)}</td>'
-        f'<td style="font-variant-numeric:tabular-nums">{escape(value)}{_swatch(subject, vertex) if name == "place" else ""}</td></tr>'
+        f'<tr><td style="color:{FAINT};padding-right:12px">{escape(said(name))}</td>'
+        f'<td style="font-variant-numeric:tabular-nums">{escape(said(value))}{swatch if name == "place" else ""}</td></tr>'
         for name, value in rows
     )
-    head = f'<div><b>✕ vertex {vertex}</b></div><table style="border-spacing:0 1px">{cells}</table>'
+    called = said("vertex")
+    head = f'<div><b>✕ {called} {vertex}</b></div><table style="border-spacing:0 1px">{cells}</table>'
     return f'<div style="margin:4px 8px;font-size:12px;line-height:1.45;color:{INK}">{head}</div>'
 
 
@@ -144,4 +147,5 @@ def _swatch(subject: Subject, vertex: int) -> str:
         return ""
     r, g, b = np.rint(255 * np.clip(subject.mesh.colours[vertex], 0.0, 1.0)).astype(int).tolist()
     box = "display:inline-block;width:10px;height:10px;margin-left:8px;border-radius:2px"
-    return f'<span title="colour of the style" style="{box};background:rgb({r},{g},{b})"></span>'
+    title = said("colour of the style")
+    return f'<span title="{title}" style="{box};background:rgb({r},{g},{b})"></span>'

@@ -14,11 +14,11 @@ from mechstyle.pictures.fields import MOMENT
 from mechstyle.records import Checkpoint, Verdict
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.run import Run
+from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.looks import sharing
 from mechstyle_widgets.jupyter.newest import Newest
 from mechstyle_widgets.jupyter.throttle import Paced
-from mechstyle_widgets.state.linked import Linked
-from mechstyle_widgets.state.studio_state import StudioState
+from mechstyle_widgets.state.studio_state import Linked, StudioState
 from mechstyle_widgets.viewer import badge
 from mechstyle_widgets.viewer.impact_player import ImpactPlayer
 from mechstyle_widgets.viewer.layers import STYLE, Layer, Subject, subject_of
@@ -83,6 +83,7 @@ class RunViewer(Linked, Viewer):
         subject, self._verdict = _seen(_Wish(state.run, state.checkpoint, ()))
         self._still = subject
         original = subject_of(state.run, state.run.checkpoint(0))
+        self._rests: tuple[Subject, ...] = (original,)
         wanted = state.layer if subject.layer(state.layer) else STYLE
         super().__init__(subject.mesh, subject.layers, original=original, theme=theme, width=width, height=height)
         self.player = ImpactPlayer(state)
@@ -96,6 +97,8 @@ class RunViewer(Linked, Viewer):
         self.observe(self._follow, "derived")
         self.observe(self._stand_beside, ("compared", "also"))
         self.observe(self._judge, ("compared", "insight"))
+        self.observe(self._fall_together, ("beside", "compared", "also"))
+        state.observe(self._fall_once, "falls")
         self._judge()
 
     def let_go(self) -> None:
@@ -106,6 +109,7 @@ class RunViewer(Linked, Viewer):
             self.unlink()
             self._state.unobserve(self._follow, FOLLOWED)
             self._state.unobserve(self._judge, JUDGED)
+            self._state.unobserve(self._fall_once, "falls")
             self.player.close()
 
     def close(self) -> None:
@@ -129,14 +133,40 @@ class RunViewer(Linked, Viewer):
     def _stand_beside(self, _change: Any) -> None:
         """Let what is compared stand beside it."""
         if self._state.run is not None:
-            also = self.also if self.compared else None
-            places = [self.compared or (self._state.lane, 0), *([also] if also else [])]
+            places = self._places
             with self.hold_trait_notifications():
                 shown = (self._drawn_place, *places)
                 self.names = tuple(map(self._named, shown)) if self.compared else ("styled", "plain")
                 self._tell_outcomes(shown)
-                self.original, self.third = self._subject_at(*places[0]), self._subject_at(*also) if also else None
+                self._rests = tuple(self._subject_at(*place) for place in places)
+                self.original, self.third = self._rests[0], self._rests[1] if len(self._rests) > 1 else None
                 self.beside = self.compared is not None
+
+    @property
+    def _places(self) -> tuple[tuple[str, int], ...]:
+        """Lane and iteration of what may stand beside the part."""
+        first = self.compared or (self._state.lane, 0)
+        return (first, self.also) if self.compared and self.also else (first,)
+
+    def _fall_together(self, _change: object = None) -> None:
+        """What stands beside the part falls with it."""
+        player, places = self.player, self._places if self.beside else ()
+        if player.beside != places:
+            player.beside = places
+            if player.impact is not None:
+                player.put_away()
+                player.play()
+
+    def _fall_once(self, _change: object = None) -> None:
+        """Show how both fall, once, as they do where one has least left."""
+        self._fall_together()
+        self.player.put_away()
+        shown = [self._state.row(iteration, lane) for lane, iteration in (self._drawn_place, *self._places)]
+        decide = [row.verdict.deciding for row in shown if row is not None and row.verdict is not None]
+        hardest = min((row for row in decide if row is not None), key=lambda row: row.reserve, default=None)
+        if hardest is not None:
+            self.player.land(hardest.landing)
+        self.player.play(once=True)
 
     def _tell_outcomes(self, places: Sequence[tuple[str, int]]) -> None:
         """Each pane has a badge of its own; beside the plain part the badge over the view is that of what is styled."""
@@ -147,7 +177,7 @@ class RunViewer(Linked, Viewer):
         """What a pane is called: its lane, and its iteration where that is not the end."""
         lane, iteration = place
         end = next((branch.iterations for branch in self._state.branches if branch.lane == lane), iteration)
-        return self._state.called(lane) if iteration == end else f"{self._state.called(lane)}, iteration {iteration}"
+        return self._state.called(lane) if iteration == end else word("{}, iteration {}").format(self._state.called(lane), iteration)
 
     @property
     def _drawn_place(self) -> tuple[str, int]:
@@ -198,9 +228,19 @@ class RunViewer(Linked, Viewer):
                 self.names = (self._named(self._drawn_place), *self.names[1:])
                 self.outcomes = (badge.outcome(self._state.row(self._drawn, self._drawn_lane)), *self.outcomes[1:])
             self._show_moment()
+        if not self._state.busy:
+            self.renew_still()
 
     def _show_moment(self) -> None:
-        self.subject = self.player.at_the_moment(self._still, self._verdict)
+        """Show each pane as the impact has it now."""
+        moved = [
+            self.player.at_the_moment(rest, None if (row := self._state.row(iteration, lane)) is None else row.verdict, pane)
+            for pane, (rest, (lane, iteration)) in enumerate(zip(self._rests, self._places, strict=False), start=1)
+        ]
+        with self.hold_trait_notifications():
+            self.subject = self.player.at_the_moment(self._still, self._verdict)
+            if moved and self.original is not None:
+                self.original, self.third = moved[0], moved[1] if len(moved) > 1 else None
 
     def _show_stress(self, change: Any) -> None:
         """An impact begins with its stress on show, and when it is put away the stress of the whole drop takes its place."""

@@ -11,10 +11,11 @@ from typing import Any
 
 import numpy as np
 import pythreejs
+import trimesh
 from numpy.typing import ArrayLike, NDArray
 
 from mechstyle.pictures.colormap import PLAIN
-from mechstyle.records.mesh import SurfaceMesh
+from mechstyle.records.mesh import Floats, SurfaceMesh
 from mechstyle.runs.report.replay_data import NO_NUMBER
 from mechstyle_widgets.viewer.layers import Layer
 from mechstyle_widgets.viewer.shaders import (
@@ -62,13 +63,14 @@ class Scene:
         """Build it whole around a part, with `centre` [mm] at the origin, about which the controls orbit."""
         self._vertices, self._normals = _attribute(mesh.vertices), _attribute(mesh.vertex_normals)
         self._colours, self._places = _attribute(_own_colours(mesh)), _attribute(np.full(len(mesh.vertices), OWN))
-        self._protected = _attribute(np.zeros(len(mesh.vertices)))
+        self._protected, self._creases = _attribute(np.zeros(len(mesh.vertices))), _attribute(np.zeros(len(mesh.vertices)))
+        self._beside = trimesh.graph.face_adjacency(mesh.faces, return_edges=True)  # type: ignore[no-untyped-call]
         count = 5 + MOST_PINS
         self._spots, self._kinds = _attribute(np.zeros((count, 3))), _attribute(np.full(count, HIDDEN))
         self._cut: tuple[Plane, bool] = (WHOLE, False)
         self._bands = 0
-        self._marked: tuple[Any, ...] = (None, None)
-        self._ruler_ends = _attribute(np.zeros((2, 3)))
+        self._marked: tuple[Any, ...] = (None, None, False)
+        self._ruler_ends = _attribute(np.zeros((6, 3)))  # a line, and the two that make it an arrow
         self._ruler = pythreejs.LineSegments(
             pythreejs.BufferGeometry(attributes={"position": self._ruler_ends}),
             pythreejs.LineBasicMaterial(color=RULER, linewidth=2, depthTest=False, transparent=True),
@@ -81,6 +83,7 @@ class Scene:
                 "colour": self._colours,
                 "place": self._places,
                 "is_protected": self._protected,
+                "crease": self._creases,
                 "index": pythreejs.BufferAttribute(mesh.faces.ravel().astype(np.uint32), normalized=False),
             }
         )
@@ -96,9 +99,11 @@ class Scene:
         self._colours.array = _single(_own_colours(mesh))
         self._geometry.exec_three_obj_method("computeBoundingSphere")
 
-    def paint(self, layer: Layer | None) -> None:
-        """Show a field, or the part's own colours."""
+    def paint(self, layer: Layer | None, mesh: SurfaceMesh) -> None:
+        """Show a field, the creases of the surface drawn over it, or the part's own colours."""
         count = len(self._places.array)
+        if layer is not None:
+            self._creases.array = _creases(mesh, self._beside)
         self._places.array = np.full(count, OWN, np.float32) if layer is None else paint(layer.values, layer.scale)
 
     def hatch(self, protected: NDArray[np.bool_] | None) -> None:
@@ -110,7 +115,7 @@ class Scene:
         if (plane, filled) != self._cut:
             self._cut = plane, filled
             _cut_open(self.part, plane, filled=filled, bands=self._bands)
-            self.mark(*self._marked)
+            self.mark(*self._marked[:-1], arrow=self._marked[-1])
 
     def band(self, count: int) -> None:
         """Show fields in so many colours, 0 for all."""
@@ -124,6 +129,8 @@ class Scene:
         picked: int | None,
         pins: Sequence[int] = (),
         ends: Sequence[ArrayLike] = (),
+        *,
+        arrow: bool = False,
     ) -> None:
         """Put the markers where they belong; what is None, missing or cut off is taken away.
 
@@ -132,19 +139,20 @@ class Scene:
             picked: The vertex asked about.
             pins: Vertices that are numbered, in order, at most MOST_PINS.
             ends: What is measured between, two places at most [mm].
+            arrow: Whether they are foot and tip of an arrow instead.
         """
-        self._marked, (*normal, reach) = (extremes, picked, pins, ends), self._cut[0]
+        self._marked, (*normal, reach) = (extremes, picked, pins, ends, arrow), self._cut[0]
         spots, kinds = np.zeros((5 + MOST_PINS, 3), np.float32), np.full(5 + MOST_PINS, HIDDEN, np.float32)
         marked = zip((0, 1, 2), (*(extremes or (None, None)), picked), (MAXIMUM, MINIMUM, PICKED), strict=True)
         numbered = ((5 + number, vertex, PIN + 1 + number) for number, vertex in enumerate(pins))
         for place, vertex, kind in (*marked, *numbered):
             if vertex is not None and self._vertices.array[vertex] @ normal <= reach:
                 spots[place], kinds[place] = self._vertices.array[vertex], kind
-        for place, end in enumerate(ends, start=3):
+        for place, end in enumerate(ends[:1] if arrow else ends, start=3):
             spots[place], kinds[place] = end, END
         self._spots.array, self._kinds.array = spots, kinds
         if len(ends) == 2:
-            self._ruler_ends.array = _single(np.stack([np.asarray(end) for end in ends]))
+            self._ruler_ends.array = _single(_line(*(np.asarray(end, np.float64) for end in ends), arrow=arrow))
         self._ruler.visible = len(ends) == 2
 
     @property
@@ -243,6 +251,30 @@ def _part_material(vertex_shader: str) -> Any:
         extensions={"derivatives": True},
         side="DoubleSide",
     )
+
+
+def _line(foot: Floats, tip: Floats, *, arrow: bool) -> Floats:
+    """Ends of a line, and of the two short ones that make it an arrow [mm], shape [6, 3]."""
+    along = tip - foot
+    across = np.cross(along, (0.0, 0.0, 1.0) if abs(along[2]) < 0.9 * np.linalg.norm(along) else (0.0, 1.0, 0.0))
+    half = 0.1 * across * np.linalg.norm(along) / max(float(np.linalg.norm(across)), 1e-12)
+    left, right = (tip - 0.2 * along - half, tip - 0.2 * along + half) if arrow else (tip, tip)
+    return np.stack([foot, tip, tip, left, tip, right])
+
+
+def _creases(mesh: SurfaceMesh, beside: tuple[NDArray[np.int64], NDArray[np.int64]]) -> Floats32:
+    """The largest angle between two triangles at each vertex [rad], shape [vertex_count].
+
+    Args:
+        mesh: The surface.
+        beside: Pairs of triangles that share an edge, shape [n, 2], and the ends of each edge, shape [n, 2].
+    """
+    (one, other), (start, end) = beside[0].T, beside[1].T
+    angles = np.arccos(np.clip(np.einsum("ij,ij->i", mesh.face_normals[one], mesh.face_normals[other]), -1.0, 1.0)).astype(np.float32)
+    found = np.zeros(len(mesh.vertices), np.float32)
+    for ends in (start, end):
+        np.maximum.at(found, ends, angles)
+    return found
 
 
 def _own_colours(mesh: SurfaceMesh) -> NDArray[np.floating]:

@@ -21,6 +21,8 @@ OWN, NOTHING, OPEN = 1000.0, -1000.0, -3.0
 MAXIMUM, MINIMUM, PICKED, END, PIN, HIDDEN = 0.0, 1.0, 2.0, 3.0, 10.0, -1.0  # kinds of markers; PIN + 1 is number 1
 COLUMNS, ROWS, CELL = 6, 4, 32  # of the numbers of pins in their texture, and their size [pixels]
 MOST_PINS = COLUMNS * ROWS
+FOLDED, DRAWN = (0.35, 0.8), 0.55
+"""Angles between two triangles at which the edge between them begins to be drawn over a field and is darkest [rad]; how dark that is."""
 WHOLE = (0.0, 0.0, 0.0, 1.0)
 """The plane (normal, distance) that cuts nothing off."""
 
@@ -63,6 +65,8 @@ PART_VERTEX = """
 attribute vec3 colour;
 attribute float place;
 attribute float is_protected;
+attribute float crease;
+varying float v_crease;
 varying vec3 v_colour;
 varying vec3 v_normal;
 varying float v_place;
@@ -73,6 +77,7 @@ void main() {
     v_colour = colour;
     v_place = place;
     v_protected = is_protected;
+    v_crease = crease;
     v_normal = normalMatrix * normal;
     gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
 }
@@ -88,6 +93,7 @@ varying vec3 v_colour;
 varying vec3 v_normal;
 varying float v_place;
 varying float v_protected;
+varying float v_crease;
 
 vec3 to_light(vec3 c) {{ return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c)); }}
 vec3 to_display(vec3 c) {{ return mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c)); }}
@@ -133,6 +139,7 @@ void main() {{
     bool own = v_place > {OWN / 2:.1f};
     float shade = own ? light() : mix(light(), 1.0, {FLATNESS:.4f});
     vec3 colour = hatched() ? {_vec(ABSENT)} : own ? v_colour : field();
+    if (!own) colour = mix(colour, {_vec(LINE)}, {DRAWN:.2f} * smoothstep({FOLDED[0]:.2f}, {FOLDED[1]:.2f}, v_crease));  // the relief
     gl_FragColor = vec4(to_display(min(to_light(colour) * shade, 1.0)), 1.0);
 }}
 """

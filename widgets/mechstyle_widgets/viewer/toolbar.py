@@ -115,7 +115,8 @@ class Toolbar(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
     def _offer_picture(self) -> None:
         data = base64.b64encode(self._picture().png).decode("ascii")
         name = f"mechstyle-{self.layer}.png"
-        self._download.value = f'<a download="{name}" href="data:image/png;base64,{data}" style="font-size:12px">save {name}</a>'
+        words = word("save {}").format(name)
+        self._download.value = f'<a download="{name}" href="data:image/png;base64,{data}" style="font-size:12px">{words}</a>'
 
 
 def _button(icon: str, tooltip: str) -> ipywidgets.Button:

@@ -26,6 +26,8 @@ NEARER = {"+": 1.25, "=": 1.25, "-": 0.8}
 PAGES = {"PageUp": 1, "PageDown": -1}
 SHIFTED = {"1": "front", "2": "side", "3": "top", "4": "below", "5": "three_quarter"}
 """Standard views by the digits that, with Shift, call them."""
+ROOM = 0.85
+"""How near the camera comes to a part it looks at as a whole, so that the legend below hides nothing of it."""
 PICKS = {"m": "measure", "a": "places"}
 
 
@@ -37,6 +39,7 @@ class Tools(traitlets.HasTraits):
         probed: The vertex asked about, None for none.
         places: Vertices that are kept in the list, in order, at most MOST_PINS.
         measured: Ends of what is measured [mm], two at most.
+        arrow: Foot and tip of an arrow on the part [mm], nothing for none.
         tool: What a click does besides asking: "", `measure` or `places`.
         parallel: Whether one looks in parallel instead of in perspective.
         section: Where the part is cut open: `section.on`, `section.axis`, `section.at` [mm].
@@ -46,6 +49,7 @@ class Tools(traitlets.HasTraits):
     probed = traitlets.Int(None, allow_none=True)
     places = traitlets.Tuple()
     measured = traitlets.Tuple()
+    arrow = traitlets.Tuple()
     tool = traitlets.Enum(TOOLS, "")
     parallel = traitlets.Bool(False)
     subject: Any
@@ -58,6 +62,11 @@ class Tools(traitlets.HasTraits):
     def at_rest(self) -> SurfaceMesh:
         """The part to which the places of clicks belong."""
         return self.subject.mesh
+
+    @property
+    def towards_eye(self) -> Floats:
+        """Unit vector from the part to the eye."""
+        return self._orbit.seen.axes[2]
 
     def fit(self, view: str = "") -> None:
         """Bring the whole part into view."""
@@ -104,6 +113,8 @@ class Tools(traitlets.HasTraits):
         """Look at the whole part from a side from which a vertex is seen, and tell what is known of it."""
         mesh = self.subject.mesh
         self._orbit.look_from(probe.seen_from(mesh, vertex))
+        self._orbit.near(ROOM)
+        self._orbit.move(0, 1)
         self.probed = vertex
         self._measure()
 

@@ -5,8 +5,9 @@ All of pythreejs stays behind `Viewer`.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 from typing import Any
 
 import ipywidgets
@@ -27,7 +28,7 @@ from mechstyle_widgets.jupyter.listing import answer_while_drawing
 from mechstyle_widgets.jupyter.looks import lean, sharing, show
 from mechstyle_widgets.jupyter.throttle import Paced
 from mechstyle_widgets.viewer import legend, probe
-from mechstyle_widgets.viewer.badge import Badge
+from mechstyle_widgets.viewer.badge import Badge, untested
 from mechstyle_widgets.viewer.camera import Orbit
 from mechstyle_widgets.viewer.layers import STYLE, Layer, Subject
 from mechstyle_widgets.viewer.places import Places
@@ -40,7 +41,7 @@ answer_while_drawing()
 
 BANDS = 9
 """Colours of a field that is shown in steps: each spans five MPa of a strength of 45."""
-DRAWN = ("subject", "original", "third", "layer", "markers", "probed", "places", "measured", "tool", "beside", "names", "outcomes",
+DRAWN = ("subject", "original", "third", "layer", "markers", "probed", "places", "measured", "arrow", "tool", "beside", "names", "outcomes",
          "protected", "stepped")  # fmt: skip
 """Traits that change what is drawn."""
 
@@ -187,9 +188,17 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
 
     def picture(self, title: str = "") -> Picture:
         """The view, cut open as it is, without the hatching of protected regions, rendered in the kernel: `.save(path)` writes the PNG."""
+        return picture(self._panels(), title=title)
+
+    def _panels(self) -> list[Panel]:
         shown = self._shown
         names = self.names if len(shown) > 1 else ("",)
-        return picture([self._panel(subject, name) for subject, name in zip(shown, names, strict=False)], title=title)
+        return [self._panel(*one) for one in zip(shown, self._layers, names, strict=False)]
+
+    def still(self, title: str = "") -> Callable[[], bytes]:
+        """What draws the view as it is now."""
+        panels = self._panels()
+        return lambda: picture(panels, title=title).png
 
     def close(self) -> None:
         """Close the view and every widget it is made of; nothing stays behind in the kernel."""
@@ -246,15 +255,18 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
 
     def _draw(self) -> None:
         """Bring the scenes, the legend and the table up to date with the traits."""
-        layer, bands = self.subject.layer(self.layer), BANDS if self.stepped else 0
+        layers, bands = self._layers, BANDS if self.stepped else 0
+        layer = layers[0]
         self._orbit.follow(self.subject.mesh)
         self._arrange()
         with self._at_once():
-            for scene, subject in zip(self._scenes, self._shown, strict=False):
-                _fill(scene, subject, self.layer)
+            for scene, subject, painted in zip(self._scenes, self._shown, layers, strict=False):
+                scene.move(subject.mesh)
+                scene.paint(painted, subject.mesh)
                 scene.band(bands)
                 scene.cut(self.section.plane, filled=self.section.filled)
-                scene.mark(_extremes(subject, self.layer) if self.markers else None, self.probed, self.places, self.measured)
+                extremes, drawn = _extremes(subject, self.layer) if self.markers else None, self.measured or self.arrow
+                scene.mark(extremes, self.probed, self.places, drawn, arrow=not self.measured)
             self._scenes[0].hatch(self.protected)
         mesh = self.subject.mesh
         key = "" if self.protected is None else legend.protected(self.protected, mesh)
@@ -270,6 +282,18 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
     def _shown(self) -> list[Subject]:
         """What stands side by side."""
         return [self.subject, *(one for one in (self.original, self.third) if self.beside and one is not None)]
+
+    @property
+    def _layers(self) -> list[Layer | None]:
+        """The layer on show of each that stands there, in colours that mean the same: the widest range, the limit of the first."""
+        layers = [subject.layer(self.layer) for subject in self._shown]
+        scales = [layer.scale for layer in layers if layer is not None]
+        if len(scales) < 2:
+            return layers
+        ends, widest = [(scale.low, scale.high) for scale in scales], (max, min) if scales[0].falls else (min, max)
+        limits, limit = (widest[0](low for low, _ in ends), widest[1](high for _, high in ends)), scales[0].threshold
+        judged = max((layer.judged for layer in layers if layer is not None and layer.judged is not None), default=None)
+        return [None if layer is None else replace(layer, limits=limits, threshold=limit, judged=judged) for layer in layers]
 
     def _arrange(self) -> None:
         """Lay out one view, or two or three that share the width and the camera."""
@@ -310,8 +334,8 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
             camera=self._orbit.three, scene=scene.three, controls=controls, width=width, height=height, antialias=True
         )
 
-    def _panel(self, subject: Subject, title: str) -> Panel:
-        layer, seen = subject.layer(self.layer), self._orbit.seen
+    def _panel(self, subject: Subject, layer: Layer | None, title: str) -> Panel:
+        seen = self._orbit.seen
         if layer is None:
             return Panel(self.section.applied(subject.mesh)[0], title, view=seen)
         mesh, values = self.section.applied(subject.mesh, layer.values)
@@ -327,11 +351,33 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
             scene.cut(self.section.plane, filled=self.section.filled)
 
 
-def _fill(scene: Scene, subject: Subject, name: str) -> None:
-    """Put a subject into a scene, painted with the layer of a name."""
-    layer = subject.layer(name)
-    scene.move(subject.mesh)
-    scene.paint(layer)
+class PartViewer(Viewer):
+    """The part, to which the places of clicks belong whatever style is shown on it."""
+
+    def __init__(self, mesh: SurfaceMesh, **look: Any) -> None:
+        """Show a plain part; `look` as for `Viewer`."""
+        self._rest = mesh
+        super().__init__(mesh, **look)
+
+    @property
+    def at_rest(self) -> SurfaceMesh:
+        """The plain part."""
+        return self._rest
+
+    def put_on(self, styled: SurfaceMesh, more: str) -> None:
+        """Show a style on it that was not tested; `more` is said below that."""
+        self.subject, self.original = Subject(styled), Subject(self._rest)
+        self.badge.say(untested("Preview", more))
+
+    def wait(self) -> None:
+        """Say that a style is being drawn, unless another is on show until then."""
+        if self.original is None:
+            self.badge.say(untested("Preview", "The style is being drawn on the part …"))
+
+    def take_off(self, why: str = "") -> None:
+        """Show the plain part, and say why if there is a reason."""
+        self.subject, self.original = Subject(self._rest), None
+        self.badge.say(untested("No preview", why) if why else "")
 
 
 def _extremes(subject: Subject, name: str) -> tuple[int, int] | None:

@@ -3,14 +3,14 @@
 
 const FULL_LEAST = 320; // height of a view in full screen, which is to leave the timeline in sight [px]
 const QUIET = 120; // a size counts when it has stood still for so long [ms]
-const IN_VIEW = ["+", "-", "=", "Home", "Enter", "PageUp", "PageDown"], ANYWHERE = [..."rn.>c123456amxoliwp"];
+const IN_VIEW = ["+", "-", "=", "Home", "Enter", "PageUp", "PageDown"], ANYWHERE = [..."rn.>c123456amxoliwpzy"];
 const ROOTS = ".mechstyle-studio, .mechstyle-alone";
 const KEYS = { // the list that `?` opens
   "anywhere but in a field": [
     ["R", "run, or go on; in a field Ctrl with Enter"], [".", "one iteration"], ["Shift with .", "on to the next drop test"],
     ["1 to 6, L", "style, stress, safety factor, restraint, demand, displacement; the next layer"],
     ["C, N", "compare with the iteration on show, branch from it"], ["I", "the impact, and back"], ["W", "what another setting would hold back"],
-    ["X, O, M, A, P", "cut open, look in parallel, measure, keep places, paint"], ["F", "full screen, and back"],
+    ["Z, Y", "undo the last setting, redo it"], ["X, O, M, A, P", "cut open, look in parallel, measure, keep places, paint"], ["F", "full screen, and back"],
     ["?", "this list"], ["Escape", "closes this list; goes back from a page of settings; leaves the tool, then the measure, then the cut"],
   ],
   "in the view": [
@@ -52,7 +52,11 @@ function showAgain(manager) {
   found.forEach((id) => again.add(id));
 }
 
+let say = (english) => english; // in another language, where the kernel speaks one
+
 function initialize({ model }) {
+  const words = model.get("words");
+  say = (english) => words[english] ?? english;
   recover(model.widget_manager);
   model.on("msg:custom", (message, buffers) => {
     if (message.kind === "text") navigator.clipboard?.writeText(message.text).catch(() => {}); // the page shows it as well
@@ -103,6 +107,7 @@ function render({ model, el }) {
     listen(document, "fullscreenchange", measure);
     const light = () => {
       model.set("dark", document.body.dataset.jpThemeLight ? document.body.dataset.jpThemeLight === "false" : matchMedia("(prefers-color-scheme: dark)").matches);
+      model.set("calm", matchMedia("(prefers-reduced-motion: reduce)").matches);
       model.save_changes();
     };
     watch(new MutationObserver(light), document.body, { attributes: true, attributeFilter: ["data-jp-theme-light"] });
@@ -166,8 +171,8 @@ const FULL = ["mechstyle-full", "Full screen", "Full screen, and back (F)", "M2 
 const HELP = ["mechstyle-help", "Keys", "What the keys do (?)", "M5 6a3 3 0 1 1 4.2 2.7Q8 9.3 8 11M8 13v1.2"];
 
 function button([className, words, title, path], act) {
-  const made = Object.assign(document.createElement("button"), { className, title });
-  made.setAttribute("aria-label", words);
+  const made = Object.assign(document.createElement("button"), { className, title: say(title) });
+  made.setAttribute("aria-label", say(words));
   made.innerHTML = `<svg viewBox="0 0 16 16" aria-hidden="true"><path d="${path}"/></svg>`;
   made.addEventListener("click", act); // here: by way of a busy kernel a press would be too old for the whole screen
   return made;
@@ -183,9 +188,9 @@ function help(root) {
   }
   const panel = Object.assign(document.createElement("div"), { className: "mechstyle-keys", tabIndex: -1 });
   panel.setAttribute("role", "dialog");
-  panel.setAttribute("aria-label", "What the keys do");
-  const rows = (keys) => keys.map(([key, does]) => `<tr><th scope="row">${key}</th><td>${does}</td></tr>`).join("");
-  panel.innerHTML = Object.entries(KEYS).map(([where, keys]) => `<table><caption>${where}</caption>${rows(keys)}</table>`).join("");
+  panel.setAttribute("aria-label", say("What the keys do"));
+  const rows = (keys) => keys.map(([key, does]) => `<tr><th scope="row">${say(key)}</th><td>${say(does)}</td></tr>`).join("");
+  panel.innerHTML = Object.entries(KEYS).map(([where, keys]) => `<table><caption>${say(where)}</caption>${rows(keys)}</table>`).join("");
   panel.before = document.activeElement;
   panel.prepend(button(["mechstyle-close", "Close", "Close (Escape)", "M3 3l10 10M13 3L3 13"], () => help(root)));
   root.append(panel);
@@ -199,7 +204,7 @@ function label(root) {
   for (const canvas of root.querySelectorAll(".mechstyle-stage canvas:not([tabindex])")) {
     canvas.tabIndex = 0;
     canvas.setAttribute("role", "application");
-    canvas.setAttribute("aria-label", "The part: arrow keys turn it, plus and minus come nearer and go farther, Home shows all of it, Enter asks about the place in the middle");
+    canvas.setAttribute("aria-label", say("The part: arrow keys turn it, plus and minus come nearer and go farther, Home shows all of it, Enter asks about the place in the middle"));
   }
   for (const head of root.querySelectorAll(".mechstyle-group-head")) set(head, "aria-expanded", head.classList.contains("mechstyle-open"));
   for (const one of root.querySelectorAll("button.widget-toggle-button")) set(one, "aria-pressed", one.classList.contains("mod-active"));
@@ -210,7 +215,7 @@ function label(root) {
   }
   for (const handle of root.querySelectorAll(".noUi-handle:not([aria-label])")) {
     const words = handle.closest(".widget-slider, .jupyter-widgets")?.querySelector("label, .widget-label")?.textContent;
-    handle.setAttribute("aria-label", words || handle.closest("[title]")?.title || "slider");
+    handle.setAttribute("aria-label", words || handle.closest("[title]")?.title || say("slider"));
   }
 }
 
