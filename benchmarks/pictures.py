@@ -78,13 +78,13 @@ def tutorial() -> list[Run]:
 def strengthen() -> list[Run]:
     """Too thin an S-hook under 9 kg and too thin a book-end pushed with 60 N, before and after they are thickened."""
     pages = []
-    for part, thin, times in (("s_hook", {"thickness": 6.5}, 9.0 / 5.0), ("book_end", {"thickness": 2.6}, 3.0)):
+    for part, thin, times in (("s_hook", {"thickness": 6.5}, 9.0 / 5.0), ("book_end", {"thickness": 3.0}, 4.0)):
         use = gallery.entry(part).use
         assert use is not None
         heavier = msgspec.to_builtins(use)
         for load in heavier["loads"]:
             load["force"] = [times * one for one in load["force"]]
-        made = ms.strengthen(gallery.make(part, **thin), 1.5, loads=msgspec.convert(heavier, LoadCase), vertices=4000, device="cpu")
+        made = ms.strengthen(gallery.make(part, **thin), 1.5, loads=msgspec.convert(heavier, LoadCase), vertices=2500, device="cpu")
         pages.append(Image.open(io.BytesIO(made.show().png)).convert("RGB"))
     whole = Image.new("RGB", (max(page.width for page in pages), sum(page.height for page in pages)), "white")
     top = 0
