@@ -78,7 +78,7 @@ def tutorial() -> list[Run]:
 def strengthen() -> list[Run]:
     """Too thin an S-hook under 9 kg and too thin a book-end pushed with 60 N, before and after they are thickened."""
     pages = []
-    for part, thin, times in (("s_hook", {"thickness": 6.5}, 9.0 / 5.0), ("book_end", {"thickness": 3.0}, 4.0)):
+    for part, thin, times in (("s_hook", {"thickness": 6.5}, 9.0 / 5.0), ("book_end", {"thickness": 3.0}, 3.0)):
         use = gallery.entry(part).use
         assert use is not None
         heavier = msgspec.to_builtins(use)
