@@ -19,7 +19,7 @@ EXPLANATION = (
     "For each way we ask: from how high may it fall before a piece as large as a cube of 4 mm is bent for good?",
     "That height must be at least the fall you asked for, or nearly that of the plain part.",
     "We ask the same of a load: how much of it can the part carry before a cube of 2 mm begins to yield?",
-    "If every test passes, the part HOLDS; if one passes only beside the plain part, it is NO WORSE than that; else it FAILS.",
+    "If every test passes, the part HOLDS; if one passes only because the plain part survives no more, it is NO WORSE; else it FAILS.",
 )
 """How the part is judged, in five sentences."""
 

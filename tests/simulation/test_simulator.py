@@ -214,7 +214,7 @@ def test_what_the_tets_could_not_follow_is_taken_out(block, memo):
 def test_a_lower_gap_under_a_part_carries_no_more_but_standing_on_more_does(memo):
     """Why the relief a part stands on is taken away where it is overloaded, and not lowered."""
     box = trimesh.creation.box((30.0, 20.0, 10.0)).apply_translation((0.0, 0.0, 5.0))
-    box = box.subdivide().subdivide().subdivide().subdivide()
+    box = box.subdivide().subdivide().subdivide()
     surface = SurfaceMesh(box.vertices, box.faces)
     middle, standing = np.hypot(surface.vertices[:, 0], surface.vertices[:, 1]), LevelBase(surface).standing
     gap = np.where(standing & (middle > 3.0), -0.3, 0.0).astype(np.float32)
@@ -290,7 +290,7 @@ def test_tets_that_keep_a_notch_of_the_relief_are_not_asked_about_the_plain_part
 
     def stuck(self, displacement):
         found = real(self, displacement)
-        return replace(found, followed=np.full_like(found.followed, -left * body.skin.walls.thickness.min()))
+        return replace(found, followed=np.full_like(found.followed, left * body.skin.walls.thickness.min()))
 
     monkeypatch.setattr(Morph, "morphed", stuck)
     assert body.is_the_plain_part == asked
