@@ -205,7 +205,7 @@ class _Package:
         self._parser.CharacterDataHandler = self._parser.EndElementHandler = None
         if self._object is not None:
             word = self._words.strip().lower()
-            if self._setting in ROLES and word == "true":
+            if self._setting.endswith("_mesh") and self._setting in ROLES and word == "true":
                 self._object.kind = self._setting
             self.said.coloured |= self._setting == "extruder_nr" and word not in ("", "-1", "0")
 
