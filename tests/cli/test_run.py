@@ -65,7 +65,7 @@ def test_run_prints_one_json_object_with_what_the_run_came_to(finished):
     assert summary["plain"]["rows"][0]["height"] == flat["original"], "the plain part by itself says the same"
     assert summary["simulations"][-1]["iteration"] == 12
     assert all(line["reason"] for line in summary["simulations"])
-    assert 0 < summary["kept"] <= 1
+    assert 0 < summary["kept"] < 1.001, "where a style sinks at last, what it reached before may be left"
     assert 0 < summary["style_loss_ratio"] < 1
 
 
