@@ -178,7 +178,7 @@ def tracks_for(
 
 
 def body_on(where: str, discretisation: Discretisation) -> Body:
-    """The body where it is computed; plain kernels, five times slower, on a processor whose vector code cannot be compiled."""
+    """Create the body on CPU or GPU; plain kernels, five times slower, on a processor whose vector code cannot be compiled."""
     if where == "cpu":
         try:
             return CoreBody(discretisation)

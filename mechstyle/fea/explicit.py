@@ -44,8 +44,8 @@ Progress = Callable[[float], None]
 """Called now and then with the fraction done; may raise to cancel the rest."""
 
 
-def no_progress(fraction: float) -> None:
-    """Report to nobody."""
+def no_progress(_what: object) -> None:
+    """Null callback for progress and stages."""
 
 
 @dataclass(frozen=True)

@@ -18,25 +18,25 @@ from mechstyle.fea.explicit import QUANTITIES, Batch, Body, Job, Scheme, Starts,
 from mechstyle.fea.flight import RigidBody, Touch
 from mechstyle.records.mesh import Bools, Floats
 
-QUIET = 0.75
+QUIET_TIME = 0.75
 """Time without contact after which a phase is over, over the lowest period. The tip of a bar comes back after 0.21 of it, but a tilted cup
 in brick bears most 0.7 after it has left the floor; up to 1.5 it may bear 4 % more."""
 
-PUSH = 1e-4
+MIN_IMPULSE = 1e-4
 """Impulse of the floor that counts as contact, over the momentum at first touch."""
 
-SLOW = 0.5
+MIN_SPEED_RATIO = 0.5
 """Speed of a next touch below which it is not followed unless a harder one may come after it, over the speed at first touch. A bar with a
 foot, tilted by 20°, grazes the floor with the foot at 0.4 of it and then slaps it with its end, which bears 1.3 to 1.8 times as much."""
 
-SOON = 0.25
+MIN_FLIGHT = 0.25
 """Time of flight below which simulating goes on instead, over the lowest period."""
 
 MOST_PHASES = 4
 MOST_PERIODS, MOST_BESIDES = 6.0, 1.5
 """Most time that is simulated: so many lowest periods, and so many milliseconds besides."""
 
-LOOK = 5
+CHECK_EVERY = 5
 """Samples between two looks at the rule."""
 
 IMPULSE, CONTACT_LOSS, HEIGHT = (QUANTITIES.index(name) for name in ("impulse", "contact_loss", "height"))
@@ -157,7 +157,7 @@ class Track:
                 rise = float(total_energy(broken[None], self._scheme)[0]) / energy
                 self.ended = f"its energy rose to {rise:.3g} of what it was at the touch"
             return True
-        if here[-1, IMPULSE] - self._pushed >= PUSH * self._body.mass * self.rule.speed:
+        if here[-1, IMPULSE] - self._pushed >= MIN_IMPULSE * self._body.mass * self.rule.speed:
             self._pushed, self._quiet_since = float(here[-1, IMPULSE]), self.time
         self.ended = self._over()
         return bool(self.ended) or self._next is not None
@@ -202,18 +202,18 @@ class Track:
             return f"the window of {rule.window:g} ms was over" if self.left <= 0 else ""
         if self.left <= 0:
             return f"{simulated:.3g} ms were simulated, the most for a part whose lowest period is {rule.period:.2g} ms"
-        return "" if self.time - self._quiet_since < QUIET * rule.period else self._out_of_contact()
+        return "" if self.time - self._quiet_since < QUIET_TIME * rule.period else self._out_of_contact()
 
     def _out_of_contact(self) -> str:
         """As `_over` of a body that the floor has not pushed for long."""
         rule = self.rule
-        motion, normal, least = self._body.motion(self.samples[-1][-1]), self.normals[-1], SLOW * rule.speed
+        motion, normal, least = self._body.motion(self.samples[-1][-1]), self.normals[-1], MIN_SPEED_RATIO * rule.speed
         touch = self._body.next_touch(motion, normal)
         if touch is None:
             return "it leaves the floor, no next touch"
         if touch.speed < least and not self._body.harder_behind(touch, normal, least):
-            return f"the next touch, at {touch.speed:.1f} m/s, is slower than {SLOW:g} of the first"
-        if touch.after < SOON * rule.period:
+            return f"the next touch, at {touch.speed:.1f} m/s, is slower than {MIN_SPEED_RATIO:g} of the first"
+        if touch.after < MIN_FLIGHT * rule.period:
             return ""
         if len(self.begun) == MOST_PHASES:
             return f"a further touch, at {touch.speed:.1f} m/s, comes after {MOST_PHASES} phases, the most that are simulated"
@@ -266,7 +266,7 @@ class _Phase:
 
     def advance(self) -> None:
         """Some samples on."""
-        self._ahead = min(LOOK, max(self._tracks[lane].left for lane in self._open))
+        self._ahead = min(CHECK_EVERY, max(self._tracks[lane].left for lane in self._open))
         self._batch.advance(self._ahead)
 
     def look(self) -> Sequence[Job]:

@@ -12,11 +12,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mechstyle.fea.explicit import no_progress
 from mechstyle.gallery import make
 from mechstyle.geometry.thickness import local_thickness
 from mechstyle.pictures.panels import Picture
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh
-from mechstyle.simulation.part import INWARD_SHARE, Stage, say_nothing, standardised
+from mechstyle.simulation.part import INWARD_SHARE, Stage, standardised
 from mechstyle.styling.dimensions import Dimensions, outwards
 from mechstyle.styling.drawing.canvas import Canvas
 from mechstyle.styling.drawn import target
@@ -92,7 +93,7 @@ def contact_sheet(
     parts: Mapping[str, Mapping[str, float]] = PARTS,
     vertices: int = PICTURED,
     columns: int = 2,
-    stage: Stage = say_nothing,
+    stage: Stage = no_progress,
 ) -> Picture:
     """A row for each style: on every part, coloured and in grey, which shows the relief alone.
 

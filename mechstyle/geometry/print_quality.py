@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from mechstyle.errors import BadInput
+from mechstyle.geometry.cancelling import CancelCheck, never_cancel
 from mechstyle.geometry.filaments import LINE
-from mechstyle.geometry.going_on import GoOn, regardless
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.geometry.remeshing.crossings import crossings
 from mechstyle.geometry.thickness import wall_thickness
@@ -130,7 +130,7 @@ SPREAD = 2
 """How many edges around them some is taken, ever less, so that the relief has no step there."""
 
 
-def untangled(surface: SurfaceMesh, relief: Field, go_on: GoOn = regardless) -> Field:
+def untangled(surface: SurfaceMesh, relief: Field, go_on: CancelCheck = never_cancel) -> Field:
     """A relief [mm], shape [vertex_count], less what makes faces cross or turn over; as it is if none do.
 
     Faces that cross in the unstylized surface stay as they are, and those left after `ROUNDS` rounds.

@@ -39,7 +39,7 @@ WHOLE = (0.6, 0.5, 0.0)
 """Factors on the whole relief after that."""
 GIVE_BACK = 3
 """Times it is tried to give back some of what was held back or lowered."""
-WORTH = 0.02
+MIN_GAIN = 0.02
 """Share of the style's relief that giving back must promise to be worth a drop."""
 
 
@@ -49,12 +49,12 @@ class Finding(NamedTuple):
     Attributes:
         passes: Whether the part passed.
         utilisation: Stress over what passes for sure, in the tests that do not, shape [vertex_count]; None if all do, or it is not known.
-        landed: Whether a landing is among them: to what a load alone decides, what the part stands on is a place like any other.
+        fails_by_drop: Whether a landing is among them: to what a load alone decides, what the part stands on is a place like any other.
     """
 
     passes: bool
     utilisation: Field | None = None
-    landed: bool = True
+    fails_by_drop: bool = True
 
 
 @dataclass
@@ -97,7 +97,7 @@ class Correction:
         if self.sure is not None:
             return self._more(self.sure, found)
         if found.utilisation is not None and self._lowered < LOCAL_ROUNDS:
-            return self._lowered_locally(relief if self._lowered else self.wanted, found.utilisation, landed=found.landed)
+            return self._lowered_locally(relief if self._lowered else self.wanted, found.utilisation, fails_by_drop=found.fails_by_drop)
         if self.passed:  # to be sure is worth some relief here and there, not half of all of it
             return None
         self._lowered = max(self._lowered, LOCAL_ROUNDS) + 1
@@ -117,16 +117,16 @@ class Correction:
             tries.append((self.wanted, "all that was held back given back"))
         else:
             if found.utilisation is not None and self._lowered < LOCAL_ROUNDS:
-                tries.append(self._lowered_locally(self.unsure, found.utilisation, landed=found.landed))
+                tries.append(self._lowered_locally(self.unsure, found.utilisation, fails_by_drop=found.fails_by_drop))
             # Half the way under the part would be a gap under all of it, and carry nothing.
             half = np.where(self.standing, sure, 0.5 * (sure + self.unsure)).astype(np.float32)
             tries.append((half, "half of what was too much given back"))
-        return next((tried for tried in tries if self.kept(tried[0]) - self.kept(sure) >= WORTH), None)
+        return next((tried for tried in tries if self.kept(tried[0]) - self.kept(sure) >= MIN_GAIN), None)
 
-    def _lowered_locally(self, relief: Field, used: Field, *, landed: bool) -> tuple[Field, str]:
+    def _lowered_locally(self, relief: Field, used: Field, *, fails_by_drop: bool) -> tuple[Field, str]:
         self._lowered += 1
         taken = lowering(used, self._neighbours())
-        if landed:
+        if fails_by_drop:
             patches = self.standing & (overload(used, self._neighbours()) > 0.0)
             taken[patches if self._lowered <= PATCH_ROUNDS else self.standing] = 1.0
         return (relief * (1.0 - taken)).astype(np.float32), f"relief lowered around {int((used >= 1.0).sum())} overloaded vertices"
@@ -151,12 +151,7 @@ def lowering(used: Field, near: csr_array) -> Field:
     return np.asarray((near @ taken) / np.diff(near.indptr), np.float32)
 
 
-def missing(relief: Field, wanted: Field) -> Field:
-    """What a relief lacks of the one that is wanted [mm], shape [vertex_count]; nothing where it goes further or the other way already."""
-    return np.where((relief * wanted >= 0.0) & (np.abs(wanted) > np.abs(relief)), wanted - relief, 0.0).astype(np.float32)
-
-
-def left(before: Field, after: Field) -> Field:
+def remaining_share(before: Field, after: Field) -> Field:
     """Share of a relief that was left at each vertex, in [0, 1], shape [vertex_count]; 1 where there was none or it was raised.
 
     Args:
@@ -165,19 +160,6 @@ def left(before: Field, after: Field) -> Field:
     """
     safe = np.where(before == 0.0, 1.0, before)
     return np.asarray(np.where(before == 0.0, 1.0, np.clip(after / safe, 0.0, 1.0)), np.float32)
-
-
-def given_back(before: Field, after: Field, wanted: Field) -> Field:
-    """Share of what a relief lacked that it was given back at each vertex, in [0, 1], shape [vertex_count].
-
-    Args:
-        before: The relief [mm], shape [vertex_count].
-        after: What became of it [mm], shape [vertex_count].
-        wanted: What the style asks for [mm], shape [vertex_count].
-    """
-    lacked = missing(before, wanted)
-    safe = np.where(lacked == 0.0, 1.0, lacked)
-    return np.asarray(np.where(lacked == 0.0, 0.0, np.clip((after - before) / safe, 0.0, 1.0)), np.float32)
 
 
 def overload(used: Field, near: csr_array) -> Field:

@@ -263,7 +263,7 @@ class Engine:
             relief, words = tried
             yield Corrected(words, search.kept(relief))
             yield SimulationStarted(state.iteration, f"correction: {words}")
-            share = state.share * correction.left(finished, relief)
+            share = state.share * correction.remaining_share(finished, relief)
             corrected = replace(state, displacement=relief, share=share, parent=digest, keyframe=None)
             corrected, simulated = self._simulated(corrected, f"correction: {words}")
             yield simulated
@@ -289,10 +289,11 @@ class Engine:
         assert verdict is not None, "what is corrected was simulated"
         if verdict.outcome == "UNKNOWN":
             return search.tested(relief, correction.Finding(passes=False))
-        to_meet = [row for row in verdict.rows if row.decides and (row.outcome == "FAILS" or not row.sure)]
+        unsure = self.recipe.restraint.until_sure or not verdict.passes
+        to_meet = [row for row in verdict.rows if row.decides and (row.outcome == "FAILS" or (unsure and not row.sure))]
         simulation = self.store.objects.get_record(state.simulation, Simulation)
         used = control.utilisation(simulation, to_meet) if to_meet else None
-        return search.tested(relief, correction.Finding(verdict.passes, used, landed=any(not row.load for row in to_meet)))
+        return search.tested(relief, correction.Finding(verdict.passes, used, fails_by_drop=any(not row.load for row in to_meet)))
 
     def _worth(self, state: Checkpoint, wanted: Field) -> tuple[bool, bool, float]:
         """What makes one finished state better than another: that it passes, that it does so for sure, and how much is kept."""

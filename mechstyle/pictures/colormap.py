@@ -47,7 +47,7 @@ class Scale:
         return float(self.threshold) if self.split and self.threshold is not None else self.high
 
     @property
-    def falls(self) -> bool:
+    def lower_is_worse(self) -> bool:
         """Whether less is worse."""
         return self.low > self.high
 
@@ -61,7 +61,7 @@ class Scale:
         given = np.asarray(values)
         if self.threshold is None:
             return np.zeros(given.shape, bool)
-        return np.asarray(given < self.threshold if self.falls else given > self.threshold)
+        return np.asarray(given < self.threshold if self.lower_is_worse else given > self.threshold)
 
     def colours(self, values: ArrayLike) -> Colours:
         """Linear RGB in [0, 1], to be lit, of values of any shape, shape [..., 3]; grey where a value is not a number."""

@@ -93,10 +93,6 @@ class Quantity:
             return self.made(self.tested(state))
         return self.made(getattr(state, self.source))
 
-    def is_in(self, state: object) -> bool:
-        """Whether a checkpoint, a simulation or a surface holds it."""
-        return (self.tested is not None and isinstance(state, Simulation)) or hasattr(state, self.source)
-
     def limits(self, values: ArrayLike) -> tuple[float, float] | None:
         """Ends of the colours that show all values, of any shape; None if they are to be those of the values."""
         if self.bounded:

@@ -8,12 +8,13 @@ from pathlib import Path
 from typing import Any
 
 from mechstyle.errors import BadInput
+from mechstyle.fea.explicit import no_progress
 from mechstyle.records import Verdict
 from mechstyle.records.material import Material
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh
 from mechstyle.runs.recipes import draft
 from mechstyle.runs.run import Run, started
-from mechstyle.simulation.part import Stage, Warn, Workpiece, logged, prepare, say_nothing
+from mechstyle.simulation.part import Stage, Warn, Workpiece, logged, prepare
 
 DEPTHS = (0.15, 0.25, 0.4, 0.6, 0.8)
 """Amplitudes that are tried."""
@@ -44,7 +45,7 @@ def deepest(
     out: str | Path,
     device: str = "auto",
     depths: Sequence[float] = DEPTHS,
-    stage: Stage = say_nothing,
+    stage: Stage = no_progress,
     prepare: Callable[..., Workpiece] = prepare,
     warn: Warn = logged,
     **settings: Any,

@@ -20,7 +20,7 @@ from mechstyle.geometry.upright import standing
 from mechstyle.records import Recipe, Simulation
 from mechstyle.records.regions import Point
 from mechstyle.runs.run import Run
-from mechstyle.simulation.part import Stage, say_nothing
+from mechstyle.simulation.part import Stage
 from mechstyle.simulation.simulator import DropSimulator
 
 COUNT = 6
@@ -77,7 +77,7 @@ class WaysUp(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def ways_up(
-    run: Run, iteration: int | None = None, *, count: int = COUNT, stage: Stage = say_nothing, progress: Progress = no_progress
+    run: Run, iteration: int | None = None, *, count: int = COUNT, stage: Stage = no_progress, progress: Progress = no_progress
 ) -> WaysUp:
     """Rank the flat sides a part can be printed on, and the way it was placed.
 

@@ -9,13 +9,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mechstyle.fea.explicit import no_progress
 from mechstyle.geometry.region_selection import Protection, protection
 from mechstyle.geometry.thickness import local_thickness
 from mechstyle.pictures.fields import RESTRAINT
 from mechstyle.pictures.panels import Picture, field_panel, picture, with_protected
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh
 from mechstyle.records.regions import Region, regions
-from mechstyle.simulation.part import Stage, say_nothing, standardised
+from mechstyle.simulation.part import Stage, standardised
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +55,7 @@ def protect(
     protect: str | Region | Sequence[str | Region],
     *,
     vertices: int = STANDARD_VERTICES,
-    stage: Stage = say_nothing,
+    stage: Stage = no_progress,
 ) -> ProtectedPart:
     """See what regions hold before a run is begun: `ms.protect(part, ["inside", ms.Box((0, 0, 0), (9, 9, 9), ramp=2)]).show()`.
 

@@ -16,7 +16,7 @@ from mechstyle._files import write_whole
 from mechstyle.errors import BadInput
 from mechstyle.fea.drop import resolve_device
 from mechstyle.fea.explicit import Progress, no_progress
-from mechstyle.geometry.going_on import GoOn, regardless
+from mechstyle.geometry.cancelling import CancelCheck, never_cancel
 from mechstyle.geometry.print_quality import untangled
 from mechstyle.loop import minimum_wall
 from mechstyle.loop.engine import Engine
@@ -39,7 +39,7 @@ from mechstyle.runs.recipes import changed, draft, expected, left_out
 from mechstyle.runs.session import Session
 from mechstyle.runs.stylizers import finished_relief, stylizer_for
 from mechstyle.runs.summary import Clock, Summary, summarise
-from mechstyle.simulation.part import Origin, Stage, Warn, Workpiece, bounds_for, cached_memo, fitted, logged, prepare, say_nothing, watched
+from mechstyle.simulation.part import Origin, Stage, Warn, Workpiece, bounds_for, cached_memo, fitted, logged, prepare, with_wall_warning
 from mechstyle.simulation.simulator import DropSimulator
 from mechstyle.simulation.strengthen import made_ready
 
@@ -303,7 +303,7 @@ def stylize(
     out: str | Path | None = None,
     name: str = "part",
     device: str = "auto",
-    stage: Stage = say_nothing,
+    stage: Stage = no_progress,
     on_event: OnEvent | None = None,
     **settings: Any,
 ) -> Run:
@@ -346,10 +346,10 @@ def started(
     out: str | Path | None = None,
     name: str = "part",
     device: str = "auto",
-    stage: Stage = say_nothing,
+    stage: Stage = no_progress,
     prepare: Callable[..., Workpiece] = prepare,
     warn: Warn | None = None,
-    go_on: GoOn = regardless,
+    go_on: CancelCheck = never_cancel,
     beside: bool = True,
 ) -> Run:
     """Begin the run a drafted recipe asks for, or find it where it stopped; `.go()` carries it on.
@@ -363,7 +363,7 @@ def started(
         beside: As for `begin`.
     """
     device, clock, relief = resolve_device(device), Clock(), partial(finished_relief, recipe=wanted)
-    prepare = watched(prepare, wanted.delivery.minimum_wall, warn)
+    prepare = with_wall_warning(prepare, wanted.delivery.minimum_wall, warn)
     with clock.stages(stage) as begun:
         origin = Origin.of(part, vertices) if isinstance(part, SurfaceMesh) else origin
         part = made_ready(part, wanted, relief, prepare=prepare, vertices=vertices, device=device, stage=begun, go_on=go_on)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from mechstyle._files import clip_folder
 from mechstyle.errors import BadInput
-from mechstyle.geometry.going_on import GoOn, regardless
+from mechstyle.geometry.cancelling import CancelCheck, never_cancel
 from mechstyle.loop.bounds import Bounds, advanced
 from mechstyle.loop.engine import Stylizer
 from mechstyle.loop.objects import Objects
@@ -65,7 +65,7 @@ def settled(recipe: Recipe, *, clip_asked_for: bool) -> Recipe:
 
 
 def stylizer_for(
-    part: Workpiece, recipe: Recipe, device: str = "cpu", objects: Objects | None = None, go_on: GoOn = regardless
+    part: Workpiece, recipe: Recipe, device: str = "cpu", objects: Objects | None = None, go_on: CancelCheck = never_cancel
 ) -> tuple[Stylizer, tuple[str, ...]]:
     """The stylizer of a recipe, and what its user should know about how the prompt was read and what the mesh can carry.
 
@@ -109,7 +109,7 @@ class FinishedStyle(NamedTuple):
     notes: tuple[str, ...]
 
 
-def finished_style(part: Workpiece | Shape, recipe: Recipe, go_on: GoOn = regardless) -> FinishedStyle | None:
+def finished_style(part: Workpiece | Shape, recipe: Recipe, go_on: CancelCheck = never_cancel) -> FinishedStyle | None:
     """The finished style of a recipe; None where only running it tells. What `go_on` raises ends it."""
     if recipe.style.stylizer or recipe.style.guidance == "clip" or recipe.style.field == "network":
         return None
@@ -121,7 +121,7 @@ def finished_style(part: Workpiece | Shape, recipe: Recipe, go_on: GoOn = regard
     return FinishedStyle(relief, np.where(bounds.uncoloured, NEUTRAL, aim.colour), bounds.freedom == 0.0, aim.notes)
 
 
-def finished_relief(part: Workpiece | Shape, recipe: Recipe, go_on: GoOn = regardless) -> Field | None:
+def finished_relief(part: Workpiece | Shape, recipe: Recipe, go_on: CancelCheck = never_cancel) -> Field | None:
     """The relief of the finished style [mm], shape [vertex_count]; None where only running it tells. What `go_on` raises ends it."""
     style = finished_style(part, recipe, go_on)
     return None if style is None else style.relief
@@ -146,8 +146,9 @@ _last: WeakKeyDictionary[SurfaceMesh, tuple[Recipe, Drawing]] = WeakKeyDictionar
 
 
 def drawing_of(
-    part: Workpiece | Shape, bounds: Bounds, recipe: Recipe, reading: Reading, objects: Objects | None = None, go_on: GoOn = regardless
-) -> Drawing:
+    part: Workpiece | Shape, bounds: Bounds, recipe: Recipe, reading: Reading, objects: Objects | None = None,
+    go_on: CancelCheck = never_cancel,
+) -> Drawing:  # fmt: skip
     """What the prompt of a recipe asks for on a part, within its bounds; the last one on a part is remembered.
 
     Args:
@@ -174,7 +175,7 @@ def drawing_of(
 
 
 def drawn(
-    recipe: Recipe, reading: Reading, canvases: Sequence[Canvas], shares: Floats, bounds: Bounds, go_on: GoOn = regardless
+    recipe: Recipe, reading: Reading, canvases: Sequence[Canvas], shares: Floats, bounds: Bounds, go_on: CancelCheck = never_cancel
 ) -> Target:
     """What a prompt asks for, each wish drawn on a canvas of its own, all of one surface.
 
@@ -193,7 +194,7 @@ def drawn(
         try:
             targets.append(target(mesh, wish, Dimensions.of(recipe, wish), seed=recipe.style.seed, canvas=canvas, **limits))
         finally:
-            canvas.go_on = regardless  # it is drawn on again, when whoever asked may have stopped
+            canvas.go_on = never_cancel  # it is drawn on again, when whoever asked may have stopped
     return combined(mesh, targets, shares).without(bounds.plain)
 
 

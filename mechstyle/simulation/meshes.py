@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from mechstyle._files import cache_folder
 from mechstyle.errors import MechStyleError
 from mechstyle.fea.explicit import Progress, no_progress
-from mechstyle.geometry.going_on import GoOn, regardless
+from mechstyle.geometry.cancelling import CancelCheck, never_cancel
 from mechstyle.geometry.remeshing.filling import KEPT, fill
 from mechstyle.loop.objects import AT_REST, CARRIER, LAST_MESH, MESH, MESH_FOR, Memo
 from mechstyle.records.mesh import SurfaceMesh, TetMesh, digest_of
@@ -139,7 +139,7 @@ class Meshes:
         return replace(self.first, tets=tets, at=at)
 
 
-def carrying(surface: SurfaceMesh, relief: NDArray[np.float32], go_on: GoOn = regardless) -> tuple[TetMesh, NDArray[np.float32]]:
+def carrying(surface: SurfaceMesh, relief: NDArray[np.float32], go_on: CancelCheck = never_cancel) -> tuple[TetMesh, NDArray[np.float32]]:
     """Tetrahedra that carry a relief [mm], shape [vertex_count], and the half of it they were made for; cached by content.
 
     What `go_on` raises ends it.
@@ -151,7 +151,7 @@ def carrying(surface: SurfaceMesh, relief: NDArray[np.float32], go_on: GoOn = re
     return fill(surface.displaced(half), _count(surface), keep=exaggerated, cache=cache_folder() / "tets", go_on=go_on), half
 
 
-def at_rest(surface: SurfaceMesh, go_on: GoOn = regardless) -> TetMesh:
+def at_rest(surface: SurfaceMesh, go_on: CancelCheck = never_cancel) -> TetMesh:
     """Even tetrahedra of a surface without relief; cached by content. What `go_on` raises ends it.
 
     Raises:

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from mechstyle._files import cache_folder
 from mechstyle.errors import BadInput
-from mechstyle.geometry.going_on import GoOn, meanwhile, regardless
+from mechstyle.fea.explicit import no_progress
+from mechstyle.geometry.cancelling import CancelCheck, meanwhile, never_cancel
 from mechstyle.geometry.inside_outside import is_container, is_inside
 from mechstyle.geometry.level_base import LevelBase
 from mechstyle.geometry.region_selection import protection
@@ -58,10 +59,6 @@ LEFT_PLAIN = "its inside is left plain, because it is hollow and opens to one si
 Stage = Callable[[str], None]
 
 logger = logging.getLogger(__name__)
-
-
-def say_nothing(what: object) -> None:
-    """Tell nobody what is being done or was found."""
 
 
 class Origin(msgspec.Struct, frozen=True, kw_only=True):
@@ -168,7 +165,7 @@ class Shape:
 class Relief(Protocol):
     """The finished relief of a style."""
 
-    def __call__(self, part: Shape, /, *, go_on: GoOn) -> NDArray[np.float32] | None:
+    def __call__(self, part: Shape, /, *, go_on: CancelCheck) -> NDArray[np.float32] | None:
         """That on a part [mm], shape [vertex_count], or None where it is not known beforehand; what `go_on` raises ends it."""
 
 
@@ -206,8 +203,8 @@ def cached_memo() -> Memo:
 
 
 def prepare(
-    mesh: SurfaceMesh, *, vertices: int = STANDARD_VERTICES, stage: Stage = say_nothing, relief: Relief | None = None,
-    go_on: GoOn = regardless, measured: Callable[[Shape], None] = say_nothing,
+    mesh: SurfaceMesh, *, vertices: int = STANDARD_VERTICES, stage: Stage = no_progress, relief: Relief | None = None,
+    go_on: CancelCheck = never_cancel, measured: Callable[[Shape], None] = no_progress,
 ) -> Workpiece:  # fmt: skip
     """Standardise, tetrahedralise and measure a part, reusing what was done before for the same shape.
 
@@ -258,12 +255,12 @@ def logged(sentences: Sequence[str]) -> None:
         logger.warning("%s", sentence)
 
 
-def watched(prepare: Callable[..., Workpiece], minimum: float, warn: Warn | None) -> Callable[..., Workpiece]:
+def with_wall_warning(prepare: Callable[..., Workpiece], minimum: float, warn: Warn | None) -> Callable[..., Workpiece]:
     """What prepares a surface, as it is or warning of a part's walls below a minimum [mm] before the minutes that tetrahedra may take."""
     return prepare if warn is None else partial(prepare, measured=lambda shape: warn(shape.too_thin(minimum)))
 
 
-def refilled(part: Workpiece, relief: Relief, stage: Stage = say_nothing, go_on: GoOn = regardless) -> Workpiece:
+def refilled(part: Workpiece, relief: Relief, stage: Stage = no_progress, go_on: CancelCheck = never_cancel) -> Workpiece:
     """A part with tetrahedra that carry another relief; as it is if that is not known. What `go_on` raises ends it."""
     whole = relief(part.shape, go_on=go_on)
     if whole is None or not whole.any():
@@ -273,7 +270,7 @@ def refilled(part: Workpiece, relief: Relief, stage: Stage = say_nothing, go_on:
     return replace(part, tets=tets, at=at)
 
 
-def standardised(mesh: SurfaceMesh, vertices: int, go_on: GoOn = regardless) -> SurfaceMesh:
+def standardised(mesh: SurfaceMesh, vertices: int, go_on: CancelCheck = never_cancel) -> SurfaceMesh:
     """The standardised surface of a part: its faces made even and then, beyond EVEN vertices, cut smaller; cached by content.
 
     Args:

@@ -32,7 +32,7 @@ from mechstyle.simulation.beside_original import Fit, fit_of, relief_over
 from mechstyle.simulation.drop_history import Course, history_picture, vtu_bytes
 from mechstyle.simulation.impact import Impact, impact_of
 from mechstyle.simulation.meshes import at_rest
-from mechstyle.simulation.part import Shape, Stage, Workpiece, cached_memo, fitted, prepare, say_nothing, standardised
+from mechstyle.simulation.part import Shape, Stage, Workpiece, cached_memo, fitted, prepare, standardised
 from mechstyle.simulation.physics import period_of, prescribed
 from mechstyle.simulation.simulator import Detail, DropSimulator
 
@@ -158,9 +158,9 @@ def simulate(
     window: float | None = DEFAULTS["window"],
     vertices: int = STANDARD_VERTICES,
     device: str = "auto",
-    stage: Stage = say_nothing,
+    stage: Stage = no_progress,
     progress: Progress = no_progress,
-    measured: Callable[[Shape], None] = say_nothing,
+    measured: Callable[[Shape], None] = no_progress,
 ) -> PartTest:
     """Drop a part as it is.
 

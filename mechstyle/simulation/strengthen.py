@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from mechstyle.errors import BadInput
 from mechstyle.fea.drop import resolve_device
-from mechstyle.geometry.going_on import GoOn, regardless
+from mechstyle.fea.explicit import no_progress
+from mechstyle.geometry.cancelling import CancelCheck, never_cancel
 from mechstyle.geometry.region_selection import protection
 from mechstyle.geometry.resting_face import resting_weight
 from mechstyle.pictures import fields
@@ -29,7 +30,7 @@ from mechstyle.records.material import Material, material_named
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh
 from mechstyle.records.recipe import DEFAULTS
 from mechstyle.records.regions import Region, regions
-from mechstyle.simulation.part import Relief, Stage, Workpiece, cached_memo, fitted, prepare, refilled, say_nothing
+from mechstyle.simulation.part import Relief, Stage, Workpiece, cached_memo, fitted, prepare, refilled
 from mechstyle.simulation.simulator import DropSimulator
 
 if TYPE_CHECKING:
@@ -128,7 +129,7 @@ def strengthen(
     height: str | float = DEFAULTS["height"],
     vertices: int = STANDARD_VERTICES,
     device: str = "auto",
-    stage: Stage = say_nothing,
+    stage: Stage = no_progress,
 ) -> Strengthened:
     """Thicken a part where it is overloaded, along its normals, until it holds or the budget is spent.
 
@@ -165,9 +166,9 @@ def strengthened(
     *,
     vertices: int = STANDARD_VERTICES,
     device: str = "auto",
-    stage: Stage = say_nothing,
+    stage: Stage = no_progress,
     prepare: Callable[..., Workpiece] = prepare,
-    go_on: GoOn = regardless,
+    go_on: CancelCheck = never_cancel,
 ) -> Strengthened:
     """As `strengthen`, by a recipe.
 
@@ -212,7 +213,7 @@ def strengthened(
 
 def made_ready(
     mesh: SurfaceMesh | Workpiece, recipe: Recipe, relief: Relief, *,
-    prepare: Callable[..., Workpiece], vertices: int, device: str, stage: Stage, go_on: GoOn = regardless,
+    prepare: Callable[..., Workpiece], vertices: int, device: str, stage: Stage, go_on: CancelCheck = never_cancel,
 ) -> Workpiece:  # fmt: skip
     """A part made ready for a style: thickened first, if the recipe asks for it, with tetrahedra that carry the style's relief.
 

@@ -13,13 +13,13 @@ from typing import Any
 
 from mechstyle._files import file_stem, write_whole
 from mechstyle.errors import BadInput, MechStyleError
+from mechstyle.fea.explicit import no_progress
 from mechstyle.gallery import load
 from mechstyle.records import sentences
 from mechstyle.runs.recipes import draft
-from mechstyle.runs.report.reproduce import OPTIONS, options, settings_for
+from mechstyle.runs.report.reproduce import options, settings_for
 from mechstyle.runs.report.result import Result, read_result
 from mechstyle.runs.run import started
-from mechstyle.simulation.part import say_nothing
 from mechstyle.study.ablation import markdown
 
 VERTICES, ITERATIONS = 3000, 60
@@ -44,9 +44,13 @@ class Task:
     command: str
 
 
+def _labelled(stage: Callable[[str], None], label: str, what: str) -> None:
+    stage(f"{label}: {what}")
+
+
 def prepare(
     models: Sequence[str], prompts: Sequence[str], settings: dict[str, Any], *,
-    vertices: int = VERTICES, folder: Path, device: str = "auto", stage: Callable[[str], None] = say_nothing,
+    vertices: int = VERTICES, folder: Path, device: str = "auto", stage: Callable[[str], None] = no_progress,
 ) -> list[Task]:  # fmt: skip
     """Fill the cache for every part in every style, so that a class waits for its own drops only, and write `commands.md`.
 
@@ -75,11 +79,11 @@ def prepare(
             label = f"{part.name}, {prompt}"
             run = started(
                 recipe, part, vertices=vertices, out=folder / "prepared" / file_stem(f"{part.name}-{prompt}"), name=part.name,
-                device=device, stage=lambda what, label=label: stage(f"{label}: {what}"),
+                device=device, stage=partial(_labelled, stage, label),
             )  # fmt: skip
             stage(f"{label}: dropping the plain part")
             _ = run.simulator(run.recipe).baseline
-            given = options({"prompt": prompt, **settings_for(recipe, partial(draft, prompt))}, OPTIONS)
+            given = options({"prompt": prompt, **settings_for(recipe, partial(draft, prompt))})
             words = ["mechstyle", "run", model, *dict.fromkeys(given), "--vertices", str(vertices), "--out", f"runs/{file_stem(prompt)}"]
             tasks.append(Task(model, prompt, shlex.join(words)))
     write_whole(folder / "commands.md", _page(tasks).encode())

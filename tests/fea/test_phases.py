@@ -82,7 +82,7 @@ def test_a_slow_touch_does_not_hide_the_slap_behind_it(pla):
     part = TetMesh(block.vertices[used], corners.reshape(-1, 4).astype(np.int32))
     found = drop(part, pla, [tilt(20.0)], device="cpu")
     first, second = found.phases[0][:2]
-    assert second.speed < phases.SLOW * SPEED
+    assert second.speed < phases.MIN_SPEED_RATIO * SPEED
     before = drop(part, pla, [tilt(20.0)], DropTest(window=first.end), device="cpu")
     peaks = [read(part, one) for one in (before, found)]
     assert peaks[1] > 1.25 * peaks[0]
@@ -131,7 +131,7 @@ def test_a_compact_part_that_lands_flat_is_done_soon(block, pla):
     assert phase.end < 2.0 * period
     history = result.history[0]
     last = history.time[history.contact_force > 0.0].max()
-    assert phase.end - last >= (phases.QUIET - 0.1) * period
+    assert phase.end - last >= (phases.QUIET_TIME - 0.1) * period
     assert len(history.time) > 0.2 * result.steps
 
 
@@ -144,7 +144,7 @@ def test_contact_that_lasts_is_followed_to_its_end(bar):
     last = history.time[(history.contact_force > 0.0) & (history.phase == 0)].max()
     assert last > 1.5
     assert phase.end > last
-    assert phase.end - last < (phases.QUIET + 0.1) * period
+    assert phase.end - last < (phases.QUIET_TIME + 0.1) * period
 
 
 def test_drops_side_by_side_close_and_are_packed_without_changing_the_others(bar, pla, period, monkeypatch):
@@ -177,7 +177,7 @@ def test_the_same_input_gives_the_same_bytes_whatever_the_cores(bar, pla, period
     ("limit", "value", "words"),
     [
         ("MOST_PHASES", 1, "comes after 1 phases, the most"),
-        ("SLOW", 3.0, "is slower than 3 of the first"),
+        ("MIN_SPEED_RATIO", 3.0, "is slower than 3 of the first"),
         ("MOST_BESIDES", -12.0, "ms were simulated"),
     ],
 )

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from mechstyle.geometry.going_on import GoOn, regardless
+from mechstyle.geometry.cancelling import CancelCheck, never_cancel
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.geometry.remeshing.crossings import crossings
 from mechstyle.geometry.remeshing.tolerances import TOL
@@ -33,7 +33,7 @@ def heights(corners: Floats) -> Floats:
     return np.divide(double, longest, out=np.zeros_like(double), where=longest > 0)
 
 
-def without_degenerate(mesh: SurfaceMesh, least: float, go_on: GoOn = regardless) -> SurfaceMesh:
+def without_degenerate(mesh: SurfaceMesh, least: float, go_on: CancelCheck = never_cancel) -> SurfaceMesh:
     """The mesh without triangles lower than a height, as far as that keeps its shells and handles.
 
     Where two corners of such a triangle are as near as that, they become one, the first of them; else its longest side is turned
@@ -184,7 +184,7 @@ class _Fit(NamedTuple):
         return _Fit(cosine, quality)
 
 
-def mended(mesh: SurfaceMesh, part: TriangleTree, creases: int, go_on: GoOn = regardless) -> SurfaceMesh:
+def mended(mesh: SurfaceMesh, part: TriangleTree, creases: int, go_on: CancelCheck = never_cancel) -> SurfaceMesh:
     """The mesh without the flaps, slivers and notches that can be mended without moving a vertex.
 
     A vertex of three triangles, one of them bad, is taken out; an edge of a bad triangle is turned if that makes the worse of its
@@ -203,7 +203,7 @@ def mended(mesh: SurfaceMesh, part: TriangleTree, creases: int, go_on: GoOn = re
     return _without_notches(mesh, part, creases, go_on)
 
 
-def _without_notches(mesh: SurfaceMesh, part: TriangleTree, creases: int, go_on: GoOn) -> SurfaceMesh:
+def _without_notches(mesh: SurfaceMesh, part: TriangleTree, creases: int, go_on: CancelCheck) -> SurfaceMesh:
     """The mesh with edges turned that lie across rounds, except near where that would make walls cross each other."""
     loose, most = np.ones(len(mesh.vertices), bool), -1
     for _ in range(TOL.notch_undoings):
@@ -252,7 +252,7 @@ def _pruned(mesh: SurfaceMesh, part: TriangleTree, creases: int) -> SurfaceMesh:
     return SurfaceMesh(mesh.vertices[used], index.reshape(-1, 3).astype(np.int32))
 
 
-def _turned(mesh: SurfaceMesh, part: TriangleTree, creases: int, go_on: GoOn, loose: Bools | None = None) -> SurfaceMesh:
+def _turned(mesh: SurfaceMesh, part: TriangleTree, creases: int, go_on: CancelCheck, loose: Bools | None = None) -> SurfaceMesh:
     """The mesh with edges of bad triangles turned while that helps, in each round the most helpful first.
 
     Those across rounds, too, where all four vertices around are `loose`, shape [vertex_count]; None for nowhere.

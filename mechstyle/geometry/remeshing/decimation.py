@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mechstyle.geometry.going_on import GoOn, regardless
+from mechstyle.geometry.cancelling import CancelCheck, never_cancel
 from mechstyle.geometry.remeshing.tolerances import TOL
 from mechstyle.geometry.remeshing.topology import edges_of, far_apart, merged, sound_ones
 from mechstyle.records.mesh import Floats, Indices, SurfaceMesh
@@ -37,7 +37,7 @@ class _Quadrics(NamedTuple):
         return near + np.linalg.solve(self.a + weight[:, None, None] * np.eye(3), downhill[:, :, None])[:, :, 0]
 
 
-def decimated(mesh: SurfaceMesh, faces: int, go_on: GoOn = regardless, *, longest: float = np.inf) -> SurfaceMesh:
+def decimated(mesh: SurfaceMesh, faces: int, go_on: CancelCheck = never_cancel, *, longest: float = np.inf) -> SurfaceMesh:
     """The surface in so many triangles, or in as few as keep its shells and handles and turn none over.
 
     Args:

@@ -14,7 +14,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from mechstyle.errors import BadInput
-from mechstyle.geometry.going_on import GoOn, regardless
+from mechstyle.geometry.cancelling import CancelCheck, never_cancel
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.geometry.remeshing.cleaning import heights, mended, without_degenerate
 from mechstyle.geometry.remeshing.decimation import decimated
@@ -26,7 +26,7 @@ from mechstyle.records.mesh import STANDARD_VERTICES, Floats, SurfaceMesh
 FEWEST, MOST = 500, 400_000
 
 
-def even(mesh: SurfaceMesh, vertices: int = STANDARD_VERTICES, tolerance: float = 0.05, go_on: GoOn = regardless) -> SurfaceMesh:
+def even(mesh: SurfaceMesh, vertices: int = STANDARD_VERTICES, tolerance: float = 0.05, go_on: CancelCheck = never_cancel) -> SurfaceMesh:
     """The surface in nearly equilateral triangles of one size.
 
     Needless vertices go (Manifold), long edges are cut, and isotropic remeshing by splits, collapses, flips and tangential
@@ -75,7 +75,7 @@ def even(mesh: SurfaceMesh, vertices: int = STANDARD_VERTICES, tolerance: float 
                    f"ask for {'more' if len(found.vertices) > vertices else 'another number'}")
 
 
-def crowded(body: Any, edge: float, vertices: float, go_on: GoOn = regardless) -> bool:
+def crowded(body: Any, edge: float, vertices: float, go_on: CancelCheck = never_cancel) -> bool:
     """Whether the creases of a Manifold have too many vertices for even triangles of so many vertices to keep them.
 
     Those count that are left where straight creases are simplified and cut into edges of this length [mm].
@@ -88,7 +88,7 @@ def _too_many_creases(mesh: SurfaceMesh, vertices: float) -> bool:
     return len(np.unique(edges[turns > TOL.crease])) >= TOL.crowded * vertices
 
 
-def _by_shape(body: Any, edge: float, vertices: int, tolerance: float, go_on: GoOn) -> SurfaceMesh | None:
+def _by_shape(body: Any, edge: float, vertices: int, tolerance: float, go_on: CancelCheck) -> SurfaceMesh | None:
     """A Manifold decimated to so many vertices if its creases are too many for even triangles; None if not, or if that cannot be."""
     fine = _refined(body, edge, TOL.simplified * edge, go_on)
     if not _too_many_creases(fine, vertices):
@@ -126,7 +126,9 @@ def surface_of(body: Any) -> SurfaceMesh:
     return SurfaceMesh(mesh.vert_properties[:, :3], mesh.tri_verts)
 
 
-def remeshed(body: Any, edge: float, *, tolerance: float, iterations: int = TOL.iterations, go_on: GoOn = regardless) -> SurfaceMesh:
+def remeshed(
+    body: Any, edge: float, *, tolerance: float, iterations: int = TOL.iterations, go_on: CancelCheck = never_cancel
+) -> SurfaceMesh:
     """A Manifold in even triangles.
 
     Args:
@@ -149,7 +151,7 @@ def remeshed(body: Any, edge: float, *, tolerance: float, iterations: int = TOL.
     return without_degenerate(mended(landed, part, len(creases), go_on), TOL.lowest * edge, go_on)
 
 
-def _refined(body: Any, edge: float, tolerance: float, go_on: GoOn) -> SurfaceMesh:
+def _refined(body: Any, edge: float, tolerance: float, go_on: CancelCheck) -> SurfaceMesh:
     """A Manifold without the vertices that it needs for no more than a tolerance [mm], long edges cut.
 
     Raises:

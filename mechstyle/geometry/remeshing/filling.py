@@ -15,7 +15,7 @@ from scipy.sparse.csgraph import connected_components, reverse_cuthill_mckee
 
 from mechstyle._files import write_whole
 from mechstyle.errors import BadInput, MechStyleError, SimulationFailed
-from mechstyle.geometry.going_on import GoOn, regardless
+from mechstyle.geometry.cancelling import CancelCheck, never_cancel
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.geometry.remeshing.cleaning import without_degenerate
 from mechstyle.geometry.remeshing.decimation import decimated
@@ -33,7 +33,7 @@ KEPT = 24_000  # faces, at most, of an input that keeps its triangles: with 18 0
 
 def fill(
     surface: SurfaceMesh, target: int = 16_000, *,
-    keep: SurfaceMesh | None = None, timeout: float = 600.0, cache: Path | None = None, go_on: GoOn = regardless,
+    keep: SurfaceMesh | None = None, timeout: float = 600.0, cache: Path | None = None, go_on: CancelCheck = never_cancel,
 ) -> TetMesh:  # fmt: skip
     """Tetrahedra of about the wished number inside a closed surface.
 
@@ -93,7 +93,7 @@ class Attempt(NamedTuple):
     detailed: bool
 
 
-def _meshed(surface: SurfaceMesh, target: int, timeout: float, go_on: GoOn, *, keep: SurfaceMesh | None) -> TetMesh:
+def _meshed(surface: SurfaceMesh, target: int, timeout: float, go_on: CancelCheck, *, keep: SurfaceMesh | None) -> TetMesh:
     """Run fTetWild until count and checks are met, aiming lower or higher or sharpening the tolerances, at most `TOL.runs` times.
 
     A mesh of the wrong size is better than none: after one correction the nearest count is taken, and at once if the surface's detail, or
@@ -115,7 +115,9 @@ def _meshed(surface: SurfaceMesh, target: int, timeout: float, go_on: GoOn, *, k
     return min(sound, key=lambda tets: abs(math.log(len(tets.tets) / target)))
 
 
-def _attempt(surface: SurfaceMesh, aim: float, sharpness: float, timeout: float, go_on: GoOn, *, keep: SurfaceMesh | None) -> Attempt:
+def _attempt(
+    surface: SurfaceMesh, aim: float, sharpness: float, timeout: float, go_on: CancelCheck, *, keep: SurfaceMesh | None
+) -> Attempt:
     wall = 2.0 * surface.volume / float(surface.face_areas.sum())
     tolerance = sharpness * min(TOL.envelope * wall, TOL.widest_envelope * surface.size)
     epsilon = (1.0 if keep is None else 0.5) * tolerance
@@ -147,7 +149,7 @@ def _first_edge(surface: SurfaceMesh, aim: float) -> float:
     return float(roots[np.isreal(roots)].real.max())
 
 
-def _filled_as(surface: SurfaceMesh, aim: float, deviation: float, detail: float, go_on: GoOn) -> SurfaceMesh:
+def _filled_as(surface: SurfaceMesh, aim: float, deviation: float, detail: float, go_on: CancelCheck) -> SurfaceMesh:
     """The surface in even triangles, or in its own where even ones are fewer than its creases ask for, or would have to be finer.
 
     Half a millimetre of relief is within the tolerance of a thick part. Of a delivered knob in brick, of 2500 vertices, even triangles
@@ -160,7 +162,7 @@ def _filled_as(surface: SurfaceMesh, aim: float, deviation: float, detail: float
     return even
 
 
-def _kept(surface: SurfaceMesh, exaggerated: SurfaceMesh, deviation: float, detail: float, go_on: GoOn) -> SurfaceMesh:
+def _kept(surface: SurfaceMesh, exaggerated: SurfaceMesh, deviation: float, detail: float, go_on: CancelCheck) -> SurfaceMesh:
     """The surface in its own triangles; of too many, those that its exaggerated relief needs least are given up.
 
     Low ones go in any case, as far as that moves the surface by no more than `deviation` [mm]. Even triangles of the same number round
@@ -172,7 +174,7 @@ def _kept(surface: SurfaceMesh, exaggerated: SurfaceMesh, deviation: float, deta
     return without_degenerate(fewer, min(TOL.low_input * edge, deviation))
 
 
-def _decimated(surface: SurfaceMesh, exaggerated: SurfaceMesh, detail: float, go_on: GoOn) -> SurfaceMesh:
+def _decimated(surface: SurfaceMesh, exaggerated: SurfaceMesh, detail: float, go_on: CancelCheck) -> SurfaceMesh:
     """The surface in KEPT triangles that lose no detail larger than `detail` [mm], or the least; itself if none stay closed."""
     losses: list[tuple[float, SurfaceMesh]] = []
     for share in TOL.exaggeration:
@@ -189,7 +191,7 @@ def _decimated(surface: SurfaceMesh, exaggerated: SurfaceMesh, detail: float, go
     return min(losses, key=lambda found: found[0])[1] if losses else surface
 
 
-def _evened(surface: SurfaceMesh, edge: float, deviation: float, go_on: GoOn) -> SurfaceMesh | None:
+def _evened(surface: SurfaceMesh, edge: float, deviation: float, go_on: CancelCheck) -> SurfaceMesh | None:
     """The surface in even triangles, as large as `edge` or as `deviation` [mm] from it allows; None if its own are as large and serve.
 
     fTetWild spends its time on slivers: an even input of 9000 faces is meshed four times faster than one from quadric

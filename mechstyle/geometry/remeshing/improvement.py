@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from mechstyle.geometry.going_on import GoOn, regardless
+from mechstyle.geometry.cancelling import CancelCheck, never_cancel
 from mechstyle.geometry.remeshing.tolerances import TOL
 from mechstyle.records.mesh import Floats, Indices, TetMesh
 
@@ -24,7 +24,7 @@ ACROSS = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
 """Corners of the face across from each corner of a tetrahedron, counterclockwise from outside."""
 
 
-def improved(tets: TetMesh, *, reach: float, floor: float, go_on: GoOn = regardless) -> TetMesh:
+def improved(tets: TetMesh, *, reach: float, floor: float, go_on: CancelCheck = never_cancel) -> TetMesh:
     """Tetrahedra with the same connections, but for flat ones that are gone, whose lowest are higher.
 
     Args:
@@ -101,7 +101,7 @@ def _boundary(tets: Indices) -> tuple[NDArray[np.bool_], set[tuple[int, int]]]:
     return (count[index.ravel()] == 1).reshape(-1, 4), {(int(a), int(b)) for a, b in edges}
 
 
-def _moved(tets: TetMesh, reach: float, floor: float, go_on: GoOn) -> Floats:
+def _moved(tets: TetMesh, reach: float, floor: float, go_on: CancelCheck) -> Floats:
     """Vertices [mm] after the lowest tetrahedra were made higher, shape [vertex_count, 3]."""
     height = heights(tets.vertices, tets.tets)
     wanted = float(np.quantile(height, TOL.made_higher))

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from mechstyle.geometry.going_on import GoOn, regardless
+from mechstyle.geometry.cancelling import CancelCheck, never_cancel
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.geometry.remeshing.tolerances import TOL
 from mechstyle.geometry.remeshing.topology import (
@@ -48,8 +48,9 @@ class _State(NamedTuple):
 
 
 def isotropic(
-    mesh: SurfaceMesh, edge: float, part: TriangleTree, *, creases: Indices, rounds: Indices, iterations: int, go_on: GoOn = regardless
-) -> SurfaceMesh:
+    mesh: SurfaceMesh, edge: float, part: TriangleTree, *, creases: Indices, rounds: Indices, iterations: int,
+    go_on: CancelCheck = never_cancel,
+) -> SurfaceMesh:  # fmt: skip
     """The surface in nearly equilateral triangles.
 
     Args:
@@ -79,7 +80,7 @@ def isotropic(
     return SurfaceMesh(state.vertices, state.faces)
 
 
-def _split(state: _State, longest: float, go_on: GoOn) -> _State:
+def _split(state: _State, longest: float, go_on: CancelCheck) -> _State:
     """Long edges cut in their middle, in each round those that are the longest of both their triangles."""
     vertices, faces, _, fixed = state
     for _ in range(TOL.splits):
@@ -102,7 +103,7 @@ def _split(state: _State, longest: float, go_on: GoOn) -> _State:
     return state._replace(vertices=vertices, faces=faces)
 
 
-def _collapsed(state: _State, shortest: float, longest: float, go_on: GoOn) -> _State:
+def _collapsed(state: _State, shortest: float, longest: float, go_on: CancelCheck) -> _State:
     """Short edges drawn together to one vertex, the shortest first, where that makes no edge too long and turns no triangle over."""
     vertices, faces, creases, fixed = state
     for _ in range(TOL.collapses):
@@ -125,7 +126,7 @@ def _collapsed(state: _State, shortest: float, longest: float, go_on: GoOn) -> _
     return state._replace(vertices=vertices, faces=faces)
 
 
-def _flipped(state: _State, go_on: GoOn) -> _State:
+def _flipped(state: _State, go_on: CancelCheck) -> _State:
     """Edges turned where that brings the numbers of neighbours nearer to six and folds nothing."""
     vertices, faces, _, fixed = state
     for _ in range(TOL.flips):

@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mechstyle.errors import SimulationFailed
-from mechstyle.geometry.going_on import GoOn, regardless
+from mechstyle.geometry.cancelling import CancelCheck, never_cancel
 from mechstyle.records.mesh import Floats
 
 GRACE = 10.0  # seconds after the limit at which an orphaned worker ends itself
@@ -60,7 +60,7 @@ class Settings(NamedTuple):
 
 
 def tetwild(
-    vertices: Floats, faces: NDArray[np.int32], settings: Settings, *, timeout: float, go_on: GoOn = regardless
+    vertices: Floats, faces: NDArray[np.int32], settings: Settings, *, timeout: float, go_on: CancelCheck = never_cancel
 ) -> tuple[Floats, NDArray[np.int32]]:
     """Vertices [mm] and tetrahedra of the inside of a surface, in whatever order and orientation fTetWild leaves them.
 
@@ -98,7 +98,7 @@ def _out_of_time(spent: str) -> SimulationFailed:
     return SimulationFailed(f"fTetWild was stopped after {spent} without a mesh; the part may have walls or details too fine for it")
 
 
-def _ended(command: list[str], folder: Path, timeout: float, go_on: GoOn) -> subprocess.CompletedProcess[bytes]:
+def _ended(command: list[str], folder: Path, timeout: float, go_on: CancelCheck) -> subprocess.CompletedProcess[bytes]:
     """As `subprocess.run` with a limit in seconds, asking now and then whether to go on."""
     until = monotonic() + timeout
     with subprocess.Popen(  # noqa: S603 (this very interpreter, fixed arguments)

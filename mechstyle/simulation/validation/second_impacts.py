@@ -16,7 +16,7 @@ from mechstyle.fea.explicit import no_progress
 from mechstyle.fea.flight import RigidBody
 from mechstyle.fea.orientations import directions
 from mechstyle.fea.period import lowest_period
-from mechstyle.fea.phases import IMPULSE, PUSH, QUIET, SLOW, Track, follow
+from mechstyle.fea.phases import IMPULSE, MIN_IMPULSE, MIN_SPEED_RATIO, QUIET_TIME, Track, follow
 from mechstyle.fea.stressed_volume import DROPPED
 from mechstyle.records.mesh import Floats, TetMesh
 from mechstyle.simulation.validation.cases import Result, bounded, compared
@@ -60,14 +60,14 @@ def _landed_again(name: str, tets: TetMesh, normals: Floats, window: float, labe
     rigid, missed = RigidBody.of(body, scheme.gravity), 0
     for label, phases, track in zip(labels, by_rule.phases, tracks, strict=True):
         later = later_touches(track, rigid, period)
-        missed += sum(met.speed > SLOW * track.rule.speed and met.time > phases[-1].end for met in later)
+        missed += sum(met.speed > MIN_SPEED_RATIO * track.rule.speed and met.time > phases[-1].end for met in later)
         if len(phases) > 1:
             known = later or [Met(math.inf, math.inf)]  # a touch that never comes fails
             nearest = known[int(np.argmin([abs(met.time - phases[1].start) for met in known]))]
             yield compared(f"{name}: {label}, time of the second touch", phases[1].start, nearest.time, TOUCH, "ms", "the window")
             yield compared(f"{name}: {label}, its speed", phases[1].speed, nearest.speed, TOUCH, "m/s", "the window")
     again = sum(len(phases) - 1 for phases in by_rule.phases)
-    limit = f"touches at {SLOW:g} of the first speed or more after the end of the drop; {again} touches were followed"
+    limit = f"touches at {MIN_SPEED_RATIO:g} of the first speed or more after the end of the drop; {again} touches were followed"
     yield bounded(f"{name}: touches missed in {window:g} ms", float(missed), 0.0, limit)
     yield _worst(name, tets, by_rule, _in_callers_order(tracks, body), period)
 
@@ -112,9 +112,9 @@ def later_touches(track: Track, rigid: RigidBody, period: float) -> list[Met]:
     At the last one vibration may already let another point of an edge come first.
     """
     samples, normal = track.samples[0], track.normals[0]
-    pushed = np.diff(samples[:, IMPULSE]) > PUSH * rigid.mass * track.rule.speed
+    pushed = np.diff(samples[:, IMPULSE]) > MIN_IMPULSE * rigid.mass * track.rule.speed
     on = np.flatnonzero(pushed)  # the push comes between this sample and the next
-    first = on[1:][np.diff(on) * track.interval > QUIET * period]
+    first = on[1:][np.diff(on) * track.interval > QUIET_TIME * period]
     found = []
     for sample in first:
         touch = rigid.next_touch(rigid.motion(samples[sample - 1]), normal)

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from mechstyle.geometry.going_on import GoOn, regardless
+from mechstyle.geometry.cancelling import CancelCheck, never_cancel
 from mechstyle.records.mesh import Floats, Indices, SurfaceMesh
 from mechstyle.styling.drawing import noise, scatter
 from mechstyle.styling.drawing.charts import Chart, chart_of
@@ -82,7 +82,7 @@ class Canvas:
         self.notes: list[str] = []
         self.picture: PlacedPicture | None = None
         self.found_pieces: list[Indices] = []
-        self.go_on: GoOn = regardless
+        self.go_on: CancelCheck = never_cancel
 
     @property
     def points(self) -> Floats:

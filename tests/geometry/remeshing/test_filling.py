@@ -12,7 +12,7 @@ import pytest
 import trimesh
 
 from mechstyle.errors import BadInput, SimulationFailed
-from mechstyle.geometry.going_on import regardless
+from mechstyle.geometry.cancelling import never_cancel
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.geometry.remeshing import filling as module
 from mechstyle.geometry.remeshing import tetwild as worker
@@ -181,9 +181,10 @@ def test_too_many_for_the_detail_of_the_surface_are_not_corrected_but_too_few_ar
     assert counts_of(monkeypatch, cup, (500, ""), (900, ""), detailed=True) == (900, [(1000, 1.0), (2000, 1.0)])
 
 
-def test_detail_is_more_faces_than_twice_the_tetrahedra_wished(cup):
-    assert module._attempt(cup, 600.0, 1.0, 300.0, module.regardless, keep=None).detailed
-    assert not module._attempt(cup, 3000.0, 1.0, 300.0, module.regardless, keep=None).detailed
+def test_detail_is_more_faces_than_twice_the_tetrahedra_wished(cup, cup_tets, monkeypatch):
+    monkeypatch.setattr(module, "tetwild", lambda *_, **__: (cup_tets.vertices, cup_tets.tets))  # whatever it would make of them
+    assert module._attempt(cup, 600.0, 1.0, 300.0, module.never_cancel, keep=None).detailed
+    assert not module._attempt(cup, 3000.0, 1.0, 300.0, module.never_cancel, keep=None).detailed
 
 
 def test_a_correction_that_makes_it_worse_is_not_taken(cup, monkeypatch):
@@ -290,9 +291,9 @@ def test_triangles_that_are_to_be_kept_are_kept_or_given_up_where_they_are_neede
     x, _, z = block.vertices.T
     relief = np.where(z > 19.9, 0.2 * np.sin(1.5 * x), 0.0)
     ridged, exaggerated = block.displaced(0.5 * relief), block.displaced(4.0 * relief)
-    assert len(module._kept(ridged, exaggerated, 0.2, 1.0, regardless).faces) == len(ridged.faces)
+    assert len(module._kept(ridged, exaggerated, 0.2, 1.0, never_cancel).faces) == len(ridged.faces)
     monkeypatch.setattr(module, "KEPT", len(ridged.faces) // 2)
-    fewer = module._kept(ridged, exaggerated, 0.2, 1.0, regardless)
+    fewer = module._kept(ridged, exaggerated, 0.2, 1.0, never_cancel)
     assert fewer.is_closed
     assert len(fewer.faces) <= module.KEPT
     assert fewer.volume == pytest.approx(ridged.volume, rel=0.01)
@@ -305,16 +306,16 @@ def test_even_triangles_are_no_finer_than_those_that_come_even():
     """Thin walls would have them finer than the surface, which is nearer to itself than anything else."""
     ball = trimesh.creation.icosphere(subdivisions=3, radius=20.0)
     surface = SurfaceMesh(ball.vertices, ball.faces)
-    own = module._filled_as(surface, 1500.0, 1e-3, 2.0, regardless)
+    own = module._filled_as(surface, 1500.0, 1e-3, 2.0, never_cancel)
     assert len(own.faces) == len(surface.faces)
-    coarser = module._filled_as(surface, 1500.0, 1.0, 2.0, regardless)
+    coarser = module._filled_as(surface, 1500.0, 1.0, 2.0, never_cancel)
     assert len(coarser.faces) < len(surface.faces)
 
 
 def test_a_relief_of_the_surface_itself_keeps_its_triangles(embossed):
     """It is lower than the tolerance of so thick a part, and was lost to two fifths."""
     plain, styled = (even(mesh, 2500) for mesh in embossed)
-    evened, own = (module._filled_as(mesh, 5000.0, 1.0, 2.0, regardless) for mesh in (plain, styled))
+    evened, own = (module._filled_as(mesh, 5000.0, 1.0, 2.0, never_cancel) for mesh in (plain, styled))
     assert len(evened.vertices) < 0.6 * len(plain.vertices)
     assert len(own.vertices) > 0.95 * len(styled.vertices)
 
@@ -329,7 +330,7 @@ def test_a_relief_is_exaggerated_no_further_than_the_shape_of_the_part_allows(bl
     monkeypatch.setattr(module, "KEPT", len(block.faces) // 16)
 
     def lost(detail):
-        fewer = module._kept(knobbed, exaggerated, 0.0, detail, regardless)
+        fewer = module._kept(knobbed, exaggerated, 0.0, detail, never_cancel)
         return TriangleTree(fewer.vertices, fewer.faces).nearest(knobbed.vertices).distance.max()
 
     assert lost(np.inf) > 0.3

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from mechstyle.errors import SimulationFailed
-from mechstyle.geometry.going_on import GoOn
+from mechstyle.geometry.cancelling import CancelCheck
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.simulation.part import Relief, Stage, Workpiece, prepare
 from mechstyle_widgets.jupyter.worker_process import Aside
 
 
 def prepare_aside(
-    mesh: SurfaceMesh, vertices: int, stage: Stage, go_on: GoOn, relief: Relief | None = None
+    mesh: SurfaceMesh, vertices: int, stage: Stage, go_on: CancelCheck, relief: Relief | None = None
 ) -> Workpiece:
     """As `simulation.part.prepare`, in another process.
 

@@ -113,7 +113,7 @@ def _share_beyond(layer: Layer, mesh: SurfaceMesh) -> str:
         return ""
     beyond = layer.scale.beyond(layer.values)
     share = f"{mesh.vertex_areas[beyond].sum() / mesh.vertex_areas.sum():.1%} of the surface is" if beyond.any() else "nothing is"
-    side = "below" if layer.scale.falls else "above"
+    side = "below" if layer.scale.lower_is_worse else "above"
     return escape(translated(f"{share} {side} the limit of {layer.threshold:.3g} {layer.unit}".rstrip()))
 
 

@@ -290,7 +290,7 @@ class Viewer(Tools, Framed, OncePerCell, ipywidgets.VBox):  # type: ignore[misc]
         scales = [layer.scale for layer in layers if layer is not None]
         if len(scales) < 2:
             return layers
-        ends, widest = [(scale.low, scale.high) for scale in scales], (max, min) if scales[0].falls else (min, max)
+        ends, widest = [(scale.low, scale.high) for scale in scales], (max, min) if scales[0].lower_is_worse else (min, max)
         limits, limit = (widest[0](low for low, _ in ends), widest[1](high for _, high in ends)), scales[0].threshold
         judged = max((layer.judged for layer in layers if layer is not None and layer.judged is not None), default=None)
         return [None if layer is None else replace(layer, limits=limits, threshold=limit, judged=judged) for layer in layers]

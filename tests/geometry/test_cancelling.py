@@ -7,7 +7,7 @@ from threading import Event, get_ident
 import pytest
 
 from mechstyle.errors import SimulationFailed
-from mechstyle.geometry.going_on import meanwhile
+from mechstyle.geometry.cancelling import meanwhile
 
 
 def test_both_are_done_when_the_block_is_over():

@@ -8,12 +8,12 @@ from threading import Event, Thread
 
 from mechstyle.errors import MechStyleError
 
-GoOn = Callable[[], object]
+CancelCheck = Callable[[], object]
 """Called between stretches of work that take well under a second on the largest part that is accepted; what it raises ends the work."""
 
 
-def regardless() -> None:
-    """Go on, whatever happens."""
+def never_cancel() -> None:
+    """Null check: work is never cancelled."""
 
 
 LOOK = 0.2
@@ -25,7 +25,7 @@ class _Ended(Exception):
 
 
 @contextmanager
-def meanwhile(work: Callable[[GoOn], object], go_on: GoOn = regardless) -> Iterator[None]:
+def meanwhile(work: Callable[[CancelCheck], object], go_on: CancelCheck = never_cancel) -> Iterator[None]:
     """Work in another thread during a block, whose end waits for it.
 
     Its result has to be kept by the work itself, as in a cache, and whoever asks for it again learns why there is none. If the block or
