@@ -24,8 +24,8 @@ WORTH_TELLING = 0.9
 HEAD = """\
 # Why these defaults
 
-What each mechanism is worth, measured by taking it away: `mechstyle ablation MODEL… -p STYLE… --condition CONDITION…` runs the arms below
-on any parts and styles, in a fall, under a load and with deep relief, and writes a table, a picture and every row.
+What each mechanism is worth, measured by taking it away. `mechstyle ablation MODEL… -p STYLE… --condition CONDITION…` runs the arms below
+on any parts and styles, in a fall, under a load and with deep relief. It writes a table, a picture and every row.
 
 | arm | what is left |
 |---|---|

@@ -19,6 +19,7 @@ import time
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
+from statistics import median
 
 import msgspec
 
@@ -100,6 +101,16 @@ def table(all_found: Sequence[Found]) -> Iterator[str]:
     yield f"\n{same} of {len(all_found)} have the same outcome. Reserve is what is survived over what is needed; below 1 a test fails."
 
 
+def differences(all_found: Sequence[Found]) -> Iterator[str]:
+    """How far reserves of files are from those of their runs, and how many doubts only one of the two leaves."""
+    pairs = [(one.run, one.file) for one in all_found if not one.failure]
+    both = [(run.reserves[test], file.reserves[test]) for run, file in pairs for test in run.reserves if test in file.reserves]
+    apart = sorted(abs(file / run - 1.0) for run, file in both)
+    if apart:
+        yield f"Reserves differ by {median(apart):.1%} in the median and by {apart[-1]:.1%} at most."
+    yield f"{sum(run.sure and not file.sure for run, file in pairs)} are sure in the run and not in the file."
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Measure what is asked for and print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -113,6 +124,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if options.read:
         measured = [one for path in options.read for one in msgspec.json.decode(path.read_bytes(), type=list[Found])]
         print("\n".join(table(sorted(measured, key=lambda one: (one.style, one.cell)))))
+        print("\n".join(differences(measured)))
         return 0
     os.environ |= {"MECHSTYLE_THREADS": "1", "OMP_NUM_THREADS": "1"}
     kept = options.json.read_bytes() if options.json is not None and options.json.is_file() else b"[]"

@@ -42,7 +42,8 @@ HEAD = """\
 
 A print in one colour shows the relief alone. The figures are the mean difference between grey pictures of a cup with a style and without,
 in levels of 255, over the pixels of the cup. Each style is finished and unrestrained, on {vertices} vertices. Made by
-`python benchmarks/legibility.py`. From about 8 on a style is seen at a glance. {below}
+`python benchmarks/legibility.py`; [legibility.json](legibility.json) has the figure of each style. From about 8 on a style is seen at a
+glance. {below}
 
 ![Each style on the five cups, in grey](legibility.png)
 
@@ -101,16 +102,13 @@ def page(known: dict[str, dict[str, float]]) -> str:
     """The page in Markdown."""
     low = sum(figure < LEGIBLE for row in known.values() for figure in row.values())
     whole = sum(map(len, known.values()))
-    below = f"{low} of {whole} pictures fall short of that (in italics)." if low else f"All {whole} pictures reach that."
-    lines = ["| style | " + " | ".join(CUPS) + " |", "|---" * (len(CUPS) + 1) + "|"]
-    for style, row in sorted(known.items()):
-        lines.append(f"| {style.replace('_', ' ')} | " + " | ".join(_figure(row.get(told)) for told in CUPS) + " |")
+    below = f"{low} of {whole} pictures fall short of that." if low else f"All {whole} pictures reach that."
+    lines = ["| cup | least | median | most |", "|---|---|---|---|"]
+    for told in CUPS:
+        row = sorted((row[told], style.replace("_", " ")) for style, row in known.items() if told in row)
+        (least, weakest), (most, strongest) = row[0], row[-1]
+        lines.append(f"| {told} | {least:.1f} ({weakest}) | {row[len(row) // 2][0]:.1f} | {most:.1f} ({strongest}) |")
     return HEAD.format(below=below, vertices=f"{STANDARD_VERTICES:,}".replace(",", " ")) + "\n".join(lines) + "\n"
-
-
-def _figure(figure: float | None) -> str:
-    """A figure as it is told."""
-    return "–" if figure is None else f"{figure:.1f}" if figure >= LEGIBLE else f"*{figure:.1f}*"
 
 
 def sheet(folder: Path, styles: list[str], columns: int = 2) -> bytes:

@@ -26,17 +26,16 @@ BUNDLED = {  # copyleft libraries inside wheels, by the beginning of their file 
 }
 HEAD = """# Licences
 
-MechStyle is [Apache-2.0](../LICENSE). What it needs is installed with it, as its authors publish it. This page is written by
-`.venv/bin/python benchmarks/licences.py > docs/licences.md` from the metadata of the packages installed on Linux x86-64; those that only
-development needs (the extra `dev`) are not listed. Versions are those of `constraints.txt`. No lawyer has read it.
+MechStyle is [Apache-2.0](../LICENSE). What it needs is installed as its authors publish it. Made
+by `.venv/bin/python benchmarks/licences.py > docs/licences.md` of the packages on Linux x86-64, without the extra `dev`; versions are those
+of `constraints.txt`. No lawyer has read it.
 
-**Copyleft in it.** MechStyle only imports these packages. Who passes on an image or an installer with them inside passes on their licences,
-too: the text, and for MPL and LGPL parts where their source is.
+**Copyleft in it.** Who passes on an image or an installer with these packages inside passes on their licences, too: the text, and for
+MPL and LGPL parts where their source is.
 """
 DATA = """
-**Data in it.** `mechstyle/styling/english.tsv`, a table of English words, is derived from WordNet 3.0 (Copyright 2006 by Princeton
-University) and SCOWL (Copyright 2000-2011 by Kevin Atkinson). Both allow any use with
-[their notices](../mechstyle/styling/english-notices.txt), which lie in the same folder.
+**Data in it.** `mechstyle/styling/english.tsv` is derived from WordNet 3.0 (Copyright 2006 by Princeton University) and SCOWL (Copyright
+2000-2011 by Kevin Atkinson). Both allow any use with [their notices](../mechstyle/styling/english-notices.txt).
 """
 
 
@@ -94,9 +93,10 @@ def main() -> None:
     print("\n".join(remarks(core.union(*extra.values()))))
     print(DATA, end="")
     for title, names in {"Always": core, **{f"With `mechstyle[{name}]`": found for name, found in extra.items()}}.items():
-        print(f"\n## {title}\n\n| package | licence it declares |\n|---|---|")
-        for name in sorted(names):
-            print(f"| {name} | {licence_of(name).replace('|', '/')} |")
+        print(f"\n## {title}\n\n| licence they declare | packages |\n|---|---|")
+        declared = {licence_of(name).replace("|", "/") for name in names}
+        for licence in sorted(declared):
+            print(f"| {licence} | {', '.join(sorted(name for name in names if licence_of(name) == licence))} |")
 
 
 if __name__ == "__main__":

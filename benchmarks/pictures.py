@@ -27,7 +27,6 @@ from PIL import Image
 import mechstyle as ms
 from mechstyle import gallery
 from mechstyle._files import write_whole
-from mechstyle.cli.demo import DEMO_MODEL, DEMO_VERTICES
 from mechstyle.gallery.model_sheet import model_sheet
 from mechstyle.pictures.panels import Picture
 from mechstyle.records.load_cases import LoadCase
@@ -70,8 +69,8 @@ def demo() -> list[Run]:
 
 def tutorial() -> list[Run]:
     """The run of the tutorial: style, stress, mask."""
-    part = ms.load(DEMO_MODEL)
-    run = ms.stylize(part, "brick", vertices=DEMO_VERTICES, out=WORK / "tutorial", name=part.name.replace("_", " "), device="cpu")
+    knob, settings = ms.load("gallery:drawer_knob"), {"vertices": 2000, "iterations": 60, "schedule": "stress"}
+    run = ms.stylize(knob, "brick", **settings, out=WORK / "tutorial", name="drawer knob", device="cpu")
     keep("tutorial", run.show())
     return [run]
 

@@ -6,7 +6,7 @@ thread. Prints a table of coefficients of variation: of σ_V flat, of the hardes
 python benchmarks/repeatability.py                                     # seven parts, seven ways, 12 000 vertices: hours on two cores
 python benchmarks/repeatability.py --parts wall_hook s_hook --vertices 3000 --jobs 2
 python benchmarks/repeatability.py --jobs 16 --json repeatability.json  # figures of every landing as well
-python benchmarks/repeatability.py --read repeatability-*.json          # the table alone, of what was measured before
+python benchmarks/repeatability.py --read repeatability-*.json --page   # of what was measured before, and into docs/how-mechstyle-judges.md
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ import numpy as np
 
 PARTS = ("pen_holder", "wall_hook", "phone_stand", "tealight_holder", "drawer_knob", "pill_box", "s_hook")
 WAYS = ("as it is", "turned 17°", "turned 51°", "turned 90°", "mirrored", "renumbered", "meshed again")
+PAGE = Path(__file__).parent.parent / "docs" / "how-mechstyle-judges.md"
 ANEW = 1.04
 """Vertices asked for over the usual where a part is only meshed again."""
 FLAT, NEARLY = 0.02, 0.05
@@ -128,6 +129,30 @@ def table(all_found: Sequence[Found]) -> Iterator[str]:
     yield f"\nWorst: flat {worst[0]:.3f} of {FLAT:g}, nearly flat {worst[1]:.3f} of {NEARLY:g}."
 
 
+HEAD = "| part | flat: σ_V [MPa] | coefficient of variation | hardest nearly flat: σ_V [MPa] | coefficient of variation |"
+"""First line of the table in docs/how-mechstyle-judges.md."""
+
+
+def on_the_page(all_found: Sequence[Found]) -> None:
+    """Put the scatter into the table of the page, in place of what is there."""
+    lines = [HEAD, "|---|---|---|---|---|"]
+    for part in dict.fromkeys(one.part for one in all_found):
+        columns = [[of(one) for one in all_found if one.part == part and not one.failure] for of in (_flat, _hardest)]
+        shown = " | ".join(f"{np.mean(column):.1f} | {cv(column):.3f}" for column in columns)
+        lines.append(f"| {part.replace('_', ' ')} | {shown} |")
+    before, _, after = PAGE.read_text(encoding="utf-8").partition(HEAD)
+    rest = after.split("\n\n", 1)[1]
+    PAGE.write_text(before + "\n".join(lines) + "\n\n" + rest, encoding="utf-8")
+
+
+def _flat(one: Found) -> float:
+    return one.flat
+
+
+def _hardest(one: Found) -> float:
+    return max(one.nearly.values())
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Measure what is asked for and print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -139,6 +164,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--json", type=Path)
     parser.add_argument("--read", type=Path, nargs="+", help="figures that were measured before; nothing is measured")
+    parser.add_argument("--page", action="store_true", help="put the table into the docs as well")
     options = parser.parse_args(arguments)
     os.environ |= {"MECHSTYLE_THREADS": "1", "OMP_NUM_THREADS": "1"}
     measured = [one for path in options.read or () for one in msgspec.json.decode(path.read_bytes(), type=list[Found])]
@@ -156,6 +182,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parts = list(dict.fromkeys([*options.parts, *(one.part for one in measured)]))
     measured.sort(key=lambda one: (parts.index(one.part), order[one.way]))
     print("\n".join(table(measured)))
+    if options.page:
+        on_the_page(measured)
     return 1 if any(one.failure for one in measured) else 0
 
 

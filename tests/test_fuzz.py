@@ -30,7 +30,7 @@ from support.part_files import PART, exported, put, refusal, threemf, xml_object
 CASES = 500
 ONCE_WRONG = (("part.3mf", 7), ("part.3mf", 301), ("part.obj", 366), ("store", 165), ("words.stl", 22), ("node.glb", 76), ("forged", 880),
               ("command line", 4_007_191), ("specks.obj", 2253), ("thin.obj", 2961),
-              ("quantised.glb", 12_187))  # fmt: skip
+              ("quantised.glb", 12_187), ("assembly.3mf", 2), ("solids.stl", 36), ("orca.3mf", 20))  # fmt: skip
 """Cases of the fuzzer that crashed, took a gigabyte or two minutes, or showed a traceback."""
 
 

@@ -1,4 +1,4 @@
-"""Store a notebook with what it shows, small enough to be looked at where the repository is browsed: `python docs/site/store.py NOTEBOOK`.
+"""Store a notebook with what it shows, small enough to be looked at where the repository is browsed: `python docs/site/store.py NOTEBOOK…`.
 
 Pictures are reduced to a palette; what a cell says to a log and the numbers of executions are left out, so that two executions differ by
 what differs.
@@ -8,6 +8,7 @@ import base64
 import io
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 import nbformat
@@ -15,6 +16,7 @@ from nbclient import NotebookClient
 from PIL import Image
 
 COLOURS = 256
+WIDGET = "application/vnd.jupyter.widget-view+json"
 
 
 def small(png: str) -> str:
@@ -33,6 +35,7 @@ def stored(executed: nbformat.NotebookNode, notebook: nbformat.NotebookNode) -> 
             cell.outputs = [output for output in done.outputs if output.get("name") != "stderr"]
             for output in cell.outputs:
                 output.pop("execution_count", None)
+                output.get("data", {}).pop(WIDGET, None)  # without a kernel there is nothing behind it
                 if output.output_type == "execute_result":
                     output["output_type"] = "display_data"
                 if "image/png" in output.get("data", {}):
@@ -41,10 +44,11 @@ def stored(executed: nbformat.NotebookNode, notebook: nbformat.NotebookNode) -> 
 
 
 if __name__ == "__main__":
-    place = Path(sys.argv[1])
-    plain = nbformat.read(place, as_version=4)
-    with tempfile.TemporaryDirectory() as folder:
-        client = NotebookClient(nbformat.read(place, as_version=4), kernel_name="python3", resources={"metadata": {"path": folder}})
-        executed_now = client.execute()
-    nbformat.write(stored(executed_now, plain), place)
-    print(f"{place}: {place.stat().st_size / 1000:.0f} kB")
+    for place in map(Path, sys.argv[1:]):
+        begun = time.perf_counter()
+        plain = nbformat.read(place, as_version=4)
+        with tempfile.TemporaryDirectory() as folder:
+            client = NotebookClient(nbformat.read(place, as_version=4), kernel_name="python3", resources={"metadata": {"path": folder}})
+            executed_now = client.execute()
+        nbformat.write(stored(executed_now, plain), place)
+        print(f"{place}: {place.stat().st_size / 1000:.0f} kB, {time.perf_counter() - begun:.0f} s", flush=True)

@@ -21,6 +21,7 @@ from mechstyle.cli.options import (
     reads_a_part,
     recipe_options,
 )
+from mechstyle.records import sentences
 from mechstyle.records.landings import STANDARDS
 from mechstyle.records.mesh import QUICK_VERTICES, STANDARD_VERTICES
 from mechstyle.records.recipe import OF_FEEDBACK, OPTIONS, Recipe
@@ -97,7 +98,8 @@ def carry_out(
         if not as_json and device == "cpu" and not run.history:
             from mechstyle.simulation.estimate import before_the_first_fall  # noqa: PLC0415
 
-            err.print(f"[dim]{escape(before_the_first_fall(run.simulator(run.recipe)).words)}[/]")
+            known = before_the_first_fall(run.simulator(run.recipe))
+            err.print(f"[dim]{escape(sentences.measured_out(known.falls, known.seconds))}[/]")
         return finish(run, teller, limited)
 
 

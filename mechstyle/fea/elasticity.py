@@ -23,6 +23,9 @@ from mechstyle.records.mesh import Floats, TetMesh
 LAWS = ("st_venant_kirchhoff", "stable_neo_hookean")
 """Elastic laws by name; the kernels know each by its place in this tuple."""
 
+BATCH = 4096
+"""Tetrahedra whose stiffness is assembled at a time: all of 24 000 at once took 1.4 GB."""
+
 
 class ElasticLaw(Protocol):
     """A stored energy and the stress that derives from it."""
@@ -234,15 +237,20 @@ def lumped_masses(mesh: ElementMesh, masses: Floats) -> Floats:
 
 def stiffness_matrix(mesh: ElementMesh, material: Material) -> sparse.csr_array:
     """Small-strain stiffness K = Σ V Bᵀ C B [N/mm], shape [3 node_count, 3 node_count], x, y, z of a node adjacent."""
-    g, volumes = shape_gradients(mesh), point_volumes(mesh)
+    gradients, volumes = shape_gradients(mesh), point_volumes(mesh)
     mu, la = material.shear_modulus, material.lame_lambda
-    products = np.einsum("nq,nqai,nqbj->naibj", volumes, g, g, optimize=True)
-    blocks = la * products + mu * products.transpose(0, 1, 4, 3, 2)
-    blocks += mu * np.einsum("nakbk,ij->naibj", products, np.eye(3))
     size, width = 3 * len(mesh.nodes), 3 * mesh.element.nodes
-    unknowns = (3 * mesh.connectivity[:, :, None] + np.arange(3)).reshape(-1, width)
-    rows, columns = np.repeat(unknowns, width, axis=1).ravel(), np.tile(unknowns, (1, width)).ravel()
-    return sparse.coo_array((blocks.ravel(), (rows, columns)), shape=(size, size)).tocsr()
+    whole = sparse.csr_array((size, size))
+    for first in range(0, len(volumes), BATCH):
+        some = slice(first, first + BATCH)
+        g = gradients[some]
+        products = np.einsum("nq,nqai,nqbj->naibj", volumes[some], g, g, optimize=True)
+        blocks = la * products + mu * products.transpose(0, 1, 4, 3, 2)
+        blocks += mu * np.einsum("nakbk,ij->naibj", products, np.eye(3))
+        unknowns = (3 * mesh.connectivity[some, :, None] + np.arange(3)).reshape(-1, width)
+        rows, columns = np.repeat(unknowns, width, axis=1).ravel(), np.tile(unknowns, (1, width)).ravel()
+        whole = whole + sparse.coo_array((blocks.ravel(), (rows, columns)), shape=(size, size)).tocsr()
+    return whole
 
 
 def element_frequencies(tets: TetMesh, material: Material) -> Floats:

@@ -176,7 +176,7 @@ class TwoLevel:
         SimulationFailed: If that matrix cannot be factorised.
     """
 
-    def __init__(self, matrix: bsr_array, fields: csr_array, shift: float = 0.0) -> None:
+    def __init__(self, matrix: bsr_array | csr_array, fields: csr_array, shift: float = 0.0) -> None:
         self._matrix, self._fields = matrix.astype(np.float32), fields.astype(np.float32)  # what is about right may be rounded
         coarse = (fields.T @ (matrix.tocsr() @ fields) + shift * (fields.T @ fields)).tocsc()
         try:

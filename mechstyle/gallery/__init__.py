@@ -28,7 +28,7 @@ PREFIX = "gallery:"
 """What the address of a gallery model begins with, where a file could be meant as well."""
 READING: Mapping[str, type] = MappingProxyType({"unit": str, "scale": float, "size": float, "up": str, "body": str})
 """What can be said of how a file is read: by arguments of `load`, or after the path, as in `box.3mf#unit=in,body=lid`."""
-_SAID = re.compile(r"(.+)#(\w+=.*)")
+_SAID = re.compile(r"(.+)#(\w+=.*)", re.DOTALL)
 
 
 
@@ -142,10 +142,11 @@ def addressed(model: str | Path) -> tuple[str, dict[str, Any]]:
     A path that exists is itself, whatever signs it has.
     """
     from mechstyle.errors import BadInput, unknown  # noqa: PLC0415
+    from mechstyle.geometry.files import is_there  # noqa: PLC0415
 
     address = str(model)
     found = None if address.startswith(PREFIX) else _SAID.fullmatch(address)
-    if found is None or Path(address).exists():
+    if found is None or is_there(Path(address)):
         return address, {}
     said: dict[str, Any] = {}
     for word in re.split(r",(?=\w+=)", found[2]):

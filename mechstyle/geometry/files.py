@@ -187,6 +187,8 @@ def _left_out(held: Held, matrix: Floats) -> list[str]:
 def _held(file: Path) -> Held:
     """What a file holds, in its units; at least one piece, with faces."""
     suffix = file.suffix.lower().lstrip(".")
+    if not file.name.isprintable():
+        raise BadInput(f"{file.name[:60]!r} holds signs that are no letters: give the file another name")
     if suffix not in FORMATS:
         raise BadInput(
             f"{file.name}: cannot read {_kind(suffix)}; open it in the program it was made with (a STEP file in FreeCAD or a slicer) and "
@@ -225,9 +227,17 @@ def _kind(suffix: str) -> str:
     return f".{suffix} files" if suffix else "files without a suffix"
 
 
+def is_there(path: Path) -> bool:
+    """Whether there is something at a path; of one that no system allows, as it is too long, there is nothing."""
+    try:
+        return path.exists()
+    except (OSError, ValueError):
+        return False
+
+
 def _content(file: Path) -> bytes:
     """The bytes of a file that is there and not empty."""
-    if not file.exists():
+    if not is_there(file):
         raise BadInput(f"{file} does not exist; check the path")
     if not file.is_file():
         raise BadInput(f"{file} is not a file; name the mesh file itself")

@@ -289,7 +289,8 @@ class Engine:
         assert verdict is not None, "what is corrected was simulated"
         if verdict.outcome == "UNKNOWN":
             return search.tested(relief, correction.Finding(passes=False))
-        to_meet = [row for row in verdict.rows if row.decides and (row.outcome == "FAILS" or not row.sure)]
+        unsure = self.recipe.restraint.until_sure or not verdict.passes
+        to_meet = [row for row in verdict.rows if row.decides and (row.outcome == "FAILS" or (unsure and not row.sure))]
         simulation = self.store.objects.get_record(state.simulation, Simulation)
         used = control.utilisation(simulation, to_meet) if to_meet else None
         return search.tested(relief, correction.Finding(verdict.passes, used, fails_by_drop=any(not row.load for row in to_meet)))

@@ -155,6 +155,7 @@ class Restraint(Chapter, frozen=True, kw_only=True):
         inside: What becomes of the inside of a container, one of INSIDES.
         protect: Regions protected from the style.
         guarantee: Whether the finished relief is corrected until the part passes: lowered where it is overloaded, no further than needed.
+        until_sure: Whether it is corrected as well where the part passes, but by less than the test repeats.
     """
 
     CHOICES: ClassVar[Choices] = {
@@ -166,7 +167,7 @@ class Restraint(Chapter, frozen=True, kw_only=True):
     LIMITS: ClassVar[Limits] = {
         "threshold": (0.01, 100.0),
     }
-    RARE: ClassVar = frozenset({"guarantee"})
+    RARE: ClassVar = frozenset({"guarantee", "until_sure"})
 
     control: str = "exponential"
     normalisation: str = "headroom"
@@ -175,6 +176,7 @@ class Restraint(Chapter, frozen=True, kw_only=True):
     inside: str = "plain"
     protect: tuple[Region, ...] = ()
     guarantee: bool = True
+    until_sure: bool = True
 
     @property
     def feedback(self) -> bool:
@@ -224,8 +226,8 @@ class StrengthTest(Chapter, frozen=True, kw_only=True):
         standard: Drop standard whose orientations and height are simulated, one of STANDARDS. It brings poses, orientations and
             height unless they are given; "" for none. A verdict is no test to a standard.
         nearly_flat: Whether landings tilted by 3° onto the corners and sides of what the part stands on are judged, too.
-        hardest_only: Whether the styled part lands only in the two nearly flat ways that are hardest for the plain part. Its critical
-            height there then follows from the plain part's.
+        hardest_only: Whether the styled part lands only in the two nearly flat ways that are hardest for the plain part. Their critical
+            heights are then estimated from one drop each, by an exponent that is usual.
         build_direction: Direction it is printed in, x, y, z or a vector such as 0,0,1: what pulls or shears layers apart is judged by their
             own strength. None for no layers; the material must know its `layer_ratio`.
         friction: Coulomb coefficient of the floor.

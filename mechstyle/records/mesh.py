@@ -22,7 +22,7 @@ Scalar = TypeVar("Scalar", bound=np.generic)
 
 STANDARD_VERTICES = 100_000
 """Vertices of a standardised surface by default, at most: see `simulation.part.standardised`."""
-QUICK_VERTICES = 2_500
+QUICK_VERTICES = 2_000
 """Vertices of a quick run: see `runs.recipes.QUICK`."""
 
 

@@ -19,7 +19,7 @@ EXPLANATION = (
     "For each way we ask: from how high may it fall before a piece as large as a cube of 4 mm is bent for good?",
     "That height must be at least the fall you asked for, or nearly that of the plain part.",
     "We ask the same of a load: how much of it can the part carry before a cube of 2 mm begins to yield?",
-    "If every test passes, the part HOLDS; if one passes only beside the plain part, it is NO WORSE than that; else it FAILS.",
+    "If every test passes, the part HOLDS; if one passes only because the plain part survives no more, it is NO WORSE; else it FAILS.",
 )
 """How the part is judged, in five sentences."""
 
@@ -282,6 +282,12 @@ def _judged(row: Row) -> str:
 def planned(height: float, falls: int, seconds: float) -> str:
     """The test of a run that has not begun, and how long it will take [s]."""
     return f"We let it fall from {fall(height)}, in simulation, about {falls} times: about {duration(_rounded(seconds))}."
+
+
+def measured_out(falls: int, seconds: float) -> str:
+    """The tests before any correction, now that the tetrahedra are known, and how long they will take [s]."""
+    takes = duration(_rounded(seconds))
+    return f"Its tetrahedra are known now: before any correction it falls about {falls} times, which takes about {takes}."
 
 
 def _rounded(seconds: float) -> float:

@@ -116,7 +116,8 @@ def _scenes(run: Run, *, plain: bool, progress: Callable[[float], None]) -> list
     part, recipe, end = run.part, run.recipe, run.checkpoint()
     verdict = end.verdict
     row = None if verdict is None else verdict.row("flat")
-    how = "MechStyle" if recipe.steered else "Freestyle"
+    watched = recipe.restraint.guarantee or (recipe.schedule.when != "never" and recipe.restraint.feedback)
+    how = "MechStyle" if watched else "Freestyle"
     ending = "" if row is None or row.height is None else f"{row.outcome}: survives {sentences.length(row.height)}"
     styled = part.surface.displaced(end.displacement)
 
@@ -197,5 +198,5 @@ def _legend(page: Image.Image, scale: Scale, top: int, words: str, factor: float
     draw.text((limit, top + 28), f"yields, {scale.top:.0f} MPa", INK, small, anchor="ma")
     beside = EDGE + width + 2 * EDGE
     draw.text((beside, top + 8), words, INK, small)
-    draw.text((beside, top + 28), f"deformation × {factor:.0f}", INK, small)
+    draw.text((beside, top + 28), f"deformation drawn {factor:.0f} times", INK, small)
 

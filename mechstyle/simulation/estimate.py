@@ -125,9 +125,9 @@ def before_the_first_fall(simulator: DropSimulator, cores: int | None = None) ->
     flat, tilted = impact_times(simulator)
     every, few = len(simulator.landings.names), recipe.test.hardest_only
     nearly = sum(way == "nearly flat" for way in simulator.landings.ways)
-    again, last = min(1, every - 1), every - max(nearly - STEERING, 0) if few else every
+    retried, last = 0 if few else min(1, every - 1), every - max(nearly - STEERING, 0) if few else every
     seconds, falls = 0.0, 0
-    for tets, landings, retried in ((plain, every, again), (styled, last, 0 if few else again)):
+    for tets, landings in ((plain, every), (styled, last)):
         rounds = math.ceil((landings - 1) / cores) + retried
         seconds += seconds_per_millisecond(simulator, tets) * (flat / min(cores, landings) + rounds * tilted)
         falls += landings + retried

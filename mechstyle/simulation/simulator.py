@@ -180,7 +180,8 @@ class DropSimulator:
     def _key(self, body: Body, displacement: NDArray[np.float32], *, thorough: bool) -> str:
         recipe = self.recipe.on(surface=self.surface.digest, tetrahedra=body.tets.digest)
         normals = self.landings.normals[list(self.numbers(displacement, thorough=thorough))]
-        drops, at = (thorough, digest_of(normals)), "" if body.at is None else digest_of(body.at)
+        further = thorough and not self.recipe.test.hardest_only
+        drops, at = (further, digest_of(normals)), "" if body.at is None else digest_of(body.at)
         return memo_key((PHYSICS_VERSION, self.device, *physics(recipe), recipe.test.loads, drops, at), displacement)
 
     def _balance_error(self, tets: TetMesh, window: float) -> float | None:
@@ -300,7 +301,7 @@ class DropSimulator:
             theirs = [one.exponent for one in self.baseline.of(way)] if np.any(morphed.displacement) else []
             begun = theirs[0] if theirs else LIKELY_EXPONENT
             found = [self._with_exponent(one, begun, 0) if one.way == way else one for one in found]
-            if thorough and not (theirs and self.recipe.test.hardest_only):
+            if thorough and not self.recipe.test.hardest_only:
                 found = self._retried(tets, read, found, way)
         return tuple(found), stresses
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections import Counter
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -94,10 +95,11 @@ def _order(row: Row) -> tuple[str, ...]:
 
 
 def _freely(done: Sequence[Row]) -> list[Row]:
-    """The style alone where it was run finest; coarser ones stand beside the ways that were run as coarse, and would count a part twice."""
+    """The style alone at the vertices of most runs; others stand beside the ways that were run as coarse, and would count a part twice."""
     free = [row for row in done if row.arm == FREE]
-    finest = max((row.vertices for row in free), default=0)
-    return [row for row in free if row.vertices == finest]
+    counts = Counter(row.vertices for row in free)
+    usual = max(counts, key=lambda vertices: (counts[vertices], vertices), default=0)
+    return [row for row in free if row.vertices == usual]
 
 
 def _is_way(row: Row) -> bool:

@@ -61,6 +61,8 @@ FEATURES, RELIEFS = (0.2, 500.0), (0.0, 20.0)
 """Sizes of features and depths of relief that can be asked for [mm]."""
 _NEAR, _LEAST_LETTERS = 0.75, 5  # how alike a word must be to a style's to be suggested, and how long
 _WELL_KNOWN = ("brick", "honeycomb", "waves", "wood", "stone")
+SUGGESTED = 3
+"""Styles that a refusal suggests."""
 _AMOUNT_RANGE, _SIZE_RANGE = (0.2, 3.0), (0.4, 3.0)
 _DARK_RECESS, _LIGHT_RECESS = "charcoal", "off_white"  # joints that are asked for dark or light, in no colour
 
@@ -425,7 +427,8 @@ def _unknown_prompt(prompt: str, found: Sequence[Word], unwanted: Sequence[Item]
     if any(word.means in english.PICTURES - english.FILLERS for word in found):
         return BadInput(f"the prompt {prompt!r} asks for a picture: give its file, with `--image` or image=")
     beyond = next((word for word in found if word.means in english.BEYOND), None)
-    near = [_spoken(style) for style in suggestions(prompt)]
+    avoided = {style.style for item in unwanted if (style := style_of(item))}
+    near = [_spoken(style) for style in suggestions(prompt, SUGGESTED + len(avoided)) if style not in avoided][:SUGGESTED]
     colour = next((word.text for word in found if word.means in english.COLOURS), "")
     said = "no style that can be drawn offline" if not colour else "only a colour and no style"
     if unwanted:
@@ -438,7 +441,7 @@ def _unknown_prompt(prompt: str, found: Sequence[Word], unwanted: Sequence[Item]
     )
 
 
-def suggestions(prompt: str, count: int = 3) -> tuple[str, ...]:
+def suggestions(prompt: str, count: int = SUGGESTED) -> tuple[str, ...]:
     """Names of the styles that come nearest to a prompt by what its words mean, nearest first; always as many as asked for.
 
     Words that mean nothing are compared by their letters; what is missing then are styles that most people know.

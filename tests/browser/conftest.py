@@ -29,7 +29,6 @@ import pytest
 from PIL import Image
 from playwright.sync_api import Browser, BrowserContext, Locator, Page, sync_playwright
 
-from mechstyle._files import cache_folder, write_whole
 from mechstyle.gallery import make, names
 from mechstyle.runs.run import Run, stylize
 from mechstyle.styling import library
@@ -224,11 +223,14 @@ def visitor(chromium: Browser) -> Iterator[BrowserContext]:
 @pytest.fixture(scope="session")
 def thumbnails_drawn(cache: Path) -> None:
     """A hundred pictures of models and styles in the cache, all grey: drawing them takes a core a minute beside what is tested."""
-    assert cache == cache_folder()
-    grey = thumbnails._png(np.full((*thumbnails.SIZE[::-1], 3), 180, np.uint8))
-    for kind, known in (("model", names()), ("style", library.names())):
-        for name in known:
-            write_whole(thumbnails._place(kind, name), grey)
+    held = io.BytesIO()
+    Image.new("RGB", thumbnails.SIZE, (180, 180, 180)).save(held, "PNG")
+    with pytest.MonkeyPatch.context() as patch:
+        for kind, known in (("model", names()), ("style", library.names())):
+            patch.setitem(thumbnails.DRAWN, kind, lambda _name: held.getvalue())
+            for name in known:
+                thumbnails.draw(kind, name)
+    assert any(cache.rglob("*.png"))
 
 
 @pytest.fixture(scope="session")
@@ -308,7 +310,7 @@ def notebook(visitor: BrowserContext, lab: Lab, request: pytest.FixtureRequest) 
 def finished_run(tmp_path_factory: pytest.TempPathFactory) -> Run:
     """A small run on disk, with a branch."""
     run = stylize(
-        make("pen_holder"), "brick", vertices=1200, iterations=12, orientations=1, schedule="every", every=4,
+        make("pen_holder"), "brick", vertices=2000, iterations=12, orientations=1, schedule="every", every=4,
         nearly_flat=False, window=0.3, element="tet4", out=tmp_path_factory.mktemp("runs") / "part", name="pen holder", device="cpu",
     )
     run.branch(6, lane="frozen", control="frozen").go()

@@ -10,7 +10,7 @@ RUN = 300_000  # to the first iterations [ms]
 # 2000 iterations took 25 s, and were over before a slow page had pressed Stop
 BEGUN = """
 from mechstyle_widgets import Studio
-quick = {"vertices": 1200, "orientations": 1, "nearly_flat": False, "window": 0.3, "element": "tet4"}
+quick = {"vertices": 2000, "orientations": 1, "nearly_flat": False, "window": 0.3, "element": "tet4"}
 studio = Studio("gallery:pen_holder", prompt="brick", iterations=100_000, schedule="never", folder="killed", **quick)
 studio.controller.run()
 studio

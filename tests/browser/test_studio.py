@@ -8,7 +8,7 @@ from PIL import Image
 
 pytestmark = pytest.mark.browser
 
-SETTINGS = 'prompt="brick", vertices=1200, iterations=12, orientations=1, nearly_flat=False, schedule="every", every=4, window=0.3'
+SETTINGS = 'prompt="brick", vertices=2000, iterations=12, orientations=1, nearly_flat=False, schedule="every", every=4, window=0.3'
 SETTINGS += ', element="tet4"'
 RUN = 300_000  # a small run, meshed before, where others want the cores too [ms]
 EVERYWHERE = "(studio.state.iteration, studio._timeline.iteration, studio._viewer.iteration, studio.state.checkpoint.iteration)"

@@ -17,7 +17,7 @@ from mechstyle.cli.app import app
 from support.lanes import lane_on_a_sheet
 
 QUICK = ("--set", "element=tet4", "--set", "window=0.4", "--set", "nearly_flat=False")
-SMALL = ("--vertices", "1200", "--iterations", "12", "--orientations", "2", *QUICK)
+SMALL = ("--vertices", "2000", "--iterations", "12", "--orientations", "2", *QUICK)
 
 
 @dataclass(frozen=True)

@@ -71,7 +71,7 @@ def test_every_command_works_without_a_network(finished, offline):
     """One after the other in one process; the tetrahedra are made in processes of their own, or found where other tests left theirs."""
     _, root, _ = finished
     out = offline.folder
-    small = ("vertices=1200", "iterations=12", "orientations=1", "set=element=tet4", "set=window=0.05", "set=nearly_flat=False")
+    small = ("vertices=2000", "iterations=12", "orientations=1", "set=element=tet4", "set=window=0.05", "set=nearly_flat=False")
     quick = [f"--{one}" for one in small]
     commands = [
         ["--help"], ["materials"], ["styles"], ["gallery"], ["doctor"], ["weights", "list"], ["application"], ["log", f"{root}"],
@@ -81,8 +81,8 @@ def test_every_command_works_without_a_network(finished, offline):
         ["freestyle", "gallery:pen_holder", "--prompt", "brick", "--inside", "styled", *quick, "--out", f"{out}/free"],
         ["branch", f"{out}/run@1", "--control", "frozen"], ["rerun", f"{out}/run"], ["orient", f"{out}/run"],
         ["validate", "--case", "rigid"],
-        ["simulate", f"{out}/part.glb", "--vertices=1200", "--orientations=1", "--no-nearly-flat", "--window=0.05", "--out", f"{out}"],
-        ["protect", "gallery:pen_holder", "--protect", "rim", "--vertices", "1200", "--out", f"{out}/rim.png"],
+        ["simulate", f"{out}/part.glb", "--vertices=2000", "--orientations=1", "--no-nearly-flat", "--window=0.05", "--out", f"{out}"],
+        ["protect", "gallery:pen_holder", "--protect", "rim", "--vertices", "2000", "--out", f"{out}/rim.png"],
     ]  # fmt: skip
     assert {words[0] for words in commands} | LONG >= set(typer.main.get_command(app).commands)
     done = in_python(COMMANDS.format(commands=commands))

@@ -34,8 +34,8 @@ READ = "--body --scale --size --unit --up"
 RESTRAINED = "--base --control --every --normalisation --schedule --threshold"
 NAMES = {
     "": "--version",
-    "run": f"model --out --strengthen {READ} --vertices {STYLED} {RESTRAINED}",
-    "freestyle": f"model --out --strengthen {READ} --vertices {STYLED}",
+    "run": f"model --out --quick --strengthen {READ} --vertices {STYLED} {RESTRAINED}",
+    "freestyle": f"model --out --quick --strengthen {READ} --vertices {STYLED}",
     "branch": f"address --lane {STYLED} {RESTRAINED}",
     "simulate": f"model --build-direction {READ} "
     "--criterion --device --json --load --material -m --minimum-wall --orientations --original --out --poses --standard "

@@ -15,7 +15,7 @@ from mechstyle.runs.run import Run
 def test_protect_shows_what_regions_hold(finished):
     line, _, _ = finished
     regions = ("--protect", "inside", "--protect", "above 99 ramp 3")
-    told = line.here("protect", "gallery:pen_holder", "--vertices", "1200", *regions, "--json").json
+    told = line.here("protect", "gallery:pen_holder", "--vertices", "2000", *regions, "--json").json
     assert told["notes"][0].startswith("protected: inside, 4")
     assert 0.4 < told["share"] < 0.6
     assert (line.folder / told["files"]["picture"]).read_bytes().startswith(b"\x89PNG")
@@ -32,7 +32,7 @@ def test_protect_shows_what_regions_hold(finished):
 )
 def test_a_region_that_cannot_be_is_refused(finished, arguments, said):
     line, _, _ = finished
-    assert said in line.here("protect", "gallery:pen_holder", "--vertices", "1200", *arguments, code=2).stderr
+    assert said in line.here("protect", "gallery:pen_holder", "--vertices", "2000", *arguments, code=2).stderr
 
 
 @pytest.fixture(scope="module")

@@ -65,7 +65,7 @@ def test_run_prints_one_json_object_with_what_the_run_came_to(finished):
     assert summary["plain"]["rows"][0]["height"] == flat["original"], "the plain part by itself says the same"
     assert summary["simulations"][-1]["iteration"] == 12
     assert all(line["reason"] for line in summary["simulations"])
-    assert 0 < summary["kept"] <= 1
+    assert 0 < summary["kept"] < 1.001, "where a style sinks at last, what it reached before may be left"
     assert 0 < summary["style_loss_ratio"] < 1
 
 
@@ -123,7 +123,7 @@ def test_the_same_command_again_changes_nothing_and_says_the_same(finished):
 
 def test_other_settings_in_the_same_directory_are_refused(finished):
     line, _, _ = finished
-    outcome = line.here("run", "gallery:pen_holder", "--prompt", "stone", *line.small, "--out", "part", code=2)
+    outcome = line.here("run", "gallery:pen_holder", "--prompt", "brick", "--height", "2 m", *line.small, "--out", "part", code=2)
     assert "other settings" in outcome.stderr
     assert outcome.stdout == ""
 
@@ -233,7 +233,7 @@ def test_show_writes_a_picture(finished, tmp_path):
 
 
 def test_simulate_reports_the_part_as_it_is(mechstyle):
-    small = ("simulate", "gallery:pen_holder", "--vertices", "1200", "--window", "0.4")
+    small = ("simulate", "gallery:pen_holder", "--vertices", "2000", "--window", "0.4")
     outcome = mechstyle.here(*small, "--vtu", "--json").json
     assert outcome["outcome"] == "HOLDS"
     flat, nearly, published = outcome["rows"]
@@ -254,7 +254,7 @@ def test_simulate_reports_the_part_as_it_is(mechstyle):
 
 
 def test_simulate_says_the_verdict_first_then_the_table_of_falls(mechstyle):
-    said = mechstyle.here("simulate", "gallery:pen_holder", "--vertices", "1200", "--no-nearly-flat", "--window", "0.3").stdout
+    said = mechstyle.here("simulate", "gallery:pen_holder", "--vertices", "2000", "--no-nearly-flat", "--window", "0.3").stdout
     first, headings, flat, published, *rest = (" ".join(line.split()) for line in said.splitlines() if line)
     assert first.startswith("HOLDS a fall of 1.5 m (")
     assert headings == "test survives asked reserve outcome"
@@ -265,7 +265,7 @@ def test_simulate_says_the_verdict_first_then_the_table_of_falls(mechstyle):
 
 
 def test_simulate_judges_beside_an_original_that_is_named(mechstyle):
-    small = ("simulate", "gallery:pen_holder", "--vertices", "1200", "--no-nearly-flat", "--window", "0.2")
+    small = ("simulate", "gallery:pen_holder", "--vertices", "2000", "--no-nearly-flat", "--window", "0.2")
     beside = (*small, "--original", "gallery:pen_holder")
     outcome, said = mechstyle.here(*beside, "--json").json, " ".join(mechstyle.here(*beside).stdout.split())
     flat = outcome["rows"][0]
@@ -279,7 +279,7 @@ def test_simulate_judges_beside_an_original_that_is_named(mechstyle):
 
 def test_simulate_after_a_standard_names_landings_and_claims_nothing(mechstyle):
     flat = ("--orientations", "2", "--no-nearly-flat", "--window", "0.3")
-    small = ("simulate", "gallery:pen_holder", "--vertices", "1200", "--standard", "ista-1a", *flat)
+    small = ("simulate", "gallery:pen_holder", "--vertices", "2000", "--standard", "ista-1a", *flat)
     said = " ".join(mechstyle.here(*small).stdout.split())
     assert "simulated orientations after ISTA 1A, drop test below 10 kg, but 2 orientations instead of 11" in said
     assert "any landing: corner 2-3-5 " in said
@@ -303,7 +303,7 @@ def test_simulate_carries_the_loads_of_a_file_and_warns_of_thin_walls(mechstyle)
     supports, loads = "[{ at = 'resting face' }]", "[{ at = { near = [40, 0, 100, 8] }, force = [0, 0, -50] }]"
     case = f"[[case]]\nname = 'hand'\nsupports = {supports}\nloads = {loads}\n"
     (mechstyle.folder / "loads.toml").write_text(case, encoding="utf-8")
-    small = ("simulate", "gallery:pen_holder", "--vertices", "1200", "--orientations", "1", "--no-nearly-flat", "--window", "0.3")
+    small = ("simulate", "gallery:pen_holder", "--vertices", "2000", "--orientations", "1", "--no-nearly-flat", "--window", "0.3")
     outcome = mechstyle.here(*small, "--load", "loads.toml", "--minimum-wall", "5", "--json").json
     (hand,) = outcome["loads"]
     row = next(row for row in outcome["rows"] if row["test"] == "load")
@@ -314,7 +314,7 @@ def test_simulate_carries_the_loads_of_a_file_and_warns_of_thin_walls(mechstyle)
 
 
 def test_simulate_judges_by_the_published_rule_where_it_is_asked_to(mechstyle):
-    small = ("simulate", "gallery:pen_holder", "--vertices", "1200", "--no-nearly-flat", "--window", "0.3")
+    small = ("simulate", "gallery:pen_holder", "--vertices", "2000", "--no-nearly-flat", "--window", "0.3")
     outcome = mechstyle.here(*small, "--criterion", "paper", "--json").json
     assert [row["test"] for row in outcome["rows"] if row["decides"]] == ["published rule"]
     assert "by the published rule: the largest element stress is " in outcome["words"]

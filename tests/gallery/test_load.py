@@ -99,6 +99,9 @@ def test_a_path_that_looks_like_an_address_is_a_path(tmp_path, cube):
         ("brick.stl#unit=parsec", "unknown unit 'parsec'"),
         ("brick.stl#unit=in,size=5", "a unit and a size are given"),
         ("brick.stl#colour=red", "unknown word on how a file is read 'colour': known are body, scale, size, unit, up"),
+        ("brick\n.stl", "holds signs that are no letters: give the file another name"),
+        ("brick.stl#body=" + "lid" * 2000, "holds no body"),
+        ("brick" * 2000 + ".stl", "does not exist"),
     ],
 )
 def test_an_address_that_says_nonsense_is_refused(tmp_path, cube, address, said):

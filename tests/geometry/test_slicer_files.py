@@ -8,7 +8,24 @@ import pytest
 from mechstyle.geometry import claims, threemf_reader
 from mechstyle.geometry.files import bodies, read
 from support.part_files import put, refusal
-from support.slicer_files import BESIDE, CORNERS, PLATE, SIDES, TOWER, components, mesh, model, orca, orca_apart, package, prusa, thing
+from support.slicer_files import (
+    BESIDE,
+    PLATE,
+    SIDES,
+    TOWER,
+    assembly,
+    components,
+    cura,
+    mesh,
+    model,
+    named_obj,
+    named_stl,
+    orca,
+    orca_apart,
+    package,
+    prusa,
+    thing,
+)
 
 OF_ORCA = {"modifier": "modifier_part", "negative": "negative_part", "blocker": "support_blocker", "enforcer": "support_enforcer"}
 OF_PRUSA = {"modifier": "ParameterModifier", "negative": "NegativeVolume", "blocker": "SupportBlocker", "enforcer": "SupportEnforcer"}
@@ -135,19 +152,17 @@ DRILLED = (
 CURA = "http://software.ultimaker.com/xml/cura/3mf/2015/10"
 
 
-@pytest.mark.parametrize("written", ["metadatagroup", "settings"])
+@pytest.mark.parametrize("written", ["now", "before"])
 @pytest.mark.parametrize(
     ("key", "kind"),
     [("anti_overhang_mesh", "support blocker"), ("infill_mesh", "modifier"), ("cutting_mesh", "modifier"), ("support_mesh", "support")],
 )
 def test_what_cura_says_within_an_object(tmp_path, written, key, kind):
-    said = {
-        "metadatagroup": f'<metadatagroup><metadata name="cura:{key}" type="xs:string">{{}}</metadata></metadatagroup>',
-        "settings": f'<c:settings xmlns:c="{CURA}"><c:setting c:key="{key}">{{}}</c:setting></c:settings>',
-    }[written]
+    before = f'<c:settings xmlns:c="{CURA}"><c:setting c:key="{key}">{{}}</c:setting></c:settings>'
     for word, volume in (("True", 16000), ("False", 18000)):
-        tower = thing(2, said.format(word) + mesh(TOWER), 'type="model" name="tower"')
-        content = package(model(thing(1, mesh(PLATE)) + tower, '<item objectid="1"/><item objectid="2"/>'))
+        tower = thing(2, before.format(word) + mesh(TOWER), 'type="model" name="tower"')
+        older = package(model(thing(1, mesh(PLATE)) + tower, '<item objectid="1"/><item objectid="2"/>'))
+        content = cura(key, word) if written == "now" else older
         part = read(put(tmp_path, "part.3mf", content))
         assert part.mesh.volume == pytest.approx(volume)
         assert (f"left out 'tower', a {kind} of 10 × 10 × 30 mm" in part.notes) is (word == "True")
@@ -186,11 +201,9 @@ def in_two_files(second, *, lacking=False):
     return package(model(top, '<item objectid="2"/>'), objects={name: part for name, part in parts.items() if not lacking or name == "a"})
 
 
-def test_a_model_part_is_in_its_own_unit(tmp_path):
-    post = 'p:path="/3D/Objects/b.model" objectid="1" transform="1 0 0 0 1 0 0 0 1 15 15 0"'
-    top = thing(1, mesh(PLATE)) + components(2, 'objectid="1"', post)
-    content = package(model(top, '<item objectid="2"/>'), objects={"b": model(thing(1, mesh(((1, 1, 3), (0, 0, 0)))), unit="centimeter")})
-    assert volume_of(put(tmp_path, "part.3mf", content)) == pytest.approx(18000)
+@pytest.mark.parametrize(("kind", "volume"), [("normal_part", 18000), ("negative_part", 15000), ("modifier_part", 16000)])
+def test_a_model_part_is_in_its_own_unit(tmp_path, kind, volume):
+    assert volume_of(put(tmp_path, "part.3mf", assembly(kind))) == pytest.approx(volume)
 
 
 @pytest.mark.parametrize("second", [1, 2, 7])
@@ -308,30 +321,12 @@ def test_a_body_of_a_broken_plate_is_read_all_the_same(tmp_path):
     assert volume_of(path, body="box") == pytest.approx(16000)
 
 
-def named_obj(word, names=("box", "lid")):
-    """Two boxes apart in an OBJ, each below a line of this word."""
-    lines, first = [], 1
-    for name, (size, place) in zip(names, (PLATE, LID), strict=True):
-        corners = [[s * c + p for s, c, p in zip(size, corner, place, strict=True)] for corner in CORNERS]
-        lines += [f"{word} {name}", *("v {} {} {}".format(*corner) for corner in corners)]
-        lines += ["f {} {} {}".format(*(first + corner for corner in side)) for side in SIDES]
-        first += 8
-    return "\n".join(lines).encode()
-
-
-def named_stl(names=("box", "lid")):
-    """The same as solids of an ASCII STL."""
-    text = ""
-    for name, (size, place) in zip(names, (PLATE, LID), strict=True):
-        corners = [[s * c + p for s, c, p in zip(size, corner, place, strict=True)] for corner in CORNERS]
-        rows = ("".join("vertex {} {} {}\n".format(*corners[corner]) for corner in side) for side in SIDES)
-        text += f"solid {name}\n" + "".join(f"facet normal 0 0 0\nouter loop\n{row}endloop\nendfacet\n" for row in rows) + "endsolid\n"
-    return text.encode()
+BOXES = ("box", PLATE), ("lid", LID)
 
 
 @pytest.mark.parametrize(
     ("name", "content"),
-    [("part.obj", named_obj("o")), ("part.obj", named_obj("g")), ("part.stl", named_stl())],
+    [("part.obj", named_obj("o", BOXES)), ("part.obj", named_obj("g", BOXES)), ("part.stl", named_stl(BOXES))],
     ids=["objects", "groups", "solids"],
 )
 def test_names_of_other_formats_are_names_of_bodies(tmp_path, name, content):
@@ -340,7 +335,7 @@ def test_names_of_other_formats_are_names_of_bodies(tmp_path, name, content):
     assert volume_of(path, body="lid") == pytest.approx(4800)
 
 
-@pytest.mark.parametrize(("name", "content"), [("part.stl", named_stl(("", ""))), ("part.obj", named_obj("#"))])
+@pytest.mark.parametrize(("name", "content"), [("part.stl", named_stl((("", PLATE), ("", LID)))), ("part.obj", named_obj("#", BOXES))])
 def test_bodies_without_names_are_given_none(tmp_path, name, content):
     """A parser's word for what has no name, geometry_1, was shown as the file's."""
     assert [one.name for one in bodies(put(tmp_path, name, content))] == ["", ""]

@@ -231,6 +231,12 @@ def test_what_passes_only_just_is_lowered_until_it_is_sure(bench):
     assert (events[-1].verdict.outcome, events[-1].verdict.sure) == ("HOLDS", True)
     assert all(event.kept > 0.5 for event in events if isinstance(event, Corrected))
 
+@pytest.mark.parametrize(("gain", "corrected"), [(25.0, False), (40.0, True)])
+def test_where_nobody_asks_for_more_what_passes_only_just_is_left_and_what_fails_is_not(bench, gain, corrected):
+    bench.gain = gain
+    events = list(bench.engine(bench.recipe(schedule="never", control="none", until_sure=False)).run())
+    assert any(isinstance(event, Corrected) for event in events) == corrected
+    assert events[-1].verdict.passes
 
 @pytest.mark.parametrize("landed", [True, False])
 def test_what_the_part_stands_on_is_laid_flat_for_a_landing_and_not_for_a_load(bench, monkeypatch, landed):

@@ -18,7 +18,7 @@ SMALL = {
 }
 """Parameters by notebook that are smaller than, or other than, the defaults in it."""
 
-STORED = {"01_first_part"}
+STORED = {path.stem for path in NOTEBOOKS}
 """Notebooks with what they show in them, so that whoever browses the repository sees a result; docs/site/store.py stores them."""
 
 

@@ -22,7 +22,7 @@ from support.kills import contents, on_a_sheet
 
 def test_runs_that_are_killed_or_refused_the_disk_end_in_the_bytes_of_a_whole_one(tmp_path):
     paths = os.pathsep.join([str(ROOT), str(ROOT / "tests")])
-    environment = {**os.environ, "MECHSTYLE_CACHE": str(tmp_path / "cache"), "PYTHONPATH": paths}
+    environment = {**os.environ, "PYTHONPATH": paths}  # its block is meshed for other tests as well
     command = [sys.executable, "-m", "support.kills", str(tmp_path / "runs"), "7", "9", "1"]
     told = json.loads(subprocess.run(command, env=environment, stdout=subprocess.PIPE, check=True).stdout)
     for kind in ("sheet", "block"):

@@ -53,7 +53,7 @@ def test_a_quick_run_says_what_it_sets_and_leaves_out(part):
     assert {name: value for name, value, _ in quick.differences(usual)} == QUICK
     assert left_out(usual) == ()
     assert "only in the two that are hardest" in left_out(quick)[0]
-    assert plan(part, "brick", quick=True, hardest_only=False) == usual, "what is asked for goes before"
+    assert plan(part, "brick", quick=True, hardest_only=False, until_sure=True) == usual, "what is asked for goes before"
 
 
 def test_the_paper_criterion_brings_the_published_method(part):

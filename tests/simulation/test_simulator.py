@@ -20,7 +20,7 @@ from mechstyle.records.simulation import GREATEST_HEIGHT, LEAST_CARRIED, LEAST_H
 from mechstyle.simulation import simulator as module
 from mechstyle.simulation.body import SAME_PART, Body, Skin
 from mechstyle.simulation.meshes import AGAIN, carrying
-from mechstyle.simulation.simulator import exponent_of, harder
+from mechstyle.simulation.simulator import LIKELY_EXPONENT, exponent_of, harder
 from support import records
 from support.dropped_block import bumps, ripples, simulator, slopes
 
@@ -130,8 +130,8 @@ def test_in_the_hardest_only_a_styled_part_is_dropped_as_while_it_grows_and_in_w
     assert (drops[0], len(sim.baseline.landings)) == (10, 10)
     hardest = sorted(sim.baseline.of("nearly flat"), key=lambda landing: -landing.stress)[:2]
     assert {one.name for one in found.of("nearly flat")} == {one.name for one in hardest}
-    assert not any(one.retried for one in found.landings)
-    assert {one.exponent for one in found.of("nearly flat")} == {one.exponent for one in hardest}
+    assert not any(one.retried for one in (*found.landings, *sim.baseline.landings))
+    assert {one.exponent for one in found.of("nearly flat")} == {one.exponent for one in hardest} == {LIKELY_EXPONENT}
     if len(found.landings) > 3:  # unless it fails for certain
         assert [one.way for one in found.landings] == ["flat", "nearly flat", "nearly flat", "any landing"]
 
@@ -214,7 +214,7 @@ def test_what_the_tets_could_not_follow_is_taken_out(block, memo):
 def test_a_lower_gap_under_a_part_carries_no_more_but_standing_on_more_does(memo):
     """Why the relief a part stands on is taken away where it is overloaded, and not lowered."""
     box = trimesh.creation.box((30.0, 20.0, 10.0)).apply_translation((0.0, 0.0, 5.0))
-    box = box.subdivide().subdivide().subdivide().subdivide()
+    box = box.subdivide().subdivide().subdivide()
     surface = SurfaceMesh(box.vertices, box.faces)
     middle, standing = np.hypot(surface.vertices[:, 0], surface.vertices[:, 1]), LevelBase(surface).standing
     gap = np.where(standing & (middle > 3.0), -0.3, 0.0).astype(np.float32)
@@ -290,7 +290,7 @@ def test_tets_that_keep_a_notch_of_the_relief_are_not_asked_about_the_plain_part
 
     def stuck(self, displacement):
         found = real(self, displacement)
-        return replace(found, followed=np.full_like(found.followed, -left * body.skin.walls.thickness.min()))
+        return replace(found, followed=np.full_like(found.followed, left * body.skin.walls.thickness.min()))
 
     monkeypatch.setattr(Morph, "morphed", stuck)
     assert body.is_the_plain_part == asked

@@ -98,7 +98,8 @@ def test_size_words_rise_from_tiny_to_huge_with_the_nominal_size_between():
 
 
 def test_amount_words_rise_from_flat_to_extreme_with_the_nominal_amount_between():
-    groups = ["flat faint", "subtle smooth", "low gentle delicate shallow soft mild", "moderate", "pronounced rough", "rugged strong bold",
+    groups = ["flat faint", "subtle smooth barely_visible hardly_visible barely_there",
+              "low gentle delicate shallow soft mild", "moderate", "pronounced rough", "rugged strong bold",
               "deep heavy", "dramatic", "extreme"]  # fmt: skip
     assert sorted(" ".join(groups).split()) == sorted(AMOUNTS)
     assert rising(groups, lambda word: wish(f"{word} bricks").amount)

@@ -33,6 +33,7 @@ import msgspec
 import numpy as np
 
 from mechstyle.errors import MechStyleError
+from mechstyle.gallery import load
 from mechstyle.geometry.files import bodies, read
 from mechstyle.geometry.glb import glb_bytes
 from mechstyle.geometry.threemf import threemf_bytes
@@ -40,6 +41,7 @@ from mechstyle.loop.objects import to_json
 from mechstyle.records.load_cases import read_loads
 from mechstyle.records.material import LIBRARY, read_material
 from mechstyle.runs.run import Run
+from mechstyle.styling.prompt import read as read_prompt
 from support import gltf_files, part_files, slicer_files
 from support.lanes import lane_on_a_sheet
 
@@ -126,25 +128,25 @@ def sound(kind: str) -> bytes:
 
 def several(*boxes: tuple[str, tuple[float, ...], tuple[float, ...]]) -> bytes:
     """An OBJ file of boxes by name, each of a size and a lowest corner."""
-    lines = []
-    for number, (name, size, place) in enumerate(boxes):
-        corners = np.array(slicer_files.CORNERS) * size + place
-        lines += [f"o {name}", *("v {} {} {}".format(*corner) for corner in corners.tolist())]
-        lines += ["f {} {} {}".format(*(8 * number + 1 + corner for corner in side)) for side in slicer_files.SIDES]
-    return "\n".join(lines).encode()
+    return slicer_files.named_obj("o", [(name, (size, place)) for name, size, place in boxes])
 
 
 PLATE = "plate", (40, 30, 3), (0, 0, 0)
+BOXES = ("box", slicer_files.PLATE), ("lid", slicer_files.BESIDE)
 OF_SLICERS: dict[str, Callable[[], bytes]] = {
     "orca.3mf": lambda: slicer_files.orca("negative_part"),
     "apart.3mf": lambda: slicer_files.orca_apart("modifier_part"),
     "prusa.3mf": lambda: slicer_files.prusa("NegativeVolume"),
+    "cura.3mf": lambda: slicer_files.cura("infill_mesh"),
+    "assembly.3mf": lambda: slicer_files.assembly("negative_part"),
 }
 """What slicers write; kinds of parts, of volumes and of plates are mutated with the models."""
 OTHERS: dict[str, Callable[[], bytes]] = {
     "specks.obj": lambda: several(PLATE, *(("dot", (0.8, 0.8, 0.5), (x, 5, 3)) for x in range(4, 36, 4))),
     "sheet.obj": lambda: several(("box", (40, 30, 20), (0, 0, 0)), ("wall", (0, 30, 20), (20, 0, 0))),
     "plate.obj": lambda: several(("box", (20, 20, 9), (0, 0, 0)), ("box", (20, 20, 9), (30, 0, 0)), ("lid", (20, 20, 2), (60, 0, 0))),
+    "groups.obj": lambda: slicer_files.named_obj("g", BOXES),
+    "solids.stl": lambda: slicer_files.named_stl(BOXES),
     "thin.obj": lambda: several(("floor", (24, 24, 0.2), (0, 0, 0)), ("wall", (24, 0.2, 30), (0, 0, 0))),
     "quantised.glb": gltf_files.quantised,
     "sparse.glb": gltf_files.sparse,
@@ -161,6 +163,18 @@ READINGS: tuple[dict[str, Any], ...] = (
     {"unit": "mm"}, {"size": 120.0}, {"size": float("nan")}, {"size": -1.0}, {"size": 1e300}, {"scale": 2.0, "size": 9.0},
 )  # fmt: skip
 """How they are asked to be read."""
+SAID = (b"body=lid", b"unit=cm", b"size=120,body=1", b"scale=2,up=-y,body=lid, left", b"unit=in,unit=mm")
+"""The same after the path."""
+PROMPTS = (
+    b"outside: brick; rim 5 mm: gold studs", b"a wooden owl with gold eyes, 3 mm deep", b"no spikes, but dark blue scales on the top half",
+    "außen: dünne Ziegel; Rand: goldene Nieten".encode(), "外側: レンガ; 縁: 金の鋲".encode(), "écailles bleues, 1/4 inch".encode(),
+)  # fmt: skip
+"""What a style is asked for with."""
+
+
+def _prompt(draw: random.Random, _folder: Path) -> None:
+    prompt = mutated(draw, draw.choice(PROMPTS)).decode(errors="replace")
+    assert read_prompt(prompt).words, prompt
 
 
 def _part(kind: str) -> Case:
@@ -176,6 +190,8 @@ def _part(kind: str) -> Case:
         file.write_bytes(content)
         how = draw.choice(READINGS) if draw.random() < 0.4 else {}
         if draw.random() < 0.2:
+            load(f"{file}#{mutated(draw, draw.choice(SAID)).decode(errors='replace')}")
+        elif draw.random() < 0.2:
             bodies(file, **{name: value for name, value in how.items() if name != "body"})
         else:
             read(file, **how)
@@ -443,6 +459,7 @@ KINDS: dict[str, Case] = {
     "store": _store,
     "forged": _forged,
     "command line": _command_line,
+    "prompt": _prompt,
 }
 
 

@@ -69,3 +69,40 @@ def prusa(kind, *, key="volume_type"):
     both = volume.format(0, 11, "plate", "volume_type", "ModelPart") + volume.format(12, 23, "tower", key, kind)
     settings = f'<config><object id="1" instances_count="1"><metadata type="object" key="name" value="thing"/>{both}</object></config>'
     return package(model(thing(1, mesh(PLATE, TOWER)), '<item objectid="1"/>'), Slic3r_PE_model=settings)
+
+
+def cura(key, value="True"):
+    """The same as Cura writes it, with words within the object of the tower."""
+    said = f'<metadatagroup><metadata name="cura:{key}">{value}</metadata></metadatagroup>'
+    tower = thing(2, said + mesh(TOWER), 'type="model" name="tower"')
+    return package(model(thing(1, mesh(PLATE)) + tower, '<item objectid="1"/><item objectid="2"/>'))
+
+
+def assembly(kind):
+    """The same in an assembly: the plate with its second part turned within another object, the tower in a file in centimetres."""
+    top = 'p:path="/3D/Objects/b.model" objectid="1"'
+    turned = components(4, 'objectid="3" transform="0 1 0 -1 0 0 0 0 1 100 50 0"')
+    settings = f'<config><object id="3"><part id="1" subtype="normal_part"/><part id="1" subtype="{kind}"/></object></config>'
+    tower = model(thing(1, mesh(((1, 1, 3), (1.5, 1.5, 0)))), unit="centimeter")
+    resources = thing(1, mesh(PLATE)) + components(3, 'objectid="1"', top) + turned
+    return package(model(resources, '<item objectid="4"/>'), objects={"b": tower}, model_settings=settings)
+
+
+def named_obj(word, boxes):
+    """Boxes by name in an OBJ, each below a line of this word, o or g."""
+    lines = []
+    for number, (name, (size, place)) in enumerate(boxes):
+        corners = [[s * c + p for s, c, p in zip(size, corner, place, strict=True)] for corner in CORNERS]
+        lines += [f"{word} {name}", *("v {} {} {}".format(*corner) for corner in corners)]
+        lines += ["f {} {} {}".format(*(8 * number + 1 + corner for corner in side)) for side in SIDES]
+    return "\n".join(lines).encode()
+
+
+def named_stl(boxes):
+    """Boxes by name as solids of an ASCII STL."""
+    text = ""
+    for name, (size, place) in boxes:
+        corners = [[s * c + p for s, c, p in zip(size, corner, place, strict=True)] for corner in CORNERS]
+        rows = ("".join("vertex {} {} {}\n".format(*corners[corner]) for corner in side) for side in SIDES)
+        text += f"solid {name}\n" + "".join(f"facet normal 0 0 0\nouter loop\n{row}endloop\nendfacet\n" for row in rows) + "endsolid\n"
+    return text.encode()

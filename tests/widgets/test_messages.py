@@ -251,6 +251,7 @@ def test_the_picture_in_a_notebook_is_of_what_has_come_of_it(studio, monkeypatch
     studio._ipython_display_()
     (widget, _), (nothing, how), (picture, _) = made
     assert (list(nothing), list(picture), how["display_id"]) == (["image/png"], ["image/png", "text/plain"], True)
+    assert "enable_custom_widget_manager() first" in widget["text/plain"], "what a page without widgets shows says what is missing"
     assert "image/png" not in widget, "which a page without the kernel would show beside the other"
     before = len(made)
     studio.prompt_box.prompt = "stone"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,13 +10,15 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy import sparse
-from scipy.sparse.linalg import splu
+from scipy.sparse import csr_array
+from scipy.sparse.linalg import LinearOperator, cg, splu
 
 from mechstyle.errors import BadInput, SimulationFailed
 from mechstyle.fea.drop import GRAVITY
 from mechstyle.fea.elasticity import corner_gradients, displacement_gradients, equivalent_stress, stiffness_matrix, trace
 from mechstyle.fea.elements import ElementMesh, element_named, with_nodes
 from mechstyle.fea.statics.boundary import Boundary, Picked, pick
+from mechstyle.fea.stiffness import TwoLevel, linear_fields
 from mechstyle.records.load_cases import Load, LoadCase, Place, Support
 from mechstyle.records.material import Material
 from mechstyle.records.mesh import Bools, Floats, TetMesh
@@ -26,6 +28,12 @@ RIGID = 1e-6
 
 SAME_DIRECTION = 1e-4
 """Two rollers at a node hold it in one direction only, if their normals differ by less than about 1°."""
+
+
+FACTORISED = 6_000
+"""Unknowns up to which equations are factorised, which then takes a part of a second."""
+LEFT_OVER, ITERATIONS = 1e-10, 400
+"""Residual over the right side at which a solution is taken, as good as by factors; 25 to 40 iterations were counted."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,19 +99,18 @@ class Restraint:
 def solve(
     mesh: ElementMesh, material: Material, restraint: Restraint, loads: list[Floats], across: ArrayLike = (0.0, 0.0, 0.0)
 ) -> list[Response]:
-    """The response to each of several load vectors [N], each of shape [node_count, 3], by one factorisation.
+    """The response to each of several load vectors [N], each of shape [node_count, 3].
 
     `across` is that of `elasticity.equivalent_stress`.
     """
     K, Z = stiffness_matrix(mesh, material), restraint.basis
-    reduced = (Z.T @ K @ Z).tocsc()
     try:
-        factor = splu(reduced, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+        solution = solver(csr_array(Z.T @ K @ Z), csr_array(Z.T @ linear_fields(mesh.connectivity, len(mesh.nodes))))
     except (RuntimeError, MemoryError) as error:
         raise SimulationFailed(f"the load cases could not be solved: {error}") from error
     responses = []
     for load in loads:
-        u = Z @ factor.solve(Z.T @ load.ravel())
+        u = Z @ solution(Z.T @ load.ravel())
         if not np.isfinite(u).all():
             raise SimulationFailed("the load cases could not be solved: the displacement is not a finite number")
         displacement = u.reshape(-1, 3)
@@ -111,6 +118,39 @@ def solve(
         points, corners = (stresses(material, at(mesh, displacement), across) for at in (displacement_gradients, corner_gradients))
         responses.append(Response(displacement, points, corners, load, reactions))
     return responses
+
+
+def solver(matrix: csr_array, fields: csr_array) -> Callable[[Floats], Floats]:
+    """What solves A x = b for a symmetric positive definite matrix, again and again.
+
+    Conjugate gradients, with the linear fields solved for directly: of 6500 tetrahedra the factors of A take ten times the memory and five
+    times the time, and both grow faster than the mesh. Small systems, and one that does not converge, are factorised.
+
+    Args:
+        matrix: A, shape [n, n].
+        fields: The linear fields, shape [n, m].
+
+    Raises:
+        RuntimeError, MemoryError: If A cannot be factorised.
+    """
+
+    def factors() -> Callable[[Floats], Floats]:
+        return splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}).solve
+
+    some = np.flatnonzero(abs(fields).sum(axis=0))  # what is left of a field where supports hold all of it is none
+    if matrix.shape[0] <= FACTORISED or len(some) >= matrix.shape[0]:
+        return factors()
+    try:
+        nearly = TwoLevel(matrix, fields[:, some])
+    except SimulationFailed:  # two fields are one where supports hold what tells them apart
+        return factors()
+    inverse = LinearOperator(matrix.shape, matvec=lambda right: nearly(right.reshape(-1, 1))[:, 0], dtype=np.float64)
+
+    def solved(right: Floats) -> Floats:
+        found, wrong = cg(matrix, right, rtol=LEFT_OVER, atol=0.0, M=inverse, maxiter=ITERATIONS)
+        return factors()(right) if wrong else np.asarray(found)
+
+    return solved
 
 
 def _refuse_free_motion(nodes: Floats, frames: Floats, fixed: Bools) -> None:

@@ -174,3 +174,28 @@ def test_cases_with_the_same_supports_are_solved_together_and_alike(beam, pla, r
     assert list(together) == ["pull", "other", "weight"]
     assert len(factored) == 2
     assert np.array_equal(together["weight"].displacement, responses["weight"].displacement)
+
+
+def factors_are_not_asked(*_, **__):
+    pytest.fail("the whole system was factorised")
+
+
+def test_large_systems_are_solved_without_their_factors_and_alike(beam, pla, responses, monkeypatch):
+    """Conjugate gradients; a clamp and rollers, which turn the frame of their nodes."""
+    rollers = tuple(Support(at=Patch(plane=(0, 0, 0, *axis)), kind="roller") for axis in ((-1, 0, 0), (0, -1, 0), (0, 0, -1)))
+    press = LoadCase(name="press", supports=rollers, loads=(Load(at=Patch(plane=(0, 0, HEIGHT, 0, 0, 1)), pressure=5.0),))
+    direct = {**responses, **StaticTest(beam, (press,)).run(beam, pla)}
+    monkeypatch.setattr(solve, "FACTORISED", 0)
+    monkeypatch.setattr(solve, "splu", factors_are_not_asked)
+    for name, response in StaticTest(beam, (PULL, WEIGHT, press)).run(beam, pla).items():
+        known = direct[name]
+        assert np.abs(response.displacement - known.displacement).max() < 1e-7 * np.abs(known.displacement).max()
+        assert np.abs(response.corners - known.corners).max() < 1e-6 * known.corners.max()
+        np.testing.assert_allclose(response.reactions.sum(axis=0), known.reactions.sum(axis=0), atol=1e-6)
+
+
+def test_what_does_not_converge_is_factorised(beam, pla, responses, monkeypatch):
+    monkeypatch.setattr(solve, "FACTORISED", 0)
+    monkeypatch.setattr(solve, "ITERATIONS", 1)
+    found = StaticTest(beam, (PULL,)).run(beam, pla)["pull"]
+    assert np.array_equal(found.displacement, responses["pull"].displacement)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import trimesh
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from manifold3d import Manifold
@@ -28,14 +29,21 @@ def test_a_sound_surface_stays_the_same_object(sphere):
     assert without_degenerate(sphere, LEAST) is sphere
 
 
+@pytest.fixture(scope="module")
+def ball() -> SurfaceMesh:
+    """A ball of radius 10 mm about the origin, 642 vertices."""
+    round_one = trimesh.creation.icosphere(3, 10.0)
+    return SurfaceMesh(round_one.vertices, round_one.faces)
+
+
 @pytest.mark.parametrize("apart", [0.0, 1e-9, 1e-5])
-def test_seams_without_area_are_closed(sphere, apart):
-    broken = seamed(sphere, apart)
+def test_seams_without_area_are_closed(ball, apart):
+    broken = seamed(ball, apart)
     mended = without_degenerate(broken, LEAST)
     assert heights(broken.corners).min() < LEAST
     assert heights(mended.corners).min() >= LEAST
-    assert _shape(mended) == _shape(sphere)
-    assert mended.volume == pytest.approx(sphere.volume, rel=1e-4)
+    assert _shape(mended) == _shape(ball)
+    assert mended.volume == pytest.approx(ball.volume, rel=1e-4)
     assert (mended.face_normals * mended.corners.mean(axis=1)).sum(axis=1).min() > 0  # none was turned over
 
 

@@ -181,7 +181,8 @@ def test_too_many_for_the_detail_of_the_surface_are_not_corrected_but_too_few_ar
     assert counts_of(monkeypatch, cup, (500, ""), (900, ""), detailed=True) == (900, [(1000, 1.0), (2000, 1.0)])
 
 
-def test_detail_is_more_faces_than_twice_the_tetrahedra_wished(cup):
+def test_detail_is_more_faces_than_twice_the_tetrahedra_wished(cup, cup_tets, monkeypatch):
+    monkeypatch.setattr(module, "tetwild", lambda *_, **__: (cup_tets.vertices, cup_tets.tets))  # whatever it would make of them
     assert module._attempt(cup, 600.0, 1.0, 300.0, module.never_cancel, keep=None).detailed
     assert not module._attempt(cup, 3000.0, 1.0, 300.0, module.never_cancel, keep=None).detailed
 

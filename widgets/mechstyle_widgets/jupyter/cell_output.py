@@ -15,6 +15,7 @@ from typing import Any
 import ipywidgets
 
 from mechstyle.errors import MechStyleError
+from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.newest import Newest
 
 _shown: dict[str, tuple[str, weakref.WeakSet[Any]]] = {}
@@ -39,7 +40,7 @@ class OncePerCell(ipywidgets.Widget):  # type: ignore[misc]  # ipywidgets has no
 
     def _repr_mimebundle_(self, **formats: Any) -> Any:
         replace_last_run(self)
-        return super()._repr_mimebundle_(**formats)
+        return {**super()._repr_mimebundle_(**formats), "text/plain": f"{self!r}\n{word(NO_WIDGETS)}"}
 
     def still(self) -> Callable[[], bytes] | None:
         """What draws the picture as it is now, as PNG, in any thread; None where there is none."""
@@ -57,6 +58,10 @@ class OncePerCell(ipywidgets.Widget):  # type: ignore[misc]  # ipywidgets has no
             shown.update({"image/png": picture, "text/plain": repr(self)}, raw=True)
 
 
+NO_WIDGETS = (
+    "This page shows no widgets: run the cell in JupyterLab 4, Notebook 7 or VS Code; in Colab call "
+    "google.colab.output.enable_custom_widget_manager() first."
+)
 NOTHING = "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="
 """A picture of one pixel, until there is another."""
 

@@ -90,7 +90,7 @@ def said(tool: str, ends: Sequence[Point]) -> str:
 def titles(names: Sequence[str], outcomes: Sequence[str]) -> str:
     """HTML of names side by side, each in the middle of its share of the width, and under it the HTML of its verdict if it has one."""
     heads = zip_longest((escape(translated(name)) for name in names), outcomes[: len(names)], fillvalue="")
-    cells = "".join(f'<div style="flex:1;min-width:0;text-align:center"><div>{name}</div>{outcome}</div>' for name, outcome in heads)
+    cells = "".join(f'<div style="flex:1;min-width:0;text-align:center">{name} {outcome}</div>' for name, outcome in heads)
     return f'<div class="mechstyle-titles" style="color:{INK}">{cells}</div>'
 
 

@@ -158,7 +158,7 @@ function holdFocus(root, listen, watch) {
 function tell(model, root, stage) {
   const width = Math.round(stage.clientWidth);
   if (!width) return; // hidden: it keeps its size
-  let height = Math.min(Math.max(360, 0.55 * width), 560);
+  let height = Math.min(Math.max(360, 0.51 * width), 560);
   if (document.fullscreenElement === root) height = Math.max(FULL_LEAST, root.clientHeight - (stage.parentElement.scrollHeight - canvasHeight(stage)) - bar(root));
   model.set("size", [width, Math.round(height)]);
   model.save_changes();
