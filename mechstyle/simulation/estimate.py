@@ -42,8 +42,8 @@ RINGING, LEAST_CONTACT = 0.8, 0.05
 """A flat impact lasts so many lowest periods, and so many milliseconds besides: of eight parts within a third …"""
 ROCKING = 0.85
 """… and a nearly flat one longer by this share of the time in which the far side comes down over the whole base: 0.2 to 1.35."""
-TRIED = 400
-"""Steps that are tried to see how fast this machine is."""
+TRIED, TRIALS = 200, 3
+"""Steps that are tried to see how fast this machine is, and how often: the quickest counts, as a first one may wait for anything."""
 
 
 @dataclass(frozen=True)
@@ -150,8 +150,10 @@ def seconds_per_millisecond(simulator: DropSimulator, tets: TetMesh) -> float:
     test, material = prescribed(simulator.recipe), simulator.recipe.test.material
     body = discretise(tets, material, test.added_mass, element_named(test.element))
     step = test.safety * damped_step(body, test.damping)[0]
-    tracks, scheme = tracks_for(body, material, simulator.landings.normals[:1], replace(test, window=TRIED * step))
-    on_cores = body_on("cpu", body)
-    begun = perf_counter()
-    follow(on_cores, scheme, tracks, no_progress)
-    return (perf_counter() - begun) / (TRIED * step)
+    on_cores, window, quickest = body_on("cpu", body), replace(test, window=TRIED * step), math.inf
+    for _ in range(TRIALS):
+        tracks, scheme = tracks_for(body, material, simulator.landings.normals[:1], window)
+        begun = perf_counter()
+        follow(on_cores, scheme, tracks, no_progress)
+        quickest = min(quickest, perf_counter() - begun)
+    return quickest / (TRIED * step)
