@@ -68,11 +68,6 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         return hashlib.sha256(msgspec.json.encode(self, order="deterministic")).hexdigest()
 
     @property
-    def steered(self) -> bool:
-        """Whether the style depends on simulations: masks while it grows, or a correction of what it has come to."""
-        return self.restraint.guarantee or (self.schedule.when != "never" and self.restraint.feedback)
-
-    @property
     def settings(self) -> dict[str, Any]:
         """Every setting by name, chapter by chapter."""
         return {name: getattr(getattr(self, chapter), attribute) for name, (chapter, attribute) in _PLACES.items()}

@@ -52,6 +52,11 @@ NAMES = {
     "protect": f"model --json --out --protect {READ} --vertices",
     "rerun": "address --device --json --out",
     "gc": "directory --json --remove",
+    "class": "",
+    "class collect": "reports --height --json --out",
+    "class prepare": "models --device --height --iterations --json --material -m --nearly-flat --no-nearly-flat --out --prompt -p "
+    "--schedule --set --vertices",
+    "film": "addresses --frames --json --no-plain --out --plain --size",
     "report": "address --impact --json --out",
     "materials": "--json",
     "styles": "--json --sheet",
@@ -79,7 +84,7 @@ def tree(command, path=()):
 
 COMMANDS = dict(tree(get_command(app)))
 GENERATED = [
-    (command, parameter) for command in COMMANDS if command != "demo"  # whose prompt is of its own
+    (command, parameter) for command in COMMANDS if command not in ("demo", "class collect")  # whose prompt or height is of their own
     for parameter in COMMANDS[command].params if parameter.name in OPTIONS
 ]  # fmt: skip
 
@@ -111,7 +116,7 @@ def test_no_prompt_is_needed_where_a_picture_may_stand_for_it_and_the_material_i
 def test_there_is_an_option_for_some_settings_of_every_command_that_runs_something():
     assert set(OPTIONS) < set(SETTINGS)
     commands = {"ablation", "run", "freestyle", "branch", "simulate", "application", "protect"}
-    commands |= {"study formative", "study evaluation", "study ablation"}
+    commands |= {"study formative", "study evaluation", "study ablation", "class prepare"}
     assert {command for command, _ in GENERATED} == commands
 
 
