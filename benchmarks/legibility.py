@@ -45,7 +45,7 @@ in levels of 255, over the pixels of the cup. Each style is finished and unrestr
 `python benchmarks/legibility.py`; [legibility.json](legibility.json) has the figure of each style. From about 8 on a style is seen at a
 glance. {below}
 
-![Each style on the five cups, in grey](legibility.png)
+![Each style on cups, in grey](legibility.png)
 
 """
 
@@ -93,9 +93,9 @@ def main() -> None:
                 print(f"{style} on {told}: {known[style][told]}", flush=True)
     path.write_bytes(msgspec.json.format(msgspec.json.encode(dict(sorted(known.items()))), indent=1) + b"\n")
     (DOCS / "legibility.md").write_text(page(known))
-    drawn = [style for style in sorted(known) if all((sheets / f"{style}-{index}.npy").exists() for index in range(len(CUPS)))]
-    if drawn:
-        (DOCS / "legibility.png").write_bytes(sheet(sheets, drawn))
+    shown = [index for index in range(len(CUPS)) if all((sheets / f"{style}-{index}.npy").exists() for style in known)]
+    if shown:
+        (DOCS / "legibility.png").write_bytes(sheet(sheets, sorted(known), shown))
 
 
 def page(known: dict[str, dict[str, float]]) -> str:
@@ -111,16 +111,16 @@ def page(known: dict[str, dict[str, float]]) -> str:
     return HEAD.format(below=below, vertices=f"{STANDARD_VERTICES:,}".replace(",", " ")) + "\n".join(lines) + "\n"
 
 
-def sheet(folder: Path, styles: list[str], columns: int = 2) -> bytes:
-    """All pictures below each other in columns, a row for each style, as PNG."""
-    cell = PIXELS // 2
-    deep, wide = -(-len(styles) // columns), cell * len(CUPS)
+def sheet(folder: Path, styles: list[str], cups: list[int]) -> bytes:
+    """The pictures of some cups below each other in columns, a row for each style, as PNG."""
+    cell, columns = PIXELS // 2, max(10 // len(cups), 1)
+    deep, wide = -(-len(styles) // columns), cell * len(cups)
     pixels = np.full((deep * (cell + LINE), columns * wide, 3), 247, np.uint8)
     places = []
     for index, style in enumerate(styles):
         column, line = divmod(index, deep)
         left, top = column * wide, line * (cell + LINE)
-        row = np.hstack([np.load(folder / f"{style}-{cup}.npy") for cup in range(len(CUPS))])
+        row = np.hstack([np.load(folder / f"{style}-{cup}.npy") for cup in cups])
         row = row.reshape(cell, 2, wide, 2).mean(axis=(1, 3))
         pixels[top + LINE : top + LINE + cell, left : left + wide] = row[..., None]
         places.append((left + 8, top))

@@ -47,7 +47,7 @@ def trophy() -> Workpiece:
     """The part of the lessons, ready for a run: surface, tetrahedra and walls."""
     body = turned(PROFILE, RINGS, LAYERS)
     used, faces = np.unique(body.boundary_faces, return_inverse=True)
-    surface = SurfaceMesh(body.vertices[used], faces.reshape(-1, 3))
+    surface = SurfaceMesh(body.vertices[used], faces.reshape(-1, 3).astype(np.int32))
     return Workpiece(surface, body, local_thickness(surface).astype(np.float32), stands=True)
 
 
@@ -124,7 +124,8 @@ def stress(shown: Shown, title: str = "") -> Picture:
     panels = []
     for words, (one, iteration) in _at(shown):
         limit = one.recipe.test.material.yield_strength
-        note = f"survives {sentences.length(one.simulation(iteration).flat.critical_height)}"
+        flat = one.simulation(iteration).flat
+        note = "" if flat is None else f"survives {sentences.length(flat.critical_height)}"
         values, quantity = one.checkpoint(iteration).stress, fields.stress(limit)
         panels.append(Panel(one.surface(iteration), words, values, quantity.unit, quantity.label, (0.0, TOP), limit, note=note))
     return picture(panels, title=title)

@@ -143,6 +143,7 @@ class _Package:
         self._part = ""
         self._object: _Object | None = None
         self._setting, self._words = "", ""
+        self._parser: Any = None
 
     def read(self, name: str, file: Any) -> None:
         """Read an entry of the package: a model part, settings of a slicer, or where the package begins."""
@@ -157,8 +158,7 @@ class _Package:
 
         parser = expat.ParserCreate(namespace_separator=" ")
         parser.StartElementHandler = element
-        parser.CharacterDataHandler = self._word
-        parser.EndElementHandler = self._end
+        self._parser = parser
         parser.StartDoctypeDeclHandler = _doctype
         parser.ParseFile(file)
 
@@ -194,19 +194,20 @@ class _Package:
         elif kind in ("metadata", "setting"):
             names = [value for name, value in attributes.items() if name.rpartition(" ")[2] in ("name", "key")]
             self._setting, self._words = (names or [""])[0].rpartition(":")[2], ""
+            self._parser.CharacterDataHandler, self._parser.EndElementHandler = self._word, self._end  # not called for a million others
 
     def _word(self, words: str) -> None:
         """Text between elements; what Cura says of an object is a short word."""
-        if self._setting and len(self._words) < 8:
+        if len(self._words) < 8:
             self._words += words
 
     def _end(self, _tag: str) -> None:
-        if self._object is not None and self._setting:
+        self._parser.CharacterDataHandler = self._parser.EndElementHandler = None
+        if self._object is not None:
             word = self._words.strip().lower()
-            if self._setting in ROLES and word == "true":
+            if self._setting.endswith("_mesh") and self._setting in ROLES and word == "true":
                 self._object.kind = self._setting
             self.said.coloured |= self._setting == "extruder_nr" and word not in ("", "-1", "0")
-        self._setting = ""
 
     def _begin(self, attributes: dict[str, str]) -> None:
         key = _Key(self._part, attributes["id"])

@@ -101,12 +101,8 @@ def _is_kept(store: Store, path: Path, reached: set[str]) -> bool:
     named = set(_digests(path.name.rpartition("-")[2])) - {path.name}
     if path.name.startswith(MESHES) or named & reached:
         return True
-    digests = list(_digests(path.read_text(encoding="ascii", errors="replace")))
-    return any(digest in reached or _is_number(store, digest) for digest in digests)
-
-
-def _is_number(store: Store, digest: str) -> bool:
-    return store.objects.path(digest).is_file() and store.objects.get(digest)[:1].isdigit()
+    objects, digests = store.objects, list(_digests(path.read_text(encoding="ascii", errors="replace")))
+    return any(digest in reached or (objects.path(digest).is_file() and objects.get(digest)[:1].isdigit()) for digest in digests)
 
 
 def _reached(store: Store, start: Iterable[str], known: Iterable[str] = (), *, needed: bool = False) -> set[str]:

@@ -14,7 +14,6 @@ Everything is written aside and renamed, so a process killed at any moment loses
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TypeVar
 
@@ -178,13 +177,11 @@ class Store:
 
     def history(self, lane: str = "main") -> list[Entry]:
         """All checkpoints of a lane, its inherited past included, oldest first."""
-        return list(self._past(self.lane(lane).head))[::-1]
-
-    def _past(self, digest: str) -> Iterator[Entry]:
+        entries, digest = [], self.lane(lane).head
         while digest:
-            entry = self.entry(digest)
-            yield entry
-            digest = entry.parent
+            entries.append(self.entry(digest))
+            digest = entries[-1].parent
+        return entries[::-1]
 
     def verdict(self, state: Checkpoint | Entry) -> Verdict | None:
         """The newest verdict there, None before the first."""

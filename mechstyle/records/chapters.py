@@ -273,11 +273,9 @@ class StrengthTest(Chapter, frozen=True, kw_only=True):
     def __post_init__(self) -> None:
         """Refuse, besides, a direction of no length, and a material whose strength across layers nobody stated."""
         super().__post_init__()
-        if self.build_direction is not None:
-            self._check_layers(self.build_direction)
-
-    def _check_layers(self, direction: tuple[float, float, float]) -> None:
-        """Refuse a direction of no length, and a material whose strength across layers nobody stated."""
+        direction = self.build_direction
+        if direction is None:
+            return
         if not (math.isfinite(math.hypot(*direction)) and math.hypot(*direction) > 0.0):
             raise BadInput(f"build direction is {direction}, but must be x, y, z or a vector of some length")
         if self.material.layer_ratio is None:

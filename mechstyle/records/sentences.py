@@ -186,19 +186,17 @@ def _remedy(verdict: Verdict, near: Sequence[Doubt]) -> str:
 
 def _missed(doubts: Sequence[Doubt]) -> Iterable[str]:
     """What the mesh misses of the part, and what to do about it."""
-    found = [words for one in doubts if (words := _of_the_mesh(one))]
+    found = []
+    for one in doubts:
+        known = math.isfinite(one.value)
+        if one.about == "relief":
+            of_it = f"only {one.value:.0%} of the relief"
+            found.append(f"the mesh follows {of_it}" if known else "what the mesh follows of the relief is not known")
+        if one.about == "volume":
+            off = f"the volume of the mesh is {one.value:+.1%} off that of the part"
+            found.append(off if known else "the volume of the mesh is not known")
     if found:
         yield f"{_listed(found)}; ask for more vertices"
-
-
-def _of_the_mesh(one: Doubt) -> str:
-    """A doubt about the mesh, "" for one about a limit."""
-    known = math.isfinite(one.value)
-    if one.about == "relief":
-        return f"the mesh follows only {one.value:.0%} of the relief" if known else "what the mesh follows of the relief is not known"
-    if one.about == "volume":
-        return f"the volume of the mesh is {one.value:+.1%} off that of the part" if known else "the volume of the mesh is not known"
-    return ""
 
 
 def _in_doubt(one: Doubt) -> str:

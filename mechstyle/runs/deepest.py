@@ -13,7 +13,7 @@ from mechstyle.records import Verdict
 from mechstyle.records.material import Material
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh
 from mechstyle.runs.recipes import draft
-from mechstyle.runs.run import Run, started
+from mechstyle.runs.run import started
 from mechstyle.simulation.part import Stage, Warn, Workpiece, logged, prepare
 
 DEPTHS = (0.15, 0.25, 0.4, 0.6, 0.8)
@@ -77,14 +77,10 @@ def deepest(
 
     def verdict(depth: float) -> Verdict:
         stage(f"trying a relief of {depth:g} of the wall")
-        return _trial(run, depth).go().verdict
+        whole = depth == run.recipe.style.amplitude  # the run itself, which the others branch off from before its first iteration
+        return (run if whole else run.branch(0, lane=f"depth-{depth:g}", amplitude=depth)).go().verdict
 
     return deepest_of(depths, verdict)
-
-
-def _trial(run: Run, depth: float) -> Run:
-    """The lane of a depth: the whole depth is the run itself, which the others branch off from before its first iteration."""
-    return run if depth == run.recipe.style.amplitude else run.branch(0, lane=f"depth-{depth:g}", amplitude=depth)
 
 
 def deepest_of(depths: Sequence[float], verdict: Callable[[float], Verdict]) -> Depth:

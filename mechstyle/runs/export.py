@@ -108,8 +108,9 @@ def sheen_of(recipe: Recipe) -> Sheen:
 
 def _in_words(known: Known) -> str:
     """What a field is, with its unit and what should be known of its values."""
-    unit = f" [{known.quantity.unit}]" if known.quantity.unit else ""
-    return f"{known.quantity.label}{unit}" + (f"; {known.note}" if known.note else "")
+    quantity = known.quantity
+    label = f"{quantity.label} [{quantity.unit}]" if quantity.unit else quantity.label
+    return "; ".join(filter(None, (label, known.note, quantity.most and f"{quantity.most} stands for that and more")))
 
 
 def sidecar(path: Path) -> Path:

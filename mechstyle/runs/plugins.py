@@ -24,7 +24,8 @@ _registered: dict[str, Factory] = {}
 
 def register_stylizer(name: str) -> Callable[[Factory], Factory]:
     """Decorate a factory, so that `stylizer=NAME` finds it in this process; a second one of the same name replaces the first."""
-    _checked_name(name)
+    if not (name.isidentifier() or name.replace("-", "_").isidentifier()):
+        raise BadInput(f"a stylizer must be named by letters, digits, '-' and '_', not {name!r}")
 
     def register(factory: Factory) -> Factory:
         _registered[name] = factory
@@ -84,8 +85,3 @@ def _source(name: str) -> Factory:
     if not known_stylizers():
         raise BadInput(f"the stylizer {name!r} is not here: install the package that brings it, or register it as docs/plug-in.md shows")
     raise unknown("stylizer", name, known_stylizers())
-
-
-def _checked_name(name: str) -> None:
-    if not (name.isidentifier() or name.replace("-", "_").isidentifier()):
-        raise BadInput(f"a stylizer must be named by letters, digits, '-' and '_', not {name!r}")

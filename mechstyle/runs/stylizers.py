@@ -81,7 +81,10 @@ def stylizer_for(
     if recipe.style.stylizer:
         return made(part.surface, bounds, recipe), ()
     if recipe.style.guidance == "clip":
-        return _towards_prompt(part, bounds, recipe, device), ()
+        need_clip_extra()
+        from mechstyle.styling.learned.build import towards_prompt  # noqa: PLC0415 — torch is loaded when it is wanted
+
+        return towards_prompt(part.surface, bounds, recipe, located(recipe.style.clip, clip_folder()).folder, device), ()
     reading = reading_of(recipe)
     aim = drawing_of(part, bounds, recipe, reading, objects, go_on).target
     notes = (f"prompt read as {reading.words}", *reading.notes, *aim.notes)
@@ -196,11 +199,3 @@ def drawn(
         finally:
             canvas.go_on = never_cancel  # it is drawn on again, when whoever asked may have stopped
     return combined(mesh, targets, shares).without(bounds.plain)
-
-
-def _towards_prompt(part: Workpiece, bounds: Bounds, recipe: Recipe, device: str) -> Stylizer:
-    need_clip_extra()
-    from mechstyle.styling.learned.build import towards_prompt  # noqa: PLC0415 — as above
-
-    weights = located(recipe.style.clip, clip_folder()).folder
-    return towards_prompt(part.surface, bounds, recipe, weights, device)

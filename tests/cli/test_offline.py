@@ -78,7 +78,7 @@ def test_every_command_works_without_a_network(finished, offline):
         ["show", f"{root}", "--out", f"{out}/picture.png"], ["export", f"{root}", "--out", f"{out}/part.glb"],
         ["report", f"{root}", "--out", f"{out}/page.html"],
         ["run", "gallery:pen_holder", "--prompt", "brick", *quick, "--out", f"{out}/run"], ["gc", f"{out}/run"],
-        ["freestyle", "gallery:pen_holder", "--prompt", "brick", "--inside", "styled", *quick, "--out", f"{out}/free"],
+        ["freestyle", "gallery:pen_holder", "--prompt", "brick", "--inside", "styled", *quick, "--vertices=900", "--out", f"{out}/free"],
         ["branch", f"{out}/run@1", "--control", "frozen"], ["rerun", f"{out}/run"], ["orient", f"{out}/run"],
         ["validate", "--case", "rigid"],
         ["simulate", f"{out}/part.glb", "--vertices=2000", "--orientations=1", "--no-nearly-flat", "--window=0.05", "--out", f"{out}"],

@@ -143,7 +143,7 @@ def test_a_run_killed_at_any_moment_resumes_to_the_same_bytes(finished, tmp_path
 
 
 def test_freestyle_simulates_once_and_keeps_everything(mechstyle):
-    styled = ("gallery:pen_holder", "--prompt", "brick", "--inside", "styled", *mechstyle.small)
+    styled = ("gallery:pen_holder", "--prompt", "brick", "--inside", "styled", *mechstyle.small, "--vertices", "900")
     summary = mechstyle.here("freestyle", *styled, "--out", "free", "--json").json
     assert [line["reason"] for line in summary["simulations"]] == ["last iteration"]
     assert summary["kept"] == pytest.approx(1.0, abs=1e-4)

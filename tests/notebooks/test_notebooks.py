@@ -18,7 +18,7 @@ SMALL = {
 }
 """Parameters by notebook that are smaller than, or other than, the defaults in it."""
 
-STORED = {path.stem for path in NOTEBOOKS}
+STORED = {path.stem for path in NOTEBOOKS} - {"07_applications", "08_a_reproducible_report"}  # of 2 MB; of one machine
 """Notebooks with what they show in them, so that whoever browses the repository sees a result; docs/site/store.py stores them."""
 
 

@@ -13,22 +13,36 @@ import msgspec
 
 from mechstyle._files import write_whole
 from mechstyle.errors import BadInput
+from mechstyle.fea.stressed_volume import DROPPED, LOADED
 from mechstyle.loop.history import Row, Step, largest_mask_change, standing, steps
 from mechstyle.records import Recipe, Verdict, sentences
 from mechstyle.records.landings import STANDARDS
 from mechstyle.records.material import SPREAD, Material
 from mechstyle.records.recipe import described
-from mechstyle.runs.report import texts
 from mechstyle.runs.report.bundle import IN_A_REPORT, bundle, static
 from mechstyle.runs.report.impact_data import impacts, work_out
-from mechstyle.runs.report.markup import Markup, cells, fill, joined, script_json, table, with_code
-from mechstyle.runs.report.outcomes import badge, kind, legend
+from mechstyle.runs.report.markup import Markup, badge, cells, fill, joined, kind, legend, script_json, table, with_code
 from mechstyle.runs.report.replay_data import ReplayData, replay_data
 from mechstyle.runs.report.reproduce import command_for
 from mechstyle.runs.report.result import result_element
 from mechstyle.runs.report.run_protocol import LaneOfRun, begun
 from mechstyle.runs.report.static_view import still
 from mechstyle.runs.report.timeline import timeline
+
+LIMITS = (
+    "The verdict compares falls and loads in a simulation. It is no certificate: do not rely on it where somebody can get hurt.",
+    "The part is solid, isotropic and elastic up to yield: no layers without a build direction, no infill, fatigue, creep or fracture.",
+    f"In a fall a cube of {DROPPED:.0f} mm that is bent for good counts, under a load one of {LOADED:.0f} mm; smaller dents do not.",
+    "Where the plain part itself begins to yield, as most plastic parts do on an edge, the styled part is compared with it.",
+    "A fall or a load closer to its limit than a mesh made anew moves it is not sure.",
+    "The largest stress of an element, which the published rule looks at, depends on the mesh where the floor meets the part at a point.",
+    "A drop hardly notices walls that are merely too thin to print or to handle. Look at the wall thickness too.",
+    "Between simulations the stress and the mask shown are those of the last one.",
+)
+"""Limits of the method."""
+
+METHOD = "Faruqi et al., MechStyle (SCF 2025), doi 10.1145/3745778.3766655"
+"""Where it comes from."""
 
 TOOLS = ("numpy", "scipy", "trimesh", "manifold3d", "pytetwild", "warp-lang")
 """Libraries whose version can change a figure."""
@@ -75,7 +89,7 @@ def report_page(run: LaneOfRun) -> str:
         settings=_settings(run.recipe),
         material=_material(run.recipe.test.material),
         limits=joined(fill("<li>{text}</li>", text=text) for text in _limits(run.recipe)),
-        method=texts.METHOD,
+        method=METHOD,
         command=command_for(run, history),
         missing=_missing(run),
         versions=_versions(run),
@@ -241,7 +255,7 @@ def _limits(recipe: Recipe) -> list[str]:
     if recipe.test.standard:
         words = f"{recipe.test.after_standard[0].upper()}{recipe.test.after_standard[1:]}"
         own.append(f"{words}. {STANDARDS[recipe.test.standard].departs} The verdict is no test to the standard.")
-    return [*texts.LIMITS, *own]
+    return [*LIMITS, *own]
 
 
 def _material(material: Material) -> Markup:

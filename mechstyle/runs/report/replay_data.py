@@ -143,7 +143,8 @@ def replay_data(run: LaneOfRun) -> ReplayData:
         "colours": palette(),
         "light": light(),
     }
-    packed = b"".join([_surface_bytes(surface), *(channel.packed() for channel in channels)])
+    arrays = (surface.vertices.astype("<f4"), surface.vertex_normals.astype("<f4"), surface.faces.astype("<u4"))
+    packed = b"".join([*(array.tobytes() for array in arrays), *(channel.packed() for channel in channels)])
     return ReplayData(header, gzip.compress(packed, 6, mtime=0))
 
 
@@ -159,11 +160,6 @@ def _verdicts(rows: Sequence[Row]) -> Iterator[Verdict | None]:
     for row in rows:
         newest = row.verdict or newest
         yield newest
-
-
-def _surface_bytes(surface: SurfaceMesh) -> bytes:
-    arrays = (surface.vertices.astype("<f4"), surface.vertex_normals.astype("<f4"), surface.faces.astype("<u4"))
-    return b"".join(array.tobytes() for array in arrays)
 
 
 def _unique(digests: Sequence[Digests], key: str) -> tuple[list[str], list[int]]:

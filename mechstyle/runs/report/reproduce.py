@@ -44,7 +44,8 @@ def command_for(run: LaneOfRun, history: Sequence[Entry]) -> str:
     for number, (old, new) in enumerate(pairwise(recipes), 1):
         at = max(entry.iteration for entry in history if entry.recipe == old.digest)
         lane = run.lane if number == len(recipes) - 1 and run.lane != "main" else f"step-{number}"
-        steps.append(shlex.join(["mechstyle", "branch", f"{folder}@{parent}:{at}", "--lane", lane, *_branch_options(old, new)]))
+        changes = settings_for(new, lambda old=old, **settings: changed(old, settings))
+        steps.append(shlex.join(["mechstyle", "branch", f"{folder}@{parent}:{at}", "--lane", lane, *options(changes)]))
         parent = lane
     return " && ".join(steps)
 
@@ -133,7 +134,3 @@ def _run(run: LaneOfRun, recipe: Recipe, folder: str) -> str:
         made += [f"--{name}={value}"] if str(value).startswith("-") else [f"--{name}", str(value)]
     model = f"./{model}" if model.startswith("-") else model
     return shlex.join(["mechstyle", verb, model, *options({"prompt": recipe.style.prompt, **settings}, known), *made, "--out", folder])
-
-
-def _branch_options(old: Recipe, new: Recipe) -> list[str]:
-    return options(settings_for(new, lambda **given: changed(old, given)))

@@ -8,8 +8,7 @@ from collections.abc import Iterator, Sequence
 
 from mechstyle.loop.history import Step
 from mechstyle.records import sentences
-from mechstyle.runs.report.markup import Markup, fill, joined
-from mechstyle.runs.report.outcomes import kind, mark
+from mechstyle.runs.report.markup import Markup, fill, joined, kind, mark
 
 WIDTH, HEIGHT = 960, 330
 LEFT, RIGHT = 62, 944

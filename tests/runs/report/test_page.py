@@ -15,9 +15,8 @@ from mechstyle.loop.history import largest_mask_change, rows, steps
 from mechstyle.records import sentences
 from mechstyle.records.landings import STANDARDS
 from mechstyle.records.recipe import described
-from mechstyle.runs.report import texts
-from mechstyle.runs.report.outcomes import RING, SHAPES, kind
-from mechstyle.runs.report.page import _limits, report_page, write_report
+from mechstyle.runs.report.markup import RING, SHAPES, kind
+from mechstyle.runs.report.page import LIMITS, _limits, report_page, write_report
 from mechstyle.runs.report.replay_data import replay_data
 from support.reader import Reader
 
@@ -36,7 +35,7 @@ def test_it_says_what_a_reader_must_know(read, lane):
     verdict, recipe = lane.verdict, lane.recipe
     for words_ in (
         verdict.head, *sentences.EXPLANATION, *sentences.MEANINGS.values(), recipe.digest, recipe.test.material.source,
-        "a note on the part", *texts.LIMITS, "mechstyle run gallery:pen_holder --prompt brick",
+        "a note on the part", *LIMITS, "mechstyle run gallery:pen_holder --prompt brick",
     ):  # fmt: skip
         assert words_ in read.text
     for name in ("surface", "tetrahedra", *recipe.settings):

@@ -45,7 +45,7 @@ def typed(steps, monkeypatch):
     """What the command line makes of a command: the settings of its draft, and the rest of what it was given."""
     caught = []
 
-    def catch(*given, freestyle, as_json):
+    def catch(*given, freestyle, as_json, **_):
         caught.append((given, freestyle))
         raise SystemExit(0)
 

@@ -9,8 +9,7 @@ import pytest
 
 from mechstyle.loop.history import rows, steps
 from mechstyle.records import Doubt
-from mechstyle.runs.report.markup import cells
-from mechstyle.runs.report.outcomes import RING, SHAPES
+from mechstyle.runs.report.markup import RING, SHAPES, cells
 from mechstyle.runs.report.page import _row
 from mechstyle.runs.report.timeline import ticks, timeline
 from support.records import UNKNOWN, row

@@ -206,6 +206,7 @@ function label(root) {
     canvas.setAttribute("role", "application");
     canvas.setAttribute("aria-label", say("The part: arrow keys turn it, plus and minus come nearer and go farther, Home shows all of it, Enter asks about the place in the middle"));
   }
+  for (const image of root.querySelectorAll("img:not([alt])")) image.alt = ""; // what it shows stands in words beside it
   for (const head of root.querySelectorAll(".mechstyle-group-head")) set(head, "aria-expanded", head.classList.contains("mechstyle-open"));
   for (const one of root.querySelectorAll("button.widget-toggle-button")) set(one, "aria-pressed", one.classList.contains("mod-active"));
   for (const one of root.querySelectorAll("button.mechstyle-pin")) set(one, "aria-label", one.title);
