@@ -85,8 +85,8 @@ class PictureChoice(PageWidget):
         """
         self._drawn = {name: picture for name in names if (picture := thumbnails.cached(kind, name)) is not None}
         titles = {name: word(name.replace("_", " ")) for name in names}
-        told = {name: f"{titles[name]}: {about}" if spoken() == "en" else titles[name] for name, about in names.items()}
-        shown = {name: {"title": titles[name], "tip": told[name]} for name in names}
+        tips = {name: f"{titles[name]}: {about}" if spoken() == "en" else titles[name] for name, about in names.items()}
+        shown = {name: {"title": titles[name], "tip": tips[name]} for name in names}
         found = {name: " ".join((name, *shown[name].values(), found_by.get(name, ""))).replace("_", " ").lower() for name in names}
         heads = {word(head): members for head, members in in_groups(groups, names).items()}
         words = {name: word(text).format(len(names)) for name, text in WORDS[kind].items()}

@@ -68,7 +68,7 @@ class StudioState(traitlets.HasTraits):
         another: Whether what is asked for is another run than the one on show, which is then the last one.
         falls: Counts the comparisons whose fall is to be played once.
         calm: Whether the system asks that nothing moves by itself.
-        price: What filament costs per kg, 0 if that is not to be told.
+        price: What filament costs per kg, 0 if it is not to be shown.
     """
 
     run = traitlets.Instance(Run, None, allow_none=True)
@@ -339,7 +339,7 @@ class StudioState(traitlets.HasTraits):
         return self.left_as_foretold() if left is None else {"seconds_left": left}
 
     def left_as_foretold(self) -> dict[str, Any]:
-        """Time left by the estimate of before, from any thread; nothing once a drop test has told better, or more has passed."""
+        """Time left by the estimate of before, from any thread; nothing once a drop test tells better, or more has passed."""
         left = self._foretold - self._watch.total
         return {} if self._outlook.known or not self._foretold else {"seconds_left": left if left > 0.0 else None}
 
