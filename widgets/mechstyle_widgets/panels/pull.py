@@ -109,6 +109,6 @@ class PullHere(Section):
         self.complain("")
         where = "" if self.held is None else word("Held at {}.").format(", ".join(f"{value:.0f}" for value in self.held))
         carried = "; ".join(case.name for case in self._options.loads)
-        carrying = word("It must carry: {}.").format(carried) if carried else ""
+        loads = word("It must carry: {}.").format(carried) if carried else ""
         ask = "" if self.place is not None else word("Click on the part to ask about a place, or to pull there.")
-        self.note(" ".join(filter(None, (ask, where, carrying))))
+        self.note(" ".join(filter(None, (ask, where, loads))))

@@ -45,11 +45,11 @@ class Result(Words):
         if run is None or shown is None or (plain := run.part.surface.volume) <= 0.0:
             return ""
         density, styled = run.recipe.test.material.density, run.part.surface.displaced(shown.displacement).volume
-        note, price = said(sentences.weighed(density * styled, density * plain)), self._state.price
+        words, price = said(sentences.weighed(density * styled, density * plain)), self._state.price
         if price:
             costs = (f"{1e-3 * price * density * volume:.2f}" for volume in (styled, plain))
-            note += " " + word("Its filament costs {}, that of the plain part {}, at {} per kg.").format(*costs, f"{price:g}")
-        return f'<div class="mechstyle-note">{escape(note)}</div>'
+            words += " " + word("Its filament costs {}, that of the plain part {}, at {} per kg.").format(*costs, f"{price:g}")
+        return f'<div class="mechstyle-note">{escape(words)}</div>'
 
     def _lanes(self) -> str:
         """HTML of outcome and relief kept of each lane that was tested since it began, "" where none was."""
