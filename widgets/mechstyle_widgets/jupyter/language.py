@@ -47,8 +47,8 @@ def said(english: str) -> str:
 
 @lru_cache(maxsize=4096)
 def _german(english: str) -> str:
-    if english in GERMAN:
-        return GERMAN[english]
+    if (plain := english.replace("\N{NO-BREAK SPACE}", " ")) in GERMAN:
+        return GERMAN[plain]
     for form, german in _forms():
         if found := form.fullmatch(english):
             return german.format(*map(_german, found.groups()))

@@ -153,7 +153,7 @@ def _prospect(plan: Plan | None, width: int) -> list[str]:
 def _planned(lane: str, places: Sequence[int]) -> dict[str, Any]:
     marker = {"symbol": "circle-open", "color": LOOKS["UNKNOWN"].line, "size": 9}
     hover = {"hovertemplate": word("drop test planned at iteration %{x}") + "<extra></extra>"}
-    return {"x": list(places), "y": [lane] * len(places), "marker": marker, **hover}
+    return {"x": list(places), "y": [lane] * len(places), "name": word("planned"), "marker": marker, **hover}
 
 
 def _lanes(own: Mapping[str, Rows], forks: Mapping[str, tuple[int, str]]) -> list[dict[str, Any]]:
@@ -167,7 +167,8 @@ def _lanes(own: Mapping[str, Rows], forks: Mapping[str, tuple[int, str]]) -> lis
     traces = [{"x": [x for x, _ in lines], "y": [y for _, y in lines]}, {**_marks(flat), "marker": {"size": 16, "opacity": 0.0}}]
     for outcome, look in LOOKS.items():
         of_this = [(name, row) for name, row in flat if row.outcome == outcome]
-        traces.append({**_marks(of_this), "marker": {"symbol": look.symbol, "color": look.line, "size": 9, "line": _around(of_this)}})
+        marker = {"symbol": look.symbol, "color": look.line, "size": 9, "line": _around(of_this)}
+        traces.append({**_marks(of_this), "name": word(outcome), "marker": marker})
     return traces
 
 
