@@ -95,9 +95,10 @@ def page(rows: Sequence[Row], machine: str) -> str:
     """The page of these rows."""
     parts, styles = (list(dict.fromkeys(getattr(row, of) for row in rows)) for of in ("part", "prompt"))
     named = ", ".join(part.replace("_", " ") for part in parts)
-    about = "".join(f"*{name}*: {CONDITIONS[name].about}.\n" for name in dict.fromkeys(test for test, _ in tests(rows)))
-    intro = f"{len(parts)} parts of the gallery ({named}) in {' and '.join(styles)}, solid PLA, a fall of 1.5 m{machine}.\n"
-    rest = "Rows: [why-these-defaults.json](why-these-defaults.json). *Passes* counts HOLDS and NO WORSE. *Kept* counts what can be seen.\n"
+    about = "".join(f"* *{name}*: {CONDITIONS[name].about}.\n" for name in dict.fromkeys(test for test, _ in tests(rows)))
+    intro = f"{len(parts)} parts of the gallery in {' and '.join(styles)}: {named}. Solid PLA, a fall of 1.5 m. {machine}\n\n"
+    rest = "\nRows: [why-these-defaults.json](why-these-defaults.json).\n"
+    rest += "*Passes* counts HOLDS and NO WORSE. *Kept* counts what can be seen.\n"
     lines = list(given_up(rows))
     lost = "\n".join(lines) if lines else f"Nothing: all pass for sure and keep {WORTH_TELLING:g} at least."
     return (
@@ -140,7 +141,7 @@ def main() -> None:
             print(f"{row.part} in {row.prompt}, {row.arm}: {row.status}, {row.refused}")
     done = [row for row in rows if row.status == "done"]
     (DOCS / "why-these-defaults.json").write_bytes(b"[\n" + b",\n".join(map(msgspec.json.encode, done)) + b"\n]\n")
-    (DOCS / "why-these-defaults.md").write_text(page(done, f", {given.machine}" if given.machine else ""), encoding="utf-8")
+    (DOCS / "why-these-defaults.md").write_text(page(done, f"Run on {given.machine}." if given.machine else ""), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -42,7 +42,7 @@ PUBLISHED = {FREE: 25.55}
 """Runs that pass in the published study [%] (Faruqi et al. 2025)."""
 NUMBERS = (
     "Numbers are the critical drop height of the flat landing in m; ✓ holds, ≈ no worse than the plain part, ✗ fails. A mark in brackets is"
-    " not sure. ≈ or ✗ beside a number above the fall that was asked for: another test decides."
+    " not sure. ≈ or ✗ with a number above the fall that was asked for: another test decides."
 )
 MEASURE = (
     "Measure of the table: the critical drop height, which is the fall a part survives (columns `flat_height` and `nearly_height`, and"
@@ -85,7 +85,7 @@ def write_page(rows: Sequence[Row], page: Path, *, note: str = "") -> dict[str, 
     parts = ["# Study", _found(done), "\n".join(filter(None, (note, made))), _what(own, done), _how()]
     parts += [_free(done, pictures), _ways(done, pictures)]
     parts += [_times(done, pictures), _losses(done, pictures), _arms(done, pictures)]
-    parts.append(f"## Beside the published study\n\n{_beside(done)}{SLIPS}")
+    parts.append(f"## Compared with the published study\n\n{_beside(done)}{SLIPS}")
     write_whole(page, ("\n\n".join(part.rstrip() for part in parts if part) + "\n").encode())
     return files
 
@@ -185,7 +185,8 @@ def _extremes(ways: Sequence[Row]) -> str:
 def _how() -> str:
     """How to read the page, in plain words."""
     meanings = "\n".join(f"* **{outcome}**: {meaning}" for outcome, meaning in MEANINGS.items())
-    return f"## How to read it\n\n{' '.join(EXPLANATION)}\n\n{meanings}\n\nA run passes if it HOLDS or is NO WORSE. {MEASURE}"
+    explained = f"{' '.join(EXPLANATION[:3])}\n\n{' '.join(EXPLANATION[3:])}"
+    return f"## How to read it\n\n{explained}\n\n{meanings}\n\nA run passes if it HOLDS or is NO WORSE. {MEASURE}"
 
 
 def _free(done: Sequence[Row], pictures: dict[str, str]) -> str:

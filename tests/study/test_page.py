@@ -110,7 +110,7 @@ def test_what_was_run_is_told_in_words(tmp_path):
 
 
 def test_a_number_that_does_not_decide_is_explained_beside_its_figure(page):
-    assert "≈ or ✗ beside a number above the fall that was asked for: another test decides." in page[1]
+    assert "≈ or ✗ with a number above the fall that was asked for: another test decides." in page[1]
 
 
 def test_the_page_says_how_to_read_it_and_what_its_table_measures(page):
