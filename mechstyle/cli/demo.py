@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 app = typer.Typer()
 
-DEMO_MODEL, DEMO_VERTICES = "gallery:utensil_grip", 3_000
+DEMO_MODEL, DEMO_VERTICES = "gallery:wall_hook", 3_000
 """Small and solid, and so few vertices, that the demo takes minutes on a laptop: with 25 000 it takes ten times as long."""
 
 
@@ -40,7 +40,7 @@ def demo_command(
     vertices: Vertices = DEMO_VERTICES,
     as_json: Json = False,
 ) -> None:
-    """Style the gallery's utensil grip as brick, freely and with feedback, and compare the verdicts."""
+    """Style the gallery's wall hook as brick, freely and with feedback, and compare the verdicts."""
     asked = {"prompt": prompt, **settings}
     tell(both_ways(model, asked, vertices, device, folder, quick=True, as_json=as_json), folder, as_json=as_json)
 
