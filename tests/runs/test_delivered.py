@@ -28,5 +28,6 @@ def test_a_file_comes_to_the_outcome_of_its_run(plain, tmp_path):
     assert run.checkpoint().displacement.any()
     assert again.verdict.outcome == run.verdict.outcome
     for test in ("flat", "nearly flat"):
-        assert again.verdict.row(test).reserve == pytest.approx(run.verdict.row(test).reserve, rel=0.15), "on tetrahedra made anew"
+        other = again.verdict.row(test).reserve / run.verdict.row(test).reserve
+        assert 0.75 < other < 1.33, "on tetrahedra made anew, so few that stress differs by up to 15 %; reserve goes with its square"
         assert again.verdict.row(test).original == pytest.approx(run.verdict.row(test).original), "the plain part is the same"
