@@ -17,6 +17,7 @@ from mechstyle.records.material import LIBRARY
 from mechstyle.simulation.drop_history import Course, history_figures, history_picture, vtu_bytes
 from mechstyle.simulation.impact import Impact
 from mechstyle.simulation.validation.meshes import box
+from support import records
 
 NORMALS = [[0.0, 0.0, 1.0], [0.6, 0.0, 0.8]]
 
@@ -81,7 +82,7 @@ def test_the_curves_are_numbers_of_the_history(dropped):
 def test_the_picture_is_drawn_also_where_the_part_flies(dropped, impact, course):
     history = dropped.history[0]
     flying = replace(history, phase=(history.time > 0.1).astype(np.int32))
-    assert history_picture(flying, impact, course, 45.6).png.startswith(b"\x89PNG")
+    assert history_picture(flying, impact, course, records.row()).png.startswith(b"\x89PNG")
 
 
 @pytest.mark.parametrize("each", [False, True])
