@@ -148,7 +148,7 @@ def test_a_word_explains_itself_to_mouse_and_keyboard(shown):
     shown.page.keyboard.press("Escape")
     tip.wait_for(state="hidden")
     setup.get_by_label("holds back").focus()
-    tip.get_by_text("How demand becomes restraint").wait_for()
+    tip.get_by_text("How demand slows the style").wait_for()
     assert setup.get_by_label("holds back").get_attribute("aria-describedby") == tip.get_attribute("id")
     shown.canvas().focus()
     tip.wait_for(state="hidden")
