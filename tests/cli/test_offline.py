@@ -76,7 +76,8 @@ def test_every_command_works_without_a_network(finished, offline):
     commands = [
         ["--help"], ["materials"], ["styles"], ["gallery"], ["doctor"], ["weights", "list"], ["application"], ["log", f"{root}"],
         ["show", f"{root}", "--out", f"{out}/picture.png"], ["export", f"{root}", "--out", f"{out}/part.glb"],
-        ["report", f"{root}", "--out", f"{out}/page.html"],
+        ["report", f"{root}", "--out", f"{out}/page.html"], ["class", "collect", f"{out}/page.html"],
+        ["film", f"{root}", "--no-plain", "--frames=8", "--size=160", "--out", f"{out}/fall.gif"],
         ["run", "gallery:pen_holder", "--prompt", "brick", *quick, "--out", f"{out}/run"], ["gc", f"{out}/run"],
         ["freestyle", "gallery:pen_holder", "--prompt", "brick", "--inside", "styled", *quick, "--vertices=900", "--out", f"{out}/free"],
         ["branch", f"{out}/run@1", "--control", "frozen"], ["rerun", f"{out}/run"], ["orient", f"{out}/run"],
