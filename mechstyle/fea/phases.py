@@ -27,7 +27,7 @@ MIN_IMPULSE = 1e-4
 
 MIN_SPEED_RATIO = 0.5
 """Speed of a next touch below which it is not followed unless a harder one may come after it, over the speed at first touch. A bar with a
-foot, tilted by 20°, grazes the floor with the foot at 0.4 of it and then slaps it with its end, which bears 1.3 to 1.8 times as much."""
+foot, tilted by 22°, grazes the floor with the foot at 0.4 of it and then slaps it with its end, which bears 1.3 to 1.8 times as much."""
 
 MIN_FLIGHT = 0.25
 """Time of flight below which simulating goes on instead, over the lowest period."""
