@@ -25,8 +25,10 @@ ACTIONS = 320
 PROMPTS = ("brick", "small wood", "outside: stone; rim: gold studs", "nonsense", "", "5 mm bricks, blue")
 REGIONS = ("", "inside", "box 0 0 0 10 10 10", "sphere 900 0 0 1", "a circle", "below 5\nbox 0 0 0 5 5 5 ramp 2")
 FOLDERS = ("", "mine", "other")
-SMALL = {"vertices": (64, 100), "iterations": (6, 12)}
+SMALL = {"detail": (64, 100), "iterations": (6, 12)}
 """What a run of no time can have."""
+SOLID = "thicken [mm]"
+"""What asks for a drop test before a run begins: a sheet has no volume."""
 CHOICES = (ipywidgets.Dropdown, ipywidgets.ToggleButtons, ipywidgets.Select, ipywidgets.SelectionSlider)
 Action = tuple[str, Callable[[], None]]
 
@@ -57,7 +59,7 @@ def text_for(widget: Any, rng: random.Random) -> str:
 
 def action_on(widget: Any, rng: random.Random) -> Action | None:
     """What the mouse or the keyboard may do to a control; None for what is none, or is out of reach."""
-    if getattr(widget, "disabled", False) or isinstance(widget, ipywidgets.FileUpload):
+    if getattr(widget, "disabled", False) or isinstance(widget, ipywidgets.FileUpload) or getattr(widget, "description", "") == SOLID:
         return None
     name = f"{type(widget).__name__} {getattr(widget, 'description', '') or getattr(widget, 'tooltip', '')}"
     if isinstance(widget, PictureChoice):
