@@ -16,10 +16,7 @@ from mechstyle.errors import BadInput
 from mechstyle.runs.recipes import draft
 from mechstyle.study import walk as module
 from mechstyle.study.cells import Cell, Rows, carry_out
-from mechstyle.study.walk import walk
-
-DEATHS = 2
-"""Fewer than in a study: each costs the start of a process that imports it all."""
+from mechstyle.study.walk import DEATHS, walk
 
 
 class Quick(Cell, frozen=True, kw_only=True):
@@ -61,8 +58,7 @@ def test_neighbours_are_of_different_models():
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="kills processes")
-def test_processes_that_die_cost_their_own_cell_alone(tmp_path, monkeypatch):
-    monkeypatch.setattr(module, "DEATHS", DEATHS)
+def test_processes_that_die_cost_their_own_cell_alone(tmp_path):
     rows = {row.part: row for row in walk(quick("a", "dies", "dies once", "b"), tmp_path, jobs=2)}
     assert rows["dies"].status == "failed"
     assert f"{DEATHS} times" in rows["dies"].refused

@@ -29,6 +29,12 @@ def test_it_stands_at_the_end_and_holds_the_data(replay, run):
     assert replay._payload == played.payload
 
 
+def test_it_is_shown_by_a_page_that_has_widgets_and_said_by_one_that_has_none(replay):
+    shown, _ = replay._repr_mimebundle_()
+    assert "application/vnd.jupyter.widget-view+json" in shown
+    assert "widgets" in shown["text/plain"]
+
+
 def test_everything_can_be_said_at_once(run):
     replay = Replay(run, iteration=7, layer="stress", threshold=22.0)
     assert (replay.iteration, replay.layer, replay.threshold) == (7, "stress", 22.0)

@@ -33,14 +33,18 @@ class OncePerCell(ipywidgets.Widget):  # type: ignore[misc]  # ipywidgets has no
         from IPython import display  # noqa: PLC0415 — there only if a notebook is
 
         put: Any = display.display
-        put(self._repr_mimebundle_(), raw=True)
+        shown, about = self._repr_mimebundle_()
+        put(shown, metadata=about, raw=True)
         if in_a_notebook() and self.still() is not None:
             self._stills = (*self._stills, put({"image/png": NOTHING}, raw=True, display_id=True))
             self.renew_still()
 
     def _repr_mimebundle_(self, **formats: Any) -> Any:
+        """What the widget is shown as, by kind, and what is said about that: anywidget gives both, ipywidgets the first."""
         replace_last_run(self)
-        return {**super()._repr_mimebundle_(**formats), "text/plain": f"{self!r}\n{word(NO_WIDGETS)}"}
+        bundle = super()._repr_mimebundle_(**formats)
+        shown, about = bundle if isinstance(bundle, tuple) else (bundle, {})
+        return {**shown, "text/plain": f"{self!r}\n{word(NO_WIDGETS)}"}, about
 
     def still(self) -> Callable[[], bytes] | None:
         """What draws the picture as it is now, as PNG, in any thread; None where there is none."""
