@@ -70,12 +70,17 @@ function placed(replay, key, frame, codes, out) {
   const layer = replay.layers.find((one) => one.key === key), { low: base, step } = replay.channels[key], raw = plane(replay, key, frame);
   let { low, high } = layer;
   if (layer.low === -layer.high) high = -(low = -reach(replay, key, frame)); // both sides of zero: as far as this one and the last go
-  const top = layer.threshold ?? high;
+  const top = (key === "stress" ? limitAt(replay, frame) : undefined) ?? layer.threshold ?? high;
   for (let i = 0; i < raw.length; i++) {
     const place = (base + step * raw[i] - low) / (top - low);
     out[i] = raw[i] === codes.noNumber ? codes.nothing : layer.threshold === null ? codes.open + Math.min(Math.max(place, 0), 1) : Math.min(Math.max(place, 0), 10);
   }
   return out;
+}
+
+// What stress may at most be at a frame: each verdict has a limit of its own, and the view shows the newest.
+function limitAt(replay, frame) {
+  return replay.frames.slice(0, frame + 1).findLast((one) => one.limit !== undefined)?.limit;
 }
 
 function reach(replay, key, frame) {
