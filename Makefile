@@ -5,8 +5,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 NOTEBOOKS ?= cache
 PINS := pyproject.toml constraints.txt
-# `worksteal`: neighbours in a file share what was set up for them, in one worker.
-TESTS := $(BIN)/python -m pytest -n 2 --dist worksteal --durations=40
+TESTS := $(BIN)/python -m pytest -n 2 --durations=40
 # Two test workers share the cores; a thread pool in each would only make them wait for each other.
 export OMP_NUM_THREADS ?= 1
 export PIP_DISABLE_PIP_VERSION_CHECK = 1

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from hypothesis import settings
+from xdist.scheduler import LoadScopeScheduling
 
 from mechstyle.records.mesh import SurfaceMesh
 from support.bench import Bench
@@ -20,6 +21,18 @@ settings.load_profile("repeatable")
 
 # Corner 4x + 2y + z of the unit cube; two triangles a side, anticlockwise seen from outside.
 _CUBE_SIDES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+
+
+class ByFile(LoadScopeScheduling):  # type: ignore[misc]  # xdist has no types
+    """Tests of a file share what was set up for them, in one worker and in order; notebooks, which share nothing, fill the end."""
+
+    def _split_scope(self, nodeid: str) -> str:
+        return nodeid if "notebooks" in nodeid else nodeid.partition("::")[0]
+
+
+def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> ByFile:
+    """How tests are shared among workers."""
+    return ByFile(config, log)
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:

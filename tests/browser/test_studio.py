@@ -132,7 +132,7 @@ def test_the_threshold_changes_the_picture_of_the_mask(studio):
     studio.page.get_by_role("button", name="show it").click()
     studio.until("studio.state.layer", "what_if")
     pale = studio.changed(studio.canvas(), before, 0.05)
-    slider = whole(studio).locator(".widget-slider:visible").filter(has_text="stops at").locator(".noUi-handle")
+    slider = whole(studio).locator(".mechstyle-careful .noUi-handle")
     slider.focus()
     was = float(studio.python("print(studio.mask_inspector.selector.threshold)"))
     slider.press("Home")
