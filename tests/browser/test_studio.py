@@ -43,6 +43,7 @@ def click(studio, x, y):
 def test_a_click_paints_and_the_same_click_takes_it_away(studio):
     before = studio.drawn()
     studio.python("studio.regions_picker.radius, studio.regions_picker.paint = 12.0, True")
+    before = studio.drawn()  # the page has heard of it
     studio.canvas().click()
     studio.until("len(studio.regions_picker.protect)", 1)
     studio.changed(studio.canvas(), before, 0.005)
