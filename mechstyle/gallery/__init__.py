@@ -156,7 +156,8 @@ def addressed(model: str | Path) -> tuple[str, dict[str, Any]]:
         try:
             said[name] = READING[name](value)
         except ValueError as error:
-            raise BadInput(f"{name} is {value!r} in {address}, but must be a number, such as {name}=25.4") from error
+            where = Path(found[1]).name[:80]  # what follows the file's name may be long, and of any signs
+            raise BadInput(f"{name} is {value[:40]!r} in the address of {where!r}, but must be a number, such as {name}=25.4") from error
     return found[1], said
 
 

@@ -95,7 +95,8 @@ def test_a_path_that_looks_like_an_address_is_a_path(tmp_path, cube):
 @pytest.mark.parametrize(
     ("address", "said"),
     [
-        ("brick.stl#size=large", "size is 'large' in .*brick.stl#size=large, but must be a number, such as size=25.4"),
+        ("brick.stl#size=large", "size is 'large' in the address of 'brick.stl', but must be a number, such as size=25.4"),
+        ("brick.stl#size=2\n\t[red]" + 600 * "x", r"size is '2\\n\\t\[red\]x{32}' in the address of 'brick.stl', but must be"),
         ("brick.stl#unit=parsec", "unknown unit 'parsec'"),
         ("brick.stl#unit=in,size=5", "a unit and a size are given"),
         ("brick.stl#colour=red", "unknown word on how a file is read 'colour': known are body, scale, size, unit, up"),
