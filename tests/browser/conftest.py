@@ -198,12 +198,13 @@ def chromium_path() -> str:
 
 
 @pytest.fixture(scope="package")
-def chromium(chromium_path: str) -> Iterator[Browser]:
+def chromium(chromium_path: str, request: pytest.FixtureRequest) -> Iterator[Browser]:
     """One browser for all tests of this folder.
 
     Playwright keeps an event loop running in the thread of the tests for as long as it is open. Tests of other folders may need a thread
     without one, so it never outlives these.
     """
+    assert isinstance(request.node, pytest.Package), "without tests/browser/__init__.py it would end with the session"
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium_path, args=ARGUMENTS)
         yield browser
