@@ -215,7 +215,7 @@ def story(lane: str, row: Row) -> str:
     lines = [f"<b>{escape(lane)} · {word('iteration')} {row.iteration}</b>"]
     if row.outcome:
         lines.append(escape(said(f"{row.outcome}, simulated because: {row.reason}")))
-        lines += _wrapped(row.words)
+        lines += _wrapped(said(row.words))
     figures = [f"{word('style still missing')} {row.style_loss:.3g}"]
     if row.travel is not None:
         figures.append(said(f"travel {row.travel:.2f} of the threshold"))
@@ -226,12 +226,13 @@ def story(lane: str, row: Row) -> str:
 
 @lru_cache(maxsize=1024)
 def _wrapped(words: str) -> list[str]:
-    return textwrap.wrap(escape(said(words)), 70)
+    return textwrap.wrap(escape(words), 70)
 
 
 def _limit_note(limit: float, theme: str) -> dict[str, Any]:
-    place = {"x": 0.0, "xref": "paper", "xanchor": "left", "y": limit, "yref": "y2", "yanchor": "top"}
-    return {"text": said(f"limit {limit:.3g} MPa"), "showarrow": False, "xshift": 6, "font": {"size": 10, "color": BEYOND[theme]}, **place}
+    place = {"x": 1.0, "xref": "paper", "xanchor": "right", "y": limit, "yref": "y2", "yanchor": "bottom"}  # above the end of its line
+    words = {"text": said(f"limit {limit:.3g} MPa"), "showarrow": False, "font": {"size": 10, "color": BEYOND[theme]}}
+    return {**words, **place, "xshift": -16}
 
 
 def _layout(lanes: Sequence[str], known: Mapping[str, str], lane: str, curve: str, theme: str, iterations: int) -> dict[str, Any]:
@@ -253,7 +254,7 @@ def _layout(lanes: Sequence[str], known: Mapping[str, str], lane: str, curve: st
         "yaxis": {"domain": domains[0], "type": "category", "range": [-0.6, len(lanes) - 0.4], "showgrid": False, **rows},
         "yaxis2": {"domain": domains[1], "title": {"text": "[MPa]"}, "rangemode": "tozero", "nticks": 5, "showticklabels": True},
         "yaxis3": {
-            "domain": domains[2], "visible": bool(curve), "title": {"text": UNITS[curve]}, "rangemode": "tozero", "nticks": 4,
+            "domain": domains[2], "visible": bool(curve), "title": {"text": word(UNITS[curve])}, "rangemode": "tozero", "nticks": 4,
             "showticklabels": True,
         },
         "xaxis3": {"title": {"text": word("iteration"), "standoff": 2}},
