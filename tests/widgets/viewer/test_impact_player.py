@@ -122,6 +122,16 @@ def test_what_was_on_show_before_an_impact_is_on_show_after_it(viewer, state):
     assert viewer.layer == "demand", "somebody chose it meanwhile"
 
 
+def test_after_a_landing_on_its_side_one_looks_at_the_part_that_stands_again(viewer, impact, monkeypatch):
+    """Half of the view stayed empty, and the part lay under the legend."""
+    before = viewer._orbit.seen.target
+    monkeypatch.setattr(impact_player, "impact_of", lambda *_: replace(impact, normal=(1.0, 0.0, 0.0)))
+    viewer.player.play()
+    assert not np.allclose(viewer._orbit.seen.target, before)
+    viewer.player.put_away()
+    assert np.allclose(viewer._orbit.seen.target, before)
+
+
 def test_put_away_the_part_is_at_rest_again(viewer):
     viewer.player.play()
     viewer.player.frame = 2

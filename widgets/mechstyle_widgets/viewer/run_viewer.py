@@ -250,10 +250,11 @@ class RunViewer(Linked, Viewer):
         if change["new"] is not None:
             self._before = self._before if shown == MOMENT else shown
             self.layer = MOMENT
-            if change["new"].normal != UP:  # it does not stand where it stood
-                self._orbit.follow(self.subject.mesh)
-                self.fit()
-        elif shown == MOMENT and self.subject.layer(self._before):
+        turned = (change["new"] or change["old"]).normal != UP
+        if turned:  # it does not stand where it stood
+            self._orbit.follow(self.subject.mesh)
+            self.fit()
+        if change["new"] is None and shown == MOMENT and self.subject.layer(self._before):
             self.layer = self._before
 
 
