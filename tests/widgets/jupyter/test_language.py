@@ -12,9 +12,6 @@ import numpy as np
 import pytest
 
 from mechstyle.errors import BadInput
-from mechstyle.records.landings import STANDARDS
-from mechstyle.records.material import LIBRARY
-from mechstyle.records.regions import KINDS
 from mechstyle.runs.run import Run
 from mechstyle_widgets import jupyter
 from mechstyle_widgets.jupyter import frame
@@ -24,15 +21,7 @@ from mechstyle_widgets.jupyter.terms import terms
 from mechstyle_widgets.settings.thumbnail_buttons import PictureChoice
 from mechstyle_widgets.studio import Studio
 from mechstyle_widgets.timeline.curves import Curves
-
-NAMES = {
-    "MechStyle", "Freestyle", "auto", "cpu", "cuda", "x", "y", "z", "standard", "prusa", "bambu", "orca", "mechstyle-runs/…", "\u200b",
-    "\n".join(KINDS.values()), *LIBRARY, *(standard.title for standard in STANDARDS.values()),
-}  # fmt: skip
-"""Names of things, which are the same in every language."""
-FIGURES = re.compile(r"[\d.×]+( mm)?|× \d+|(flat|tilted)( .*)?")
-MADE = ("Material: ", "When to test: ", "Holding back: ", "Keep plain: ", "Drop test: ", "● ", "○ ")
-"""How labels begin that are made of a heading and of what is chosen, or of a mark and a lane."""
+from support.german import MARKUP, english_in, plain
 
 
 @pytest.fixture(autouse=True)
@@ -58,11 +47,6 @@ def labels(studio: Studio) -> set[str]:
     return found - {""}
 
 
-def plain(label: str) -> bool:
-    """Whether a label is a name, a figure, or made of others."""
-    return label in NAMES or FIGURES.fullmatch(label) is not None or label.startswith(MADE)
-
-
 def entry(label: str, table: set[str]) -> bool:
     """Whether a label is in a table, with what it is made for in the place of `{}`."""
     return any(re.fullmatch(re.escape(one).replace(r"\{\}", ".*") + "(: .*, iteration \\d+)?", label) for one in table)
@@ -79,15 +63,13 @@ def test_a_german_studio_says_nothing_in_english(done):
     also_german = {*GERMAN.values()}
     shown = labels(Studio("gallery:wall_hook", language="de")) | labels(Studio(done, language="de"))
     assert {label for label in shown if label in english and label not in also_german} == set()
+    assert {label: found for label in shown if (found := english_in(label))} == {}
     assert {"Start", "Beide", "Ausprobieren", "Tiefe", "Wandhaken", "Ziegel"} <= shown
 
 
-ENGLISH = re.compile(r"(?i)\b(the|of|and|is|are|with|what|where|from|this|that|which|your|not|or|by|how|has|have|may|it|to|flat|plain)\b")
-"""Words that no German sentence has."""
 UNSEEN = re.compile(r"<style>.*?</style>", re.DOTALL)
 TELLING = re.compile(r'\b(?:aria-label|title|alt)="([^"]*)"')
 """What screen readers tell, and what stands under the mouse."""
-MARKUP = re.compile(r"<[^>]*>|&[a-z]+;")
 IN_FIGURES = ("text", "hovertext", "hovertemplate", "name", "ticktext")
 
 
@@ -158,21 +140,6 @@ REASONS = (
     "correction: half of what was too much given back", "correction: all that was held back given back",
 )  # fmt: skip
 """Why a part is tested, in all that schedules and corrections say."""
-
-
-def english_in(text: str) -> set[str]:
-    """Words of a text that the table has on its English side alone; none of a name, a path or lines of code."""
-    if text in NAMES or plain(text) or text.startswith("/") or "import mechstyle" in text:
-        return set()
-    text = re.sub(r"branch-\d+", "", text)  # a folder's name, too
-    return {*ENGLISH.findall(text), *(words(text) & ONLY_ENGLISH)}
-
-
-def words(text: str) -> set[str]:
-    return set(re.findall(r"[a-z]{3,}", text.lower()))
-
-
-ONLY_ENGLISH = set().union(*map(words, GERMAN)) - set().union(*map(words, GERMAN.values()))
 
 
 def test_terms_explain_themselves_in_german():

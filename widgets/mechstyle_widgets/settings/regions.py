@@ -56,7 +56,7 @@ class RegionsPicker(Section):
         self._lines = unseen(lean(
             ipywidgets.Textarea,
             description="regions", placeholder="one region a line, for example\nbox 0 0 0 10 10 10 ramp 2\nbelow 5", rows=3,
-            continuous_update=False, tooltip=said("\n".join(KINDS.values())), layout=WIDE,
+            continuous_update=False, tooltip="\n".join(said(form) if " " in form else form for form in KINDS.values()), layout=WIDE,
         ))  # fmt: skip
         super().__init__([self._base, self._inside, self._brush(), self._clicked, self._lines])
         traitlets.link((self, "base"), (self._base, "value"))
