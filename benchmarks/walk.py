@@ -59,6 +59,8 @@ ALLOWED = ("holds a run with other settings",)
 """What the kernel may say: that is told to the user, too."""
 RELOAD, CALM = 0.01, 10
 """How often a page is loaded anew, and after how many actions the kernel is waited for."""
+SOON = 1000
+"""What cannot be acted on by then lies under something else [ms]."""
 
 
 class Walker:
@@ -110,34 +112,34 @@ class Walker:
         self.page.evaluate(LISTEN)
 
     def _press(self, element: Any) -> str:
-        element.click(timeout=2000)
+        element.click(timeout=SOON)
         return "press"
 
     def _choose(self, element: Any) -> str:
         number = self.rng.randrange(element.evaluate("one => one.options.length"))
-        element.select_option(index=number, timeout=2000)
+        element.select_option(index=number, timeout=SOON)
         return f"choose {number} of"
 
     def _write(self, element: Any) -> str:
         text = self.rng.choice(TEXTS)
-        element.fill(text, timeout=2000)
-        element.press("Enter", timeout=2000)
+        element.fill(text, timeout=SOON)
+        element.press("Enter", timeout=SOON)
         return f"write {text!r} into"
 
     def _count(self, element: Any) -> str:
         number = self.rng.choice(NUMBERS)
-        element.fill(number, timeout=2000)
-        element.press("Tab", timeout=2000)
+        element.fill(number, timeout=SOON)
+        element.press("Tab", timeout=SOON)
         return f"write {number!r} into"
 
     def _slide(self, element: Any) -> str:
         keys = [self.rng.choice(("ArrowLeft", "ArrowRight", "Home", "End", "PageUp", "PageDown")) for _ in range(3)]
         for key in keys:
-            element.press(key, timeout=2000)
+            element.press(key, timeout=SOON)
         return f"press {keys} on"
 
     def _on_canvas(self, element: Any) -> str:
-        element.scroll_into_view_if_needed(timeout=2000)
+        element.scroll_into_view_if_needed(timeout=SOON)
         box = element.bounding_box()
         across, up, more = (self.rng.uniform(0.1, 0.9) for _ in range(3))
         x, y = box["x"] + across * box["width"], box["y"] + up * box["height"]
@@ -153,7 +155,7 @@ class Walker:
             self.page.mouse.wheel(0, self.rng.choice((-300, 300)))
         else:
             how = self.rng.choice(KEYS)
-            element.press(how, timeout=2000)
+            element.press(how, timeout=SOON)
         return f"{how} on the view"
 
     def _ours(self, said: Any) -> bool:
@@ -161,6 +163,7 @@ class Walker:
 
     def _note(self, what: str) -> None:
         self.wrong.append(f"{what[:600]}\n    after {'; '.join(self.done[-4:])}")
+        Console().print(self.wrong[-1], markup=False)
 
 
 def main() -> None:
@@ -175,15 +178,16 @@ def main() -> None:
             walker.act()
             if number % CALM == 0:
                 walker.listen()
+                Console().print(f"{number} actions, the last to {walker.done[-1]}", markup=False)
         walker.listen()
         walker.shown.notebook.drawn()
         log = (notebooks.parent / "home" / "log").read_text(encoding="utf-8")
-    wrong = [*walker.wrong, *(line for line in log.splitlines() if "Traceback" in line or "] ERROR" in line or line.startswith("[E "))]
-    missed = sum(one.startswith("missed") for one in walker.done)
-    Console().print(f"{given.actions} actions, seed {given.seed}: {missed} missed, {len(wrong)} errors in page, kernel and log")
-    for one in wrong:
-        Console().print(one, markup=False)
-    sys.exit(bool(wrong))
+    logged = [line for line in log.splitlines() if "Traceback" in line or line.startswith("[E ")]
+    for line in logged:
+        Console().print(f"log: {line}", markup=False)
+    missed, wrong = sum(one.startswith("missed") for one in walker.done), len(walker.wrong) + len(logged)
+    Console().print(f"{given.actions} actions, seed {given.seed}: {missed} missed, {wrong} errors in page, kernel and log")
+    sys.exit(wrong > 0)
 
 
 if __name__ == "__main__":

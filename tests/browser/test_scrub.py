@@ -138,5 +138,6 @@ studio
     notebook.page.wait_for_function(PACKED)
     notebook.page.locator(".mechstyle-studio .js-plotly-plot .main-svg").first.wait_for()
     texts = notebook.page.evaluate(WRITTEN)
+    assert any(text.startswith("Schritt 12 von 12, ") for text in texts), "what is heard of the slider tells its verdict"
     assert {"Schritt", "12 von 12", "Abspielen", "Start", "Ganzer Bildschirm"} <= {*texts}
     assert {text: found for text in texts if (found := english_in(text))} == {}

@@ -29,6 +29,7 @@ def plain(label: str) -> bool:
 
 def english_in(text: str) -> set[str]:
     """Words of a text that the table has on its English side alone; none of a name, a path or lines of code."""
+    text = text.replace("\N{NO-BREAK SPACE}", " ")  # of an option in a page
     if text in NAMES or plain(text) or text.startswith("/") or "import mechstyle" in text:
         return set()
     text = re.sub(rf"branch-\d+|^({'|'.join(KINDS)})\b", "", text, flags=re.MULTILINE)  # a folder, and what regions begin with
