@@ -278,17 +278,27 @@ def standardised(mesh: SurfaceMesh, vertices: int, go_on: CancelCheck = never_ca
         vertices: Vertices wanted; of more than EVEN only as many as edges of EDGE need, as a small part has no use for others.
         go_on: Called in between; what it raises ends the work.
     """
-    memo = cached_memo()
-    key = hashlib.sha256(f"standardise {PREPARATION_VERSION} {vertices} {mesh.digest}".encode()).hexdigest()
-    stored = memo.recall(key, str)
-    if stored is not None:
-        return memo.objects.get_mesh(stored, SurfaceMesh)
+    known = standardised_before(mesh, vertices)
+    if known is not None:
+        return known
     surface = standardise(mesh, min(vertices, EVEN), go_on=go_on)
     if vertices > EVEN:
         useful = round(float(surface.face_areas.sum()) / (0.5 * np.sqrt(3.0) * EDGE**2))
         surface = refined_to(surface, min(vertices, max(useful, EVEN)), most_parts=MOST_PARTS)
-    memo.remember(key, memo.objects.put_mesh(surface))
+    memo = cached_memo()
+    memo.remember(_standardised(mesh, vertices), memo.objects.put_mesh(surface))
     return surface
+
+
+def standardised_before(mesh: SurfaceMesh, vertices: int) -> SurfaceMesh | None:
+    """The surface that `standardised` has made of a part before, None if it has not."""
+    memo = cached_memo()
+    stored = memo.recall(_standardised(mesh, vertices), str)
+    return None if stored is None else memo.objects.get_mesh(stored, SurfaceMesh)
+
+
+def _standardised(mesh: SurfaceMesh, vertices: int) -> str:
+    return hashlib.sha256(f"standardise {PREPARATION_VERSION} {vertices} {mesh.digest}".encode()).hexdigest()
 
 
 def fitted(recipe: Recipe, part: Workpiece) -> Recipe:

@@ -9,6 +9,7 @@ import pytest
 from mechstyle.runs.recipes import draft
 from mechstyle.runs.stylizers import finished_relief
 from mechstyle.simulation.part import Shape
+from mechstyle_widgets.jupyter import prepare
 from mechstyle_widgets.jupyter.prepare import shape_aside
 from mechstyle_widgets.state import preview as module
 from mechstyle_widgets.state.preview import Previewer
@@ -160,3 +161,12 @@ def test_a_part_is_made_ready_in_another_process_that_ends_when_told(cube):
     shape = shape_aside(cube, FEW, lambda: None)
     assert abs(len(shape.surface.vertices) - FEW) < 0.2 * FEW
     assert not shape.is_container
+
+
+def test_what_was_made_ready_before_needs_no_other_process(cube, monkeypatch):
+    """It takes two seconds to begin, which is all the time that a Studio has until its style is on show."""
+    first = shape_aside(cube, FEW, lambda: None)
+    monkeypatch.setattr(prepare, "Aside", lambda *_: pytest.fail("a process of its own"))
+    again = shape_aside(cube, FEW, lambda: None)
+    assert again.surface.digest == first.surface.digest
+    np.testing.assert_array_equal(again.thickness, first.thickness)
