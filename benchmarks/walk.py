@@ -71,8 +71,8 @@ class Walker:
         self.shown, self.page, self.rng = shown, shown.page, random.Random(seed)
         self.done: list[str] = []
         self.wrong: list[str] = []
-        self.page.on("pageerror", lambda error: None if browser.DEAF in str(error) else self._note(f"page: {error}"))
-        self.page.on("console", lambda said: self._note(f"page: {said.text}") if self._ours(said) else None)
+        self.page.on("pageerror", lambda error: None if browser.DEAF in str(error) else self.note(f"page: {error}"))
+        self.page.on("console", lambda said: self.note(f"page: {said.text}") if self._ours(said) else None)
         self.page.on("dialog", lambda dialog: dialog.accept())
         self.page.evaluate(LISTEN)
 
@@ -100,7 +100,7 @@ class Walker:
         self.shown.notebook.until("1", 1)
         for said in self.page.evaluate("() => window.complaints.splice(0)"):
             if not any(one in said for one in ALLOWED):
-                self._note(f"kernel: {said.strip()}")
+                self.note(f"kernel: {said.strip()}")
 
     def _reload(self) -> None:
         self.listen()
@@ -161,8 +161,9 @@ class Walker:
     def _ours(self, said: Any) -> bool:
         return said.type == "error" and browser.OURS.search(said.text) is not None
 
-    def _note(self, what: str) -> None:
-        self.wrong.append(f"{what[:600]}\n    after {'; '.join(self.done[-4:])}")
+    def note(self, what: str) -> None:
+        """Say what went wrong, after what."""
+        self.wrong.append(f"{what[:600]}\n    after {'; '.join(self.done[-9:])}")
         Console().print(self.wrong[-1], markup=False)
 
 
@@ -174,19 +175,21 @@ def main() -> None:
     given = parser.parse_args()
     with laboratory() as (chromium, lab, notebooks):
         walker = Walker(Page(chromium, lab, "walk", CELL), given.seed)
-        for number in range(1, given.actions + 1):
-            walker.act()
-            if number % CALM == 0:
-                walker.listen()
-                Console().print(f"{number} actions, the last to {walker.done[-1]}", markup=False)
-        walker.listen()
-        walker.shown.notebook.drawn()
+        try:
+            for number in range(1, given.actions + 1):
+                walker.act()
+                if number % CALM == 0:
+                    walker.listen()
+            walker.listen()
+            walker.shown.notebook.drawn()
+        except Exception as error:  # noqa: BLE001 — whatever it is, it is listed with what was done before
+            walker.note(f"{type(error).__name__}: {error}")
         log = (notebooks.parent / "home" / "log").read_text(encoding="utf-8")
-    logged = [line for line in log.splitlines() if "Traceback" in line or line.startswith("[E ")]
+    logged = [line for line in log.splitlines() if "Traceback" in line or "restart" in line or line.startswith("[E ")]
     for line in logged:
         Console().print(f"log: {line}", markup=False)
     missed, wrong = sum(one.startswith("missed") for one in walker.done), len(walker.wrong) + len(logged)
-    Console().print(f"{given.actions} actions, seed {given.seed}: {missed} missed, {wrong} errors in page, kernel and log")
+    Console().print(f"{len(walker.done)} actions, seed {given.seed}: {missed} missed, {wrong} errors in page, kernel and log")
     sys.exit(wrong > 0)
 
 

@@ -11,6 +11,7 @@ import io
 import math
 import re
 import stat
+import threading
 import tokenize
 import zlib
 from collections.abc import Callable, Iterator
@@ -46,8 +47,20 @@ def to_json(record: object, enc_hook: Callable[[Any], Any] | None = None) -> byt
     return msgspec.json.encode(_spelled(msgspec.to_builtins(record, enc_hook=enc_hook, order="deterministic")))
 
 
+_KNOWN: set[Any] = set()
+_LEARNING = threading.Lock()
+
+
 def from_json(data: bytes, kind: type[T], dec_hook: Callable[[type, Any], Any] | None = None) -> T:
-    """Read a record that `to_json` wrote; msgspec.DecodeError if it is no such record."""
+    """Read a record that `to_json` wrote; msgspec.DecodeError if it is no such record.
+
+    msgspec (0.22) learns what a kind of record is made of when it first reads one, and ends the whole process if another thread reads one
+    meanwhile. So each kind is learnt by one thread, before any reads it.
+    """
+    if kind not in _KNOWN:
+        with _LEARNING:
+            msgspec.json.Decoder(kind)
+            _KNOWN.add(kind)
     return msgspec.json.decode(data, type=kind, dec_hook=dec_hook, strict=False)
 
 

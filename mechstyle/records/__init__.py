@@ -1,5 +1,7 @@
 """The nouns, frozen: meshes, material, regions, load cases, recipe, simulation, verdict, checkpoint."""
 
+import msgspec
+
 from mechstyle.records.chapters import CONTROLS, CRITERIA, ELEMENTS, FIELDS, GUIDANCES, NORMALISATIONS, SCHEDULES
 from mechstyle.records.checkpoint import Checkpoint
 from mechstyle.records.landings import POSES
@@ -11,3 +13,6 @@ __all__ = [
     "CONTROLS", "CRITERIA", "ELEMENTS", "FIELDS", "GUIDANCES", "NORMALISATIONS", "POSES", "SCHEDULES", "SETTINGS", "Checkpoint",
     "Doubt", "Landing", "LoadResult", "Outcome", "Recipe", "Row", "Simulation", "Verdict", "judge",
 ]  # fmt: skip
+
+for _kind in (Recipe, Checkpoint, Simulation, Verdict):
+    msgspec.json.Decoder(_kind)  # learnt while this is imported, by one thread alone (`loop.objects.from_json` says why)

@@ -4,6 +4,8 @@ import dataclasses
 import errno
 import io
 import os
+import subprocess
+import sys
 import zlib
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -394,3 +396,36 @@ def test_a_readable_result_stays(store):
     store.memo.remember(KEY, "first")
     store.memo.remember(KEY, "second")
     assert store.memo.recall(KEY, str) == "first"
+
+
+FIRST_READ = """
+import sys, threading
+import msgspec
+from mechstyle.loop.objects import from_json, to_json
+
+sys.setswitchinterval(1e-6)
+PARTS = 12
+
+def kind(number):
+    parts = [msgspec.defstruct(f"Part{number}x{k}", [("a", int), ("b", list[float]), ("c", "dict[str, int]")]) for k in range(PARTS)]
+    whole = msgspec.defstruct(f"Whole{number}", [(f"part{k}", part) for k, part in enumerate(parts)])
+    return whole, to_json(whole(*(part(1, [2.0], {"d": 3}) for part in parts)))
+
+def read(kind, data, gate):
+    gate.wait()
+    assert from_json(data, kind).part0.a == 1
+
+for number in range(20):
+    made, gate = kind(number), threading.Barrier(6)
+    readers = [threading.Thread(target=read, args=(*made, gate)) for _ in range(6)]
+    for reader in readers:
+        reader.start()
+    for reader in readers:
+        reader.join()
+"""
+
+
+def test_records_of_a_kind_are_first_read_by_many_threads():
+    """A kernel ended without a word when a list of runs was read while a run was opened."""
+    done = subprocess.run([sys.executable, "-c", FIRST_READ], capture_output=True, text=True, timeout=120, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
