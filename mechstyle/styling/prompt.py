@@ -430,13 +430,15 @@ def _unknown_prompt(prompt: str, found: Sequence[Word], unwanted: Sequence[Item]
     avoided = {style.style for item in unwanted if (style := style_of(item))}
     near = [_spoken(style) for style in suggestions(prompt, SUGGESTED + len(avoided)) if style not in avoided][:SUGGESTED]
     colour = next((word.text for word in found if word.means in english.COLOURS), "")
-    said = "no style that can be drawn offline" if not colour else "only a colour and no style"
+    said, listed = "no style that can be drawn offline" if not colour else "only a colour and no style", "; `mechstyle styles` lists them all"
+    if not any(word.means or word.text in english.english() for word in found):
+        said, listed = f"no style in English, {', '.join(english.LANGUAGES[:-1])} or {english.LANGUAGES[-1]}", ""
     if unwanted:
         said = f"no style that is wanted, only what is not ({quoted(_spoken(meaning(item)) for item in unwanted)})"
     ways = ", ".join(f"`{colour} {name}`" if colour else repr(name) for name in near)
     way = f" (left out {beyond.text!r}: {english.BEYOND[beyond.means]})" if beyond else ""
     return BadInput(
-        f"the prompt {prompt!r} names {said}{way}: try {ways}; `mechstyle styles` lists them all; "
+        f"the prompt {prompt!r} names {said}{way}: try {ways}{listed}; "
         "any other prompt needs guidance 'clip' (`--guidance clip`) and the weights that `mechstyle weights fetch ViT-B-32` brings once"
     )
 
