@@ -252,6 +252,10 @@ def _style(items: Sequence[Item], notes: list[str]) -> tuple[str, set[str], tupl
     """The style of a wish, "" for none, the words that ask for it, and the colours that they mean."""
     read = [(item, style_of(item)) for item in (*items, NOTHING)]
     found = [(item, style) for item, style in read if style]
+    # Beside another style a stuff before a colour says which colour: moss green leather is leather.
+    tints = [item for item, following in itertools.pairwise(items) if meaning(following) in english.FAMILIES]
+    free = {style.style for item, style in found if not any(item is tint for tint in tints)}
+    found = [(item, style) for item, style in found if not free or style.style in free]
     if not found:
         return "", set(), ()
     strongest = [one for one in found if one[1].rank == min(style.rank for _, style in found)]

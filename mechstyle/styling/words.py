@@ -281,7 +281,7 @@ def _slips(word: str, meant: str) -> bool:
     start = next((k for k, (a, b) in enumerate(zip(word, meant, strict=False)) if a != b), min(len(word), len(meant)))
     rest, other = word[start:], meant[start:]
     swapped = rest[:2] == other[:2][::-1] and rest[2:] == other[2:]
-    dropped = rest == other[1:] or rest[1:] == other
+    dropped = rest == other[1:] or (rest[1:] == other and (other != "" or word[-1] == meant[-1]))  # a monstera is no monster
     changed = len(word) >= _FIRM and rest[1:] == other[1:]
     return swapped or dropped or changed
 

@@ -155,7 +155,7 @@ def test_letters_in_another_order_and_two_slips_in_a_long_word_are_mended_and_sh
     assert any(note.startswith(f"read {typed!r} as ") for note in notes)
 
 
-@pytest.mark.parametrize("word", ["charlatan", "marathon", "terraforming", "wavelength", "mechanical", "Mississippi", "Alexander", "Shostakovich"])
+@pytest.mark.parametrize("word", ["charlatan", "marathon", "terraforming", "monstera", "wavelength", "mechanical", "Mississippi", "Alexander", "Shostakovich"])
 def test_a_long_word_that_is_not_one_of_the_table_is_not_made_one(word):
     assert not any(note.startswith("read ") for note in words.words(word)[1])
 
@@ -163,6 +163,22 @@ def test_a_long_word_that_is_not_one_of_the_table_is_not_made_one(word):
 @pytest.mark.parametrize("word", ["burger", "fog", "dad", "mole", "pine", "corner", "pal", "ran"])
 def test_a_word_that_english_has_is_no_stem_of_another_language(word):
     assert not words._language([word])
+
+
+@pytest.mark.parametrize("stuff", ["moss", "brick", "stone", "ocean", "walnut", "concrete", "denim", "glacier"])
+def test_a_stuff_before_a_colour_beside_another_style_says_which_colour(stuff):
+    wish, notes = only(f"{stuff} green cable knit vase")
+    assert (wish.style, wish.colour, notes) == ("cable_knit", only("green brick")[0].colour, ())
+    assert only(f"{stuff} green vase")[0].style == only(stuff)[0].style
+
+
+@pytest.mark.parametrize(
+    ("prompt", "style"),
+    [("barn owl", "feathers"), ("house cat", "fur"), ("sea lion", "fur"), ("mountain lion", "fur"), ("zebra finch", "feathers"),
+     ("butterfly fish", "fish_scales"), ("oak tree bark", "bark"), ("rooster comb", "feathers")],
+)  # fmt: skip
+def test_the_name_of_an_animal_or_plant_is_not_read_by_its_first_word(prompt, style):
+    assert only(prompt)[0].style == style
 
 
 MOODS = [(word, row.value.split()[0]) for row in rows("words") if row.kind == "mood" for word in row.words[0]]
