@@ -434,7 +434,8 @@ def _unknown_prompt(prompt: str, found: Sequence[Word], unwanted: Sequence[Item]
     avoided = {style.style for item in unwanted if (style := style_of(item))}
     near = [_spoken(style) for style in suggestions(prompt, SUGGESTED + len(avoided)) if style not in avoided][:SUGGESTED]
     colour = next((word.text for word in found if word.means in english.COLOURS), "")
-    said, listed = "no style that can be drawn offline" if not colour else "only a colour and no style", "; `mechstyle styles` lists them all"
+    said = "no style that can be drawn offline" if not colour else "only a colour and no style"
+    listed = "; `mechstyle styles` lists them all"
     if not any(word.means or word.text in english.english() for word in found):
         said, listed = f"no style in English, {', '.join(english.LANGUAGES[:-1])} or {english.LANGUAGES[-1]}", ""
     if unwanted:

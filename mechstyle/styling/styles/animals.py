@@ -111,6 +111,6 @@ STYLES = {
         Style(name="leopard", description="broken rings of dark raised spots on a golden coat", feature_mm=ROSETTE, program=leopard),
         Style(name="giraffe", description="large angular brown patches between pale lines", feature_mm=PATCH, program=giraffe),
         Style(name="zebra", description="black stripes on white that sway, fork and taper", feature_mm=STRIPE, program=zebra),
-        Style(name="camouflage", description="blotches of four drab tones, each a step higher and with a hatch of its own", feature_mm=26.0, program=camouflage),
+        Style(name="camouflage", description="blotches of four drab tones, each hatched its own way", feature_mm=26.0, program=camouflage),
     )
 }
