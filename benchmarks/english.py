@@ -155,7 +155,7 @@ def misleading(senses: dict[str, list[str]], common: set[str]) -> list[str]:
     """Names of two common words of which the first alone would give the style: a barn owl is a bird, and no barn."""
     styles = vocabulary.styles()
     pairs = [(word, *word.split("_")) for word in sorted(senses) if word.count("_") == 1 and word not in styles]
-    return [name for name, first, head in pairs if {first, head} <= common and first in styles and head not in styles]
+    return [name for name, first, head in pairs if {first, head} <= common and head in senses and first in styles and head not in styles]
 
 
 def main() -> None:
@@ -181,8 +181,8 @@ def main() -> None:
         if (word in common or found[0] == "thing") and base(word, common):
             rows[found].append(word)
     for phrase in misleading(senses, common):
-        first = kind_of(senses[phrase][0])
-        if first and first[0] == "thing":
+        first, head = kind_of(senses[phrase][0]), kind_of(senses[phrase.partition("_")[2]][0])
+        if first == head and first and first[0] == "thing":  # a water dragon is a plant in books alone
             rows[first].append(phrase)
     print("kind\tvalue\tEnglish")
     for (kind, value), words in sorted(rows.items(), key=lambda row: (row[0][0], row[0][1])):
