@@ -34,8 +34,8 @@ thing tree 1 wood bark green
 thing fungus 1 fluted dots bubbles
 thing fern 1 green feathers moss
 thing grass 1 moss fur basket_weave
-hint edible_fruit 1 dots bubbles fuzzy
-hint vegetable 1 green fluted bubbles
+thing edible_fruit 1 dots bubbles fuzzy
+thing vegetable 1 green fluted bubbles
 thing plant 2 green floral moss
 thing gem 2 crystal glass low_poly
 thing precious_stone 1 crystal glass low_poly
@@ -151,6 +151,13 @@ def base(word: str, words: set[str]) -> bool:
     return not any(stem in words and stem != word and base(stem, words) for stem in stems)
 
 
+def eaten(meanings: list[str], above: dict[str, list[str]], senses: dict[str, list[str]]) -> list[str]:
+    """The synsets of a word with a fruit or vegetable before the tree or plant it grows on."""
+    plant, *foods = senses["plant"][1], senses["edible_fruit"][0], senses["vegetable"][0]
+    food = next((offset for offset in meanings[:3] if not ancestors(offset, above).isdisjoint(foods)), None)
+    return [food, *meanings] if food and plant in ancestors(meanings[0], above) else meanings
+
+
 def misleading(senses: dict[str, list[str]], common: set[str]) -> list[str]:
     """Names of two common words of which the first alone would give the style: a barn owl is a bird, and no barn."""
     styles = vocabulary.styles()
@@ -173,7 +180,7 @@ def main() -> None:
     rows = defaultdict(list)
     for word in sorted(common | spelt(scowl, RARER)):
         found = ("english", "")
-        for order, offset in enumerate(senses.get(word, [])[:2]):
+        for order, offset in enumerate(eaten(senses.get(word, []), above, senses)[:2]):
             first = kind_of(offset)
             if first:  # what a common word rarely means is only a hint
                 found = first if order == 0 or word not in common else ("hint", first[1])
