@@ -65,6 +65,8 @@ BARE = ("obj", "glb")
 """Formats read by trimesh that may have textures."""
 MADE_UP = re.compile(r"(geometry|world|[\w.]*\.ply)?_?\d*")
 """Names that trimesh gives to what has none."""
+WEIGHTED = 5
+"""Words in the line of a vertex of an OBJ file that has a weight after its coordinates."""
 MOST_COPIED = MOST_BYTES // 8
 """Bytes of an OBJ file times its objects up to which these are read one by one: the parser copies all vertices for each."""
 MOST_SAID = 8
@@ -261,8 +263,13 @@ def _tidied(content: bytes, suffix: str) -> bytes:
     text = content if b"\n" in content else content.replace(b"\r", b"\n")
     if suffix == "obj":
         text = text.removeprefix(codecs.BOM_UTF8).replace(b"\r\n", b"\n").replace(b"\t", b" ").replace(b"\\\n", b" ")
-        for found, instead in ((rb"^ +", b""), (rb"^((?:v|vn|vt|f) [^#\n]*)#.*$", rb"\1"), (rb"^(v(?: +[^ \n]+){3}) +[^ \n]+ *$", rb"\1")):
-            text = re.sub(rb"(?m)" + found, instead, text)
+        if b"\n " in text:
+            text = re.sub(rb"(?m)^ +", b"", text)
+        if b"#" in text:
+            text = re.sub(rb"(?m)^((?:v|vn|vt|f) [^#\n]*)#.*$", rb"\1", text)
+        first = re.search(rb"(?m)^v [^\n]*", text)
+        if first and len(first[0].split()) == WEIGHTED:
+            text = re.sub(rb"(?m)^(v(?: +[^ \n]+){3}) +[^ \n]+ *$", rb"\1", text)
     return text
 
 
