@@ -90,7 +90,7 @@ def gallery_command(
     from mechstyle.gallery import entry, names  # noqa: PLC0415 — loaded when wanted
 
     if sheet is not None:
-        from mechstyle.gallery.model_sheet import model_sheet  # noqa: PLC0415
+        from mechstyle.gallery.style_sheet import model_sheet  # noqa: PLC0415
 
         place = _a_png(sheet, "the sheet of models")
         written = model_sheet().save(place)

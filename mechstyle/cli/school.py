@@ -9,7 +9,7 @@ import typer
 
 from mechstyle.cli.console import command, escape, in_colour, out, print_json, table, telling
 from mechstyle.cli.options import Device, Json, Settings, Vertices, recipe_options
-from mechstyle.records.lengths import length_of
+from mechstyle.records.written import length_of
 
 app = typer.Typer()
 class_app = typer.Typer(help="Prepare parts and styles for a class, and collect its reports.")

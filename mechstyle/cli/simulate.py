@@ -1,4 +1,4 @@
-"""The command that tests a part as it is: simulate."""
+"""Commands on a part as it is: simulate, protect."""
 
 from __future__ import annotations
 
@@ -16,6 +16,10 @@ from mechstyle.records.recipe import DEFAULTS
 
 if TYPE_CHECKING:
     from mechstyle.simulation.part_test import PartTest
+
+
+from mechstyle.errors import BadInput
+from mechstyle.records.regions import KINDS
 
 app = typer.Typer()
 
@@ -149,3 +153,32 @@ def _course_rows(dropped: PartTest) -> list[tuple[str, str]]:
         ("touches", course.touch_words),
         ("energy", course.words),
     ]
+
+
+@app.command("protect")
+@command
+@reads_a_part
+@recipe_options("protect")
+def protect_command(
+    model: Model,
+    settings: Settings,
+    reading: Settings,
+    vertices: Vertices = STANDARD_VERTICES,
+    picture: Annotated[Path | None, typer.Option("--out", help="PNG to write; by default in the current folder.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Picture of what protected regions hold, before anything is styled."""
+    from mechstyle.runs.protection import protect as looked_at  # noqa: PLC0415 — loaded when wanted
+
+    if not settings:
+        raise BadInput(f"say what to protect with --protect, once or more; it can be: {', '.join(KINDS.values())}")
+    mesh, name = read_model(model, reading, quiet=as_json)
+    with telling(1, quiet=as_json) as teller:
+        found = looked_at(mesh, settings["protect"], vertices=vertices, stage=teller.stage)
+        path = found.show().save(picture or Path(f"{name}-protected.png"))
+    if as_json:
+        print_json({"share": found.share, "notes": found.protection.notes, "files": {"picture": str(path)}})
+        return
+    for note in found.protection.notes:
+        out.print(escape(note))
+    out.print(f"picture: {escape(str(path))}")

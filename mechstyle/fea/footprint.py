@@ -13,8 +13,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from mechstyle.records.mesh import Floats, SurfaceMesh
-from mechstyle.records.places import FLOOR_TOLERANCE
+from mechstyle.records.mesh import FLOOR_TOLERANCE, Floats, SurfaceMesh
 
 CUT = 3.0 * FLOOR_TOLERANCE
 """Height above the lowest vertex at which the footprint is taken [mm]: coarse meshes of one part differ by a third of it."""

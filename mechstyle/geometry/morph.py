@@ -13,8 +13,7 @@ from scipy.spatial import cKDTree
 
 from mechstyle.errors import BadInput
 from mechstyle.geometry.proximity import TriangleTree
-from mechstyle.records.mesh import Floats, SurfaceMesh, TetMesh, frozen_array
-from mechstyle.records.places import FLOOR_TOLERANCE
+from mechstyle.records.mesh import FLOOR_TOLERANCE, Floats, SurfaceMesh, TetMesh, frozen_array
 
 LEAST_QUALITY = 0.08  # mean ratio below which a tetrahedron is backed off ...
 LEAST_SHARE = 0.5  # ... or below this share of its own quality at rest, if that is less

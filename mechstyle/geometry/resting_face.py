@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from mechstyle.records.mesh import Floats, Indices, SurfaceMesh
-from mechstyle.records.places import on_floor
+from mechstyle.records.mesh import Floats, Indices, SurfaceMesh, on_floor
 
 SMALLEST_SHARE = 0.02
 """A support polygon below this share of the part's footprint carries nothing: a sphere has no resting face."""

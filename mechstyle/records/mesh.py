@@ -1,4 +1,4 @@
-"""The two meshes everything works on: a closed triangle surface and the tetrahedra inside it.
+"""The two meshes everything works on, a closed triangle surface and the tetrahedra inside it, and the points in simple shapes.
 
 Both are frozen, their arrays write-protected; methods named with a participle return new objects.
 """
@@ -257,3 +257,38 @@ class TetMesh:
     def moved(self, vertices: ArrayLike) -> TetMesh:
         """The same tetrahedra on other vertex positions [mm], shape [vertex_count, 3]."""
         return replace(self, vertices=np.asarray(vertices, np.float64))
+
+
+FLOOR_TOLERANCE = 0.1
+"""Faces whose corners are this close to the lowest point stand on the floor [mm] …"""
+STEEPEST = np.cos(np.radians(5.0))
+"""… if they look down within 5°."""
+
+
+def in_box(points: Floats, low: ArrayLike, high: ArrayLike, *, margin: float = 0.0) -> Bools:
+    """Whether points, shape [..., 3], lie between two corners, the border included; all lengths in mm.
+
+    Args:
+        points: Positions.
+        low: The lowest corner.
+        high: The highest corner, which may lie in a plane with the lowest.
+        margin: How far outside still counts.
+    """
+    return np.asarray(((points >= np.asarray(low) - margin) & (points <= np.asarray(high) + margin)).all(axis=-1))
+
+
+def in_ball(points: Floats, centre: ArrayLike, radius: float, *, margin: float = 0.0) -> Bools:
+    """Whether points, shape [..., 3], lie within a radius of a centre, the border included; as `in_box`."""
+    return np.asarray(np.linalg.norm(points - np.asarray(centre), axis=-1) <= radius + margin)
+
+
+def in_half_space(points: Floats, point: ArrayLike, normal: ArrayLike, *, margin: float = 0.0) -> Bools:
+    """Whether points, shape [..., 3], lie on the side of a plane that its normal, of any length, points to; as `in_box`."""
+    towards = np.asarray(normal, np.float64)
+    return np.asarray((points - np.asarray(point)) @ towards >= -margin * np.linalg.norm(towards))
+
+
+def on_floor(surface: SurfaceMesh) -> Bools:
+    """Whether each face lies flat on the floor, which is at the lowest vertex, shape [face_count]."""
+    low = surface.corners[:, :, 2] < surface.vertices[:, 2].min() + FLOOR_TOLERANCE
+    return np.asarray(low.all(axis=1) & (surface.face_normals[:, 2] < -STEEPEST))

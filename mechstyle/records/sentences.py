@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from mechstyle.records.lengths import written
+from mechstyle.records.written import written
 
 if TYPE_CHECKING:
     from mechstyle.records.verdict import Doubt, Row, Verdict

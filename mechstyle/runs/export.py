@@ -13,9 +13,8 @@ from mechstyle.geometry.glb import DULL, Sheen
 from mechstyle.geometry.print_quality import Quality, quality
 from mechstyle.loop.objects import to_json
 from mechstyle.loop.store import Entry, Store
-from mechstyle.pictures.fields import Known
-from mechstyle.records import Recipe, Verdict
-from mechstyle.runs.known_fields import known_fields
+from mechstyle.pictures.fields import Known, known
+from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict
 from mechstyle.runs.printing import Printing, PrintPlan, wishes_of, write_for_printing
 from mechstyle.simulation.part import Workpiece
 from mechstyle.styling.drawing.finishes import finish_of
@@ -132,3 +131,17 @@ def _of_the_test(verdict: Verdict | None) -> tuple[str, ...]:
     if verdict is None:
         return ()
     return tuple(filter(None, ("" if verdict.passes else verdict.head, verdict.doubt)))
+
+
+def known_fields(store: Store, lane: str, part: Workpiece, state: Checkpoint) -> tuple[Known, ...]:
+    """Every field that is known of a checkpoint, in the order in which they are offered.
+
+    Args:
+        store: The run directory.
+        lane: The lane on show.
+        part: The prepared part.
+        state: The checkpoint.
+    """
+    simulation = store.objects.get_record(state.simulation, Simulation) if state.simulation else None
+    newest, verdict = store.checkpoint(store.lane(lane).head), store.verdict(state)
+    return known(store.recipe(state.recipe), state, simulation, part.thickness, newest, verdict)

@@ -23,11 +23,11 @@ from mechstyle.pictures import fields
 from mechstyle.pictures.panels import Picture, field_panel, picture, verdict_note
 from mechstyle.records import Recipe, Simulation, Verdict
 from mechstyle.records.landings import with_drops
-from mechstyle.records.lengths import length_of
 from mechstyle.records.load_cases import LoadCase, load_cases
 from mechstyle.records.material import Material, material_named
 from mechstyle.records.mesh import STANDARD_VERTICES, Field, SurfaceMesh, TetMesh
 from mechstyle.records.recipe import DEFAULTS, direction_of
+from mechstyle.records.written import length_of
 from mechstyle.simulation.beside_original import Fit, fit_of, relief_over
 from mechstyle.simulation.drop_history import Course, history_picture, vtu_bytes
 from mechstyle.simulation.impact import Impact, impact_of

@@ -18,11 +18,10 @@ from typing import Any, Literal
 import msgspec
 
 from mechstyle import __version__
-from mechstyle._files import file_stem, write_whole
+from mechstyle._files import exclusive, file_stem, write_whole
 from mechstyle.errors import MechStyleError
 from mechstyle.gallery import PREFIX, addressed, load
 from mechstyle.geometry.remeshing.filling import VERSION as TETRAHEDRA
-from mechstyle.loop.lock import exclusive
 from mechstyle.records import Recipe
 from mechstyle.runs.run import Run, started
 from mechstyle.simulation.physics import PHYSICS_VERSION

@@ -6,11 +6,10 @@ from scipy.sparse import diags_array
 from scipy.sparse.linalg import eigsh
 
 from mechstyle.errors import BadInput
-from mechstyle.fea.discretisation import discretise
+from mechstyle.fea.discretisation import bound, discretise
 from mechstyle.fea.elasticity import stiffness_matrix
 from mechstyle.fea.elements import ELEMENTS, LINEAR
 from mechstyle.fea.explicit import damped_step
-from mechstyle.fea.mass_scaling import bound
 from mechstyle.records.mesh import TetMesh
 
 each_element = pytest.mark.parametrize("element", ELEMENTS.values(), ids=ELEMENTS)

@@ -17,8 +17,7 @@ from scipy.sparse.csgraph import connected_components
 from mechstyle.errors import BadInput
 from mechstyle.fea.elements import ElementMesh
 from mechstyle.records.load_cases import RESTING_FACE, Patch, Place
-from mechstyle.records.mesh import Bools, Floats, Indices, SurfaceMesh
-from mechstyle.records.places import in_ball, on_floor
+from mechstyle.records.mesh import Bools, Floats, Indices, SurfaceMesh, in_ball, on_floor
 
 SIDES: Indices = np.array([[0, 2, 1, 5, 4, 7], [0, 1, 3, 4, 6, 8], [0, 3, 2, 6, 5, 9], [1, 2, 3, 7, 8, 9]], dtype=np.int32)
 """Nodes of each side of a tetrahedron: corners a, b, c, anticlockwise seen from outside, then the middles of ab, ac, bc."""

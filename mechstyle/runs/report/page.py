@@ -19,9 +19,22 @@ from mechstyle.records import Recipe, Verdict, sentences
 from mechstyle.records.landings import STANDARDS
 from mechstyle.records.material import SPREAD, Material
 from mechstyle.records.recipe import described
-from mechstyle.runs.report.bundle import IN_A_REPORT, bundle, static
 from mechstyle.runs.report.impact_data import impacts, work_out
-from mechstyle.runs.report.markup import Markup, badge, cells, fill, joined, kind, legend, script_json, table, with_code
+from mechstyle.runs.report.markup import (
+    IN_A_REPORT,
+    Markup,
+    badge,
+    bundle,
+    cells,
+    fill,
+    joined,
+    kind,
+    legend,
+    script_json,
+    static,
+    table,
+    with_code,
+)
 from mechstyle.runs.report.replay_data import ReplayData, replay_data
 from mechstyle.runs.report.reproduce import command_for
 from mechstyle.runs.report.result import result_element
