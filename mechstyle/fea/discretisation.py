@@ -92,7 +92,14 @@ def discretise(tets: TetMesh, material: Material, added_mass: float, element: El
 
     BadInput if there is no tetrahedron, a vertex is not finite or a tetrahedron is flat or inverted.
     """
-    _refuse_unusable(tets)
+    if len(tets.tets) == 0:
+        raise BadInput("there are no tetrahedra to drop: the part must be meshed inside first")
+    if not np.isfinite(tets.vertices).all():
+        raise BadInput(f"{int((~np.isfinite(tets.vertices)).any(axis=1).sum())} vertices of the tetrahedra are not finite numbers")
+    flat = np.flatnonzero(tets.volumes <= 0.0)
+    if len(flat):
+        x, y, z = tets.vertices[tets.tets[flat[0]]].mean(axis=0)
+        raise BadInput(f"{len(flat)} tetrahedra have no positive volume, the first at ({x:.1f}, {y:.1f}, {z:.1f}) mm; mesh the part again")
     numbering = _numbering(tets.tets.tobytes(), element.name)
     mesh = numbering.of(tets, element)
     place, tet_order, connectivity = numbering.place, numbering.tet_order, numbering.connectivity[numbering.tet_order]
@@ -168,18 +175,6 @@ def _numbering(joined: bytes, element: str) -> _Numbering:
         first_slot=np.concatenate([[0], np.cumsum(np.bincount(slot_nodes, minlength=len(place)))]).astype(np.int32),
         pairs=Pairs.of(numbered[tet_order], len(place)),
     )
-
-
-def _refuse_unusable(tets: TetMesh) -> None:
-    """BadInput unless there are tetrahedra, all finite and of positive volume."""
-    if len(tets.tets) == 0:
-        raise BadInput("there are no tetrahedra to drop: the part must be meshed inside first")
-    if not np.isfinite(tets.vertices).all():
-        raise BadInput(f"{int((~np.isfinite(tets.vertices)).any(axis=1).sum())} vertices of the tetrahedra are not finite numbers")
-    flat = np.flatnonzero(tets.volumes <= 0.0)
-    if len(flat):
-        x, y, z = tets.vertices[tets.tets[flat[0]]].mean(axis=0)
-        raise BadInput(f"{len(flat)} tetrahedra have no positive volume, the first at ({x:.1f}, {y:.1f}, {z:.1f}) mm; mesh the part again")
 
 
 PRODUCTS = 12

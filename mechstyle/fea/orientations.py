@@ -79,7 +79,9 @@ def landings(surface: SurfaceMesh, poses: str, count: int, *, nearly_flat: bool)
         BadInput: Unknown poses, or a count below 1.
     """
     frame = own_frame(surface) if poses == "fibonacci" and count > 1 else None
-    others = orientation_set(poses, count, surface.vertices, _centre_of_mass(surface), frame)
+    a, b, c = np.moveaxis(surface.corners, 1, 0)
+    volumes = np.einsum("ij,ij->i", a, np.cross(b, c))
+    others = orientation_set(poses, count, surface.vertices, np.asarray(volumes @ (a + b + c) / (4.0 * volumes.sum())), frame)
     if not nearly_flat:
         return others
     first = nearly_flat_of(surface)
@@ -267,13 +269,6 @@ def _called(found: Sequence[Touchdown]) -> list[str]:
     ]
     several = Counter(names)
     return [f"{name} ({one.azimuth:.0f}°)" if several[name] > 1 else name for name, one in zip(names, found, strict=True)]
-
-
-def _centre_of_mass(surface: SurfaceMesh) -> Floats:
-    """Centre of mass of the solid inside a closed surface [mm], shape [3], by the divergence theorem."""
-    a, b, c = np.moveaxis(surface.corners, 1, 0)
-    volumes = np.einsum("ij,ij->i", a, np.cross(b, c))
-    return np.asarray(volumes @ (a + b + c) / (4.0 * volumes.sum()))
 
 
 def _numbered(what: str, others: int) -> list[str]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from mechstyle.errors import BadInput
 from mechstyle.gallery import _solids
-from mechstyle.records.mesh import Floats, SurfaceMesh
+from mechstyle.records.mesh import SurfaceMesh
 
 SHOULDER, COLLAR = 0.64, 0.92
 """Where the wall of a lampshade turns inwards and where it is upright again, over its height."""
@@ -51,7 +51,8 @@ def lampshade(
     turn = _solids.angles(lobes)
     level = np.linspace(0.0, height - wall / 2, 65)
     share = level[:, None] / height
-    turned_in = _turned_in(share)
+    rise = np.clip((share - SHOULDER) / (COLLAR - SHOULDER), 0.0, 1.0)
+    turned_in = np.asarray(rise**2 * (3.0 - 2.0 * rise))
     leaning = (lower + (upper - lower) * share) / 2
     middle = leaning + (socket / 2 + wall - leaning) * turned_in
     depth = relief / (lower / 2) * (1.0 - turned_in)
@@ -60,9 +61,3 @@ def lampshade(
     lip, lip_level = _solids.rim(outer[-1], inner[-1], float(level[-1]), wall / 2)
     walls = _solids.rings(np.concatenate([outer, lip, inner[::-1]]), np.concatenate([level, lip_level, level[::-1]]), turn)
     return _solids.standing(_solids.skinned(walls, closed=True))
-
-
-def _turned_in(share: Floats) -> Floats:
-    """How far the wall has turned in at a share of the height, smoothly from 0 below the shoulder to 1 in the collar."""
-    rise = np.clip((share - SHOULDER) / (COLLAR - SHOULDER), 0.0, 1.0)
-    return np.asarray(rise**2 * (3.0 - 2.0 * rise))

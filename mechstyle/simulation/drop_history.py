@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -18,9 +18,6 @@ from mechstyle.pictures.panels import Picture
 from mechstyle.records import Row
 from mechstyle.records.mesh import Floats, TetMesh
 from mechstyle.simulation.impact import Impact, nearest_rigid
-
-if TYPE_CHECKING:
-    from mechstyle.pictures.plots import Plot
 
 
 class Course(msgspec.Struct, frozen=True, kw_only=True):
@@ -119,11 +116,23 @@ def history_picture(history: History, impact: Impact, course: Course, flat: Row)
         course: Its figures.
         flat: How the drop is judged.
     """
-    from mechstyle.pictures.plots import plots_png  # noqa: PLC0415 — matplotlib is loaded when a picture is wanted
+    from mechstyle.pictures.plots import Curve, Plot, plots_png  # noqa: PLC0415 — matplotlib is loaded when a picture is wanted
 
-    plots = [_stress_plot(impact, course, flat), _energy_plot(history), _force_plot(history, course)]
+    judged, (x, y, z) = fields.moment(flat.limit, flat), course.peak_where
+    stress = Plot(
+        judged.label.capitalize(), "MPa", [Curve("at the surface", impact.time, judged.made(impact.stress.max(axis=1)), stepped=True)],
+        limit=(flat.limit, f"limit {flat.limit:.1f} MPa"), mark=(course.peak_time, min(course.peak_stress, flat.stress)),
+        words=f"{judged.most}; highest by {course.peak_time:.2f} ms, at ({x:.1f}, {y:.1f}, {z:.1f}) mm",
+    )  # fmt: skip
+    named = (("kinetic", "kinetic"), ("strain", "strain"), ("contact_loss", "taken by the floor"), ("damping_loss", "taken by damping"))
+    energy = Plot("Energy", "mJ", [Curve(label, *_with_gaps(history, getattr(history, name))) for name, label in named])
+    force = Plot(
+        "Contact force", "N", [Curve("floor", *_with_gaps(history, history.contact_force), stepped=True)],
+        mark=(course.peak_force_time, course.peak_force),
+        words=f"up to {course.peak_force:.0f} N, the last of it at {course.contact_time:.2f} ms",
+    )  # fmt: skip
     note = f"{course.words} {course.touch_words}"
-    return Picture(plots_png(plots, x_label="time since first touch [ms]", title="The drop as placed", note=note))
+    return Picture(plots_png([stress, energy, force], x_label="time since first touch [ms]", title="The drop as placed", note=note))
 
 
 def history_figures(history: History) -> dict[str, list[float]]:
@@ -179,30 +188,3 @@ def _with_gaps(history: History, values: Floats) -> tuple[Floats, Floats]:
     """Times and values of a curve that is interrupted where the part flies."""
     flights = np.flatnonzero(np.diff(history.phase)) + 1
     return np.insert(history.time, flights, history.time[flights]), np.insert(values, flights, np.nan)
-
-
-def _stress_plot(impact: Impact, course: Course, flat: Row) -> Plot:
-    """Largest stress of each moment, as far as it is judged."""
-    from mechstyle.pictures.plots import Curve, Plot  # noqa: PLC0415 — as above
-
-    judged = fields.moment(flat.limit, flat)
-    curves = [Curve("at the surface", impact.time, judged.made(impact.stress.max(axis=1)), stepped=True)]
-    x, y, z = course.peak_where
-    words = f"{judged.most}; highest by {course.peak_time:.2f} ms, at ({x:.1f}, {y:.1f}, {z:.1f}) mm"
-    mark = (course.peak_time, min(course.peak_stress, flat.stress))
-    return Plot(judged.label.capitalize(), "MPa", curves, limit=(flat.limit, f"limit {flat.limit:.1f} MPa"), mark=mark, words=words)
-
-
-def _energy_plot(history: History) -> Plot:
-    from mechstyle.pictures.plots import Curve, Plot  # noqa: PLC0415 — as above
-
-    named = (("kinetic", "kinetic"), ("strain", "strain"), ("contact_loss", "taken by the floor"), ("damping_loss", "taken by damping"))
-    return Plot("Energy", "mJ", [Curve(label, *_with_gaps(history, getattr(history, name))) for name, label in named])
-
-
-def _force_plot(history: History, course: Course) -> Plot:
-    from mechstyle.pictures.plots import Curve, Plot  # noqa: PLC0415 — as above
-
-    curve = Curve("floor", *_with_gaps(history, history.contact_force), stepped=True)
-    words = f"up to {course.peak_force:.0f} N, the last of it at {course.contact_time:.2f} ms"
-    return Plot("Contact force", "N", [curve], mark=(course.peak_force_time, course.peak_force), words=words)

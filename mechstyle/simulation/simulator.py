@@ -115,14 +115,10 @@ class DropSimulator:
         known, corrected = None, self.recipe.restraint.guarantee and np.any(displacement) and not self.baseline.failure
         if thorough and corrected and self._steering != self.numbers(displacement, thorough=True):
             known = self._on(body, displacement, thorough=False)
-            if self._settles(known):
+            failing = (row.decides and row.outcome == "FAILS" and row.sure for row in self.judge(known).rows)
+            if bool(known.failure) or any(failing):
                 return replace(known, meshing=meshing)
         return replace(self._on(body, displacement, thorough=thorough, known=known), meshing=meshing)
-
-    def _settles(self, simulation: Simulation) -> bool:
-        """Whether further landings cannot change that a part fails, or that there is no answer."""
-        failing = (row.decides and row.outcome == "FAILS" and row.sure for row in self.judge(simulation).rows)
-        return bool(simulation.failure) or any(failing)
 
     def judge(self, simulation: Simulation, *, alone: bool = False) -> Verdict:
         """Verdict on a simulation and that of the original, or `alone` on the original itself.

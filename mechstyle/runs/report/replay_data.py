@@ -131,7 +131,10 @@ def replay_data(run: LaneOfRun) -> ReplayData:
     shown = quantities(run.recipe, run.store.verdict(history[-1]))
     each = zip(*(quantities(run.recipe, verdict) for verdict in _verdicts(rows)), strict=True)  # the quantities of every frame
     fields = {of[-1].name: _channel(run.store.objects, digests, of) for of in each}
-    channels = [*fields.values(), _colour_channel(run.store.objects, digests)]
+    different, frames = _unique(digests, "colour")
+    colours = (run.store.objects.get_array(digest).astype(np.float32) for digest in different)
+    planes: list[Plane] = [np.rint(255 * np.clip(colour, 0, 1)).astype(np.uint8).ravel() for colour in colours]
+    channels = [*fields.values(), Channel("colour", planes, frames, width=3)]
     header = {
         "name": run.record.name,
         "prompt": run.recipe.style.prompt,
@@ -194,14 +197,6 @@ def _quantised(values: NDArray[np.float32], low: float, step: float) -> Plane:
     known = np.isfinite(values)
     raw[known] = np.rint((values[known].astype(np.float64) - low) / step)
     return raw
-
-
-def _colour_channel(objects: Objects, digests: Sequence[Digests]) -> Channel:
-    different, frames = _unique(digests, "colour")
-    planes: list[Plane] = [
-        np.rint(255 * np.clip(objects.get_array(digest).astype(np.float32), 0, 1)).astype(np.uint8).ravel() for digest in different
-    ]
-    return Channel("colour", planes, frames, width=3)
 
 
 def _frame(row: Row) -> dict[str, Any]:

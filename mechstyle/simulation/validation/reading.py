@@ -113,7 +113,7 @@ def styled_cup() -> Styled:
     used, numbers = np.unique(tets.boundary_faces, return_inverse=True)
     smooth = SurfaceMesh(tets.vertices[used], numbers.reshape(-1, 3).astype(np.int32))
     part = Workpiece(smooth, tets, local_thickness(smooth).astype(np.float32), stands=True)
-    bounds = part.shape.bounds("protected", 0.0)
+    bounds = part.shape.bounds("plain", 0.0)
     size = Dimensions(amplitude=0.15, side="both", nozzle=0.0)
     aim = target(smooth, Wish("brick"), size, seed=0, thickness=part.thickness, inward=bounds.inward, outward=bounds.outward)
     relief = (aim.displacement * bounds.freedom).astype(np.float32)

@@ -48,3 +48,6 @@ def test_a_styled_cup_has_a_relief_and_sound_tetrahedra():
     part = styled_cup()
     assert np.linalg.norm(part.surface.vertices - part.smooth.vertices, axis=1).max() > 0.1
     assert (part.morphed.volumes > 0.0).all()
+    standing = part.smooth.vertices[:, 2] < 1e-6
+    assert standing.any()
+    assert np.array_equal(part.surface.vertices[standing], part.smooth.vertices[standing])
