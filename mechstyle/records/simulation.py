@@ -29,8 +29,7 @@ class Landing(msgspec.Struct, frozen=True, kw_only=True):
         way: Its kind, one of `Way`.
         normal: Floor normal in the frame of the part, out of the floor.
         stress: σ_V, the stress that more than V0 of the part exceed [MPa]; see `fea.stressed_volume`.
-        maximum: Largest stress at a point of an element [MPa]; depends on the mesh where contact is a point. The published rule alone
-            reads it, and no picture shows it.
+        maximum: Largest stress at a point of an element [MPa], which the published rule alone reads.
         where: Centre of what exceeds σ_V [mm].
         fall: Height of the fall [mm].
         critical_height: Critical drop height: from there σ_V is the yield strength [mm].
