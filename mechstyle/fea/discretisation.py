@@ -44,7 +44,6 @@ class Discretisation:
         frequencies: Largest eigenfrequency of each tetrahedron on its own, or what the masses bound that of the body by if it is less
             [rad/ms], shape [tet_count].
         masses: Lumped masses, some heavier than they are [g], shape [node_count].
-        heavier: By what factor each is, shape [node_count].
         added_mass: Mass added so over the mass of the body.
         highest: Positive vector with which the masses bound the highest frequency, shape [node_count]: see `mass_scaling`.
         slots: Where an element's share of a force on a node goes before the shares are added up, shape [tet_count, nodes]: the slots
@@ -62,7 +61,6 @@ class Discretisation:
     volumes: Floats
     frequencies: Floats
     masses: Floats
-    heavier: Floats
     added_mass: float
     highest: Floats
     slots: Indices
@@ -118,7 +116,6 @@ def discretise(tets: TetMesh, material: Material, added_mass: float, element: El
         volumes=volumes,
         frequencies=np.minimum(element.stiffer * element_frequencies(mesh.tets, material)[tet_order], np.sqrt(limit)),
         masses=masses,
-        heavier=masses / lumped,
         added_mass=float(masses.sum() / lumped.sum() - 1.0),
         highest=highest,
         slots=numbering.slots,

@@ -79,9 +79,7 @@ def landings(surface: SurfaceMesh, poses: str, count: int, *, nearly_flat: bool)
         BadInput: Unknown poses, or a count below 1.
     """
     frame = own_frame(surface) if poses == "fibonacci" and count > 1 else None
-    a, b, c = np.moveaxis(surface.corners, 1, 0)
-    volumes = np.einsum("ij,ij->i", a, np.cross(b, c))
-    others = orientation_set(poses, count, surface.vertices, np.asarray(volumes @ (a + b + c) / (4.0 * volumes.sum())), frame)
+    others = orientation_set(poses, count, surface.vertices, surface.centre_of_mass, frame)
     if not nearly_flat:
         return others
     first = nearly_flat_of(surface)

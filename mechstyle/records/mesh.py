@@ -150,6 +150,13 @@ class SurfaceMesh:
         a, b, c = self.corners[:, 0], self.corners[:, 1], self.corners[:, 2]
         return float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6.0)
 
+    @property
+    def centre_of_mass(self) -> Floats:
+        """Centre of mass of the solid inside [mm], shape [3], by the divergence theorem."""
+        a, b, c = self.corners[:, 0], self.corners[:, 1], self.corners[:, 2]
+        volumes = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0
+        return np.asarray((volumes[:, None] * (a + b + c)).sum(axis=0) / (4.0 * volumes.sum()))  # no BLAS, which depends on the cores
+
     @cached_property
     def is_closed(self) -> bool:
         """Whether every directed edge is met by exactly one opposite edge (watertight, manifold edges, oriented)."""
@@ -248,6 +255,12 @@ class TetMesh:
         faces = self.tets[:, [0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3]].reshape(-1, 3)
         _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
         return np.ascontiguousarray(faces[np.sort(first[count == 1])])
+
+    @cached_property
+    def boundary(self) -> SurfaceMesh:
+        """The surface of those faces."""
+        used, numbers = np.unique(self.boundary_faces, return_inverse=True)
+        return SurfaceMesh(self.vertices[used], numbers.reshape(-1, 3).astype(np.int32))
 
     @cached_property
     def digest(self) -> str:

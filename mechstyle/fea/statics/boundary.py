@@ -122,12 +122,6 @@ class Picked:
         lengths = np.linalg.norm(total, axis=1, keepdims=True)
         return np.divide(total, lengths, out=np.zeros_like(total), where=lengths > 0.0)
 
-    def border(self, boundary: Boundary) -> Bools:
-        """Nodes where the piece ends, shape [node_count]: those at its rim, and on sides that it cuts."""
-        beyond = np.asarray(~self.nodes[boundary.sides].all(axis=1))
-        cut = np.asarray(self.inside.any(axis=1) & ~self.inside.all(axis=1))
-        return (self.nodes & _nodes_of(boundary, beyond)) | _nodes_of(boundary, cut)
-
 
 def pick(boundary: Boundary, place: Place) -> Picked:
     """The piece of an undeformed boundary at a place; BadInput if there is none."""

@@ -9,7 +9,7 @@ from mechstyle.fea.orientations import landings
 from mechstyle.records.mesh import TetMesh
 from mechstyle.simulation.validation.cases import Result, bounded, compared
 from mechstyle.simulation.validation.meshes import ball, box, cup, refined, roller
-from mechstyle.simulation.validation.reading import Body, styled_cup, surface_of
+from mechstyle.simulation.validation.reading import Body, styled_cup
 
 POINT, LINE, PLANE = 0.05, 0.12, 0.08
 FLAT, NEARLY = 0.06, 0.12
@@ -54,7 +54,7 @@ def _steady(name: str, meshes: Sequence[TetMesh], window: float, limit: float) -
 
 
 def _finer(name: str, coarse: TetMesh, plain: TetMesh) -> Iterator[Result]:
-    ways = landings(surface_of(plain), "fibonacci", 1, nearly_flat=True).normals[: 1 + FEW]
+    ways = landings(plain.boundary, "fibonacci", 1, nearly_flat=True).normals[: 1 + FEW]
     fine = refined(coarse)
     (flat, *nearly), (flat_finer, *nearly_finer) = (
         [found.stress for found in Body(mesh).dropped(DropTest(window=1.2), ways)] for mesh in (coarse, fine)

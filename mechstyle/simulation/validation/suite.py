@@ -23,6 +23,10 @@ STEEP = (
     "**Known limit.** A steep bar still rings when its other end lands. Phases begin from rest, so that the second impact reads a seventh "
     "less than one long drop: the unsafe side, in directions that no default test judges."
 )
+LATER = (
+    "**Known limit.** Flat on its plain base this cup reads an eighth more where it is followed for twice as long, at half the yield "
+    "strength: the unsafe side."
+)
 """Why figures of a case fail."""
 
 CASES = {
@@ -61,7 +65,7 @@ CASES = {
         Case("turned", "An angle bracket, turned and mirrored, prepared anew", repeatability.turned, slow=True),
         Case("again", "Five triangulations of a square cup, each meshed anew", repeatability.smooth, slow=True, fault=CORNER),
         Case("again_styled", "Five triangulations of a square cup in brick", repeatability.styled, slow=True),
-        Case("numerics", "A square cup in brick for twice as long, and with half the step", repeatability.numerics, slow=True),
+        Case("numerics", "A square cup in brick for twice as long, and with half the step", repeatability.numerics, slow=True, fault=LATER),
         Case("numerics_bar", "The bar that lands again, the same way", repeatability.numerics_of_a_bar, slow=True, fault=STEEP),
     )
 }
