@@ -237,9 +237,9 @@ def _rows(simulation: Simulation, original: Simulation | None, reference: Simula
     strength, robust = recipe.test.material.yield_strength, recipe.test.criterion != "paper"
     for test in WAYS:
         parts = ([] if part is None else part.of(test) for part in (simulation, original, reference))
-        hardest, theirs, sets = (_of_several(found, mean=test == "any landing") if found else None for found in parts)
+        hardest, theirs, limiting = (_of_several(found, mean=test == "any landing") if found else None for found in parts)
         if hardest is not None:
-            limit = strength if sets is None else drop_limit(sets.stress, strength)
+            limit = strength if limiting is None else drop_limit(limiting.stress, strength)
             yield Row(
                 test=test, landing=hardest.name, stress=hardest.stress, limit=limit, height=hardest.critical_height,
                 asked=recipe.test.height, original=None if theirs is None else theirs.critical_height,

@@ -17,7 +17,6 @@ from mechstyle.fea.drop import resolve_device
 from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.fea.history import History
 from mechstyle.fea.snapshots import snapshot
-from mechstyle.fea.vtu import vtu_path
 from mechstyle.loop import minimum_wall as walls
 from mechstyle.pictures import fields
 from mechstyle.pictures.panels import Picture, field_panel, picture, verdict_note
@@ -29,7 +28,7 @@ from mechstyle.records.mesh import STANDARD_VERTICES, Field, SurfaceMesh, TetMes
 from mechstyle.records.recipe import DEFAULTS, direction_of
 from mechstyle.records.written import length_of
 from mechstyle.simulation.beside_original import Fit, fit_of, relief_over
-from mechstyle.simulation.drop_history import Course, history_picture, vtu_bytes
+from mechstyle.simulation.drop_history import Course, history_picture, vtu_bytes, vtu_path
 from mechstyle.simulation.impact import Impact, impact_of
 from mechstyle.simulation.meshes import at_rest
 from mechstyle.simulation.part import Shape, Stage, Workpiece, cached_memo, fitted, prepare, standardised
