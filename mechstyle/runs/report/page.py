@@ -272,23 +272,18 @@ def _limits(recipe: Recipe) -> list[str]:
 
 
 def _material(material: Material) -> Markup:
+    source = f" ({material.layer_source})" if material.layer_source else ""
+    layers = "not known" if material.layer_ratio is None else f"{material.layer_ratio:g} of that along them{source}"
     rows = (
         ("Young's modulus E", f"{material.youngs_modulus:g} MPa"),
         ("Poisson's ratio ν", f"{material.poisson_ratio:g}"),
         ("density ρ", f"{1000 * material.density:g} g/cm³"),
         ("yield strength", f"{material.yield_strength:g} MPa"),
         ("safety coefficient λ_s (published criterion)", f"{material.safety_coefficient:g}"),
-        ("strength across printed layers", _across_layers(material)),
+        ("strength across printed layers", layers),
     )
     source = fill('<p class="faint">Source of the figures of {name}: {source}.</p>', name=material.name, source=material.source.rstrip("."))
     return joined([table(("property", "value"), rows, f"Material {material.name}"), source])
-
-
-def _across_layers(material: Material) -> str:
-    """The ratio of strengths with its source."""
-    if material.layer_ratio is None:
-        return "not known"
-    return f"{material.layer_ratio:g} of that along them" + (f" ({material.layer_source})" if material.layer_source else "")
 
 
 def _missing(run: LaneOfRun) -> str:
