@@ -85,8 +85,7 @@ class Simulation:
     Attributes:
         displacement: What was simulated [mm], shape [vertex_count]: the request, less what the tetrahedra could not follow.
         landings: What each drop did, flat first; none if the test failed.
-        landing_stress: Stress at the surface in each [MPa], shape [landing_count, vertex_count]: the running maximum of the von Mises
-            stress, averaged at the nodes and over 2 mm along the surface.
+        landing_stress: Largest von Mises stress over time at the surface, a mean over 2 mm [MPa], shape [landing_count, vertex_count].
         loads: What each load case did.
         load_stress: Stress at the surface under each [MPa], shape [case_count, vertex_count].
         contact: Whether the surface there touched the floor in the flat landing, shape [vertex_count].
@@ -97,8 +96,7 @@ class Simulation:
         added_mass: Mass added by scaling slivers, over the mass of the part.
         level_share: Share of the flat faces it stands on that the relief leaves on the floor, None for a part that stands on none.
         carried: Share of the relief that the boundary of the tetrahedra follows, 1 without any.
-        carried_base: The same on the flat faces the part stands on, or the share of what is on the floor that theirs has there too,
-            whichever is less; None where there is no relief on any.
+        carried_base: The same on the flat faces it stands on, or of what is on the floor, if less; None where there is no relief on any.
         volume_error: Volume of the tetrahedra over that inside the surface, less 1; with or without relief, whichever is further off.
         volume: Volume of the tetrahedra [mm³].
         mesh: Digest of the tetrahedra as they were made.

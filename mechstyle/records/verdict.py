@@ -103,8 +103,7 @@ class Verdict(msgspec.Struct, frozen=True, kw_only=True):
         outcome: HOLDS, every test that decides holds; NO WORSE, some only compared with the original; FAILS; or UNKNOWN.
         criterion: `robust` or `paper`.
         fall: Height of the fall asked for [mm].
-        strength: Yield strength of the material [MPa].
-        material: Name of the material.
+        material, strength: Name and yield strength [MPa] of the material.
         style: Short name of the style, "" for a part without one.
         rows: The tests; none where nothing could be tested.
         doubts: Why the outcome is not sure; none if it is.
@@ -180,14 +179,14 @@ class Verdict(msgspec.Struct, frozen=True, kw_only=True):
 def judge(simulation: Simulation, original: Simulation | None, recipe: Recipe, reference: Simulation | None = None) -> Verdict:
     """Compare what a part survives with what is asked of it, and with what its original survives.
 
-    Flat and every load decide. Nearly flat decides beside an original, as most plastic parts yield at an edge; so do all other landings
+    Flat and every load decide. Nearly flat decides next to an original, as most plastic parts yield at an edge; so do all other landings
     where more than one was asked for, by their geometric mean. Under the criterion `paper` the published rule decides alone.
 
     Args:
         simulation: The test of the part.
         original: The same test of the unstyled part; None for a part that is tested by itself.
         recipe: What was asked for.
-        reference: The original as it sets the limits, where that is read on more than one mesh; the original itself unless given.
+        reference: The original as it sets the limits, if that is read on more than one mesh.
     """
     test, named = recipe.test, 0 < len(recipe.style.prompt) <= SHORT
     empty = Verdict(
