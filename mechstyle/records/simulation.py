@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal, get_args
 
@@ -152,9 +151,9 @@ class Simulation:
 
     def stress_of(self, *, landing: str = "", load: str = "") -> NDArray[np.float32]:
         """Stress at the surface in one landing or under one load [MPa], shape [vertex_count]; zero where there was no such test."""
-        if load:
-            return _row(self.load_stress, [case.name for case in self.loads], load, len(self.displacement))
-        return _row(self.landing_stress, [one.name for one in self.landings], landing, len(self.displacement))
+        fields, results, name = (self.load_stress, self.loads, load) if load else (self.landing_stress, self.landings, landing)
+        names = [one.name for one in results]
+        return fields[names.index(name)] if name in names else np.zeros(len(self.displacement), np.float32)
 
     @property
     def stress(self) -> NDArray[np.float32]:
@@ -171,8 +170,3 @@ class Simulation:
     def least_carried(self) -> float:
         """The smaller share of the relief that the tetrahedra follow, of all of it and of that on the faces it stands on."""
         return float(np.min([self.carried, 1.0 if self.carried_base is None else self.carried_base]))  # NaN if one of them is
-
-
-def _row(fields: NDArray[np.float32], names: Sequence[str], name: str, count: int) -> NDArray[np.float32]:
-    """The field of a name [MPa], shape [vertex_count]."""
-    return fields[names.index(name)] if name in names else np.zeros(count, np.float32)
