@@ -10,10 +10,10 @@ import traitlets
 from mechstyle.errors import BadInput
 from mechstyle.records import CRITERIA, POSES
 from mechstyle.records.landings import STANDARDS, landings_after, with_drops
-from mechstyle.records.lengths import length_of, written
 from mechstyle.records.load_cases import LoadCase, load_cases
 from mechstyle.records.mesh import STANDARD_VERTICES
 from mechstyle.records.recipe import DEFAULTS, LIMITS
+from mechstyle.records.written import length_of, written
 from mechstyle.runs.recipes import EXPECTED
 from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.looks import lean, show
