@@ -12,12 +12,14 @@ import numpy as np
 import pytest
 
 from mechstyle.errors import BadInput
+from mechstyle.runs.report.replay_data import replay_data
 from mechstyle.runs.run import Run
 from mechstyle_widgets import jupyter
 from mechstyle_widgets.jupyter import frame
 from mechstyle_widgets.jupyter.closing import family
 from mechstyle_widgets.jupyter.language import GERMAN, LANGUAGES, said, speak, word
 from mechstyle_widgets.jupyter.terms import terms
+from mechstyle_widgets.replay.cache import Cache
 from mechstyle_widgets.settings.thumbnail_buttons import PictureChoice
 from mechstyle_widgets.studio import Studio
 from mechstyle_widgets.timeline.curves import Curves
@@ -129,6 +131,7 @@ def test_what_is_said_is_in_the_table(done, tmp_path):
     made.mask_inspector.use()
     made.branches.branch()
     found |= sentences_of(made) | {said(reason) for reason in REASONS}
+    found |= {frame.get("words", "") for frame in Cache(replay_data(made.run), {})._header["frames"]}
     strange = {text: english for text in found if (english := english_in(text))}
     assert strange == {}
 
