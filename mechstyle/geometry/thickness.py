@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 import scipy.sparse as sp
@@ -97,6 +98,16 @@ def face_width(mesh: SurfaceMesh) -> float:
 
     A vertex lies in a face as wide as twice its distance from the nearest vertex whose normal is across its own.
     """
+    if mesh not in _widths:  # every style on a part asks for it, and it is as much work as drawing one
+        _widths[mesh] = _face_width(mesh)
+    return _widths[mesh]
+
+
+_widths: WeakKeyDictionary[SurfaceMesh, float] = WeakKeyDictionary()
+"""Those of the parts there are."""
+
+
+def _face_width(mesh: SurfaceMesh) -> float:
     asked = np.unique(np.linspace(0, len(mesh.vertices) - 1, SAMPLES).astype(int))
     reach = np.empty(len(asked))
     for number, vertex in enumerate(asked):

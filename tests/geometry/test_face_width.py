@@ -3,6 +3,7 @@
 import manifold3d
 import pytest
 
+from mechstyle.geometry import thickness
 from mechstyle.geometry.remeshing.evening import even, surface_of
 from mechstyle.geometry.thickness import face_width
 
@@ -24,3 +25,11 @@ def test_a_thin_ring_is_as_narrow_as_it_is_thick():
 def test_a_ball_is_as_wide_as_it_is(sphere):
     """From anywhere on it, the nearest place whose normal is across is 60 degrees away: a chord of one radius."""
     assert face_width(sphere) == pytest.approx(20.0, rel=0.03)
+
+
+def test_it_is_found_once_for_each_part(sphere, monkeypatch):
+    """Every style on a part asks for it anew: a third of the time until it is on show."""
+    width = face_width(sphere)
+    monkeypatch.setattr(thickness, "SAMPLES", 2)
+    assert face_width(sphere) == width
+    assert face_width(block(60.0, 60.0, 3.0)) > 0.0, "another part is measured all the same"
