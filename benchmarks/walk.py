@@ -116,7 +116,7 @@ class Walker:
         return "press"
 
     def _choose(self, element: Any) -> str:
-        number = self.rng.randrange(element.evaluate("one => one.options.length"))
+        number = self.rng.randrange(max(element.evaluate("one => one.options.length"), 1))
         element.select_option(index=number, timeout=SOON)
         return f"choose {number} of"
 
