@@ -163,7 +163,7 @@ class Walker:
 
     def note(self, what: str) -> None:
         """Say what went wrong, after what."""
-        self.wrong.append(f"{what[:600]}\n    after {'; '.join(self.done[-9:])}")
+        self.wrong.append(f"{what[:200]} … {what[-900:]}\n    after {'; '.join(self.done[-9:])}")
         Console().print(self.wrong[-1], markup=False)
 
 
