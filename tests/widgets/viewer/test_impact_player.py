@@ -158,6 +158,18 @@ def test_a_drop_that_fails_says_so_in_one_sentence(viewer, monkeypatch):
     assert viewer.player._said.value == "the drop test broke down"
 
 
+def test_an_impact_that_cannot_be_shown_says_so(viewer, monkeypatch, caplog):
+    def cannot(*_):
+        raise ValueError("two parts")
+
+    monkeypatch.setattr(impact_player.ImpactPlayer, "_fall", cannot)
+    viewer.player.play()
+    assert "by an unexpected ValueError: two parts" in viewer.player._said.value
+    assert viewer.player._button in viewer.player._start.children
+    assert viewer.player._start in viewer.player.children, "it can be tried again"
+    assert "unexpected" in caplog.text
+
+
 def test_in_a_notebook_it_is_worked_out_in_a_thread_and_brought_back(viewer, impact):
     async def click() -> None:
         arrived = asyncio.Event()

@@ -183,9 +183,17 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
     def _work(self, drop: Callable[[Progress], list[Impact]], over: threading.Event, bring: Callable[..., Any]) -> None:
         """In the thread: the drop, and its answer brought to the event loop, where it counts unless it is over by then."""
 
+        def failed(error: Exception) -> None:
+            run = self._state.run
+            self._fail(sentence(error, None if run is None else run.store.place))
+
         def heard(act: Callable[..., None], *given: Any) -> None:
-            if not over.is_set():
+            if over.is_set():
+                return
+            try:
                 act(*given)
+            except Exception as error:  # noqa: BLE001 — it would end in a log, and the bar stand for ever
+                failed(error)
 
         def progress(fraction: float) -> None:
             if over.is_set():
@@ -197,8 +205,7 @@ class ImpactPlayer(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no 
         except _Cancelled:
             return
         except Exception as error:  # noqa: BLE001 — whatever it is, it is said, and it can be tried again
-            run = self._state.run
-            bring(heard, self._fail, sentence(error, None if run is None else run.store.place))
+            bring(heard, failed, error)
         else:
             bring(heard, self._show, impacts)
 
