@@ -27,7 +27,7 @@ SAME_PART = 0.02
 
 @dataclass(frozen=True, eq=False)
 class Skin:
-    """The standardised surface without style. `known_thickness` [mm] is [vertex_count], None to work it out; `nozzle` is a diameter [mm]."""
+    """The standardised surface without style. `known_thickness` [mm] is [vertex_count], None to work it out; `nozzle` is in mm."""
 
     surface: SurfaceMesh
     nozzle: float
