@@ -38,6 +38,8 @@ HIGHEST = 10_000.0
 """Heights above are all shown as more than this [mm]."""
 ALIKE = 0.9
 """Share of the other's relief from which on a part looks like it."""
+LITTLE = 0.7
+"""Share of the style's relief below which it is said how more of it may be had."""
 SAME = 0.05
 """Relative difference up to which two figures are about the same."""
 
@@ -315,6 +317,13 @@ def side_by_side(names: tuple[str, str], verdicts: tuple[Verdict, Verdict], kept
         alike = "Both look alike. " if fed >= ALIKE * free else f"{names[1]} keeps {fed / free:.0%} of the relief. "
     asked = fall(verdicts[0].fall) if first.height is not None else "once"
     return f"{alike}{_survive(names, first, second)}; {asked} was asked for."
+
+
+def little_left(kept: float, side: str) -> str:
+    """What to try where little of a relief is left, "" where enough is left or it only goes outwards."""
+    if kept >= LITTLE or side == "outwards":
+        return ""
+    return f"only {kept:.0%} of the style is left: cuts into a wall weaken it, so try relief that only goes outwards (--side outwards)"
 
 
 def _survive(names: tuple[str, str], first: Row, second: Row) -> str:
