@@ -1,4 +1,4 @@
-"""Commands that stylize a part freely and with feedback, side by side: demo, application."""
+"""Commands for lessons: demo, application, class prepare, class collect."""
 
 from __future__ import annotations
 
@@ -11,20 +11,22 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from mechstyle.cli.console import command, err, escape, headline, in_colour, out, print_json, table
+from mechstyle.cli.console import command, err, escape, headline, in_colour, out, print_json, table, telling
 from mechstyle.cli.options import Device, Json, Settings, Vertices, recipe_options, typed_as
-from mechstyle.cli.run import carry_out
+from mechstyle.cli.run import carry_out, finish
+from mechstyle.errors import BadInput
 from mechstyle.records import sentences
 from mechstyle.records.mesh import STANDARD_VERTICES
 from mechstyle.records.recipe import described
+from mechstyle.records.written import length_of
 
 if TYPE_CHECKING:
     from mechstyle.study.applications import Pair
 
 app = typer.Typer()
 
-DEMO_MODEL, DEMO_VERTICES = "gallery:wall_hook", 3_000
-"""Small and solid, and so few vertices, that the demo takes minutes on a laptop: with 25 000 it takes ten times as long."""
+DEMO_VERTICES = 3_000
+"""So few that a part of one's own takes minutes on a laptop: with 25 000 it takes ten times as long."""
 
 
 @app.command("demo")
@@ -34,15 +36,21 @@ def demo_command(
     *,
     settings: Settings,
     folder: Annotated[Path, typer.Option("--out", help="Where the runs, pictures and 3MF files go.")] = Path("demo-out"),
-    model: Annotated[str, typer.Option(help="What to style.")] = DEMO_MODEL,
+    model: Annotated[str, typer.Option(help="What to style, a file or gallery:NAME.", show_default="the lessons' trophy")] = "",
     prompt: Annotated[str, typer.Option(*typed_as("prompt").flags, help=described("prompt"))] = "brick",
     device: Device = "auto",
     vertices: Vertices = DEMO_VERTICES,
     as_json: Json = False,
 ) -> None:
-    """Style the gallery's wall hook as brick, freely and with feedback, and compare the verdicts."""
+    """Style the trophy of the lessons as brick, freely and with feedback, and compare the verdicts."""
     asked = {"prompt": prompt, **settings}
-    tell(both_ways(model, asked, vertices, device, folder, quick=True, as_json=as_json), folder, as_json=as_json)
+    if not model and vertices != DEMO_VERTICES:
+        raise BadInput("--vertices is for a part of your own, because the trophy is meshed already: name one with --model, or leave it out")
+    if model:
+        pair = both_ways(model, asked, vertices, device, folder, quick=True, as_json=as_json)
+    else:
+        pair = of_the_trophy(asked, device, folder, as_json=as_json)
+    tell(pair, folder, as_json=as_json)
 
 
 @app.command("application")
@@ -87,6 +95,22 @@ def both_ways(
     return Pair(*runs)
 
 
+def of_the_trophy(settings: Settings, device: str, folder: Path, *, as_json: bool) -> Pair:
+    """Run the lessons' trophy freely and with feedback, in the settings of lesson 1, with progress."""
+    from mechstyle import teaching  # noqa: PLC0415 — as above
+    from mechstyle.runs.run import begin  # noqa: PLC0415
+    from mechstyle.study.applications import Pair  # noqa: PLC0415
+
+    runs, part = [], teaching.trophy()
+    for label, own in (("Freestyle", {"freely": True}), ("MechStyle", {"schedule": "stress"})):
+        if not as_json:
+            err.print(f"[bold]{label}[/]: a trophy as “{escape(settings['prompt'])}”")
+        recipe = teaching.settled(**{**settings, **own})
+        with telling(recipe.schedule.iterations, quiet=as_json) as teller:
+            runs.append(finish(begin(part, recipe, folder / label.lower(), name="trophy", device=device, beside=False), teller))
+    return Pair(*runs)
+
+
 def tell(pair: Pair, folder: Path, *, as_json: bool) -> None:
     """Write and print what the two runs came to; the table of falls stands last."""
     files = pair.save(folder)
@@ -119,3 +143,64 @@ def activation() -> str:
         return ""
     here = os.path.relpath(script) if Path(sys.prefix).is_relative_to(Path.cwd()) else str(script)
     return f"source {shlex.quote(here)} && "
+
+
+class_app = typer.Typer(help="Prepare parts and styles for a class, and collect its reports.")
+app.add_typer(class_app, name="class")
+
+IN_CLASS = 3_000
+"""Vertices, so that a run takes about a minute on two cores."""
+
+
+@class_app.command("prepare")
+@command
+@recipe_options("iterations", "material", "height", "schedule", "nearly_flat", begins=False, others=True)
+def prepare_command(
+    models: Annotated[list[str], typer.Argument(metavar="MODEL...", help="Files (STL, OBJ, PLY, GLB, 3MF) or gallery:NAME.")],
+    settings: Settings,
+    prompts: Annotated[list[str], typer.Option("--prompt", "-p", help="A style, in words. May be given several times.")],
+    folder: Annotated[Path, typer.Option("--out", help="Folder for the list of commands and the prepared runs.")] = Path("class"),
+    vertices: Vertices = IN_CLASS,
+    device: Device = "auto",
+    as_json: Json = False,
+) -> None:
+    """Mesh every part for every style and drop every plain part, so that pupils wait for their own drops only."""
+    from mechstyle.study.classroom import prepare  # noqa: PLC0415 — physics is loaded when something is run
+
+    with telling(len(models) * len(prompts), quiet=as_json) as teller:
+        tasks = prepare(models, prompts, settings, vertices=vertices, folder=folder, device=device, stage=teller.stage)
+    page = folder / "commands.md"
+    if as_json:
+        print_json({"commands": [task.command for task in tasks], "files": {"commands": str(page)}})
+        return
+    for task in tasks:
+        out.print(escape(task.command))
+    out.print(f"[dim]the same as a page: {escape(str(page))}[/]")
+
+
+@class_app.command("collect")
+@command
+def collect_command(
+    reports: Annotated[list[Path], typer.Argument(metavar="REPORT...", help="Files of `mechstyle report`, named after their pupils.")],
+    height: Annotated[str, typer.Option(help='The fall that counts, such as "1.5 m".')] = "1.5 m",
+    path: Annotated[Path | None, typer.Option("--out", help="Write the table as well: .md or .csv.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Make one table of the reports of a class: who keeps most style and still passes?"""
+    from mechstyle.study.classroom import as_file, collect  # noqa: PLC0415 — loaded when wanted
+
+    handed = collect(reports, length_of(height))
+    files = {} if path is None else {"table": str(as_file(handed, path))}
+    if as_json:
+        headings, *lines = handed.lines
+        print_json({"rows": [dict(zip(headings, line, strict=True)) for line in lines], "refused": handed.refused, "files": files})
+        return
+    headings, *lines = handed.lines
+    shown = table(*headings)
+    for line in lines:
+        shown.add_row(*map(in_colour, line))
+    out.print(shown)
+    for sentence in handed.refused:
+        out.print(f"[yellow]refused:[/] {escape(sentence)}")
+    for file in files.values():
+        out.print(escape(file))

@@ -63,8 +63,8 @@ class Correction:
 
     Attributes:
         surface: The unstylized surface.
-        wanted: What the style asks for within its bounds [mm], shape [vertex_count]; the finished relief if nothing held any of it back.
-        kept: Share of it that a relief keeps.
+        wanted: The most that can be given back [mm], shape [vertex_count]: the target, or the finished relief if nothing was held back.
+        kept: Share of the style's target that a relief keeps.
         standing: Whether a vertex belongs to the faces the part stands on, shape [vertex_count].
         sure: The most relief known to pass for sure [mm], shape [vertex_count]; None as long as none does.
         unsure: The least known not to [mm], shape [vertex_count]; None as long as none is.

@@ -173,7 +173,8 @@ class Engine:
         """Bring the stylizer to where it was after `state`: from the nearest keyframe, or afresh where another style ended."""
         last = state.iteration
         while True:
-            if self._other_style(state):
+            ours, theirs = self.recipe, self.recipe if state.recipe == self.recipe.digest else self.store.recipe(state.recipe)
+            if (theirs.style, theirs.delivery.nozzle) != (ours.style, ours.delivery.nozzle):
                 self.stylizer.start_from(state.displacement, state.colour.astype(np.float32))
                 break
             if state.keyframe is not None:
@@ -183,11 +184,6 @@ class Engine:
         for _ in range(last - state.iteration):  # corrections are checkpoints too, but no iterations
             self.stylizer.step()
         return self.stylizer.proposal()
-
-    def _other_style(self, state: Checkpoint) -> bool:
-        """Whether the stylizer aims at something else now; features that are not given are sized for the nozzle."""
-        ours, theirs = self.recipe, self.recipe if state.recipe == self.recipe.digest else self.store.recipe(state.recipe)
-        return (theirs.style, theirs.delivery.nozzle) != (ours.style, ours.delivery.nozzle)
 
     # one iteration
 
@@ -256,8 +252,10 @@ class Engine:
         """Correct the finished relief until it passes for sure (if the recipe asks for it), then mark the best as final."""
         assert state.verdict is not None, "the last iteration is always simulated"
         finished, best = state.displacement, state
-        wanted = self._wanted(state)
-        search = correction.Correction(self.surface, wanted, lambda relief: self._kept(relief, wanted), self.bounds.standing)
+        target = self._target()
+        unheld = self.recipe.restraint.control == "none" and np.all(state.share == 1.0)
+        wanted = finished if unheld else target  # what nothing held back is all that can be given back
+        search = correction.Correction(self.surface, wanted, lambda relief: self._kept(relief, target), self.bounds.standing)
         tried = self._tested(search, finished, state) if self.recipe.restraint.guarantee else None
         while tried is not None:
             relief, words = tried
@@ -270,17 +268,15 @@ class Engine:
             digest, event = self._save(corrected)
             yield event
             tried = self._tested(search, relief, corrected)
-            best = corrected if self._worth(corrected, wanted) >= self._worth(best, wanted) else best
+            best = corrected if self._worth(corrected, target) >= self._worth(best, target) else best
         if not best.final:
             digest, event = self._save(replace(best, parent=digest, keyframe=None, final=True))
             yield event
         assert best.verdict is not None, "every correction is simulated"
         yield Finished(best.verdict, digest)
 
-    def _wanted(self, finished: Checkpoint) -> Field:
-        """What the style asks for within its bounds [mm], shape [vertex_count]: the finished relief if nothing held any of it back."""
-        if self.recipe.restraint.control == "none" and np.all(finished.share == 1.0):
-            return finished.displacement
+    def _target(self) -> Field:
+        """What the finished style asks for within its bounds [mm], shape [vertex_count], whatever of it the part came to."""
         return unrestrained(self.stylizer.proposal().displacement, self.bounds, self.recipe)
 
     def _tested(self, search: correction.Correction, relief: Field, state: Checkpoint) -> tuple[Field, str] | None:
@@ -295,17 +291,17 @@ class Engine:
         used = control.utilisation(simulation, to_meet) if to_meet else None
         return search.tested(relief, correction.Finding(verdict.passes, used, fails_by_drop=any(not row.load for row in to_meet)))
 
-    def _worth(self, state: Checkpoint, wanted: Field) -> tuple[bool, bool, float]:
+    def _worth(self, state: Checkpoint, target: Field) -> tuple[bool, bool, float]:
         """What makes one finished state better than another: that it passes, that it does so for sure, and how much is kept."""
         if not state.passes:
             return False, False, 0.0
         assert state.verdict is not None, "what passes was simulated"
         settled = all(doubt.about != "limit" for doubt in state.verdict.doubts)
-        return True, settled, self._kept(state.displacement, wanted)
+        return True, settled, self._kept(state.displacement, target)
 
     def kept(self, state: Checkpoint) -> float:
-        """Share of the style's relief that a state keeps, by what can be seen of it: of the target within its bounds."""
-        return self._kept(state.displacement, self._wanted(state))
+        """Share of the finished style's target that a state keeps, by what can be seen of it; of every run, Freestyle as well."""
+        return self._kept(state.displacement, self._target())
 
     def _kept(self, displacement: Field, reference: Field) -> float:
         return kept(displacement, reference, self.bounds.seen_areas(self.surface))

@@ -99,6 +99,23 @@ def test_freestyle_follows_the_proposal_exactly(bench):
     assert kept(last.displacement, engine.stylizer.proposal().displacement, engine.surface.vertex_areas) == pytest.approx(1.0, rel=1e-5)
 
 
+def test_one_relief_of_one_style_is_kept_by_one_share_whether_a_mask_or_the_mesh_held_the_rest_back(bench, tmp_path, monkeypatch):
+    """Freestyle is measured by the style's target, too, not by what it reached itself."""
+    real = LeverSimulator.simulate
+
+    def followed_in_part(simulator, displacement, *, thorough):
+        return real(simulator, np.float32(0.8) * displacement, thorough=thorough)
+
+    monkeypatch.setattr(LeverSimulator, "simulate", followed_in_part)
+    shares, bench.gain = {}, 0.0
+    for control in ("none", "exponential"):
+        one = replace(bench, root=tmp_path / control)
+        engine = one.engine(one.recipe(control=control, schedule="never", guarantee=False, minimum_wall=0.0))
+        shares[control] = engine.kept(states(engine.run())[-1])
+    assert shares["none"] == pytest.approx(0.8, rel=1e-4)
+    assert shares["exponential"] == pytest.approx(0.8, rel=1e-4)
+
+
 def test_no_wall_is_cut_below_the_minimum_unless_nothing_restrains(bench, tmp_path):
     """Walls of 4 mm with a minimum of 3 may lose half a millimetre from each side; the relief asks for one."""
     bench.height, bench.gain = -1.0, 0.0
