@@ -32,7 +32,7 @@ def diamond_plate(canvas: Canvas) -> Relief:
 
 def chainmail(canvas: Canvas) -> Relief:
     """Rings that lie flat side by side, each linked to its four neighbours by an upright ring that is seen from its edge."""
-    unit = canvas.unit("wire of the mail", 2.0 * WIRE * RING, edges=2.8)
+    unit = canvas.unit("wire of the mail", 2.0 * WIRE * RING, edges=3.6)
     bond = canvas.bond(RING * unit, RING * unit, shift=0.0)
     x, y = np.abs(bond.x), np.abs(bond.y)
     ring = dome((np.hypot(x, y) - 0.37) / WIRE)
