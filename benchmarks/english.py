@@ -11,6 +11,8 @@ import sys
 from collections import defaultdict
 from pathlib import Path
 
+from mechstyle.styling import vocabulary
+
 COMMON, RARER = (10, 20, 35, 40), (50, 55, 60, 70)
 """Sizes of SCOWL: of words that everybody knows, and of names of animals, plants and things that more people know than use."""
 CLASSES = """
@@ -23,17 +25,17 @@ thing reptile 1 dragon_scales fish_scales leather
 thing amphibian 3 leather bubbles dots
 thing pachyderm 1 leather cracked_earth bark
 thing mammal 1 fur fuzzy leather
-hint insect 1 honeycomb panels fuzzy
-hint arachnid 1 fur fuzzy voronoi
-hint mollusk 1 spiral fluted waves
-hint crustacean 1 panels dragon_scales bubbles
+thing insect 1 panels honeycomb fuzzy
+thing arachnid 1 fur fuzzy voronoi
+thing mollusk 1 spiral fluted waves
+thing crustacean 1 panels dragon_scales bubbles
 thing flower 1 floral green mandala
 thing tree 1 wood bark green
-hint fungus 1 fluted dots bubbles
+thing fungus 1 fluted dots bubbles
 thing fern 1 green feathers moss
 thing grass 1 moss fur basket_weave
-hint edible_fruit 1 dots bubbles fuzzy
-hint vegetable 1 green fluted bubbles
+thing edible_fruit 1 dots bubbles fuzzy
+thing vegetable 1 green fluted bubbles
 thing plant 2 green floral moss
 thing gem 2 crystal glass low_poly
 thing precious_stone 1 crystal glass low_poly
@@ -52,6 +54,9 @@ thing geological_formation 1 stone topographic cracked_earth
 hint ice 1 ice crystal glass
 hint footwear 1 leather knit grip
 hint clothing 1 twill knit pleats
+hint net 2 voronoi grid knit
+hint tower 1 stone brick concrete
+hint room 1 tiles wood brick
 hint building 1 brick stone concrete
 hint structure 1 stone concrete panels
 hint furniture 1 wood quilting basket_weave
@@ -81,6 +86,24 @@ hint game 1 tiles studs dots
 hint sport 1 grip dots fluted
 hint animal 1 fur dragon_scales leather
 hint substance 1 stone crystal cork
+hint social_event 1 dots floral stripes
+hint spiritual_being 1 feathers celtic_knot lava
+hint imaginary_being 1 dragon_scales bark fur
+hint plant_part 1 green bark wood
+hint natural_object 1 stone bark leather
+hint vegetation 1 green moss floral
+hint natural_phenomenon 1 waves lava ice
+hint time_period 1 waves ice green
+hint clock_time 1 waves ice green
+hint geographical_area 1 topographic green stone
+hint location 1 topographic stone green
+hint way 6 stone brick tiles
+hint music 1 waves stripes art_deco
+hint art 1 floral mandala marble
+hint feeling 1 waves floral spikes
+hint religion 1 stone mandala girih
+hint shape 2 waves dots grid
+hint pattern 1 grid stripes mandala
 """
 """Kind of row, class as a lemma and the number of its sense, and the styles that come near, nearest first."""
 
@@ -128,24 +151,46 @@ def base(word: str, words: set[str]) -> bool:
     return not any(stem in words and stem != word and base(stem, words) for stem in stems)
 
 
+def eaten(meanings: list[str], above: dict[str, list[str]], senses: dict[str, list[str]]) -> list[str]:
+    """The synsets of a word with a fruit or vegetable before the tree or plant it grows on."""
+    plant, *foods = senses["plant"][1], senses["edible_fruit"][0], senses["vegetable"][0]
+    food = next((offset for offset in meanings[:3] if not ancestors(offset, above).isdisjoint(foods)), None)
+    return [food, *meanings] if food and plant in ancestors(meanings[0], above) else meanings
+
+
+def misleading(senses: dict[str, list[str]], common: set[str]) -> list[str]:
+    """Names of two common words of which the first alone would give the style: a barn owl is a bird, and no barn."""
+    styles = vocabulary.styles()
+    pairs = [(word, *word.split("_")) for word in sorted(senses) if word.count("_") == 1 and word not in styles]
+    return [name for name, first, head in pairs if {first, head} <= common and head in senses and first in styles and head not in styles]
+
+
 def main() -> None:
     """Print the table."""
     wordnet, scowl = map(Path, sys.argv[1:])
     above, senses = synsets(wordnet)
     lines = map(str.split, CLASSES.strip().splitlines())
     classes = [(kind, senses[lemma][int(sense) - 1], " ".join(near)) for kind, lemma, sense, *near in lines]
+
+    def kind_of(offset: str) -> tuple[str, str] | None:
+        line = ancestors(offset, above)
+        return next(((kind, near) for kind, top, near in classes if top in line), None)
+
     common = spelt(scowl, COMMON)
     rows = defaultdict(list)
     for word in sorted(common | spelt(scowl, RARER)):
         found = ("english", "")
-        for order, offset in enumerate(senses.get(word, [])[:2]):
-            line = ancestors(offset, above)
-            first = next(((kind, near) for kind, top, near in classes if top in line), None)
-            if first and (order == 0 or (first[0] == "thing" and word not in common)):
-                found = first
+        for order, offset in enumerate(eaten(senses.get(word, []), above, senses)[:2]):
+            first = kind_of(offset)
+            if first:  # what a common word rarely means is only a hint
+                found = first if order == 0 or word not in common else ("hint", first[1])
                 break
         if (word in common or found[0] == "thing") and base(word, common):
             rows[found].append(word)
+    for phrase in misleading(senses, common):
+        first, head = kind_of(senses[phrase][0]), kind_of(senses[phrase.partition("_")[2]][0])
+        if first == head and first and first[0] == "thing":  # a water dragon is a plant in books alone
+            rows[first].append(phrase)
     print("kind\tvalue\tEnglish")
     for (kind, value), words in sorted(rows.items(), key=lambda row: (row[0][0], row[0][1])):
         print(kind, value, " ".join(words), sep="\t")

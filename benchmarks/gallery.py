@@ -19,7 +19,7 @@ import msgspec
 
 from mechstyle import gallery
 from mechstyle.errors import MechStyleError
-from mechstyle.gallery.model_sheet import model_sheet
+from mechstyle.gallery.style_sheet import model_sheet
 from mechstyle.records import sentences
 from mechstyle.records.mesh import STANDARD_VERTICES
 from mechstyle.simulation.part_test import simulate

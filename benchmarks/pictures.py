@@ -27,7 +27,7 @@ from PIL import Image
 import mechstyle as ms
 from mechstyle import gallery
 from mechstyle._files import write_whole
-from mechstyle.gallery.model_sheet import model_sheet
+from mechstyle.gallery.style_sheet import model_sheet
 from mechstyle.pictures.panels import Picture
 from mechstyle.records.load_cases import LoadCase
 from mechstyle.runs.run import Run

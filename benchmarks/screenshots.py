@@ -38,7 +38,7 @@ COMPARED = "studio._tabs.selected_index = 1; studio.state.layer = 'restraint'"
 
 STATES = {
     "before": "pass",
-    "unknown-prompt": "studio.prompt_box.prompt = 'crocodile skin'",
+    "unknown-prompt": "studio.prompt_box.prompt = 'my own idea'",
     "sheet": "studio.prompt_box.prompt = 'brick'; studio.prompt_box._chips.all = True",
     "page": "studio.prompt_box._chips.all = False; studio._groups[6].unfolded = True",
     "pull": "studio.close_page(); studio.viewer._clicks((0.0, 9.4, 49.5))",
@@ -55,7 +55,8 @@ WIDTHS, THEMES, BESIDE, TALL = (700, 1008, 1440, 2200), ("Light", "Dark"), 128, 
 """Widths of the Studio, themes of JupyterLab, what its page shows beside a Studio, and a height in which all of it is seen [pixels]."""
 
 
-BUSY = "studio.state.status in ('preparing', 'running') or getattr(getattr(studio.viewer, 'player', None), 'working', False)"
+BUSY = "studio.previewer._busy or studio.state.status in ('preparing', 'running')"
+BUSY += " or getattr(getattr(studio.viewer, 'player', None), 'working', False)"
 
 
 def main() -> None:

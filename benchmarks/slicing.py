@@ -1,7 +1,7 @@
 """Thirty styled parts as a painted 3MF and as an STL, each sliced by PrusaSlicer and by Slic3r: what opens, is closed, and becomes layers.
 
-Needs prusa-slicer and slic3r on PATH, half a minute a part. Styles are drawn freely on small surfaces, without simulation: slicers see
-the file alone. Keeps what was measured in docs/slicing.json.
+Needs prusa-slicer and slic3r on PATH, half a minute a part. Styles are drawn on small surfaces as runs draw them, without simulation:
+slicers see the file alone. Keeps what was measured in docs/slicing.json.
 
 python benchmarks/slicing.py                 # all of the gallery
 python benchmarks/slicing.py coaster vase    # some of it
@@ -17,14 +17,17 @@ from pathlib import Path
 from typing import Any, cast
 
 import msgspec
+import numpy as np
 import trimesh
 
 import mechstyle as ms
 from mechstyle.gallery import names
 from mechstyle.gallery.style_sheet import Specimen
 from mechstyle.geometry.files import save
+from mechstyle.loop.bounds import unrestrained
 from mechstyle.runs.printing import Printing, write_for_printing
 from mechstyle.runs.recipes import draft
+from mechstyle.simulation.part import Shape, bounds_for
 from mechstyle.styling.library import names as styles
 from mechstyle.styling.prompt import read
 
@@ -59,9 +62,13 @@ class Sliced(msgspec.Struct):
 
 def measure(part: str, style: str, folder: Path) -> Sliced:
     """Style a part, write it twice and slice each file twice."""
-    mesh, _ = Specimen.of(ms.load(f"gallery:{part}"), VERTICES).styled(read(style).wishes[0])
+    specimen, recipe = Specimen.of(ms.load(f"gallery:{part}"), VERTICES), draft(style)
+    plain, (styled, _) = specimen.surface, specimen.styled(read(style).wishes[0])
+    asked = np.einsum("ij,ij->i", styled.vertices - plain.vertices, plain.vertex_normals).astype(np.float32)
+    bounds, _ = bounds_for(Shape(plain, specimen.thickness.astype(np.float32)), recipe)
+    mesh = plain.displaced(unrestrained(asked, bounds, recipe)).coloured(styled.colours)
     files = [folder / f"{part}.3mf", folder / f"{part}.stl"]
-    plan = write_for_printing(files[0], mesh, cast("Any", None), draft(style), Printing())  # the part is asked for two bodies alone
+    plan = write_for_printing(files[0], mesh, cast("Any", None), recipe, Printing())  # the part is asked for two bodies alone
     save(mesh, files[1])
     layers, repairs = [], []
     for slicer in (PRUSA, SLIC3R):

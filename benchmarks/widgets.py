@@ -22,7 +22,7 @@ from rich.console import Console
 from rich.table import Table
 
 from mechstyle.gallery import make
-from mechstyle.runs.report.bundle import bundle
+from mechstyle.runs.report.markup import bundle
 from mechstyle.runs.report.replay_data import replay_data
 from mechstyle.runs.run import Run, stylize
 

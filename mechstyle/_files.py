@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all, names they may have, and the folder of what may be deleted: prepared parts, fetched weights."""
+"""Files that appear whole or not at all, their names, locks, and the folder of what may be deleted: prepared parts, fetched weights."""
 
 from __future__ import annotations
 
@@ -10,11 +10,17 @@ import os
 import re
 import secrets
 import shutil
+import socket
+import sys
 import tempfile
 import unicodedata
+from collections.abc import Iterator
 from pathlib import Path
 
-from mechstyle.errors import MechStyleError
+from mechstyle.errors import BadInput, MechStyleError
+
+if sys.platform != "win32":
+    import fcntl
 
 NO_FILE_NAME = re.compile(r'[<>:"/\\|?*]')
 """What Windows or any other system gives a meaning of its own in a path."""
@@ -92,3 +98,46 @@ def _wished_folder() -> Path:
 def clip_folder() -> Path:
     """Folder of fetched CLIP weights."""
     return _wished_folder() / "clip"
+
+
+@contextlib.contextmanager
+def exclusive(path: Path, what: str, *, wait: bool = False) -> Iterator[None]:
+    """Hold the lock `path` on `what` while the block runs; if somebody else holds it, wait for the end of that or refuse.
+
+    The lock is the system's (flock), so it ends with its process, however that ends: the file of a process that was killed is taken
+    over. The file holds the process and the host for the sentence that others get, and is empty while nobody holds it. It is never
+    removed, or one process could lock the file that another has just unlinked.
+
+    Raises:
+        BadInput: If somebody else holds it, another session of this process included, and this does not wait; or if `path` is a link.
+    """
+    if path.is_symlink():  # in a folder from somebody else it could lead to a file of the user's, which would be emptied
+        raise BadInput(f"{path} is a link, which no lock is: remove it if you do not know what it is for")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("a+", encoding="utf-8") as file:
+        _lock(file.fileno(), path, what, wait=wait)
+        try:
+            _write(file.fileno(), f"process {os.getpid()} on {socket.gethostname()}")
+            yield
+        finally:
+            _write(file.fileno(), "")
+
+
+def _lock(descriptor: int, path: Path, what: str, *, wait: bool) -> None:
+    """Lock an open file; on Windows, or where the file system knows no locks, nobody is kept out."""
+    if sys.platform == "win32":
+        return
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX if wait else fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError as error:
+        holder = path.read_text(encoding="utf-8") or "another process"
+        raise BadInput(f"{what} is being carried on by {holder}: wait until it ends, or stop it there") from error
+    except OSError:
+        return
+
+
+def _write(descriptor: int, holder: str) -> None:
+    """Say in the file who holds the lock; a full disk does not matter here."""
+    with contextlib.suppress(OSError):
+        os.ftruncate(descriptor, 0)
+        os.write(descriptor, holder.encode())

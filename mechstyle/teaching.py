@@ -17,7 +17,7 @@ from mechstyle.pictures import fields
 from mechstyle.pictures.figure import Panel
 from mechstyle.pictures.panels import Picture, picture
 from mechstyle.records import Recipe, sentences
-from mechstyle.records.mesh import Floats, SurfaceMesh, TetMesh
+from mechstyle.records.mesh import Floats, TetMesh
 from mechstyle.runs.recipes import plan
 from mechstyle.runs.run import Run, begin
 from mechstyle.simulation.part import Workpiece
@@ -46,8 +46,7 @@ TOP = 90.0
 def trophy() -> Workpiece:
     """The part of the lessons, ready for a run: surface, tetrahedra and walls."""
     body = turned(PROFILE, RINGS, LAYERS)
-    used, faces = np.unique(body.boundary_faces, return_inverse=True)
-    surface = SurfaceMesh(body.vertices[used], faces.reshape(-1, 3).astype(np.int32))
+    surface = body.boundary
     return Workpiece(surface, body, local_thickness(surface).astype(np.float32), stands=True)
 
 

@@ -11,7 +11,7 @@ from rich.markup import escape
 from typer.core import TyperGroup
 
 from mechstyle import __version__
-from mechstyle.cli import demo, doctor, inspect_run, keep, lists, orient, protect, report, run, school, simulate, study, validate, weights
+from mechstyle.cli import demo, doctor, finished, inspect_run, lists, run, simulate, study, weights
 from mechstyle.cli.console import print_json
 
 UsageError: type[Exception] = typer.BadParameter.__bases__[0]
@@ -83,7 +83,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode="rich",
 )
-for family in (run, simulate, demo, study, validate, inspect_run, keep, orient, protect, report, school, lists, doctor, weights):
+for family in (run, simulate, demo, study, inspect_run, finished, lists, doctor, weights):
     app.add_typer(family.app)
 
 

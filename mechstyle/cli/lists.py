@@ -49,7 +49,11 @@ def styles_command(
     from mechstyle.styling.vocabulary import called  # noqa: PLC0415 — as above
 
     if sheet is not None:
-        written = _draw_sheet(sheet, quiet=as_json)
+        from mechstyle.gallery.style_sheet import PARTS, contact_sheet  # noqa: PLC0415 — as above
+
+        place = _a_png(sheet, "the sheet of styles")
+        with telling(len(PARTS) + len(library()), quiet=as_json) as teller:
+            written = contact_sheet(stage=teller.step).save(place)
         print_json({"files": {"sheet": str(written)}}) if as_json else out.print(escape(str(written)))
         return
     known = library().values()
@@ -62,16 +66,6 @@ def styles_command(
     for style in known:
         rows.add_row(style.name, escape(", ".join(word.replace("_", " ") for word in called(style.name))), escape(style.description))
     out.print(rows)
-
-
-def _draw_sheet(path: Path, *, quiet: bool) -> Path:
-    """Draw the contact sheet with progress, after making sure that it can be written."""
-    from mechstyle.gallery.style_sheet import PARTS, contact_sheet  # noqa: PLC0415 — loaded when wanted
-    from mechstyle.styling.library import names  # noqa: PLC0415
-
-    place = _a_png(path, "the sheet of styles")
-    with telling(len(PARTS) + len(names()), quiet=quiet) as teller:
-        return contact_sheet(stage=teller.step).save(place)
 
 
 def _a_png(path: Path, what: str) -> Path:
@@ -90,7 +84,7 @@ def gallery_command(
     from mechstyle.gallery import entry, names  # noqa: PLC0415 — loaded when wanted
 
     if sheet is not None:
-        from mechstyle.gallery.model_sheet import model_sheet  # noqa: PLC0415
+        from mechstyle.gallery.style_sheet import model_sheet  # noqa: PLC0415
 
         place = _a_png(sheet, "the sheet of models")
         written = model_sheet().save(place)

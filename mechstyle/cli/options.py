@@ -14,10 +14,10 @@ from typing import Annotated, Any
 import typer
 
 from mechstyle.gallery import PREFIX, use_of
-from mechstyle.records.lengths import length_of, written
 from mechstyle.records.mesh import QUICK_VERTICES, STANDARD_VERTICES
 from mechstyle.records.recipe import CHAPTER_OF, DEFAULTS, OPTIONS, TYPES, described
 from mechstyle.records.regions import KINDS
+from mechstyle.records.written import length_of, written
 
 MACHINE = "Part and machine"
 """Heading of the options that are no settings; those that are stand under their chapter's name."""

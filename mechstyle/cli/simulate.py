@@ -1,4 +1,4 @@
-"""The command that tests a part as it is: simulate."""
+"""Commands on a part as it is: simulate, protect."""
 
 from __future__ import annotations
 
@@ -10,9 +10,11 @@ import typer
 from mechstyle.cli.console import command, err, escape, out, print_json, report_verdict, table, telling
 from mechstyle.cli.options import READ_AS, Device, Json, Model, Settings, Vertices, reads_a_part, recipe_options
 from mechstyle.cli.run import read_model
+from mechstyle.errors import BadInput
 from mechstyle.records.landings import STANDARDS
 from mechstyle.records.mesh import STANDARD_VERTICES
 from mechstyle.records.recipe import DEFAULTS
+from mechstyle.records.regions import KINDS
 
 if TYPE_CHECKING:
     from mechstyle.simulation.part_test import PartTest
@@ -109,10 +111,18 @@ def _report(dropped: PartTest, files: dict[str, str]) -> None:
     simulation, recipe = dropped.simulation, dropped.recipe
     report_verdict(dropped.verdict)
     rows = table("", "")
+    course, relief = list[tuple[str, str]](), list[tuple[str, str]]()
+    if dropped.course is not None:
+        force = f"up to {dropped.course.peak_force:.0f} N, the last of it at {dropped.course.contact_time:.2f} ms"
+        course = [("contact force", force), ("touches", dropped.course.touch_words), ("energy", dropped.course.words)]
+    if dropped.original is not None:
+        under = "" if simulation.carried_base is None else f" ({simulation.carried_base:.0%} under the part)"
+        follows = f"the mesh follows {simulation.carried:.0%} of it{under}"
+        relief = [("relief", f"{dropped.relief.min():.2f} to {dropped.relief.max():.2f} mm over the original, {follows}")]
     for label, value in (
-        *_course_rows(dropped),
+        *course,
         ("shape", f"tetrahedra {dropped.fit.words}"),
-        *_relief_rows(dropped),
+        *relief,
         *([("layers", escape(recipe.test.layers_judged))] if recipe.test.build_direction else []),
         *([("orientations", escape(recipe.test.after_standard))] if recipe.test.standard else []),
         ("tetrahedra", f"{len(dropped.tets.tets)}; {simulation.steps} steps of {1e3 * simulation.time_step:.3f} µs"),
@@ -129,23 +139,30 @@ def _report(dropped: PartTest, files: dict[str, str]) -> None:
         err.print(f"[yellow]warning:[/] {escape(dropped.warning)}")
 
 
-def _relief_rows(dropped: PartTest) -> list[tuple[str, str]]:
-    """A table row of what a part has over its original."""
-    if dropped.original is None:
-        return []
-    found = dropped.simulation
-    under = "" if found.carried_base is None else f" ({found.carried_base:.0%} under the part)"
-    follows = f"the mesh follows {found.carried:.0%} of it{under}"
-    return [("relief", f"{dropped.relief.min():.2f} to {dropped.relief.max():.2f} mm over the original, {follows}")]
+@app.command("protect")
+@command
+@reads_a_part
+@recipe_options("protect")
+def protect_command(
+    model: Model,
+    settings: Settings,
+    reading: Settings,
+    vertices: Vertices = STANDARD_VERTICES,
+    picture: Annotated[Path | None, typer.Option("--out", help="PNG to write; by default in the current folder.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Picture of what protected regions hold, before anything is styled."""
+    from mechstyle.runs.protection import protect as looked_at  # noqa: PLC0415 — loaded when wanted
 
-
-def _course_rows(dropped: PartTest) -> list[tuple[str, str]]:
-    """When the flat landing did what."""
-    course = dropped.course
-    if course is None:
-        return []
-    return [
-        ("contact force", f"up to {course.peak_force:.0f} N, the last of it at {course.contact_time:.2f} ms"),
-        ("touches", course.touch_words),
-        ("energy", course.words),
-    ]
+    if not settings:
+        raise BadInput(f"say what to protect with --protect, once or more; it can be: {', '.join(KINDS.values())}")
+    mesh, name = read_model(model, reading, quiet=as_json)
+    with telling(1, quiet=as_json) as teller:
+        found = looked_at(mesh, settings["protect"], vertices=vertices, stage=teller.stage)
+        path = found.show().save(picture or Path(f"{name}-protected.png"))
+    if as_json:
+        print_json({"share": found.share, "notes": found.protection.notes, "files": {"picture": str(path)}})
+        return
+    for note in found.protection.notes:
+        out.print(escape(note))
+    out.print(f"picture: {escape(str(path))}")

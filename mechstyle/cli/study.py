@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from pathlib import Path
 from statistics import median
 from typing import TYPE_CHECKING, Annotated, Any
@@ -42,63 +42,23 @@ class SeveralWords(TyperCommand):
         return super().parse_args(ctx, spread)
 
 
-Models = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--models",
-        help=f"Gallery models or files, one after the other; by default all of the gallery. {READ_AS}",
-        rich_help_panel=CROSSED,
-    ),
-]
-Styles = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--styles",
-        help="Prompts; by default the six of the published study.",
-        rich_help_panel=CROSSED,
-    ),
-]
-Controls = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--controls",
-        help="By default linear, exponential and frozen.",
-        rich_help_panel=CROSSED,
-    ),
-]
-Schedules = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--schedules",
-        help="By default every, exponential, geometry and stress.",
-        rich_help_panel=CROSSED,
-    ),
-]
-Arms = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--arms",
-        help="freestyle, static, finish-first, masks, strengthened; by default all but the last.",
-        rich_help_panel=CROSSED,
-    ),
-]
-Conditions = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--conditions",
-        help="drop: the fall alone; load: also the load of a model's use at 0.85 of what the plain part carries; deep: relief half the "
-        "wall deep. By default all.",
-        rich_help_panel=CROSSED,
-    ),
-]
-Seeds = Annotated[
-    list[int] | None,
-    typer.Option(
-        "--seeds",
-        help="Seeds of the style; by default 0.",
-        rich_help_panel=CROSSED,
-    ),
-]
+def _crossed(option: str, words: str) -> Any:
+    """An option for a list that is crossed with the others."""
+    return typer.Option(option, help=words, rich_help_panel=CROSSED)
+
+
+ASKED = (
+    "drop: the fall alone; load: also the load of a model's use{} at 0.85 of what the plain part carries; deep: relief half the wall deep"
+)
+"""The conditions in words, with a place for what else names a load."""
+Words = list[str] | None
+Models = Annotated[Words, _crossed("--models", f"Gallery models or files, one after the other; by default all of the gallery. {READ_AS}")]
+Styles = Annotated[Words, _crossed("--styles", "Prompts; by default the six of the published study.")]
+Controls = Annotated[Words, _crossed("--controls", "By default linear, exponential and frozen.")]
+Schedules = Annotated[Words, _crossed("--schedules", "By default every, exponential, geometry and stress.")]
+Arms = Annotated[Words, _crossed("--arms", "freestyle, static, finish-first, masks, strengthened; by default all but the last.")]
+Conditions = Annotated[Words, _crossed("--conditions", f"{ASKED.format('')}. By default all.")]
+Seeds = Annotated[list[int] | None, _crossed("--seeds", "Seeds of the style; by default 0.")]
 Out = Annotated[Path, typer.Option("--out", help="Folder for rows and runs; the same command goes on where it stopped.")]
 Jobs = Annotated[int, typer.Option(min=1, max=256, help="Processes side by side on this machine.", rich_help_panel=MACHINE)]
 Scheduler = Annotated[
@@ -183,23 +143,26 @@ def _carried_out(study: str, factors: Factors, folder: Path, jobs: int, schedule
     cells = cells_of(study, factors)
     with telling(len(cells), quiet=as_json) as teller:
         teller.stage("running")
-        rows = walk(cells, folder, jobs=jobs, scheduler=scheduler, tell=_said(teller.step))
+        rows = walk(cells, folder, jobs=jobs, scheduler=scheduler, tell=lambda row: teller.step(escape(brief(row))))
     files = {"rows": str(folder / "rows"), "table": str(write_table(rows, folder / "table"))}
     if as_json:
         print_json({"rows": rows, "files": files})
     else:
-        _print_counts(rows)
-        for what, path in files.items():
-            out.print(f"{what}: {escape(path)}")
+        _print_counts(rows, files)
     if all(row.status == "refused" for row in rows):
         raise SystemExit(EXIT_BAD_INPUT)
 
 
-def _said(step: Callable[[str], None]) -> Callable[[Row], None]:
-    return lambda row: step(escape(brief(row)))
+def _print_rest(rows: Sequence[Row], files: dict[str, str]) -> None:
+    """What did not run, and where the files are."""
+    for row in rows:
+        if row.status != "done":
+            out.print(f"[yellow]{row.status}:[/] {escape(brief(row))}")
+    for what, path in files.items():
+        out.print(f"{what}: {escape(path)}")
 
 
-def _print_counts(rows: list[Row]) -> None:
+def _print_counts(rows: Sequence[Row], files: dict[str, str]) -> None:
     """How many pass, arm by arm, and what did not run."""
     from mechstyle.study.statistics import wilson  # noqa: PLC0415 — scipy is loaded when something is counted
 
@@ -213,9 +176,7 @@ def _print_counts(rows: list[Row]) -> None:
             figures = (str(len(done)), str(passes), f"{low:.0%} to {high:.0%}", str(sure), f"{kept:.2f}", f"{seconds:.0f}")
             counts.add_row(condition, arm, *figures)
     out.print(counts)
-    for row in rows:
-        if row.status != "done":
-            out.print(f"[yellow]{row.status}:[/] {escape(brief(row))}")
+    _print_rest(rows, files)
 
 
 # --- ablation of a few parts
@@ -232,11 +193,10 @@ def ablation_command(
         typer.Option("--prompt", "-p", help="A style, in words. May be given several times.", rich_help_panel=panel_of("prompt")),
     ] = None,
     conditions: Annotated[
-        list[str] | None,
+        Words,
         typer.Option(
             "--condition",
-            help="drop: the fall alone; load: also the load of a model's use, or of --load, at 0.85 of what the plain part carries; deep: "
-            "relief half the wall deep. By default drop. May be given several times.",
+            help=f"{ASKED.format(', or of --load,')}. By default drop. May be given several times.",
             rich_help_panel=panel_of("material"),
         ),
     ] = None,
@@ -286,8 +246,4 @@ def _print_ablation(found: Ablation, files: dict[str, str]) -> None:
     out.print(rows)
     for sentence in found.against_the_twin():
         out.print(escape(sentence))
-    for row in found.rows:
-        if row.status != "done":
-            out.print(f"[yellow]{row.status}:[/] {escape(brief(row))}")
-    for what, path in files.items():
-        out.print(f"{what}: {escape(path)}")
+    _print_rest(found.rows, files)

@@ -1,4 +1,13 @@
-"""A body prepared for time integration: numbering, gradients, masses, neighbours. Shared by all orientations."""
+"""A body prepared for time integration: numbering, gradients, masses, neighbours. Shared by all orientations.
+
+The step follows from a bound of the highest frequency from above. With N_ij the spectral norm of the block A_ij of nodes i and j, every
+eigenvector of M⁻¹A has |λ| ‖x_i‖ ≤ Σ_j N_ij ‖x_j‖ / m_i. So for every positive vector x, max_i (N x)_i / (m_i x_i) is at least the spectral
+radius of M⁻¹N (Collatz 1942, Wielandt 1950), and that at least the one of M⁻¹A. Products with M⁻¹N never raise the bound; some make it 3 %
+high in meshes of parts, 20 % in regular ones.
+
+The same gives the mass that slivers need: masses m_i ≥ (N x)_i / (λ x_i) keep the bound at λ. Only the nodes that set it become heavier.
+Scaling whole tetrahedra by frequencies of their own takes three to ten times the mass for the same step.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +21,6 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 from mechstyle.errors import BadInput
 from mechstyle.fea.elasticity import barycentric_gradients, element_frequencies, lumped_masses
 from mechstyle.fea.elements import LINEAR, Element, ElementMesh, element_named, with_nodes
-from mechstyle.fea.mass_scaling import lengthened
 from mechstyle.fea.stiffness import Pairs, Stiffness
 from mechstyle.records.material import Material
 from mechstyle.records.mesh import Floats, Indices, TetMesh
@@ -36,7 +44,6 @@ class Discretisation:
         frequencies: Largest eigenfrequency of each tetrahedron on its own, or what the masses bound that of the body by if it is less
             [rad/ms], shape [tet_count].
         masses: Lumped masses, some heavier than they are [g], shape [node_count].
-        heavier: By what factor each is, shape [node_count].
         added_mass: Mass added so over the mass of the body.
         highest: Positive vector with which the masses bound the highest frequency, shape [node_count]: see `mass_scaling`.
         slots: Where an element's share of a force on a node goes before the shares are added up, shape [tet_count, nodes]: the slots
@@ -54,7 +61,6 @@ class Discretisation:
     volumes: Floats
     frequencies: Floats
     masses: Floats
-    heavier: Floats
     added_mass: float
     highest: Floats
     slots: Indices
@@ -84,7 +90,14 @@ def discretise(tets: TetMesh, material: Material, added_mass: float, element: El
 
     BadInput if there is no tetrahedron, a vertex is not finite or a tetrahedron is flat or inverted.
     """
-    _refuse_unusable(tets)
+    if len(tets.tets) == 0:
+        raise BadInput("there are no tetrahedra to drop: the part must be meshed inside first")
+    if not np.isfinite(tets.vertices).all():
+        raise BadInput(f"{int((~np.isfinite(tets.vertices)).any(axis=1).sum())} vertices of the tetrahedra are not finite numbers")
+    flat = np.flatnonzero(tets.volumes <= 0.0)
+    if len(flat):
+        x, y, z = tets.vertices[tets.tets[flat[0]]].mean(axis=0)
+        raise BadInput(f"{len(flat)} tetrahedra have no positive volume, the first at ({x:.1f}, {y:.1f}, {z:.1f}) mm; mesh the part again")
     numbering = _numbering(tets.tets.tobytes(), element.name)
     mesh = numbering.of(tets, element)
     place, tet_order, connectivity = numbering.place, numbering.tet_order, numbering.connectivity[numbering.tet_order]
@@ -103,7 +116,6 @@ def discretise(tets: TetMesh, material: Material, added_mass: float, element: El
         volumes=volumes,
         frequencies=np.minimum(element.stiffer * element_frequencies(mesh.tets, material)[tet_order], np.sqrt(limit)),
         masses=masses,
-        heavier=masses / lumped,
         added_mass=float(masses.sum() / lumped.sum() - 1.0),
         highest=highest,
         slots=numbering.slots,
@@ -162,13 +174,48 @@ def _numbering(joined: bytes, element: str) -> _Numbering:
     )
 
 
-def _refuse_unusable(tets: TetMesh) -> None:
-    """BadInput unless there are tetrahedra, all finite and of positive volume."""
-    if len(tets.tets) == 0:
-        raise BadInput("there are no tetrahedra to drop: the part must be meshed inside first")
-    if not np.isfinite(tets.vertices).all():
-        raise BadInput(f"{int((~np.isfinite(tets.vertices)).any(axis=1).sum())} vertices of the tetrahedra are not finite numbers")
-    flat = np.flatnonzero(tets.volumes <= 0.0)
-    if len(flat):
-        x, y, z = tets.vertices[tets.tets[flat[0]]].mean(axis=0)
-        raise BadInput(f"{len(flat)} tetrahedra have no positive volume, the first at ({x:.1f}, {y:.1f}, {z:.1f}) mm; mesh the part again")
+PRODUCTS = 12
+"""Products before a bound is read: of a hook of 5.8k tetrahedra it is then 1.015 times the largest frequency, 1.009 from the vector that
+comes with the masses."""
+ROUNDS = 30
+"""The same where masses change with every product."""
+LEAST = 1e-12
+"""Of the largest entry of x, so that none underflows to zero."""
+
+
+def bound(norms: csr_array, masses: Floats, start: Floats) -> float:
+    """At least the largest eigenvalue of M⁻¹A [1/ms²].
+
+    Args:
+        norms: Of the blocks of A [N/mm], shape [node_count, node_count].
+        masses: Of the nodes [g], shape [node_count].
+        start: A positive vector, shape [node_count]; the nearer to the eigenvector, the lower the bound.
+    """
+    x, ratio = start, np.ones(len(start))
+    for _ in range(PRODUCTS):
+        image = norms @ x / masses
+        ratio, x = image / x, np.maximum(image / image.max(), LEAST)
+    return float(ratio.max())
+
+
+def lengthened(norms: csr_array, masses: Floats, share: float) -> tuple[Floats, Floats, float]:
+    """Masses that are `share` of the whole more and allow the longest step [g], shape [node_count], what proves it, and what it proves.
+
+    Args:
+        norms: Of the blocks of A [N/mm], shape [node_count, node_count].
+        masses: Of the nodes [g], shape [node_count].
+        share: Mass to add, over the mass of the body.
+
+    Returns:
+        The masses, the positive vector x of shape [node_count] with which they are bounded, and the bound λ [1/ms²].
+    """
+    x, allowance = np.ones(len(masses)), share * masses.sum()
+    for _ in range(ROUNDS):
+        image = norms @ x
+        needed = image / x
+        order = np.argsort(-needed / masses)  # Σ max(0, needed/λ − m) ≤ allowance is linear in 1/λ between the sorted needed/m
+        highest = float((np.cumsum(needed[order]) / (allowance + np.cumsum(masses[order]))).max())
+        heavier = np.maximum(masses, needed / highest)
+        proof, x = x, image / heavier
+        x = np.maximum(x / x.max(), LEAST)
+    return heavier, proof, highest

@@ -159,8 +159,13 @@ def drop(
     tracks, scheme = tracks_for(discretisation, material, normals, test, period)
     rule = tracks[0].rule
     steps = scheme.steps if rule.window is not None else math.ceil(rule.period / scheme.time_step)  # through the window, or one period
-    failure = _too_long(discretisation, material, scheme, steps)
-    if not failure:
+    if steps > MAX_STEPS:
+        x, y, z = tets.vertices[tets.tets[int(np.argmax(element_frequencies(tets, material)))]].mean(axis=0)
+        failure = (
+            f"the drop test would need {steps} steps of {1e3 * scheme.time_step:.2g} µs because of a sliver at"
+            f" ({x:.1f}, {y:.1f}, {z:.1f}) mm: mesh the part again"
+        )
+    else:
         follow(body, scheme, tracks, progress)
         steps, failure = scheme.stride * max(track.taken for track in tracks), _failure(tracks, scheme)
     return _drop(tets, discretisation, scheme, tracks, steps, failure)
@@ -225,19 +230,6 @@ def scheme_for(discretisation: Discretisation, material: Material, test: DropTes
     else:
         raise BadInput("a drop without a window ends by the lowest period of the part: give one of the two")
     return Scheme(law, step, damping, GRAVITY, test.friction, test.speed, stride, samples, test.across)
-
-
-def _too_long(discretisation: Discretisation, material: Material, scheme: Scheme, steps: int) -> str:
-    """Why a drop of at least so many steps is not worth starting, "" if it is."""
-    if steps <= MAX_STEPS:
-        return ""
-    tets = discretisation.mesh.tets
-    stiffest = int(np.argmax(element_frequencies(tets, material)))
-    x, y, z = tets.vertices[tets.tets[stiffest]].mean(axis=0)
-    return (
-        f"the drop test would need {steps} steps of {1e3 * scheme.time_step:.2g} µs because of a sliver at"
-        f" ({x:.1f}, {y:.1f}, {z:.1f}) mm: mesh the part again"
-    )
 
 
 def _unit(directions: ArrayLike) -> Floats:

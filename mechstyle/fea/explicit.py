@@ -18,9 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mechstyle.errors import BadInput
-from mechstyle.fea.discretisation import Discretisation
+from mechstyle.fea.discretisation import Discretisation, bound
 from mechstyle.fea.elasticity import LAWS, ElasticLaw, StableNeoHookean
-from mechstyle.fea.mass_scaling import bound
 from mechstyle.records.mesh import Floats
 
 MOTION = (

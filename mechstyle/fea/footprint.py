@@ -1,7 +1,7 @@
 """What a part stands on: the azimuths of its sides and corners, and the part's own frame about the vertical.
 
-Both belong to the part: a file that is turned about z, mirrored or meshed again gets the same, seen from the part. Sides are found in the
-extended Gaussian image of the outline (Horn 1984), which sums lengths by the direction they face, so that no vertex decides.
+A file that is turned about z, mirrored or meshed again gets the same, seen from the part. Sides are found in the extended Gaussian image
+of the outline (Horn 1984), which sums lengths by the direction they face, so that no vertex decides.
 Azimuths are angles from +x towards +y [degrees].
 """
 
@@ -13,8 +13,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from mechstyle.records.mesh import Floats, SurfaceMesh
-from mechstyle.records.places import FLOOR_TOLERANCE
+from mechstyle.records.mesh import FLOOR_TOLERANCE, Floats, SurfaceMesh
 
 CUT = 3.0 * FLOOR_TOLERANCE
 """Height above the lowest vertex at which the footprint is taken [mm]: coarse meshes of one part differ by a third of it."""
@@ -63,8 +62,12 @@ def touchdowns(surface: SurfaceMesh) -> tuple[Touchdown, ...]:
         start = math.degrees(math.atan2(first[1], first[0]))
         return _in_order([Touchdown(start + place * 360.0 / MOST_SIDES, "") for place in range(MOST_SIDES)])
     found = [Touchdown(side, "side") for side in sides]
-    for side, following in zip(sides, np.append(sides[1:], sides[0] + 360.0), strict=True):
-        found += _between(side, following - side)
+    for side, gap in zip(sides, np.append(sides[1:], sides[0] + 360.0) - sides, strict=True):
+        if gap > 180.0 + STRAIGHT:  # a round: no polygon turns so far at a corner
+            count = math.ceil(gap / 60.0 - 0.01)
+            found += [Touchdown(side + gap * place / count, "") for place in range(1, count)]
+        else:
+            found.append(Touchdown(side + 0.5 * gap, "corner" if gap < 180.0 - STRAIGHT else "end"))
     return _in_order(found)
 
 
@@ -88,13 +91,11 @@ def footprint(surface: SurfaceMesh) -> Floats:
 
 
 def straight_sides(outline: Floats) -> Floats:
-    """Azimuths that the sides of a convex outline face, ascending from 0 up to 360 [degrees]; none for a round one.
+    """Azimuths that the sides of an outline face, ascending from 0 up to 360 [degrees]; none for a round one.
 
-    What faces a direction is summed with a smooth weight that falls to nothing ALIKE beside it. There is a side where that is largest and
+    What faces a direction is summed with a smooth weight that falls to nothing ALIKE next to it. There is a side where that is largest and
     exceeds what it is ALIKE to the left and right, by no less than LEAST_SIDE: around a round it does not.
-
-    Args:
-        outline: Corners [mm], anticlockwise, shape [n, 2].
+    The outline is convex: corners [mm], anticlockwise, shape [n, 2].
     """
     edges = np.roll(outline, -1, axis=0) - outline
     lengths, facing = np.linalg.norm(edges, axis=1), np.degrees(np.arctan2(-edges[:, 0], edges[:, 1]))
@@ -138,7 +139,11 @@ def _moments(surface: SurfaceMesh) -> list[tuple[int, complex]]:
 
     Of a part that is turned by an angle, a moment turns by that angle times its fold. Some know up from down.
     """
-    points, weights = _sampled(surface)
+    nodes, shares = np.polynomial.legendre.leggauss(3)  # so that polynomials up to degree 4 are integrated exactly
+    u, v = (axis.ravel() for axis in np.meshgrid(0.5 + 0.5 * nodes, 0.5 + 0.5 * nodes, indexing="ij"))
+    parts = np.stack([1.0 - u, u * (1.0 - v), u * v], axis=1)
+    points = np.einsum("pc,fcx->fpx", parts, surface.corners).reshape(-1, 3)
+    weights = np.outer(surface.face_areas / surface.face_areas.sum(), 0.5 * np.outer(shares, shares).ravel() * u).ravel()
     middle = points - (weights[:, None] * points).sum(axis=0)  # no BLAS, whose sums depend on the number of cores
     z, h = middle[:, 0] + 1.0j * middle[:, 1], middle[:, 2]
     r, depth = np.abs(z), np.abs(h)
@@ -148,24 +153,6 @@ def _moments(surface: SurfaceMesh) -> list[tuple[int, complex]]:
         power, most = power * z, most * r
         sums.append((fold, power, most))
     return [(fold, complex((weights * value).sum()) / max(float((weights * largest).sum()), 1e-300)) for fold, value, largest in sums]
-
-
-def _sampled(surface: SurfaceMesh) -> tuple[Floats, Floats]:
-    """Points of a surface [mm], shape [n, 3], and their shares of its area: polynomials up to degree 4 are integrated exactly."""
-    nodes, shares = np.polynomial.legendre.leggauss(3)
-    u, v = (axis.ravel() for axis in np.meshgrid(0.5 + 0.5 * nodes, 0.5 + 0.5 * nodes, indexing="ij"))
-    parts = np.stack([1.0 - u, u * (1.0 - v), u * v], axis=1)
-    weights = 0.5 * np.outer(shares, shares).ravel() * u
-    points = np.einsum("pc,fcx->fpx", parts, surface.corners).reshape(-1, 3)
-    return points, np.outer(surface.face_areas / surface.face_areas.sum(), weights).ravel()
-
-
-def _between(side: float, gap: float) -> list[Touchdown]:
-    """What is between a side and the next, a gap [degrees] further on: a corner or an end, or places on a round."""
-    if gap > 180.0 + STRAIGHT:  # no polygon turns so far at a corner
-        count = math.ceil(gap / 60.0 - 0.01)
-        return [Touchdown(side + gap * place / count, "") for place in range(1, count)]
-    return [Touchdown(side + 0.5 * gap, "corner" if gap < 180.0 - STRAIGHT else "end")]
 
 
 def _in_order(found: list[Touchdown]) -> tuple[Touchdown, ...]:

@@ -79,7 +79,7 @@ def landings(surface: SurfaceMesh, poses: str, count: int, *, nearly_flat: bool)
         BadInput: Unknown poses, or a count below 1.
     """
     frame = own_frame(surface) if poses == "fibonacci" and count > 1 else None
-    others = orientation_set(poses, count, surface.vertices, _centre_of_mass(surface), frame)
+    others = orientation_set(poses, count, surface.vertices, surface.centre_of_mass, frame)
     if not nearly_flat:
         return others
     first = nearly_flat_of(surface)
@@ -107,7 +107,7 @@ def orientation_set(poses: str, count: int, points: ArrayLike, centre: ArrayLike
 
     Args:
         poses: One of `records.POSES`.
-        count: Landings; of resting poses and poses of a box at most so many.
+        count: Landings, the flat one included; of resting poses and poses of a box at most so many.
         points: Points of the part whose convex hull is the part's [mm], shape [n, 3].
         centre: Its centre of mass [mm], shape [3].
         frame: Axes, as rows, in which directions are spread, shape [3, 3]; None for those of the file.
@@ -117,6 +117,8 @@ def orientation_set(poses: str, count: int, points: ArrayLike, centre: ArrayLike
     """
     if poses not in POSES:
         raise unknown("poses", poses, POSES)
+    if count < 1:
+        raise BadInput(f"a drop test needs at least one orientation, not {count}")
     if poses == "resting":
         return resting(points, centre, count)
     if poses == "fibonacci":
@@ -130,15 +132,8 @@ def directions(count: int) -> Floats:
 
 
 def fibonacci(count: int, frame: ArrayLike | None = None) -> Orientations:
-    """Flat, then directions spread over the sphere: a part that tumbles, every direction as likely as any other.
-
-    The others are a Fibonacci sphere (Swinbank and Purser 2006) less the cap around upright.
-
-    Args:
-        count: Landings, the flat one included.
-        frame: As for `orientation_set`.
-    """
-    others = _at_least_one(count) - 1
+    """Flat, then a Fibonacci sphere (Swinbank and Purser 2006) less the cap around upright; args as for `orientation_set`."""
+    others = count - 1
     k = np.arange(others)
     top = math.cos(math.radians(UPRIGHT_CAP))
     z = top - (top + 1.0) * (k + 0.5) / max(others, 1)
@@ -149,16 +144,11 @@ def fibonacci(count: int, frame: ArrayLike | None = None) -> Orientations:
 
 
 def resting(points: ArrayLike, centre: ArrayLike, count: int) -> Orientations:
-    """Flat, then the poses the part comes to rest in, the most likely first.
+    """Flat, then the poses the part comes to rest in, the most likely first; args as for `orientation_set`.
 
     Poses are merged until `count` landings stand for nearly all.
-
-    Args:
-        points: As for `orientation_set`.
-        centre: As for `orientation_set`.
-        count: Most landings, the flat one included.
     """
-    if _at_least_one(count) == 1:
+    if count == 1:
         return _with_flat(np.empty((0, 3)), ())
     normals, chances = stable_poses(points, centre)
     upright = normals @ UP > math.cos(math.radians(NEARLY_EQUAL))
@@ -174,15 +164,8 @@ def resting(points: ArrayLike, centre: ArrayLike, count: int) -> Orientations:
 def boxed(poses: str, points: ArrayLike, centre: ArrayLike, count: int) -> Orientations:
     """Flat, then on faces, edges and corners of the smallest box around the part, its centre of mass above them.
 
-    A pose of the box that is flat is left out.
-
-    Args:
-        poses: `box26`, `box10` or `faces6`, as `bounding_box.places` explains.
-        points: As for `orientation_set`.
-        centre: As for `orientation_set`.
-        count: Most landings, the flat one included.
+    A pose of the box that is flat is left out; args as for `orientation_set`, poses as `bounding_box.places` explains.
     """
-    _at_least_one(count)
     box = box_around(points)
     found = {named(place): box.landing(place, centre) for place in places(poses, box)}
     others = {name: normal for name, normal in found.items() if normal @ UP < SAME_LANDING}
@@ -190,18 +173,11 @@ def boxed(poses: str, points: ArrayLike, centre: ArrayLike, count: int) -> Orien
 
 
 def stable_poses(points: ArrayLike, centre: ArrayLike) -> tuple[Floats, Floats]:
-    """Facets of the convex hull a body rests on, and how likely it ends there (Goldberg et al. 1999).
+    """Floor normals of the poses a body rests in, shape [poses, 3], and their probabilities, shape [poses] (Goldberg et al. 1999).
 
-    A body in a random orientation first lands on the facet above which its centre of mass is, with the probability of the solid
-    angle that facet fills seen from there. Where the centre is not above the facet it tips over an edge, always lower, and comes
-    to rest on a facet that carries it. trimesh computes the same, but copies the hull once for each pose: minutes for a round part.
-
-    Args:
-        points: As for `orientation_set`.
-        centre: As for `orientation_set`.
-
-    Returns:
-        Floor normals, shape [poses, 3], and probabilities that add up to 1, shape [poses].
+    A body in a random orientation first lands on a facet of its convex hull with the probability of the solid angle that the facet fills
+    seen from the centre of mass. Where that is not above the facet the body tips over an edge, always lower, until it is.
+    trimesh computes the same, but copies the hull once for each pose: minutes for a round part.
     """
     hull = ConvexHull(np.asarray(points, dtype=np.float64) - np.asarray(centre, dtype=np.float64))
     outward, heights = hull.equations[:, :3], -hull.equations[:, 3]
@@ -260,28 +236,14 @@ def _with_flat(normals: Floats, names: Sequence[str], way: Way = "any landing") 
 
 def _called(found: Sequence[Touchdown]) -> list[str]:
     """Names of tilts by what goes down first, with its azimuth where another has the same."""
-    sides = [AZIMUTHS[math.floor((one.azimuth + 22.51) / 45.0) % 8] for one in found]
-    names = [
-        f"tilted {TILT:g}° onto the {side} {one.kind}" if one.kind else f"tilted {TILT:g}° to the {side}"
-        for side, one in zip(sides, found, strict=True)
-    ]
+    names = []
+    for one in found:
+        side = AZIMUTHS[math.floor((one.azimuth + 22.51) / 45.0) % 8]
+        names.append(f"tilted {TILT:g}° onto the {side} {one.kind}" if one.kind else f"tilted {TILT:g}° to the {side}")
     several = Counter(names)
     return [f"{name} ({one.azimuth:.0f}°)" if several[name] > 1 else name for name, one in zip(names, found, strict=True)]
-
-
-def _centre_of_mass(surface: SurfaceMesh) -> Floats:
-    """Centre of mass of the solid inside a closed surface [mm], shape [3], by the divergence theorem."""
-    a, b, c = np.moveaxis(surface.corners, 1, 0)
-    volumes = np.einsum("ij,ij->i", a, np.cross(b, c))
-    return np.asarray(volumes @ (a + b + c) / (4.0 * volumes.sum()))
 
 
 def _numbered(what: str, others: int) -> list[str]:
     """Names of all but number 0, by their numbers."""
     return [f"{what} {number + 1}" for number in range(others)]
-
-
-def _at_least_one(count: int) -> int:
-    if count < 1:
-        raise BadInput(f"a drop test needs at least one orientation, not {count}")
-    return count

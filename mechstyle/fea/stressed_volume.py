@@ -1,16 +1,12 @@
 """The measure of every verdict: σ_V, the stress that more than a volume V0 of a part exceed.
 
-V0 is a cube of 4 mm in a fall and of 2 mm under a load. Where a part lands, stress has no limit along the edges that meet the floor: what
-exceeds σ_V of 8 mm³ there is a strip thinner than any element, and a plate of 60 mm read 27 to 48 MPa by its mesh; 64 mm³ read 25 to 33.
-A load bends a part for years and far from any contact, so less counts.
-
 A largest stress has no meaning where contact is a point or a corner is sharp: it grows with every finer mesh. The stress that a given
 volume exceeds does not: a singular peak holds no volume (the stressed-volume methods of fatigue: Kuguel 1961; Sonsino and Fischer 2005).
+V0 is a cube of 4 mm in a fall, where edges that meet the floor are such peaks, and of 2 mm under a load, which acts for years.
 
-Stress is linear in each tetrahedron between its values at the corners; these are the volume-weighted mean over all tetrahedra that share
-the corner. A plate of thickness t in bending reads 1 − √(V0 / (A t)) of its fibre stress over an area A. In walls thinner than THIN a
-volume counts (THIN / t)³ times, so that the same share of a slender member is enough: without it a rod of 1 mm read a load factor of 3.2,
-beyond its plastic hinge at 1.7.
+Stress is linear in each tetrahedron between its values at the corners, the volume-weighted means over all tetrahedra there. A plate of
+thickness t in bending reads 1 − √(V0 / (A t)) of its fibre stress over an area A. In walls thinner than THIN a volume counts (THIN / t)³
+times: without it a rod of 1 mm read a load factor of 3.2, beyond its plastic hinge at 1.7.
 """
 
 from __future__ import annotations
@@ -70,12 +66,7 @@ class Walls:
 
 
 def at_nodes(tets: TetMesh, corners: ArrayLike) -> Floats:
-    """Volume-weighted mean at each vertex of the stress at the corners around it [MPa], shape [vertex_count].
-
-    Args:
-        tets: The body.
-        corners: Stress at the corners of each tetrahedron [MPa], shape [tet_count, 4].
-    """
+    """Volume-weighted mean at each vertex, shape [vertex_count], of the stress at corners of tetrahedra [MPa], shape [tet_count, 4]."""
     volumes, count = np.repeat(tets.volumes, 4), len(tets.vertices)
     nodes, values = tets.tets.ravel(), np.asarray(corners, np.float64).ravel()
     weights = np.bincount(nodes, volumes, count)
@@ -109,13 +100,9 @@ def exceeded(tets: TetMesh, nodal: ArrayLike, weights: Floats | float, volume: f
 
 
 def share_above(values: Floats, level: float) -> Floats:
-    """Share of each tetrahedron in which a linear field is above a level, shape [n].
+    """Share of each tetrahedron in which a linear field is above a level, shape [n], by its values at the corners, ascending, shape [n, 4].
 
     The share below is the divided difference of (level − f)₊³ over the corner values f (Curry and Schoenberg 1966).
-
-    Args:
-        values: Values at the corners, ascending, shape [n, 4].
-        level: The level.
     """
     gap = APART * np.maximum(np.abs(values).max(axis=1, keepdims=True, initial=0.0), 1e-30) * np.arange(4)
     apart = np.maximum.accumulate(values - gap, axis=1) + gap

@@ -1,4 +1,4 @@
-"""Every style on a few parts, coloured and grey, on one page: what a person looks at before choosing, and after changing, a style."""
+"""Contact sheets: every style on a few parts, coloured and grey, and every model."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from mechstyle.fea.explicit import no_progress
 from mechstyle.gallery import make
+from mechstyle.gallery import names as models
 from mechstyle.geometry.thickness import local_thickness
 from mechstyle.pictures.panels import Picture
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh
@@ -26,6 +27,7 @@ from mechstyle.styling.prompt import Wish
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
 
 PARTS: Mapping[str, Mapping[str, float]] = MappingProxyType(
     {
@@ -176,3 +178,28 @@ def png(sheet: Figure, shades: int = SHADES) -> bytes:
     few = Image.fromarray(pixels.astype(np.uint8)).quantize(COLOURS, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
     few.save(buffer, "PNG", optimize=True)
     return buffer.getvalue()
+
+
+SIDE, COLUMNS = 230, 6
+"""Side of a picture [pixels], pictures beside each other."""
+GREYS = 128
+"""Levels of a channel: plain grey shows bands with fewer."""
+
+
+def model_sheet() -> Picture:
+    """A contact sheet of the models with their default measures."""
+    from mechstyle.pictures.scene import BACKGROUND, Camera, render  # noqa: PLC0415 — matplotlib is loaded when a picture is wanted
+
+    known = models()
+    size = (-(-len(known) // COLUMNS) * (SIDE + LINE) + 2 * MARGIN, COLUMNS * SIDE + 2 * MARGIN)
+    page: Pixels = np.broadcast_to(np.rint(255.0 * np.array(BACKGROUND)).astype(np.uint8), (*size, 3)).copy()
+    places, labels = [], []
+    for number, name in enumerate(known):
+        row, column = divmod(number, COLUMNS)
+        left, top = MARGIN + column * SIDE, MARGIN + row * (SIDE + LINE)
+        mesh = make(name)
+        camera = Camera.named("three_quarter", mesh.vertices)
+        page[top + LINE : top + LINE + SIDE, left : left + SIDE] = render(mesh, camera=camera, width=SIDE, height=SIDE)
+        places.append((left, top))
+        labels.append((name.replace("_", " "), f"{mesh.extents.max():.0f} mm"))
+    return Picture(png(lettered(page, places, labels), GREYS))

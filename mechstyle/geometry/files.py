@@ -6,6 +6,7 @@ nobody prints is asked about.
 
 from __future__ import annotations
 
+import codecs
 import io
 import logging
 import re
@@ -64,6 +65,8 @@ BARE = ("obj", "glb")
 """Formats read by trimesh that may have textures."""
 MADE_UP = re.compile(r"(geometry|world|[\w.]*\.ply)?_?\d*")
 """Names that trimesh gives to what has none."""
+WEIGHTED = 5
+"""Words in the line of a vertex of an OBJ file that has a weight after its coordinates."""
 MOST_COPIED = MOST_BYTES // 8
 """Bytes of an OBJ file times its objects up to which these are read one by one: the parser copies all vertices for each."""
 MOST_SAID = 8
@@ -194,7 +197,7 @@ def _held(file: Path) -> Held:
             f"{file.name}: cannot read {_kind(suffix)}; open it in the program it was made with (a STEP file in FreeCAD or a slicer) and "
             f"export it as {', '.join(FORMATS)}"
         )
-    content = _content(file)
+    content = _tidied(_content(file), suffix)
     if suffix != "3mf":
         check_claims(file.name, content, suffix)
     held = _parsed(file.name, content, suffix)
@@ -251,6 +254,23 @@ def _content(file: Path) -> bytes:
     if not content:
         raise BadInput(f"{file.name} is empty; export it again")
     return content
+
+
+def _tidied(content: bytes, suffix: str) -> bytes:
+    """Text as trimesh reads it, which is stricter than the formats are; other files as they are."""
+    if suffix in {"3mf", "glb"} or b"\0" in content:
+        return content
+    text = content if b"\n" in content else content.replace(b"\r", b"\n")
+    if suffix == "obj":
+        text = text.removeprefix(codecs.BOM_UTF8).replace(b"\r\n", b"\n").replace(b"\t", b" ").replace(b"\\\n", b" ")
+        if b"\n " in text:
+            text = re.sub(rb"(?m)^ +", b"", text)
+        if b"#" in text:
+            text = re.sub(rb"(?m)^((?:v|vn|vt|f) [^#\n]*)#.*$", rb"\1", text)
+        first = re.search(rb"(?m)^v [^\n]*", text)
+        if first and len(first[0].split()) == WEIGHTED:
+            text = re.sub(rb"(?m)^(v(?: +[^ \n]+){3}) +[^ \n]+ *$", rb"\1", text)
+    return text
 
 
 def _parsed(name: str, content: bytes, suffix: str) -> Held:

@@ -28,6 +28,7 @@ def plain(content: bytes) -> tuple[bytes, tuple[str, ...]]:
     """The same shape without normalised or sparse numbers, fans and primitives that have no surface; and what is to be known of it.
 
     Raises:
+        Beyond: If the scene it shows is empty.
         ValueError, KeyError, IndexError, TypeError and their kind: If it is damaged.
     """
     length = struct.unpack_from("<I", content, 12)[0]
@@ -57,6 +58,9 @@ def plain(content: bytes) -> tuple[bytes, tuple[str, ...]]:
             kept.append(primitive)
         mesh["primitives"] = kept
     posed = _tidied(document)
+    scenes = document.get("scenes", ())
+    if scenes and not scenes[document.get("scene", 0)].get("nodes") and any("mesh" in node for node in document.get("nodes", ())):
+        raise Beyond("has nothing in the scene that it shows: put the part into it in the program it was made with, and save it again")
     if document.get("buffers") and "uri" not in document["buffers"][0]:
         document["buffers"][0]["byteLength"] = len(binary)
     words = json.dumps(document).encode()

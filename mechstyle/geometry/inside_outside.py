@@ -38,9 +38,9 @@ LEAST_SHARE = 0.005
 """Smaller pieces, of the area, belong to what surrounds them."""
 CONTAINED = 0.3
 """Least share of the area that is inside in a container: half of it where walls are thin."""
-STRAIGHT, OPENING, ONE_SIDE = 0.9, 0.1, 0.8
-"""Least cosine of the angle between the way out of a container and an axis, least opening over the side of the box around it, and least sum
-of the openings over the sum of their sizes: those of a tube or a lampshade cancel out, a slot in a wall is small."""
+STRAIGHT, ONE_SIDE = 0.9, 0.8
+"""Least cosine of the angle between the way out of a container and an axis, and least sum of the openings over the sum of their sizes:
+those of a tube or a lampshade cancel out, a slot in a wall is small. How wide it opens does not count: a bottle has a narrow neck."""
 
 
 SKIN = 1e-4
@@ -94,8 +94,7 @@ def is_container(mesh: SurfaceMesh) -> bool:
     whole = np.abs(openings.sum(axis=0))
     way, size = int(whole.argmax()), float(np.linalg.norm(whole))
     one_side = size > ONE_SIDE * np.linalg.norm(openings, axis=1).sum()
-    wide = whole[way] > OPENING * np.delete(mesh.extents, way).prod()
-    return bool(one_side and wide and whole[way] > STRAIGHT * size)
+    return bool(one_side and whole[way] > STRAIGHT * size)
 
 
 def _openings(mesh: SurfaceMesh, inside: NDArray[np.bool_]) -> Floats:

@@ -13,15 +13,12 @@ from scipy.spatial import cKDTree
 
 from mechstyle.errors import BadInput
 from mechstyle.geometry.proximity import TriangleTree
-from mechstyle.records.mesh import Floats, SurfaceMesh, TetMesh, frozen_array
-from mechstyle.records.places import FLOOR_TOLERANCE
+from mechstyle.records.mesh import FLOOR_TOLERANCE, Floats, SurfaceMesh, TetMesh, frozen_array
 
 LEAST_QUALITY = 0.08  # mean ratio below which a tetrahedron is backed off ...
 LEAST_SHARE = 0.5  # ... or below this share of its own quality at rest, if that is less
 FACTOR = 0.75  # of the displacement that is left at the vertices of such a tetrahedron, per round
 WIDEN_EVERY = 8  # rounds after which the back-off takes in one more ring of tetrahedra, so that it always ends
-REMESH_SHARE = 0.02  # of the area backed off, above which meshing anew is advised
-REMESH_DEVIATION = 0.005  # of the diagonal, the same
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,8 +34,6 @@ class Morphed:
             facets carry less than the displacement where they are larger than the relief.
         backed_off: Share of the surface area whose displacement was reduced, or is stood in for.
         deviation: Largest reduction, or distance of a stand-in [mm].
-        remesh: Whether meshing anew is advised: more than 2 % of the area was reduced, or somewhere by more than 0.5 % of
-            the diagonal.
     """
 
     tets: TetMesh
@@ -46,7 +41,6 @@ class Morphed:
     followed: NDArray[np.float32]
     backed_off: float
     deviation: float
-    remesh: bool
 
 
 class Morph:
@@ -147,11 +141,10 @@ class Morph:
         lost = np.abs(request.astype(np.float64) - accepted)
         areas = self.surface.vertex_areas
         share, deviation = float(areas[lost > 0].sum() / areas.sum()), float(lost.max(initial=0.0))
-        remesh = share > REMESH_SHARE or deviation > REMESH_DEVIATION * self.surface.size
         gone = self._onto_surface @ (moved.vertices - self._without_relief)
         followed = np.einsum("ij,ij->i", gone, self.surface.vertex_normals).astype(np.float32)
         given = np.clip(accepted, np.minimum(request, 0.0), np.maximum(request, 0.0))
-        return Morphed(moved, frozen_array(given, np.float32, (None,), "displacement"), followed, share, deviation, remesh)
+        return Morphed(moved, frozen_array(given, np.float32, (None,), "displacement"), followed, share, deviation)
 
     @property
     def volume_without_relief(self) -> float:

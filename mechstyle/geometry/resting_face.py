@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from mechstyle.records.mesh import Floats, Indices, SurfaceMesh
-from mechstyle.records.places import on_floor
+from mechstyle.records.mesh import Floats, Indices, SurfaceMesh, on_floor
 
 SMALLEST_SHARE = 0.02
 """A support polygon below this share of the part's footprint carries nothing: a sphere has no resting face."""
@@ -43,7 +42,7 @@ def resting_face(mesh: SurfaceMesh) -> RestingFace | None:
     footprint = _hull(mesh.vertices[:, :2])
     if support is None or footprint is None or support.volume < SMALLEST_SHARE * footprint.volume:
         return None
-    inside = support.equations[:, :2] @ centre_of_mass(mesh)[:2] + support.equations[:, 2] <= 0.0
+    inside = support.equations[:, :2] @ mesh.centre_of_mass[:2] + support.equations[:, 2] <= 0.0
     if not inside.all():
         return None
     return RestingFace(faces, support.points[support.vertices], floor, float(mesh.face_areas[faces].sum()))
@@ -64,13 +63,6 @@ def resting_weight(mesh: SurfaceMesh, *, low: float = 1.0, high: float = 5.0) ->
         return np.ones(len(mesh.vertices))
     height = mesh.vertices[:, 2] - mesh.vertices[:, 2].min()
     return np.clip((height - low) / (high - low), 0.0, 1.0)
-
-
-def centre_of_mass(mesh: SurfaceMesh) -> Floats:
-    """Centre of mass of the solid inside a closed surface [mm], shape [3], by the divergence theorem."""
-    a, b, c = mesh.corners[:, 0], mesh.corners[:, 1], mesh.corners[:, 2]
-    volumes = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0
-    return np.asarray((volumes[:, None] * (a + b + c)).sum(axis=0) / (4.0 * volumes.sum()))
 
 
 def _hull(points: Floats) -> ConvexHull | None:

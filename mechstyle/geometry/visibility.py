@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from mechstyle._warp import wp
 from mechstyle.geometry.kernels import gather_light
 from mechstyle.geometry.proximity import TriangleTree
-from mechstyle.records.mesh import Floats, SurfaceMesh
-from mechstyle.records.places import on_floor
+from mechstyle.records.mesh import Floats, SurfaceMesh, on_floor
 
 
 def sky_seen(surface: SurfaceMesh, *, directions: int = 64, device: str = "cpu") -> NDArray[np.float32]:

@@ -173,7 +173,8 @@ class Engine:
         """Bring the stylizer to where it was after `state`: from the nearest keyframe, or afresh where another style ended."""
         last = state.iteration
         while True:
-            if self._other_style(state):
+            ours, theirs = self.recipe, self.recipe if state.recipe == self.recipe.digest else self.store.recipe(state.recipe)
+            if (theirs.style, theirs.delivery.nozzle) != (ours.style, ours.delivery.nozzle):
                 self.stylizer.start_from(state.displacement, state.colour.astype(np.float32))
                 break
             if state.keyframe is not None:
@@ -183,11 +184,6 @@ class Engine:
         for _ in range(last - state.iteration):  # corrections are checkpoints too, but no iterations
             self.stylizer.step()
         return self.stylizer.proposal()
-
-    def _other_style(self, state: Checkpoint) -> bool:
-        """Whether the stylizer aims at something else now; features that are not given are sized for the nozzle."""
-        ours, theirs = self.recipe, self.recipe if state.recipe == self.recipe.digest else self.store.recipe(state.recipe)
-        return (theirs.style, theirs.delivery.nozzle) != (ours.style, ours.delivery.nozzle)
 
     # one iteration
 

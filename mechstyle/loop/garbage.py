@@ -10,8 +10,8 @@ from typing import Any
 
 import msgspec
 
+from mechstyle._files import exclusive
 from mechstyle.errors import DamagedStore
-from mechstyle.loop.lock import exclusive
 from mechstyle.loop.objects import MESHES, read_record
 from mechstyle.loop.store import Store
 

@@ -19,9 +19,8 @@ from typing import TypeVar
 
 import msgspec
 
-from mechstyle._files import write_whole
+from mechstyle._files import exclusive, write_whole
 from mechstyle.errors import BadInput, DamagedStore, unknown
-from mechstyle.loop.lock import exclusive
 from mechstyle.loop.objects import Memo, Objects, read_record
 from mechstyle.records import Checkpoint, Recipe, Verdict
 

@@ -107,15 +107,6 @@ def _draw(axes: Axes, plot: Plot) -> None:
             axes.step(np.asarray(curve.x), np.asarray(curve.y), where="pre", **how)
         else:
             axes.plot(np.asarray(curve.x), np.asarray(curve.y), **how)
-    _annotate(axes, plot)
-    axes.margins(x=0.01)
-    axes.set_ylim(bottom=min(axes.get_ylim()[0], 0.0), top=1.08 * axes.get_ylim()[1])
-    if len(plot.curves) > 1:
-        axes.legend(fontsize=9, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
-
-
-def _annotate(axes: Axes, plot: Plot) -> None:
-    """The limit across and the point marked."""
     if plot.limit is not None:
         value, name = plot.limit
         axes.axhline(value, color=INK, linewidth=1.2, linestyle=(0, (6, 3)))
@@ -124,3 +115,7 @@ def _annotate(axes: Axes, plot: Plot) -> None:
     if plot.mark is not None:
         x, y = plot.mark
         axes.plot([x], [y], marker="o", markersize=6, markerfacecolor="white", markeredgecolor=INK, linestyle="none")
+    axes.margins(x=0.01)
+    axes.set_ylim(bottom=min(axes.get_ylim()[0], 0.0), top=1.08 * axes.get_ylim()[1])
+    if len(plot.curves) > 1:
+        axes.legend(fontsize=9, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)

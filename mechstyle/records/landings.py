@@ -7,7 +7,7 @@ from typing import Any
 
 import msgspec
 
-from mechstyle.records.lengths import written
+from mechstyle.records.written import written
 
 POSES: Mapping[str, int] = {"fibonacci": 5, "resting": 8, "box26": 27, "box10": 11, "faces6": 7}
 """Ways a part may land, and how many drops each takes by default, flat counted as the first: all directions, what it comes to rest on;

@@ -21,10 +21,9 @@ from typing import Any, Literal
 import msgspec
 
 from mechstyle.errors import BadInput
-from mechstyle.records.mesh import Bools, Floats
-from mechstyle.records.places import in_ball, in_box, in_half_space
+from mechstyle.records.mesh import Bools, Floats, in_ball, in_box, in_half_space
 from mechstyle.records.regions import Box, HalfSpace, Region, Sphere, regions
-from mechstyle.records.tables import read_table
+from mechstyle.records.written import read_table
 
 RESTING_FACE = "resting face"
 SHAPES = ("sphere", "box", "plane", "near", "facet")

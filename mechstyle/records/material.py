@@ -8,7 +8,7 @@ from pathlib import Path
 import msgspec
 
 from mechstyle.errors import BadInput, unknown
-from mechstyle.records.tables import read_table
+from mechstyle.records.written import read_table
 
 LIMITS: Mapping[str, tuple[float, float, str]] = {
     "youngs_modulus": (0.1, 1e6, "MPa"),

@@ -1,4 +1,4 @@
-"""The two meshes everything works on: a closed triangle surface and the tetrahedra inside it.
+"""The two meshes everything works on, a closed triangle surface and the tetrahedra inside it, and the points in simple shapes.
 
 Both are frozen, their arrays write-protected; methods named with a participle return new objects.
 """
@@ -150,6 +150,13 @@ class SurfaceMesh:
         a, b, c = self.corners[:, 0], self.corners[:, 1], self.corners[:, 2]
         return float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6.0)
 
+    @property
+    def centre_of_mass(self) -> Floats:
+        """Centre of mass of the solid inside [mm], shape [3], by the divergence theorem."""
+        a, b, c = self.corners[:, 0], self.corners[:, 1], self.corners[:, 2]
+        volumes = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0
+        return np.asarray((volumes[:, None] * (a + b + c)).sum(axis=0) / (4.0 * volumes.sum()))  # no BLAS, which depends on the cores
+
     @cached_property
     def is_closed(self) -> bool:
         """Whether every directed edge is met by exactly one opposite edge (watertight, manifold edges, oriented)."""
@@ -250,6 +257,12 @@ class TetMesh:
         return np.ascontiguousarray(faces[np.sort(first[count == 1])])
 
     @cached_property
+    def boundary(self) -> SurfaceMesh:
+        """The surface of those faces."""
+        used, numbers = np.unique(self.boundary_faces, return_inverse=True)
+        return SurfaceMesh(self.vertices[used], numbers.reshape(-1, 3).astype(np.int32))
+
+    @cached_property
     def digest(self) -> str:
         """SHA-256 of vertices and tets."""
         return digest_of(self.vertices, self.tets)
@@ -257,3 +270,38 @@ class TetMesh:
     def moved(self, vertices: ArrayLike) -> TetMesh:
         """The same tetrahedra on other vertex positions [mm], shape [vertex_count, 3]."""
         return replace(self, vertices=np.asarray(vertices, np.float64))
+
+
+FLOOR_TOLERANCE = 0.1
+"""Faces whose corners are this close to the lowest point stand on the floor [mm] …"""
+STEEPEST = np.cos(np.radians(5.0))
+"""… if they look down within 5°."""
+
+
+def in_box(points: Floats, low: ArrayLike, high: ArrayLike, *, margin: float = 0.0) -> Bools:
+    """Whether points, shape [..., 3], lie between two corners, the border included; all lengths in mm.
+
+    Args:
+        points: Positions.
+        low: The lowest corner.
+        high: The highest corner, which may lie in a plane with the lowest.
+        margin: How far outside still counts.
+    """
+    return np.asarray(((points >= np.asarray(low) - margin) & (points <= np.asarray(high) + margin)).all(axis=-1))
+
+
+def in_ball(points: Floats, centre: ArrayLike, radius: float, *, margin: float = 0.0) -> Bools:
+    """Whether points, shape [..., 3], lie within a radius of a centre, the border included; as `in_box`."""
+    return np.asarray(np.linalg.norm(points - np.asarray(centre), axis=-1) <= radius + margin)
+
+
+def in_half_space(points: Floats, point: ArrayLike, normal: ArrayLike, *, margin: float = 0.0) -> Bools:
+    """Whether points, shape [..., 3], lie on the side of a plane that its normal, of any length, points to; as `in_box`."""
+    towards = np.asarray(normal, np.float64)
+    return np.asarray((points - np.asarray(point)) @ towards >= -margin * np.linalg.norm(towards))
+
+
+def on_floor(surface: SurfaceMesh) -> Bools:
+    """Whether each face lies flat on the floor, which is at the lowest vertex, shape [face_count]."""
+    low = surface.corners[:, :, 2] < surface.vertices[:, 2].min() + FLOOR_TOLERANCE
+    return np.asarray(low.all(axis=1) & (surface.face_normals[:, 2] < -STEEPEST))

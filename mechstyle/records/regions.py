@@ -13,8 +13,7 @@ import msgspec
 import numpy as np
 
 from mechstyle.errors import BadInput, unknown
-from mechstyle.records.mesh import Bools, Floats
-from mechstyle.records.places import in_ball, in_box, in_half_space
+from mechstyle.records.mesh import Bools, Floats, in_ball, in_box, in_half_space
 
 Point = tuple[float, float, float]
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from mechstyle.records.lengths import written
+from mechstyle.records.written import written
 
 if TYPE_CHECKING:
     from mechstyle.records.verdict import Doubt, Row, Verdict
@@ -40,6 +40,12 @@ NOT_TESTED = "NOT TESTED"
 
 HIGHEST = 10_000.0
 """Heights above are all shown as more than this [mm]."""
+ALIKE = 0.9
+"""Share of the other's relief from which on a part looks like it."""
+LITTLE = 0.7
+"""Share of the style's relief below which it is said how more of it may be had."""
+SAME = 0.05
+"""Relative difference up to which two figures are about the same."""
 
 
 # --- figures ------------------------------------------------------------------------------------------------------
@@ -70,6 +76,7 @@ def _value(row: Row, value: float) -> str:
 
 
 def _asked(row: Row) -> str:
+    """What is asked of a part in a test."""
     return fall(row.asked) if row.height is not None else "1 ×"
 
 
@@ -164,39 +171,25 @@ def _where(row: Row) -> str:
 
 def doubt(verdict: Verdict) -> str:
     """Why the outcome is not sure and what to do, "" if it is sure."""
-    reasons = [*_near(verdict), *_missed(verdict.doubts)]
+    reasons, near = list[str](), [one for one in verdict.doubts if one.about == "limit"]
+    if near:
+        tests = [f"{_in_doubt(one)} {'passes' if one.value >= 1.0 else 'fails'} by {_percent(abs(one.value - 1.0))}" for one in near]
+        dropped, loaded = any(not one.load for one in near), any(one.load for one in near)
+        ways = " or ".join(["less relief"] * bool(verdict.style) + ["a lower fall"] * dropped + ["a smaller load"] * loaded)
+        repeats = "the test repeats" if len(near) == 1 else "these tests repeat"
+        reasons.append(f"{_listed(tests)}, closer than {repeats}; {f'ask for {ways}' if verdict.passes else f'{ways} may pass'}")
+    missed = [_missed(one) for one in verdict.doubts if one.about != "limit"]
+    if missed:
+        reasons.append(f"{_listed(missed)}; ask for more vertices")
     return f"Not sure: {'; '.join(reasons)}." if reasons else ""
 
 
-def _near(verdict: Verdict) -> Iterable[str]:
-    """The tests that are closer to their limits than they repeat, and what would settle them."""
-    near = [one for one in verdict.doubts if one.about == "limit"]
-    if near:
-        tests = [f"{_in_doubt(one)} {'passes' if one.value >= 1.0 else 'fails'} by {_percent(abs(one.value - 1.0))}" for one in near]
-        repeats = "the test repeats" if len(near) == 1 else "these tests repeat"
-        yield f"{_listed(tests)}, closer than {repeats}; {_remedy(verdict, near)}"
-
-
-def _remedy(verdict: Verdict, near: Sequence[Doubt]) -> str:
-    """What would settle tests that are close to their limits."""
-    dropped, loaded = any(not one.load for one in near), any(one.load for one in near)
-    ways = ["less relief"] * bool(verdict.style) + ["a lower fall"] * dropped + ["a smaller load"] * loaded
-    return f"ask for {' or '.join(ways)}" if verdict.passes else f"{' or '.join(ways)} may pass"
-
-
-def _missed(doubts: Sequence[Doubt]) -> Iterable[str]:
-    """What the mesh misses of the part, and what to do about it."""
-    found = []
-    for one in doubts:
-        known = math.isfinite(one.value)
-        if one.about == "relief":
-            of_it = f"only {one.value:.0%} of the relief"
-            found.append(f"the mesh follows {of_it}" if known else "what the mesh follows of the relief is not known")
-        if one.about == "volume":
-            off = f"the volume of the mesh is {one.value:+.1%} off that of the part"
-            found.append(off if known else "the volume of the mesh is not known")
-    if found:
-        yield f"{_listed(found)}; ask for more vertices"
+def _missed(one: Doubt) -> str:
+    """What the mesh misses of the part."""
+    if not math.isfinite(one.value):
+        return f"{'what the mesh follows of the relief' if one.about == 'relief' else 'the volume of the mesh'} is not known"
+    relief = f"the mesh follows only {one.value:.0%} of the relief"
+    return relief if one.about == "relief" else f"the volume of the mesh is {one.value:+.1%} off that of the part"
 
 
 def _in_doubt(one: Doubt) -> str:
@@ -213,17 +206,9 @@ def _listed(words: Sequence[str]) -> str:
 
 def table(verdict: Verdict) -> list[tuple[str, ...]]:
     """The table of tests as text, a row each, under COLUMNS; a dash stands for what is not known."""
-    return [
-        (
-            _label(row),
-            "–" if row.original is None else _value(row, row.original),
-            _value(row, row.survived),
-            _asked(row),
-            f"{row.reserve - 1.0:+.0%}",
-            _judged(row),
-        )
-        for row in verdict.rows
-    ]
+    plain = ("–" if row.original is None else _value(row, row.original) for row in verdict.rows)
+    figures = ((_value(row, row.survived), _asked(row), f"{row.reserve - 1.0:+.0%}", _judged(row)) for row in verdict.rows)
+    return [(_label(row), before, *after) for row, before, after in zip(verdict.rows, plain, figures, strict=True)]
 
 
 def tabulated(verdict: Verdict) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
@@ -250,16 +235,14 @@ def survived(verdict: Verdict) -> dict[str, str]:
 def paired(styled: Sequence[Verdict]) -> list[tuple[str, ...]]:
     """The tests of several runs of one part, a row each: test, what the plain part survives, what each run's does, what is asked."""
     found = dict.fromkeys((row.test, row.load) for verdict in styled for row in verdict.rows)
-    kinds = sorted(found, key=lambda kind: kind[0] == "published rule")
-    return [_beside([verdict.row(test, load) for verdict in styled]) for test, load in kinds]
-
-
-def _beside(rows: Sequence[Row | None]) -> tuple[str, ...]:
-    """One line of `paired`."""
-    there = [row for row in rows if row is not None]
-    plain = next((_value(row, row.original) for row in there if row.original is not None), "–")
-    cells = ("–" if row is None else f"{_value(row, row.survived)} {_judged(row)}" for row in rows)
-    return _kind(there[0]), plain, *cells, _asked(there[0])
+    lines = []
+    for test, load in sorted(found, key=lambda kind: kind[0] == "published rule"):
+        rows = [verdict.row(test, load) for verdict in styled]
+        there = [row for row in rows if row is not None]
+        plain = next((_value(row, row.original) for row in there if row.original is not None), "–")
+        cells = ("–" if row is None else f"{_value(row, row.survived)} {_judged(row)}" for row in rows)
+        lines.append((_kind(there[0]), plain, *cells, _asked(there[0])))
+    return lines
 
 
 def _kind(row: Row) -> str:
@@ -333,21 +316,18 @@ def side_by_side(names: tuple[str, str], verdicts: tuple[Verdict, Verdict], kept
     if not pairs or any(verdict.outcome == "UNKNOWN" for verdict in verdicts):
         return "One of the two gave no answer, so there is nothing to compare."
     first, second = min(pairs, key=lambda pair: min(row.reserve for row in pair))
-    return " ".join(filter(None, (_alike(names[1], kept), f"{_survive(names, first, second)}; {_asked_for(first, verdicts[0])}.")))
+    alike, (free, fed) = "", kept
+    if free is not None and fed is not None and free > 0.0:
+        alike = "Both look alike. " if fed >= ALIKE * free else f"{names[1]} keeps {fed / free:.0%} of the relief. "
+    asked = fall(verdicts[0].fall) if first.height is not None else "once"
+    return f"{alike}{_survive(names, first, second)}; {asked} was asked for."
 
 
-ALIKE = 0.9
-"""Share of the other's relief from which on a part looks like it."""
-SAME = 0.05
-"""Relative difference up to which two figures are about the same."""
-
-
-def _alike(name: str, kept: tuple[float | None, float | None]) -> str:
-    """How two runs look."""
-    free, fed = kept
-    if free is None or fed is None or free <= 0.0:
+def little_left(kept: float, side: str) -> str:
+    """What to try where little of a relief is left, "" where enough is left or it only goes outwards."""
+    if kept >= LITTLE or side == "outwards":
         return ""
-    return "Both look alike." if fed >= ALIKE * free else f"{name} keeps {fed / free:.0%} of the relief."
+    return f"only {kept:.0%} of the style is left: cuts into a wall weaken it, so try relief that only goes outwards (--side outwards)"
 
 
 def _survive(names: tuple[str, str], first: Row, second: Row) -> str:
@@ -359,11 +339,6 @@ def _survive(names: tuple[str, str], first: Row, second: Row) -> str:
         return f"{names[0]} and {names[1]} may both {what} {one}{where}"
     again = "from " if first.height is not None else ""
     return f"{names[0]} may {what} {one}, {names[1]} {again}{other}{where}"
-
-
-def _asked_for(row: Row, verdict: Verdict) -> str:
-    """What was asked of a part in a test."""
-    return f"{fall(verdict.fall) if row.height is not None else 'once'} was asked for"
 
 
 def least_left(lane: str, verdict: Verdict, stresses: Mapping[str, float]) -> str:

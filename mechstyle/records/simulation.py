@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal, get_args
 
@@ -29,8 +28,7 @@ class Landing(msgspec.Struct, frozen=True, kw_only=True):
         way: Its kind, one of `Way`.
         normal: Floor normal in the frame of the part, out of the floor.
         stress: σ_V, the stress that more than V0 of the part exceed [MPa]; see `fea.stressed_volume`.
-        maximum: Largest stress at a point of an element [MPa]; depends on the mesh where contact is a point. The published rule alone
-            reads it, and no picture shows it.
+        maximum: Largest stress at a point of an element [MPa], which the published rule alone reads.
         where: Centre of what exceeds σ_V [mm].
         fall: Height of the fall [mm].
         critical_height: Critical drop height: from there σ_V is the yield strength [mm].
@@ -86,8 +84,7 @@ class Simulation:
     Attributes:
         displacement: What was simulated [mm], shape [vertex_count]: the request, less what the tetrahedra could not follow.
         landings: What each drop did, flat first; none if the test failed.
-        landing_stress: Stress at the surface in each [MPa], shape [landing_count, vertex_count]: the running maximum of the von Mises
-            stress, averaged at the nodes and over 2 mm along the surface.
+        landing_stress: Largest von Mises stress over time at the surface, a mean over 2 mm [MPa], shape [landing_count, vertex_count].
         loads: What each load case did.
         load_stress: Stress at the surface under each [MPa], shape [case_count, vertex_count].
         contact: Whether the surface there touched the floor in the flat landing, shape [vertex_count].
@@ -98,8 +95,7 @@ class Simulation:
         added_mass: Mass added by scaling slivers, over the mass of the part.
         level_share: Share of the flat faces it stands on that the relief leaves on the floor, None for a part that stands on none.
         carried: Share of the relief that the boundary of the tetrahedra follows, 1 without any.
-        carried_base: The same on the flat faces the part stands on, or the share of what is on the floor that theirs has there too,
-            whichever is less; None where there is no relief on any.
+        carried_base: The same on the flat faces it stands on, or of what is on the floor, if less; None where there is no relief on any.
         volume_error: Volume of the tetrahedra over that inside the surface, less 1; with or without relief, whichever is further off.
         volume: Volume of the tetrahedra [mm³].
         mesh: Digest of the tetrahedra as they were made.
@@ -155,9 +151,9 @@ class Simulation:
 
     def stress_of(self, *, landing: str = "", load: str = "") -> NDArray[np.float32]:
         """Stress at the surface in one landing or under one load [MPa], shape [vertex_count]; zero where there was no such test."""
-        if load:
-            return _row(self.load_stress, [case.name for case in self.loads], load, len(self.displacement))
-        return _row(self.landing_stress, [one.name for one in self.landings], landing, len(self.displacement))
+        fields, results, name = (self.load_stress, self.loads, load) if load else (self.landing_stress, self.landings, landing)
+        names = [one.name for one in results]
+        return fields[names.index(name)] if name in names else np.zeros(len(self.displacement), np.float32)
 
     @property
     def stress(self) -> NDArray[np.float32]:
@@ -174,8 +170,3 @@ class Simulation:
     def least_carried(self) -> float:
         """The smaller share of the relief that the tetrahedra follow, of all of it and of that on the faces it stands on."""
         return float(np.min([self.carried, 1.0 if self.carried_base is None else self.carried_base]))  # NaN if one of them is
-
-
-def _row(fields: NDArray[np.float32], names: Sequence[str], name: str, count: int) -> NDArray[np.float32]:
-    """The field of a name [MPa], shape [vertex_count]."""
-    return fields[names.index(name)] if name in names else np.zeros(count, np.float32)

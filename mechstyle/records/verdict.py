@@ -1,8 +1,7 @@
 """The verdict: a table of tests, each with the fall or load the part survives, what is asked of it, and what its original survives.
 
-From which height may the part fall, or how much of its load may it carry, before a piece of a few millimetres is bent for good? The
-measure is σ_V, the stress that more than a volume V0 of the part exceed (`fea.stressed_volume`); the height at which it reaches the
-yield strength is the critical drop height, and the factor on a load at which it does is the load factor.
+The measure is σ_V (`fea.stressed_volume`). The height at which it reaches the yield strength is the critical drop height; the factor on a
+load at which it does is the load factor.
 """
 
 from __future__ import annotations
@@ -23,8 +22,7 @@ Test = Literal["flat", "nearly flat", "load", "any landing", "published rule"]
 NO_WORSE = 0.9
 """Share of the original's height or load factor from which a part is no worse than its original.
 
-Of a landing that is not flat it is taken at the fall asked for, by σ ∝ √h: a critical height far from that fall follows from
-σ ∝ h^0.2 to h^0.5 and repeats the worse the lower the exponent.
+Also of a landing that is not flat it is taken at the fall asked for, by σ ∝ √h: a critical height far from there repeats worse.
 """
 
 REPEATABILITY: dict[Test, float] = {"flat": 0.03, "nearly flat": 0.03, "load": 0.03, "any landing": 0.03, "published rule": 0.15}
@@ -42,10 +40,8 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
     Attributes:
         test: One of `Test`.
         outcome: HOLDS, NO WORSE or FAILS.
-        landing: Name of the landing the figures are of; "" for a load.
-        load: Name of the load case; "" for a landing.
-        stress: σ_V at the fall or load asked for [MPa]; under the published rule the literal maximum.
-        limit: What σ_V may at most be there [MPa].
+        landing, load: Name of the landing or load case the figures are of; the other is "".
+        stress, limit: σ_V at the fall or load asked for, under the published rule the literal maximum; and the most it may be [MPa].
         height: Critical drop height [mm]; None for a load and the published rule.
         factor: Load factor; of the published rule yield strength over maximum; None for a landing.
         asked: Height of the fall asked for [mm], or 1, the load itself.
@@ -76,27 +72,20 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
 
         Of a landing it is (limit / σ_V)², the ratio of heights of a flat impact; of a load limit / σ_V.
         """
-        return (self.limit / self.stress) ** self.power
-
-    @property
-    def power(self) -> float:
-        """Power of the stress in what is survived: 2 for a height, 1 for a load."""
-        return 1.0 if self.height is None else 2.0
+        return (self.limit / self.stress) ** (1.0 if self.height is None else 2.0)
 
     @property
     def sure(self) -> bool:
         """Whether the same test of the same part meshed again would pass or fail as well."""
-        return abs(math.log(self.reserve)) > self.power * math.log1p(REPEATABILITY[self.test])
+        return abs(math.log(self.limit / self.stress)) > math.log1p(REPEATABILITY[self.test])
 
 
 class Doubt(msgspec.Struct, frozen=True, kw_only=True):
     """A reason why the outcome is not sure.
 
     Attributes:
-        about: `limit`, a test closer to its limit than it repeats; `relief`, relief that the mesh misses; `volume`, a mesh of another
-            volume.
-        test: The test, "" for all.
-        landing, load: Its landing or load.
+        about: `limit`, a test closer to its limit than it repeats; `relief`, which the mesh misses; `volume`, which is another.
+        test, landing, load: The test and its landing or load, "" for all.
         value: Reserve of the test (see `Row.reserve`), share of the relief that the mesh follows, or relative error of volume.
     """
 
@@ -114,8 +103,7 @@ class Verdict(msgspec.Struct, frozen=True, kw_only=True):
         outcome: HOLDS, every test that decides holds; NO WORSE, some only compared with the original; FAILS; or UNKNOWN.
         criterion: `robust` or `paper`.
         fall: Height of the fall asked for [mm].
-        strength: Yield strength of the material [MPa].
-        material: Name of the material.
+        material, strength: Name and yield strength [MPa] of the material.
         style: Short name of the style, "" for a part without one.
         rows: The tests; none where nothing could be tested.
         doubts: Why the outcome is not sure; none if it is.
@@ -191,14 +179,14 @@ class Verdict(msgspec.Struct, frozen=True, kw_only=True):
 def judge(simulation: Simulation, original: Simulation | None, recipe: Recipe, reference: Simulation | None = None) -> Verdict:
     """Compare what a part survives with what is asked of it, and with what its original survives.
 
-    Flat and every load decide. Nearly flat decides beside an original, as most plastic parts yield at an edge; so do all other landings
+    Flat and every load decide. Nearly flat decides next to an original, as most plastic parts yield at an edge; so do all other landings
     where more than one was asked for, by their geometric mean. Under the criterion `paper` the published rule decides alone.
 
     Args:
         simulation: The test of the part.
         original: The same test of the unstyled part; None for a part that is tested by itself.
         recipe: What was asked for.
-        reference: The original as it sets the limits, where that is read on more than one mesh; the original itself unless given.
+        reference: The original as it sets the limits, if that is read on more than one mesh.
     """
     test, named = recipe.test, 0 < len(recipe.style.prompt) <= SHORT
     empty = Verdict(
@@ -247,11 +235,10 @@ def _rows(simulation: Simulation, original: Simulation | None, reference: Simula
     """The rows of all tests that were made of a part."""
     strength, robust = recipe.test.material.yield_strength, recipe.test.criterion != "paper"
     for test in WAYS:
-        landings, one = simulation.of(test), _average if test == "any landing" else _hardest
-        if landings:
-            before, limiting = ([] if part is None else part.of(test) for part in (original, reference))
-            hardest, theirs = one(landings), one(before) if before else None
-            limit = drop_limit(one(limiting).stress, strength) if limiting else strength
+        parts = ([] if part is None else part.of(test) for part in (simulation, original, reference))
+        hardest, theirs, limiting = (_of_several(found, mean=test == "any landing") if found else None for found in parts)
+        if hardest is not None:
+            limit = strength if limiting is None else drop_limit(limiting.stress, strength)
             yield Row(
                 test=test, landing=hardest.name, stress=hardest.stress, limit=limit, height=hardest.critical_height,
                 asked=recipe.test.height, original=None if theirs is None else theirs.critical_height,
@@ -274,23 +261,17 @@ def _rows(simulation: Simulation, original: Simulation | None, reference: Simula
 
 def _outcome(stress: float, limit: float, strength: float) -> Outcome:
     """What a stress comes to: it holds up to the strength, and is no worse than the original up to a higher limit."""
-    if stress <= strength:
-        return "HOLDS"
-    return "NO WORSE" if stress <= limit else "FAILS"
+    return "HOLDS" if stress <= strength else "NO WORSE" if stress <= limit else "FAILS"
 
 
-def _hardest(landings: Sequence[Landing]) -> Landing:
-    """The landing with the highest stress."""
-    return max(landings, key=lambda landing: landing.stress)
-
-
-def _average(landings: Sequence[Landing]) -> Landing:
-    """A landing with the geometric means of several, by the name of the hardest."""
-    means = {
-        name: math.exp(sum(math.log(getattr(landing, name)) for landing in landings) / len(landings))
-        for name in ("stress", "critical_height")
-    }
-    return msgspec.structs.replace(_hardest(landings), **means)
+def _of_several(landings: Sequence[Landing], *, mean: bool) -> Landing:
+    """The landing with the highest stress, with the geometric means of all if `mean`."""
+    hardest = max(landings, key=lambda landing: landing.stress)
+    if not mean:
+        return hardest
+    figures = ("stress", "critical_height")
+    means = {name: math.exp(sum(math.log(getattr(one, name)) for one in landings) / len(landings)) for name in figures}
+    return msgspec.structs.replace(hardest, **means)
 
 
 def _doubts(rows: Sequence[Row], outcome: Outcome, simulation: Simulation) -> Iterable[Doubt]:

@@ -13,9 +13,8 @@ from mechstyle.geometry.glb import DULL, Sheen
 from mechstyle.geometry.print_quality import Quality, quality
 from mechstyle.loop.objects import to_json
 from mechstyle.loop.store import Entry, Store
-from mechstyle.pictures.fields import Known
-from mechstyle.records import Recipe, Verdict
-from mechstyle.runs.known_fields import known_fields
+from mechstyle.pictures.fields import Known, known
+from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict
 from mechstyle.runs.printing import Printing, PrintPlan, wishes_of, write_for_printing
 from mechstyle.simulation.part import Workpiece
 from mechstyle.styling.drawing.finishes import finish_of
@@ -90,9 +89,10 @@ def exported(
         sheen = sheen_of(recipe) if entry.iteration else DULL
         save(styled, path, name=name, fields={one.quantity.name: one.values.astype(np.float32) for one in known}, sheen=sheen)
     measured = quality(part.surface, styled, recipe.test.material.density)
+    doubts = () if verdict is None else ("" if verdict.passes else verdict.head, verdict.doubt)
     record = Exported(
         file=path.name, lane=lane, iteration=entry.iteration, recipe=entry.recipe, verdict=verdict,
-        quality=measured, warnings=(*([untested] if untested else ()), *_of_the_test(verdict), *measured.warnings),
+        quality=measured, warnings=(*filter(None, (untested, *doubts)), *measured.warnings),
         fields={one.quantity.name: _in_words(one) for one in known}, printing=plan,
     )  # fmt: skip
     write_whole(sidecar(path), msgspec.json.format(to_json(record), indent=2))
@@ -127,8 +127,15 @@ def unsimulated(store: Store, entry: Entry) -> str:
     return ""
 
 
-def _of_the_test(verdict: Verdict | None) -> tuple[str, ...]:
-    """Warnings where the surface that was written fails, and where its verdict leaves a doubt."""
-    if verdict is None:
-        return ()
-    return tuple(filter(None, ("" if verdict.passes else verdict.head, verdict.doubt)))
+def known_fields(store: Store, lane: str, part: Workpiece, state: Checkpoint) -> tuple[Known, ...]:
+    """Every field that is known of a checkpoint, in the order in which they are offered.
+
+    Args:
+        store: The run directory.
+        lane: The lane on show.
+        part: The prepared part.
+        state: The checkpoint.
+    """
+    simulation = store.objects.get_record(state.simulation, Simulation) if state.simulation else None
+    newest, verdict = store.checkpoint(store.lane(lane).head), store.verdict(state)
+    return known(store.recipe(state.recipe), state, simulation, part.thickness, newest, verdict)

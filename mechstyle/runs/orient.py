@@ -15,7 +15,6 @@ import numpy as np
 from mechstyle.errors import BadInput
 from mechstyle.fea.explicit import Progress, no_progress
 from mechstyle.fea.orientations import FLAT, resting
-from mechstyle.geometry.resting_face import centre_of_mass
 from mechstyle.geometry.upright import standing
 from mechstyle.records import Recipe, Simulation
 from mechstyle.records.regions import Point
@@ -97,7 +96,7 @@ def ways_up(
     state, recipe = run.checkpoint(iteration), run.store.recipe(run.checkpoint(iteration).recipe)
     mesh = run.surface(iteration)
     plain = run.record.droppable(run.part, run.store.root / "part.json").surface  # whose flat sides are flat
-    ways = resting(plain.vertices, centre_of_mass(plain), count)
+    ways = resting(plain.vertices, plain.centre_of_mass, count)
     known = _Layers(run, recipe, run.simulation(iteration), state.displacement, stage, progress)
     limit = recipe.test.material.yield_strength
     found = [

@@ -10,7 +10,7 @@ import numpy as np
 
 from mechstyle.errors import BadInput
 from mechstyle.geometry.bodies import shell_and_rest
-from mechstyle.geometry.filaments import MOST, USUAL, Painted, Palette, clustered, code_of, in_bands, painted, palette_of
+from mechstyle.geometry.filaments import MOST, USUAL, Palette, clustered, code_of, in_bands, painted, palette_of
 from mechstyle.geometry.files import write_file
 from mechstyle.geometry.print_cost import PrintCost, banded, cheaper, print_cost
 from mechstyle.geometry.threemf import Body, bodies_bytes, check_slicer, threemf_bytes, together
@@ -126,7 +126,10 @@ def write_for_printing(
     mesh, kind = styled, recipe.test.material.name if recipe.test.material.name in FILAMENT_TYPES else FILAMENT_TYPES[0]
     palette, called = printing.filaments(mesh, asked_for(recipe)), name or "part"
     if printing.bodies:
-        paint, content = _in_bodies(mesh, part, recipe, palette, called, printing.slicer, kind)
+        bounds = bounds_for(part, recipe)[0]
+        shell, rest = shell_and_rest(part.surface, mesh, (bounds.freedom > 0.0) & ~np.asarray(bounds.plain), part.thickness)
+        bodies = (Body("styled shell", shell, 0), Body("rest", rest, 1))
+        paint, content = together(bodies, palette), bodies_bytes(bodies, palette, called, slicer=printing.slicer, filament_type=kind)
     else:
         paint = in_bands(mesh, palette) if printing.bands else painted(mesh, palette)
         content = threemf_bytes(mesh, called, paint=paint, slicer=printing.slicer, filament_type=kind)
@@ -143,13 +146,3 @@ def write_for_printing(
         cost=cost,
         offers=tuple(offer for offer in offers if offer.changes < cost.changes),
     )
-
-
-def _in_bodies(
-    styled: SurfaceMesh, part: Workpiece, recipe: Recipe, palette: Palette, name: str, slicer: str, kind: str
-) -> tuple[Painted, bytes]:
-    """The part as a shell of the first filament and the rest of the second: both as they fill the layers, and the file."""
-    bounds = bounds_for(part, recipe)[0]
-    shell, rest = shell_and_rest(part.surface, styled, (bounds.freedom > 0.0) & ~np.asarray(bounds.plain), part.thickness)
-    bodies = (Body("styled shell", shell, 0), Body("rest", rest, 1))
-    return together(bodies, palette), bodies_bytes(bodies, palette, name, slicer=slicer, filament_type=kind)

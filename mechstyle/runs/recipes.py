@@ -13,11 +13,11 @@ import numpy as np
 from mechstyle.errors import BadInput, unknown
 from mechstyle.records import SETTINGS, Recipe
 from mechstyle.records.landings import with_drops
-from mechstyle.records.lengths import length_of
 from mechstyle.records.load_cases import load_cases
 from mechstyle.records.material import Material, material_named
 from mechstyle.records.recipe import DEFAULTS, TYPES, direction_of
 from mechstyle.records.regions import regions
+from mechstyle.records.written import length_of
 from mechstyle.runs.images import digest_of
 from mechstyle.runs.plugins import name_of
 from mechstyle.runs.stylizers import settled

@@ -12,7 +12,7 @@ from typing import Any
 
 import msgspec
 
-from mechstyle._files import write_whole
+from mechstyle._files import exclusive, write_whole
 from mechstyle.errors import BadInput
 from mechstyle.fea.drop import resolve_device
 from mechstyle.fea.explicit import Progress, no_progress
@@ -22,7 +22,6 @@ from mechstyle.loop import minimum_wall
 from mechstyle.loop.engine import Engine
 from mechstyle.loop.events import Event, Finished
 from mechstyle.loop.history import measured_at
-from mechstyle.loop.lock import exclusive
 from mechstyle.loop.objects import read_record, to_json
 from mechstyle.loop.store import Entry, Lane, Store, parse_address
 from mechstyle.pictures.panels import Picture, checkpoint_panels, chosen_panels, picture, with_protected
@@ -30,10 +29,8 @@ from mechstyle.records import Checkpoint, Recipe, Simulation, Verdict
 from mechstyle.records.material import Material
 from mechstyle.records.mesh import QUICK_VERTICES, STANDARD_VERTICES, SurfaceMesh
 from mechstyle.runs import images
-from mechstyle.runs.export import AS_USUAL, Exported, exported
-from mechstyle.runs.folders import default_folder, folder_for
-from mechstyle.runs.known_fields import known_fields
-from mechstyle.runs.part_record import PartRecord
+from mechstyle.runs.export import AS_USUAL, Exported, exported, known_fields
+from mechstyle.runs.folders import PartRecord, default_folder, folder_for
 from mechstyle.runs.printing import Printing
 from mechstyle.runs.recipes import changed, draft, expected, left_out
 from mechstyle.runs.session import Session

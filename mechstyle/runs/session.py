@@ -88,12 +88,8 @@ class Session:
     def wait(self, timeout: float | None = None) -> State:
         """Wait until the session pauses or ends, at most `timeout` [s]; the state it is in then."""
         with self._changed:
-            self._changed.wait_for(self._settled, timeout)
+            self._changed.wait_for(lambda: self._state != "running" and (self._state != "paused" or self._wanted == "pause"), timeout)
         return self._state
-
-    def _settled(self) -> bool:
-        """Whether nothing asked for is still to happen."""
-        return self._state != "running" and not (self._state == "paused" and self._wanted != "pause")
 
     def _go(self, until: Callable[[Event], bool] | None) -> None:
         with self._changed:

@@ -12,7 +12,7 @@ import msgspec
 from mechstyle.loop.engine import Engine
 from mechstyle.loop.events import Event, SimulationStarted
 from mechstyle.loop.history import SimulationLine, simulations
-from mechstyle.records import Doubt, Landing, LoadResult, Row, Simulation, Verdict
+from mechstyle.records import Doubt, Landing, LoadResult, Row, Simulation, Verdict, sentences
 
 
 class Summary(msgspec.Struct, frozen=True, kw_only=True):
@@ -78,7 +78,8 @@ def summarise(engine: Engine, *, device: str, notes: tuple[str, ...], seconds: d
     verdict = last.verdict
     assert verdict is not None, "a finished lane ends with a simulated checkpoint"
     simulation = engine.store.objects.get_record(last.simulation, Simulation)
-    start = history[0].style_loss
+    start, kept = history[0].style_loss, engine.kept(last)
+    little = sentences.little_left(kept, engine.recipe.style.side) if engine.recipe.restraint.guarantee else ""
     return Summary(
         outcome=verdict.outcome,
         doubts=verdict.doubts,
@@ -91,7 +92,7 @@ def summarise(engine: Engine, *, device: str, notes: tuple[str, ...], seconds: d
         simulations=simulations(history),
         style_loss=last.style_loss,
         style_loss_ratio=last.style_loss / start if start else 0.0,
-        kept=engine.kept(last),
+        kept=kept,
         iterations=last.iteration,
         meshing=simulation.meshing,
         carried=simulation.carried,
@@ -99,7 +100,7 @@ def summarise(engine: Engine, *, device: str, notes: tuple[str, ...], seconds: d
         level_share=simulation.level_share,
         backed_off=simulation.backed_off,
         seconds=seconds,
-        notes=notes,
+        notes=(*notes, little) if little else notes,
         lane=engine.lane,
         recipe=engine.recipe.digest,
         device=device,

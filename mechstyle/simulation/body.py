@@ -68,8 +68,7 @@ class Followed(NamedTuple):
         whole: Share of the relief their boundary follows; 1 where there is none.
         base: The same on the faces the part stands on, None where there is none.
         volume: Volume over that inside the surface, less 1; of the styled or of the unstylized part, whichever is further off.
-        grounded: 1 less the share of the base that the surface has on the floor and their boundary has not: where a deep relief is laid
-            flat they may be unable to follow, and an impact would go through the few nodes that are.
+        grounded: 1 less the share of the base that the surface has on the floor and their boundary, which an impact goes through, has not.
     """
 
     whole: float
@@ -145,9 +144,8 @@ class Body:
     def followed(self, morphed: Morphed) -> Followed:
         """How well the moved tetrahedra have the shape of the surface they follow.
 
-        The share is the slope of how far their boundary has gone on how far it was to go, by least squares over the surface; on the flat
-        faces both are taken without their means, because a shift as a whole is followed by any mesh. A relief counts as far as the nozzle
-        can print it: what is finer is not missed.
+        The share is the slope of how far their boundary has gone on how far it was to go, by least squares over the surface, as far as the
+        nozzle can print it; on the flat faces both are without their means, because any mesh follows a shift as a whole.
         """
         skin, base = self.skin, self.skin.base
         wanted, found = (skin.printed(base.contrast(field).astype(np.float64)) for field in (morphed.displacement, morphed.followed))

@@ -2,25 +2,26 @@
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import msgspec
 import numpy as np
+from numpy.typing import ArrayLike
 
+from mechstyle.errors import BadInput
 from mechstyle.fea.drop import Drop
+from mechstyle.fea.elements import EDGES, ElementMesh
 from mechstyle.fea.history import History
 from mechstyle.fea.snapshots import Snapshot
 from mechstyle.fea.stressed_volume import at_nodes
-from mechstyle.fea.vtu import on_nodes, vtu
 from mechstyle.pictures import fields
 from mechstyle.pictures.panels import Picture
 from mechstyle.records import Row
 from mechstyle.records.mesh import Floats, TetMesh
 from mechstyle.simulation.impact import Impact, nearest_rigid
-
-if TYPE_CHECKING:
-    from mechstyle.pictures.plots import Plot
 
 
 class Course(msgspec.Struct, frozen=True, kw_only=True):
@@ -119,11 +120,23 @@ def history_picture(history: History, impact: Impact, course: Course, flat: Row)
         course: Its figures.
         flat: How the drop is judged.
     """
-    from mechstyle.pictures.plots import plots_png  # noqa: PLC0415 — matplotlib is loaded when a picture is wanted
+    from mechstyle.pictures.plots import Curve, Plot, plots_png  # noqa: PLC0415 — matplotlib is loaded when a picture is wanted
 
-    plots = [_stress_plot(impact, course, flat), _energy_plot(history), _force_plot(history, course)]
+    judged, (x, y, z) = fields.moment(flat.limit, flat), course.peak_where
+    stress = Plot(
+        judged.label.capitalize(), "MPa", [Curve("at the surface", impact.time, judged.made(impact.stress.max(axis=1)), stepped=True)],
+        limit=(flat.limit, f"limit {flat.limit:.1f} MPa"), mark=(course.peak_time, min(course.peak_stress, flat.stress)),
+        words=f"{judged.most}; highest by {course.peak_time:.2f} ms, at ({x:.1f}, {y:.1f}, {z:.1f}) mm",
+    )  # fmt: skip
+    named = (("kinetic", "kinetic"), ("strain", "strain"), ("contact_loss", "taken by the floor"), ("damping_loss", "taken by damping"))
+    energy = Plot("Energy", "mJ", [Curve(label, *_with_gaps(history, getattr(history, name))) for name, label in named])
+    force = Plot(
+        "Contact force", "N", [Curve("floor", *_with_gaps(history, history.contact_force), stepped=True)],
+        mark=(course.peak_force_time, course.peak_force),
+        words=f"up to {course.peak_force:.0f} N, the last of it at {course.contact_time:.2f} ms",
+    )  # fmt: skip
     note = f"{course.words} {course.touch_words}"
-    return Picture(plots_png(plots, x_label="time since first touch [ms]", title="The drop as placed", note=note))
+    return Picture(plots_png([stress, energy, force], x_label="time since first touch [ms]", title="The drop as placed", note=note))
 
 
 def history_figures(history: History) -> dict[str, list[float]]:
@@ -181,28 +194,45 @@ def _with_gaps(history: History, values: Floats) -> tuple[Floats, Floats]:
     return np.insert(history.time, flights, history.time[flights]), np.insert(values, flights, np.nan)
 
 
-def _stress_plot(impact: Impact, course: Course, flat: Row) -> Plot:
-    """Largest stress of each moment, as far as it is judged."""
-    from mechstyle.pictures.plots import Curve, Plot  # noqa: PLC0415 — as above
+VTK_ORDER = {4: (0, 1, 2, 3), 10: (0, 1, 2, 3, 4, 7, 5, 6, 8, 9)}
+"""Our node in each place of a VTK cell: VTK goes around the base, edges 01 12 20, and then up, 03 13 23."""
 
-    judged = fields.moment(flat.limit, flat)
-    curves = [Curve("at the surface", impact.time, judged.made(impact.stress.max(axis=1)), stepped=True)]
-    x, y, z = course.peak_where
-    words = f"{judged.most}; highest by {course.peak_time:.2f} ms, at ({x:.1f}, {y:.1f}, {z:.1f}) mm"
-    mark = (course.peak_time, min(course.peak_stress, flat.stress))
-    return Plot(judged.label.capitalize(), "MPa", curves, limit=(flat.limit, f"limit {flat.limit:.1f} MPa"), mark=mark, words=words)
+CELLS = {4: "tetra", 10: "tetra10"}
 
 
-def _energy_plot(history: History) -> Plot:
-    from mechstyle.pictures.plots import Curve, Plot  # noqa: PLC0415 — as above
+def vtu(mesh: ElementMesh, at_nodes: Mapping[str, ArrayLike], in_cells: Mapping[str, ArrayLike]) -> bytes:
+    """The content of a VTU file, quadratic elements as quadratic cells.
 
-    named = (("kinetic", "kinetic"), ("strain", "strain"), ("contact_loss", "taken by the floor"), ("damping_loss", "taken by damping"))
-    return Plot("Energy", "mJ", [Curve(label, *_with_gaps(history, getattr(history, name))) for name, label in named])
+    Args:
+        mesh: The elements.
+        at_nodes: Fields by name, shape [node_count] or [node_count, 3].
+        in_cells: Fields by name, shape [tet_count].
+    """
+    import meshio  # noqa: PLC0415 — half a second, when a file is wanted
+
+    nodes = mesh.element.nodes
+    point_data = {name: np.ascontiguousarray(values) for name, values in at_nodes.items()}
+    cell_data = {name: [np.ascontiguousarray(values)] for name, values in in_cells.items()}
+    cells = [(CELLS[nodes], mesh.connectivity[:, VTK_ORDER[nodes]])]
+    with tempfile.TemporaryDirectory() as folder:  # meshio writes to files only
+        file = Path(folder) / "part.vtu"
+        meshio.Mesh(mesh.nodes, cells, point_data=point_data, cell_data=cell_data).write(file)
+        return file.read_bytes()
 
 
-def _force_plot(history: History, course: Course) -> Plot:
-    from mechstyle.pictures.plots import Curve, Plot  # noqa: PLC0415 — as above
+def vtu_path(path: str | Path) -> Path:
+    """The path of a VTU file to write; BadInput if it does not end in .vtu."""
+    target = Path(path)
+    if target.suffix.lower() != ".vtu":
+        raise BadInput(f"ParaView files are written as VTU: give {target.with_suffix('.vtu')} instead of {target}")
+    return target
 
-    curve = Curve("floor", *_with_gaps(history, history.contact_force), stepped=True)
-    words = f"up to {course.peak_force:.0f} N, the last of it at {course.contact_time:.2f} ms"
-    return Plot("Contact force", "N", [curve], mark=(course.peak_force_time, course.peak_force), words=words)
+
+def on_nodes(mesh: ElementMesh, values: ArrayLike) -> Floats:
+    """A field that is linear in each element at its nodes, shape [node_count], from its values at the vertices, shape [vertex_count]."""
+    at_vertices = np.asarray(values, dtype=np.float64)
+    found = np.empty(len(mesh.nodes))
+    found[: len(at_vertices)] = at_vertices
+    if mesh.element.nodes > 4:
+        found[mesh.connectivity[:, 4:]] = at_vertices[mesh.tets.tets[:, EDGES]].mean(axis=2)
+    return found

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mechstyle._files import cache_folder
-from mechstyle.errors import BadInput
+from mechstyle.errors import BadInput, unknown
 from mechstyle.fea.explicit import no_progress
 from mechstyle.geometry.cancelling import CancelCheck, meanwhile, never_cancel
 from mechstyle.geometry.inside_outside import is_container, is_inside
@@ -30,6 +30,7 @@ from mechstyle.loop import minimum_wall as walls
 from mechstyle.loop.bounds import Bounds
 from mechstyle.loop.objects import Memo, Objects
 from mechstyle.records import Recipe
+from mechstyle.records.chapters import BASES
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh, TetMesh
 from mechstyle.records.regions import Inside, Outside, Region
 from mechstyle.simulation.meshes import at_rest, carrying
@@ -141,8 +142,10 @@ class Shape:
 
         Into the material a quarter of the wall, out of it as far as `styling.dimensions.outwards` says. A level base may go in by half of
         what the wall has above the minimum [mm], so that a relief that is shifted keeps its depth; a plain one has none. Under either
-        nothing goes below the floor.
+        nothing goes below the floor. BadInput if there is no such base.
         """
+        if base not in BASES:
+            raise unknown("base", base, BASES)
         quarter, whole = np.float32(INWARD_SHARE) * self.thickness, np.ones_like(self.thickness)
         if base == "free":
             return Bounds(self.thickness, quarter, self._outward, whole)
@@ -299,7 +302,9 @@ def fitted(recipe: Recipe, part: Workpiece) -> Recipe:
 def bounds_for(part: Workpiece | Shape, recipe: Recipe) -> tuple[Bounds, tuple[str, ...]]:
     """Bounds of a recipe's style on a part, and notes for the user on what is protected."""
     shape = part if isinstance(part, Shape) else part.shape
-    contained = _contained(shape, recipe)
+    named = any(isinstance(region, Inside | Outside) for region in (*recipe.restraint.protect, *_places(recipe)))
+    chosen = named or recipe.restraint.inside == "styled"
+    contained = () if chosen or not shape.is_container else (Inside(ramp=INSIDE_RAMP, colour=True),)
     bounds = shape.bounds(recipe.restraint.base, recipe.delivery.minimum_wall)
     protected = protection((*recipe.restraint.protect, *contained), part.surface, part.thickness)
     free = np.minimum(bounds.freedom, protected.freedom)
@@ -313,10 +318,3 @@ def _places(recipe: Recipe) -> tuple[Region, ...]:
     if recipe.style.stylizer or recipe.style.guidance == "clip":
         return ()
     return tuple(region for wish in reading_of(recipe).wishes for region in (*wish.where, *wish.spared))
-
-
-def _contained(shape: Shape, recipe: Recipe) -> tuple[Region, ...]:
-    """The inside of a container, unless it is to be styled, or the recipe or its prompt name one side or the other themselves."""
-    named = any(isinstance(region, Inside | Outside) for region in (*recipe.restraint.protect, *_places(recipe)))
-    chosen = named or recipe.restraint.inside == "styled"
-    return () if chosen or not shape.is_container else (Inside(ramp=INSIDE_RAMP, colour=True),)

@@ -48,8 +48,7 @@ class Detail:
     Attributes:
         simulation: What it left on the surface.
         drop: Stress in the body, and history in time, of every orientation.
-        balance_error: Largest error of the energy balance of the drop as placed, over the energy at first touch; measured on the same
-            drop without damping. None for a drop that failed.
+        balance_error: Largest error of energy of the flat drop without damping, over the energy at first touch; None if it failed.
     """
 
     simulation: Simulation
@@ -66,9 +65,9 @@ class DropSimulator:
         tets: Tetrahedra of it displaced by `at`.
         recipe: What decides the physics: material, drop, orientations, transfer.
         memo: Where results are remembered by the digest of their inputs.
-        shared: Where the unstylized part's result is remembered for other runs too, once computed here; None for nowhere.
+        shared: The same of the unstylized part for other runs too, once computed here; None for nowhere.
         device: `cpu` or `cuda`.
-        progress: Called with the fraction done of the drop in hand, and while tetrahedra are made; may raise to cancel either.
+        progress: Called with the fraction done, and while tetrahedra are made; may raise to cancel.
         at: Displacement the tetrahedra were made for [mm], shape [vertex_count]; None for none.
         thickness: Local wall thickness of the surface [mm], shape [vertex_count]; None to work it out.
     """
@@ -105,9 +104,8 @@ class DropSimulator:
     def simulate(self, displacement: NDArray[np.float32], *, thorough: bool) -> Simulation:
         """Drop the displaced part, flat and in the hardest nearly flat landings or (`thorough`) in all, and load it; remembered.
 
-        A thorough test rests on tetrahedra that follow the relief: where those of the run do not, the part is meshed again at half of that
-        very relief. Where a relief that fails is corrected, the landings that steer come first, and the others are left out if one of
-        those, or a load, fails for certain already.
+        A thorough test rests on tetrahedra that follow the relief. Where a relief that fails is corrected, the landings that steer come
+        first, and the others are left out if one of those, or a load, fails for certain already.
         """
         if not thorough and np.any(displacement):
             return self._on(self.meshes.first, displacement, thorough=False)
@@ -115,20 +113,16 @@ class DropSimulator:
         known, corrected = None, self.recipe.restraint.guarantee and np.any(displacement) and not self.baseline.failure
         if thorough and corrected and self._steering != self.numbers(displacement, thorough=True):
             known = self._on(body, displacement, thorough=False)
-            if self._settles(known):
+            failing = (row.decides and row.outcome == "FAILS" and row.sure for row in self.judge(known).rows)
+            if bool(known.failure) or any(failing):
                 return replace(known, meshing=meshing)
         return replace(self._on(body, displacement, thorough=thorough, known=known), meshing=meshing)
-
-    def _settles(self, simulation: Simulation) -> bool:
-        """Whether further landings cannot change that a part fails, or that there is no answer."""
-        failing = (row.decides and row.outcome == "FAILS" and row.sure for row in self.judge(simulation).rows)
-        return bool(simulation.failure) or any(failing)
 
     def judge(self, simulation: Simulation, *, alone: bool = False) -> Verdict:
         """Verdict on a simulation and that of the original, or `alone` on the original itself.
 
         Where a part does not pass for sure, its original is read on the part's own tetrahedra, too, if without relief they have its shape:
-        what they read of the part, they read of the original as well, and no style is blamed for its mesh.
+        no style is blamed for its mesh.
         """
         if alone:
             return judge(simulation, None, self.recipe)
@@ -185,10 +179,7 @@ class DropSimulator:
         return memo_key((PHYSICS_VERSION, self.device, *physics(recipe), recipe.test.loads, drops, at), displacement)
 
     def _balance_error(self, tets: TetMesh, window: float) -> float | None:
-        """Of `Detail`, over the first phase, which lasted for `window` [ms].
-
-        What damping took is what is missing in the balance, so the balance can be checked only without it.
-        """
+        """Of `Detail`, over the first phase, which lasted for `window` [ms]: without damping, which takes what is missing."""
         undamped = replace(prescribed(self.recipe), damping=0.0, window=window)
         found = drop(tets, self.recipe.test.material, self.landings.normals[:1], undamped, device=self.device, progress=self.progress)
         return None if found.failure else float(np.abs(found.history[0].damping_loss).max() / found.history[0].kinetic[0])
@@ -241,15 +232,9 @@ class DropSimulator:
     def _brought(
         self, body: Body, morphed: Morphed, result: Drop, numbers: Sequence[int], *, thorough: bool, known: Simulation | None = None
     ) -> Simulation:
-        """Figures and surface stress of the drops and of the load cases; none, with the reason, where one failed.
+        """Figures and surface stress of the drops of some landings and of the load cases; none, with the reason, where one failed.
 
-        Args:
-            body: The tetrahedra.
-            morphed: Where they were moved.
-            result: Of the drops.
-            numbers: Of the landings that were dropped.
-            thorough: Whether these, with those that are known, are all.
-            known: Other landings of the same test, with its load cases; None for none.
+        What is `known` are other landings of the same test, with its load cases; `thorough` says that these, with those, are all.
         """
         tets, fit = morphed.tets, body.followed(morphed)
         found = Simulation(
@@ -277,8 +262,7 @@ class DropSimulator:
         """Every landing in figures, and its stress at the surface [MPa], shape [landing_count, vertex_count]; args as for `_brought`.
 
         The critical height of a flat landing follows from its drop. In a thorough test that of the hardest of each other kind is found by
-        one or two more drops, and those of its kind are worked out with the same exponent; where the exponent of the original is known it
-        tells the height to begin with.
+        one or two more drops, begun with the exponent of the original, and those of its kind are worked out with the same exponent.
         """
         tets, ways, read = morphed.tets, self.landings, self._reading_on(morphed.tets)
         there = {} if known is None else dict(zip(known.landings, known.landing_stress, strict=True))
@@ -342,24 +326,17 @@ class DropSimulator:
 
 
 def harder(original: Simulation, here: Simulation) -> Simulation:
-    """An original with the larger σ_V of two meshes in each landing and load.
+    """An original with the larger σ_V of two meshes in each landing and load; where `here` broke down it adds nothing."""
 
-    Args:
-        original: On tetrahedra of its own.
-        here: On others; where that broke down it adds nothing.
-    """
+    def raised(one: Landing | LoadResult, other: Landing | LoadResult | None) -> float:
+        return one.stress if other is None or not math.isfinite(other.stress) else max(one.stress, other.stress)
 
-    def raised(own: float, other: float | None) -> float:
-        return own if other is None or not math.isfinite(other) else max(own, other)
-
-    others = {one.name: one.stress for one in here.landings}
     landings = []
     for one in original.landings:
-        stress = raised(one.stress, others.get(one.name))
+        stress = raised(one, here.landing(one.name))
         lower = one.critical_height * (one.stress / stress) ** (1.0 / one.exponent)
         landings.append(msgspec.structs.replace(one, stress=stress, critical_height=lower))
-    cases = {case.name: case.stress for case in here.loads}
-    loads = [msgspec.structs.replace(case, stress=raised(case.stress, cases.get(case.name))) for case in original.loads]
+    loads = [msgspec.structs.replace(case, stress=raised(case, here.load(case.name))) for case in original.loads]
     return replace(original, landings=tuple(landings), loads=tuple(loads))
 
 

@@ -24,12 +24,12 @@ from mechstyle.geometry.resting_face import resting_weight
 from mechstyle.pictures import fields
 from mechstyle.pictures.panels import Picture, field_panel, picture
 from mechstyle.records import Recipe, Simulation, Verdict, judge
-from mechstyle.records.lengths import length_of
 from mechstyle.records.load_cases import LoadCase, load_cases
 from mechstyle.records.material import Material, material_named
 from mechstyle.records.mesh import STANDARD_VERTICES, SurfaceMesh
 from mechstyle.records.recipe import DEFAULTS
 from mechstyle.records.regions import Region, regions
+from mechstyle.records.written import length_of
 from mechstyle.simulation.part import Relief, Stage, Workpiece, cached_memo, fitted, prepare, refilled
 from mechstyle.simulation.simulator import DropSimulator
 

@@ -9,8 +9,7 @@ from __future__ import annotations
 import hashlib
 import os
 import traceback
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path
 from time import perf_counter
 from typing import Any, Literal
@@ -18,11 +17,10 @@ from typing import Any, Literal
 import msgspec
 
 from mechstyle import __version__
-from mechstyle._files import file_stem, write_whole
+from mechstyle._files import exclusive, file_stem, write_whole
 from mechstyle.errors import MechStyleError
 from mechstyle.gallery import PREFIX, addressed, load
 from mechstyle.geometry.remeshing.filling import VERSION as TETRAHEDRA
-from mechstyle.loop.lock import exclusive
 from mechstyle.records import Recipe
 from mechstyle.runs.run import Run, started
 from mechstyle.simulation.physics import PHYSICS_VERSION
@@ -248,8 +246,9 @@ def carry_out(cell: Cell, folder: str | Path) -> Row:
         if known is not None:
             return known
         starts = rows.begin(cell)
-        with _clocked() as spent:
-            figures = _figures(cell, rows.folder)
+        wall, cpu = perf_counter(), sum(os.times()[:4])  # meshing processes included
+        figures = _figures(cell, rows.folder)
+        spent = {"seconds": round(perf_counter() - wall, 2), "cpu_seconds": round(sum(os.times()[:4]) - cpu, 2)}
         row = cell.row(starts=starts, **figures, **spent)
         rows.write(cell, row)
     return row
@@ -296,14 +295,3 @@ def figures_of(run: Run) -> Mapping[str, Any]:
         "mass_gained": run.part.mass_gained,
         "device": summary.device,
     }
-
-
-@contextmanager
-def _clocked() -> Iterator[dict[str, float]]:
-    """Wall time and processor time of the block, meshing processes included [s]; filled in when it ends."""
-    spent: dict[str, float] = {}
-    wall, cpu = perf_counter(), sum(os.times()[:4])
-    try:
-        yield spent
-    finally:
-        spent.update(seconds=round(perf_counter() - wall, 2), cpu_seconds=round(sum(os.times()[:4]) - cpu, 2))

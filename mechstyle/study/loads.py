@@ -8,10 +8,9 @@ from pathlib import Path
 
 import msgspec
 
-from mechstyle._files import write_whole
+from mechstyle._files import exclusive, write_whole
 from mechstyle.fea.statics.load_test import StaticTest
 from mechstyle.fea.stressed_volume import LOADED, Walls, at_nodes, exceeded
-from mechstyle.loop.lock import exclusive
 from mechstyle.records import Recipe
 from mechstyle.records.load_cases import Load, LoadCase
 from mechstyle.records.mesh import SurfaceMesh

@@ -82,7 +82,10 @@ def write_page(rows: Sequence[Row], page: Path, *, note: str = "") -> dict[str, 
         pictures[name], files[name] = path.name, str(path)
     digest = hashlib.sha256(msgspec.json.encode(own)).hexdigest()[:12]
     made = f"Made of [{table.name}]({table.name}) (rows {digest}) by `mechstyle study page {table.name} --out {page.name}`."
-    parts = ["# Study", _found(done), "\n".join(filter(None, (note, made))), _what(own, done), _how()]
+    meanings = "\n".join(f"* **{outcome}**: {meaning}" for outcome, meaning in MEANINGS.items())
+    parts = ["# Study", _found(done), "\n".join(filter(None, (note, made))), _what(own, done)]
+    parts += ["## How to read it", " ".join(EXPLANATION[:3]), " ".join(EXPLANATION[3:]), meanings]
+    parts.append(f"A run passes if it HOLDS or is NO WORSE. {MEASURE}")
     parts += [_free(done, pictures), _ways(done, pictures)]
     parts += [_times(done, pictures), _losses(done, pictures), _arms(done, pictures)]
     parts.append(f"## Compared with the published study\n\n{_beside(done)}{SLIPS}")
@@ -180,13 +183,6 @@ def _extremes(ways: Sequence[Row]) -> str:
     shares = sorted((sum(row.passes for row in rows) / len(rows), arm) for arm, rows in _grouped(ways).items())
     (least, worst), (most, best) = shares[0], shares[-1]
     return f"from {100 * least:.0f} % ({worst}) to {100 * most:.0f} % ({best})"
-
-
-def _how() -> str:
-    """How to read the page, in plain words."""
-    meanings = "\n".join(f"* **{outcome}**: {meaning}" for outcome, meaning in MEANINGS.items())
-    explained = f"{' '.join(EXPLANATION[:3])}\n\n{' '.join(EXPLANATION[3:])}"
-    return f"## How to read it\n\n{explained}\n\n{meanings}\n\nA run passes if it HOLDS or is NO WORSE. {MEASURE}"
 
 
 def _free(done: Sequence[Row], pictures: dict[str, str]) -> str:

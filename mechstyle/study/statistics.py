@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -13,9 +13,9 @@ from scipy import stats
 Floats = NDArray[np.float64]
 
 
-def wilson(count: int, total: int, level: float = 0.95) -> tuple[float, float]:
-    """Wilson's score interval of a proportion (Wilson 1927)."""
-    found = stats.binomtest(count, total).proportion_ci(level, method="wilson")
+def wilson(count: int, total: int) -> tuple[float, float]:
+    """Wilson's score interval of a proportion at 95 % (Wilson 1927)."""
+    found = stats.binomtest(count, total).proportion_ci(0.95, method="wilson")
     return float(found.low), float(found.high)
 
 
@@ -123,25 +123,19 @@ def holm(probabilities: Sequence[float]) -> list[float]:
     return [float(value) for value in adjusted]
 
 
-def bootstrap_over(
-    clusters: Sequence[str], values: ArrayLike, statistic: Callable[[Floats], float] = lambda x: float(x.mean()), *,
-    level: float = 0.95, resamples: int = 4000, seed: int = 0,
-) -> tuple[float, float]:  # fmt: skip
-    """Percentile interval of a statistic when whole clusters are drawn: runs of one model are not independent of each other.
+def bootstrap_over(clusters: Sequence[str], values: ArrayLike, *, resamples: int = 4000) -> tuple[float, float]:
+    """95 % percentile interval of a mean when whole clusters are drawn: runs of one model are not independent of each other.
 
     Args:
         clusters: The cluster of each value, such as its model.
         values: Shape [n].
-        statistic: Of values.
-        level: Of the interval.
         resamples: How many times clusters are drawn.
-        seed: Of the drawing.
     """
-    sample, random = np.asarray(values, dtype=np.float64), np.random.default_rng(seed)
+    sample, random = np.asarray(values, dtype=np.float64), np.random.default_rng(0)
     names = list(dict.fromkeys(clusters))
     own = [sample[np.array([cluster == name for cluster in clusters])] for name in names]
-    found = [statistic(np.concatenate([own[k] for k in random.integers(0, len(own), len(own))])) for _ in range(resamples)]
-    low, high = np.quantile(found, [(1 - level) / 2, (1 + level) / 2])
+    found = [np.concatenate([own[k] for k in random.integers(0, len(own), len(own))]).mean() for _ in range(resamples)]
+    low, high = np.quantile(found, [0.025, 0.975])
     return float(low), float(high)
 
 

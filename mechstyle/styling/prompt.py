@@ -252,6 +252,10 @@ def _style(items: Sequence[Item], notes: list[str]) -> tuple[str, set[str], tupl
     """The style of a wish, "" for none, the words that ask for it, and the colours that they mean."""
     read = [(item, style_of(item)) for item in (*items, NOTHING)]
     found = [(item, style) for item, style in read if style]
+    # Beside another style a stuff before a colour says which colour: moss green leather is leather.
+    tints = [item for item, following in itertools.pairwise(items) if meaning(following) in english.FAMILIES]
+    free = {style.style for item, style in found if not any(item is tint for tint in tints)}
+    found = [(item, style) for item, style in found if not free or style.style in free]
     if not found:
         return "", set(), ()
     strongest = [one for one in found if one[1].rank == min(style.rank for _, style in found)]
@@ -431,12 +435,15 @@ def _unknown_prompt(prompt: str, found: Sequence[Word], unwanted: Sequence[Item]
     near = [_spoken(style) for style in suggestions(prompt, SUGGESTED + len(avoided)) if style not in avoided][:SUGGESTED]
     colour = next((word.text for word in found if word.means in english.COLOURS), "")
     said = "no style that can be drawn offline" if not colour else "only a colour and no style"
+    listed = "; `mechstyle styles` lists them all"
+    if not any(word.means or word.text in english.english() for word in found):
+        said, listed = f"no style in English, {', '.join(english.LANGUAGES[:-1])} or {english.LANGUAGES[-1]}", ""
     if unwanted:
         said = f"no style that is wanted, only what is not ({quoted(_spoken(meaning(item)) for item in unwanted)})"
     ways = ", ".join(f"`{colour} {name}`" if colour else repr(name) for name in near)
     way = f" (left out {beyond.text!r}: {english.BEYOND[beyond.means]})" if beyond else ""
     return BadInput(
-        f"the prompt {prompt!r} names {said}{way}: try {ways}; `mechstyle styles` lists them all; "
+        f"the prompt {prompt!r} names {said}{way}: try {ways}{listed}; "
         "any other prompt needs guidance 'clip' (`--guidance clip`) and the weights that `mechstyle weights fetch ViT-B-32` brings once"
     )
 

@@ -6,6 +6,7 @@ next to each other, "+" those that do so in any order. The kinds of rows and the
     style, describes  a style: any other beside one that describes is the one meant ("old brick")
     like              a stuff or thing that looks like a style, which the reader is shown; yields as well
     thing             a thing that looks like one, if nothing else in the prompt does
+    mood              a mood, a season or a time, if nothing else names a style
     last              a style, if there is no thing either: "green", "realistic"
     colour, metal     six hexadecimal digits; a metal alone is hammered metal
     size, relief      factors on the size of features and on the height of the relief
@@ -32,7 +33,7 @@ LANGUAGES = ("German", "French", "Spanish", "Portuguese", "Italian", "Chinese", 
 """The columns of `words.tsv` after the English words."""
 PICTURE = "own picture"
 """What stands for a picture of the user's where there is one; no word of a prompt has a space."""
-_STYLES = ("style", "describes", "like", "thing", "last")  # kinds of rows, strongest first
+_STYLES = ("style", "describes", "like", "thing", "mood", "last")  # kinds of rows, strongest first
 
 
 class Row(NamedTuple):
@@ -112,7 +113,7 @@ def _meant(table: str) -> Iterator[tuple[str, str, Meaning]]:
         if row.kind in _STYLES:
             style, _, colours = row.value.partition(" ")
             own = tuple(filter(None, colours.split("/"))) if table == "words" else ()
-            meaning = Meaning(style, _STYLES.index(row.kind), row.kind in {"like", "thing"}, own)
+            meaning = Meaning(style, _STYLES.index(row.kind), row.kind in {"like", "thing", "mood"}, own)
             yield from ((word, row.kind, meaning) for word in row.words[0])
 
 
@@ -158,4 +159,9 @@ def hints(word: str) -> tuple[str, ...]:
 @cache
 def meanings() -> frozenset[str]:
     """All English words that mean something."""
-    return frozenset({word.replace("+", "_") for row in rows("words") for word in row.words[0]} | styles().keys()) - {PICTURE}
+    return frozenset({word.replace("+", "_") for row in rows("words") for word in row.words[0]} | styles().keys() | _names()) - {PICTURE}
+
+
+def _names() -> frozenset[str]:
+    """The English names of several words that `english.tsv` knows as things: barn_owl."""
+    return frozenset(word for row in rows("english") for word in row.words[0] if "_" in word)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import itertools
 import re
 import unicodedata
@@ -29,6 +30,7 @@ _INFLECTION = {"German": re.compile("(?:en|er|es|em|e|n|s)$")} | dict.fromkeys(L
 _LEAST_STEM = 3
 _LEAST_STYLE = 4
 _LONGEST_PHRASE = 4  # words
+_LONG, _SLIPS = 8, 2  # letters from which on so many slips are forgiven
 _FIRM = 6  # letters from which on one of them may be another: shorter words are often words of their own
 
 
@@ -188,7 +190,8 @@ def _covered(tokens: Sequence[str], language: str) -> tuple[float, int]:
     at, covered, written = 0, 0.0, 0
     while at < len(tokens):
         count = _phrase(tokens[at:], language)[0]
-        known = count or bool(_known(tokens[at], language) or _compound(tokens[at], language))
+        own = not language or tokens[at] not in english.english()  # a burger is no Burg, nor fog a fogo
+        known = count or (own and bool(_known(tokens[at], language) or _compound(tokens[at], language)))
         covered += known or 0.5 * (not language and bool(_english(tokens[at])))
         written += count
         at += count or 1
@@ -242,10 +245,17 @@ def _begun(word: str) -> str:
 
     Of two English words the second is what it is: a hammerhead is no hammer.
     """
-    cuts = range(len(word) - _LEAST_STEM, _LEAST_STYLE - 1, -1)
-    starts = [word[:cut] for cut in cuts if not (word[:cut] in english.english() and word[cut:] in english.english())]
+    if _of_two(word):
+        return ""
+    starts = [word[:cut] for cut in range(len(word) - _LEAST_STEM, _LEAST_STYLE - 1, -1)]
     known = (means for start in starts for language in ("", "German") if (means := _dictionary(language).get(start, "")))
     return next((means for means in known if means in styles() or means in weak()), "")
+
+
+def _of_two(word: str) -> bool:
+    """Whether a word is of two English ones."""
+    cuts = range(_LEAST_STYLE, len(word) - _LEAST_STEM + 1)
+    return any(word[:cut] in english.english() and word[cut:] in english.english() for cut in cuts)
 
 
 def _misspelt(word: str, language: str) -> str:
@@ -253,12 +263,15 @@ def _misspelt(word: str, language: str) -> str:
     looks = {*weak(), *styles()}
     least = _LEAST_STYLE + bool(language)  # no list says which words of other languages are words of their own
     forms = [word] if language else list(_forms(word))
-    close = [
-        (means not in looks, len(other) == len(form), other, means)
-        for form, (other, means) in itertools.product(forms, _dictionary(language).items())
-        if means not in english.FILLERS and (means not in looks or min(len(word), len(other)) >= least) and _slips(form, other)
-    ]
-    return min(close)[3] if close else ""
+    for slipped in (_slips,) if _of_two(word) else (_slips, _scrambled):
+        close = [
+            (means not in looks, len(other) == len(form), other, means)
+            for form, (other, means) in itertools.product(forms, _dictionary(language).items())
+            if means not in english.FILLERS and (means not in looks or min(len(word), len(other)) >= least) and slipped(form, other)
+        ]
+        if close:
+            return min(close)[3]
+    return ""
 
 
 def _slips(word: str, meant: str) -> bool:
@@ -268,6 +281,18 @@ def _slips(word: str, meant: str) -> bool:
     start = next((k for k, (a, b) in enumerate(zip(word, meant, strict=False)) if a != b), min(len(word), len(meant)))
     rest, other = word[start:], meant[start:]
     swapped = rest[:2] == other[:2][::-1] and rest[2:] == other[2:]
-    dropped = rest == other[1:] or rest[1:] == other
+    dropped = rest == other[1:] or (rest[1:] == other and (other != "" or word[-1] == meant[-1]))  # a monstera is no monster
     changed = len(word) >= _FIRM and rest[1:] == other[1:]
     return swapped or dropped or changed
+
+
+def _scrambled(word: str, meant: str) -> bool:
+    """Whether a word is one of at least six letters in another order, or one of at least eight with two slips, both within its ends."""
+    if min(len(word), len(meant)) < _FIRM or word[0] != meant[0]:
+        return False
+    if word[-1] == meant[-1] and sorted(word) == sorted(meant):
+        return True
+    if min(len(word), len(meant)) < _LONG or abs(len(word) - len(meant)) > _SLIPS:
+        return False
+    changes = difflib.SequenceMatcher(None, word, meant, autojunk=False).get_opcodes()
+    return sum(max(i - h, k - j) for kind, h, i, j, k in changes if kind != "equal") <= _SLIPS

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from support.german import english_in
+
 pytestmark = pytest.mark.browser
 
 ITERATIONS = 12
@@ -108,3 +110,34 @@ def test_it_plays_to_the_end_and_tells_the_kernel_then(shown):
     shown.until("studio.state.iteration", ITERATIONS)
     assert shown.page.evaluate("() => new Set(window.passed).size") > 1
     assert shown.page.evaluate("""() => window.said.filter(text => text.includes('"state":{"value"')).length""") == 1
+
+
+WRITTEN = """() => {
+    const texts = new Set(), studio = document.querySelector('.mechstyle-studio');
+    const walker = document.createTreeWalker(studio, NodeFilter.SHOW_ELEMENT | NodeFilter.SHOW_TEXT);
+    for (let node = walker.currentNode; node; node = walker.nextNode()) {
+        if (node.nodeType === Node.TEXT_NODE && node.parentElement.localName !== 'style') texts.add(node.data.trim());
+        for (const name of ['title', 'aria-label', 'aria-valuetext', 'placeholder', 'alt'])
+            texts.add(node.getAttribute?.(name)?.trim() ?? '');
+    }
+    return [...texts].filter(Boolean);
+}"""
+
+
+def test_a_page_in_german_has_no_word_of_english(notebook, finished_run):
+    """The slider said "12 of 12" and "iteration": what a script of the page says came from no table."""
+    notebook.open(
+        f"""
+from mechstyle_widgets import Studio
+studio = Studio({str(finished_run.store.root)!r}, language="de")
+studio
+"""
+    )
+    notebook.page.locator(SLIDER).wait_for()
+    notebook.drawn()
+    notebook.page.wait_for_function(PACKED)
+    notebook.page.locator(".mechstyle-studio .js-plotly-plot .main-svg").first.wait_for()
+    texts = notebook.page.evaluate(WRITTEN)
+    assert any(text.startswith("Schritt 12 von 12, ") for text in texts), "what is heard of the slider tells its verdict"
+    assert {"Schritt", "12 von 12", "Abspielen", "Start", "Ganzer Bildschirm"} <= {*texts}
+    assert {text: found for text in texts if (found := english_in(text))} == {}

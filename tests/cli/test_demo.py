@@ -31,7 +31,7 @@ def test_an_unknown_application_is_one_sentence(mechstyle):
 
 
 @pytest.mark.parametrize("path", ["sheet.jpg", "nowhere/sheet.png"])
-@pytest.mark.parametrize(("what", "drawn"), [("styles", "style_sheet.contact_sheet"), ("gallery", "model_sheet.model_sheet")])
+@pytest.mark.parametrize(("what", "drawn"), [("styles", "style_sheet.contact_sheet"), ("gallery", "style_sheet.model_sheet")])
 def test_a_sheet_that_cannot_be_written_is_refused_before_it_is_drawn(what, drawn, path, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(f"mechstyle.gallery.{drawn}", lambda **_: pytest.fail("it was drawn, which takes minutes"))

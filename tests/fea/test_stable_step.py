@@ -3,11 +3,10 @@
 import numpy as np
 import pytest
 
-from mechstyle.fea.discretisation import discretise
+from mechstyle.fea.discretisation import bound, discretise
 from mechstyle.fea.drop import DropTest, drop
 from mechstyle.fea.elements import ELEMENTS
 from mechstyle.fea.explicit import damped_step, stable_step
-from mechstyle.fea.mass_scaling import bound
 from mechstyle.fea.orientations import directions
 from support.slivers import quality, weighted, with_slivers
 

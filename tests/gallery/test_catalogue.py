@@ -8,7 +8,7 @@ from PIL import Image
 
 from mechstyle import gallery
 from mechstyle.errors import BadInput
-from mechstyle.gallery.model_sheet import COLUMNS, SIDE, model_sheet
+from mechstyle.gallery.style_sheet import COLUMNS, SIDE, model_sheet
 from mechstyle.geometry.proximity import TriangleTree
 from mechstyle.geometry.region_selection import selected
 from mechstyle.records.load_cases import Patch, read_loads
@@ -73,7 +73,7 @@ def test_a_use_is_what_a_load_file_would_say(tmp_path):
 
 def test_the_sheet_shows_every_model(monkeypatch):
     drawn = []
-    monkeypatch.setattr("mechstyle.gallery.model_sheet.make", lambda name: drawn.append(name) or gallery.make("coaster"))
+    monkeypatch.setattr("mechstyle.gallery.style_sheet.make", lambda name: drawn.append(name) or gallery.make("coaster"))
     monkeypatch.setattr("mechstyle.pictures.scene.render", lambda *_, height, width, **__: np.full((height, width, 3), 90, np.uint8))
     with Image.open(io.BytesIO(model_sheet().png)) as sheet:
         assert sheet.size[0] > COLUMNS * SIDE

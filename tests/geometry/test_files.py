@@ -1,6 +1,7 @@
 """Files: one body from every format, its unit and orientation; whole files or none. What cannot be read: `test_refused_files`."""
 
 import os
+import re
 import stat
 import zipfile
 from xml.etree import ElementTree as ET
@@ -76,6 +77,34 @@ def test_quads_are_read(tmp_path):
     mesh, notes = read(put(tmp_path, "quads.obj", "\n".join(lines).encode()))
     assert mesh.volume == pytest.approx(1000)
     assert notes[1:] == ()
+
+
+WRITTEN = {
+    "a byte-order mark": lambda text: "\ufeff" + text,
+    "comments after what they are of": lambda text: text.replace("\n", " # of the house\n"),
+    "tabs": lambda text: text.replace(" ", "\t"),
+    "indented": lambda text: text.replace("\n", "\n   "),
+    "lines of an old Mac": lambda text: text.replace("\n", "\r"),
+    "lines of Windows": lambda text: text.replace("\n", "\r\n"),
+    "weights": lambda text: re.sub(r"(?m)^(v .*)$", r"\1 1.0", text),
+    "lines that go on": lambda text: re.sub(r"(?m)^(f \S+) ", r"\1 \\\n ", text),
+}
+
+
+@pytest.mark.parametrize("how", WRITTEN)
+@pytest.mark.parametrize("kind", ["obj", "stl", "ply"])
+def test_the_same_text_however_it_is_written(tmp_path, kind, how):
+    box = trimesh.creation.box((40.0, 30.0, 20.0))
+    text = {"obj": "".join(f"v {x} {y} {z}\n" for x, y, z in box.vertices) + "".join(f"f {a} {b} {c}\n" for a, b, c in box.faces + 1)}
+    if kind != "obj":
+        if how not in {"a byte-order mark", "tabs", "indented", "lines of an old Mac", "lines of Windows"}:
+            return
+        written = box.export(file_type="stl_ascii") if kind == "stl" else box.export(file_type="ply", encoding="ascii")
+        text[kind] = written if isinstance(written, str) else written.decode()
+    (tmp_path / f"box.{kind}").write_bytes(WRITTEN[how](text[kind]).encode())
+    found = read(tmp_path / f"box.{kind}").mesh
+    assert found.extents == pytest.approx((40.0, 30.0, 20.0))
+    assert found.volume == pytest.approx(24_000.0)
 
 
 def test_components_used_twice_are_two_bodies(tmp_path):

@@ -62,6 +62,13 @@ def test_a_shape_in_many_places_is_refused_by_the_name_of_its_extension(tmp_path
     assert "places one shape many times over (EXT_mesh_gpu_instancing)" in refusal(put(tmp_path, "rod.glb", glb(document, points, faces)))
 
 
+def test_a_scene_with_nothing_in_it_is_refused_as_one(tmp_path):
+    document, points, faces = rod()
+    document["scenes"].append({})
+    document["scene"] = 1
+    assert "has nothing in the scene that it shows" in refusal(put(tmp_path, "rod.glb", glb(document, points, faces)))
+
+
 def test_extensions_of_the_look_alone_stand_in_nobodys_way(tmp_path):
     document, points, faces = rod()
     document["extensionsRequired"] = ["KHR_materials_unlit", "KHR_texture_transform", "KHR_lights_punctual", "EXT_texture_webp"]

@@ -7,7 +7,7 @@ import pytest
 from manifold3d import Manifold, OpType
 
 from mechstyle.geometry.remeshing.evening import surface_of
-from mechstyle.geometry.resting_face import centre_of_mass, resting_face, resting_weight
+from mechstyle.geometry.resting_face import resting_face, resting_weight
 from mechstyle.records.mesh import SurfaceMesh
 
 
@@ -82,7 +82,7 @@ def test_a_leaning_cube_tips_over_where_its_centre_leaves_its_base(cube, lean, s
     corners = cube.vertices + np.array([40.0, -60.0, 25.0])
     corners[:, axis] += lean * cube.vertices[:, 2] / 10.0
     leaning = cube.moved(corners)
-    assert centre_of_mass(leaning)[axis] == pytest.approx(corners[:, axis].mean())
+    assert leaning.centre_of_mass[axis] == pytest.approx(corners[:, axis].mean())
     assert (resting_face(leaning) is not None) == stands
 
 
@@ -109,4 +109,4 @@ def test_protection_rises_with_height(cup):
 
 def test_the_centre_of_mass_of_a_shifted_box():
     box = surface_of(Manifold.cube((30.0, 20.0, 10.0)).translate((1.0, 2.0, 3.0)))
-    assert centre_of_mass(box) == pytest.approx([16.0, 12.0, 8.0])
+    assert box.centre_of_mass == pytest.approx([16.0, 12.0, 8.0])

@@ -8,10 +8,10 @@ import msgspec
 import numpy as np
 import pytest
 
-from mechstyle.cli.keep import gc_command
+from mechstyle._files import exclusive
+from mechstyle.cli.finished import gc_command
 from mechstyle.errors import BadInput, DamagedStore
 from mechstyle.loop.garbage import collect, garbage
-from mechstyle.loop.lock import exclusive
 from mechstyle.loop.store import Store
 from mechstyle.runs.run import Run
 from support.hostile import look

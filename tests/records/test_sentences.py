@@ -328,3 +328,12 @@ def test_two_runs_are_compared_in_the_test_that_decides(free, fed, kept, words):
 
 def test_without_an_answer_nothing_is_compared():
     assert "nothing to compare" in sentences.side_by_side(TWO, (UNKNOWN, verdict(FLAT)), (1.0, 1.0))
+
+
+def test_where_little_of_the_style_is_left_it_is_said_how_to_keep_more():
+    """A pill box in brick keeps a third with cuts, since its walls bend as a whole, and all of it with relief outwards."""
+    said = sentences.little_left(0.33, "auto")
+    assert said.startswith("only 33% of the style is left")
+    assert "--side outwards" in said
+    assert not BANNED.search(said)
+    assert sentences.little_left(0.33, "outwards") == sentences.little_left(0.95, "auto") == ""

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from mechstyle.cli.finished import report_command
 from mechstyle.cli.inspect_run import log_command, show_command
-from mechstyle.cli.report import report_command
 from mechstyle.errors import MechStyleError
 from mechstyle.loop.store import Store
 from mechstyle.runs.run import Run

@@ -7,7 +7,7 @@ import sys
 import msgspec
 import pytest
 
-from mechstyle.cli.keep import rerun_command
+from mechstyle.cli.finished import rerun_command
 from mechstyle.errors import BadInput
 from mechstyle.loop.store import Lane
 from mechstyle.runs.rerun import CLOSE, compared, rerun

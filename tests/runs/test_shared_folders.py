@@ -9,9 +9,8 @@ import msgspec
 import numpy as np
 import pytest
 
+from mechstyle.cli.finished import gc_command, report_command
 from mechstyle.cli.inspect_run import export_command, log_command, show_command
-from mechstyle.cli.keep import gc_command
-from mechstyle.cli.report import report_command
 from mechstyle.errors import BadInput, DamagedStore, MechStyleError
 from mechstyle.geometry.print_quality import Quality
 from mechstyle.loop.store import Store

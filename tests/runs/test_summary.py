@@ -21,6 +21,13 @@ def test_a_summary_has_the_verdict_of_what_is_delivered_and_the_tests_behind_it(
     assert summary.plain.rows[0].stress == pytest.approx(20.0)
 
 
+@pytest.mark.parametrize(("kept", "guarantee", "said"), [(0.33, True, True), (0.95, True, False), (0.33, False, False)])
+def test_a_run_that_keeps_little_says_how_to_keep_more(tmp_path, monkeypatch, kept, guarantee, said):
+    monkeypatch.setattr("mechstyle.loop.engine.Engine.kept", lambda _engine, _state: kept)
+    run = lane_on_a_sheet(tmp_path / "run", iterations=2, guarantee=guarantee)
+    assert any("--side outwards" in note for note in run.summary.notes) == said
+
+
 def test_an_unknown_verdict_has_no_safety_factor_and_can_be_read_back(tmp_path):
     run = lane_on_a_sheet(tmp_path / "run", iterations=2)
     none = msgspec.structs.replace(run.summary, outcome="UNKNOWN", rows=(), safety_factor=UNKNOWN.safety_factor, plain=UNKNOWN)

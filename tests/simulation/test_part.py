@@ -61,6 +61,12 @@ def test_relief_cuts_at_most_a_quarter_of_the_wall_but_for_the_base(ready, base)
     assert np.all(bounds.inward[above] <= 0.25 * ready[0].thickness[above] + 1e-6)
 
 
+def test_a_base_of_no_kind_is_refused(ready):
+    """It was taken for a level one, whose relief goes into the part."""
+    with pytest.raises(BadInput, match="base"):
+        ready[0].shape.bounds("protected", 0.8)
+
+
 def test_a_plain_base_is_not_free_and_all_above_it_is(ready):
     part = ready[0]
     on_floor, freedom = part.surface.vertices[:, 2] < 1e-6, part.shape.bounds("plain", 0.8).freedom

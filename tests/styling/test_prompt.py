@@ -313,7 +313,7 @@ def test_an_empty_prompt_is_refused(prompt):
 
 @pytest.mark.parametrize(
     ("prompt", "among"),
-    [("my saxophone", "wood"), ("an aeroplane", "panels"), ("a waistcoat", "knit"), ("my grandfather", "leather"), ("a diskette", "studs")],
+    [("my saxophone", "wood"), ("a glider", "panels"), ("a waistcoat", "knit"), ("my nephew", "leather"), ("a diskette", "studs")],
 )
 def test_a_refusal_names_three_styles_that_come_near_what_was_meant(prompt, among):
     near = suggestions(prompt)

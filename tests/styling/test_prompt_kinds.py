@@ -144,6 +144,62 @@ def test_a_slip_that_makes_no_word_is_mended_and_shown(style):
             assert any(note.startswith(f"read {slip!r} as ") for note in notes), slip
 
 
+@pytest.mark.parametrize(
+    ("typed", "style"),
+    [("leapord", "leopard"), ("mabrle", "marble"), ("cammoflage", "camouflage"), ("topografic", "topographic"),
+     ("herrinbgone", "herringbone"), ("wheathered", "weathered"), ("hexigonel", "honeycomb"), ("croccodyle", "dragon_scales")],
+)  # fmt: skip
+def test_letters_in_another_order_and_two_slips_in_a_long_word_are_mended_and_shown(typed, style):
+    wish, notes = only(f"{typed} vase")
+    assert wish.style == style
+    assert any(note.startswith(f"read {typed!r} as ") for note in notes)
+
+
+@pytest.mark.parametrize("word", ["charlatan", "marathon", "terraforming", "monstera", "wavelength", "Mississippi", "Alexander"])
+def test_a_long_word_that_is_not_one_of_the_table_is_not_made_one(word):
+    assert not any(note.startswith("read ") for note in words.words(word)[1])
+
+
+@pytest.mark.parametrize("word", ["burger", "fog", "dad", "mole", "pine", "corner", "pal", "ran"])
+def test_a_word_that_english_has_is_no_stem_of_another_language(word):
+    assert not words._language([word])
+
+
+@pytest.mark.parametrize("stuff", ["moss", "brick", "stone", "ocean", "walnut", "concrete", "denim", "glacier"])
+def test_a_stuff_before_a_colour_beside_another_style_says_which_colour(stuff):
+    wish, notes = only(f"{stuff} green cable knit vase")
+    assert (wish.style, wish.colour, notes) == ("cable_knit", only("green brick")[0].colour, ())
+    assert only(f"{stuff} green vase")[0].style == only(stuff)[0].style
+
+
+@pytest.mark.parametrize(
+    ("prompt", "style"),
+    [("barn owl", "feathers"), ("house cat", "fur"), ("sea lion", "fur"), ("mountain lion", "fur"), ("zebra finch", "feathers"),
+     ("butterfly fish", "fish_scales"), ("oak tree bark", "bark"), ("rooster comb", "feathers")],
+)  # fmt: skip
+def test_the_name_of_an_animal_or_plant_is_not_read_by_its_first_word(prompt, style):
+    assert only(prompt)[0].style == style
+
+
+MOODS = [(word, row.value.split()[0]) for row in rows("words") if row.kind == "mood" for word in row.words[0]]
+
+
+@pytest.mark.parametrize(("word", "style"), MOODS, ids=[word for word, _ in MOODS])
+def test_a_mood_asks_for_a_style_only_where_nothing_else_does(word, style):
+    spoken = word.replace("_", " ")
+    wish, notes = only(f"something {spoken}")
+    assert wish.style == style
+    assert any(note.startswith(f"read {spoken!r} as ") for note in notes)
+    assert only(f"{spoken} owl")[0].style == "feathers"
+    assert only(f"{spoken} brick vase")[0].style == "brick"
+
+
+@pytest.mark.parametrize("prompt", ["кирпичная стена", "벽돌", "τούβλο", "gevlochten mand", "žulová dlaždice"])
+def test_a_prompt_of_no_known_word_is_refused_with_the_languages_that_are_read(prompt):
+    with pytest.raises(BadInput, match=r"names no style in English, German, .* or Japanese"):
+        read(prompt)
+
+
 @pytest.mark.parametrize("row", [row for row in rows("english") if row.kind == "hint"], ids=lambda row: row.words[0][0])
 def test_what_no_style_is_like_gets_three_suggestions_that_come_near(row):
     unread = [word for word in row.words[0] if not words.words(word)[0][0].means]

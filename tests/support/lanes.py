@@ -9,7 +9,7 @@ import numpy as np
 
 from mechstyle._files import write_whole
 from mechstyle.records.mesh import TetMesh
-from mechstyle.runs.part_record import PartRecord
+from mechstyle.runs.folders import PartRecord
 from mechstyle.runs.run import Run
 from mechstyle.runs.summary import summarise
 from mechstyle.simulation.part import Origin

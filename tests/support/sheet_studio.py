@@ -9,7 +9,7 @@ from mechstyle.geometry.files import save
 from mechstyle.loop.bounds import Bounds
 from mechstyle.loop.engine import Engine
 from mechstyle.records.mesh import SurfaceMesh, TetMesh
-from mechstyle.runs.part_record import PartRecord
+from mechstyle.runs.folders import PartRecord
 from mechstyle.runs.run import Run
 from mechstyle.simulation.impact import Impact
 from mechstyle.simulation.part import Workpiece

@@ -15,7 +15,7 @@ from ipywidgets import Widget
 
 from mechstyle._files import write_whole
 from mechstyle.records.mesh import TetMesh
-from mechstyle.runs.part_record import PartRecord
+from mechstyle.runs.folders import PartRecord
 from mechstyle.runs.run import Run
 from mechstyle.runs.session import Session
 from mechstyle.simulation.part import Origin

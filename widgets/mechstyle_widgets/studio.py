@@ -48,7 +48,7 @@ from mechstyle_widgets.settings.schedule import ScheduleSelector
 from mechstyle_widgets.state.controller import Controller, Wanted
 from mechstyle_widgets.state.preview import Preview, Previewer
 from mechstyle_widgets.state.schedule_forecast import landings_on_the_way, plan_of
-from mechstyle_widgets.state.studio_state import StudioState
+from mechstyle_widgets.state.studio_state import StudioState, titled
 from mechstyle_widgets.timeline.timeline import Timeline
 from mechstyle_widgets.viewer.badge import of_state
 from mechstyle_widgets.viewer.run_viewer import RunViewer
@@ -447,7 +447,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         done = state.status == "finished" and not state.another
         self.take_away.main.button_style = "primary" if done else ""
         self.run_controls.emphasise(clear and not done)
-        asked = ", ".join(filter(None, (self.part_picker.name, self.prompt_box.prompt))).replace("_", " ")
+        asked = titled(self.part_picker.name, self.prompt_box.prompt)
         self.run_controls.title = state.title if self.run is not None and (self.controller.busy or not state.another) else asked
 
     def _foretell(self) -> None:

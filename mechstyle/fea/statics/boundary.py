@@ -17,8 +17,7 @@ from scipy.sparse.csgraph import connected_components
 from mechstyle.errors import BadInput
 from mechstyle.fea.elements import ElementMesh
 from mechstyle.records.load_cases import RESTING_FACE, Patch, Place
-from mechstyle.records.mesh import Bools, Floats, Indices, SurfaceMesh
-from mechstyle.records.places import in_ball, on_floor
+from mechstyle.records.mesh import Bools, Floats, Indices, SurfaceMesh, in_ball, on_floor
 
 SIDES: Indices = np.array([[0, 2, 1, 5, 4, 7], [0, 1, 3, 4, 6, 8], [0, 3, 2, 6, 5, 9], [1, 2, 3, 7, 8, 9]], dtype=np.int32)
 """Nodes of each side of a tetrahedron: corners a, b, c, anticlockwise seen from outside, then the middles of ab, ac, bc."""
@@ -122,12 +121,6 @@ class Picked:
         np.add.at(total, boundary.sides[sides], boundary.area_vectors[sides][:, None, :])
         lengths = np.linalg.norm(total, axis=1, keepdims=True)
         return np.divide(total, lengths, out=np.zeros_like(total), where=lengths > 0.0)
-
-    def border(self, boundary: Boundary) -> Bools:
-        """Nodes where the piece ends, shape [node_count]: those at its rim, and on sides that it cuts."""
-        beyond = np.asarray(~self.nodes[boundary.sides].all(axis=1))
-        cut = np.asarray(self.inside.any(axis=1) & ~self.inside.all(axis=1))
-        return (self.nodes & _nodes_of(boundary, beyond)) | _nodes_of(boundary, cut)
 
 
 def pick(boundary: Boundary, place: Place) -> Picked:

@@ -235,15 +235,6 @@ class StaticTest:
         return picked
 
     @cached_property
-    def borders(self) -> dict[str, Bools]:
-        """Vertices where a support or load of each case ends, by its name, shape [vertex_count]: stress has no limit there."""
-        count, borders = len(self.tets.vertices), dict[str, Bools]()
-        for case in self.cases:
-            places = [support.at for support in case.supports] + [load.at for load in case.loads if load.at is not None]
-            borders[case.name] = np.any([self._picked[place].border(self._undeformed)[:count] for place in places], axis=0)
-        return borders
-
-    @cached_property
     def _restraints(self) -> dict[tuple[Support, ...], Restraint]:
         """The motion every set of supports leaves."""
         restraints = dict[tuple[Support, ...], Restraint]()

@@ -1,10 +1,12 @@
-"""HTML from templates whose values are escaped unless they are markup themselves."""
+"""HTML from templates whose values are escaped unless they are markup themselves, and the scripts of a page as one text."""
 
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterable
 from html import escape
+from importlib.resources import files
 from typing import Any
 
 from mechstyle.records import sentences
@@ -95,3 +97,27 @@ def legend() -> Markup:
         fill('<svg viewBox="-11 -11 22 22" class="mark {kind}">{shape}</svg> {word}', kind=name, shape=shape, word=word)
         for name, shape, word in shown
     )
+
+
+MODULES = ("replay_data", "shaders", "camera", "scene", "player")
+"""ES modules of the replay, each importing only earlier ones."""
+
+IN_A_REPORT = (*MODULES, "impact")
+"""Those of a report."""
+
+_IMPORT = re.compile(r'^import \{[^}]*\} from "\./(\w+)\.js";\n', re.MULTILINE)
+_EXPORT = re.compile(r"^export (?=(?:async )?(?:function|class|const) )", re.MULTILINE)
+
+
+def static(name: str) -> str:
+    """The text of a file in `static`."""
+    return files("mechstyle.runs.report").joinpath("static", name).read_text(encoding="utf-8")
+
+
+def bundle(last: str, modules: Iterable[str] = MODULES) -> str:
+    """The modules, then `last`, the text of one that imports them, as one script.
+
+    Our modules share no top-level name, so joining them is dropping the import lines and the word `export`.
+    """
+    parts = [_EXPORT.sub("", _IMPORT.sub("", static(f"{name}.js"))) for name in modules]
+    return "\n".join([*parts, _IMPORT.sub("", last)])

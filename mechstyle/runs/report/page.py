@@ -19,9 +19,22 @@ from mechstyle.records import Recipe, Verdict, sentences
 from mechstyle.records.landings import STANDARDS
 from mechstyle.records.material import SPREAD, Material
 from mechstyle.records.recipe import described
-from mechstyle.runs.report.bundle import IN_A_REPORT, bundle, static
 from mechstyle.runs.report.impact_data import impacts, work_out
-from mechstyle.runs.report.markup import Markup, badge, cells, fill, joined, kind, legend, script_json, table, with_code
+from mechstyle.runs.report.markup import (
+    IN_A_REPORT,
+    Markup,
+    badge,
+    bundle,
+    cells,
+    fill,
+    joined,
+    kind,
+    legend,
+    script_json,
+    static,
+    table,
+    with_code,
+)
 from mechstyle.runs.report.replay_data import ReplayData, replay_data
 from mechstyle.runs.report.reproduce import command_for
 from mechstyle.runs.report.result import result_element
@@ -259,23 +272,18 @@ def _limits(recipe: Recipe) -> list[str]:
 
 
 def _material(material: Material) -> Markup:
+    source = f" ({material.layer_source})" if material.layer_source else ""
+    layers = "not known" if material.layer_ratio is None else f"{material.layer_ratio:g} of that along them{source}"
     rows = (
         ("Young's modulus E", f"{material.youngs_modulus:g} MPa"),
         ("Poisson's ratio ν", f"{material.poisson_ratio:g}"),
         ("density ρ", f"{1000 * material.density:g} g/cm³"),
         ("yield strength", f"{material.yield_strength:g} MPa"),
         ("safety coefficient λ_s (published criterion)", f"{material.safety_coefficient:g}"),
-        ("strength across printed layers", _across_layers(material)),
+        ("strength across printed layers", layers),
     )
     source = fill('<p class="faint">Source of the figures of {name}: {source}.</p>', name=material.name, source=material.source.rstrip("."))
     return joined([table(("property", "value"), rows, f"Material {material.name}"), source])
-
-
-def _across_layers(material: Material) -> str:
-    """The ratio of strengths with its source."""
-    if material.layer_ratio is None:
-        return "not known"
-    return f"{material.layer_ratio:g} of that along them" + (f" ({material.layer_source})" if material.layer_source else "")
 
 
 def _missing(run: LaneOfRun) -> str:

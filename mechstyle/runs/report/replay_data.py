@@ -10,7 +10,7 @@ Of a long run on many vertices some iterations are left out, or a file would hav
 from __future__ import annotations
 
 import gzip
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,7 +24,7 @@ from mechstyle.loop.objects import Objects
 from mechstyle.pictures import shading
 from mechstyle.pictures.colormap import ABOVE, LINE, STRIPE, UNKNOWN, Scale
 from mechstyle.pictures.fields import Quantity, quantities
-from mechstyle.records import Verdict, sentences
+from mechstyle.records import sentences
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.report.run_protocol import LaneOfRun, begun
 
@@ -129,9 +129,16 @@ def replay_data(run: LaneOfRun) -> ReplayData:
     digests = [run.store.objects.get_record(row.digest, Digests) for row in rows]
     surface = run.part.surface
     shown = quantities(run.recipe, run.store.verdict(history[-1]))
-    each = zip(*(quantities(run.recipe, verdict) for verdict in _verdicts(rows)), strict=True)  # the quantities of every frame
+    newest, frames_of = None, list[tuple[Quantity, ...]]()
+    for row in rows:
+        newest = row.verdict or newest
+        frames_of.append(tuple(quantities(run.recipe, newest)))
+    each = zip(*frames_of, strict=True)  # the quantities of every frame
     fields = {of[-1].name: _channel(run.store.objects, digests, of) for of in each}
-    channels = [*fields.values(), _colour_channel(run.store.objects, digests)]
+    different, frames = _unique(digests, "colour")
+    colours = (run.store.objects.get_array(digest).astype(np.float32) for digest in different)
+    planes: list[Plane] = [np.rint(255 * np.clip(colour, 0, 1)).astype(np.uint8).ravel() for colour in colours]
+    channels = [*fields.values(), Channel("colour", planes, frames, width=3)]
     header = {
         "name": run.record.name,
         "prompt": run.recipe.style.prompt,
@@ -152,14 +159,6 @@ def _shown(rows: Sequence[Row], surface: SurfaceMesh) -> list[Row]:
     """The iterations to show: all, or the simulated ones, the last and as many others, evenly, as MOST allows."""
     every = max(1, round(len(rows) * len(surface.vertices) / MOST))
     return [row for number, row in enumerate(rows) if row.verdict is not None or row is rows[-1] or number % every == 0]
-
-
-def _verdicts(rows: Sequence[Row]) -> Iterator[Verdict | None]:
-    """The newest verdict of each frame, None before the first."""
-    newest = None
-    for row in rows:
-        newest = row.verdict or newest
-        yield newest
 
 
 def _unique(digests: Sequence[Digests], key: str) -> tuple[list[str], list[int]]:
@@ -196,27 +195,18 @@ def _quantised(values: NDArray[np.float32], low: float, step: float) -> Plane:
     return raw
 
 
-def _colour_channel(objects: Objects, digests: Sequence[Digests]) -> Channel:
-    different, frames = _unique(digests, "colour")
-    planes: list[Plane] = [
-        np.rint(255 * np.clip(objects.get_array(digest).astype(np.float32), 0, 1)).astype(np.uint8).ravel() for digest in different
-    ]
-    return Channel("colour", planes, frames, width=3)
-
-
 def _frame(row: Row) -> dict[str, Any]:
+    """A frame; stress and limit are of the test that decides [MPa], 0 without an answer."""
     frame = {
         "iteration": row.iteration, "simulatedAt": row.simulated_at, "reason": row.reason,
         "restrained": round(row.share, 5), "loss": row.style_loss,
     }
-    return frame if row.verdict is None else {**frame, **_verdict_words(row.verdict)}
-
-
-def _verdict_words(verdict: Verdict) -> dict[str, Any]:
-    """Outcome, its line of words, and stress and limit of the test that decides [MPa], 0 without an answer."""
-    row = verdict.deciding
-    figures = {"stress": 0.0, "limit": verdict.strength} if row is None else {"stress": row.stress, "limit": row.limit}
-    return {"outcome": sentences.marked(verdict.outcome, sure=verdict.sure), "words": sentences.note(verdict), **figures}
+    verdict = row.verdict
+    if verdict is None:
+        return frame
+    decides = verdict.deciding
+    figures = {"stress": 0.0, "limit": verdict.strength} if decides is None else {"stress": decides.stress, "limit": decides.limit}
+    return {**frame, "outcome": sentences.marked(verdict.outcome, sure=verdict.sure), "words": sentences.note(verdict), **figures}
 
 
 def layer_entry(quantity: Quantity, channel: Channel) -> dict[str, Any]:

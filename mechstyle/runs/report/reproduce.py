@@ -13,11 +13,11 @@ import msgspec
 
 from mechstyle.loop.store import Entry
 from mechstyle.records import SETTINGS, Recipe
-from mechstyle.records.lengths import written
 from mechstyle.records.material import LIBRARY, Material
 from mechstyle.records.mesh import STANDARD_VERTICES
 from mechstyle.records.recipe import OF_FEEDBACK, OPTIONS, settings_of
 from mechstyle.records.regions import Region
+from mechstyle.records.written import written
 from mechstyle.runs.images import file_name
 from mechstyle.runs.recipes import changed, draft
 from mechstyle.runs.report.run_protocol import LaneOfRun

@@ -142,17 +142,13 @@ def bars() -> Iterator[Result]:
     for section, hinge in HINGE.items():
         for width in BARS:
             for slender in SLENDER:
-                over = _over_first_yield(section, width, slender * width)
+                length = slender * width
+                along = max(10, round(2.0 * length / width))
+                tets = round_bar(width, length, 4, along) if section == "round" else box((along, 2, 2), (length, width, width))
+                modulus = math.pi * width**3 / 32.0 if section == "round" else width**3 / 6.0
+                over = CLAMP / Body(tets).loaded((0.0, 0.0, -CLAMP * modulus / length)).stress
                 note = f"load factor over first yield; a plastic hinge at {hinge:g}"
                 yield bounded(f"bars: {section}, {width:g} mm, {slender:g} times as long", over, hinge, note)
-
-
-def _over_first_yield(section: str, width: float, length: float) -> float:
-    """Fibre stress at the clamp over σ_V of a cantilever."""
-    along = max(10, round(2.0 * length / width))
-    tets = round_bar(width, length, 4, along) if section == "round" else box((along, 2, 2), (length, width, width))
-    modulus = math.pi * width**3 / 32.0 if section == "round" else width**3 / 6.0
-    return CLAMP / Body(tets).loaded((0.0, 0.0, -CLAMP * modulus / length)).stress
 
 
 def _quantile(share: float) -> float:

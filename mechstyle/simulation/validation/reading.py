@@ -54,7 +54,7 @@ class Body:
     @cached_property
     def walls(self) -> Walls:
         """Its walls, unless those of another surface are set."""
-        surface = surface_of(self.tets)
+        surface = self.tets.boundary
         return Walls(surface.vertices, local_thickness(surface))
 
     def read(self, corners: ArrayLike, edge: float) -> Reading:
@@ -78,12 +78,6 @@ class Body:
         if result.failure:
             raise ValueError(result.failure)
         return [self.read(corners, DROPPED) for corners in result.corners]
-
-
-def surface_of(tets: TetMesh) -> SurfaceMesh:
-    """The boundary of a body."""
-    used, numbers = np.unique(tets.boundary_faces, return_inverse=True)
-    return SurfaceMesh(tets.vertices[used], numbers.reshape(-1, 3).astype(np.int32))
 
 
 def period_of_body(tets: TetMesh) -> float:
@@ -110,10 +104,9 @@ class Styled(NamedTuple):
 def styled_cup() -> Styled:
     """A square cup, 24 mm high, in brick: even tetrahedra make long steps, so that eight times as many can be afforded."""
     tets = square_cup(24.0, 24.0, 2.0)
-    used, numbers = np.unique(tets.boundary_faces, return_inverse=True)
-    smooth = SurfaceMesh(tets.vertices[used], numbers.reshape(-1, 3).astype(np.int32))
+    smooth = tets.boundary
     part = Workpiece(smooth, tets, local_thickness(smooth).astype(np.float32), stands=True)
-    bounds = part.shape.bounds("protected", 0.0)
+    bounds = part.shape.bounds("plain", 0.0)
     size = Dimensions(amplitude=0.15, side="both", nozzle=0.0)
     aim = target(smooth, Wish("brick"), size, seed=0, thickness=part.thickness, inward=bounds.inward, outward=bounds.outward)
     relief = (aim.displacement * bounds.freedom).astype(np.float32)

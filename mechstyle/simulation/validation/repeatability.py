@@ -1,4 +1,4 @@
-"""The same part tested again: turned, mirrored, on other meshes, followed for twice as long, and with half the step.
+"""The same part tested again: turned, mirrored, on other and on finer meshes, followed for twice as long, and with half the step.
 
 σ_V scatters a little; a verdict may change with it only where it says that it is in doubt. Elastic stress does not depend on the yield
 strength, so verdicts are asked for with strengths all around σ_V, which no single part would put to the test.
@@ -22,8 +22,8 @@ from mechstyle.records import Landing, Recipe, Simulation, Verdict, judge
 from mechstyle.records.mesh import Floats, SurfaceMesh, TetMesh
 from mechstyle.simulation.part import prepare
 from mechstyle.simulation.validation import second_impacts
-from mechstyle.simulation.validation.cases import Result, bounded
-from mechstyle.simulation.validation.meshes import bracket
+from mechstyle.simulation.validation.cases import Result, bounded, compared
+from mechstyle.simulation.validation.meshes import ball, box, bracket, cup, refined, roller
 from mechstyle.simulation.validation.reading import PLA, Body, Styled, period_of_body, styled_cup
 
 TETS = 6_000
@@ -97,9 +97,7 @@ def numerics_of_a_bar() -> Iterator[Result]:
 
 def turned() -> Iterator[Result]:
     """An angle bracket as it is, turned about z and mirrored, each prepared from its surface on."""
-    tets = bracket(30.0, 14.0, 5.0, 1.0)
-    used, numbers = np.unique(tets.boundary_faces, return_inverse=True)
-    model = SurfaceMesh(tets.vertices[used], numbers.reshape(-1, 3).astype(np.int32))
+    model = bracket(30.0, 14.0, 5.0, 1.0).boundary
     ways = {"as it is": np.eye(3), "turned 17°": about_z(17.0), "turned 51°": about_z(51.0), "mirrored": np.diag([-1.0, 1.0, 1.0])}
     found = [dropped_anew(moved(model, way), TURNED_VERTICES) for way in ways.values()]
     yield from spread("turned: bracket", found)
@@ -207,3 +205,56 @@ def flips(name: str, pairs: Sequence[Pair]) -> Result:
         bad += differ and any(verdict.sure for verdict in verdicts)
     note = f"of {len(STRENGTHS)} yield strengths from {STRENGTHS[0]:g} to {STRENGTHS[-1]:g} of σ_V = {mean:.1f} MPa; {changes} change"
     return bounded(f"{name}, verdicts that change without a doubt", float(bad), 0.0, note)
+
+
+POINT, LINE, PLANE = 0.05, 0.12, 0.08
+FINE, NEARLY_FINE = 0.06, 0.12
+FEW = 3
+"""Nearly flat landings that are compared."""
+
+
+def point() -> Iterator[Result]:
+    """A ball of 20 mm: contact at a point."""
+    yield from _steady("point", [ball(10.0, cells, 4.0) for cells in (10, 12, 16)], 0.12, POINT)
+
+
+def line() -> Iterator[Result]:
+    """A round bar on its side, 16 × 24 mm: contact along a line."""
+    yield from _steady("line", [roller(8.0, 24.0, cells, cells, 6.0) for cells in (10, 12, 16)], 0.1, LINE)
+
+
+def plane() -> Iterator[Result]:
+    """A cube of 16 mm on its side: contact over a plane."""
+    yield from _steady("plane", [box((cells, cells, cells), (16.0, 16.0, 16.0)) for cells in (5, 6, 8)], 0.06, PLANE)
+
+
+def finer() -> Iterator[Result]:
+    """A plain cup, and the same with every tetrahedron cut into eight."""
+    coarse = cup(12.0, 20.0, 2.0, (28, 8, 3))
+    yield from _finer("finer: cup", coarse, coarse)
+
+
+def finer_styled() -> Iterator[Result]:
+    """A square cup in brick whose resting face is plain, and the same with every tetrahedron cut into eight."""
+    part = styled_cup()
+    yield from _finer("finer: brick cup", part.morphed, part.unstyled)
+
+
+def _steady(name: str, meshes: Sequence[TetMesh], window: float, limit: float) -> Iterator[Result]:
+    """Bodies of about 1, 2 and 4 times as many tetrahedra, each against the finest."""
+    found = [Body(mesh).dropped(DropTest(window=window))[0] for mesh in meshes]
+    finest, many = found[-1], len(meshes[-1].tets)
+    for mesh, one in zip(meshes[:-1], found[:-1], strict=True):
+        note = f"{many} TET10; largest stress {one.maximum:.0f} and {finest.maximum:.0f} MPa"
+        yield compared(f"{name}: {len(mesh.tets)} tetrahedra", one.stress, finest.stress, limit, "MPa", note)
+
+
+def _finer(name: str, coarse: TetMesh, plain: TetMesh) -> Iterator[Result]:
+    ways = landings(plain.boundary, "fibonacci", 1, nearly_flat=True).normals[: 1 + FEW]
+    fine = refined(coarse)
+    (flat, *nearly), (flat_finer, *nearly_finer) = (
+        [found.stress for found in Body(mesh).dropped(DropTest(window=1.2), ways)] for mesh in (coarse, fine)
+    )
+    for label, before, after, limit in (("flat", flat, flat_finer, FINE), ("nearly flat", max(nearly), max(nearly_finer), NEARLY_FINE)):
+        note = f"{len(coarse.tets)} and {len(fine.tets)} TET10: {before:.1f} and {after:.1f} MPa"
+        yield bounded(f"{name}, {label}", abs(before / after - 1.0), limit, note)

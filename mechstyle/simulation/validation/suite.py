@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from mechstyle.fea.explicit import cores
-from mechstyle.simulation.validation import convergence, details, heights, impacts, repeatability, second_impacts, statics
+from mechstyle.simulation.validation import details, heights, impacts, repeatability, second_impacts, statics
 from mechstyle.simulation.validation.cases import Case, Result
 
 EDGE = (
@@ -22,6 +22,10 @@ CORNER = (
 STEEP = (
     "**Known limit.** A steep bar still rings when its other end lands. Phases begin from rest, so that the second impact reads a seventh "
     "less than one long drop: the unsafe side, in directions that no default test judges."
+)
+LATER = (
+    "**Known limit.** Flat on its plain base this cup reads an eighth more where it is followed for twice as long, at half the yield "
+    "strength: the unsafe side."
 )
 """Why figures of a case fail."""
 
@@ -51,17 +55,17 @@ CASES = {
         Case("precision", "Single against double precision over an impact", impacts.precision),
         Case("instructions", "Another processor's instructions against this one's", impacts.instructions),
         Case("devices", "CUDA against CPU", impacts.devices),
-        Case("point", "Contact at a point on finer meshes: a ball", convergence.point, slow=True),
-        Case("line", "Contact along a line on finer meshes: a round bar on its side", convergence.line, slow=True),
-        Case("plane", "Contact over a plane on finer meshes: a cube", convergence.plane),
+        Case("point", "Contact at a point on finer meshes: a ball", repeatability.point, slow=True),
+        Case("line", "Contact along a line on finer meshes: a round bar on its side", repeatability.line, slow=True),
+        Case("plane", "Contact over a plane on finer meshes: a cube", repeatability.plane),
         Case("heights_flat", "Critical height of a flat landing against drops from other heights", heights.flat),
         Case("heights_nearly", "Critical height of a nearly flat landing against a drop from there", heights.nearly),
-        Case("finer", "A plain cup on a finer mesh", convergence.finer, slow=True, fault=EDGE),
-        Case("finer_styled", "A square cup in brick on a finer mesh", convergence.finer_styled, slow=True),
+        Case("finer", "A plain cup on a finer mesh", repeatability.finer, slow=True, fault=EDGE),
+        Case("finer_styled", "A square cup in brick on a finer mesh", repeatability.finer_styled, slow=True),
         Case("turned", "An angle bracket, turned and mirrored, prepared anew", repeatability.turned, slow=True),
         Case("again", "Five triangulations of a square cup, each meshed anew", repeatability.smooth, slow=True, fault=CORNER),
         Case("again_styled", "Five triangulations of a square cup in brick", repeatability.styled, slow=True),
-        Case("numerics", "A square cup in brick for twice as long, and with half the step", repeatability.numerics, slow=True),
+        Case("numerics", "A square cup in brick for twice as long, and with half the step", repeatability.numerics, slow=True, fault=LATER),
         Case("numerics_bar", "The bar that lands again, the same way", repeatability.numerics_of_a_bar, slow=True, fault=STEEP),
     )
 }

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components, dijkstra
 
 from mechstyle.records.mesh import Floats, Indices, SurfaceMesh
-from mechstyle.styling.drawing.conjugate_gradients import solved
 from mechstyle.styling.drawing.dissection import Factors, dissected
 
 Complexes = NDArray[np.complex128]
@@ -143,17 +142,10 @@ class Operators:
 
     def diffused(self, values: Floats, length: float) -> Floats:
         """Values [n] or [n, k] smoothed over `length` [mm]: one implicit step of heat flow."""
-        solver = Factors(self._heat_flow(length), self.order)
+        heat_flow = sp.csr_array(sp.diags_array(self.mesh.vertex_areas) + 0.5 * length**2 * self.laplacian)
+        solver = Factors(heat_flow, self.order)
         areas = self.mesh.vertex_areas if values.ndim == 1 else self.mesh.vertex_areas[:, None]
         return np.asarray(solver.solve(areas * values))
-
-    def diffused_in_steps(self, values: Floats, length: float) -> Floats:
-        """The same for values [n], to eight digits, in a sixth of the time where vertices are many and close."""
-        found = solved(self._heat_flow(length), self.mesh.vertex_areas * values, values)
-        return self.diffused(values, length) if found is None else found
-
-    def _heat_flow(self, length: float) -> sp.csr_array:
-        return sp.csr_array(sp.diags_array(self.mesh.vertex_areas) + 0.5 * length**2 * self.laplacian)
 
     def components(self, together: NDArray[np.bool_]) -> Indices:
         """Label of the piece each vertex is in, when only the edges marked `together` [edge_count] hold."""

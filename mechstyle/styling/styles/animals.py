@@ -7,33 +7,32 @@ import numpy as np
 from mechstyle.records.mesh import Floats
 from mechstyle.styling.drawing.canvas import Canvas
 from mechstyle.styling.drawing.colours import mix, ramp, rgb, smoothstep
-from mechstyle.styling.drawing.tilings import beneath, hanging
 from mechstyle.styling.style import Relief, Style
 
-TUFT, ROSETTE, PATCH, STRIPE, BLOTCH = 15.0, 17.0, 27.0, 15.0, 26.0
+LOCK, LENGTH, ROSETTE, PATCH, STRIPE, BLOTCH, HATCH = 12.0, 30.0, 17.0, 27.0, 15.0, 40.0, 5.2
 DROOP = np.array([1.0, 1.0, 0.22])  # hair hangs down
 DRAB = ("2f3324", "8b7f56", "5c6b3a", "3f4d2c")
 
 
 def fur(canvas: Canvas) -> Relief:
-    """Rows of tufts that hang over each other, uneven, each drawn out into strands that meet at its tip."""
+    """Locks of hair that hang over each other every which way, each drawn out into strands that meet at its tip."""
     unit = canvas.unit("strands", 3.4, edges=1.8)
-    bond = canvas.bond(TUFT * unit, 0.95 * TUFT * unit, grip=0.3)
-    stray, ragged = canvas.noise(11.0 * unit, 2, "stray"), canvas.noise(5.0 * unit, 2, "ragged")
-    heights, tones = [], []
-    upper = hanging(bond)
-    upper = upper._replace(aside=np.clip(upper.aside + 0.25 * stray, 0.0, None), down=upper.down + 0.30 * ragged + 0.20 * stray)
-    for tuft in (beneath(upper), upper):
-        lean = bond.x * TUFT * (1.0 + 0.6 * np.clip(tuft.down, -0.5, 0.8))  # strands come together downwards
-        strand = np.cos(2.0 * np.pi * (lean / 4.4 + 0.55 * stray))
-        heights.append(-0.30 + 0.80 * tuft.down + (0.32 + 0.22 * ragged) * strand - 0.20 * tuft.aside**2)
-        tones.append(0.30 + 0.45 * tuft.down + 0.16 * strand + 0.10 * ragged)
-    inside = 1.0 - upper.aside**1.3 - upper.down
-    over, shade = smoothstep(-0.06, 0.06, inside), smoothstep(-0.45, 0.0, inside)
-    below = heights[0] - 0.45 * shade
-    tone = np.clip(tones[0] * (1.0 - 0.6 * shade) * (1.0 - over) + tones[1] * over, 0.0, 1.0)
+    spacing = 0.72 * LOCK * unit
+    stamps = canvas.stamps(canvas.scattered(spacing, "locks"), spacing, count=12)
+    own, whorl = canvas.random(stamps.identity, "own") - 0.5, canvas.noise(45.0 * unit, 2, "whorl")[:, None]
+    down = 0.5 - stamps.y / (LENGTH * unit) + 0.16 * own
+    sway = 0.5 * own + 0.5 * whorl
+    bent = stamps.x / unit - LENGTH * sway * (down - 0.3) * np.abs(down - 0.3)
+    half = 0.5 * LOCK * np.clip(3.0 * down, 0.0, 1.0) ** 0.5 * np.clip(1.25 - 1.25 * down, 0.0, 1.0) ** 0.8
+    aside = bent / np.maximum(half, 1e-6)
+    there = (np.abs(aside) < 1.0) & (down > 0.0) & (down < 1.0) & (stamps.facing > 0.2)
+    strand = np.cos(2.0 * np.pi * 2.0 * aside)
+    raised = -0.9 + 1.9 * down - 1.3 * aside**2 * smoothstep(0.1, 0.6, down) + 0.64 * strand * np.clip(2.5 * half / LOCK, 0.0, 1.0)
+    front = np.where(there, down, -1.0).argmax(axis=1)[:, None]  # tips lie over roots
+    height, hair = (np.take_along_axis(field, front, axis=1)[:, 0] for field in (np.where(there, raised, -0.9), strand))
+    tone = np.clip(0.30 + 0.35 * height + 0.14 * hair, 0.0, 1.0)
     coat = canvas.painted(ramp(["3b2615", "7a532f", "b98d58", "e8cfa2"], tone))
-    return Relief(canvas.softened(np.clip(below + (heights[1] - below) * over, -1.1, 1.3)), canvas.softened(coat))
+    return Relief(canvas.softened(np.clip(height, -1.05, 1.1)), canvas.softened(coat))
 
 
 def leopard(canvas: Canvas) -> Relief:
@@ -84,17 +83,20 @@ def zebra(canvas: Canvas) -> Relief:
 
 
 def camouflage(canvas: Canvas) -> Relief:
-    """Four tones in blotches laid over each other, each a step higher."""
-    unit = canvas.unit("blotches", 0.25 * BLOTCH, edges=2.0)
+    """Blotches of four tones laid over each other, each a step higher and with a hatch of its own, which is its tone where all is grey."""
+    unit = canvas.unit("lines of the hatches", HATCH, edges=4.5)
+    bond = canvas.bond(HATCH * unit, HATCH * unit, shift=0.0, grip=0.3)
+    upright, level = (0.5 + 0.5 * np.cos(2.0 * np.pi * phase) for phase in (bond.x, bond.y))
     weave = canvas.noise(5.0 * unit, 1, "weave")
-    height = np.full(len(canvas.points), -0.85)
+    height = -1.0 + 0.80 * level
     colour = np.tile(rgb(DRAB[1]), (len(height), 1))
-    for layer, code in enumerate((DRAB[2], DRAB[3], DRAB[0])):
-        field = canvas.noise(BLOTCH * unit, 3, code, at=canvas.points * [1.0, 1.0, 1.35])
-        blotch = smoothstep(-0.03, 0.03, field - (0.02, 0.10, 0.22)[layer])
-        height += blotch * ((-0.30, 0.25, 0.90)[layer] - height)
+    hatches = (np.full(len(height), -0.05), 0.05 + 0.95 * (upright * level), np.full(len(height), 1.0))
+    for hatch, code, threshold in zip(hatches, (DRAB[2], DRAB[3], DRAB[0]), (-0.12, 0.06, 0.20), strict=True):
+        field = canvas.noise(BLOTCH * unit, 2, code, at=canvas.points * [1.0, 1.0, 1.35])
+        blotch = smoothstep(-0.025, 0.025, field - threshold)
+        height += blotch * (hatch - height)
         colour = mix(colour, rgb(code), blotch)
-    return Relief(canvas.softened(height + 0.12 * weave), canvas.softened(canvas.painted(colour * (1.0 + 0.10 * weave)[:, None])))
+    return Relief(canvas.softened(height), canvas.softened(canvas.painted(colour * (1.0 + 0.10 * weave)[:, None])))
 
 
 def _hair(canvas: Canvas, unit: float) -> Floats:
@@ -105,10 +107,10 @@ def _hair(canvas: Canvas, unit: float) -> Floats:
 STYLES = {
     style.name: style
     for style in (
-        Style(name="fur", description="rows of hanging tufts of hair", feature_mm=TUFT, program=fur),
+        Style(name="fur", description="shaggy locks of hair, hanging over each other", feature_mm=15.0, program=fur),
         Style(name="leopard", description="broken rings of dark raised spots on a golden coat", feature_mm=ROSETTE, program=leopard),
         Style(name="giraffe", description="large angular brown patches between pale lines", feature_mm=PATCH, program=giraffe),
         Style(name="zebra", description="black stripes on white that sway, fork and taper", feature_mm=STRIPE, program=zebra),
-        Style(name="camouflage", description="blotches of four drab tones, each a step higher", feature_mm=BLOTCH, program=camouflage),
+        Style(name="camouflage", description="blotches of four drab tones, each hatched its own way", feature_mm=26.0, program=camouflage),
     )
 }

@@ -1,4 +1,4 @@
-"""Hammered metal: round dents side by side, polished."""
+"""Hammered metal: round dents of a hammer, polished."""
 
 from __future__ import annotations
 
@@ -12,25 +12,25 @@ DENT = 15.0
 
 
 def hammered(canvas: Canvas) -> Relief:
-    """Each blow leaves a bowl; where bowls meet stands a bright crest."""
+    """Round bowls of uneven size, each with its own rim, some across others; flat metal is left between."""
     unit = canvas.unit("dents", DENT, edges=4.5)
-    spacing = 0.80 * DENT * unit
-    dents = canvas.cells(spacing, "dents")
-    blow = canvas.random(dents.identity, "blow")
-    # From the crest down into the bowl, steep at first; a smooth bowl of its own depth for every blow.
-    bowl = 1.0 - (1.0 - np.clip(dents.edge / (0.55 * spacing), 0.0, 1.0)) ** 2
-    height = 0.95 - (1.45 + 0.60 * blow) * bowl
-    crest = smoothstep(0.16, 0.0, dents.edge / spacing)
+    spacing = 0.62 * DENT * unit
+    blows = canvas.stamps(canvas.scattered(spacing, "dents"), spacing, count=4)
+    blow = canvas.random(blows.identity, "blow")
+    reach = np.hypot(blows.x, blows.y) / ((0.38 + 0.14 * blow) * DENT * unit)
+    bowls = (1.0 - np.clip(reach, 0.0, 1.0) ** 2) ** 0.75 * (0.75 + 0.25 * blow) * smoothstep(0.2, 0.5, blows.facing)
+    bowl = bowls.max(axis=1)
+    rim = np.max(np.exp(-(((reach - 1.04) / 0.10) ** 2)), axis=1) * smoothstep(0.25, 0.0, bowl)
     cloud = canvas.noise(45.0 * unit, 2, "cloud")
-    tone = np.clip(0.66 - 0.42 * bowl + 0.22 * (blow - 0.5) + 0.12 * cloud, 0.0, 1.0)
+    tone = np.clip(0.70 - 0.50 * bowl + 0.20 * rim + 0.12 * cloud, 0.0, 1.0)
     steel = ramp(["3b424b", "68717b", "9aa2aa", "cbd0d4", "f2f3f2"], tone)
-    colour = mix(canvas.painted(steel), rgb("fbfaf5"), 0.55 * crest)
-    return Relief(canvas.softened(height), canvas.softened(colour))
+    colour = mix(canvas.painted(steel), rgb("fbfaf5"), 0.55 * rim)
+    return Relief(canvas.softened(0.80 - 1.75 * bowl + 0.20 * rim), canvas.softened(colour))
 
 
 STYLE = Style(
     name="hammered",
-    description="polished metal beaten into round dents with bright crests between",
+    description="polished metal beaten into round dents with bright rims",
     feature_mm=DENT,
     program=hammered,
 )

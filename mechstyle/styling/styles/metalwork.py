@@ -9,8 +9,8 @@ from mechstyle.styling.drawing.colours import mix, ramp, rgb, smoothstep
 from mechstyle.styling.drawing.tilings import dome
 from mechstyle.styling.style import Relief, Style
 
-TREAD, RING, HULL, SPIKE, LUG = 15.0, 14.0, 30.0, 14.0, 24.0
-WIRE = 0.26  # radius of the wire over that of a ring
+TREAD, RING, HULL, SPIKE, LUG = 15.0, 19.0, 30.0, 14.0, 24.0
+WIRE = 0.105  # radius of the wire over the way from ring to ring
 
 
 def diamond_plate(canvas: Canvas) -> Relief:
@@ -31,21 +31,19 @@ def diamond_plate(canvas: Canvas) -> Relief:
 
 
 def chainmail(canvas: Canvas) -> Relief:
-    """Each ring goes through four others; the rings of a row lie over their neighbours' wire, those of the next the other way."""
-    unit = canvas.unit("wire of the mail", 2.0 * WIRE * 0.62 * RING, edges=2.0)
-    bond = canvas.bond(RING * unit, 0.62 * RING * unit)
-    up, aside = np.where(bond.y < 0.0, -1.0, 1.0), np.where(bond.x < 0.0, -1.0, 1.0)
-    radius, wire = 0.62 * RING, WIRE * 0.62 * RING
-    best = np.full(len(bond.x), -0.6 * wire)
-    for columns, rows in ((0.0, 0.0), (1.0, 0.0), (0.5, 1.0), (-0.5, 1.0)):
-        x, y = (bond.x - columns * aside) * RING, (bond.y - rows * up) * 0.62 * RING
-        lean = np.where(bond.odd ^ (rows == 1.0), 1.0, -1.0) * 0.55 * x / radius
-        round_ = np.hypot(x, y) - 0.80 * radius
-        best = np.maximum(best, np.where(np.abs(round_) < wire, wire * (dome(round_ / wire) * 1.5 - 0.5) + wire * lean, -wire))
-    lift = np.clip(best / wire, -0.8, 1.6)
+    """Rings that lie flat side by side, each linked to its four neighbours by an upright ring that is seen from its edge."""
+    unit = canvas.unit("wire of the mail", 2.0 * WIRE * RING, edges=2.8)
+    bond = canvas.bond(RING * unit, RING * unit, shift=0.0)
+    x, y = np.abs(bond.x), np.abs(bond.y)
+    ring = dome((np.hypot(x, y) - 0.38) / WIRE)
+    links = []
+    for along, across in ((x, y), (y, x)):  # across the gap to the neighbour, and beside that way
+        links.append(dome(np.hypot(np.maximum(0.5 - along - 0.11, 0.0), across) / WIRE))
+    link = np.maximum(*links)
     oiled = canvas.noise(30.0 * unit, 3, "oiled")
-    steel = ramp(["121315", "54595e", "9da3a8", "e6e9eb"], np.clip(0.28 + 0.40 * lift + 0.12 * oiled, 0.0, 1.0))
-    return Relief(canvas.softened(-0.30 + 0.90 * lift + 0.05 * oiled), canvas.softened(canvas.painted(steel)))
+    lift = np.maximum(1.35 * ring, 1.75 * link)
+    steel = ramp(["121315", "54595e", "9da3a8", "e6e9eb"], np.clip(0.06 + 0.50 * lift + 0.12 * oiled, 0.0, 1.0))
+    return Relief(canvas.softened(-0.95 + 1.15 * lift + 0.05 * oiled), canvas.softened(canvas.painted(steel)))
 
 
 def panels(canvas: Canvas) -> Relief:
@@ -108,7 +106,7 @@ STYLES = {
     style.name: style
     for style in (
         Style(name="diamond_plate", description="steel with pointed bars at right angles", feature_mm=0.6 * TREAD, program=diamond_plate),
-        Style(name="chainmail", description="rings of steel linked into mail", feature_mm=RING, program=chainmail),
+        Style(name="chainmail", description="rings of steel linked into mail", feature_mm=14.0, program=chainmail),
         Style(name="panels", description="hull plates of a spaceship, raised, slatted or bolted", feature_mm=0.5 * HULL, program=panels),
         Style(name="spikes", description="sharp cones side by side in staggered rows", feature_mm=1.4 * SPIKE, program=spikes),
         Style(name="grip", description="rubber lugs in chevrons, as on a tyre", feature_mm=0.5 * LUG, program=grip),

@@ -11,7 +11,7 @@ from mechstyle.styling.drawing.tilings import dome, folded
 from mechstyle.styling.style import Relief, Style
 
 FLUTE, PLEAT, TWIST, KEY, STAR = 11.0, 12.0, 19.0, 3.6, 44.0
-BAND = 0.12  # width of a strap over the side of a cell
+BAND = 0.10  # width of a strap over the side of a cell
 MEANDER = np.array([list(row) for row in (
     "######", "......", "#####.", "#...#.", "#.#.#.", "#.###.", "#.....", "######", "......",
 )]) == "#"  # fmt: skip
@@ -77,11 +77,14 @@ def girih(canvas: Canvas) -> Relief:
     bond = canvas.bond(STAR * unit, STAR * unit, shift=0.0)
     over, under = strapped(bond)
     x, y = np.abs(bond.x), np.abs(bond.y)
-    star = smoothstep(0.150, 0.125, np.minimum(np.maximum(x, y), (x + y) / 2.0**0.5))
-    top, low = (smoothstep(0.5 * BAND + 0.012, 0.5 * BAND - 0.022, away) for away in (over, under))
+    square, turned = np.maximum(x, y), (x + y) / 2.0**0.5  # each below 8^-½ within one of the two squares that make a large star
+    star = smoothstep(0.205, 0.180, np.minimum(square, turned))
+    inside, either = (8.0**-0.5 - reach(square, turned) for reach in (np.maximum, np.minimum))
+    point = smoothstep(0.0, 0.03, either) * smoothstep(0.02, -0.01, inside)
+    top, low = (smoothstep(0.5 * BAND + 0.010, 0.5 * BAND - 0.020, away) for away in (over, under))
     dive = smoothstep(0.5 * BAND + 0.07, 0.5 * BAND + 0.02, over)
     strap = np.maximum(top, low)
-    lift = np.maximum(1.80 * top, low * (1.65 - 1.20 * dive)) + 0.80 * star
+    lift = np.maximum(np.maximum(1.90 * top, low * (1.75 - 0.90 * dive)), 0.95 * point) + 1.75 * star
     glaze = canvas.noise(18.0 * unit, 3, "glaze")
     blue = ramp(["0f3f55", "14667c", "2d93a0"], np.clip(0.5 + 0.6 * glaze, 0.0, 1.0))
     white = canvas.painted(ramp(["b7a888", "e8dcc2", "fbf5e6"], np.clip(0.25 + 0.35 * lift + 0.15 * glaze, 0.0, 1.0)))

@@ -48,17 +48,6 @@ def test_a_facet_ends_where_its_face_ends(box):
     assert pick(boundary, Patch(plane=(0, 0, 20, 0, 0, 1))).area(boundary) == pytest.approx(200.0)
 
 
-def test_a_piece_ends_at_its_rim_and_on_sides_that_it_cuts(body):
-    x = body.mesh.nodes
-    end = pick(body, Patch(plane=(0, 0, 16, 0, 0, 1))).border(body)
-    rim = np.isclose(x[:, 2], 16.0) & (np.isclose(x[:, :2] % SIZE[:2], 0.0).any(axis=1))
-    assert np.array_equal(end, rim)
-    cut = pick(body, Patch(sphere=(0, 5, 8, 2.5))).border(body)
-    near = np.isclose(x[:, 0], 0.0) & (np.linalg.norm(x - [0.0, 5.0, 8.0], axis=1) < 2.5)
-    assert cut[near].all()
-    assert not cut[x[:, 0] > 1.0].any()
-
-
 @pytest.mark.parametrize(
     ("place", "area", "held"),
     [

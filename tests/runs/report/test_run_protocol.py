@@ -4,7 +4,7 @@ import pytest
 
 from mechstyle.errors import BadInput
 from mechstyle.loop.store import Lane
-from mechstyle.runs.part_record import PartRecord
+from mechstyle.runs.folders import PartRecord
 from mechstyle.runs.report.run_protocol import LaneOfRun, Part, begun
 from mechstyle.runs.run import Run
 

@@ -11,7 +11,7 @@ from mechstyle.fea.drop import DropTest
 from mechstyle.records import Landing, Simulation
 from mechstyle.records.mesh import TetMesh
 from mechstyle.simulation.validation.meshes import bracket
-from mechstyle.simulation.validation.reading import Body, period_of_body, surface_of
+from mechstyle.simulation.validation.reading import Body, period_of_body
 from mechstyle.simulation.validation.repeatability import STRENGTHS, Pair, about_z, changed, dropped_anew, flips, landed, moved, spread
 
 MIRROR = np.diag([-1.0, 1.0, 1.0])
@@ -71,7 +71,7 @@ def test_spread_is_half_the_range_over_the_mean():
 @pytest.mark.parametrize(("longer", "step"), [(2.0, 1.0), (1.0, 0.5)])
 def test_neither_twice_the_time_nor_half_the_step_turns_a_verdict_of_a_bracket(longer, step):
     tets, test = bracket(40.0, 16.0, 4.0, 4.0), DropTest()
-    period, plain = period_of_body(tets), surface_of(tets)
+    period, plain = period_of_body(tets), tets.boundary
     usual, other = landed(tets, period, plain), landed(tets, longer * period, plain, replace(test, safety=step * test.safety))
     assert failing([*changed("bracket", other, usual), flips("bracket", [Pair(usual, usual), Pair(other, usual)])]) == []
 
@@ -85,7 +85,7 @@ def lying_bracket():
 
 def sorted_stress(tets, period):
     """σ_V of the flat landing, then of the nearly flat ones in order of their stress."""
-    flat, *nearly = (landing.stress for landing in landed(tets, period, surface_of(tets)).landings)
+    flat, *nearly = (landing.stress for landing in landed(tets, period, tets.boundary).landings)
     return np.array([flat, *sorted(nearly)])
 
 

@@ -1,5 +1,4 @@
 import numpy as np
-import pytest
 
 from mechstyle.styling.drawing.operators import Operators
 
@@ -38,23 +37,6 @@ def test_diffusion_keeps_the_mean_and_shrinks_the_spread(sphere):
     assert abs(sphere.vertex_areas @ (smooth - values)) < 1e-9 * sphere.vertex_areas.sum()
     assert smooth.std() < 0.3 * values.std()
     assert np.allclose(operators.diffused(np.full(len(values), 2.5), 3.0), 2.5)
-
-
-@pytest.mark.parametrize("length", [0.5, 3.0, 20.0])
-def test_diffusion_in_steps_comes_to_the_same(sphere, length):
-    operators = Operators(sphere)
-    values = np.random.default_rng(1).normal(size=len(sphere.vertices))
-    assert np.allclose(operators.diffused_in_steps(values, length), operators.diffused(values, length), atol=1e-7)
-    flat = np.full(len(values), 2.5)
-    assert np.allclose(operators.diffused_in_steps(flat, length), flat)
-
-
-def test_diffusion_that_would_take_too_many_steps_is_solved_directly(sphere, monkeypatch):
-    """It once ended where it was, without a word."""
-    monkeypatch.setattr("mechstyle.styling.drawing.conjugate_gradients.MOST_STEPS", 2)
-    operators = Operators(sphere)
-    values = np.random.default_rng(1).normal(size=len(sphere.vertices))
-    assert np.allclose(operators.diffused_in_steps(values, 1.0), operators.diffused(values, 1.0), atol=1e-7)
 
 
 def test_components_are_the_pieces_held_together_by_the_edges_kept(sphere):

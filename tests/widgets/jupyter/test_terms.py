@@ -1,7 +1,5 @@
 """Words of the Studio that the page explains."""
 
-import json
-
 import ipywidgets
 
 from mechstyle.records.words import WORDS
@@ -27,13 +25,13 @@ def test_what_has_a_picture_or_another_name_is_in_the_glossary():
 
 
 def test_the_terms_that_need_a_picture_have_one():
-    told = json.loads(terms())
+    told = terms()
     for word in ("demand", "held back", "restraint", "headroom", "threshold", "schedule", "nearly flat"):
         assert told[word][2].startswith("<svg"), word
 
 
 def test_what_is_chosen_of_style_restraint_and_schedule_is_explained():
-    told = json.loads(terms())
+    told = terms()
     for section in (PromptBox(), ControlSelector(), ScheduleSelector()):
         asked = {label.lower().split(":")[0].split("[")[0].strip() for label in labels(section)} - PLAIN
         assert asked <= told.keys()

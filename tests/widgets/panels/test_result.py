@@ -18,6 +18,7 @@ SETTINGS = {"schedule": "every", "every": 4, "travel": 0.1, "iterations": 12, "r
         ({"nearly_flat": False}, "Drop it on the way, 2 times, in 1 landing"),
         ({"nearly_flat": False}, "Drop what has come of it flat"),
         ({}, "Drop what has come of it flat and nearly flat"),
+        ({"orientations": 2}, "Drop what has come of it flat, nearly flat and in 1 other landing"),
         ({"orientations": 5}, "Drop what has come of it flat, nearly flat and in 4 other landings"),
         ({"loads": ("a case",)}, "Drop what has come of it flat and nearly flat, and load it"),
     ],

@@ -66,7 +66,7 @@ def test_freestyle_has_nothing_to_set():
 
 
 def test_the_folded_restraint_names_its_threshold():
-    assert ControlSelector(PLA, control="linear", threshold=0.5).brief == "evenly, 0.5"
+    assert ControlSelector(PLA, control="linear", threshold=0.5).brief == "evenly, stops at 0.5"
     assert ControlSelector(PLA, freestyle=True).brief == "Freestyle"
 
 

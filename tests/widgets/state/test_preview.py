@@ -9,8 +9,9 @@ import pytest
 from mechstyle.runs.recipes import draft
 from mechstyle.runs.stylizers import finished_relief
 from mechstyle.simulation.part import Shape
+from mechstyle_widgets.jupyter.prepare import shape_aside
 from mechstyle_widgets.state import preview as module
-from mechstyle_widgets.state.preview import Previewer, shape_aside
+from mechstyle_widgets.state.preview import Previewer
 
 PATIENCE = 30.0
 FEW = 600

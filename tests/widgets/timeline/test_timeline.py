@@ -204,6 +204,13 @@ def test_the_plan_gives_way_to_what_was_simulated(fake):
     assert "limit" in sentence(timeline)
 
 
+def test_the_limit_is_named_over_the_end_of_its_line(timeline):
+    """At its beginning, where another limit may hold, the words were crossed out by the line."""
+    note, line = frame(timeline)["annotations"][0], trace(timeline, LIMIT)
+    assert note["y"] == [limit for limit in line["y"] if limit is not None][-1]
+    assert (note["x"], note["xanchor"], note["yanchor"]) == (12, "right", "bottom")
+
+
 def test_the_theme_changes_the_template(timeline):
     before = frame(timeline)["template"]
     timeline.theme = "dark"

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from mechstyle.errors import SimulationFailed
+from mechstyle.pictures.fields import MOMENT
 from mechstyle.simulation.impact import Impact
 from mechstyle_widgets.state.studio_state import StudioState
 from mechstyle_widgets.viewer import impact_player
@@ -106,6 +107,29 @@ def test_the_limit_of_the_moment_is_that_of_the_landing(viewer, state, impact):
     assert player.at_the_moment(viewer._still, given).layer("moment").threshold == 77.0
     unknown = msgspec.structs.replace(verdict, rows=())
     assert player.at_the_moment(viewer._still, unknown).layer("moment").threshold == verdict.strength
+
+
+def test_what_was_on_show_before_an_impact_is_on_show_after_it(viewer, state):
+    state.layer = "stress"
+    for _ in range(2):  # the second falls while the first is on show
+        viewer.player.play()
+    assert viewer.layer == MOMENT
+    viewer.player.put_away()
+    assert (viewer.layer, state.layer) == ("stress", "stress")
+    viewer.player.play()
+    viewer.layer = "demand"
+    viewer.player.put_away()
+    assert viewer.layer == "demand", "somebody chose it meanwhile"
+
+
+def test_after_a_landing_on_its_side_one_looks_at_the_part_that_stands_again(viewer, impact, monkeypatch):
+    """Half of the view stayed empty, and the part lay under the legend."""
+    before = viewer._orbit.seen.target
+    monkeypatch.setattr(impact_player, "impact_of", lambda *_: replace(impact, normal=(1.0, 0.0, 0.0)))
+    viewer.player.play()
+    assert not np.allclose(viewer._orbit.seen.target, before)
+    viewer.player.put_away()
+    assert np.allclose(viewer._orbit.seen.target, before)
 
 
 def test_put_away_the_part_is_at_rest_again(viewer):

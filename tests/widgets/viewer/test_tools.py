@@ -167,10 +167,27 @@ def test_two_clicks_measure_and_a_third_begins_anew(viewer):
     assert "<b>20.00 mm</b>" in viewer._said.value
     assert "z -20.00" in viewer._said.value
     assert viewer._scenes[0]._ruler.visible
+    bar = viewer._scenes[0]._bar.array
+    assert np.ptp(bar[:, 2]) == pytest.approx(20.0)
+    assert 0.1 < np.ptp(bar[:, 0]) < 0.5, "a line is a pixel wide, whatever width it is given"
     click(viewer, (10.0, 0.0, 0.0))
     assert len(viewer.measured) == 1
     assert not viewer._scenes[0]._ruler.visible
     assert (heard, viewer.probed) == ([], None), "a click that measures neither paints nor asks"
+
+
+@pytest.mark.parametrize("tip", [(0.0, 0.0, 30.0), (0.0, 0.0, -10.0), (25.0, 0.0, 10.0), (0.0, 0.0, 10.0)])
+def test_an_arrow_ends_in_a_head_at_its_tip(viewer, tip):
+    foot = (0.0, 0.0, 10.0)
+    viewer.arrow = (foot, tip)
+    bar, along = viewer._scenes[0]._bar.array.astype(np.float64), np.subtract(tip, foot)
+    length = float(np.linalg.norm(along))
+    places = (bar - foot) @ along / max(length, 1e-12)
+    assert np.isfinite(bar).all()
+    assert (places.min(), places.max()) == pytest.approx((0.0, length), abs=1e-4)
+    if length:
+        off = np.linalg.norm(bar - foot - np.outer(places, along / length), axis=1)
+        assert off[places < 0.4 * length].max() < 0.5 * off.max(), "the shaft is thinner than the head"
 
 
 def test_escape_leaves_the_tool_then_the_measure_then_the_cut(viewer):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from importlib.resources import files
 from typing import Any
@@ -10,17 +9,13 @@ from typing import Any
 import ipywidgets
 import traitlets
 
-from mechstyle_widgets.jupyter.language import in_page, word
+from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.page_widget import PageWidget
 from mechstyle_widgets.jupyter.terms import terms
 
 
 def _static(name: str) -> str:
     return files("mechstyle_widgets.jupyter").joinpath("static", name).read_text(encoding="utf-8")
-
-
-SAID = re.findall(r'"([^"\n]+)"', _static("frame.js"))
-"""All that the page says by itself, and more."""
 
 
 class Frame(PageWidget):
@@ -31,19 +26,19 @@ class Frame(PageWidget):
         dark: Whether the notebook's theme is dark.
         calm: Whether the system asks that nothing moves by itself.
         was: What is said once the kernel is gone.
-        words: What the page says by itself in another language, by the English of it.
+        terms: Words that explain themselves, in the language spoken.
     """
 
-    _esm, _css = f"const TERMS = {terms()};\n" + _static("terms.js") + _static("frame.js"), _static("frame.css")
+    _esm, _css = _static("terms.js") + _static("frame.js"), _static("frame.css")
     size = traitlets.List(traitlets.Int(), []).tag(sync=True)
     dark = traitlets.Bool(False).tag(sync=True)
     calm = traitlets.Bool(False).tag(sync=True)
     was = traitlets.Unicode().tag(sync=True)
-    words = traitlets.Dict().tag(sync=True)
+    terms = traitlets.Dict().tag(sync=True)
 
     def __init__(self) -> None:
         """Say so in the language spoken."""
-        super().__init__(was=word("This is a picture of what was. Run the cell to go on."), words=in_page(SAID))
+        super().__init__(was=word("This is a picture of what was. Run the cell to go on."), terms=terms())
 
     def on_key(self, place: str, call: Callable[..., None]) -> None:
         """Call back with the name of every key pressed in a place, `view` or `studio`; for a view, with `shift` and `ctrl`, too."""

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import re
 import uuid
 from importlib.resources import files
-from typing import Any
+from typing import Any, ClassVar
 
 import anywidget
 import traitlets
+
+from mechstyle_widgets.jupyter.language import in_page
 
 _HEARING = files("mechstyle_widgets.jupyter").joinpath("static", "hearing.js").read_text(encoding="utf-8")
 
@@ -21,17 +24,20 @@ class PageWidget(anywidget.AnyWidget):
 
     Attributes:
         own: Id of its model, by which the page finds it.
+        said: What the script says by itself in the language spoken, by the English of it.
     """
 
     own = traitlets.Unicode().tag(sync=True)
+    said = traitlets.Dict().tag(sync=True)
+    _quoted: ClassVar[tuple[str, ...]] = ()
 
     def __init_subclass__(cls, **given: Any) -> None:
         """Give the script its ears."""
         if isinstance(script := vars(cls).get("_esm"), str):  # a trait in the class that traitlets makes of each instance's
-            cls._esm = _HEARING + script
+            cls._esm, cls._quoted = _HEARING + script, tuple(re.findall(r'"([^"\n]+)"', script))
         super().__init_subclass__(**given)
 
     def __init__(self, **traits: Any) -> None:
         """Open it in the page; traits as of a widget."""
         own = uuid.uuid4().hex
-        super().__init__(model_id=own, own=own, **traits)
+        super().__init__(model_id=own, own=own, said=in_page(self._quoted), **traits)

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import numpy as np
+
 from mechstyle.errors import SimulationFailed
 from mechstyle.geometry.cancelling import CancelCheck
+from mechstyle.geometry.thickness import local_thickness
 from mechstyle.records.mesh import SurfaceMesh
-from mechstyle.simulation.part import Relief, Stage, Workpiece, prepare
+from mechstyle.simulation.part import Relief, Shape, Stage, Workpiece, prepare, standardised
 from mechstyle_widgets.jupyter.worker_process import Aside
 
 
@@ -36,3 +39,25 @@ def prepare_aside(
 def _prepare(say: Callable[[object], None], mesh: SurfaceMesh, vertices: int, relief: Relief | None) -> None:
     """Work of the other process: report the stages, then return the part."""
     say(prepare(mesh, vertices=vertices, stage=say, relief=relief))
+
+
+def shape_aside(mesh: SurfaceMesh, vertices: int, go_on: Callable[[], None]) -> Shape:
+    """A part as far as a style needs it ready, made in another process: remeshing would keep the kernel from answering.
+
+    Args:
+        mesh: A closed surface [mm].
+        vertices: Vertices of the standardised surface.
+        go_on: Called ten times a second; what it raises ends the work.
+    """
+    for shape in Aside(_shape, mesh, vertices).said(go_on):
+        if isinstance(shape, Shape):
+            return shape
+    raise SimulationFailed("making the part ready for a preview ended without an answer: it may need more memory")
+
+
+def _shape(say: Callable[[object], None], mesh: SurfaceMesh, vertices: int) -> None:
+    """Work of the other process: what a style needs."""
+    surface = standardised(mesh, vertices)
+    shape = Shape(surface, local_thickness(surface).astype(np.float32))
+    _ = shape.level_base, shape.is_container
+    say(shape)

@@ -9,6 +9,8 @@ from html import escape
 import numpy as np
 from numpy.typing import ArrayLike
 
+from mechstyle_widgets.jupyter.language import said
+
 INK = "var(--jp-ui-font-color1, #333)"
 FAINT = "var(--jp-ui-font-color2, #666)"
 RULE = "var(--jp-border-color1, #bbb)"
@@ -84,7 +86,7 @@ class Frame:
 
     def mark(self, value: float, words: str = "") -> str:
         """A dashed upright line with words at its head."""
-        x, half = self.x(value), 0.5 * LETTER * len(words)
+        x, half = self.x(value), 0.5 * LETTER * len(said(words))
         head = text(min(max(x, half + 2), self.width - half - 2), self.above - 4, words, "middle", OTHER)
         return line(x, self.above - 2, x, self.floor, OTHER, "4 3") + head
 
@@ -92,7 +94,7 @@ class Frame:
 def drawing(frame: Frame, parts: Sequence[str], description: str) -> str:
     """The parts as one picture that a screen reader tells by its description."""
     size = f'viewBox="0 0 {frame.width} {frame.height}" style="width:100%;max-width:{round(1.3 * frame.width)}px;display:block"'
-    return f'<svg role="img" aria-label="{escape(description)}" {size} font-family="var(--jp-ui-font-family)">{"".join(parts)}</svg>'
+    return f'<svg role="img" aria-label="{escape(said(description))}" {size} font-family="var(--jp-ui-font-family)">{"".join(parts)}</svg>'
 
 
 def line(x0: float, y0: float, x1: float, y1: float, colour: str = INK, dashes: str = "") -> str:
@@ -103,7 +105,7 @@ def line(x0: float, y0: float, x1: float, y1: float, colour: str = INK, dashes: 
 
 def text(x: float, y: float, words: str, anchor: str = "middle", colour: str = INK) -> str:
     """Small print."""
-    return f'<text x="{x}" y="{y}" font-size="10" text-anchor="{anchor}" fill="{colour}">{escape(words)}</text>'
+    return f'<text x="{x}" y="{y}" font-size="10" text-anchor="{anchor}" fill="{colour}">{escape(said(words))}</text>'
 
 
 def shares(values: ArrayLike, low: float, high: float, count: int) -> np.ndarray:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import json
+import re
 
 from mechstyle.records.words import WORDS
+from mechstyle_widgets.jupyter.language import said, word
 
 ALSO = {
     "mask": "mask, restraint",
@@ -43,12 +44,24 @@ INK, FAINT, ACCENT, OVER = (
 )
 
 
-def terms() -> str:
-    """What the page needs, as JSON: by what stands on screen in small letters, the word, its sentence and its picture as SVG."""
-    entries = {key: [word, sentence, PICTURES.get(key, "")] for key, (word, sentence) in WORDS.items()}
-    spoken = {one.lower(): entries[key] for key, (word, _) in WORDS.items() for one in word.replace(" · ", ", ").split(", ")}
-    named = {label: [label, *entries[key][1:]] for label, key in ALSO.items()}
-    return json.dumps({**spoken, **named}, ensure_ascii=False)
+def terms() -> dict[str, list[str]]:
+    """By what stands on screen in small letters, the word, its sentence and its picture as SVG, all in the language spoken."""
+    taught = {key: [said(sentence), _captioned(PICTURES.get(key, ""))] for key, (_, sentence) in WORDS.items()}
+    found: dict[str, list[str]] = {}
+    for key, (names, _) in WORDS.items():
+        shown = ", ".join(map(_called, names.split(", ")))
+        found |= {_called(one).lower(): [shown, *taught[key]] for one in names.replace(" · ", ", ").split(", ")}
+    return found | {_called(label).lower(): [_called(label), *taught[key]] for label, key in ALSO.items()}
+
+
+def _called(label: str) -> str:
+    """What a label is called, which may begin a line, where it has a capital."""
+    return " · ".join(word(one) if word(one) != one else word(one.capitalize()) if one.islower() else one for one in label.split(" · "))
+
+
+def _captioned(picture: str) -> str:
+    """A picture whose captions are in the language spoken."""
+    return re.sub("([^<>]+)</text>", lambda caption: f"{word(caption[1])}</text>", picture)
 
 
 def _picture(*parts: str) -> str:

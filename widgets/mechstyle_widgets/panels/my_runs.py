@@ -16,13 +16,13 @@ import ipywidgets
 from mechstyle.errors import MechStyleError
 from mechstyle.records import Verdict, sentences
 from mechstyle.runs.run import Run
-from mechstyle_widgets.jupyter.language import word
+from mechstyle_widgets.jupyter.language import said, word
 from mechstyle_widgets.jupyter.looks import lean, sharing
 from mechstyle_widgets.jupyter.newest import Newest
 from mechstyle_widgets.panels.branches import said_of
 from mechstyle_widgets.settings.section import WIDE, Section, Words, table
 from mechstyle_widgets.settings.thumbnails import SIZE, png
-from mechstyle_widgets.state.studio_state import StudioState
+from mechstyle_widgets.state.studio_state import StudioState, titled
 from mechstyle_widgets.state.troubles import sentence
 
 FOLDER = Path("mechstyle-runs")
@@ -86,7 +86,8 @@ class MyRuns(Section):
 
     def _row(self, one: Found) -> ipywidgets.HBox:
         picture = lean(ipywidgets.Image, value=one.picture, format="png", width=72, layout={"flex": "0 0 72px"})
-        words = f"<b>{escape(one.title)}</b><br>{escape(one.outcome or word('not tested yet'))}<br><small>{escape(str(one.place))}</small>"
+        outcome = said(one.outcome or "not tested yet")
+        words = f"<b>{escape(one.title)}</b><br>{escape(outcome)}<br><small>{escape(str(one.place))}</small>"
         acts = {
             "open": (self.show_run, "Show this run"), "compare": (self.compare, "What it survives, and what the run on show survives"),
             "delete": (self.delete, "Delete its folder: press twice"),
@@ -127,7 +128,7 @@ class MyRuns(Section):
             self.complain(word("One of the two was not tested yet."))
             return
         judged = [verdict for verdict in verdicts if verdict is not None]
-        heads = ("test", "plain", self._state.title, title_of(other), "asked")
+        heads = ("test", "plain", self._state.title, titled(other.record.name, other.recipe.style.prompt), "asked")
         outcomes = ("outcome", "", *(said_of(verdict) for verdict in judged), "")
         self._beside.say(table(heads, [outcomes, *sentences.paired(judged)]))
 
@@ -163,13 +164,8 @@ def read(place: Path) -> Found | None:
             camera = Camera.named("three_quarter", mesh.vertices, aspect=SIZE[0] / SIZE[1])
             picture = png(render(mesh, camera=camera, width=SIZE[0], height=SIZE[1]))
         verdict = last_verdict(run)
-        return Found(place, title_of(run), "" if verdict is None else said_of(verdict), picture)
+        return Found(place, titled(run.record.name, run.recipe.style.prompt), "" if verdict is None else said_of(verdict), picture)
     return None
-
-
-def title_of(run: Run) -> str:
-    """Part and style of a run."""
-    return ", ".join(filter(None, (run.record.name, run.recipe.style.prompt))).replace("_", " ")
 
 
 def last_verdict(run: Run) -> Verdict | None:

@@ -47,7 +47,7 @@ class PullHere(Section):
         """Add to the loads of a drop test; `seen` gives the view that is clicked in."""
         self._options, self._seen = options, seen
         look = {"style": NARROW_LABEL, "layout": WIDE}
-        force = lean(ipywidgets.BoundedFloatText, description="pull here [N]", min=0.1, max=1e5, step=10.0, **look)
+        force = lean(ipywidgets.BoundedFloatText, description="force [N]", min=0.1, max=1e5, step=10.0, **look)
         ways = [(one, one) for one in self.traits()["towards"].values]
         towards = lean(ipywidgets.Dropdown, options=ways, description="which way", **look)
         half = {"width": "50%"}

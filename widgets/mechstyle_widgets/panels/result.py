@@ -82,7 +82,8 @@ def steps(settings: Mapping[str, Any]) -> list[str]:
     between, landings = len(plan.places) - 1, landings_on_the_way(settings)
     about, budget = "" if plan.certain else "about ", settings.get("strengthen", 0.0)
     others = settings.get("orientations", 1) - 1
-    ways = ["flat", *(["nearly flat"] if settings.get("nearly_flat", True) else []), *([f"in {others} other landings"] if others else [])]
+    ways = ["flat", *(["nearly flat"] if settings.get("nearly_flat", True) else [])]
+    ways += [f"in {others} other landing{'s' if others > 1 else ''}"] if others else []
     carried = ", and load it" if loads else ""
     return [
         *([f"Thicken it by up to {budget:g} mm where it does not hold as it is"] if budget else []),

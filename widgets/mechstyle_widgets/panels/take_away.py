@@ -74,7 +74,8 @@ class TakeAway(Section):
         show(self, state.checkpoint is not None)
         self.main.description = word("3MF of {}").format(state.title) if state.another else "3MF"
         for name, button in self._buttons.items():
-            button.tooltip = f"{self._tooltips[name]}: {state.title}, iteration {state.iteration}"
+            whose = f": {state.title}, {word('iteration')} {state.iteration}" if state.checkpoint is not None else ""
+            button.tooltip = self._tooltips[name] + whose
         self.note("")
         self.complain("")
 

@@ -12,6 +12,7 @@ import traitlets
 from mechstyle.errors import MechStyleError
 from mechstyle.runs.report.replay_data import ReplayData, replay_data
 from mechstyle.runs.run import Run
+from mechstyle_widgets.jupyter.language import said
 from mechstyle_widgets.jupyter.throttle import running_loop
 from mechstyle_widgets.state.studio_state import StudioState
 
@@ -33,7 +34,8 @@ class Cache(ipywidgets.Widget):  # type: ignore[misc]  # ipywidgets has no types
     def __init__(self, data: ReplayData, digests: dict[int, str]) -> None:
         """Hold a lane whose checkpoints have these digests, by iteration."""
         self.digests = digests
-        super().__init__(_header=data.header, _payload=data.payload)
+        frames = [{**frame, "words": said(frame["words"])} if "words" in frame else frame for frame in data.header["frames"]]
+        super().__init__(_header={**data.header, "frames": frames}, _payload=data.payload)
 
 
 class Packer:

@@ -13,7 +13,7 @@ from typing import Any
 import traitlets
 
 from mechstyle.errors import BadInput, unknown
-from mechstyle.runs.report.bundle import bundle, static
+from mechstyle.runs.report.markup import bundle, static
 from mechstyle.runs.report.replay_data import ReplayData, replay_data
 from mechstyle.runs.run import Run
 from mechstyle_widgets.jupyter.cell_output import OncePerCell

@@ -7,7 +7,7 @@ from typing import Any, Protocol
 import traitlets
 from ipywidgets import widget_serialization
 
-from mechstyle.runs.report.bundle import bundle
+from mechstyle.runs.report.markup import bundle
 from mechstyle_widgets.jupyter.page_widget import PageWidget
 from mechstyle_widgets.replay.cache import FOLLOWED, Cache, Packer, served
 from mechstyle_widgets.replay.replay import own

@@ -84,7 +84,7 @@ class ControlSelector(Section):
     @property
     def brief(self) -> str:
         """The strategy and its threshold."""
-        return "Freestyle" if self.freestyle else f"{word(STRATEGIES[self.control])}, {self.threshold:.2g}"
+        return "Freestyle" if self.freestyle else f"{word(STRATEGIES[self.control])}, {word('stops at')} {self.threshold:.2g}"
 
     def _make_controls(self) -> None:
         self._mode = lean(
@@ -147,4 +147,5 @@ class ControlSelector(Section):
         parts = [frame.axes("stress at a vertex [MPa]", (0.0, strength / 2, strength), ((1.0, "1"), (0.0, "0"))), frame.curve(stress, mask)]
         if stops is not None:
             parts.append(frame.mark(stops, f"{end}, demand {self.threshold:.2g}"))
-        return drawing(frame, parts, f"mask against stress, {self.control} with {self.normalisation}: 1 at rest, {end}")
+        how = f"{STRATEGIES[self.control]}, measured against {MEASURES[self.normalisation]}"
+        return drawing(frame, parts, f"mask against stress, {how}: 1 at rest, {end}")

@@ -10,10 +10,10 @@ import traitlets
 from mechstyle.errors import BadInput
 from mechstyle.records import CRITERIA, POSES
 from mechstyle.records.landings import STANDARDS, landings_after, with_drops
-from mechstyle.records.lengths import length_of, written
 from mechstyle.records.load_cases import LoadCase, load_cases
 from mechstyle.records.mesh import STANDARD_VERTICES
 from mechstyle.records.recipe import DEFAULTS, LIMITS
+from mechstyle.records.written import length_of, written
 from mechstyle.runs.recipes import EXPECTED
 from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.looks import lean, show
@@ -22,6 +22,8 @@ from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, rang
 DEVICES = ("auto", "cpu", "cuda")
 SIZES = {"Try it": 4000, "Print it": STANDARD_VERTICES}
 """How fine a run is, in words, and in vertices."""
+RULES = {"robust": "what it survives", "paper": "published rule"}
+"""Criteria, in words."""
 ONCE = "once"
 """The way to land that is a single drop."""
 WAYS = {
@@ -94,7 +96,7 @@ class DropOptions(Section):
                 description="nearly flat", tooltip="Landings tilted by 3° onto its corners and sides are judged, too", indent=False,
                 layout=WIDE,
             ),
-            "criterion": lean(ipywidgets.Dropdown, options=CRITERIA, description="criterion", **look),
+            "criterion": lean(ipywidgets.Dropdown, options=[(RULES[name], name) for name in CRITERIA], description="criterion", **look),
             "guarantee": lean(ipywidgets.Checkbox, description="correct until it passes", indent=False, layout=WIDE),
             "minimum_wall": lean(
                 ipywidgets.BoundedFloatText,
@@ -117,7 +119,7 @@ class DropOptions(Section):
         self._way = lean(ipywidgets.Dropdown, options=ways, description="it lands", tooltip="How the part meets the floor", **look)
         known = [("none", ""), *((standard.title, name) for name, standard in STANDARDS.items())]
         after = "A drop standard: its landings and height"
-        self._standard = lean(ipywidgets.Dropdown, options=known, description="after", tooltip=after, **look)
+        self._standard = lean(ipywidgets.Dropdown, options=known, description="drop standard", tooltip=after, **look)
         self._drops = controls["orientations"]
         self._height = lean(
             ipywidgets.Text, description="fall", continuous_update=False, tooltip="From how high it falls, such as 1.5 m or 80 cm", **look

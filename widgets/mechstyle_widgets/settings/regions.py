@@ -12,7 +12,7 @@ from mechstyle.errors import BadInput
 from mechstyle.records.recipe import DEFAULTS
 from mechstyle.records.regions import KINDS, Point, Region, regions
 from mechstyle_widgets.jupyter.frame import unseen
-from mechstyle_widgets.jupyter.language import word
+from mechstyle_widgets.jupyter.language import said, word
 from mechstyle_widgets.jupyter.looks import lean
 from mechstyle_widgets.settings.brush import dabbed
 from mechstyle_widgets.settings.section import NARROW_LABEL, WIDE, Section, setting
@@ -56,7 +56,7 @@ class RegionsPicker(Section):
         self._lines = unseen(lean(
             ipywidgets.Textarea,
             description="regions", placeholder="one region a line, for example\nbox 0 0 0 10 10 10 ramp 2\nbelow 5", rows=3,
-            continuous_update=False, tooltip="\n".join(KINDS.values()), layout=WIDE,
+            continuous_update=False, tooltip="\n".join(said(form) if " " in form else form for form in KINDS.values()), layout=WIDE,
         ))  # fmt: skip
         super().__init__([self._base, self._inside, self._brush(), self._clicked, self._lines])
         traitlets.link((self, "base"), (self._base, "value"))

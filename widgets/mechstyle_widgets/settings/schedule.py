@@ -92,5 +92,5 @@ class ScheduleSelector(Section):
         places = [frame.x(place) for place in self.plan.places]
         marks = [line(x, 6, x, frame.floor, "var(--jp-brand-color1, #1565c0)") for x in places]
         ticks = (0.0, float(self.iterations // 2), float(self.iterations)) if self.iterations > 1 else (0.0, 1.0)
-        words = f"{self.schedule}: {self.plan.count} of {self.iterations} iterations"
+        words = f"{WHAT[self.schedule]}: {self.plan.count} of {self.iterations} iterations"
         return drawing(frame, [frame.axes("iteration", ticks), *marks], words)

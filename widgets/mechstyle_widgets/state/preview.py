@@ -8,16 +8,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
-import numpy as np
-
-from mechstyle.errors import SimulationFailed
-from mechstyle.geometry.thickness import local_thickness
 from mechstyle.records import Recipe
 from mechstyle.records.mesh import SurfaceMesh
 from mechstyle.runs.stylizers import FinishedStyle, finished_style
-from mechstyle.simulation.part import Shape, standardised
+from mechstyle.simulation.part import Shape
+from mechstyle_widgets.jupyter.prepare import shape_aside
 from mechstyle_widgets.jupyter.throttle import Timer, running_loop
-from mechstyle_widgets.jupyter.worker_process import Aside
 from mechstyle_widgets.state.troubles import sentence
 
 WAIT = 0.15
@@ -132,25 +128,3 @@ class Previewer:
     def _go_on(self, wish: _Wish) -> None:
         if self._wish is None or self._wish.mesh is not wish.mesh:
             raise _Overtaken
-
-
-def shape_aside(mesh: SurfaceMesh, vertices: int, go_on: Callable[[], None]) -> Shape:
-    """A part as far as a style needs it ready, made in another process: remeshing would keep the kernel from answering.
-
-    Args:
-        mesh: A closed surface [mm].
-        vertices: Vertices of the standardised surface.
-        go_on: Called ten times a second; what it raises ends the work.
-    """
-    for shape in Aside(_prepare, mesh, vertices).said(go_on):
-        if isinstance(shape, Shape):
-            return shape
-    raise SimulationFailed("making the part ready for a preview ended without an answer: it may need more memory")
-
-
-def _prepare(say: Callable[[object], None], mesh: SurfaceMesh, vertices: int) -> None:
-    """Work of the other process."""
-    surface = standardised(mesh, vertices)
-    shape = Shape(surface, local_thickness(surface).astype(np.float32))
-    _ = shape.level_base, shape.is_container
-    say(shape)

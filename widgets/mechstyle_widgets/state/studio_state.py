@@ -20,6 +20,7 @@ from mechstyle.loop.store import Store
 from mechstyle.records import Checkpoint, Simulation
 from mechstyle.runs.run import Run
 from mechstyle.runs.session import Session
+from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.throttle import running_loop
 from mechstyle_widgets.state.time_left import Outlook, Stopwatch
 from mechstyle_widgets.state.troubles import sentence
@@ -236,7 +237,7 @@ class StudioState(traitlets.HasTraits):
         shown = next((self._read(store, row.digest) for row in history if row.iteration == iteration), None)
         with self.hold_trait_notifications():
             self.follow, self.run, self.lane = follow, run, run.lane
-            self.title = ", ".join(filter(None, (run.record.name, run.recipe.style.prompt))).replace("_", " ")
+            self.title = titled(run.record.name, run.recipe.style.prompt)
             self.history, self.histories, self.branches = history, histories, branches
             self.iterations_done, self.iteration, self.checkpoint = done, iteration, shown
 
@@ -381,6 +382,11 @@ class Linked(traitlets.HasTraits):
     @traitlets.validate("iteration")
     def _within_lane(self, proposal: dict[str, Any]) -> int:
         return max(0, min(proposal["value"], self._state.iterations_done))
+
+
+def titled(part: str, prompt: str) -> str:
+    """What a run is called: its part and its style, in the language spoken."""
+    return ", ".join(word(name) for name in (part.replace("_", " "), prompt.replace("_", " ")) if name)
 
 
 FREE = "freestyle"

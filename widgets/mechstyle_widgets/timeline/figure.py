@@ -116,9 +116,9 @@ def contents(
         _curve(lane, shown[lane], curve),
         _planned(lane, ()),
     ]
-    limit = next((row.limit for row in reversed(shown[lane]) if row.limit is not None), None)
+    limited = next((row for row in reversed(shown[lane]) if row.limit is not None), None)
     layout = _layout(list(histories), called(branches), lane, curve, theme, max((branch.iterations for branch in branches), default=1))
-    return traces, {**layout, "annotations": [] if limit is None else [_limit_note(limit, theme)]}
+    return traces, {**layout, "annotations": [] if limited is None else [_limit_note(limited, theme)]}
 
 
 def before(plan: Plan | None, lane: str, curve: str, theme: str, width: int) -> tuple[list[dict[str, Any]], dict[str, Any]]:
@@ -215,7 +215,7 @@ def story(lane: str, row: Row) -> str:
     lines = [f"<b>{escape(lane)} · {word('iteration')} {row.iteration}</b>"]
     if row.outcome:
         lines.append(escape(said(f"{row.outcome}, simulated because: {row.reason}")))
-        lines += _wrapped(row.words)
+        lines += _wrapped(said(row.words))
     figures = [f"{word('style still missing')} {row.style_loss:.3g}"]
     if row.travel is not None:
         figures.append(said(f"travel {row.travel:.2f} of the threshold"))
@@ -226,12 +226,14 @@ def story(lane: str, row: Row) -> str:
 
 @lru_cache(maxsize=1024)
 def _wrapped(words: str) -> list[str]:
-    return textwrap.wrap(escape(said(words)), 70)
+    return textwrap.wrap(escape(words), 70)
 
 
-def _limit_note(limit: float, theme: str) -> dict[str, Any]:
-    place = {"x": 0.0, "xref": "paper", "xanchor": "left", "y": limit, "yref": "y2", "yanchor": "top"}
-    return {"text": said(f"limit {limit:.3g} MPa"), "showarrow": False, "xshift": 6, "font": {"size": 10, "color": BEYOND[theme]}, **place}
+def _limit_note(row: Row, theme: str) -> dict[str, Any]:
+    """The limit in words, above the end of its line and left of the upright one that may be there."""
+    place = {"x": row.iteration, "xref": "x", "xanchor": "right", "y": row.limit, "yref": "y2", "yanchor": "bottom"}
+    words = {"text": said(f"limit {row.limit:.3g} MPa"), "showarrow": False, "font": {"size": 10, "color": BEYOND[theme]}}
+    return {**words, **place, "xshift": -8}
 
 
 def _layout(lanes: Sequence[str], known: Mapping[str, str], lane: str, curve: str, theme: str, iterations: int) -> dict[str, Any]:
@@ -251,9 +253,9 @@ def _layout(lanes: Sequence[str], known: Mapping[str, str], lane: str, curve: st
         "paper_bgcolor": GROUND[theme],
         "plot_bgcolor": "rgba(0,0,0,0)",
         "yaxis": {"domain": domains[0], "type": "category", "range": [-0.6, len(lanes) - 0.4], "showgrid": False, **rows},
-        "yaxis2": {"domain": domains[1], "title": {"text": "[MPa]"}, "rangemode": "tozero", "nticks": 5, "showticklabels": True},
+        "yaxis2": {"domain": domains[1], "title": {"text": "[MPa]"}, "rangemode": "tozero", "nticks": 4, "showticklabels": True},
         "yaxis3": {
-            "domain": domains[2], "visible": bool(curve), "title": {"text": UNITS[curve]}, "rangemode": "tozero", "nticks": 4,
+            "domain": domains[2], "visible": bool(curve), "title": {"text": word(UNITS[curve])}, "rangemode": "tozero", "nticks": 4,
             "showticklabels": True,
         },
         "xaxis3": {"title": {"text": word("iteration"), "standoff": 2}},

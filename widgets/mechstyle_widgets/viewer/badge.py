@@ -47,6 +47,7 @@ SHEET = """<style>
 .mechstyle-viewer .mechstyle-toolbar :is(.widget-toggle-button, .widget-button) { padding: 0 6px; margin: 2px 1px; }
 .mechstyle-toolbar :is(.widget-toggle-button, .widget-button) .fa { margin-right: 0; }
 .mechstyle-toolbar .mechstyle-worded .fa { margin-right: 4px; }
+.mechstyle-toolbar select { field-sizing: content; }
 .mechstyle-section-plane { display: flex; flex-flow: row wrap; align-items: center; gap: 0 8px; }
 .mechstyle-section-plane > .widget-toggle-button { width: auto; padding: 0 10px; flex: 0 0 auto; overflow: visible; }
 .mechstyle-section-plane > .widget-toggle-buttons { width: auto; flex: 0 0 auto; }

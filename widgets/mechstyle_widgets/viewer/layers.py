@@ -14,7 +14,7 @@ from mechstyle.pictures.colormap import Scale
 from mechstyle.pictures.fields import Quantity
 from mechstyle.records import Checkpoint
 from mechstyle.records.mesh import SurfaceMesh
-from mechstyle.runs.known_fields import known_fields
+from mechstyle.runs.export import known_fields
 from mechstyle.runs.run import Run
 
 STYLE = "style"

@@ -48,7 +48,7 @@ def scale_bar(pixels_per_mm: float, cell: float) -> str:
     """HTML of a bar of a round length [mm] as long as it is on screen, and how wide a cell of the floor is [mm]."""
     length = round_length(110.0 / pixels_per_mm)
     style = f"width:{length * pixels_per_mm:.0f}px;height:5px;border:solid {INK};border-width:0 1.5px 1.5px"
-    bar = f'<div role="img" aria-label="scale bar of {length:g} mm" style="{style}"></div>'
+    bar = f'<div role="img" aria-label="{word("scale bar of {} mm").format(f"{length:g}")}" style="{style}"></div>'
     return _block(f'{bar}<div>{length:g} mm <span style="color:{FAINT}">· {word("grid")} {cell:g} mm</span></div>')
 
 

@@ -12,6 +12,7 @@ import ipywidgets
 import numpy as np
 
 from mechstyle_widgets.jupyter.closing import close_family
+from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.viewer.layers import Subject
 
@@ -38,12 +39,12 @@ class Places(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         self._save = lean(ipywidgets.HTML)
         clear = lean(ipywidgets.Button, description="clear", tooltip="Take all places away", layout={"width": "auto"})
         clear.on_click(lambda _: remove(None))
-        self._head = [lean(ipywidgets.HTML, title) for title in ("", "place [mm]", *(title for _, title in COLUMNS), "")]
+        self._head = [lean(ipywidgets.HTML, word(title)) for title in ("", "place [mm]", *(title for _, title in COLUMNS), "")]
         for title in self._head:
             title.add_class("mechstyle-place-head")
         self._lines: list[list[ipywidgets.Widget]] = []  # made when they are first wanted and kept, so that none is made twice
         self._grid = lean(ipywidgets.GridBox, self._head, layout={"grid_template_columns": WIDTHS, "overflow": "visible"})
-        above = lean(ipywidgets.HBox, [lean(ipywidgets.HTML, "<b>Places</b>"), self._save, clear])
+        above = lean(ipywidgets.HBox, [lean(ipywidgets.HTML, f"<b>{word('Places')}</b>"), self._save, clear])
         super().__init__([above, self._grid], layout={"display": "none"})
         self.add_class("mechstyle-places")
 
@@ -59,7 +60,8 @@ class Places(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
                 cell.value = text
         self._grid.children = [*self._head, *(widget for line in self._lines[: len(vertices)] for widget in line)]
         data = base64.b64encode((BOM + self.table).encode()).decode("ascii")
-        link = f'<a download="mechstyle-places.csv" title="Save the places as CSV" href="data:text/csv;base64,{data}">save CSV</a>'
+        tip, what = word("Save the places as CSV"), word("save {}").format("CSV")
+        link = f'<a download="mechstyle-places.csv" title="{tip}" href="data:text/csv;base64,{data}">{what}</a>'
         self._save.value = link if vertices else ""
         show(self, vertices)
         if fewer and vertices:
@@ -75,9 +77,9 @@ class Places(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             act(number)
 
     def _line(self, number: int) -> list[ipywidgets.Widget]:
-        pin = lean(ipywidgets.Button, description=str(number + 1), tooltip=f"Look at place {number + 1}")
+        pin = lean(ipywidgets.Button, description=str(number + 1), tooltip=word("Look at place {}").format(number + 1))
         pin.add_class("mechstyle-pin")
-        away = lean(ipywidgets.Button, icon="times", tooltip=f"Take place {number + 1} away", layout={"width": "28px"})
+        away = lean(ipywidgets.Button, icon="times", tooltip=word("Take place {} away").format(number + 1), layout={"width": "28px"})
         for button, act in ((pin, self._fly), (away, self._remove)):
             button.on_click(partial(self._pressed, act, number))
         return [pin, *(lean(ipywidgets.HTML) for _ in range(1 + len(COLUMNS))), away]

@@ -84,6 +84,7 @@ class RunViewer(Linked, Viewer):
         self._still = subject
         original = subject_of(state.run, state.run.checkpoint(0))
         self._rests: tuple[Subject, ...] = (original,)
+        self._before = STYLE  # of an impact
         wanted = state.layer if subject.layer(state.layer) else STYLE
         super().__init__(subject.mesh, subject.layers, original=original, theme=theme, width=width, height=height)
         self.player = ImpactPlayer(state)
@@ -243,13 +244,18 @@ class RunViewer(Linked, Viewer):
                 self.original, self.third = moved[0], moved[1] if len(moved) > 1 else None
 
     def _show_stress(self, change: Any) -> None:
-        """An impact begins with its stress on show, and when it is put away the stress of the whole drop takes its place."""
+        """An impact begins with its stress on show; when it is put away, what was on show before it takes its place again."""
+        shown = self.layer
         self._show_moment()
         if change["new"] is not None:
+            self._before = self._before if shown == MOMENT else shown
             self.layer = MOMENT
-            if change["new"].normal != UP:  # it does not stand where it stood
-                self._orbit.follow(self.subject.mesh)
-                self.fit()
+        turned = (change["new"] or change["old"]).normal != UP
+        if turned:  # it does not stand where it stood
+            self._orbit.follow(self.subject.mesh)
+            self.fit()
+        if change["new"] is None and shown == MOMENT and self.subject.layer(self._before):
+            self.layer = self._before
 
 
 def _seen(wish: _Wish) -> tuple[Subject, Verdict]:

@@ -43,7 +43,9 @@ from mechstyle_widgets.viewer.shaders import (
 
 BACKGROUNDS = {"light": "#f6f6f4", "dark": "#1e1f22"}
 RULER = "#d9480f"
-"""Colour of the line that is measured along: seen on both backgrounds and from every ramp."""
+"""Colour of the bar that is measured along: seen on both backgrounds and from every ramp."""
+THICK, HEAD = 0.008, 8.0
+"""How thick it is, of the size of the part, and how long the head of an arrow, of that."""
 AXES = {"x": "#b4483c", "y": "#3d7d3a", "z": "#3b5fa8"}
 
 Floats32 = NDArray[np.float32]
@@ -70,10 +72,11 @@ class Scene:
         self._cut: tuple[Plane, bool] = (WHOLE, False)
         self._bands = 0
         self._marked: tuple[Any, ...] = (None, None, False)
-        self._ruler_ends = _attribute(np.zeros((6, 3)))  # a line, and the two that make it an arrow
-        self._ruler = pythreejs.LineSegments(
-            pythreejs.BufferGeometry(attributes={"position": self._ruler_ends}),
-            pythreejs.LineBasicMaterial(color=RULER, linewidth=2, depthTest=False, transparent=True),
+        self._thick = THICK * mesh.size
+        self._bar = _attribute(_bar(np.zeros(3), np.ones(3), 1.0, arrow=False))
+        self._ruler = pythreejs.Mesh(
+            pythreejs.BufferGeometry(attributes={"position": self._bar}),
+            pythreejs.MeshBasicMaterial(color=RULER, depthTest=False, transparent=True, side="DoubleSide"),
             frustumCulled=False, renderOrder=1, visible=False,
         )  # fmt: skip
         self._geometry = pythreejs.BufferGeometry(
@@ -152,7 +155,8 @@ class Scene:
             spots[place], kinds[place] = end, END
         self._spots.array, self._kinds.array = spots, kinds
         if len(ends) == 2:
-            self._ruler_ends.array = _single(_line(*(np.asarray(end, np.float64) for end in ends), arrow=arrow))
+            foot, tip = (np.asarray(end, np.float64) for end in ends)
+            self._bar.array = _single(_bar(foot, tip, self._thick, arrow=arrow))
         self._ruler.visible = len(ends) == 2
 
     @property
@@ -253,13 +257,20 @@ def _part_material(vertex_shader: str) -> Any:
     )
 
 
-def _line(foot: Floats, tip: Floats, *, arrow: bool) -> Floats:
-    """Ends of a line, and of the two short ones that make it an arrow [mm], shape [6, 3]."""
-    along = tip - foot
-    across = np.cross(along, (0.0, 0.0, 1.0) if abs(along[2]) < 0.9 * np.linalg.norm(along) else (0.0, 1.0, 0.0))
-    half = 0.1 * across * np.linalg.norm(along) / max(float(np.linalg.norm(across)), 1e-12)
-    left, right = (tip - 0.2 * along - half, tip - 0.2 * along + half) if arrow else (tip, tip)
-    return np.stack([foot, tip, tip, left, tip, right])
+def _bar(foot: Floats, tip: Floats, thick: float, *, arrow: bool) -> Floats:
+    """Triangles of a round bar between two places, with the head of an arrow at its tip [mm], shape [144, 3].
+
+    A line is a pixel wide whatever width it is given, and gets lost on a part of many colours.
+    """
+    length = float(np.linalg.norm(tip - foot))
+    head = min(HEAD * thick, 0.5 * length) if arrow else 0.0
+    shaft = trimesh.creation.cylinder(0.5 * thick, max(length - head, 1e-6), sections=8)
+    cone = trimesh.creation.cone(2.0 * thick if arrow else 0.0, head, sections=8)
+    raised = ((shaft, 0.5 * (length - head)), (cone, length - head))
+    corners = np.concatenate([np.add(solid.triangles.reshape(-1, 3), (0.0, 0.0, height)) for solid, height in raised])
+    up = np.array([0.0, 0.0, 1.0])
+    turned: Any = trimesh.geometry.align_vectors(up, tip - foot if length > 0.0 else up)  # type: ignore[no-untyped-call]
+    return np.asarray(foot + corners @ turned[:3, :3].T)
 
 
 def _creases(mesh: SurfaceMesh, beside: tuple[NDArray[np.int64], NDArray[np.int64]]) -> Floats32:

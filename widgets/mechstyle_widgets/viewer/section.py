@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from trimesh.intersections import slice_faces_plane
 
 from mechstyle.records.mesh import SurfaceMesh
+from mechstyle_widgets.jupyter.language import word
 from mechstyle_widgets.jupyter.looks import lean, show
 from mechstyle_widgets.viewer.scene import Plane
 from mechstyle_widgets.viewer.shaders import WHOLE
@@ -54,7 +55,7 @@ class Section(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
         unit = lean(ipywidgets.Label, "mm")
         flip = lean(ipywidgets.ToggleButton, description="other side", icon="exchange", tooltip="Show the other side of the cut")
         fill = lean(ipywidgets.ToggleButton, description="solid", icon="square", tooltip="Show the cut as solid, or look inside")
-        super().__init__([lean(ipywidgets.Label, "cut across"), axes, self._slider, unit, flip, fill])
+        super().__init__([lean(ipywidgets.Label, word("cut across")), axes, self._slider, unit, flip, fill])
         self.add_class("mechstyle-section-plane")
         for name, widget in (("axis", axes), ("at", self._slider), ("flipped", flip), ("filled", fill)):
             traitlets.link((self, name), (widget, "value"))

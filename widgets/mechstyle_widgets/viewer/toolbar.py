@@ -46,7 +46,7 @@ class Toolbar(ipywidgets.HBox):  # type: ignore[misc]  # ipywidgets has no types
         self.choice = unseen(lean(
             ipywidgets.Dropdown,
             options=[("style", STYLE)], description="layer", tooltip="What is shown on the part (1 to 6, L for the next)",
-            layout={"width": "108px"},
+            layout={"width": "auto", "min_width": "108px"},
         ))  # fmt: skip
         views = [(view.replace("_", " "), view) for view in VIEWS]
         self._view = unseen(lean(

@@ -55,8 +55,7 @@ function showAgain(manager) {
 let say = (english) => english; // in another language, where the kernel speaks one
 
 function initialize({ model }) {
-  const words = model.get("words");
-  say = (english) => words[english] ?? english;
+  say = speaking(model);
   recover(model.widget_manager);
   model.on("msg:custom", (message, buffers) => {
     if (message.kind === "text") navigator.clipboard?.writeText(message.text).catch(() => {}); // the page shows it as well
@@ -90,7 +89,7 @@ function render({ model, el }) {
     const name = () => label(root);
     watch(new MutationObserver(name), root, { childList: true, subtree: true, attributes: true, attributeFilter: ["class"] });
     name();
-    undo.push(explain(root)); // before the keys: Escape closes what is explained first
+    undo.push(explain(root, model.get("terms"))); // before the keys: Escape closes what is explained first
     listen(root, "keydown", (event) => pressed(model, root, event));
     holdFocus(root, listen, watch);
     undo.push(tellOfTheEnd(model, root));

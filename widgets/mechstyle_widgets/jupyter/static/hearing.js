@@ -16,3 +16,5 @@ const hears = (initialize) => (given) => {
   return initialize?.(given);
 };
 
+// What a script says, in the language the kernel speaks; `{}` is filled in.
+const speaking = (model) => (english, ...given) => given.reduce((text, one) => text.replace("{}", one), model.get("said")[english] ?? english);

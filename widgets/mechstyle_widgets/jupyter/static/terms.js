@@ -2,10 +2,10 @@
 
 const HESITATION = 600; // a mouse that passes by asks for nothing [ms]
 
-function termAt(target) {
+function termAt(target, terms) {
   const own = target.closest("button, label, .widget-label, .lm-TabBar-tab"), box = target.closest(".jupyter-widgets:not(.widget-box, .widget-tab)");
   for (const words of [own?.textContent, box?.querySelector("label, .widget-label")?.textContent, target.selectedOptions?.[0]?.text]) {
-    const term = Object.hasOwn(TERMS, key(words)) && TERMS[key(words)];
+    const term = Object.hasOwn(terms, key(words)) && terms[key(words)];
     if (term) return { term, at: own ?? box };
   }
 }
@@ -13,7 +13,7 @@ function termAt(target) {
 const key = (words = "") => words.toLowerCase().split(/[:[]/)[0].trim();
 
 // Explain the words of a root from now on; what it returns ends that.
-function explain(root) {
+function explain(root, terms) {
   const tip = Object.assign(document.createElement("div"), { className: "mechstyle-tip", id: `mechstyle-tip-${crypto.randomUUID?.() ?? Math.random()}`, hidden: true });
   tip.setAttribute("role", "tooltip");
   root.append(tip);
@@ -27,7 +27,7 @@ function explain(root) {
     [from, quiet] = [null, []];
   };
   const open = (target) => {
-    const found = target.isConnected && termAt(target);
+    const found = target.isConnected && termAt(target, terms);
     if (!found) return;
     const { term: [word, sentence, picture], at } = found, box = at.getBoundingClientRect(), frame = root.getBoundingClientRect();
     quiet = [at.closest("[title]"), ...at.querySelectorAll("[title]")].filter(Boolean).map((one) => [one, one.title]);

@@ -98,12 +98,13 @@ function reach(replay, key, frame) {
 }
 
 function render({ model, el }) {
-  const slider = element("input", { type: "range", min: "0", step: "1", "aria-label": "iteration", title: "Arrow keys: left and right step, up and down choose a lane" });
-  const button = element("button", { type: "button", class: "mechstyle-play", "aria-label": "Play", title: "Play, and stop" }, "▶");
+  const say = speaking(model);
+  const slider = element("input", { type: "range", min: "0", step: "1", "aria-label": say("iteration"), title: say("Arrow keys: left and right step, up and down choose a lane") });
+  const button = element("button", { type: "button", class: "mechstyle-play", "aria-label": say("Play"), title: say("Play, and stop") }, "▶");
   const count = element("output", { class: "mechstyle-count" });
   slider.dataset.lmSuppressShortcuts = button.dataset.lmSuppressShortcuts = "true"; // not the notebook's keys
   el.classList.add("mechstyle-scrubber");
-  el.append(button, element("span", { class: "mechstyle-scrubber-label", "aria-hidden": "true" }, "iteration"), slider, count);
+  el.append(button, element("span", { class: "mechstyle-scrubber-label", "aria-hidden": "true" }, say("iteration")), slider, count);
   let replay = null, loan = null, held = false, resting = 0, playing = 0, closed = false;
 
   const listeners = [];
@@ -115,9 +116,9 @@ function render({ model, el }) {
 
   const said = () => {
     const at = Number(slider.value), frame = frameOf(at);
-    count.textContent = `${at} of ${model.get("max")}`;
+    count.textContent = say("{} of {}", at, model.get("max"));
     const tested = frame?.outcome ? `, ${frame.words}` : "";
-    slider.setAttribute("aria-valuetext", `iteration ${at} of ${model.get("max")}${tested}`);
+    slider.setAttribute("aria-valuetext", say("iteration {} of {}", at, model.get("max")) + tested);
   };
   const frameOf = (at) => (replay && model.get("_served").includes(at) ? replay.frames.find((frame) => frame.iteration === at) : undefined);
   const passing = (is) => root()?.classList.toggle("mechstyle-passing", is); // what is said of the iteration before grows pale
@@ -194,13 +195,13 @@ function render({ model, el }) {
     cancelAnimationFrame(playing);
     playing = 0;
     button.textContent = "▶";
-    button.setAttribute("aria-label", "Play");
+    button.setAttribute("aria-label", say("Play"));
   };
   const play = () => {
     if (playing) { stop(); rest(); return; }
     const last = Number(slider.max), from = Number(slider.value) >= last ? 0 : Number(slider.value), began = performance.now();
     button.textContent = "❚❚";
-    button.setAttribute("aria-label", "Stop");
+    button.setAttribute("aria-label", say("Stop"));
     const next = () => {
       const at = Math.min(from + Math.floor((performance.now() - began) / FRAME), last);
       if (at !== Number(slider.value)) { slider.value = String(at); moved(); }

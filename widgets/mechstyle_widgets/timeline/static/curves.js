@@ -33,7 +33,7 @@ function render({ model, el }) {
   let Plotly = null, gone = false;
   el.classList.add("mechstyle-curves");
   el.style.minHeight = `${model.get("frame").height ?? 0}px`; // nothing moves when it comes
-  el.textContent = plotly.there ? "" : "The curves are drawn as soon as the kernel answers.";
+  el.textContent = plotly.there ? "" : speaking(model)("The curves are drawn as soon as the kernel answers.");
 
   const layout = () => {
     const { shapes, ...rest } = structuredClone(model.get("frame")), at = model.get("head");

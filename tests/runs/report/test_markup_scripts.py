@@ -5,7 +5,7 @@ import re
 import pytest
 
 from mechstyle.pictures import shading
-from mechstyle.runs.report.bundle import IN_A_REPORT, bundle, static
+from mechstyle.runs.report.markup import IN_A_REPORT, bundle, static
 
 
 def top_level(text):

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from mechstyle.fea.discretisation import discretise
+from mechstyle.fea.discretisation import bound, discretise, lengthened
 from mechstyle.fea.elements import ELEMENTS
-from mechstyle.fea.mass_scaling import bound, lengthened
 from support.slivers import weighted, with_slivers
 
 each_element = pytest.mark.parametrize("element", ELEMENTS.values(), ids=ELEMENTS)

@@ -9,7 +9,7 @@ import pytest
 from mechstyle.errors import DamagedStore
 from mechstyle.loop.objects import Objects
 from mechstyle.records.mesh import SurfaceMesh, TetMesh
-from mechstyle.runs.part_record import PartRecord
+from mechstyle.runs.folders import PartRecord
 from mechstyle.simulation.part import Origin, Workpiece
 
 FILE = Path("run/part.json")

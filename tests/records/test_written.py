@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mechstyle.errors import BadInput
-from mechstyle.records.lengths import LEAST_BARE, length_of, written
+from mechstyle.records.written import LEAST_BARE, length_of, written
 
 
 @pytest.mark.parametrize(

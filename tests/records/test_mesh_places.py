@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from mechstyle.records.load_cases import Patch
-from mechstyle.records.mesh import SurfaceMesh
-from mechstyle.records.places import FLOOR_TOLERANCE, in_ball, in_box, in_half_space, on_floor
+from mechstyle.records.mesh import FLOOR_TOLERANCE, SurfaceMesh, in_ball, in_box, in_half_space, on_floor
 from mechstyle.records.regions import Box, HalfSpace, Sphere
 
 HALF = [0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0]

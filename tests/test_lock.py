@@ -11,14 +11,14 @@ import threading
 
 import pytest
 
+from mechstyle._files import exclusive
 from mechstyle.errors import BadInput
-from mechstyle.loop.lock import exclusive
 
 HOLD = """
 import sys
 import threading
 from pathlib import Path
-from mechstyle.loop.lock import exclusive
+from mechstyle._files import exclusive
 with exclusive(Path(sys.argv[1]), "lane"):
     print("held", flush=True)
     sys.stdin.read()

@@ -2,10 +2,10 @@
 
 import pytest
 
-from mechstyle.simulation.validation import convergence
+from mechstyle.simulation.validation import repeatability
 from support.cases import held, quick
 
 
-@pytest.mark.parametrize("name", quick(convergence))
+@pytest.mark.parametrize("name", quick(repeatability))
 def test_the_simulation_holds(name):
     held(name)

@@ -10,10 +10,22 @@ from mechstyle.errors import BadInput
 from mechstyle.fea.drop import DropTest, drop
 from mechstyle.fea.elements import ELEMENTS, with_nodes
 from mechstyle.fea.snapshots import snapshot, snapshots
-from mechstyle.fea.vtu import on_nodes, vtu, vtu_path
+from mechstyle.records.material import LIBRARY
+from mechstyle.simulation.drop_history import on_nodes, vtu, vtu_path
+from mechstyle.simulation.validation.meshes import box
 
 VTK_EDGES = ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3))
 """Of VTK_QUADRATIC_TETRA, in the order of its nodes 4 to 9 (VTK file formats, figure 3)."""
+
+
+@pytest.fixture(scope="module")
+def block():
+    return box((3, 4, 4), (12.0, 10.0, 16.0))
+
+
+@pytest.fixture
+def pla():
+    return LIBRARY["PLA"]
 
 
 @pytest.fixture
