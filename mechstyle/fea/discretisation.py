@@ -45,7 +45,7 @@ class Discretisation:
             [rad/ms], shape [tet_count].
         masses: Lumped masses, some heavier than they are [g], shape [node_count].
         added_mass: Mass added so over the mass of the body.
-        highest: Positive vector with which the masses bound the highest frequency, shape [node_count]: see `mass_scaling`.
+        highest: Positive vector with which the masses bound the highest frequency, shape [node_count]: see `bound`.
         slots: Where an element's share of a force on a node goes before the shares are added up, shape [tet_count, nodes]: the slots
             of a node follow each other in the order of the tetrahedra.
         first_slot: Where each node's slots start, shape [node_count + 1].

@@ -55,7 +55,7 @@ class DropTest:
             displacement u + β_e v, β_e = 2 ξ/ω_e.
         law: Elastic law, one of `elasticity.LAWS`.
         element: "tet10", or "tet4" as in the published study: linear tetrahedra lock, in a one-layer wall to a sixth of its deflection.
-        added_mass: Mass added where it lengthens the step most, over the mass of the part; see `mass_scaling`. It makes the step 1.3 to
+        added_mass: Mass added where it lengthens the step most, over the mass of the part; see `discretisation`. It makes the step 1.3 to
             1.5 times as long as a tenth of it, and moves σ_V by 1 % at most; with 0.01 it would move by up to 4 %.
         safety: Time step over a limit that is stable for certain at small strain.
         across: Normal of printed layers over their share of the strength, n / r; zero for a material without layers. What is recorded as

@@ -128,7 +128,7 @@ def orientation_set(poses: str, count: int, points: ArrayLike, centre: ArrayLike
 
 def directions(count: int) -> Floats:
     """The normals of `fibonacci`, shape [count, 3]."""
-    return fibonacci(count).normals
+    return orientation_set("fibonacci", count, (), ()).normals
 
 
 def fibonacci(count: int, frame: ArrayLike | None = None) -> Orientations:

@@ -106,7 +106,9 @@ class Engine:
             yield event
             state = event.checkpoint
         proposed = self.bounds.levelled(self._wind_stylizer(state).displacement)
-        state = self._under_this_recipe(state)
+        if state.recipe != self.recipe.digest:  # its stress stays, its restraint is worked out anew
+            demand = self._demand(self.store.objects.get_record(state.simulation, Simulation))
+            state = replace(state, demand=demand, mask=self._mask(demand))
         while state.iteration < self.recipe.schedule.iterations:
             proposal, before = self.stylizer.step(), state.displacement
             wanted = self.bounds.levelled(proposal.displacement)
@@ -161,13 +163,6 @@ class Engine:
             verdict=verdict,
             keyframe=self.stylizer.state(),
         )
-
-    def _under_this_recipe(self, state: Checkpoint) -> Checkpoint:
-        """A checkpoint of another recipe as this one judges it: its stress stays, its restraint is worked out anew."""
-        if state.recipe == self.recipe.digest:
-            return state
-        demand = self._demand(self.store.objects.get_record(state.simulation, Simulation))
-        return replace(state, demand=demand, mask=self._mask(demand))
 
     def _wind_stylizer(self, state: Checkpoint) -> Proposal:
         """Bring the stylizer to where it was after `state`: from the nearest keyframe, or afresh where another style ended."""

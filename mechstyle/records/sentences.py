@@ -31,12 +31,8 @@ MEANINGS = {
 }
 """What each outcome means."""
 
-NOT_SURE = "(not sure)"
-"""What stands after an outcome that leaves a doubt."""
-NOT_JUDGED = "not judged"
-"""What stands in the place of an outcome of a test that does not decide."""
-NOT_TESTED = "NOT TESTED"
-"""What stands there where nothing was tested."""
+NOT_SURE, NOT_JUDGED, NOT_TESTED = "(not sure)", "not judged", "NOT TESTED"
+"""What follows an outcome that leaves a doubt, and what replaces that of a test that does not decide, and of none."""
 
 HIGHEST = 10_000.0
 """Heights above are all shown as more than this [mm]."""
@@ -269,8 +265,8 @@ def planned(height: float, falls: int, seconds: float) -> str:
 
 def measured_out(falls: int, seconds: float) -> str:
     """The tests before any correction, now that the tetrahedra are known, and how long they will take [s]."""
-    takes = duration(_rounded(seconds))
-    return f"Its tetrahedra are known now: before any correction it falls about {falls} times, which takes about {takes}."
+    known = f"Its tetrahedra are known now: before any correction it falls about {falls} times"
+    return f"{known}, which takes about {duration(_rounded(seconds))}."
 
 
 def _rounded(seconds: float) -> float:

@@ -27,13 +27,7 @@ SAME_PART = 0.02
 
 @dataclass(frozen=True, eq=False)
 class Skin:
-    """The unstylized surface, as every set of tetrahedra of it needs it.
-
-    Attributes:
-        surface: The standardised surface.
-        nozzle: Diameter of the printer's nozzle [mm].
-        known_thickness: Local wall thickness [mm], shape [vertex_count]; None to work it out.
-    """
+    """The standardised surface without style. `known_thickness` [mm] is [vertex_count], None to work it out; `nozzle` is in mm."""
 
     surface: SurfaceMesh
     nozzle: float
@@ -107,14 +101,7 @@ class Followed(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """Tetrahedra of a part.
-
-    Attributes:
-        skin: The unstylized surface.
-        tets: Tetrahedra of it displaced by `at`.
-        transfer: How stress gets from tetrahedra to surface.
-        at: The displacement they were made for [mm], shape [vertex_count]; None for none.
-    """
+    """Tetrahedra of a part. They were made for its displacement `at` [mm], shape [vertex_count], None for none."""
 
     skin: Skin
     tets: TetMesh

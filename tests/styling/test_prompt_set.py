@@ -11,6 +11,7 @@ from mechstyle.styling.drawing.colours import rgb, shaded
 from mechstyle.styling.library import names
 from mechstyle.styling.prompt import read
 from mechstyle.styling.vocabulary import COLOURS, SHADES
+from support import ROOT
 
 LINES = [line for line in Path(__file__).with_name("prompts.txt").read_text("utf-8").splitlines() if line and not line.startswith("#")]
 PROMPTS = [(prompt, *rest.split(" ~ ")) for prompt, rest in (line.split(" => ") for line in LINES)]
@@ -52,3 +53,15 @@ def test_a_prompt_gives_what_it_must(prompt, reading, notes):
     assert len(found.notes) == len(notes)
     for note in notes:
         assert any(note in said for said in found.notes), found.notes
+
+
+def test_prompts_that_were_held_back_give_what_they_must_since_their_kinds_were_mended():
+    lines = (ROOT / "benchmarks" / "held-back.txt").read_text("utf-8").splitlines()
+    held_back = [line.split(" => ") for line in lines if line and not line.startswith("#")]
+    assert len(held_back) > 500
+    for prompt, right in held_back:
+        if right == "!":
+            with pytest.raises(BadInput):
+                read(prompt)
+        else:
+            assert right.split("|") == sorted({wish.style or "plain" for wish in read(prompt).wishes}), prompt

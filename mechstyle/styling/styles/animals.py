@@ -27,7 +27,7 @@ def fur(canvas: Canvas) -> Relief:
     aside = bent / np.maximum(half, 1e-6)
     there = (np.abs(aside) < 1.0) & (down > 0.0) & (down < 1.0) & (stamps.facing > 0.2)
     strand = np.cos(2.0 * np.pi * 2.0 * aside)
-    raised = -0.9 + 1.9 * down - 1.3 * aside**2 * smoothstep(0.1, 0.6, down) + 0.64 * strand * np.clip(2.5 * half / LOCK, 0.0, 1.0)
+    raised = -0.9 + 1.9 * down - 1.3 * aside**2 * smoothstep(0.1, 0.6, down) + 0.85 * strand * np.clip(2.5 * half / LOCK, 0.0, 1.0)
     front = np.where(there, down, -1.0).argmax(axis=1)[:, None]  # tips lie over roots
     height, hair = (np.take_along_axis(field, front, axis=1)[:, 0] for field in (np.where(there, raised, -0.9), strand))
     tone = np.clip(0.30 + 0.35 * height + 0.14 * hair, 0.0, 1.0)
@@ -90,7 +90,7 @@ def camouflage(canvas: Canvas) -> Relief:
     weave = canvas.noise(5.0 * unit, 1, "weave")
     height = -1.0 + 0.80 * level
     colour = np.tile(rgb(DRAB[1]), (len(height), 1))
-    hatches = (np.full(len(height), -0.05), 0.05 + 0.95 * (upright * level), np.full(len(height), 1.0))
+    hatches = (-0.30 + 0.75 * upright, 0.05 + 0.95 * (upright * level), np.full(len(height), 1.0))
     for hatch, code, threshold in zip(hatches, (DRAB[2], DRAB[3], DRAB[0]), (-0.12, 0.06, 0.20), strict=True):
         field = canvas.noise(BLOTCH * unit, 2, code, at=canvas.points * [1.0, 1.0, 1.35])
         blotch = smoothstep(-0.025, 0.025, field - threshold)

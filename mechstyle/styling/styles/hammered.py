@@ -17,8 +17,8 @@ def hammered(canvas: Canvas) -> Relief:
     spacing = 0.62 * DENT * unit
     blows = canvas.stamps(canvas.scattered(spacing, "dents"), spacing, count=4)
     blow = canvas.random(blows.identity, "blow")
-    reach = np.hypot(blows.x, blows.y) / ((0.38 + 0.14 * blow) * DENT * unit)
-    bowls = (1.0 - np.clip(reach, 0.0, 1.0) ** 2) ** 0.75 * (0.75 + 0.25 * blow) * smoothstep(0.2, 0.5, blows.facing)
+    reach = np.hypot(blows.x, blows.y) / ((0.34 + 0.12 * blow) * DENT * unit)
+    bowls = (1.0 - np.clip(reach, 0.0, 1.0) ** 2) * (0.75 + 0.25 * blow) * smoothstep(0.2, 0.5, blows.facing)
     bowl = bowls.max(axis=1)
     rim = np.max(np.exp(-(((reach - 1.04) / 0.10) ** 2)), axis=1) * smoothstep(0.25, 0.0, bowl)
     cloud = canvas.noise(45.0 * unit, 2, "cloud")

@@ -9,8 +9,8 @@ from mechstyle.styling.drawing.colours import mix, ramp, rgb, smoothstep
 from mechstyle.styling.drawing.tilings import dome
 from mechstyle.styling.style import Relief, Style
 
-TREAD, RING, HULL, SPIKE, LUG = 15.0, 19.0, 30.0, 14.0, 24.0
-WIRE = 0.105  # radius of the wire over the way from ring to ring
+TREAD, RING, HULL, SPIKE, LUG = 15.0, 16.5, 30.0, 14.0, 24.0
+WIRE = 0.115  # radius of the wire over the way from ring to ring
 
 
 def diamond_plate(canvas: Canvas) -> Relief:
@@ -32,10 +32,10 @@ def diamond_plate(canvas: Canvas) -> Relief:
 
 def chainmail(canvas: Canvas) -> Relief:
     """Rings that lie flat side by side, each linked to its four neighbours by an upright ring that is seen from its edge."""
-    unit = canvas.unit("wire of the mail", 2.0 * WIRE * RING, edges=2.8)
+    unit = canvas.unit("wire of the mail", 2.0 * WIRE * RING, edges=3.6)
     bond = canvas.bond(RING * unit, RING * unit, shift=0.0)
     x, y = np.abs(bond.x), np.abs(bond.y)
-    ring = dome((np.hypot(x, y) - 0.38) / WIRE)
+    ring = dome((np.hypot(x, y) - 0.37) / WIRE)
     links = []
     for along, across in ((x, y), (y, x)):  # across the gap to the neighbour, and beside that way
         links.append(dome(np.hypot(np.maximum(0.5 - along - 0.11, 0.0), across) / WIRE))

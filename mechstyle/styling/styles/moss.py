@@ -28,7 +28,7 @@ def moss(canvas: Canvas) -> Relief:
     damp = canvas.noise(35.0 * unit, 3, "damp")
     tone = np.clip(0.05 + 0.50 * mound + 0.25 * leaf + 0.25 * own + 0.20 * damp, 0.0, 1.0)
     colour = ramp(["1d2c10", "3f5a1c", "6c8a2c", "a3b84e", "cbd27c"], tone)
-    height = -1.1 + 1.30 * mound + (0.25 + 0.65 * mound) * leaf * (0.9 + 0.3 * own)
+    height = -1.1 + 1.00 * mound + (0.45 + 0.75 * mound) * leaf * (0.9 + 0.3 * own)
     return Relief(canvas.softened(height), canvas.softened(canvas.painted(colour)))
 
 

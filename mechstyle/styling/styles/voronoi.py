@@ -17,9 +17,9 @@ def voronoi(canvas: Canvas) -> Relief:
     unit = canvas.unit("ribs", RIB, edges=2.4)
     cells = canvas.cells(CELL * unit, "cells")
     # Smoothing rounds the corners of the cells, and pins the ribs where three meet.
-    edge = canvas.smoothed(cells.edge, 1.6 * unit) / unit
+    edge = canvas.smoothed(cells.edge, unit) / unit
     rib = dome(np.clip(edge / (0.62 * RIB), 0.0, 1.0))
-    deep = smoothstep(0.40 * RIB, 0.75 * RIB, edge)
+    deep = smoothstep(0.40 * RIB, 1.20 * RIB, edge)
     own = canvas.random(cells.identity, "tone") - 0.5
     drift = canvas.noise(70.0 * unit, 2, "drift")
     floor = ramp(["33306b", "3f5f9e", "3f9fae", "7fcfa6", "e6e08c"], np.clip(0.5 + 0.75 * drift + 0.35 * own, 0.0, 1.0))
