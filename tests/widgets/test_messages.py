@@ -48,7 +48,7 @@ def test_a_refusal_ends_with_what_was_refused(studio, cube):
         lambda: studio.part_picker.show(cube.moved(0.5 * cube.vertices), "half"),
         lambda: setattr(studio.prompt_box, "image", np.full((8, 8, 3), 200, np.uint8)),
     ):
-        studio.prompt_box.prompt = "van gogh starry night"
+        studio.prompt_box.prompt = "my own idea"
         studio.run_controls._buttons["run"].click()
         assert "names no style" in studio.run_controls.trouble
         change()
