@@ -103,7 +103,7 @@ def walked(studio: Studio) -> set[str]:
     def see(*_: object) -> None:
         found.update(sentences_of(studio))
 
-    for prompt in ("my own idea", "", "brick"):
+    for prompt in ("Quatsch", "", "brick"):
         studio.prompt_box.prompt = prompt
         see(studio.run_controls._buttons["run"].click() if prompt != "brick" else None)
     for group in studio._groups:
