@@ -33,6 +33,7 @@ def english_in(text: str) -> set[str]:
     if text in NAMES or plain(text) or text.startswith("/") or "import mechstyle" in text:
         return set()
     text = re.sub(rf"branch-\d+|^({'|'.join(KINDS)})\b", "", text, flags=re.MULTILINE)  # a folder, and what regions begin with
+    text = re.sub("&#x27;.*?&#x27;", "", text)  # what is quoted can be written so
     return {*ENGLISH.findall(text), *(words(text) & ONLY_ENGLISH)}
 
 
