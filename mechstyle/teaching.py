@@ -1,4 +1,4 @@
-"""The part of demo and lessons, and helpers: a trophy whose neck decides, meshed regularly so that everybody sees the same figures."""
+"""The part of the lessons, and helpers: a trophy whose neck decides, meshed regularly so that everybody sees the same figures."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ def run(prompt: str = "brick", *, freely: bool = False, folder: str | Path = "ru
 
 
 def settled(prompt: str = "brick", *, freely: bool = False, **changes: Any) -> Recipe:
-    """The recipe of a run of the trophy, which the demo makes as well; arguments as for `run`."""
+    """The recipe of a run of the trophy; arguments as for `run`."""
     return plan(trophy(), prompt, **{**LESSON, **(FREELY if freely else {}), **changes})
 
 

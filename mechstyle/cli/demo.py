@@ -13,8 +13,7 @@ import typer
 
 from mechstyle.cli.console import command, err, escape, headline, in_colour, out, print_json, table, telling
 from mechstyle.cli.options import Device, Json, Settings, Vertices, recipe_options, typed_as
-from mechstyle.cli.run import carry_out, finish
-from mechstyle.errors import BadInput
+from mechstyle.cli.run import carry_out
 from mechstyle.records import sentences
 from mechstyle.records.mesh import STANDARD_VERTICES
 from mechstyle.records.recipe import described
@@ -25,8 +24,8 @@ if TYPE_CHECKING:
 
 app = typer.Typer()
 
-DEMO_VERTICES = 3_000
-"""So few that a part of one's own takes minutes on a laptop: with 25 000 it takes ten times as long."""
+DEMO_MODEL, DEMO_VERTICES = "gallery:wall_hook", 3_000
+"""Small and solid, and so few vertices, that the demo takes minutes on a laptop: with 25 000 it takes ten times as long."""
 
 
 @app.command("demo")
@@ -36,21 +35,15 @@ def demo_command(
     *,
     settings: Settings,
     folder: Annotated[Path, typer.Option("--out", help="Where the runs, pictures and 3MF files go.")] = Path("demo-out"),
-    model: Annotated[str, typer.Option(help="What to style, a file or gallery:NAME.", show_default="the lessons' trophy")] = "",
+    model: Annotated[str, typer.Option(help="What to style, a file or gallery:NAME.")] = DEMO_MODEL,
     prompt: Annotated[str, typer.Option(*typed_as("prompt").flags, help=described("prompt"))] = "brick",
     device: Device = "auto",
     vertices: Vertices = DEMO_VERTICES,
     as_json: Json = False,
 ) -> None:
-    """Style the trophy of the lessons as brick, freely and with feedback, and compare the verdicts."""
+    """Style the gallery's wall hook as brick, freely and with feedback, and compare the verdicts."""
     asked = {"prompt": prompt, **settings}
-    if not model and vertices != DEMO_VERTICES:
-        raise BadInput("--vertices is for a part of your own, because the trophy is meshed already: name one with --model, or leave it out")
-    if model:
-        pair = both_ways(model, asked, vertices, device, folder, quick=True, as_json=as_json)
-    else:
-        pair = of_the_trophy(asked, device, folder, as_json=as_json)
-    tell(pair, folder, as_json=as_json)
+    tell(both_ways(model, asked, vertices, device, folder, quick=True, as_json=as_json), folder, as_json=as_json)
 
 
 @app.command("application")
@@ -92,22 +85,6 @@ def both_ways(
             err.print(f"[bold]{label}[/]: {escape(model)} as “{escape(settings['prompt'])}”")
         where = folder / label.lower()
         runs.append(carry_out(model, settings, vertices, {}, device, where, freestyle=freestyle, quick=quick, as_json=as_json))
-    return Pair(*runs)
-
-
-def of_the_trophy(settings: Settings, device: str, folder: Path, *, as_json: bool) -> Pair:
-    """Run the lessons' trophy freely and with feedback, in the settings of lesson 1, with progress."""
-    from mechstyle import teaching  # noqa: PLC0415 — as above
-    from mechstyle.runs.run import begin  # noqa: PLC0415
-    from mechstyle.study.applications import Pair  # noqa: PLC0415
-
-    runs, part = [], teaching.trophy()
-    for label, own in (("Freestyle", {"freely": True}), ("MechStyle", {"schedule": "stress"})):
-        if not as_json:
-            err.print(f"[bold]{label}[/]: a trophy as “{escape(settings['prompt'])}”")
-        recipe = teaching.settled(**{**settings, **own})
-        with telling(recipe.schedule.iterations, quiet=as_json) as teller:
-            runs.append(finish(begin(part, recipe, folder / label.lower(), name="trophy", device=device, beside=False), teller))
     return Pair(*runs)
 
 

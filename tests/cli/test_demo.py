@@ -8,7 +8,6 @@ from types import SimpleNamespace
 import pytest
 from typer.testing import CliRunner
 
-from mechstyle import teaching
 from mechstyle.cli import demo
 from mechstyle.cli.app import app
 from support.records import FALL, published_row, row, verdict
@@ -47,20 +46,6 @@ def test_the_demo_ends_with_one_table_of_the_falls_of_both_runs(pair, capsys):
     assert flat == "flat 2.4 m 20 cm FAILS 2.3 m HOLDS 1.5 m"
     assert published == "published rule – 0.76 × not judged 0.76 × not judged 1 ×"
     assert kept == "style kept – 91% 91% –"
-
-
-def test_the_demo_shows_the_runs_of_lesson_1(monkeypatch, tmp_path):
-    monkeypatch.setattr(demo, "finish", lambda run, _: run)
-    pair = demo.of_the_trophy({"prompt": "brick"}, "cpu", tmp_path, as_json=True)
-    assert pair.free.recipe == teaching.settled("brick", freely=True)
-    assert pair.fed.recipe == teaching.settled("brick", schedule="stress")
-    assert [run.part.tets.digest for run in (pair.free, pair.fed)] == [teaching.trophy().tets.digest] * 2
-    lower = demo.of_the_trophy({"prompt": "stone", "height": "75 cm"}, "cpu", tmp_path / "lower", as_json=True)
-    assert [run.recipe.test.height for run in (lower.free, lower.fed)] == [750.0] * 2
-
-
-def test_vertices_of_the_trophy_are_refused_in_one_sentence(mechstyle):
-    assert "leave it out" in mechstyle.here("demo", "--vertices", "900", "--json", code=2).json["error"]
 
 
 NEXT = "mechstyle run YOUR_PART.stl --prompt brick"
