@@ -91,6 +91,7 @@ def test_the_picture_can_be_saved(shown):
 
 
 def test_the_impact_can_be_watched_and_exaggerated(shown):
+    before_it = shown.python("print(viewer.layer)")
     shown.page.get_by_role("button", name="impact").click()
     shown.until("(viewer.player.impact is not None, viewer.layer)", "(True, 'moment')")
     before = shown.drawn()
@@ -106,7 +107,7 @@ def test_the_impact_can_be_watched_and_exaggerated(shown):
     shown.python("viewer.player.exaggeration = 200.0")
     shown.changed(shown.canvas(), early, 0.01)
     shown.page.locator(".mechstyle-viewer button[title^='Back to']").click()
-    shown.until("(viewer.player.impact, viewer.layer)", "(None, 'style')")
+    shown.until("(viewer.player.impact, viewer.layer)", f"(None, '{before_it}')")
 
 
 def test_running_the_cell_again_leaves_nothing_behind(shown):

@@ -10,9 +10,11 @@ from mechstyle import gallery
 from mechstyle.fea.drop import DropTest
 from mechstyle.records import Landing, Simulation
 from mechstyle.records.mesh import TetMesh
+from mechstyle.simulation.validation import repeatability
 from mechstyle.simulation.validation.meshes import bracket
 from mechstyle.simulation.validation.reading import Body, period_of_body
 from mechstyle.simulation.validation.repeatability import STRENGTHS, Pair, about_z, changed, dropped_anew, flips, landed, moved, spread
+from support.cases import held, quick
 
 MIRROR = np.diag([-1.0, 1.0, 1.0])
 
@@ -117,3 +119,8 @@ def test_a_part_of_the_gallery_turned_mirrored_and_meshed_again_reads_the_same_a
     found = [dropped_anew(model, 1000), dropped_anew(moved(model, about_z(51.0) @ MIRROR), 1040)]
     assert len({len(one.landings) for one in found}) == 1
     assert failing([*spread("wall hook", found), flips("wall hook", [Pair(one, found[0]) for one in found])]) == []
+
+
+@pytest.mark.parametrize("name", quick(repeatability))
+def test_on_finer_meshes_the_simulation_holds(name):
+    held(name)
