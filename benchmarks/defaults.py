@@ -37,13 +37,6 @@ on any parts and styles, in a fall, under a load and with deep relief. It writes
 ## The grid
 
 """
-THIN_WALLS = """
-The walls of the pill box are 2 mm thick and bend as a whole when it lands on a corner, far from where it lands. Relief lowered around the
-overload changes nothing (62.1 MPa before, 62.2 MPa after), so all of it is lowered. Relief that only goes outwards leaves the walls whole:
-`mechstyle run gallery:pill_box -p brick --side outwards --vertices 12000` is NO WORSE for sure after one simulation, falls from 96 cm
-nearly flat (plain 90 cm), and keeps 1.00. A run that keeps less than 0.7 says so.
-"""
-"""Measured apart from the grid; two cores, no GPU."""
 CHOICE = """\
 A run finishes first unless a control is asked for. The Studio grows a style under masks, because that is what one watches there.
 """
@@ -110,7 +103,8 @@ def page(rows: Sequence[Row], machine: str) -> str:
     lost = "\n".join(lines) if lines else f"Nothing: all pass for sure and keep {WORTH_TELLING:g} at least."
     return (
         f"{HEAD}{intro}{about}{rest}\n{grid(rows)}\n## What follows\n\n" + "\n".join(follows(rows))
-        + f"\n\n{CHOICE}\n## What finishing first gives up\n\n{lost}\n{THIN_WALLS if lines else ''}"
+        + f"\n\n{CHOICE}\n## What finishing first gives up\n\n{lost}\n\n"
+        + "How more of a style may be kept: [when a part fails](when-it-fails.md).\n"
     )  # fmt: skip
 
 

@@ -202,9 +202,13 @@ def _listed(words: Sequence[str]) -> str:
 
 def table(verdict: Verdict) -> list[tuple[str, ...]]:
     """The table of tests as text, a row each, under COLUMNS; a dash stands for what is not known."""
-    plain = ("–" if row.original is None else _value(row, row.original) for row in verdict.rows)
-    figures = ((_value(row, row.survived), _asked(row), f"{row.reserve - 1.0:+.0%}", _judged(row)) for row in verdict.rows)
-    return [(_label(row), before, *after) for row, before, after in zip(verdict.rows, plain, figures, strict=True)]
+    return [
+        (
+            _label(row), "–" if row.original is None else _value(row, row.original), _value(row, row.survived),
+            _asked(row), f"{row.reserve - 1.0:+.0%}", _judged(row),
+        )
+        for row in verdict.rows
+    ]  # fmt: skip
 
 
 def tabulated(verdict: Verdict) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:

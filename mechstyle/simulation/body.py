@@ -101,7 +101,10 @@ class Followed(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """Tetrahedra of a part. They were made for its displacement `at` [mm], shape [vertex_count], None for none."""
+    """Tetrahedra of a part, `skin`, and how their stress gets to its surface, `transfer`.
+
+    They were made for its displacement `at` [mm], shape [vertex_count], None for none.
+    """
 
     skin: Skin
     tets: TetMesh

@@ -55,7 +55,7 @@ def test_a_prompt_gives_what_it_must(prompt, reading, notes):
         assert any(note in said for said in found.notes), found.notes
 
 
-def test_prompts_that_were_held_back_give_what_they_must_since_their_kinds_were_mended():
+def test_prompts_that_were_held_back_give_what_they_gave_once_their_kinds_were_mended():
     lines = (ROOT / "benchmarks" / "held-back.txt").read_text("utf-8").splitlines()
     held_back = [line.split(" => ") for line in lines if line and not line.startswith("#")]
     assert len(held_back) > 500
