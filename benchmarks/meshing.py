@@ -41,11 +41,17 @@ The remesher on the parts of the gallery, {asked} vertices asked for: {count} of
 `python benchmarks/meshing.py`. CPU seconds are of one core of a busy x86-64 server.
 
 * **vertices**: of the drawn part, and after remeshing; 5 % more or fewer than asked for are accepted.
+
 * **edge**: mean length [mm].
+
 * **quality**: 4 √3 A / Σ l² of the triangles, 1 for equal sides: the mean, and the value that 1 % of them fall short of.
+
 * **crossing**: pairs of triangles that cross without a shared corner, before and after: {crossed} of the parts have any after{which}.
+
 * **off**: largest distance of either surface from the other [mm].
+
 * **CPU**: seconds, all trials of the edge length included.
+
 * **tets**: tetrahedra of the plain part. **steps**: of a drop through one lowest period (PLA, quadratic tetrahedra), the least that a
   drop takes. A drop costs their **product** [million].{dash}
 

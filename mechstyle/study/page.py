@@ -50,9 +50,12 @@ MEASURE = (
 )
 SLIPS = """\
 * Free stylization: 25.55 % is 46 of 180 (25.56 %, cut off).
+
 * The worst way, 80.2 %, is no share of 180 (144 are 80.0 %, 145 are 80.6 %): its count must differ, or it is a slip. Only that and three
   ways with 100 % are given in the text: non-linear × frozen, stress × exponential, stress × frozen.
+
 * One comparison of run times is given twice with T = 6.74, once with p < .0001 and once with p > .05; it is not repeated here.
+
 * Its models are not listed and its code is not published, so the models here are others. Its criterion stands here as "published rule":
   the largest stress at a point within the yield strength. It does not decide here.
 """
@@ -148,7 +151,7 @@ def _what(own: Sequence[Row], done: Sequence[Row]) -> str:
         f"Asked for is a fall of {falls}. {sure} of {len(done)} outcomes are sure."
     )
     lost = [f"* {row.part} as {row.prompt!r}, {row.arm}: {row.status}, {row.refused}" for row in own if row.status != "done"]
-    return text + ("\n\nNot run:\n\n" + "\n".join(lost) if lost else "")
+    return text + ("\n\nNot run:\n\n" + "\n\n".join(lost) if lost else "")
 
 
 def _found(done: Sequence[Row]) -> str:
@@ -163,7 +166,7 @@ def _found(done: Sequence[Row]) -> str:
         arms.setdefault((row.condition, row.arm), []).append(row)
     for (condition, arm), rows in sorted(arms.items()):
         lines.append(f"* **{arm}, {condition}**: {_counted(rows)}, kept {np.median([row.kept for row in rows]):.2f} in the median.")
-    return f"{asked}\n\n" + "\n".join(lines)
+    return "\n\n".join([asked, *lines])
 
 
 def _counted(rows: Sequence[Row]) -> str:
@@ -233,7 +236,7 @@ def _ways(done: Sequence[Row], pictures: dict[str, str]) -> str:
         kept, times = np.median([row.kept for row in rows]), np.mean([row.simulations for row in rows])
         counts = (_share(passes, len(rows)), _interval(passes, len(rows)), str(sure), _share(published, len(rows)))
         lines.append((arm, *counts, f"{kept:.2f}", f"{times:.1f}"))
-    words = "\n".join([_cochran_words(ways), *_mcnemar_words(done, ways)])
+    words = "\n\n".join([_cochran_words(ways), *_mcnemar_words(done, ways)])
     return f"## Control and schedule\n\n{markdown(lines)}\n![share that passes, way by way]({pictures['passes']})\n\n{words}"
 
 
@@ -280,7 +283,7 @@ def _times(done: Sequence[Row], pictures: dict[str, str]) -> str:
         words.append(f"* Friedman over {len(table)} blocks of part and style: {blocked[0]:.2f}, p {_p(blocked[1])}.")
     shown = f"![processor time, way by way]({pictures['time']})"
     head = f"## Time\n\nProcessor time, since wall time on shared machines says little{where}."
-    return f"{head}\n\n{markdown(lines)}\n{shown}\n\n" + "\n".join(words)
+    return f"{head}\n\n{markdown(lines)}\n{shown}\n\n" + "\n\n".join(words)
 
 
 def _alike(rows: Sequence[Row]) -> tuple[list[Row], str]:

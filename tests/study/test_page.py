@@ -62,6 +62,10 @@ def test_the_page_counts_with_intervals_beside_the_published_figures(page):
     assert "Figures drawn at random." in text
 
 
+def test_no_paragraph_of_the_page_is_long(page):
+    assert [block for block in page[1].split("\n\n") if len(block.split()) > 90 and "|" not in block[:1]] == []
+
+
 def test_tests_are_told_with_what_they_rest_on(page):
     text = page[1]
     counted = ("Cochran's Q over 18 blocks", "18 pairs, exact McNemar after Holm", "Friedman over 18 blocks")
