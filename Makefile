@@ -17,7 +17,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK = 1
 help: ## list these targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-13s %s\n", $$1, $$2}' $(firstword $(MAKEFILE_LIST))
 
-demo: .venv/core.stamp ## stylize a wall hook as brick, drop it, write demo-out/
+demo: .venv/core.stamp ## stylize a chess pawn as brick, drop it, write demo-out/
 	$(BIN)/mechstyle demo --out demo-out
 
 # mypy takes one core for a minute, and is done long before the tests are: both run, and both must pass.

@@ -1,4 +1,4 @@
-"""The part of the lessons, and helpers: a trophy whose neck decides, meshed regularly so that everybody sees the same figures."""
+"""The part of demo, Studio and lessons, and helpers: a chess pawn whose neck decides, meshed regularly so that all see the same figures."""
 
 from __future__ import annotations
 
@@ -12,50 +12,55 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from mechstyle.geometry.thickness import local_thickness
 from mechstyle.pictures import fields
 from mechstyle.pictures.figure import Panel
 from mechstyle.pictures.panels import Picture, picture
 from mechstyle.records import Recipe, sentences
 from mechstyle.records.mesh import Floats, TetMesh
-from mechstyle.runs.recipes import plan
+from mechstyle.runs.recipes import FREESTYLE, plan
 from mechstyle.runs.run import Run, begin
-from mechstyle.simulation.part import Workpiece
+from mechstyle.simulation.part import Model, Origin, Workpiece, prepare
 
 PROFILE = (
-    (21.0, 0.0), (22.0, 1.5), (21.5, 5.0), (13.0, 8.0), (7.0, 14.0), (6.5, 24.0), (6.5, 34.0), (8.5, 40.0), (15.0, 46.0),
-    (18.0, 54.0), (17.0, 63.0), (12.0, 70.0), (7.0, 74.0), (3.5, 75.0),
+    (13.0, 0.0), (14.4, 0.6), (15.0, 2.0), (15.0, 7.0), (13.0, 9.0), (10.8, 13.0), (9.0, 17.0), (8.5, 20.0), (8.5, 38.0), (9.6, 43.5),
+    (12.2, 48.1), (14.0, 55.0), (12.2, 61.9), (9.5, 65.3), (6.0, 67.6),
 )  # fmt: skip
-"""Radius and height of the trophy from its foot to its top [mm]."""
-RINGS, LAYERS = 4, 26
-"""Rings of triangles in each of its sections, and layers of prisms above each other."""
+"""Radius and height of the pawn from its foot to its top [mm]."""
+RINGS, LAYERS = (6, 18, 36), 36
+"""Vertices on each ring of its sections, outwards, and layers of prisms above each other."""
 
-LESSON: Mapping[str, Any] = {
-    "relief": 3.0, "side": "inwards", "iterations": 40, "nearly_flat": False, "window": 0.3,
-}  # fmt: skip
-"""Settings of all lessons: deep bricks cut into the part; the flat landing alone, because tilted the plain trophy yields by itself."""
-FREELY: Mapping[str, Any] = {"control": "none", "guarantee": False, "base": "free", "schedule": "never"}
-"""What makes a run Freestyle."""
+STYLE: Mapping[str, Any] = {"relief": 3.0, "side": "inwards", "feature": 9.0, "iterations": 40, "schedule": "stress"}
+"""Settings of the Studio's first part, demo and lessons: bricks of 9 mm, cut 3 mm deep into the part."""
+LESSON: Mapping[str, Any] = {**STYLE, "hardest_only": True, "window": 0.2}
+"""Those of demo and lessons, as quick as `--quick`: a drop ends with its impact, as what comes after decides nothing here."""
+FLAT: Mapping[str, Any] = {"nearly_flat": False, "height": "3 m"}
+"""What lessons of many runs change: one landing, which takes a second, and a fall as hard on the neck as the tilted ones from 1.5 m."""
 INK, BLUE, ORANGE, GREEN, GREY = "#1c1c1e", "#1f6fb4", "#d1610f", "#3d8a5f", "#b9bdc4"
 """Colours of the lessons' figures, which differ in grey as well."""
-TOP = 90.0
+TOP = 70.0
 """End of every scale of stress in the lessons [MPa], so that equal stress has equal colour."""
 
 
 @cache
-def trophy() -> Workpiece:
-    """The part of the lessons, ready for a run: surface, tetrahedra and walls."""
+def pawn() -> Model:
+    """The part of demo, Studio and lessons: its surface, with tetrahedra of its own."""
     body = turned(PROFILE, RINGS, LAYERS)
     surface = body.boundary
-    return Workpiece(surface, body, local_thickness(surface).astype(np.float32), stands=True)
+    return Model(surface.vertices, surface.faces, name="pawn", origin=Origin(vertices=len(surface.vertices)), tets=body)
 
 
-def turned(profile: Sequence[tuple[float, float]], rings: int, layers: int) -> TetMesh:
+@cache
+def _ready() -> Workpiece:
+    """The pawn, ready for a run."""
+    return prepare(pawn())
+
+
+def turned(profile: Sequence[tuple[float, float]], rings: Sequence[int], layers: int) -> TetMesh:
     """A solid of revolution about z in regular tetrahedra, finer where it is thinner.
 
     Args:
         profile: Radius and height [mm] from the lowest to the highest point, joined by a smooth line without overshoot.
-        rings: Rings of triangles in each section.
+        rings: Vertices on each ring of a section, from the innermost to its rim.
         layers: Layers of prisms, each prism cut into three tetrahedra.
     """
     radius, height = np.array(profile).T
@@ -76,26 +81,25 @@ def turned(profile: Sequence[tuple[float, float]], rings: int, layers: int) -> T
     return TetMesh(vertices, tets.astype(np.int32))
 
 
-def _disc(rings: int) -> tuple[Floats, np.ndarray]:
-    """Points of a disc of radius 1, six more on each ring, and nearly equilateral triangles between them."""
-    turns = [np.arange(6 * ring) * np.pi / (3 * ring) for ring in range(1, rings + 1)]
-    points = [np.zeros((1, 2)), *(np.column_stack([np.cos(t), np.sin(t)]) * (len(t) // 6) / rings for t in turns)]
-    first = np.cumsum([0, *map(len, points)])
-    triangles = []
-    for ring in range(1, rings + 1):
-        outer, inner = 6 * ring, max(6 * (ring - 1), 1)
-        for sector in range(6):
-            for step in range(ring):
-                here = first[ring] + np.array([sector * ring + step, (sector * ring + step + 1) % outer])
-                below = first[ring - 1] + np.array([sector * (ring - 1) + step, sector * (ring - 1) + step + 1]) % inner
-                triangles.append((below[0], here[0], here[1]))
-                if step < ring - 1:
-                    triangles.append((below[0], here[1], below[1]))
+def _disc(rings: Sequence[int]) -> tuple[Floats, np.ndarray]:
+    """Points of a disc of radius 1, so many on each ring outwards, and the triangles between them."""
+    turns = [np.arange(count) * 2.0 * np.pi / count for count in rings]
+    points = [np.zeros((1, 2)), *(np.column_stack([np.cos(t), np.sin(t)]) * at / len(rings) for at, t in enumerate(turns, 1))]
+    triangles, below, first = [], (0, 1), 1
+    for count in rings:
+        inner, outer = ([start + at % many for at in range(many + 1)] for start, many in (below, (first, count)))
+        at = 0
+        for step in range(count):  # round both rings at once, and ahead on the one that is behind
+            triangles.append((inner[at], outer[step], outer[step + 1]))
+            while below[1] > 1 and (at + 0.5) * count < (step + 1) * below[1] - 1e-9 and at < below[1]:
+                triangles.append((inner[at], outer[step + 1], inner[at + 1]))
+                at += 1
+        below, first = (first, count), first + count
     return np.concatenate(points), np.array(triangles)
 
 
 def run(prompt: str = "brick", *, freely: bool = False, folder: str | Path = "runs", **changes: Any) -> Run:
-    """A finished run of the trophy; one that was made before in this folder is only opened.
+    """A finished run of the pawn; one that was made before in this folder is only opened.
 
     Args:
         prompt: The style.
@@ -105,12 +109,17 @@ def run(prompt: str = "brick", *, freely: bool = False, folder: str | Path = "ru
     """
     recipe = settled(prompt, freely=freely, **changes)
     name = hashlib.sha256(recipe.digest.encode()).hexdigest()[:8]
-    return begin(trophy(), recipe, Path(folder) / f"trophy-{name}", name="trophy", device="cpu").go()
+    return begin(_ready(), recipe, Path(folder) / f"pawn-{name}", name="pawn", device="cpu").go()
+
+
+def flat(prompt: str = "brick", **given: Any) -> Run:
+    """A finished run that lands flat alone, from 3 m; arguments as for `run`."""
+    return run(prompt, **{**FLAT, **given})
 
 
 def settled(prompt: str = "brick", *, freely: bool = False, **changes: Any) -> Recipe:
-    """The recipe of a run of the trophy; arguments as for `run`."""
-    return plan(trophy(), prompt, **{**LESSON, **(FREELY if freely else {}), **changes})
+    """The recipe of a run of the pawn; arguments as for `run`."""
+    return plan(_ready(), prompt, **{**LESSON, **(FREESTYLE if freely else {}), **changes})
 
 
 Shown = Mapping[str, "Run | tuple[Run, int]"]
@@ -118,7 +127,7 @@ Shown = Mapping[str, "Run | tuple[Run, int]"]
 
 
 def stress(shown: Shown, title: str = "") -> Picture:
-    """Stress of parts side by side, in one scale; what is beyond the limit is hatched.
+    """Stress of parts side by side in the landing that is hardest for each, in one scale; what is beyond the limit is hatched.
 
     Args:
         shown: Runs, or runs at an iteration, by the words that stand above them.
@@ -127,10 +136,12 @@ def stress(shown: Shown, title: str = "") -> Picture:
     panels = []
     for words, (one, iteration) in _at(shown):
         limit = one.recipe.test.material.yield_strength
-        flat = one.simulation(iteration).flat
-        note = "" if flat is None else f"survives {sentences.length(flat.critical_height)}"
-        values, quantity = one.checkpoint(iteration).stress, fields.stress(limit)
-        panels.append(Panel(one.surface(iteration), words, values, quantity.unit, quantity.label, (0.0, TOP), limit, note=note))
+        test, quantity = one.simulation(iteration), fields.stress(limit)
+        hardest = min(test.landings, key=lambda landing: landing.critical_height)
+        values = np.minimum(test.stress_of(landing=hardest.name), np.float32(hardest.stress))  # above it is less than the piece that counts
+        note, most = f"{hardest.name}: survives {sentences.length(hardest.critical_height)}", f"{hardest.stress:.1f} MPa"
+        shape = one.surface(iteration)
+        panels.append(Panel(shape, words, values, quantity.unit, quantity.label, (0.0, TOP), limit, note=note, most=most))
     return picture(panels, title=title)
 
 

@@ -5,39 +5,45 @@ import pytest
 
 from mechstyle import teaching
 from mechstyle.errors import BadInput
+from mechstyle.simulation.part import prepare
 
 
-def test_the_trophy_is_closed_stands_and_is_thinnest_at_its_neck():
-    part = teaching.trophy()
-    surface, body = part.surface, part.tets
-    assert surface.is_closed
-    assert surface.vertices[:, 2].min() == 0.0
-    assert surface.volume == pytest.approx(body.volumes.sum(), rel=1e-6)
-    x, y, z = surface.vertices.T
-    neck = (z > 20.0) & (z < 32.0)
-    assert np.hypot(x, y)[neck].max() < 6.6
-    assert part.thickness[neck].mean() < 0.6 * part.thickness[z > 48.0].mean()
+def test_the_pawn_is_closed_stands_and_is_thinnest_at_its_neck():
+    part = teaching.pawn()
+    assert part.is_closed
+    assert part.vertices[:, 2].min() == 0.0
+    assert part.volume == pytest.approx(part.tets.volumes.sum(), rel=1e-6)
+    x, y, z = part.vertices.T
+    neck = (z > 21.0) & (z < 37.0)
+    assert np.hypot(x, y)[neck].max() < 8.6
+    assert np.hypot(x, y)[~neck].max() == pytest.approx(15.0)
 
 
-def test_every_class_has_the_same_part():
+def test_every_class_has_the_same_part_however_many_vertices_it_asks_for():
     again = teaching.turned(teaching.PROFILE, teaching.RINGS, teaching.LAYERS)
-    assert again.digest == teaching.trophy().tets.digest
+    for vertices in (900, 25_000):
+        part = prepare(teaching.pawn(), vertices=vertices, relief=lambda shape, **_: np.ones(len(shape.surface.vertices), np.float32))
+        assert part.tets.digest == again.digest
+        assert part.surface.digest == again.boundary.digest
+        assert part.at is None
+        assert part.stands
 
 
-def test_a_cylinder_has_its_volume_and_no_tetrahedron_is_inside_out():
-    body = teaching.turned([(5.0, 0.0), (5.0, 20.0)], 6, 12)
+@pytest.mark.parametrize("rings", [(6, 12, 18, 24, 30, 36), (6, 18, 36)])
+def test_a_cylinder_has_its_volume_and_no_tetrahedron_is_inside_out(rings):
+    body = teaching.turned([(5.0, 0.0), (5.0, 20.0)], rings, 12)
     assert body.volumes.min() > 0.0
     polygon = 0.5 * 36 * 25.0 * np.sin(2 * np.pi / 36) * 20.0
     assert body.volumes.sum() == pytest.approx(polygon, rel=1e-9)
-    assert len(body.tets) == 6 * 6**2 * 12 * 3
+    assert len(body.boundary.vertices) == 2 * (1 + sum(rings)) + 11 * 36
 
 
 def test_runs_with_other_settings_have_folders_of_their_own_and_the_same_is_found(tmp_path, monkeypatch):
     monkeypatch.setattr(teaching.Run, "go", lambda run, *_: run)
-    free, masked, again = (teaching.run(folder=tmp_path, **given) for given in ({"freely": True}, {"schedule": "stress"}, {"freely": True}))
+    free, masked, again = (teaching.run(folder=tmp_path, **given) for given in ({"freely": True}, {}, {"freely": True}))
     assert free.store.root == again.store.root != masked.store.root
     assert not free.recipe.restraint.feedback
-    assert (masked.recipe.style.relief, masked.recipe.schedule.iterations) == (3.0, 40)
+    assert (masked.recipe.style.relief, masked.recipe.schedule.iterations, masked.recipe.schedule.when) == (3.0, 40, "stress")
     with pytest.raises(BadInput):
         teaching.run(folder=tmp_path, no_such_setting=1)
 

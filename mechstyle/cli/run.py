@@ -28,6 +28,7 @@ from mechstyle.records.recipe import OF_FEEDBACK, OPTIONS, Recipe
 
 if TYPE_CHECKING:
     from mechstyle.simulation.estimate import Estimate
+    from mechstyle.simulation.part import Model as Opened
 
 AUTO = "auto"
 """In place of an amplitude: the deepest that passes."""
@@ -36,11 +37,11 @@ FREE = tuple(name for name in OPTIONS if name not in OF_FEEDBACK)
 app = typer.Typer()
 
 
-def read_model(model: str, reading: Settings, *, quiet: bool) -> tuple[Any, str]:
-    """The mesh and the name of a model given on the command line; its size and repairs are reported on stderr."""
+def read_model(model: str | Opened, reading: Settings, *, quiet: bool) -> tuple[Any, str]:
+    """The mesh and the name of a model given on the command line, or at hand; its size and repairs are reported on stderr."""
     from mechstyle.gallery import load  # noqa: PLC0415 — geometry is loaded when a model is wanted
 
-    mesh = load(model, **reading)
+    mesh = load(model, **reading) if isinstance(model, str) else model
     if not quiet:
         for note in mesh.notes:
             err.print(f"[dim]{escape(mesh.origin.model)}: {escape(note)}[/]")
@@ -52,7 +53,7 @@ USUAL_TESTS = 5
 
 
 def carry_out(
-    model: str,
+    model: str | Opened,
     settings: Settings,
     vertices: int | None,
     reading: Settings,

@@ -103,11 +103,13 @@ class Model(SurfaceMesh):
         name: Name of the gallery model, or of the file without folder and suffix.
         origin: Where it came from.
         notes: What was repaired or converted, one sentence each.
+        tets: Tetrahedra that it brings, whose boundary it is: then neither is made anew. None for most.
     """
 
     name: str
     origin: Origin
     notes: tuple[str, ...] = ()
+    tets: TetMesh | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -238,8 +240,11 @@ def prepare(
     stands = resting_face(surface) is not None
     notes = () if stands else ("it has no flat face to stand on, so none of it is kept plain or level",)
     stage("filling it with tetrahedra")
-    whole = None if relief is None else relief(shape, go_on=go_on)
-    if whole is None or not whole.any():
+    own = mesh.tets if isinstance(mesh, Model) else None
+    whole = None if relief is None or own is not None else relief(shape, go_on=go_on)
+    if own is not None:
+        solid, half = own, None
+    elif whole is None or not whole.any():
         solid, half = at_rest(surface, go_on), None
     else:
         with meanwhile(partial(at_rest, surface), go_on):  # the plain part is dropped as well, and takes its own from the cache
@@ -281,6 +286,8 @@ def standardised(mesh: SurfaceMesh, vertices: int, go_on: CancelCheck = never_ca
         vertices: Vertices wanted; of more than EVEN only as many as edges of EDGE need, as a small part has no use for others.
         go_on: Called in between; what it raises ends the work.
     """
+    if isinstance(mesh, Model) and mesh.tets is not None:
+        return SurfaceMesh(mesh.vertices, mesh.faces, mesh.colours)
     known = standardised_before(mesh, vertices)
     if known is not None:
         return known

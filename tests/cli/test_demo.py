@@ -8,7 +8,9 @@ from types import SimpleNamespace
 import pytest
 from typer.testing import CliRunner
 
+from mechstyle import teaching
 from mechstyle.cli import demo
+from mechstyle.cli import run as commands
 from mechstyle.cli.app import app
 from support.records import FALL, published_row, row, verdict
 
@@ -46,6 +48,24 @@ def test_the_demo_ends_with_one_table_of_the_falls_of_both_runs(pair, capsys):
     assert flat == "flat 2.4 m 20 cm FAILS 2.3 m HOLDS 1.5 m"
     assert published == "published rule – 0.76 × not judged 0.76 × not judged 1 ×"
     assert kept == "style kept – 91% 91% –"
+
+
+def test_the_demo_shows_the_runs_of_lesson_1(monkeypatch, tmp_path):
+    monkeypatch.setattr(commands, "finish", lambda run, *_: run)
+    monkeypatch.setattr("mechstyle.simulation.estimate.before_the_first_fall", lambda _: SimpleNamespace(falls=1, seconds=1.0))
+    shown = {}
+    monkeypatch.setattr(demo, "tell", lambda pair, folder, **_: shown.update({str(folder): pair}))
+    for words in ([], ["--prompt", "stone", "--height", "75 cm"]):
+        out = tmp_path / f"demo-{len(words)}"
+        assert CliRunner().invoke(app, ["demo", "--out", str(out), "--device", "cpu", *words]).exit_code == 0
+        pair, changes = shown[str(out)], {"prompt": "stone", "height": "75 cm"} if words else {}
+        assert pair.free.recipe == teaching.settled(freely=True, **changes)
+        assert pair.fed.recipe == teaching.settled(**changes)
+        assert [run.part.tets.digest for run in (pair.free, pair.fed)] == [teaching.pawn().tets.digest] * 2
+
+
+def test_vertices_of_the_pawn_are_refused_in_one_sentence(mechstyle):
+    assert "leave it out" in mechstyle.here("demo", "--vertices", "900", "--json", code=2).json["error"]
 
 
 NEXT = "mechstyle run YOUR_PART.stl --prompt brick"

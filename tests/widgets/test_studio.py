@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from mechstyle import teaching
 from mechstyle.errors import BadInput
 from mechstyle.records.load_cases import Load, LoadCase, Support
 from mechstyle.runs.recipes import draft
@@ -29,6 +30,15 @@ def test_settings_given_by_name_reach_the_recipe():
     assert (recipe.test.material.name, recipe.restraint.protect[0].words) == ("PETG", "inside")
     assert (wanted.vertices, wanted.name) == (900, "wall_hook")
     assert wanted.mesh is studio.part_picker.mesh
+
+
+def test_the_first_part_is_that_of_demo_and_lessons_in_their_style():
+    studio = Studio(material="PETG")
+    wanted = studio.wanted()
+    assert wanted.mesh is teaching.pawn()
+    assert (wanted.vertices, wanted.name) == (len(teaching.pawn().vertices), "pawn")
+    lesson = teaching.settled(material="PETG", hardest_only=False, window=None)
+    assert wanted.recipe.settings == lesson.settings
 
 
 CASE = LoadCase(name="heavy coat", supports=(Support(at="resting face"),), loads=(Load(gravity=1.0),))

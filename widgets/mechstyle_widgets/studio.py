@@ -22,6 +22,7 @@ from mechstyle.runs.images import remember
 from mechstyle.runs.recipes import FREESTYLE, brought, draft
 from mechstyle.runs.run import Run
 from mechstyle.simulation.estimate import estimated
+from mechstyle.teaching import STYLE, pawn
 from mechstyle_widgets.jupyter.cell_output import OncePerCell
 from mechstyle_widgets.jupyter.closing import close_family
 from mechstyle_widgets.jupyter.frame import Frame
@@ -89,7 +90,7 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
     @sharing()
     def __init__(
         self,
-        part: str | Path | SurfaceMesh | Run = "gallery:pen_holder",
+        part: str | Path | SurfaceMesh | Run | None = None,
         *,
         theme: str = "auto",
         language: str = "en",
@@ -98,7 +99,8 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         """Open a part, or a run that was made before. The Studio is as wide as its cell.
 
         Args:
-            part: `gallery:NAME`, a file, a surface, a run, or a run directory, which may be written DIR@LANE.
+            part: `gallery:NAME`, a file, a surface, a run, or a run directory, which may be written DIR@LANE; None for the chess pawn
+                of the lessons, in their style.
             theme: `light` or `dark`, or `auto`, which follows the notebook's.
             language: What its controls are called in: `en` or `de`; of all Studios of this kernel that are made from now on.
             settings: Any of `prompt`, `material`, `freestyle`, `vertices`, `device`, `folder`, `scale`, and settings of a recipe.
@@ -109,6 +111,9 @@ class Studio(OncePerCell, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets 
         if settings.pop("width", None) is not None:
             logger.warning("the Studio is as wide as its cell now: leave out width")
         speak(language)
+        if part is None:
+            part = pawn()
+            settings = {**STYLE, "vertices": len(part.vertices), "name": part.name, **settings}
         run = run_in(part, settings.get("device", "auto"))
         if run is None:
             settings = {"vertices": SIZES["Try it"], **settings}
